@@ -1,0 +1,109 @@
+//! 168 MHz from the crystal, or the internal 16 MHz where that cannot be had.
+
+use super::{pac, within};
+use pac::{FLASH, RCC};
+
+/// Frequency of the board's crystal, Hz: a whole number of MHz.
+const CRYSTAL_HZ: u32 = 8_000_000;
+/// Frequency of the internal oscillator, Hz.
+const INTERNAL_HZ: u32 = 16_000_000;
+/// Frequency of the core when it runs from the PLL, Hz: the most the chip allows.
+const CORE_HZ: u32 = 168_000_000;
+
+/// The PLL compares at 2 MHz, which jitters least of what it accepts.
+const PLL_M: u8 = (CRYSTAL_HZ / 2_000_000) as u8;
+/// Its oscillator runs at twice the core's frequency,
+const PLL_N: u16 = (2 * CORE_HZ / 2_000_000) as u16;
+/// and leaves 48 MHz for the peripherals that need them.
+const PLL_Q: u8 = (2 * CORE_HZ / 48_000_000) as u8;
+/// Flash wait states at this frequency and 2.7 V to 3.6 V.
+const WAIT_STATES: u8 = 5;
+
+/// Looks at a ready flag before an oscillator counts as dead: some 50 ms at 16 MHz, where a
+/// crystal takes 2 ms and the PLL 0.3 ms.
+const PATIENCE: u32 = 100_000;
+
+/// Where the clock comes from.
+#[derive(Clone, Copy, defmt::Format)]
+pub enum Source {
+    /// The crystal, through the PLL.
+    Crystal,
+    /// The internal oscillator: the crystal or the PLL did not start.
+    InternalOscillator,
+}
+
+/// The clock that was reached.
+#[derive(Clone, Copy)]
+pub struct Clock {
+    /// Where it comes from.
+    pub source: Source,
+    /// Frequency of the core, Hz.
+    pub core_hz: u32,
+    /// Frequency that USART1 divides its baud rate from, Hz.
+    pub usart_hz: u32,
+}
+
+/// Goes as fast as the hardware lets it. Expects the chip as a reset leaves it: on the internal
+/// oscillator, with the core supply scaled for 168 MHz.
+pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
+    if crystal(rcc) && pll(rcc) && wait_states(flash) && switch(rcc) {
+        return Clock {
+            source: Source::Crystal,
+            core_hz: CORE_HZ,
+            usart_hz: CORE_HZ / 2,
+        };
+    }
+    rcc.cfgr().reset();
+    within(PATIENCE, || rcc.cfgr().read().sws().is_hsi());
+    rcc.cr().modify(|_, w| w.pllon().off().hseon().off());
+    Clock {
+        source: Source::InternalOscillator,
+        core_hz: INTERNAL_HZ,
+        usart_hz: INTERNAL_HZ,
+    }
+}
+
+fn crystal(rcc: &RCC) -> bool {
+    rcc.cr().modify(|_, w| w.hseon().on());
+    within(PATIENCE, || rcc.cr().read().hserdy().is_ready())
+}
+
+#[allow(
+    unsafe_code,
+    reason = "the register description does not know the ranges of the factors"
+)]
+fn pll(rcc: &RCC) -> bool {
+    const { assert!(PLL_M >= 2 && PLL_M <= 63 && PLL_N >= 50 && PLL_N <= 432) };
+    rcc.pllcfgr().write(|w| {
+        w.pllsrc().hse().pllp().div2();
+        // SAFETY: in range, by the assertion above.
+        unsafe { w.pllm().bits(PLL_M).plln().bits(PLL_N).pllq().bits(PLL_Q) }
+    });
+    rcc.cr().modify(|_, w| w.pllon().on());
+    within(PATIENCE, || rcc.cr().read().pllrdy().is_ready())
+}
+
+/// Slows the flash down, before the core is sped up.
+fn wait_states(flash: &FLASH) -> bool {
+    flash.acr().modify(|_, w| {
+        w.latency()
+            .ws5()
+            .prften()
+            .enabled()
+            .icen()
+            .enabled()
+            .dcen()
+            .enabled()
+    });
+    within(PATIENCE, || {
+        flash.acr().read().latency().bits() == WAIT_STATES
+    })
+}
+
+fn switch(rcc: &RCC) -> bool {
+    // The peripheral buses take at most 42 and 84 MHz.
+    rcc.cfgr()
+        .modify(|_, w| w.hpre().div1().ppre1().div4().ppre2().div2());
+    rcc.cfgr().modify(|_, w| w.sw().pll());
+    within(PATIENCE, || rcc.cfgr().read().sws().is_pll())
+}

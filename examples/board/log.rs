@@ -1,0 +1,62 @@
+//! defmt's log, out through the serial port.
+//!
+//! A log that held interrupts back while it waits for the port would lose received bytes. This one
+//! leaves them on, and therefore belongs to the main program: interrupt handlers must not log.
+
+#![allow(
+    unsafe_code,
+    reason = "defmt's logger is an unsafe trait around a static"
+)]
+
+use super::serial;
+use core::cell::UnsafeCell;
+use core::sync::atomic::{AtomicBool, Ordering};
+use defmt::{Encoder, Logger, global_logger};
+
+#[global_logger]
+struct Log;
+
+struct Shared(UnsafeCell<Encoder>);
+
+// SAFETY: only who has set `TAKEN` touches the encoder.
+unsafe impl Sync for Shared {}
+
+static ENCODER: Shared = Shared(UnsafeCell::new(Encoder::new()));
+static TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Whether a frame may be begun.
+pub fn is_free() -> bool {
+    !TAKEN.load(Ordering::Acquire)
+}
+
+fn send(bytes: &[u8]) {
+    bytes.iter().copied().for_each(serial::send);
+}
+
+// SAFETY: `acquire` lets one frame at a time begin, and panics where a second one would, whatever
+// the context it comes from; the panic handler logs only where no frame has begun.
+unsafe impl Logger for Log {
+    fn acquire() {
+        assert!(
+            !TAKEN.swap(true, Ordering::Acquire),
+            "log used twice at once"
+        );
+        // SAFETY: taken just now.
+        unsafe { &mut *ENCODER.0.get() }.start_frame(send);
+    }
+
+    unsafe fn flush() {
+        serial::flush();
+    }
+
+    unsafe fn release() {
+        // SAFETY: the caller has acquired the log.
+        unsafe { &mut *ENCODER.0.get() }.end_frame(send);
+        TAKEN.store(false, Ordering::Release);
+    }
+
+    unsafe fn write(bytes: &[u8]) {
+        // SAFETY: the caller has acquired the log.
+        unsafe { &mut *ENCODER.0.get() }.write(bytes, send);
+    }
+}

@@ -1,0 +1,34 @@
+//! The bearing on the monitored spindle: one place for the firmware and for the host program that
+//! checks it.
+
+use core::f64::consts::PI;
+use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings, Solver};
+
+/// Ball count.
+pub const BALLS: usize = 16;
+
+/// A B7005C of steel, SI units.
+pub const DESIGN: Design = Design {
+    ball_diameter: 6.35e-3,
+    pitch_diameter: 36e-3,
+    inner_groove_factor: 0.515,
+    outer_groove_factor: 0.525,
+    free_contact: FreeContact::Angle(15.0 * PI / 180.0),
+    first_ball: 0.0,
+    ring: Material::STEEL,
+    ball: Material::STEEL,
+};
+
+/// Its constants, worked out by the compiler.
+pub static BEARING: Bearing<f32, BALLS> = match Bearing::<f32, BALLS>::new(&DESIGN) {
+    Ok(bearing) => bearing,
+    Err(_) => panic!("this bearing cannot be built"),
+};
+
+/// Five freedoms, at speed, raceway control free.
+pub type Monitor = Solver<'static, f32, BALLS>;
+
+/// How hard the monitor tries.
+pub fn settings() -> Settings<f32> {
+    Settings::default()
+}

@@ -1,0 +1,177 @@
+//! The firmware: built by cargo, measured by its ELF.
+
+use anyhow::{Context, Result, bail};
+use object::{Object, ObjectSection, SectionFlags, SectionKind, elf};
+use serde::Deserialize;
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// The target it is built for.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+/// The example that it is.
+const EXAMPLE: &str = "spindle_monitor";
+
+/// A firmware ready to run.
+pub struct Firmware {
+    /// Where its ELF lies.
+    pub path: PathBuf,
+    /// The ELF.
+    pub elf: Vec<u8>,
+    /// The memory it takes.
+    pub memory: Memory,
+}
+
+/// Memory taken and there, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Memory {
+    /// Code, constants, and initial values of variables.
+    pub flash: u64,
+    /// Flash of the chip.
+    pub flash_size: u64,
+    /// Variables; the stack takes from the rest.
+    pub ram: u64,
+    /// RAM of the chip.
+    pub ram_size: u64,
+}
+
+impl fmt::Display for Memory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent = |part: u64, whole: u64| 100.0 * part as f64 / whole as f64;
+        write!(
+            f,
+            "{} bytes of flash ({:.1} % of {} KiB), {} bytes of RAM besides the stack ({:.1} % of {} KiB)",
+            self.flash,
+            percent(self.flash, self.flash_size),
+            self.flash_size / 1024,
+            self.ram,
+            percent(self.ram, self.ram_size),
+            self.ram_size / 1024,
+        )
+    }
+}
+
+/// The one kind of message from cargo that matters here.
+#[derive(Deserialize)]
+struct Message {
+    executable: Option<PathBuf>,
+    target: Option<MessageTarget>,
+}
+
+#[derive(Deserialize)]
+struct MessageTarget {
+    name: String,
+}
+
+/// Builds the firmware of the project in `root`.
+pub fn build(root: &Path) -> Result<Firmware> {
+    eprintln!("building the firmware for {TARGET}");
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .args(["build", "--release", "-p", "spindle-bearing"])
+        .args(["--target", TARGET])
+        .args(["--example", EXAMPLE, "--features", "defmt,record"])
+        .arg("--message-format=json-render-diagnostics")
+        // These would replace the linker scripts of the project's configuration.
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS")
+        .env("DEFMT_LOG", "info")
+        .current_dir(root)
+        .stdin(Stdio::null())
+        .stderr(Stdio::inherit())
+        .output()
+        .context("cannot run cargo")?;
+    if !output.status.success() {
+        bail!("the firmware does not build: cargo's messages are above");
+    }
+    let path = output
+        .stdout
+        .split(|byte| *byte == b'\n')
+        .filter_map(|line| serde_json::from_slice::<Message>(line).ok())
+        .filter(|message| message.target.as_ref().is_some_and(|t| t.name == EXAMPLE))
+        .find_map(|message| message.executable)
+        .context("cargo built the firmware but does not say where it is")?;
+    let elf = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let script = root.join("memory.x");
+    let script =
+        fs::read_to_string(&script).with_context(|| format!("cannot read {}", script.display()))?;
+    let memory = measure(&elf, &script)?;
+    Ok(Firmware { path, elf, memory })
+}
+
+/// Start and length of a region of the linker script `memory.x`.
+fn region(script: &str, name: &str) -> Option<(u64, u64)> {
+    let line = script.lines().find(|line| {
+        line.split_once(':')
+            .is_some_and(|(left, _)| left.split_whitespace().next() == Some(name))
+    })?;
+    let value = |key: &str| {
+        let (_, rest) = line.split_once(key)?;
+        let text = rest.trim_start().strip_prefix('=')?.trim_start();
+        let end = text
+            .find(|c: char| !c.is_ascii_alphanumeric())
+            .unwrap_or(text.len());
+        number(&text[..end])
+    };
+    Some((value("ORIGIN")?, value("LENGTH")?))
+}
+
+/// A number as linkers write it: `0x08000000`, `1024K`, `1M`.
+fn number(text: &str) -> Option<u64> {
+    if let Some(digits) = text.strip_prefix("0x") {
+        return u64::from_str_radix(digits, 16).ok();
+    }
+    let (digits, unit) = match text.strip_suffix('K') {
+        Some(digits) => (digits, 1024),
+        None => text
+            .strip_suffix('M')
+            .map_or((text, 1), |digits| (digits, 1024 * 1024)),
+    };
+    digits.parse::<u64>().ok()?.checked_mul(unit)
+}
+
+fn measure(elf: &[u8], script: &str) -> Result<Memory> {
+    let find = |name| region(script, name).with_context(|| format!("memory.x has no {name}"));
+    let (flash_start, flash_size) = find("FLASH")?;
+    let (ram_start, ram_size) = find("RAM")?;
+    let (mut flash, mut ram) = (0, 0);
+    for section in object::File::parse(elf)?.sections() {
+        let SectionFlags::Elf { sh_flags } = section.flags() else {
+            bail!("the firmware is no ELF file");
+        };
+        if sh_flags & u64::from(elf::SHF_ALLOC) == 0 {
+            continue;
+        }
+        let within = |start: u64, size: u64| (start..start + size).contains(&section.address());
+        if within(flash_start, flash_size) {
+            flash += section.size();
+        } else if within(ram_start, ram_size) {
+            ram += section.size();
+            // Initial values are kept in flash as well.
+            if section.kind() != SectionKind::UninitializedData {
+                flash += section.size();
+            }
+        }
+    }
+    Ok(Memory {
+        flash,
+        flash_size,
+        ram,
+        ram_size,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_are_read_as_the_linker_reads_them() {
+        let script = "MEMORY\n{\n  FLASH (rx) : ORIGIN = 0x08000000, LENGTH = 1M\n\
+                      RAM : ORIGIN=0x20000000 , LENGTH = 128K /* no CCM */\n}\n";
+        assert_eq!(region(script, "FLASH"), Some((0x0800_0000, 1 << 20)));
+        assert_eq!(region(script, "RAM"), Some((0x2000_0000, 128 * 1024)));
+        assert_eq!(region(script, "CCM"), None);
+    }
+}

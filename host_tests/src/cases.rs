@@ -1,0 +1,311 @@
+//! Bearings under load to judge solvers by: solved ones from a file, and random ones.
+
+use crate::compare::{Equilibrium, Race};
+use crate::dispatch::Attitude;
+use crate::reference::{self, Reference};
+use serde::Deserialize;
+use spindle_bearing::{Design, FreeContact, Material};
+use std::f64::consts::{PI, TAU};
+
+/// The file of solved cases; `README.md` beside it says what is in it.
+pub const PUBLIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/public.json");
+
+/// A bearing, its load and its speed.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// What failure messages call it.
+    pub name: String,
+    /// Ball count.
+    pub balls: usize,
+    /// The bearing.
+    pub design: Design,
+    /// Rule for the balls' attitude.
+    pub attitude: Attitude,
+    /// `Fx, Fy, Fz, My, Mz`, N and N m.
+    pub load: [f64; 5],
+    /// Shaft speed, rad/s.
+    pub omega: f64,
+}
+
+/// A case and its solution.
+#[derive(Debug, Clone)]
+pub struct SolvedCase {
+    /// The case.
+    pub case: Case,
+    /// Its solution.
+    pub truth: Equilibrium,
+    /// Load-deformation constants, inner and outer, N/m^1.5.
+    pub hertz: [f64; 2],
+}
+
+#[derive(Deserialize)]
+struct Row {
+    name: String,
+    attitude: String,
+    bearing: BearingRow,
+    load: [f64; 5],
+    speed_rpm: f64,
+    expect: Expect,
+}
+
+#[derive(Deserialize)]
+struct BearingRow {
+    balls: usize,
+    ball_diameter: f64,
+    pitch_diameter: f64,
+    inner_groove_factor: f64,
+    outer_groove_factor: f64,
+    contact_angle_deg: f64,
+    ring: MaterialRow,
+    ball: MaterialRow,
+}
+
+#[derive(Deserialize)]
+struct MaterialRow {
+    #[serde(rename = "E")]
+    youngs_modulus: f64,
+    #[serde(rename = "nu")]
+    poissons_ratio: f64,
+    /// The rings' does not matter and is left out.
+    #[serde(rename = "rho")]
+    density: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct Expect {
+    u: [f64; 5],
+    #[serde(rename = "K")]
+    stiffness: [[f64; 5]; 5],
+    #[serde(rename = "Ki")]
+    inner: f64,
+    #[serde(rename = "Ko")]
+    outer: f64,
+    balls: Vec<[f64; 6]>,
+}
+
+impl MaterialRow {
+    fn material(&self) -> Material {
+        Material {
+            youngs_modulus: self.youngs_modulus,
+            poissons_ratio: self.poissons_ratio,
+            density: self.density.unwrap_or(Material::STEEL.density),
+        }
+    }
+}
+
+impl From<Row> for SolvedCase {
+    fn from(row: Row) -> Self {
+        let b = &row.bearing;
+        let balls = row.expect.balls.iter().map(|b| crate::compare::Ball {
+            inner: Race {
+                angle: b[0],
+                force: b[2],
+            },
+            outer: Race {
+                angle: b[1],
+                force: b[3],
+            },
+            centrifugal_force: b[4],
+            gyroscopic_moment: b[5],
+        });
+        Self {
+            case: Case {
+                name: row.name,
+                balls: b.balls,
+                design: Design {
+                    ball_diameter: b.ball_diameter,
+                    pitch_diameter: b.pitch_diameter,
+                    inner_groove_factor: b.inner_groove_factor,
+                    outer_groove_factor: b.outer_groove_factor,
+                    free_contact: FreeContact::Angle(b.contact_angle_deg.to_radians()),
+                    first_ball: 0.0,
+                    ring: b.ring.material(),
+                    ball: b.ball.material(),
+                },
+                attitude: match row.attitude.as_str() {
+                    "raceless" => Attitude::Raceless,
+                    "outer" => Attitude::Outer,
+                    "inner" => Attitude::Inner,
+                    other => panic!("{PUBLIC}: attitude {other:?}"),
+                },
+                load: row.load,
+                omega: rad_per_s(row.speed_rpm),
+            },
+            truth: Equilibrium {
+                displacement: row.expect.u,
+                stiffness: row.expect.stiffness,
+                balls: balls.collect(),
+            },
+            hertz: [row.expect.inner, row.expect.outer],
+        }
+    }
+}
+
+/// Speed in rad/s.
+pub fn rad_per_s(rpm: f64) -> f64 {
+    rpm * PI / 30.0
+}
+
+/// The solved cases, numbered in their names.
+///
+/// # Panics
+///
+/// If the file is not there or is not what it should be.
+pub fn public() -> Vec<SolvedCase> {
+    let text = std::fs::read_to_string(PUBLIC).unwrap_or_else(|e| panic!("{PUBLIC}: {e}"));
+    let rows: Vec<Row> = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{PUBLIC}: {e}"));
+    let mut cases: Vec<SolvedCase> = rows.into_iter().map(SolvedCase::from).collect();
+    for (number, solved) in cases.iter_mut().enumerate() {
+        solved.case.name = format!("{number} ({})", solved.case.name);
+    }
+    cases
+}
+
+/// Pseudo-random numbers (splitmix64), the same everywhere and for ever.
+#[derive(Debug, Clone)]
+pub struct Random(u64);
+
+impl Random {
+    /// The sequence of a seed.
+    pub const fn seeded(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// Evenly distributed in `least..most`.
+    pub fn between(&mut self, least: f64, most: f64) -> f64 {
+        let unit = (self.bits() >> 11) as f64 / (1u64 << 53) as f64;
+        least + (most - least) * unit
+    }
+
+    /// True with this probability.
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.between(0.0, 1.0) < probability
+    }
+}
+
+impl Case {
+    /// A random case: 7 to 30 balls of 3 to 30 mm, steel or ceramic; loads from a ten-thousandth of
+    /// the static load rating up to it, axial or with radial parts and moments; at rest, or up to
+    /// 60,000 rpm and `n dm` of two and a half millions (mm, rpm); every rule of attitude.
+    pub fn random(seed: u64) -> Self {
+        let mut r = Random::seeded(seed);
+        let balls = r.between(7.0, 31.0) as usize;
+        let d = (r.between(3e-3_f64.ln(), 30e-3_f64.ln())).exp();
+        let crowding = r.between(0.55, 0.95);
+        // Few balls fill no bearing.
+        let dm = (d / ((PI / balls as f64).sin() * crowding)).max(3.0 * d);
+        let design = Design {
+            ball_diameter: d,
+            pitch_diameter: dm,
+            inner_groove_factor: r.between(0.505, 0.55),
+            outer_groove_factor: r.between(0.505, 0.55),
+            free_contact: FreeContact::Angle(r.between(10.0, 45.0).to_radians()),
+            first_ball: if r.chance(0.5) {
+                0.0
+            } else {
+                r.between(-3.0, 3.0)
+            },
+            ring: Material::STEEL,
+            ball: if r.chance(0.5) {
+                Material::STEEL
+            } else {
+                Material::SILICON_NITRIDE
+            },
+        };
+        let attitude = match r.between(0.0, 10.0) as usize {
+            0 | 1 => Attitude::Outer,
+            2 | 3 => Attitude::Inner,
+            _ => Attitude::Raceless,
+        };
+        let rpm = r.between(0.0, (2500.0 / dm).min(60_000.0));
+        let omega = if r.chance(0.2) { 0.0 } else { rad_per_s(rpm) };
+        let rating = 12e6 * balls as f64 * d * d;
+        let size = rating * 10f64.powf(r.between(-4.0, -0.3));
+        let (radial, moment) = match r.between(0.0, 4.0) as usize {
+            0 => (0.0, 0.0),
+            1 => (r.between(0.0, 3.0), 0.0),
+            2 => (0.0, r.between(0.0, 0.5)),
+            _ => (r.between(0.0, 3.0), r.between(0.0, 0.5)),
+        };
+        let (to, about) = (r.between(0.0, TAU), r.between(0.0, TAU));
+        let moment = moment * size * 0.5 * dm;
+        Self {
+            name: format!("random, seed {seed}"),
+            balls,
+            design,
+            attitude,
+            load: [
+                size,
+                size * radial * to.cos(),
+                size * radial * to.sin(),
+                moment * about.cos(),
+                moment * about.sin(),
+            ],
+            omega,
+        }
+    }
+
+    /// Radius that turns a tilt into a length.
+    pub fn pitch_radius(&self) -> f64 {
+        0.5 * self.design.pitch_diameter
+    }
+
+    /// The bearing, prepared by the reference build.
+    ///
+    /// # Panics
+    ///
+    /// If it refuses the design.
+    pub fn reference(&self) -> Reference {
+        reference(&self.design, self.balls)
+    }
+
+    /// The rule for the attitude, as the reference build calls it.
+    pub fn reference_attitude(&self) -> reference::Attitude {
+        match self.attitude {
+            Attitude::Raceless => reference::Attitude::Raceless,
+            Attitude::Outer => reference::Attitude::Outer,
+            Attitude::Inner => reference::Attitude::Inner,
+        }
+    }
+}
+
+/// A design, prepared by the reference build.
+///
+/// # Panics
+///
+/// If it refuses the design.
+pub fn reference(design: &Design, balls: usize) -> Reference {
+    let (sin_alpha0, cos_alpha0) = match design.free_contact {
+        FreeContact::Angle(angle) => angle.sin_cos(),
+        FreeContact::DiametralClearance(clearance) => {
+            let versine = clearance / (2.0 * design.centre_distance());
+            ((versine * (2.0 - versine)).sqrt(), 1.0 - versine)
+        }
+    };
+    let material = |m: Material| reference::Material {
+        youngs_modulus: m.youngs_modulus,
+        poissons_ratio: m.poissons_ratio,
+        density: m.density,
+    };
+    let bearing = reference::Bearing {
+        balls,
+        ball_diameter: design.ball_diameter,
+        pitch_diameter: design.pitch_diameter,
+        inner_groove_factor: design.inner_groove_factor,
+        outer_groove_factor: design.outer_groove_factor,
+        cos_alpha0,
+        sin_alpha0,
+        first_ball: design.first_ball,
+        ring: material(design.ring),
+        ball: material(design.ball),
+    };
+    Reference::new(&bearing).unwrap_or_else(|e| panic!("{bearing:?}: {e}"))
+}

@@ -1,0 +1,449 @@
+//! Design files: a bearing as a TOML file, in the units of a data sheet.
+//!
+//! ```toml
+//! name = "B7005C"
+//! balls = 16
+//! ball_diameter_mm = 6.35
+//! pitch_diameter_mm = 36
+//! inner_groove_factor = 0.515    # groove radius over ball diameter
+//! outer_groove_factor = 0.525
+//! contact_angle_deg = 15         # of the unloaded bearing; or diametral_clearance_um
+//! first_ball_deg = 0             # may be left out
+//!
+//! [ring]                         # what is left out is bearing steel's
+//! youngs_modulus_gpa = 206
+//! poissons_ratio = 0.3
+//!
+//! [ball]
+//! youngs_modulus_gpa = 310
+//! poissons_ratio = 0.26
+//! density_kg_m3 = 3200
+//! ```
+
+use crate::dispatch::BALL_COUNTS;
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer};
+use spindle_bearing::{Design, DesignError, FreeContact, Material, Quantity};
+use std::fmt;
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+
+/// The folder of the design files that come with the project.
+pub const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/bearings");
+
+/// A bearing read from a design file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DesignFile {
+    /// Its name.
+    pub name: String,
+    /// Ball count `N`.
+    pub balls: usize,
+    /// The rest, SI units.
+    pub design: Design,
+    file: String,
+    places: Vec<(Quantity, &'static str, Place)>,
+}
+
+/// A design file that cannot be read or understood, or whose bearing cannot be built.
+#[derive(Debug)]
+pub struct DesignFileError {
+    /// Name of the file.
+    pub file: String,
+    /// Line and column at fault, from 1; `None` if the file could not be read at all.
+    pub place: Option<Place>,
+    /// What is wrong, and what to do about it.
+    pub message: String,
+}
+
+/// A place in a text file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+}
+
+impl Place {
+    /// The start of the file, where a key without a table is added.
+    const TOP: Self = Self { line: 1, column: 1 };
+
+    fn of(text: &str, byte: usize) -> Self {
+        let before = &text.as_bytes()[..byte.min(text.len())];
+        let line_start = before
+            .iter()
+            .rposition(|&b| b == b'\n')
+            .map_or(0, |i| i + 1);
+        Self {
+            line: before.iter().filter(|&&b| b == b'\n').count() + 1,
+            column: String::from_utf8_lossy(&before[line_start..])
+                .chars()
+                .count()
+                + 1,
+        }
+    }
+}
+
+impl fmt::Display for DesignFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.file)?;
+        if let Some(Place { line, column }) = self.place {
+            write!(f, "line {line}, column {column}: ")?;
+        }
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for DesignFileError {}
+
+/// A key that may be absent, and where its value stands.
+type Key<T> = Option<Spanned<T>>;
+
+/// A number, with or without a decimal point, and called so in messages.
+struct Number(f64);
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct AnyNumber;
+
+        impl Visitor<'_> for AnyNumber {
+            type Value = Number;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number")
+            }
+
+            fn visit_f64<E>(self, value: f64) -> Result<Number, E> {
+                Ok(Number(value))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> Result<Number, E> {
+                Ok(Number(value as f64))
+            }
+        }
+
+        deserializer.deserialize_f64(AnyNumber)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    name: Key<String>,
+    balls: Key<Number>,
+    ball_diameter_mm: Key<Number>,
+    pitch_diameter_mm: Key<Number>,
+    inner_groove_factor: Key<Number>,
+    outer_groove_factor: Key<Number>,
+    contact_angle_deg: Key<Number>,
+    diametral_clearance_um: Key<Number>,
+    first_ball_deg: Key<Number>,
+    #[serde(default)]
+    ring: RingKeys,
+    #[serde(default)]
+    ball: BallKeys,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RingKeys {
+    youngs_modulus_gpa: Key<Number>,
+    poissons_ratio: Key<Number>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct BallKeys {
+    youngs_modulus_gpa: Key<Number>,
+    poissons_ratio: Key<Number>,
+    density_kg_m3: Key<Number>,
+}
+
+/// The text being read, for messages, and where the values stand.
+struct Reading<'t> {
+    file: &'t str,
+    text: &'t str,
+    places: Vec<(Quantity, &'static str, Place)>,
+}
+
+impl Reading<'_> {
+    fn error(&self, place: Place, message: impl Into<String>) -> DesignFileError {
+        DesignFileError {
+            file: self.file.to_owned(),
+            place: Some(place),
+            message: message.into(),
+        }
+    }
+
+    fn place(&self, span: Range<usize>) -> Place {
+        Place::of(self.text, span.start)
+    }
+
+    /// Value of a key that must be there.
+    fn required<T>(
+        &self,
+        key: &'static str,
+        example: &str,
+        value: Key<T>,
+    ) -> Result<Spanned<T>, DesignFileError> {
+        value.ok_or_else(|| {
+            self.error(
+                Place::TOP,
+                format!(
+                    "the key `{key}` is missing; add a line such as `{key} = {example}` above the \
+                     first [table]"
+                ),
+            )
+        })
+    }
+
+    /// Takes a number out, remembering its place.
+    fn take(&mut self, quantity: Quantity, key: &'static str, value: Spanned<Number>) -> f64 {
+        let place = self.place(value.span());
+        self.places.push((quantity, key, place));
+        value.into_inner().0
+    }
+
+    /// A number that must be there.
+    fn number(
+        &mut self,
+        quantity: Quantity,
+        key: &'static str,
+        example: &str,
+        value: Key<Number>,
+    ) -> Result<f64, DesignFileError> {
+        let value = self.required(key, example, value)?;
+        Ok(self.take(quantity, key, value))
+    }
+
+    /// A number that may be left out.
+    fn optional(
+        &mut self,
+        quantity: Quantity,
+        key: &'static str,
+        value: Key<Number>,
+        si: impl Fn(f64) -> f64,
+        default: f64,
+    ) -> f64 {
+        value.map_or(default, |value| si(self.take(quantity, key, value)))
+    }
+
+    fn free_contact(
+        &mut self,
+        angle: Key<Number>,
+        clearance: Key<Number>,
+    ) -> Result<FreeContact, DesignFileError> {
+        match (angle, clearance) {
+            (Some(angle), None) => Ok(FreeContact::Angle(
+                self.take(Quantity::ContactAngle, "contact_angle_deg", angle)
+                    .to_radians(),
+            )),
+            (None, Some(clearance)) => Ok(FreeContact::DiametralClearance(micrometres(self.take(
+                Quantity::DiametralClearance,
+                "diametral_clearance_um",
+                clearance,
+            )))),
+            (Some(angle), Some(clearance)) => {
+                let (angle, clearance) = (self.place(angle.span()), self.place(clearance.span()));
+                let (first, second) = if angle.line < clearance.line {
+                    (angle, clearance)
+                } else {
+                    (clearance, angle)
+                };
+                Err(self.error(
+                    second,
+                    format!(
+                        "`contact_angle_deg` and `diametral_clearance_um` say the same thing, and \
+                         line {} already says it; remove one of them",
+                        first.line
+                    ),
+                ))
+            }
+            (None, None) => Err(self.error(
+                Place::TOP,
+                "the contact angle is missing; add a line such as `contact_angle_deg = 15` or \
+                 `diametral_clearance_um = 10` above the first [table]",
+            )),
+        }
+    }
+}
+
+// Division by a power of ten rounds once; its reciprocal would be rounded, too.
+fn millimetres(x: f64) -> f64 {
+    x / 1e3
+}
+
+fn micrometres(x: f64) -> f64 {
+    x / 1e6
+}
+
+fn gigapascals(x: f64) -> f64 {
+    x * 1e9
+}
+
+fn as_is(x: f64) -> f64 {
+    x
+}
+
+impl DesignFile {
+    /// Reads a design file.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or is not a design; the place in it where it goes wrong.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignFileError> {
+        let file = path.as_ref().display().to_string();
+        match std::fs::read(&path).map(String::from_utf8) {
+            Ok(Ok(text)) => Self::parse(&file, &text),
+            Ok(Err(error)) => {
+                let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+                Err(DesignFileError {
+                    file,
+                    place: Some(Place::of(&text, error.utf8_error().valid_up_to())),
+                    message: "this is not UTF-8 text; save the file in that encoding".to_owned(),
+                })
+            }
+            Err(error) => Err(DesignFileError {
+                file,
+                place: None,
+                message: format!("cannot be read: {error}"),
+            }),
+        }
+    }
+
+    /// Reads a design from the text of a file; messages call the file `file`.
+    ///
+    /// # Errors
+    ///
+    /// A text that is not a design; the place in it where it goes wrong.
+    pub fn parse(file: &str, text: &str) -> Result<Self, DesignFileError> {
+        let mut r = Reading {
+            file,
+            text,
+            places: Vec::new(),
+        };
+        let keys: Keys = toml::from_str(text).map_err(|error| {
+            let place = error.span().map_or(Place::TOP, |span| r.place(span));
+            r.error(place, error.message().trim_end())
+        })?;
+
+        let name = r.required("name", "\"B7005C\"", keys.name)?.into_inner();
+        let balls = r.required("balls", "16", keys.balls)?;
+        let balls_place = r.place(balls.span());
+        let wanted = balls.into_inner().0;
+        let balls = BALL_COUNTS
+            .into_iter()
+            .find(|&balls| balls as f64 == wanted)
+            .ok_or_else(|| {
+                let (least, most) = (BALL_COUNTS.start(), BALL_COUNTS.end());
+                r.error(
+                    balls_place,
+                    format!(
+                        "`balls` is {wanted}, but must be a whole number from {least} to {most}"
+                    ),
+                )
+            })?;
+        r.places.push((Quantity::BallCount, "balls", balls_place));
+
+        use Quantity as Q;
+        let steel = Material::STEEL;
+        let design = Design {
+            ball_diameter: millimetres(r.number(
+                Q::BallDiameter,
+                "ball_diameter_mm",
+                "6.35",
+                keys.ball_diameter_mm,
+            )?),
+            pitch_diameter: millimetres(r.number(
+                Q::PitchDiameter,
+                "pitch_diameter_mm",
+                "36",
+                keys.pitch_diameter_mm,
+            )?),
+            inner_groove_factor: r.number(
+                Q::InnerGrooveFactor,
+                "inner_groove_factor",
+                "0.515",
+                keys.inner_groove_factor,
+            )?,
+            outer_groove_factor: r.number(
+                Q::OuterGrooveFactor,
+                "outer_groove_factor",
+                "0.525",
+                keys.outer_groove_factor,
+            )?,
+            free_contact: r.free_contact(keys.contact_angle_deg, keys.diametral_clearance_um)?,
+            first_ball: r.optional(
+                Q::FirstBall,
+                "first_ball_deg",
+                keys.first_ball_deg,
+                f64::to_radians,
+                0.0,
+            ),
+            ring: Material {
+                youngs_modulus: r.optional(
+                    Q::RingYoungsModulus,
+                    "ring.youngs_modulus_gpa",
+                    keys.ring.youngs_modulus_gpa,
+                    gigapascals,
+                    steel.youngs_modulus,
+                ),
+                poissons_ratio: r.optional(
+                    Q::RingPoissonsRatio,
+                    "ring.poissons_ratio",
+                    keys.ring.poissons_ratio,
+                    as_is,
+                    steel.poissons_ratio,
+                ),
+                density: steel.density,
+            },
+            ball: Material {
+                youngs_modulus: r.optional(
+                    Q::BallYoungsModulus,
+                    "ball.youngs_modulus_gpa",
+                    keys.ball.youngs_modulus_gpa,
+                    gigapascals,
+                    steel.youngs_modulus,
+                ),
+                poissons_ratio: r.optional(
+                    Q::BallPoissonsRatio,
+                    "ball.poissons_ratio",
+                    keys.ball.poissons_ratio,
+                    as_is,
+                    steel.poissons_ratio,
+                ),
+                density: r.optional(
+                    Q::BallDensity,
+                    "ball.density_kg_m3",
+                    keys.ball.density_kg_m3,
+                    as_is,
+                    steel.density,
+                ),
+            },
+        };
+        Ok(Self {
+            name,
+            balls,
+            design,
+            file: file.to_owned(),
+            places: r.places,
+        })
+    }
+
+    /// The message for a design that the solver refuses: the key and the place it came from.
+    pub fn explain(&self, error: &DesignError) -> DesignFileError {
+        let source = self
+            .places
+            .iter()
+            .find(|(quantity, ..)| *quantity == error.quantity);
+        DesignFileError {
+            file: self.file.clone(),
+            place: source.map(|&(_, _, place)| place),
+            message: match source {
+                Some((_, key, _)) => format!("`{key}`: in SI units, {error}"),
+                None => error.to_string(),
+            },
+        }
+    }
+}

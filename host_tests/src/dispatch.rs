@@ -1,0 +1,269 @@
+//! From ball count, precision and attitude rule known at run time to the solver, which wants them
+//! at compile time.
+//!
+//! The solver is generic over the ball count and owns no memory; a host program that reads the
+//! bearing from a file needs one compiled for every ball count. Only thin wrappers are: what is
+//! long in the solver does not depend on the ball count.
+
+use spindle_bearing::{
+    AtSpeed, BallState, Bearing, Design, DesignError, InnerRaceControl, Motion, OuterRaceControl,
+    RacewayControlFree, Real, Settings, Solver, Static,
+};
+use std::fmt;
+use std::ops::RangeInclusive;
+
+/// Ball counts that a solver is compiled for.
+pub const BALL_COUNTS: RangeInclusive<usize> = 3..=64;
+
+/// The working precision of a solve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Precision {
+    /// Single precision, as the firmware computes
+    F32,
+    /// Double precision
+    F64,
+}
+
+impl Precision {
+    /// `value`, a number of this precision, with as few digits as read back to exactly that number
+    /// in this precision.
+    pub fn show(self, value: f64) -> Shown {
+        Shown {
+            value,
+            precision: self,
+        }
+    }
+}
+
+/// A number about to be printed: see [`Precision::show`].
+#[derive(Debug, Clone, Copy)]
+pub struct Shown {
+    value: f64,
+    precision: Precision,
+}
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Rust's own formatting of floats is the shortest that reads back; only where to switch to
+        // an exponent is ours to say.
+        let size = self.value.abs();
+        let plain = self.value == 0.0 || !size.is_finite() || (1e-4..1e16).contains(&size);
+        match (self.precision, plain) {
+            (Precision::F32, true) => write!(f, "{}", self.value as f32),
+            (Precision::F32, false) => write!(f, "{:e}", self.value as f32),
+            (Precision::F64, true) => write!(f, "{}", self.value),
+            (Precision::F64, false) => write!(f, "{:e}", self.value),
+        }
+    }
+}
+
+/// The rule for the axis about which a ball turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Attitude {
+    /// Raceway-control-free: from d'Alembert's principle, no race presumed to be in control
+    Raceless,
+    /// Outer race control: no spin at the outer race
+    Outer,
+    /// Inner race control: no spin at the inner race; not for loads that lift balls off it
+    Inner,
+}
+
+/// What a solve gave, widened to double, which is exact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// How the solve ended, in a word.
+    pub status: &'static str,
+    /// The figures; or, if there are none, a sentence that says why.
+    pub figures: Result<Figures, String>,
+}
+
+/// An equilibrium.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// Sweeps over the balls.
+    pub sweeps: u16,
+    /// Displacement of the inner ring `(dx, dy, dz, ty, tz)`, m and rad.
+    pub displacement: [f64; 5],
+    /// Stiffness, N and N m per m and rad; rows are forces, columns displacements.
+    pub stiffness: [[f64; 5]; 5],
+}
+
+/// A bearing whose ball count and precision are known at run time only.
+pub trait AnyBearing {
+    /// A cold solver for it.
+    fn solver(&self, attitude: Attitude) -> Box<dyn AnySolver + '_>;
+
+    /// A cold solver for the bearing at rest, in closed form for every ball.
+    fn static_solver(&self) -> Box<dyn AnySolver + '_>;
+}
+
+/// A solver whose ball count, precision and attitude rule are known at run time only.
+///
+/// The scene of [`AnyBearing::solver`] is the bearing at speed, throughout: speed 0 is a speed like
+/// any other, so that a recording runs through standstill without a change of solver.
+pub trait AnySolver {
+    /// Ball count.
+    fn ball_count(&self) -> usize;
+
+    /// Precision.
+    fn precision(&self) -> Precision;
+
+    /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
+    /// precision. If `balls` is given and there is an answer, it becomes the states of the balls.
+    fn solve_with_balls(
+        &mut self,
+        load: [f64; 5],
+        omega: f64,
+        balls: Option<&mut Vec<BallState<f64>>>,
+    ) -> Answer;
+
+    /// Makes the next solve a cold one.
+    fn forget(&mut self);
+
+    /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
+    /// precision.
+    fn solve(&mut self, load: [f64; 5], omega: f64) -> Answer {
+        self.solve_with_balls(load, omega, None)
+    }
+}
+
+/// Builds a bearing.
+///
+/// # Errors
+///
+/// The first quantity of the design that is out of its range; the ball count, if it is not among
+/// [`BALL_COUNTS`].
+pub fn bearing(
+    design: &Design,
+    balls: usize,
+    precision: Precision,
+) -> Result<Box<dyn AnyBearing>, DesignError> {
+    match precision {
+        Precision::F32 => counted::<f32>(design, balls),
+        Precision::F64 => counted::<f64>(design, balls),
+    }
+}
+
+macro_rules! counted {
+    ($($n:literal)*) => {
+        fn counted<T: Host>(
+            design: &Design,
+            balls: usize,
+        ) -> Result<Box<dyn AnyBearing>, DesignError> {
+            match balls {
+                $($n => Ok(Box::new(Bearing::<T, $n>::build(design)?)),)*
+                _ => Err(DesignError {
+                    quantity: spindle_bearing::Quantity::BallCount,
+                    value: balls as f64,
+                    least: *BALL_COUNTS.start() as f64,
+                    most: *BALL_COUNTS.end() as f64,
+                }),
+            }
+        }
+    };
+}
+
+counted! {
+    3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35 36
+    37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
+}
+
+/// Adds to the solver's precisions the name they have here.
+trait Host: Real {
+    const PRECISION: Precision;
+}
+
+impl Host for f32 {
+    const PRECISION: Precision = Precision::F32;
+}
+
+impl Host for f64 {
+    const PRECISION: Precision = Precision::F64;
+}
+
+impl<T: Host, const N: usize> AnyBearing for Bearing<T, N> {
+    fn solver(&self, attitude: Attitude) -> Box<dyn AnySolver + '_> {
+        match attitude {
+            Attitude::Raceless => Box::new(Counted::<T, N, AtSpeed<RacewayControlFree>>::new(self)),
+            Attitude::Outer => Box::new(Counted::<T, N, AtSpeed<OuterRaceControl>>::new(self)),
+            Attitude::Inner => Box::new(Counted::<T, N, AtSpeed<InnerRaceControl>>::new(self)),
+        }
+    }
+
+    fn static_solver(&self) -> Box<dyn AnySolver + '_> {
+        Box::new(Counted::<T, N, Static>::new(self))
+    }
+}
+
+struct Counted<'b, T: Real, const N: usize, M: Motion> {
+    solver: Solver<'b, T, N, M>,
+    settings: Settings<T>,
+}
+
+impl<'b, T: Host, const N: usize, M: Motion> Counted<'b, T, N, M> {
+    fn new(bearing: &'b Bearing<T, N>) -> Self {
+        Self {
+            solver: Solver::new(bearing),
+            settings: Settings::default(),
+        }
+    }
+}
+
+impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
+    fn ball_count(&self) -> usize {
+        N
+    }
+
+    fn precision(&self) -> Precision {
+        T::PRECISION
+    }
+
+    fn solve_with_balls(
+        &mut self,
+        load: [f64; 5],
+        omega: f64,
+        balls: Option<&mut Vec<BallState<f64>>>,
+    ) -> Answer {
+        match self
+            .solver
+            .solve(load.map(T::of), T::of(omega), &self.settings)
+        {
+            Ok(solution) => {
+                if let Some(balls) = balls {
+                    balls.clear();
+                    balls.extend(solution.balls().map(|ball| widened(&ball)));
+                }
+                Answer {
+                    status: solution.status.name(),
+                    figures: Ok(Figures {
+                        sweeps: solution.sweeps,
+                        displacement: solution.displacement.map(T::to_f64),
+                        stiffness: solution.stiffness.map(|row| row.map(T::to_f64)),
+                    }),
+                }
+            }
+            Err(status) => Answer {
+                status: status.name(),
+                figures: Err(status.to_string()),
+            },
+        }
+    }
+
+    fn forget(&mut self) {
+        self.solver.forget();
+    }
+}
+
+fn widened<T: Real>(ball: &BallState<T>) -> BallState<f64> {
+    BallState {
+        azimuth: ball.azimuth.to_f64(),
+        alpha_i: ball.alpha_i.to_f64(),
+        alpha_o: ball.alpha_o.to_f64(),
+        q_i: ball.q_i.to_f64(),
+        q_o: ball.q_o.to_f64(),
+        delta_i: ball.delta_i.to_f64(),
+        delta_o: ball.delta_o.to_f64(),
+        centrifugal_force: ball.centrifugal_force.to_f64(),
+        gyroscopic_moment: ball.gyroscopic_moment.to_f64(),
+    }
+}

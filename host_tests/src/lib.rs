@@ -1,0 +1,13 @@
+//! What runs on the host: programs around the solver, and the tests that judge it.
+
+pub mod cases;
+pub mod compare;
+pub mod design_file;
+pub mod dispatch;
+pub mod double_double;
+pub mod loads;
+pub mod milling_cycle;
+pub mod reference;
+pub mod replay;
+pub mod study;
+pub mod tolerances;

@@ -1,0 +1,415 @@
+//! `cargo replay`: recorded loads and speed in, displacements and stiffness out.
+
+use crate::design_file::DesignFile;
+use crate::dispatch::{self, Answer, AnySolver, Attitude, Precision};
+use crate::loads::{self, LoadRow, Loads, LoadsError};
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use spindle_bearing::BallState;
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufWriter, IsTerminal, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Names of the five freedoms in column names.
+const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
+
+/// Header of the file of ball states.
+const BALL_HEADER: &str = "time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm";
+
+/// Header of the results.
+fn header() -> String {
+    let mut header = "time_s,status,sweeps,dx_m,dy_m,dz_m,ty_rad,tz_rad".to_owned();
+    for row in FREEDOMS {
+        for column in FREEDOMS {
+            header.push_str(&format!(",k_{row}_{column}"));
+        }
+    }
+    header
+}
+
+/// Replays recorded bearing loads through the solver
+///
+/// Takes the design of an angular contact ball bearing and a recording of the loads on its inner
+/// ring and the shaft speed; for every row of the recording it computes where the inner ring goes
+/// and how stiff the bearing is there. The results go to standard output as CSV.
+#[derive(Debug, Parser)]
+#[command(name = "replay", bin_name = "cargo replay", max_term_width = 100, after_long_help = FORMATS)]
+pub struct Args {
+    /// Design of the bearing: ball count, diameters, grooves, contact angle, materials
+    ///
+    /// Examples are in host_tests/bearings/.
+    #[arg(value_name = "BEARING.toml")]
+    bearing: PathBuf,
+
+    /// Recorded loads and speed; `-` reads standard input
+    ///
+    /// An example, a synthetic milling cycle, is host_tests/records/milling_cycle.csv.
+    #[arg(value_name = "LOADS.csv")]
+    loads: String,
+
+    /// Precision to compute in
+    ///
+    /// Loads and speed are rounded to it first. Results have as many digits as it takes to read
+    /// back the same number of this precision.
+    #[arg(long, value_enum, default_value_t = Precision::F64)]
+    precision: Precision,
+
+    /// What decides the axis about which a ball turns, and with it the gyroscopic moment
+    #[arg(long, value_enum, default_value_t = Attitude::Raceless)]
+    attitude: Attitude,
+
+    /// Solve every row from scratch, as after a reset
+    ///
+    /// Without this, each row starts from the result of the row before, as the firmware does, and
+    /// takes fewer sweeps.
+    #[arg(long)]
+    cold: bool,
+
+    /// Write the contact angles, forces and inertia loads of every ball to this CSV file
+    #[arg(long, value_name = "BALLS.csv")]
+    balls: Option<PathBuf>,
+}
+
+const FORMATS: &str = "\
+Frame: the outer ring stands still, the inner ring turns about +x. Loads act on the inner ring,
+moments about the bearing centre. Azimuths count from +y towards +z.
+
+LOADS.csv must have the header
+  time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm
+with the columns in any order.
+
+Results, one row for each row of LOADS.csv, SI units:
+  time_s          copied
+  status          converged; precision-limit (as close as the precision allows);
+                  sweep-limit (ran out of sweeps, figures are those of the last one);
+                  anything else means that this row has no answer, and its figures are empty
+  sweeps          passes over all balls that the solve took
+  dx_m .. tz_rad  displacement of the inner ring
+  k_x_x .. k_tz_tz  stiffness, 25 columns: k_y_tz is the change of Fy with the tilt tz
+
+BALLS.csv, one row for each ball of each row, balls numbered from 0 at the first azimuth:
+  time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm
+  contact angles and contact forces at the inner and outer race, centrifugal force, gyroscopic
+  moment; rows without an answer have empty figures here, too.
+
+Exit status: 0, also if rows have no answer (a line on standard error counts them);
+2 if the arguments, the design or the recording are at fault; 1 if the results cannot be written.";
+
+/// What stopped a replay.
+#[derive(Debug)]
+pub enum ReplayError {
+    /// The recording is at fault.
+    Loads(LoadsError),
+    /// The results cannot be written.
+    Results(io::Error),
+    /// The ball states cannot be written.
+    Balls(io::Error),
+}
+
+impl fmt::Display for ReplayError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Loads(error) => error.fmt(f),
+            Self::Results(error) => write!(f, "the results cannot be written: {error}"),
+            Self::Balls(error) => write!(f, "the ball states cannot be written: {error}"),
+        }
+    }
+}
+
+impl std::error::Error for ReplayError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Loads(error) => Some(error),
+            Self::Results(error) | Self::Balls(error) => Some(error),
+        }
+    }
+}
+
+/// How a replay went.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Summary {
+    /// Rows replayed.
+    pub rows: u64,
+    /// Rows without an answer, by status.
+    pub refused: BTreeMap<&'static str, u64>,
+    /// Time of the first row without an answer, and why it has none.
+    pub first_refusal: Option<(f64, String)>,
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let total: u64 = self.refused.values().sum();
+        let have = if total == 1 { "has" } else { "have" };
+        write!(f, "{total} of {} rows {have} no answer", self.rows)?;
+        for (i, (status, count)) in self.refused.iter().enumerate() {
+            let separator = if i == 0 { ": " } else { ", " };
+            write!(f, "{separator}{count} {status}")?;
+        }
+        if let Some((time, why)) = &self.first_refusal {
+            write!(f, " (the first at {time} s: {why})")?;
+        }
+        Ok(())
+    }
+}
+
+/// Solves row after row and writes the results as CSV, those of the balls to `balls` if it is given.
+/// With `cold` every row is solved from scratch.
+///
+/// Rows are written as they are solved: after an error, those before it have been.
+///
+/// # Errors
+///
+/// A malformed recording, or an output that fails.
+pub fn replay(
+    solver: &mut dyn AnySolver,
+    rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
+    cold: bool,
+    results: &mut dyn Write,
+    mut balls: Option<&mut dyn Write>,
+) -> Result<Summary, ReplayError> {
+    let mut summary = Summary::default();
+    let mut states = Vec::with_capacity(solver.ball_count());
+    writeln!(results, "{}", header()).map_err(ReplayError::Results)?;
+    if let Some(out) = &mut balls {
+        writeln!(out, "{BALL_HEADER}").map_err(ReplayError::Balls)?;
+    }
+    for row in rows {
+        let row = row.map_err(ReplayError::Loads)?;
+        if cold {
+            solver.forget();
+        }
+        let wanted = balls.is_some().then_some(&mut states);
+        let answer = solver.solve_with_balls(row.load, row.omega(), wanted);
+        let precision = solver.precision();
+        write_result(results, row.time_s, &answer, precision).map_err(ReplayError::Results)?;
+        if let Some(out) = &mut balls {
+            if answer.figures.is_ok() {
+                write_balls(out, row.time_s, &states, precision)
+            } else {
+                write_no_balls(out, row.time_s, solver.ball_count())
+            }
+            .map_err(ReplayError::Balls)?;
+        }
+        summary.rows += 1;
+        if let Err(why) = answer.figures {
+            *summary.refused.entry(answer.status).or_default() += 1;
+            summary.first_refusal.get_or_insert((row.time_s, why));
+        }
+    }
+    results.flush().map_err(ReplayError::Results)?;
+    if let Some(out) = &mut balls {
+        out.flush().map_err(ReplayError::Balls)?;
+    }
+    Ok(summary)
+}
+
+fn write_result(
+    out: &mut dyn Write,
+    time: f64,
+    answer: &Answer,
+    precision: Precision,
+) -> io::Result<()> {
+    // Time is never rounded to the solver's precision: it identifies the row.
+    write!(out, "{},{},", Precision::F64.show(time), answer.status)?;
+    match &answer.figures {
+        Ok(figures) => {
+            write!(out, "{}", figures.sweeps)?;
+            let stiffness = figures.stiffness.iter().flatten();
+            for &figure in figures.displacement.iter().chain(stiffness) {
+                write!(out, ",{}", precision.show(figure))?;
+            }
+        }
+        Err(_) => {
+            let figures = FREEDOMS.len() * (1 + FREEDOMS.len());
+            write!(out, "{:,<figures$}", "")?;
+        }
+    }
+    writeln!(out)
+}
+
+fn write_balls(
+    out: &mut dyn Write,
+    time: f64,
+    balls: &[BallState<f64>],
+    precision: Precision,
+) -> io::Result<()> {
+    for (number, ball) in balls.iter().enumerate() {
+        write!(out, "{},{number}", Precision::F64.show(time))?;
+        for figure in [
+            ball.azimuth,
+            ball.alpha_i,
+            ball.alpha_o,
+            ball.q_i,
+            ball.q_o,
+            ball.centrifugal_force,
+            ball.gyroscopic_moment,
+        ] {
+            write!(out, ",{}", precision.show(figure))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn write_no_balls(out: &mut dyn Write, time: f64, count: usize) -> io::Result<()> {
+    for number in 0..count {
+        writeln!(out, "{},{number},,,,,,,", Precision::F64.show(time))?;
+    }
+    Ok(())
+}
+
+/// The whole program but for the process around it: arguments (the first is the program's name) and
+/// streams in, exit status out.
+pub fn run(
+    args: impl IntoIterator<Item = OsString>,
+    stdin: impl Read + 'static,
+    stdout: impl Write,
+    mut stderr: impl Write,
+) -> u8 {
+    let args = match Args::try_parse_from(args) {
+        Ok(args) => args,
+        Err(message) => {
+            let text = message.render();
+            // Nobody is left to tell if the message cannot be written.
+            let _ = if message.use_stderr() {
+                write!(stderr, "{text}")
+            } else {
+                write!({ stdout }, "{text}")
+            };
+            return u8::try_from(message.exit_code()).unwrap_or(2);
+        }
+    };
+    match run_parsed(&args, Box::new(stdin), stdout) {
+        Ok(summary) => {
+            if !summary.refused.is_empty() {
+                let _ = writeln!(stderr, "replay: {summary}");
+            }
+            0
+        }
+        Err(failure) => {
+            // A reader that has seen enough (`| head`) is no failure.
+            if !failure.message.is_empty() {
+                let _ = writeln!(stderr, "replay: {}", failure.message);
+            }
+            failure.exit_status
+        }
+    }
+}
+
+/// How the program ends early.
+struct Failure {
+    exit_status: u8,
+    message: String,
+}
+
+impl Failure {
+    /// What the user gave is at fault.
+    fn input(message: impl ToString) -> Self {
+        Self {
+            exit_status: 2,
+            message: message.to_string(),
+        }
+    }
+}
+
+impl From<ReplayError> for Failure {
+    fn from(error: ReplayError) -> Self {
+        match &error {
+            ReplayError::Loads(error) => Self::input(error),
+            ReplayError::Results(reason) if reason.kind() == io::ErrorKind::BrokenPipe => Self {
+                exit_status: 0,
+                message: String::new(),
+            },
+            ReplayError::Results(_) | ReplayError::Balls(_) => Self {
+                exit_status: 1,
+                message: error.to_string(),
+            },
+        }
+    }
+}
+
+fn run_parsed(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<Summary, Failure> {
+    let file = DesignFile::read(&args.bearing).map_err(Failure::input)?;
+    let bearing = dispatch::bearing(&file.design, file.balls, args.precision)
+        .map_err(|error| Failure::input(file.explain(&error)))?;
+    let mut solver = bearing.solver(args.attitude);
+    let mut loads = if args.loads == "-" {
+        Loads::from_reader("standard input", stdin)
+    } else {
+        loads::read(&args.loads)
+    }
+    .map_err(Failure::input)?;
+
+    let mut balls = match &args.balls {
+        Some(path) => Some(create(path, &[&args.bearing, Path::new(&args.loads)])?),
+        None => None,
+    };
+    let mut results = BufWriter::with_capacity(64 * 1024, stdout);
+
+    let bar = progress_bar(loads.total_bytes());
+    let rows = std::iter::from_fn(|| {
+        let row = loads.next();
+        bar.set_position(loads.bytes_read());
+        row
+    });
+    let outcome = replay(
+        solver.as_mut(),
+        rows,
+        args.cold,
+        &mut results,
+        balls.as_mut().map(|out| out as &mut dyn Write),
+    );
+    bar.finish_and_clear();
+    if matches!(outcome, Err(ReplayError::Loads(_))) {
+        // Rows before the fault are good; what hinders their output is less news than the fault.
+        let _ = results.flush();
+    }
+    outcome.map_err(Failure::from)
+}
+
+/// Creates the file of ball states, unless that would destroy one of the `inputs`.
+fn create(path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>, Failure> {
+    let name = path.display();
+    if path.as_os_str() == "-" {
+        return Err(Failure::input(
+            "--balls needs a file; standard output carries the results",
+        ));
+    }
+    let same = |input: &&Path| match (path.canonicalize(), input.canonicalize()) {
+        (Ok(path), Ok(input)) => path == input,
+        _ => false,
+    };
+    if inputs.iter().any(same) {
+        return Err(Failure::input(format!(
+            "--balls would overwrite its own input {name}; name another file"
+        )));
+    }
+    File::create(path)
+        .map(BufWriter::new)
+        .map_err(|error| Failure::input(format!("{name}: cannot be written: {error}")))
+}
+
+/// A bar on standard error over the bytes of the recording; a count, if their number is unknown;
+/// nothing, if nobody would see it.
+fn progress_bar(total_bytes: Option<u64>) -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let (bar, template) = match total_bytes {
+        Some(total) => (
+            ProgressBar::new(total),
+            "replaying {bar:40} {bytes} of {total_bytes}, {eta} left",
+        ),
+        None => (
+            ProgressBar::new_spinner(),
+            "replaying {spinner} {bytes}, {elapsed}",
+        ),
+    };
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

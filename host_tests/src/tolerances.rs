@@ -1,0 +1,54 @@
+//! The errors that are allowed: one table, which tests and reports read.
+//!
+//! What an error is says [`compare`](crate::compare). The bounds are three to five times what the
+//! solver reaches over the solved cases in `cases/public.json`.
+
+use crate::compare::Errors;
+use crate::dispatch::Precision;
+
+/// A quantity and how far it may be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// What.
+    pub quantity: &'static str,
+    /// What its error is relative to, or its unit.
+    pub measure: &'static str,
+    /// Allowed in double precision.
+    pub f64: f64,
+    /// Allowed in single precision.
+    pub f32: f64,
+    /// Allowed of the reference build.
+    pub reference: f64,
+}
+
+/// The table.
+#[rustfmt::skip]
+pub const TOLERANCES: [Row; 4] = [
+    Row { quantity: "displacement", measure: "of the largest component", f64: 1e-9, f32: 1e-5, reference: 1e-12 },
+    Row { quantity: "contact angle", measure: "rad", f64: 1e-9, f32: 1e-4, reference: 1e-12 },
+    Row { quantity: "force", measure: "of the largest contact force", f64: 1e-9, f32: 1e-4, reference: 1e-12 },
+    Row { quantity: "stiffness", measure: "of its diagonal", f64: 1e-8, f32: 1e-3, reference: 1e-12 },
+];
+
+fn column(of: impl Fn(&Row) -> f64) -> Errors {
+    let [displacement, contact_angle, force, stiffness] = [0, 1, 2, 3].map(|i| of(&TOLERANCES[i]));
+    Errors {
+        displacement,
+        contact_angle,
+        force,
+        stiffness,
+    }
+}
+
+/// What the solver is allowed in a precision.
+pub fn allowed(precision: Precision) -> Errors {
+    match precision {
+        Precision::F64 => column(|row| row.f64),
+        Precision::F32 => column(|row| row.f32),
+    }
+}
+
+/// What the reference build is allowed.
+pub fn allowed_of_reference() -> Errors {
+    column(|row| row.reference)
+}

@@ -1,0 +1,257 @@
+//! A design turned into the numbers the solver works with, in units that suit single precision.
+//!
+//! | quantity | unit |
+//! | --- | --- |
+//! | length | `L0`, distance of the groove curvature centres |
+//! | force | `K L0^(3/2)`, `K` the constant of both contacts in series |
+//! | tilt | `L0 / Rp`, so that a tilt of 1 shifts the groove centre by `L0` |
+//! | moment | force unit times `Rp` |
+//!
+//! The ring's displacement is taken at the plane of the inner groove's curvature centres instead of
+//! the bearing centre (`vy = dy + zp tz`, `vz = dz - zp ty`). That makes the curvature centre of ball
+//! `j` as simple as it can be,
+//! `A = (sin alpha0 + dx + ty sin phi - tz cos phi, cos alpha0 + vy cos phi + vz sin phi)`,
+//! and takes the lever arm `zp` out of every ball.
+
+use crate::design::{Design, DesignError, check};
+use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
+use crate::float::Real;
+use crate::hertz::HertzContact;
+
+/// A number and what rounding it to the working precision's coarse grid lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Split<T> {
+    pub high: T,
+    pub low: T,
+}
+
+/// Constants of a bearing that do not depend on its balls' azimuths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Constants<T> {
+    /// `(sin alpha0, cos alpha0)`.
+    pub n0: [Split<T>; 2],
+    /// Groove centre distances `lo / L0` and `li / L0`; their sum is exactly 1.
+    pub outer: T,
+    pub inner: T,
+    /// Their squares.
+    pub outer_squared: Split<T>,
+    pub inner_squared: Split<T>,
+    /// Load-deflection constants of the contacts over that of both in series.
+    pub ko: T,
+    pub ki: T,
+    /// Share of the outer contact in the deformation of a ball at rest, `(K/Ko)^(2/3)`.
+    pub outer_share: T,
+    /// `D / dm`.
+    pub tau: T,
+    /// `C (delta_o / delta_i)^2` of the raceway-control-free rule.
+    pub moment_ratio: T,
+    /// Moment about the groove plane of a unit friction force, `fi D / Rp`.
+    pub friction_arm: T,
+    /// `m dm / 2` over the force unit: centrifugal force at a cage speed of 1 rad/s.
+    pub centrifugal: T,
+    /// Ball count.
+    pub balls: T,
+    /// Axial position of the groove plane over `Rp`.
+    pub plane: T,
+    /// Units, SI.
+    pub length: T,
+    pub force: T,
+    pub tilt: T,
+    pub moment: T,
+    /// Ball radius `D / 2`, m.
+    pub ball_radius: T,
+}
+
+/// Where one ball sits: cosine and sine of its azimuth, and what rounding to the coarse grid leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Azimuth<T> {
+    pub cos: T,
+    pub sin: T,
+    pub cos_low: T,
+    pub sin_low: T,
+}
+
+/// A bearing of `N` balls, ready to be solved in the precision `T`: immutable, made once, by the
+/// compiler where the design is known there.
+///
+/// ```
+/// use spindle_bearing::{Bearing, Design, FreeContact, Material};
+/// const B7005C: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&Design {
+///     ball_diameter: 6.35e-3,
+///     pitch_diameter: 36e-3,
+///     inner_groove_factor: 0.515,
+///     outer_groove_factor: 0.525,
+///     free_contact: FreeContact::Angle(15.0 * core::f64::consts::PI / 180.0),
+///     first_ball: 0.0,
+///     ring: Material::STEEL,
+///     ball: Material::STEEL,
+/// }) {
+///     Ok(bearing) => bearing,
+///     Err(_) => panic!("this geometry cannot be built"),
+/// };
+/// assert_eq!(B7005C.ball_count(), 16);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing<T, const N: usize> {
+    pub(crate) constants: Constants<T>,
+    pub(crate) azimuths: [Azimuth<T>; N],
+}
+
+impl<T: Real, const N: usize> Bearing<T, N> {
+    /// The same as the `const` constructors `Bearing::<f32, N>::new` and `Bearing::<f64, N>::new`,
+    /// for code that is generic over the precision.
+    ///
+    /// # Errors
+    ///
+    /// The first quantity of the design that is out of its range.
+    pub fn build(design: &Design) -> Result<Self, DesignError> {
+        T::bearing(design)
+    }
+
+    /// Number of balls `N`.
+    pub const fn ball_count(&self) -> usize {
+        N
+    }
+}
+
+/// The constants in doubles, before rounding to the working precision.
+const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, DesignError> {
+    check!(design.check(balls));
+    let (d, dm) = (design.ball_diameter, design.pitch_diameter);
+    let (fi, fo) = (design.inner_groove_factor, design.outer_groove_factor);
+    let (sin0, cos0) = design.free_contact_angle();
+    let l0 = design.centre_distance();
+    let (li, lo) = ((fi - 0.5) * d, (fo - 0.5) * d);
+    let (rp, zp) = (0.5 * dm + li * cos0, li * sin0);
+    let gamma = d * cos0 / dm;
+    let inner = HertzContact::of_groove(d, gamma, fi, &design.ring, &design.ball);
+    let outer = HertzContact::of_groove(d, -gamma, fo, &design.ring, &design.ball);
+    let (ki, ko) = (inner.load_deflection, outer.load_deflection);
+    let (ci, co) = (1.0 / cbrt(ki * ki), 1.0 / cbrt(ko * ko));
+    let flexibility = ci + co;
+    let k = 1.0 / (flexibility * sqrt(flexibility));
+    let force = k * l0 * sqrt(l0);
+    let mass = design.ball.density * core::f64::consts::PI * d * d * d / 6.0;
+    // The semi-axis grows with Q^(1/3), hence Q a with K^(4/3) delta^2.
+    let moment_ratio = ki * cbrt(ki) * inner.semi_major * inner.elliptic_e
+        / (ko * cbrt(ko) * outer.semi_major * outer.elliptic_e);
+    const ZERO: Split<f64> = Split {
+        high: 0.0,
+        low: 0.0,
+    };
+    Ok(Constants {
+        n0: [
+            Split {
+                high: sin0,
+                low: 0.0,
+            },
+            Split {
+                high: cos0,
+                low: 0.0,
+            },
+        ],
+        outer: lo / l0,
+        inner: li / l0,
+        outer_squared: ZERO,
+        inner_squared: ZERO,
+        ko: ko / k,
+        ki: ki / k,
+        outer_share: co / flexibility,
+        tau: d / dm,
+        moment_ratio,
+        friction_arm: fi * d / rp,
+        centrifugal: 0.5 * mass * dm / force,
+        balls: balls as f64,
+        plane: zp / rp,
+        length: l0,
+        force,
+        tilt: l0 / rp,
+        moment: force * rp,
+        ball_radius: 0.5 * d,
+    })
+}
+
+/// Cosine and sine of every azimuth; exact at the quarters if the first ball is at 0.
+const fn azimuth(first: (f64, f64), j: usize, balls: usize) -> (f64, f64) {
+    let (s, c) = sin_cos_turns(j as u32, balls as u32);
+    let (s0, c0) = first;
+    (c * c0 - s * s0, s * c0 + c * s0)
+}
+
+macro_rules! bearing {
+    ($t:ident) => {
+        impl Split<$t> {
+            const fn of(x: f64) -> Self {
+                let high = (x as $t + <$t as Real>::COARSE) - <$t as Real>::COARSE;
+                Self {
+                    high,
+                    low: (x - high as f64) as $t,
+                }
+            }
+        }
+
+        impl<const N: usize> Bearing<$t, N> {
+            /// Checks the design and computes everything that does not depend on load and speed,
+            /// in doubles, rounded once. A `const fn`.
+            ///
+            /// # Errors
+            ///
+            /// The first quantity of the design that is out of its range.
+            pub const fn new(design: &Design) -> Result<Self, DesignError> {
+                let c = check!(in_double(design, N));
+                // The two lengths must add up to 1 exactly, or a contact deformation, which is
+                // the small difference of lengths, would inherit their rounding.
+                let long = c.outer > 0.5;
+                let larger = if long { c.outer } else { c.inner } as $t;
+                let outer = if long { larger } else { 1.0 - larger };
+                let inner = if long { 1.0 - larger } else { larger };
+                let constants = Constants {
+                    n0: [Split::<$t>::of(c.n0[0].high), Split::<$t>::of(c.n0[1].high)],
+                    outer,
+                    inner,
+                    outer_squared: Split::<$t>::of(outer as f64 * outer as f64),
+                    inner_squared: Split::<$t>::of(inner as f64 * inner as f64),
+                    ko: c.ko as $t,
+                    ki: c.ki as $t,
+                    outer_share: c.outer_share as $t,
+                    tau: c.tau as $t,
+                    moment_ratio: c.moment_ratio as $t,
+                    friction_arm: c.friction_arm as $t,
+                    centrifugal: c.centrifugal as $t,
+                    balls: c.balls as $t,
+                    plane: c.plane as $t,
+                    length: c.length as $t,
+                    force: c.force as $t,
+                    tilt: c.tilt as $t,
+                    moment: c.moment as $t,
+                    ball_radius: c.ball_radius as $t,
+                };
+                let mut azimuths = [Azimuth {
+                    cos: 0.0,
+                    sin: 0.0,
+                    cos_low: 0.0,
+                    sin_low: 0.0,
+                }; N];
+                let (s0, c0) = sin_cos(design.first_ball);
+                let mut j = 0;
+                while j < N {
+                    let (cos, sin) = azimuth((s0, c0), j, N);
+                    azimuths[j] = Azimuth {
+                        cos: cos as $t,
+                        sin: sin as $t,
+                        cos_low: Split::<$t>::of(cos).low,
+                        sin_low: Split::<$t>::of(sin).low,
+                    };
+                    j += 1;
+                }
+                Ok(Self {
+                    constants,
+                    azimuths,
+                })
+            }
+        }
+    };
+}
+
+bearing!(f32);
+bearing!(f64);

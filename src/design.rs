@@ -1,0 +1,206 @@
+//! What a bearing is made of, in SI units, and what can be wrong with it.
+//!
+//! A [`Design`] is checked and turned into solver constants by [`Bearing::new`](crate::Bearing::new),
+//! a `const fn`: a design written into firmware costs no code, and one that cannot be built does not
+//! compile.
+
+use crate::elementary::{sin_cos, sqrt};
+use crate::status::Quantity;
+
+/// Elastic constants and density of a ring or of the balls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Material {
+    /// Young's modulus `E`, Pa.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio `nu`.
+    pub poissons_ratio: f64,
+    /// Density `rho`, kg/m^3. Only that of the balls matters.
+    pub density: f64,
+}
+
+impl Material {
+    /// Bearing steel: 206 GPa, 0.3, 7850 kg/m^3.
+    pub const STEEL: Self = Self {
+        youngs_modulus: 206e9,
+        poissons_ratio: 0.3,
+        density: 7850.0,
+    };
+    /// Silicon nitride, for the balls of hybrid bearings: 310 GPa, 0.26, 3200 kg/m^3.
+    pub const SILICON_NITRIDE: Self = Self {
+        youngs_modulus: 310e9,
+        poissons_ratio: 0.26,
+        density: 3200.0,
+    };
+
+    /// `(1 - nu^2) / E`, 1/Pa.
+    pub(crate) const fn compliance(&self) -> f64 {
+        (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
+    }
+}
+
+/// How ball and grooves meet in the unloaded bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FreeContact {
+    /// Free contact angle `alpha0`, rad.
+    Angle(f64),
+    /// Diametral clearance `Pd`, m: `cos alpha0 = 1 - Pd / (2 L0)`.
+    DiametralClearance(f64),
+}
+
+/// An angular contact (or deep groove) ball bearing, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Design {
+    /// Ball diameter `D`, m.
+    pub ball_diameter: f64,
+    /// Pitch diameter `dm`, m.
+    pub pitch_diameter: f64,
+    /// Inner groove radius over ball diameter `fi`.
+    pub inner_groove_factor: f64,
+    /// Outer groove radius over ball diameter `fo`.
+    pub outer_groove_factor: f64,
+    /// Free contact angle, or the clearance that decides it.
+    pub free_contact: FreeContact,
+    /// Azimuth `phi_0` of the first ball, rad from +y towards +z.
+    pub first_ball: f64,
+    /// Material of both rings.
+    pub ring: Material,
+    /// Material of the balls.
+    pub ball: Material,
+}
+
+/// A design that cannot be built: which quantity, its value, and the range it must lie in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DesignError {
+    /// The quantity at fault.
+    pub quantity: Quantity,
+    /// Its value (SI; not a number stays not a number).
+    pub value: f64,
+    /// Smallest value allowed.
+    pub least: f64,
+    /// Largest value allowed.
+    pub most: f64,
+}
+
+impl core::fmt::Display for DesignError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "{} is {}, but must lie between {} and {}",
+            self.quantity, self.value, self.least, self.most
+        )
+    }
+}
+
+impl core::error::Error for DesignError {}
+
+/// `Ok` if `least <= value <= most`; a value that is not a number is refused, too.
+const fn within(quantity: Quantity, value: f64, least: f64, most: f64) -> Result<(), DesignError> {
+    if value >= least && value <= most {
+        Ok(())
+    } else {
+        Err(DesignError {
+            quantity,
+            value,
+            least,
+            most,
+        })
+    }
+}
+
+/// `?` for `const fn`.
+macro_rules! check {
+    ($result:expr) => {
+        match $result {
+            Ok(value) => value,
+            Err(error) => return Err(error),
+        }
+    };
+}
+pub(crate) use check;
+
+impl Design {
+    /// Distance `L0 = (fi + fo - 1) D` of the groove curvature centres of the unloaded bearing, m.
+    pub const fn centre_distance(&self) -> f64 {
+        (self.inner_groove_factor + self.outer_groove_factor - 1.0) * self.ball_diameter
+    }
+
+    /// Sine and cosine of the free contact angle.
+    pub(crate) const fn free_contact_angle(&self) -> (f64, f64) {
+        match self.free_contact {
+            FreeContact::Angle(angle) => sin_cos(angle),
+            FreeContact::DiametralClearance(clearance) => {
+                let versine = clearance / (2.0 * self.centre_distance());
+                (sqrt(versine * (2.0 - versine)), 1.0 - versine)
+            }
+        }
+    }
+
+    /// Checks everything that a bearing of `balls` balls needs to exist.
+    ///
+    /// # Errors
+    ///
+    /// The first quantity that is out of its range, with its value.
+    pub const fn check(&self, balls: usize) -> Result<(), DesignError> {
+        use Quantity as Q;
+        check!(within(Q::BallCount, balls as f64, 3.0, 1000.0));
+        let d = self.ball_diameter;
+        let dm = self.pitch_diameter;
+        check!(within(Q::BallDiameter, d, 1e-5, 10.0));
+        check!(within(Q::PitchDiameter, dm, 1.01 * d, 1e4 * d));
+        // Neighbouring balls may touch but not overlap: D <= dm sin(pi/N).
+        let room = dm * crate::elementary::sin_cos_turns(1, 2 * balls as u32).0;
+        check!(within(Q::BallDiameter, d, 1e-5, room));
+        check!(within(
+            Q::InnerGrooveFactor,
+            self.inner_groove_factor,
+            0.501,
+            0.7
+        ));
+        check!(within(
+            Q::OuterGrooveFactor,
+            self.outer_groove_factor,
+            0.501,
+            0.7
+        ));
+        match self.free_contact {
+            FreeContact::Angle(angle) => check!(within(Q::ContactAngle, angle, 0.0, 1.4)),
+            FreeContact::DiametralClearance(clearance) => check!(within(
+                Q::DiametralClearance,
+                clearance,
+                0.0,
+                // Beyond this the free contact angle would pass 80 degrees.
+                1.66 * self.centre_distance()
+            )),
+        }
+        check!(within(Q::FirstBall, self.first_ball, -7.0, 7.0));
+        check!(within(
+            Q::RingYoungsModulus,
+            self.ring.youngs_modulus,
+            1e6,
+            1e13
+        ));
+        check!(within(
+            Q::RingPoissonsRatio,
+            self.ring.poissons_ratio,
+            0.0,
+            0.5
+        ));
+        check!(within(
+            Q::BallYoungsModulus,
+            self.ball.youngs_modulus,
+            1e6,
+            1e13
+        ));
+        check!(within(
+            Q::BallPoissonsRatio,
+            self.ball.poissons_ratio,
+            0.0,
+            0.5
+        ));
+        within(Q::BallDensity, self.ball.density, 1.0, 1e5)
+    }
+}

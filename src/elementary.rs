@@ -1,0 +1,118 @@
+//! Elementary functions in `f64` that the compiler can evaluate.
+//!
+//! A design is turned into solver constants by `const fn`s, so that firmware carries numbers and
+//! not the code that made them. `core` has no such functions for `const` yet; these are good to
+//! about one unit in the last place, and give the same bits at compile time and at run time.
+
+/// Square root of a finite, non-negative number: three Newton steps from a guess by exponent
+/// halving (error below 4 %) would do; two more cost nothing here.
+pub(crate) const fn sqrt(x: f64) -> f64 {
+    if x <= 0.0 {
+        return 0.0;
+    }
+    let mut y = f64::from_bits((x.to_bits() >> 1) + 0x1ff7_a3be_a91d_9b1b);
+    let mut i = 0;
+    while i < 5 {
+        y = 0.5 * (y + x / y);
+        i += 1;
+    }
+    y
+}
+
+/// Cube root of a finite, non-negative number, likewise.
+pub(crate) const fn cbrt(x: f64) -> f64 {
+    if x <= 0.0 {
+        return 0.0;
+    }
+    let mut y = f64::from_bits(x.to_bits() / 3 + 0x2a9f_7893_782d_a1ce);
+    let mut i = 0;
+    while i < 6 {
+        y = (2.0 * y + x / (y * y)) / 3.0;
+        i += 1;
+    }
+    y
+}
+
+/// Sine and cosine of an angle of at most about an eighth of a turn, by their series.
+const fn sin_cos_small(x: f64) -> (f64, f64) {
+    let x2 = x * x;
+    let (mut s, mut c) = (1.0, 1.0);
+    // Innermost term first: 1 - x2/(2*3) * (1 - x2/(4*5) * (...)).
+    let mut n = 20.0;
+    while n >= 2.0 {
+        s = 1.0 - x2 / (n * (n + 1.0)) * s;
+        c = 1.0 - x2 / ((n - 1.0) * n) * c;
+        n -= 2.0;
+    }
+    (x * s, c)
+}
+
+/// Sine and cosine of `numerator / denominator` turns, exact at the quarters.
+pub(crate) const fn sin_cos_turns(numerator: u32, denominator: u32) -> (f64, f64) {
+    // Nearest quarter, and what is left beyond it, in eighths of a turn at most.
+    let n = (numerator % denominator) as i64;
+    let d = denominator as i64;
+    let quarter = (8 * n + d) / (2 * d);
+    let rest = 4 * n - quarter * d;
+    let (s, c) = sin_cos_small(core::f64::consts::FRAC_PI_2 * (rest as f64) / (d as f64));
+    match quarter % 4 {
+        0 => (s, c),
+        1 => (c, -s),
+        2 => (-s, -c),
+        _ => (-c, s),
+    }
+}
+
+/// Sine and cosine of an angle of at most a few turns, rad.
+pub(crate) const fn sin_cos(x: f64) -> (f64, f64) {
+    // The quarter turn in two parts, so that its multiples subtract without loss.
+    const QUARTER_HIGH: f64 = 1.570_796_326_734_125_6;
+    const QUARTER_LOW: f64 = 6.077_100_506_506_192e-11;
+    let turns = x / core::f64::consts::FRAC_PI_2;
+    let quarter = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i64;
+    let rest = (x - quarter as f64 * QUARTER_HIGH) - quarter as f64 * QUARTER_LOW;
+    let (s, c) = sin_cos_small(rest);
+    match quarter.rem_euclid(4) {
+        0 => (s, c),
+        1 => (c, -s),
+        2 => (-s, -c),
+        _ => (-c, s),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elementary_functions_agree_with_the_standard_library() {
+        for i in 1..2000 {
+            let x = f64::from(i) * 0.37e-3 * f64::from(i);
+            assert!((sqrt(x) / x.sqrt() - 1.0).abs() < 3e-16, "sqrt {x}");
+            assert!((cbrt(x) / x.cbrt() - 1.0).abs() < 5e-16, "cbrt {x}");
+            let a = f64::from(i) * 6.3e-3 - 6.3;
+            let (s, c) = sin_cos(a);
+            assert!((s - a.sin()).abs() < 3e-16, "sin {a}");
+            assert!((c - a.cos()).abs() < 3e-16, "cos {a}");
+        }
+        for exponent in -300..300 {
+            let x = 1.7 * 10f64.powi(exponent);
+            assert!((sqrt(x) / x.sqrt() - 1.0).abs() < 3e-16, "sqrt {x}");
+            assert!((cbrt(x) / x.cbrt() - 1.0).abs() < 5e-16, "cbrt {x}");
+        }
+    }
+
+    #[test]
+    fn fractions_of_a_turn_are_exact_at_the_quarters() {
+        assert_eq!(sin_cos_turns(4, 16), (1.0, 0.0));
+        assert_eq!(sin_cos_turns(8, 16), (0.0, -1.0));
+        assert_eq!(sin_cos_turns(12, 16), (-1.0, 0.0));
+        for n in 1..65u32 {
+            for j in 0..n {
+                let a = core::f64::consts::TAU * f64::from(j) / f64::from(n);
+                let (s, c) = sin_cos_turns(j, n);
+                assert!((s - a.sin()).abs() < 1e-15 && (c - a.cos()).abs() < 1e-15);
+            }
+        }
+    }
+}

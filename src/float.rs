@@ -1,0 +1,182 @@
+//! The one float trait: what the solver needs of `f32` and `f64`, and nothing else.
+
+use core::fmt::{Debug, Display, LowerExp};
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// `defmt::Format` where the feature is on, nothing where it is off.
+#[cfg(feature = "defmt")]
+pub trait Print: defmt::Format {}
+#[cfg(feature = "defmt")]
+impl<T: defmt::Format> Print for T {}
+/// `defmt::Format` where the feature is on, nothing where it is off.
+#[cfg(not(feature = "defmt"))]
+pub trait Print {}
+#[cfg(not(feature = "defmt"))]
+impl<T> Print for T {}
+
+/// The working precision: `f32` or `f64`. Sealed.
+///
+/// Everything that depends on the hardware is behind this trait. Sums and products are never fused,
+/// so that a host and a target give the same bits.
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + Debug
+    + Display
+    + LowerExp
+    + Default
+    + Print
+    + PartialEq
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + 'static
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// Distance from 1 to the next number.
+    const EPSILON: Self;
+    /// Smallest normal number.
+    const TINY: Self;
+    /// Default of [`Settings::tolerance`](crate::Settings::tolerance).
+    const TOLERANCE: Self;
+    /// Added and subtracted again, it rounds a number below 1000 to a grid so coarse that the
+    /// product of two rounded numbers is exact.
+    const COARSE: Self;
+    /// The same for a number below 1 and a grid as fine as the square of the coarse one.
+    const FINE: Self;
+
+    /// Rounds a double to this precision. Only ever called with constants, so that no double
+    /// arithmetic is left in the code of a single-precision solver.
+    fn of(x: f64) -> Self;
+    /// Widens to a double (for reports and errors).
+    fn to_f64(self) -> f64;
+    /// Square root; the hardware's own where there is one.
+    fn sqrt(self) -> Self;
+    /// Cube root of a normal positive number; 0 of anything smaller.
+    fn cbrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Angle of the vector `(x, self)`, rad.
+    fn atan2(self, x: Self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+
+    /// The larger of two numbers; an `if`, which is half the price of `fmaxf`.
+    #[inline(always)]
+    fn or_larger(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+    /// The smaller of two numbers.
+    #[inline(always)]
+    fn or_smaller(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+    /// [`Bearing::build`](crate::Bearing::build), which a trait has to dispatch as long as `const`
+    /// traits are not stable.
+    #[doc(hidden)]
+    fn bearing<const N: usize>(
+        design: &crate::Design,
+    ) -> Result<crate::Bearing<Self, N>, crate::DesignError>;
+    /// Rounded to the coarse grid of [`Real::COARSE`].
+    #[inline(always)]
+    fn coarse(self) -> Self {
+        (self + Self::COARSE) - Self::COARSE
+    }
+    /// Rounded to the fine grid of [`Real::FINE`].
+    #[inline(always)]
+    fn fine(self) -> Self {
+        (self + Self::FINE) - Self::FINE
+    }
+}
+
+macro_rules! real {
+    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $coarse:expr, $fine:expr) => {
+        impl Real for $t {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const EPSILON: Self = $t::EPSILON;
+            const TINY: Self = $t::MIN_POSITIVE;
+            const TOLERANCE: Self = $tolerance;
+            const COARSE: Self = $coarse;
+            const FINE: Self = $fine;
+            #[inline(always)]
+            fn of(x: f64) -> Self {
+                x as $t
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            #[inline]
+            fn cbrt(self) -> Self {
+                if !(self >= Self::TINY) {
+                    return 0.0;
+                }
+                // A third of the exponent is good to 4 %; each step of Halley's cubes the error.
+                let mut y = Self::from_bits(self.to_bits() / 3 + $third);
+                for _ in 0..$halley {
+                    let cube = y * y * y;
+                    y = y * (cube + self + self) / (cube + cube + self);
+                }
+                y
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $t::abs(self)
+            }
+            #[inline]
+            fn atan2(self, x: Self) -> Self {
+                $atan2(self, x)
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                $t::is_finite(self)
+            }
+            fn bearing<const N: usize>(
+                design: &crate::Design,
+            ) -> Result<crate::Bearing<Self, N>, crate::DesignError> {
+                crate::Bearing::<$t, N>::new(design)
+            }
+        }
+    };
+}
+
+// 1.5 * 2^(mantissa bits - n) rounds to multiples of 2^-n: n = 11 and 22, 26 and 50.
+real!(
+    f32,
+    1e-5,
+    crate::sqrt::sqrt_f32,
+    0x2a51_37a0,
+    2,
+    libm::atan2f,
+    6144.0,
+    3.0
+);
+real!(
+    f64,
+    1e-12,
+    crate::sqrt::sqrt_f64,
+    0x2a9f_7893_782d_a1ce,
+    3,
+    libm::atan2,
+    100_663_296.0,
+    6.0
+);

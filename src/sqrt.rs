@@ -1,0 +1,26 @@
+//! The one module with `unsafe`: square roots that lower to the FPU's own instruction.
+//!
+//! `core` has no stable square root and `libm` computes it in software even where the target has
+//! `vsqrt`. The C names are known to the compiler, which replaces a call by the instruction; on a
+//! target without an FPU they resolve to the runtime's own routines. Both round correctly, so the
+//! results are the same bits everywhere.
+
+// SAFETY: the C standard defines both functions for every bit pattern, without side effects that
+// Rust can see (errno is not read); every Rust target has them, from its C library or from
+// `compiler_builtins`.
+unsafe extern "C" {
+    safe fn sqrtf(x: f32) -> f32;
+    safe fn sqrt(x: f64) -> f64;
+}
+
+/// Square root of a single.
+#[inline(always)]
+pub(crate) fn sqrt_f32(x: f32) -> f32 {
+    sqrtf(x)
+}
+
+/// Square root of a double.
+#[inline(always)]
+pub(crate) fn sqrt_f64(x: f64) -> f64 {
+    sqrt(x)
+}

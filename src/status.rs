@@ -1,0 +1,195 @@
+//! How a solve can end, and the names of what it can complain of.
+
+use crate::float::Real;
+use core::fmt;
+
+/// A quantity that a design or a measurement gives, by its symbol in the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Quantity {
+    /// Ball count `N`.
+    BallCount,
+    /// Ball diameter `D`, m.
+    BallDiameter,
+    /// Pitch diameter `dm`, m.
+    PitchDiameter,
+    /// Inner groove factor `fi`.
+    InnerGrooveFactor,
+    /// Outer groove factor `fo`.
+    OuterGrooveFactor,
+    /// Free contact angle `alpha0`, rad.
+    ContactAngle,
+    /// Diametral clearance `Pd`, m.
+    DiametralClearance,
+    /// Azimuth of the first ball `phi_0`, rad.
+    FirstBall,
+    /// Young's modulus of the rings, Pa.
+    RingYoungsModulus,
+    /// Poisson's ratio of the rings.
+    RingPoissonsRatio,
+    /// Young's modulus of the balls, Pa.
+    BallYoungsModulus,
+    /// Poisson's ratio of the balls.
+    BallPoissonsRatio,
+    /// Density of the balls, kg/m^3.
+    BallDensity,
+    /// Shaft speed `omega`, rad/s.
+    Speed,
+    /// Axial load `Fx`, N.
+    Fx,
+    /// Radial load `Fy`, N.
+    Fy,
+    /// Radial load `Fz`, N.
+    Fz,
+    /// Tilting moment `My`, N m.
+    My,
+    /// Tilting moment `Mz`, N m.
+    Mz,
+    /// Axial displacement `dx`, m.
+    Dx,
+    /// Radial displacement `dy`, m.
+    Dy,
+    /// Radial displacement `dz`, m.
+    Dz,
+    /// Tilt `ty`, rad.
+    Ty,
+    /// Tilt `tz`, rad.
+    Tz,
+}
+
+impl Quantity {
+    /// The five loads, in the order of the load vector.
+    pub(crate) const LOAD: [Self; 5] = [Self::Fx, Self::Fy, Self::Fz, Self::My, Self::Mz];
+    /// The five displacements, in the order of the displacement vector.
+    pub(crate) const DISPLACEMENT: [Self; 5] = [Self::Dx, Self::Dy, Self::Dz, Self::Ty, Self::Tz];
+
+    /// Name and unit, as messages print them.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::BallCount => "ball count N",
+            Self::BallDiameter => "ball diameter D (m)",
+            Self::PitchDiameter => "pitch diameter dm (m)",
+            Self::InnerGrooveFactor => "inner groove factor fi",
+            Self::OuterGrooveFactor => "outer groove factor fo",
+            Self::ContactAngle => "free contact angle alpha0 (rad)",
+            Self::DiametralClearance => "diametral clearance Pd (m)",
+            Self::FirstBall => "azimuth of the first ball phi_0 (rad)",
+            Self::RingYoungsModulus => "Young's modulus of the rings (Pa)",
+            Self::RingPoissonsRatio => "Poisson's ratio of the rings",
+            Self::BallYoungsModulus => "Young's modulus of the balls (Pa)",
+            Self::BallPoissonsRatio => "Poisson's ratio of the balls",
+            Self::BallDensity => "density of the balls (kg/m^3)",
+            Self::Speed => "speed omega (rad/s)",
+            Self::Fx => "axial load Fx (N)",
+            Self::Fy => "radial load Fy (N)",
+            Self::Fz => "radial load Fz (N)",
+            Self::My => "tilting moment My (N m)",
+            Self::Mz => "tilting moment Mz (N m)",
+            Self::Dx => "axial displacement dx (m)",
+            Self::Dy => "radial displacement dy (m)",
+            Self::Dz => "radial displacement dz (m)",
+            Self::Ty => "tilt ty (rad)",
+            Self::Tz => "tilt tz (rad)",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// How a solve ended.
+///
+/// The first three come with an answer, in [`Solution::status`](crate::Solution::status); the rest
+/// are refusals, the `Err` of a solve, and leave the solver as it was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Status<T> {
+    /// Solved to the tolerance.
+    Converged,
+    /// As close as the working precision allows, but the last step was still above the tolerance.
+    PrecisionLimit,
+    /// The bound on sweeps was reached first. The numbers belong to the last iterate, whose
+    /// residual is given.
+    SweepLimit,
+    /// An input is not a number, or infinite.
+    NotFinite {
+        /// Which input.
+        quantity: Quantity,
+        /// Its value.
+        value: T,
+    },
+    /// An input lies outside the range in which the model means anything.
+    OutOfRange {
+        /// Which input.
+        quantity: Quantity,
+        /// Its value.
+        value: T,
+        /// Largest magnitude that is accepted.
+        limit: T,
+    },
+    /// No load on the ring: it floats within its clearance, and no position is an answer.
+    Unloaded,
+    /// The loaded balls leave the ring free to move in some direction (fewer than three of them
+    /// carry), so that position and stiffness are not determined.
+    Indeterminate {
+        /// Number of balls that carry load.
+        loaded_balls: u16,
+    },
+    /// No equilibrium was found: the iteration went astray. The value is the residual it ended
+    /// with, relative to the load.
+    Diverged {
+        /// Residual relative to the load.
+        residual: T,
+    },
+}
+
+impl<T> Status<T> {
+    /// Short name in lower case, as tables and logs print it.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::PrecisionLimit => "precision-limit",
+            Self::SweepLimit => "sweep-limit",
+            Self::NotFinite { .. } => "not-finite",
+            Self::OutOfRange { .. } => "out-of-range",
+            Self::Unloaded => "unloaded",
+            Self::Indeterminate { .. } => "indeterminate",
+            Self::Diverged { .. } => "diverged",
+        }
+    }
+}
+
+impl<T: Real> fmt::Display for Status<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Converged => f.write_str("converged"),
+            Self::PrecisionLimit => f.write_str("as close as the working precision allows"),
+            Self::SweepLimit => f.write_str("the bound on sweeps was reached before the tolerance"),
+            Self::NotFinite { quantity, value } => write!(f, "{quantity} is {value}"),
+            Self::OutOfRange {
+                quantity,
+                value,
+                limit,
+            } => write!(
+                f,
+                "{quantity} is {value:e}, beyond the {limit:e} that the model covers"
+            ),
+            Self::Unloaded => f.write_str("no load on the ring, which floats in its clearance"),
+            Self::Indeterminate { loaded_balls } => write!(
+                f,
+                "{loaded_balls} loaded balls leave the ring free to move in some direction"
+            ),
+            Self::Diverged { residual } => write!(
+                f,
+                "no equilibrium found (residual {residual:e} of the load)"
+            ),
+        }
+    }
+}
+
+impl<T: Real> core::error::Error for Status<T> {}
