@@ -28,6 +28,9 @@ pub fn shift<T: Real>(u: &Five<T>, at: &Azimuth<T>) -> Pair<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sums<T> {
     force: Five<T>,
+    /// Radial force and moment that all balls may have in common, and what they have beyond.
+    common: Pair<T>,
+    beyond: Pair<T>,
     axial_axial: [T; 3],
     axial_radial: [T; 2],
     radial_axial: [T; 5],
@@ -37,10 +40,15 @@ pub struct Sums<T> {
 }
 
 impl<T: Real> Sums<T> {
-    /// All zero.
-    pub fn new() -> Self {
+    /// No balls yet. Radial force and moment are counted from `common`, about the mean of the
+    /// balls: cosines and sines add up to 0 over the azimuth, but rounded ones do not quite, and what
+    /// is left of a common force would tilt the ring, in single precision by more than a light
+    /// load shifts it.
+    pub fn about(common: Pair<T>) -> Self {
         Self {
             force: [T::ZERO; 5],
+            common,
+            beyond: [T::ZERO; 2],
             axial_axial: [T::ZERO; 3],
             axial_radial: [T::ZERO; 2],
             radial_axial: [T::ZERO; 5],
@@ -56,6 +64,9 @@ impl<T: Real> Sums<T> {
         let (c, s) = (at.cos, at.sin);
         let [fa, fr] = ball.force;
         let moment = fa - ball.couple;
+        let (fr, moment) = (fr - self.common[0], moment - self.common[1]);
+        self.beyond[0] += fr;
+        self.beyond[1] += moment;
         self.force[0] += fa;
         self.force[1] += fr * c;
         self.force[2] += fr * s;
@@ -89,6 +100,15 @@ impl<T: Real> Sums<T> {
         self.moment_radial[0] += mr_c * c;
         self.moment_radial[1] += mr_c * s;
         self.moment_radial[2] += mr_s * s;
+    }
+
+    /// Mean radial force and moment of `balls` balls.
+    #[inline(always)]
+    pub fn mean(&self, balls: T) -> Pair<T> {
+        [
+            self.common[0] + self.beyond[0] / balls,
+            self.common[1] + self.beyond[1] / balls,
+        ]
     }
 
     /// Force of the balls on the ring.
@@ -199,6 +219,17 @@ pub fn stiffness_out<T: Real>(c: &Constants<T>, tangent: &Tangent<T>) -> Tangent
     k
 }
 
+/// Whether a tangent resists every displacement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Definite {
+    /// It does.
+    Positive,
+    /// Some displacement meets no resistance.
+    Semi,
+    /// Some displacement is driven on.
+    No,
+}
+
 /// `L U` factors of a tangent, without pivoting: apart from friction, which is small, a tangent is
 /// symmetric and positive definite, and its rows are scaled alike.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -209,16 +240,20 @@ pub struct Factors<T> {
 
 impl<T: Real> Factors<T> {
     /// Factorises. A pivot below `least` of its diagonal element is replaced by that element, so
-    /// that the step in an undetermined direction stays bounded; the second value counts those.
+    /// that the step stays bounded, and reported.
     #[inline]
-    pub fn of(tangent: &Tangent<T>, least: T) -> (Self, u8) {
+    pub fn of(tangent: &Tangent<T>, least: T) -> (Self, Definite) {
         let mut lu = *tangent;
         let mut inverse_pivot = [T::ZERO; 5];
-        let mut replaced = 0;
+        let mut definite = Definite::Positive;
         for k in 0..5 {
             let diagonal = tangent[k][k].abs();
             if !(lu[k][k] > least * diagonal) || !(lu[k][k] > T::TINY) {
-                replaced += 1;
+                if lu[k][k] < -(least * diagonal) {
+                    definite = Definite::No;
+                } else if definite == Definite::Positive {
+                    definite = Definite::Semi;
+                }
                 lu[k][k] = diagonal.or_larger(T::EPSILON);
             }
             let inverse = T::ONE / lu[k][k];
@@ -232,7 +267,7 @@ impl<T: Real> Factors<T> {
                 }
             }
         }
-        (Self { lu, inverse_pivot }, replaced)
+        (Self { lu, inverse_pivot }, definite)
     }
 
     /// Solves `K x = b`.

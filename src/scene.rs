@@ -67,6 +67,14 @@ pub struct Drive<T> {
     pub catch: T,
 }
 
+impl<T: Real> Drive<T> {
+    /// Force of a ball that is caught.
+    #[inline(always)]
+    fn faint(&self) -> T {
+        self.catch * self.catch.sqrt()
+    }
+}
+
 /// How far from its equilibrium a linearised ball was.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Check<T> {
@@ -213,8 +221,10 @@ impl Motion for Static {
         _: Pair<T>,
         da: Pair<T>,
     ) -> T {
-        let small = drive.catch * drive.catch.sqrt();
-        if ball.lead.q > T::ZERO && ball.lead.follow(da) == Pull::Lets && ball.lead.q < small {
+        if ball.lead.q > T::ZERO
+            && ball.lead.follow(da) == Pull::Lets
+            && ball.lead.q < drive.faint()
+        {
             ball.lead.q = T::ZERO;
         }
         T::ZERO
@@ -440,12 +450,15 @@ impl<A: Attitude> Motion for AtSpeed<A> {
             && ball.inner_lead.follow(sub(da, dx)) == Pull::Lets
             && drive.speed_load > drive.negligible
         {
-            // Off the inner race only if the outer one holds it clear.
+            // Off the inner race if the outer one holds it clear, or if next to nothing is left
+            // of the force.
             let centre = ball.centre(add(a, da));
             let (free, fc) = free_ball(c, drive.speed_load, centre);
             let v = [centre[0], centre[1] - free];
             if dot(v, v) <= c.inner * c.inner {
                 ball.put([T::ZERO, free], T::ZERO, fc);
+            } else if ball.inner_lead.q < drive.faint() {
+                ball.inner_lead.q = T::ZERO;
             }
         }
         step

@@ -21,7 +21,7 @@
 
 use crate::constants::{Azimuth, Bearing, Constants};
 use crate::float::Real;
-use crate::ring::{self, Factors, Five, Sums, Tangent, shift};
+use crate::ring::{self, Definite, Factors, Five, Sums, Tangent, shift};
 use crate::scene::{AtSpeed, Drive, Motion, Position, curvature_centre};
 use crate::status::{Quantity, Status};
 
@@ -183,6 +183,8 @@ struct State<T> {
     position: Position<T>,
     tangent: Tangent<T>,
     force: Five<T>,
+    /// Mean radial force and moment of the balls.
+    mean: [T; 2],
     speed_load: T,
     /// Load of the last solve; its norm is 0 as long as there is none to start from.
     load: Five<T>,
@@ -196,6 +198,7 @@ impl<T: Real> State<T> {
         },
         tangent: [[T::ZERO; 5]; 5],
         force: [T::ZERO; 5],
+        mean: [T::ZERO; 2],
         speed_load: T::ZERO,
         load: [T::ZERO; 5],
     };
@@ -256,7 +259,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     fn sweep(&mut self, drive: &Drive<T>) -> Sweep<T> {
         // Beyond this imbalance a ball repeats its own step, a few times at most.
         let (bad, most) = (T::of(0.1), 3);
-        let mut sums = Sums::new();
+        let mut sums = Sums::about(self.state.mean);
         let mut total = Sweep::<T>::default();
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
@@ -277,6 +280,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             total.repeats = total.repeats.saturating_add(repeats);
         }
         self.state.force = sums.force();
+        self.state.mean = sums.mean(self.c.balls);
         self.state.tangent = sums.tangent();
         total
     }
@@ -367,6 +371,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 let step = step.or_smaller(T::of(0.2)).or_larger(T::of(-0.2));
                 M::follow(c, &drive, &mut ball, [offset, T::ZERO], [step, T::ZERO]);
                 offset += step;
+                self.state.mean = [share.force[1], share.force[0] - share.couple];
                 if check.imbalance < T::of(0.05) && step.abs() < T::of(0.02) * w * w {
                     break;
                 }
@@ -379,6 +384,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             }
             self.rebase();
         } else {
+            self.state.mean = [sign * q * c.n0[1].high / (s0 + x), sign * q];
             self.place(&[x, T::ZERO, T::ZERO, T::ZERO, T::ZERO], speed_load);
         }
     }
@@ -388,7 +394,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     fn step(&self, b: &Five<T>, longest: T) -> (Five<T>, bool) {
         let mut damping = T::ZERO;
         let mut singular = false;
-        let least = T::EPSILON;
+        let least = T::of(8.0) * T::EPSILON;
         let mut du = [T::ZERO; 5];
         // The damping grows to more than the step bound can need.
         for attempt in 0..14 {
@@ -396,10 +402,10 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             for (i, row) in tangent.iter_mut().enumerate() {
                 row[i] += damping;
             }
-            let (factors, replaced) = Factors::of(&tangent, least);
-            singular |= attempt == 0 && replaced > 0;
+            let (factors, definite) = Factors::of(&tangent, least);
+            singular |= attempt == 0 && definite == Definite::Semi;
             du = factors.solve(b);
-            if replaced == 0 && span(&du) <= longest {
+            if definite == Definite::Positive && span(&du) <= longest {
                 break;
             }
             damping = if attempt == 0 {
@@ -425,7 +431,10 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             residual: T::ONE,
         };
         let mut depth = share * share;
-        let mut last_change = T::ONE;
+        let mut last = T::ONE;
+        let mut last_residual = T::ONE;
+        let mut caution = T::ONE;
+        let mut singular_sweeps = 0u8;
         loop {
             let drive = Drive {
                 speed_load,
@@ -444,32 +453,47 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                     *unbalanced -= *force;
                 }
                 outcome.residual = norm(&b) / size;
+                // Sets of loaded balls that follow one another in a circle are broken by shorter
+                // steps.
+                if outcome.sweeps > 10 {
+                    if outcome.residual > last_residual {
+                        caution = caution * T::of(0.5);
+                    } else if outcome.residual < T::of(0.5) * last_residual {
+                        caution = (caution + caution).or_smaller(T::ONE);
+                    }
+                }
+                last_residual = outcome.residual;
                 let straight = (T::of(10.0) * depth.or_larger(share * share)).sqrt();
-                (du, singular) = self.step(&b, straight.or_smaller(T::of(0.3)));
+                (du, singular) = self.step(&b, caution * straight.or_smaller(T::of(0.3)));
             } else {
                 outcome.residual = T::ZERO;
             }
+            singular_sweeps = if singular {
+                singular_sweeps.saturating_add(1)
+            } else {
+                0
+            };
             let moved = self.follow(&drive, &du);
-            let change = span(&du).or_larger(moved).or_larger(sweep.lag);
-            if !change.is_finite() || !outcome.residual.is_finite() {
+            let change = span(&du).or_larger(sweep.lag);
+            if !change.is_finite() || !moved.is_finite() || !outcome.residual.is_finite() {
                 outcome.status = Status::Diverged {
                     residual: outcome.residual,
                 };
                 return outcome;
             }
             let enough = settings.tolerance * depth;
-            // Steps that no longer shrink, at the size of the working precision. That of the balls
-            // along their grooves may stay above the tolerance: it is of no consequence.
-            let exhausted = change <= T::EPSILON * T::of(4.0)
-                && change > T::of(0.25) * last_change
-                && sweep.lag <= enough;
-            let balanced = sweep.unbalanced <= T::of(1e-4) * sweep.largest;
-            if balanced && (change <= enough || exhausted) {
+            // What rounding leaves of a ball's motion along its grooves has no consequence; of the
+            // ring's motion, it ends the solve once it no longer shrinks.
+            let floor = T::EPSILON * T::of(4.0);
+            let settled =
+                sweep.unbalanced <= T::of(1e-4) * sweep.largest && moved <= enough.or_larger(floor);
+            let exhausted = change <= floor && change > T::of(0.25) * last;
+            if settled && (change <= enough || exhausted) {
                 outcome.status = if singular {
                     Status::Indeterminate {
                         loaded_balls: self.loaded_balls(speed_load),
                     }
-                } else if span(&du) <= enough {
+                } else if change <= enough {
                     Status::Converged
                 } else {
                     Status::PrecisionLimit
@@ -477,11 +501,17 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 return outcome;
             }
             if outcome.sweeps >= settings.max_sweeps {
+                if singular_sweeps > 3 {
+                    outcome.status = Status::Indeterminate {
+                        loaded_balls: self.loaded_balls(speed_load),
+                    };
+                }
                 return outcome;
             }
-            last_change = change;
+            last = change;
             // Offsets this large would cost digits of the deformations.
-            if span(&self.state.position.offset) > T::of(2e-3) || moved > T::of(2e-3) {
+            let far = T::of(2e-3);
+            if span(&self.state.position.offset) > far || moved > far {
                 self.rebase();
             }
         }

@@ -137,6 +137,13 @@ impl Equilibrium {
         errors
     }
 
+    /// Largest component of the displacement, m; tilts times the pitch radius.
+    pub fn largest_displacement(&self, pitch_radius: f64) -> f64 {
+        let unit = [1.0, 1.0, 1.0, pitch_radius, pitch_radius];
+        let lengths = self.displacement.iter().zip(unit).map(|(u, r)| u.abs() * r);
+        lengths.fold(0.0, worse)
+    }
+
     /// Largest contact force, N.
     pub fn largest_force(&self) -> f64 {
         self.balls

@@ -4,7 +4,7 @@ use host_tests::cases::{Case, public};
 use host_tests::compare::{Ball, Equilibrium, Errors, worse};
 use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::reference::Reference;
-use host_tests::tolerances::{TOLERANCES, allowed, allowed_of_reference};
+use host_tests::tolerances::{TOLERANCES, allowed, allowed_at, allowed_of_reference};
 use spindle_bearing::BallState;
 
 const PRECISIONS: [Precision; 2] = [Precision::F64, Precision::F32];
@@ -103,7 +103,11 @@ fn solve_and_judge(
     for &scene in scenes(case) {
         let name = format!("{}, {:?}, {scene:?}", case.name, case.attitude);
         match solve(case, precision, scene) {
-            Ok(found) => judgement.add(&name, judge(&found), allowed(precision)),
+            Ok(found) => {
+                let largest = found.equilibrium.largest_displacement(case.pitch_radius());
+                let allowed = allowed_at(precision, largest / case.design.centre_distance());
+                judgement.add(&name, judge(&found), allowed);
+            }
             Err(why) => judgement.unsolved(&name, &why),
         }
     }
