@@ -37,10 +37,10 @@ pub struct Settings<T> {
 }
 
 impl<T: Real> Default for Settings<T> {
-    /// 60 sweeps; a tolerance of 1e-5 in single and 1e-12 in double precision.
+    /// 100 sweeps; a tolerance of 1e-5 in single and 1e-12 in double precision.
     fn default() -> Self {
         Self {
-            max_sweeps: 60,
+            max_sweeps: 100,
             tolerance: T::TOLERANCE,
         }
     }
@@ -211,12 +211,51 @@ enum Given<T> {
     Displacement,
 }
 
-/// How a run of sweeps ended.
+/// How sweeps ended.
 struct Outcome<T> {
     status: Status<T>,
     sweeps: u16,
     repeats: u16,
     residual: T,
+    /// Last sweeps in a row whose tangent left a direction undetermined.
+    singular: u8,
+}
+
+impl<T: Real> Outcome<T> {
+    fn new() -> Self {
+        Self {
+            status: Status::SweepLimit,
+            sweeps: 0,
+            repeats: 0,
+            residual: T::ONE,
+            singular: 0,
+        }
+    }
+}
+
+/// Where a solve starts, in the order in which starts are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Attempt {
+    /// From the last solution.
+    Warm,
+    /// From the axisymmetric state.
+    Cold,
+    /// From there with more preload.
+    Preloaded,
+}
+
+impl Attempt {
+    const ALL: [Self; 3] = [Self::Warm, Self::Cold, Self::Preloaded];
+
+    /// Sweeps after which the next start is worth more than going on. From a start that is any good
+    /// most solves take fewer than 10.
+    const fn sweeps(self) -> u16 {
+        match self {
+            Self::Warm => 10,
+            Self::Cold => 45,
+            Self::Preloaded => u16::MAX,
+        }
+    }
 }
 
 fn norm<T: Real>(f: &Five<T>) -> T {
@@ -325,12 +364,12 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
 
     /// A start from nothing: the axisymmetric state under the axial load, plus so much preload that
     /// radial load and moment do not unload balls at first sight. From above, Newton on a 3/2 law
-    /// does not overshoot.
-    fn start(&mut self, load: &Five<T>, speed_load: T) {
+    /// does not overshoot. `preload` multiplies it.
+    fn start(&mut self, load: &Five<T>, speed_load: T, preload: T) {
         let c = self.c;
         let radial = (load[1] * load[1] + load[2] * load[2]).sqrt();
         let tilting = (load[3] * load[3] + load[4] * load[4]).sqrt();
-        let q = (load[0].abs() + T::of(0.5) * radial + tilting) / c.balls;
+        let q = preload * (load[0].abs() + T::of(0.5) * radial + tilting) / c.balls;
         let sign = if load[0] < T::ZERO { -T::ONE } else { T::ONE };
 
         // At rest: w^3 A1 / (1 + w^2) = q with w^2 the deformation of both contacts, by Newton from
@@ -417,24 +456,26 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         (du, singular)
     }
 
-    /// Sweeps until converged, or until the bound.
-    fn run(&mut self, given: &Given<T>, speed_load: T, settings: &Settings<T>) -> Outcome<T> {
+    /// Sweeps until converged, or until there were `until` of them.
+    fn run(
+        &mut self,
+        outcome: &mut Outcome<T>,
+        given: &Given<T>,
+        speed_load: T,
+        tolerance: T,
+        until: u16,
+    ) {
         let size = match given {
             Given::Load(load) => norm(load),
             Given::Displacement => T::ZERO,
         };
         let share = (size / self.c.balls).cbrt();
-        let mut outcome = Outcome {
-            status: Status::SweepLimit,
-            sweeps: 0,
-            repeats: 0,
-            residual: T::ONE,
-        };
+        let first = outcome.sweeps;
+        outcome.status = Status::SweepLimit;
         let mut depth = share * share;
         let mut last = T::ONE;
         let mut last_residual = T::ONE;
         let mut caution = T::ONE;
-        let mut singular_sweeps = 0u8;
         loop {
             let drive = Drive {
                 speed_load,
@@ -455,7 +496,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 outcome.residual = norm(&b) / size;
                 // Sets of loaded balls that follow one another in a circle are broken by shorter
                 // steps.
-                if outcome.sweeps > 10 {
+                if outcome.sweeps - first > 10 {
                     if outcome.residual > last_residual {
                         caution = caution * T::of(0.5);
                     } else if outcome.residual < T::of(0.5) * last_residual {
@@ -468,8 +509,8 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             } else {
                 outcome.residual = T::ZERO;
             }
-            singular_sweeps = if singular {
-                singular_sweeps.saturating_add(1)
+            outcome.singular = if singular {
+                outcome.singular.saturating_add(1)
             } else {
                 0
             };
@@ -479,9 +520,9 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 outcome.status = Status::Diverged {
                     residual: outcome.residual,
                 };
-                return outcome;
+                return;
             }
-            let enough = settings.tolerance * depth;
+            let enough = tolerance * depth;
             // What rounding leaves of a ball's motion along its grooves has no consequence; of the
             // ring's motion, it ends the solve once it no longer shrinks.
             let floor = T::EPSILON * T::of(4.0);
@@ -498,15 +539,10 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 } else {
                     Status::PrecisionLimit
                 };
-                return outcome;
+                return;
             }
-            if outcome.sweeps >= settings.max_sweeps {
-                if singular_sweeps > 3 {
-                    outcome.status = Status::Indeterminate {
-                        loaded_balls: self.loaded_balls(speed_load),
-                    };
-                }
-                return outcome;
+            if outcome.sweeps >= until {
+                return;
             }
             last = change;
             // Offsets this large would cost digits of the deformations.
@@ -578,24 +614,26 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
         let warm = self.is_near(&load, speed_load);
         let given = Given::Load(load);
         let mut run = self.iteration();
-        if !warm {
-            run.start(&load, speed_load);
-        }
-        let mut outcome = run.run(&given, speed_load, settings);
-        let left = settings.max_sweeps.saturating_sub(outcome.sweeps);
-        if warm && left > 0 && !matches!(outcome.status, Status::Converged | Status::PrecisionLimit)
-        {
-            run.start(&load, speed_load);
-            let settings = Settings {
-                max_sweeps: left,
-                ..*settings
-            };
-            let again = run.run(&given, speed_load, &settings);
-            outcome = Outcome {
-                sweeps: outcome.sweeps + again.sweeps,
-                repeats: outcome.repeats.saturating_add(again.repeats),
-                ..again
-            };
+        let mut outcome = Outcome::new();
+        for attempt in Attempt::ALL {
+            match attempt {
+                Attempt::Warm if !warm => continue,
+                Attempt::Warm => {}
+                Attempt::Cold => run.start(&load, speed_load, T::ONE),
+                Attempt::Preloaded => run.start(&load, speed_load, T::of(4.0)),
+            }
+            let until = outcome.sweeps.saturating_add(attempt.sweeps());
+            run.run(
+                &mut outcome,
+                &given,
+                speed_load,
+                settings.tolerance,
+                until.min(settings.max_sweeps.max(1)),
+            );
+            let failed = matches!(outcome.status, Status::SweepLimit | Status::Diverged { .. });
+            if !failed || outcome.sweeps >= settings.max_sweeps {
+                break;
+            }
         }
         self.conclude(outcome, load, speed_load)
     }
@@ -624,7 +662,14 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
         let u = ring::displacement_in(c, &displacement);
         let mut run = self.iteration();
         run.place(&u, speed_load);
-        let outcome = run.run(&Given::Displacement, speed_load, settings);
+        let mut outcome = Outcome::new();
+        run.run(
+            &mut outcome,
+            &Given::Displacement,
+            speed_load,
+            settings.tolerance,
+            settings.max_sweeps,
+        );
         let force = self.state.force;
         self.conclude(outcome, force, speed_load)
     }
@@ -675,6 +720,12 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
         self.state.load = load;
         match outcome.status {
             Status::Converged | Status::PrecisionLimit => {}
+            // Not for want of sweeps.
+            Status::SweepLimit if outcome.singular > 3 => {
+                let loaded_balls = self.iteration().loaded_balls(speed_load);
+                self.forget();
+                return Err(Status::Indeterminate { loaded_balls });
+            }
             Status::SweepLimit => self.state.load = [T::ZERO; 5],
             refusal => {
                 self.forget();
