@@ -20,6 +20,7 @@ use crate::hertz::HertzContact;
 
 /// A number and what rounding it to the working precision's coarse grid lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Split<T> {
     pub high: T,
     pub low: T,
@@ -27,6 +28,7 @@ pub struct Split<T> {
 
 /// Constants of a bearing that do not depend on its balls' azimuths.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Constants<T> {
     /// `(sin alpha0, cos alpha0)`.
     pub n0: [Split<T>; 2],
@@ -64,6 +66,7 @@ pub struct Constants<T> {
 
 /// Where one ball sits: cosine and sine of its azimuth, and what rounding to the coarse grid leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Azimuth<T> {
     pub cos: T,
     pub sin: T,
@@ -92,6 +95,7 @@ pub struct Azimuth<T> {
 /// assert_eq!(B7005C.ball_count(), 16);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bearing<T, const N: usize> {
     pub(crate) constants: Constants<T>,
     pub(crate) azimuths: [Azimuth<T>; N],

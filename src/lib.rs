@@ -8,24 +8,38 @@
 #[cfg(test)]
 extern crate std;
 
+#[forbid(unsafe_code)]
 mod ball;
+#[forbid(unsafe_code)]
 mod constants;
+#[forbid(unsafe_code)]
 mod contact;
+#[forbid(unsafe_code)]
 mod design;
+#[forbid(unsafe_code)]
 mod elementary;
+#[forbid(unsafe_code)]
 mod float;
+#[forbid(unsafe_code)]
 mod hertz;
+#[forbid(unsafe_code)]
 mod kinematics;
+#[forbid(unsafe_code)]
 mod ring;
+#[forbid(unsafe_code)]
 mod scene;
+#[forbid(unsafe_code)]
 mod solver;
 #[allow(unsafe_code)]
 mod sqrt;
+#[forbid(unsafe_code)]
 mod status;
 
 #[cfg(feature = "record")]
+#[forbid(unsafe_code)]
 pub mod estimate;
 #[cfg(feature = "record")]
+#[forbid(unsafe_code)]
 pub mod record;
 
 pub use constants::Bearing;

@@ -151,6 +151,22 @@ impl<T: Real, const N: usize, M: Motion> Solution<'_, T, N, M> {
     }
 }
 
+#[cfg(feature = "defmt")]
+impl<T: Real, const N: usize, M: Motion> defmt::Format for Solution<'_, T, N, M> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "{} after {} sweeps, residual {}; displacement {}, load {}, stiffness {}",
+            self.status,
+            self.sweeps,
+            self.residual,
+            self.displacement,
+            self.load,
+            self.stiffness
+        );
+    }
+}
+
 /// A solver for one bearing: borrows its constants and owns the state that warm-starts the next
 /// solve.
 ///
@@ -733,14 +749,24 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
             }
         }
         let c = &self.bearing.constants;
+        let displacement = ring::displacement_out(c, &self.state.position.total());
+        let load = ring::load_out(c, &self.state.force);
+        let stiffness = ring::stiffness_out(c, &self.state.tangent);
+        let finite = |values: &Five<T>| values.iter().all(|x| x.is_finite());
+        if !(finite(&displacement) && finite(&load) && stiffness.iter().all(finite)) {
+            self.forget();
+            return Err(Status::Diverged {
+                residual: outcome.residual,
+            });
+        }
         Ok(Solution {
             status: outcome.status,
             sweeps: outcome.sweeps,
             repeats: outcome.repeats,
             residual: outcome.residual,
-            displacement: ring::displacement_out(c, &self.state.position.total()),
-            load: ring::load_out(c, &self.state.force),
-            stiffness: ring::stiffness_out(c, &self.state.tangent),
+            displacement,
+            load,
+            stiffness,
             solver: self,
         })
     }

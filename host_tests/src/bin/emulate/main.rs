@@ -8,15 +8,15 @@
 //! | `loads` | reads the recorded loads |
 //! | `emulator` | the running board: bytes in, lines of its log out |
 //! | `report` | a line of the log as fields, and as a row of the table |
-//! | `session` | records out, answers back, and the comparison |
+//! | `exchange` | records out, answers back, and the comparison |
 
 mod emulator;
+mod exchange;
 mod firmware;
 mod loads;
 #[path = "../../../../examples/monitored.rs"]
 mod monitored;
 mod report;
-mod session;
 mod toolchain;
 
 use anyhow::{Context, Result};
@@ -79,7 +79,7 @@ fn main() -> ExitCode {
         Ok(ready) => ready,
         Err(error) => return fail(&error, NOT_STARTED),
     };
-    match session::run(&plan, &firmware, &emulator) {
+    match exchange::run(&plan, &firmware, &emulator) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => fail(&error, DISAGREEMENT),
     }
@@ -92,7 +92,7 @@ fn fail(error: &anyhow::Error, status: u8) -> ExitCode {
 
 fn prepare(
     arguments: &Arguments,
-) -> Result<(session::Plan, firmware::Firmware, toolchain::Emulator)> {
+) -> Result<(exchange::Plan, firmware::Firmware, toolchain::Emulator)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .context("the project has no root folder")?;
@@ -110,7 +110,7 @@ fn prepare(
     let every = arguments
         .every
         .map_or_else(|| records.len().div_ceil(100), |n| n as usize);
-    let plan = session::Plan {
+    let plan = exchange::Plan {
         records,
         corrupt: arguments.corrupt,
         every,
