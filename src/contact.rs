@@ -189,6 +189,12 @@ impl<T: Real> Lead<T> {
         self.delta = contact.geometric_delta();
     }
 
+    /// Makes the present force the one to go on from without a linearisation in between.
+    #[inline(always)]
+    pub fn rest(&mut self) {
+        self.linear = self.q;
+    }
+
     /// Follows the contact's motion `d`. A force never falls below a tenth at once: the 3/2 law
     /// seen from a large force points below zero long before the contact opens.
     #[inline(always)]

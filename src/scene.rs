@@ -112,6 +112,9 @@ pub trait Motion: sealed::Sealed + 'static {
         ball: &mut Self::Ball<T>,
         a: Pair<T>,
     ) -> (Share<T>, Check<T>);
+    /// Forgets the Newton step of a ball that has made it, but not its slope.
+    #[doc(hidden)]
+    fn rest<T: Real>(ball: &mut Self::Ball<T>);
     /// Follows a step `da` of the ring from its offset `a`; returns the ball's own step.
     #[doc(hidden)]
     fn follow<T: Real>(
@@ -211,6 +214,11 @@ impl Motion for Static {
             couple_slope: [T::ZERO; 2],
         };
         (share, check)
+    }
+
+    #[inline(always)]
+    fn rest<T: Real>(ball: &mut Spring<T>) {
+        ball.lead.rest();
     }
 
     #[inline(always)]
@@ -418,6 +426,13 @@ impl<A: Attitude> Motion for AtSpeed<A> {
             delta: pass.inner.delta,
         };
         (share, check)
+    }
+
+    #[inline(always)]
+    fn rest<T: Real>(ball: &mut Ball<T>) {
+        ball.step = [T::ZERO; 2];
+        ball.inner_lead.rest();
+        ball.outer_lead.rest();
     }
 
     #[inline]

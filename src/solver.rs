@@ -14,6 +14,10 @@
 //! - A ball that is badly off by itself (just off a race, or just caught by it) repeats its own
 //!   Newton step a few times within the sweep.
 //!
+//! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved by its
+//! own stiffness to the new load, if that is near; the axisymmetric state; the same with more preload.
+//! A start that has not led to a solution after some sweeps makes room for the next.
+//!
 //! With inertia and friction forces frozen, the equilibrium minimises a convex function of ring and
 //! ball positions jointly (contact energies are convex and increasing functions of distances, and the
 //! groove centres move affinely with the ring), so that there is one equilibrium and no trap on the
@@ -444,6 +448,24 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         }
     }
 
+    /// Moves a solved bearing to where its stiffness sees it under a new load.
+    fn predict(&mut self, load: &Five<T>, speed_load: T) {
+        let mut change = *load;
+        for (new, old) in change.iter_mut().zip(&self.state.load) {
+            *new -= *old;
+        }
+        for ball in self.balls.iter_mut() {
+            M::rest(ball);
+        }
+        let (du, _) = self.step(&change, T::of(0.1));
+        let drive = Drive {
+            speed_load,
+            negligible: T::EPSILON * norm(load),
+            catch: T::ZERO,
+        };
+        self.follow(&drive, &du);
+    }
+
     /// The step of the ring under the unbalanced load `b`, no longer than `longest`; the second value
     /// tells whether the tangent left a direction undetermined.
     fn step(&self, b: &Five<T>, longest: T) -> (Five<T>, bool) {
@@ -634,7 +656,7 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
         for attempt in Attempt::ALL {
             match attempt {
                 Attempt::Warm if !warm => continue,
-                Attempt::Warm => {}
+                Attempt::Warm => run.predict(&load, speed_load),
                 Attempt::Cold => run.start(&load, speed_load, T::ONE),
                 Attempt::Preloaded => run.start(&load, speed_load, T::of(4.0)),
             }
