@@ -7,6 +7,42 @@ use serde::Deserialize;
 use spindle_bearing::{Design, FreeContact, Material};
 use std::f64::consts::{PI, TAU};
 
+/// Large, and turned fast for its size: gyroscopic moments matter.
+pub const B218: Design = Design {
+    ball_diameter: 22.23e-3,
+    pitch_diameter: 125.26e-3,
+    inner_groove_factor: 0.5232,
+    outer_groove_factor: 0.5232,
+    free_contact: FreeContact::Angle(40.0 * PI / 180.0),
+    first_ball: 0.0,
+    ring: Material::STEEL,
+    ball: Material::STEEL,
+};
+
+/// A spindle bearing, of steel throughout.
+pub const B7005C: Design = Design {
+    ball_diameter: 6.35e-3,
+    pitch_diameter: 36e-3,
+    inner_groove_factor: 0.515,
+    outer_groove_factor: 0.525,
+    free_contact: FreeContact::Angle(15.0 * PI / 180.0),
+    first_ball: 0.0,
+    ring: Material::STEEL,
+    ball: Material::STEEL,
+};
+
+/// A deep groove bearing with a small clearance.
+pub const SKF6205: Design = Design {
+    ball_diameter: 7.938e-3,
+    pitch_diameter: 39.04e-3,
+    inner_groove_factor: 0.52,
+    outer_groove_factor: 0.52,
+    free_contact: FreeContact::DiametralClearance(10e-6),
+    first_ball: 0.0,
+    ring: Material::STEEL,
+    ball: Material::STEEL,
+};
+
 /// The file of solved cases; `README.md` beside it says what is in it.
 pub const PUBLIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/public.json");
 

@@ -1,53 +1,19 @@
 //! Laws that hold whatever the numbers are, and figures known from elsewhere.
 
-use host_tests::cases::rad_per_s;
+use host_tests::cases::{B218, B7005C, SKF6205, rad_per_s};
 use host_tests::compare::{Ball, Equilibrium, stiffness_error, worse};
 use host_tests::dispatch::Precision;
 use host_tests::tolerances::allowed;
 use proptest::prelude::*;
 use spindle_bearing::{
-    AtSpeed, BallState, Bearing, Design, FreeContact, InnerRaceControl, Material, Motion,
-    OuterRaceControl, RacewayControlFree, Real, Settings, Solution, Solver, Static, Status,
+    AtSpeed, BallState, Bearing, Design, FreeContact, InnerRaceControl, Motion, OuterRaceControl,
+    RacewayControlFree, Real, Settings, Solution, Solver, Static, Status,
 };
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 type Free = AtSpeed<RacewayControlFree>;
 type Outer = AtSpeed<OuterRaceControl>;
 type Inner = AtSpeed<InnerRaceControl>;
-
-/// Large, and turned fast for its size: gyroscopic moments matter.
-const B218: Design = Design {
-    ball_diameter: 22.23e-3,
-    pitch_diameter: 125.26e-3,
-    inner_groove_factor: 0.5232,
-    outer_groove_factor: 0.5232,
-    free_contact: FreeContact::Angle(40.0 * PI / 180.0),
-    first_ball: 0.0,
-    ring: Material::STEEL,
-    ball: Material::STEEL,
-};
-
-const B7005C: Design = Design {
-    ball_diameter: 6.35e-3,
-    pitch_diameter: 36e-3,
-    inner_groove_factor: 0.515,
-    outer_groove_factor: 0.525,
-    free_contact: FreeContact::Angle(15.0 * PI / 180.0),
-    first_ball: 0.0,
-    ring: Material::STEEL,
-    ball: Material::STEEL,
-};
-
-const SKF6205: Design = Design {
-    ball_diameter: 7.938e-3,
-    pitch_diameter: 39.04e-3,
-    inner_groove_factor: 0.52,
-    outer_groove_factor: 0.52,
-    free_contact: FreeContact::DiametralClearance(10e-6),
-    first_ball: 0.0,
-    ring: Material::STEEL,
-    ball: Material::STEEL,
-};
 
 /// A load without any symmetry, for the B7005C.
 const SKEW: [f64; 5] = [1000.0, 200.0, -80.0, 0.7, 3.0];

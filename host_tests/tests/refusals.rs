@@ -1,25 +1,14 @@
 //! Input without an answer: what is said to it, and that the solver survives it.
 
-use host_tests::cases::rad_per_s;
+use host_tests::cases::{B7005C, rad_per_s};
 use proptest::prelude::*;
 use spindle_bearing::{
-    AtSpeed, Bearing, Design, DesignError, FreeContact, InnerRaceControl, Material, Motion,
-    OuterRaceControl, Quantity, RacewayControlFree, Real, Settings, Solver, Static, Status,
+    AtSpeed, Bearing, Design, DesignError, FreeContact, InnerRaceControl, Motion, OuterRaceControl,
+    Quantity, RacewayControlFree, Real, Settings, Solver, Static, Status,
 };
 use std::f64::consts::PI;
 
 type Free = AtSpeed<RacewayControlFree>;
-
-const DESIGN: Design = Design {
-    ball_diameter: 6.35e-3,
-    pitch_diameter: 36e-3,
-    inner_groove_factor: 0.515,
-    outer_groove_factor: 0.525,
-    free_contact: FreeContact::Angle(15.0 * PI / 180.0),
-    first_ball: 0.0,
-    ring: Material::STEEL,
-    ball: Material::STEEL,
-};
 
 const LOAD: [f64; 5] = [1000.0, 200.0, -80.0, 0.7, 3.0];
 
@@ -45,7 +34,7 @@ fn build<T: Real, const N: usize>(design: &Design) -> Bearing<T, N> {
 
 /// What a fresh solver says to a load.
 fn answer<T: Real, M: Motion>(load: [f64; 5], omega: f64) -> Result<(), Status<T>> {
-    let bearing = build::<T, 16>(&DESIGN);
+    let bearing = build::<T, 16>(&B7005C);
     let mut solver = Solver::<T, 16, M>::new(&bearing);
     solver
         .solve(load.map(T::of), T::of(omega), &Settings::default())
@@ -119,7 +108,7 @@ fn an_absurd_load_or_speed_is_out_of_range() {
 
 #[test]
 fn the_law_names_a_displacement_that_is_not_finite_or_out_of_range() {
-    let bearing = build::<f64, 16>(&DESIGN);
+    let bearing = build::<f64, 16>(&B7005C);
     let mut solver = Solver::<f64, 16, Free>::new(&bearing);
     let settings = Settings::default();
     for (i, expected) in DISPLACEMENTS.into_iter().enumerate() {
@@ -169,7 +158,7 @@ fn a_ring_on_one_or_two_balls_is_indeterminate() {
         let design = Design {
             free_contact: FreeContact::DiametralClearance(clearance),
             first_ball,
-            ..DESIGN
+            ..B7005C
         };
         let cosine = 1.0 - clearance / (2.0 * design.centre_distance());
         let li = (design.inner_groove_factor - 0.5) * design.ball_diameter;
@@ -218,7 +207,7 @@ fn a_refusal_says_what_and_how_much() {
 
 #[test]
 fn a_refusal_leaves_the_solver_as_it_was() {
-    let bearing = build::<f64, 16>(&DESIGN);
+    let bearing = build::<f64, 16>(&B7005C);
     let settings = Settings::default();
     let omega = rad_per_s(20_000.0);
     let mut refused = Solver::<f64, 16, Free>::new(&bearing);
@@ -257,7 +246,7 @@ fn a_refusal_leaves_the_solver_as_it_was() {
 // Designs
 
 fn refusal(change: impl FnOnce(&mut Design)) -> DesignError {
-    let mut design = DESIGN;
+    let mut design = B7005C;
     change(&mut design);
     let double = Bearing::<f64, 16>::build(&design);
     let single = Bearing::<f32, 16>::build(&design);
@@ -343,7 +332,7 @@ fn a_design_with_a_number_that_is_none_is_refused_by_its_name() {
 #[test]
 fn a_design_with_a_zero_is_refused_where_it_means_nothing() {
     for ((quantity, set), may_be_zero) in FIELDS {
-        let mut design = DESIGN;
+        let mut design = B7005C;
         set(&mut design, 0.0);
         match Bearing::<f64, 16>::build(&design) {
             Ok(_) => assert!(may_be_zero, "{quantity} = 0 was accepted"),
@@ -379,13 +368,13 @@ fn a_clearance_beyond_the_grooves_is_refused() {
 #[test]
 fn balls_do_not_overlap() {
     // Sixteen balls touch at D = dm sin(pi / 16).
-    let touching = DESIGN.pitch_diameter * (PI / 16.0).sin();
+    let touching = B7005C.pitch_diameter * (PI / 16.0).sin();
     let error = refusal(|d| d.ball_diameter = 1.001 * touching);
     assert_eq!(error.quantity, Quantity::BallDiameter);
     assert!((error.most / touching - 1.0).abs() < 1e-12, "{error}");
     let just_so = Design {
         ball_diameter: 0.999 * touching,
-        ..DESIGN
+        ..B7005C
     };
     assert!(Bearing::<f64, 16>::build(&just_so).is_ok());
 }
@@ -404,7 +393,7 @@ fn a_groove_no_wider_than_the_ball_is_refused() {
 
 #[test]
 fn two_balls_are_no_bearing() {
-    let error = Bearing::<f64, 2>::build(&DESIGN).unwrap_err();
+    let error = Bearing::<f64, 2>::build(&B7005C).unwrap_err();
     assert_eq!(error.quantity, Quantity::BallCount);
     assert_eq!((error.value, error.least), (2.0, 3.0));
 }
@@ -487,7 +476,7 @@ proptest! {
     fn no_answer_contains_what_is_not_a_number_whatever_comes_in(
         load in proptest::array::uniform5(any_number()), omega in any_number(),
     ) {
-        let (single, double) = (build::<f32, 16>(&DESIGN), build::<f64, 16>(&DESIGN));
+        let (single, double) = (build::<f32, 16>(&B7005C), build::<f64, 16>(&B7005C));
         assert_sound::<f32, Free>(&single, load, omega);
         assert_sound::<f64, Free>(&double, load, omega);
         assert_sound::<f32, Static>(&single, load, omega);
@@ -498,7 +487,7 @@ proptest! {
         load in plausible_load(), rpm in prop_oneof![Just(0.0), 0.0..100_000.0f64],
     ) {
         let omega = rad_per_s(rpm);
-        let (single, double) = (build::<f32, 16>(&DESIGN), build::<f64, 16>(&DESIGN));
+        let (single, double) = (build::<f32, 16>(&B7005C), build::<f64, 16>(&B7005C));
         assert_sound::<f32, Free>(&single, load, omega);
         assert_sound::<f32, AtSpeed<OuterRaceControl>>(&single, load, omega);
         assert_sound::<f32, AtSpeed<InnerRaceControl>>(&single, load, omega);
