@@ -409,7 +409,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 break;
             }
         }
-        let mut x = sign * axial(w * w) - s0;
+        let x = sign * axial(w * w) - s0;
 
         // At speed: one ball stands for all.
         if M::AT_SPEED {
@@ -418,11 +418,21 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 negligible: T::EPSILON * q * c.balls,
                 catch: T::of(1e-3),
             };
+            let mut position = Position::default();
+            position.offset[0] = x;
+            position.rebase();
+            let top = Azimuth {
+                cos: T::ONE,
+                sin: T::ZERO,
+                cos_low: T::ZERO,
+                sin_low: T::ZERO,
+            };
+            let (coarse, fine) = curvature_centre(c, &position.reference, &top);
             let mut ball = M::Ball::<T>::default();
-            let centre = [s0 + x, c.n0[1].high];
+            let mut offset = position.offset[0];
+            let centre = [coarse[0] + fine[0] + offset, coarse[1] + fine[1]];
             M::place(c, speed_load, &mut ball, centre);
-            M::rebase(c, &mut ball, centre, [T::ZERO; 2]);
-            let mut offset = T::ZERO;
+            M::rebase(c, &mut ball, coarse, fine);
             for _ in 0..12 {
                 let (share, check) = M::linearise(c, &drive, &mut ball, [offset, T::ZERO]);
                 let step =
@@ -435,9 +445,8 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                     break;
                 }
             }
-            x += offset;
-            self.state.position = Position::default();
-            self.state.position.offset[0] = x;
+            position.offset[0] = offset;
+            self.state.position = position;
             for other in self.balls.iter_mut() {
                 *other = ball;
             }
