@@ -18,9 +18,7 @@ use crate::constants::Constants;
 use crate::contact::{Contact, Lead, Pair, Reference, add, dot, scale, sub};
 use crate::float::Real;
 use crate::kinematics::{Attitude, BallMotion};
-
-/// 2x2 matrix, by rows.
-pub type Square<T> = [Pair<T>; 2];
+use crate::spring::{Spring, Square};
 
 /// What one ball hands to the ring for the present displacement, elimination done.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +57,14 @@ pub struct Ball<T> {
     pub step: Pair<T>,
     /// Its derivative by `A`.
     pub slope: Square<T>,
+    /// Centrifugal force.
+    pub fling: T,
+    /// Derivatives by the speed load: of the ball's position, and of what it hands to the ring.
+    pub step_by_speed: Pair<T>,
+    pub force_by_speed: Pair<T>,
+    pub couple_by_speed: T,
+    /// What the ring knows of the ball between linearisations.
+    pub spring: Spring<T>,
     /// Forces of the inner and the outer contact, as unknowns of their own.
     pub inner_lead: Lead<T>,
     pub outer_lead: Lead<T>,
@@ -311,9 +317,39 @@ impl<T: Real> Ball<T> {
             scale(inner.q + inner.slope * inner.lag, ni),
             scale(friction, ti),
         );
+        let force = sub(force, force_step);
+        self.fling = l.centrifugal;
+        // At a higher speed all inertia loads grow alike.
+        let per_load = if speed_load > T::ZERO {
+            T::ONE / speed_load
+        } else {
+            T::ZERO
+        };
+        let by_speed = scale(
+            per_load,
+            inertia(l.inner_friction, l.outer_friction, l.centrifugal),
+        );
+        self.step_by_speed = [
+            dot(minus_inverse[0], by_speed),
+            dot(minus_inverse[1], by_speed),
+        ];
+        let friction_by_speed = l.inner_friction * per_load + dot(by_x, self.step_by_speed);
+        self.couple_by_speed = c.friction_arm * friction_by_speed;
+        self.force_by_speed = [
+            ti[0] * friction_by_speed - dot(elastic[0], self.step_by_speed),
+            ti[1] * friction_by_speed - dot(elastic[1], self.step_by_speed),
+        ];
+        self.spring = if inner.q > T::ZERO {
+            let carried = add(scale(inner.q, ni), scale(l.inner_friction, ti));
+            let along = l.centrifugal * c.inner;
+            Spring::of(&inner, &outer, carried, force, &stiffness, along)
+        } else {
+            let gap = inner.delta - dot(ni, self.step);
+            Spring::open(ni, c.ki, gap, T::of(0.5) * ri)
+        };
         (
             Share {
-                force: sub(force, force_step),
+                force,
                 couple: c.friction_arm * (friction + friction_step),
                 stiffness,
                 couple_slope: scale(c.friction_arm, couple_slope),

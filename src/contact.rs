@@ -165,7 +165,7 @@ pub struct Lead<T> {
     /// its direction, and the deformation by geometry.
     linear: T,
     slope: T,
-    normal: Pair<T>,
+    pub normal: Pair<T>,
     delta: T,
 }
 
@@ -187,12 +187,6 @@ impl<T: Real> Lead<T> {
         self.slope = contact.slope;
         self.normal = contact.normal();
         self.delta = contact.geometric_delta();
-    }
-
-    /// Makes the present force the one to go on from without a linearisation in between.
-    #[inline(always)]
-    pub fn rest(&mut self) {
-        self.linear = self.q;
     }
 
     /// Follows the contact's motion `d`. A force never falls below a tenth at once: the 3/2 law

@@ -162,7 +162,7 @@ macro_rules! real {
 // 1.5 * 2^(mantissa bits - n) rounds to multiples of 2^-n: n = 11 and 22, 26 and 50.
 real!(
     f32,
-    1e-5,
+    2e-5,
     crate::sqrt::sqrt_f32,
     0x2a51_37a0,
     2,

@@ -30,6 +30,8 @@ mod ring;
 mod scene;
 #[forbid(unsafe_code)]
 mod solver;
+#[forbid(unsafe_code)]
+mod spring;
 #[allow(unsafe_code)]
 mod sqrt;
 #[forbid(unsafe_code)]
@@ -48,5 +50,5 @@ pub use float::Real;
 pub use hertz::{HertzContact, elliptic_integrals};
 pub use kinematics::{Attitude, InnerRaceControl, OuterRaceControl, RacewayControlFree};
 pub use scene::{AtSpeed, Motion, Static};
-pub use solver::{BallState, Settings, Solution, Solver};
+pub use solver::{BallState, ErrorEstimate, Settings, Solution, Solver};
 pub use status::{Quantity, Status};

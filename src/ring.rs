@@ -239,8 +239,8 @@ pub struct Factors<T> {
 }
 
 impl<T: Real> Factors<T> {
-    /// Factorises. A pivot below `least` of its diagonal element is replaced by that element, so
-    /// that the step stays bounded, and reported.
+    /// Factorises. A pivot smaller than `least` of its diagonal element is replaced by that element,
+    /// so that the step stays bounded, and reported.
     #[inline]
     pub fn of(tangent: &Tangent<T>, least: T) -> (Self, Definite) {
         let mut lu = *tangent;
@@ -248,13 +248,14 @@ impl<T: Real> Factors<T> {
         let mut definite = Definite::Positive;
         for k in 0..5 {
             let diagonal = tangent[k][k].abs();
-            if !(lu[k][k] > least * diagonal) || !(lu[k][k] > T::TINY) {
-                if lu[k][k] < -(least * diagonal) {
-                    definite = Definite::No;
-                } else if definite == Definite::Positive {
+            let pivot = lu[k][k];
+            if !(pivot.abs() > least * diagonal) || !(pivot.abs() > T::TINY) {
+                if definite == Definite::Positive {
                     definite = Definite::Semi;
                 }
                 lu[k][k] = diagonal.or_larger(T::EPSILON);
+            } else if pivot < T::ZERO {
+                definite = Definite::No;
             }
             let inverse = T::ONE / lu[k][k];
             inverse_pivot[k] = inverse;

@@ -6,10 +6,11 @@
 
 use crate::ball::{Ball, Loads, Pass, Share};
 use crate::constants::{Azimuth, Constants, Split};
-use crate::contact::{Contact, Lead, Pair, Pull, Reference, add, dot, length, scale, sub};
+use crate::contact::{Contact, Pair, Pull, Reference, add, dot, length, scale, sub};
 use crate::float::Real;
 use crate::kinematics::{Attitude, RacewayControlFree};
 use crate::ring::Five;
+use crate::spring::{Reaction, Spring, tension};
 use core::marker::PhantomData;
 
 mod sealed {
@@ -63,31 +64,32 @@ pub struct Drive<T> {
     pub speed_load: T,
     /// A force so small that the working precision cannot tell it beside the bearing's load.
     pub negligible: T,
-    /// Depth from which a free ball counts as caught again by the inner race.
-    pub catch: T,
 }
 
-impl<T: Real> Drive<T> {
-    /// Force of a ball that is caught.
-    #[inline(always)]
-    fn faint(&self) -> T {
-        self.catch * self.catch.sqrt()
-    }
-}
-
-/// How far from its equilibrium a linearised ball was.
+/// What a step of ring and balls changes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Check<T> {
-    /// Unbalanced force over the ball's largest force, plus lag over deformation.
-    pub imbalance: T,
-    /// Unbalanced force.
-    pub unbalanced: T,
-    /// Largest force on the ball.
-    pub largest: T,
-    /// Largest lag of a contact.
-    pub lag: T,
-    /// Deformation of the inner contact (at rest: of both).
-    pub delta: T,
+pub struct Change<T> {
+    /// Largest step of a ball.
+    pub step: T,
+    /// Change of stiffness, axial and radial, summed over the balls.
+    pub stiffness: Pair<T>,
+}
+
+impl<T: Real> Change<T> {
+    /// A contact that reacted as `reaction`, and whose normal turned by `turn`.
+    #[inline(always)]
+    fn of(step: T, normal: Pair<T>, spring: &Spring<T>, reaction: &Reaction<T>, turn: T) -> Self {
+        let slope = spring.slope_change(reaction);
+        let larger = spring.larger_slope(reaction);
+        let turned = (larger + larger) * (turn * normal[0] * normal[1]).abs();
+        Self {
+            step,
+            stiffness: [
+                slope * normal[0] * normal[0] + turned,
+                slope * normal[1] * normal[1] + turned,
+            ],
+        }
+    }
 }
 
 /// How the balls move: [`Static`] or [`AtSpeed`]. Sealed.
@@ -104,18 +106,27 @@ pub trait Motion: sealed::Sealed + 'static {
     /// Refers a ball to a ring reference at which the inner groove's centre is at `coarse + fine`.
     #[doc(hidden)]
     fn rebase<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, coarse: Pair<T>, fine: Pair<T>);
-    /// Linearises the ball at the ring's offset `a`.
+    /// Linearises the ball at the ring's offset `a`. The second value is how far it was from its own
+    /// equilibrium: unbalanced force over the largest, plus lag over deformation.
     #[doc(hidden)]
     fn linearise<T: Real>(
         c: &Constants<T>,
         drive: &Drive<T>,
         ball: &mut Self::Ball<T>,
         a: Pair<T>,
-    ) -> (Share<T>, Check<T>);
-    /// Forgets the Newton step of a ball that has made it, but not its slope.
+    ) -> (Share<T>, T);
+    /// The ball's law in the last linearisation.
     #[doc(hidden)]
-    fn rest<T: Real>(ball: &mut Self::Ball<T>);
-    /// Follows a step `da` of the ring from its offset `a`; returns the ball's own step.
+    fn spring<T: Real>(ball: &Self::Ball<T>) -> &Spring<T>;
+    /// Makes the ball's own Newton step, the ring at rest.
+    #[doc(hidden)]
+    fn settle<T: Real>(ball: &mut Self::Ball<T>);
+    /// Forgets the Newton step of a ball that has made it, and takes one that follows a change of the
+    /// speed load instead; returns the change of what it hands to the ring (as [`Share`], without
+    /// stiffness).
+    #[doc(hidden)]
+    fn accelerate<T: Real>(ball: &mut Self::Ball<T>, by: T) -> Share<T>;
+    /// Follows a step `da` of the ring from its offset `a`.
     #[doc(hidden)]
     fn follow<T: Real>(
         c: &Constants<T>,
@@ -123,7 +134,7 @@ pub trait Motion: sealed::Sealed + 'static {
         ball: &mut Self::Ball<T>,
         a: Pair<T>,
         da: Pair<T>,
-    ) -> T;
+    ) -> Change<T>;
     /// State of the ball for reports.
     #[doc(hidden)]
     fn observe<T: Real>(
@@ -165,20 +176,22 @@ const fn one<T: Real>() -> Split<T> {
 
 /// A ball at rest: the inner groove's curvature centre as seen from the outer one's.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Spring<T> {
+pub struct Still<T> {
     pub centres: Reference<T>,
-    pub lead: Lead<T>,
+    /// Its force, which leads the geometry.
+    pub force: T,
+    pub spring: Spring<T>,
 }
 
 impl Motion for Static {
-    type Ball<T: Real> = Spring<T>;
+    type Ball<T: Real> = Still<T>;
     const AT_SPEED: bool = false;
 
     #[inline(always)]
-    fn place<T: Real>(_: &Constants<T>, _: T, _: &mut Spring<T>, _: Pair<T>) {}
+    fn place<T: Real>(_: &Constants<T>, _: T, _: &mut Still<T>, _: Pair<T>) {}
 
     #[inline(always)]
-    fn rebase<T: Real>(_: &Constants<T>, ball: &mut Spring<T>, coarse: Pair<T>, fine: Pair<T>) {
+    fn rebase<T: Real>(_: &Constants<T>, ball: &mut Still<T>, coarse: Pair<T>, fine: Pair<T>) {
         ball.centres = Reference::at(coarse, fine, one());
     }
 
@@ -186,19 +199,13 @@ impl Motion for Static {
     fn linearise<T: Real>(
         _: &Constants<T>,
         _: &Drive<T>,
-        ball: &mut Spring<T>,
+        ball: &mut Still<T>,
         a: Pair<T>,
-    ) -> (Share<T>, Check<T>) {
-        let k = Contact::at(&ball.centres, a, T::ONE, T::ONE).led_by(ball.lead.q, T::ONE);
-        ball.lead.remember(&k);
-        let check = Check {
-            lag: k.lag.abs(),
-            delta: k.delta,
-            largest: k.q,
-            ..Check::default()
-        };
+    ) -> (Share<T>, T) {
+        let k = Contact::at(&ball.centres, a, T::ONE, T::ONE).led_by(ball.force, T::ONE);
+        ball.spring = Spring::at_rest(&k);
         if k.q <= T::ZERO {
-            return (Share::NONE, check);
+            return (Share::NONE, T::ZERO);
         }
         // H = dQ/d delta n n + Q/|A| t t.
         let across = k.q * k.inverse_radius;
@@ -213,33 +220,40 @@ impl Motion for Static {
             ],
             couple_slope: [T::ZERO; 2],
         };
-        (share, check)
+        (share, T::ZERO)
     }
 
     #[inline(always)]
-    fn rest<T: Real>(ball: &mut Spring<T>) {
-        ball.lead.rest();
+    fn spring<T: Real>(ball: &Still<T>) -> &Spring<T> {
+        &ball.spring
+    }
+
+    #[inline(always)]
+    fn settle<T: Real>(_: &mut Still<T>) {}
+
+    #[inline(always)]
+    fn accelerate<T: Real>(ball: &mut Still<T>, _: T) -> Share<T> {
+        ball.spring.rest([T::ZERO; 2]);
+        Share::NONE
     }
 
     #[inline(always)]
     fn follow<T: Real>(
         _: &Constants<T>,
-        drive: &Drive<T>,
-        ball: &mut Spring<T>,
+        _: &Drive<T>,
+        ball: &mut Still<T>,
         _: Pair<T>,
         da: Pair<T>,
-    ) -> T {
-        if ball.lead.q > T::ZERO
-            && ball.lead.follow(da) == Pull::Lets
-            && ball.lead.q < drive.faint()
-        {
-            ball.lead.q = T::ZERO;
-        }
-        T::ZERO
+    ) -> Change<T> {
+        let normal = ball.spring.normal;
+        let reaction = ball.spring.react(da);
+        ball.force = reaction.force;
+        let turn = normal[1] * da[0] - normal[0] * da[1];
+        Change::of(T::ZERO, normal, &ball.spring, &reaction, turn)
     }
 
     #[inline]
-    fn observe<T: Real>(c: &Constants<T>, _: T, ball: &Spring<T>, a: Pair<T>) -> Pass<T> {
+    fn observe<T: Real>(c: &Constants<T>, _: T, ball: &Still<T>, a: Pair<T>) -> Pass<T> {
         let k = Contact::at(&ball.centres, a, T::ONE, T::ONE);
         let outer = Contact {
             delta: k.delta * c.outer_share,
@@ -266,7 +280,7 @@ impl Motion for Static {
 /// Radial position and centrifugal force of a ball that only the outer race holds, the inner
 /// groove's centre being at `centre`.
 #[inline]
-fn free_ball<T: Real>(c: &Constants<T>, speed_load: T, centre: Pair<T>) -> (T, T) {
+pub fn free_ball<T: Real>(c: &Constants<T>, speed_load: T, centre: Pair<T>) -> (T, T) {
     let v = [centre[0], centre[1] - c.outer];
     let cosine = v[1] / length(v);
     let mu = (T::ONE - c.tau * cosine) / (T::ONE + cosine).or_larger(T::of(0.01));
@@ -297,15 +311,13 @@ impl<T: Real> Ball<T> {
         self.outer_lead.q = outer;
     }
 
-    /// The state before a sweep can be so far from any that fits the ring's new position that
-    /// Newton steps would take long to forget it: such a ball starts anew. True for a ball that
-    /// is off both races and too slow for its centrifugal force to count: it drops out, as at rest.
+    /// True for a ball that is off both races and too slow for its centrifugal force to count: it drops
+    /// out, as at rest.
     #[inline]
-    fn revise(&mut self, c: &Constants<T>, drive: &Drive<T>, a: Pair<T>) -> bool {
-        let centre = self.centre(a);
-        let squeeze = self.squeeze(a);
-        let q = self.inner_lead.q;
+    fn drops_out(&mut self, c: &Constants<T>, drive: &Drive<T>, a: Pair<T>) -> bool {
         if drive.speed_load <= drive.negligible {
+            let centre = self.centre(a);
+            let squeeze = self.squeeze(a);
             if squeeze <= T::ZERO {
                 *self = Self {
                     outer: self.outer,
@@ -316,34 +328,25 @@ impl<T: Real> Ball<T> {
                 };
                 return true;
             }
-            if q <= T::ZERO {
+            if self.inner_lead.q <= T::ZERO {
                 place(c, T::ZERO, self, centre, squeeze);
-            }
-        } else if q <= T::ZERO {
-            let v = add(self.inner.vector, sub(a, self.x));
-            let reach = c.inner + drive.catch;
-            if dot(v, v) > reach * reach {
-                place(c, drive.speed_load, self, centre, squeeze);
-            }
-        } else {
-            let far = T::of(30.0);
-            let squeezed = if squeeze > T::ZERO {
-                squeeze * squeeze.sqrt()
-            } else {
-                T::ZERO
-            };
-            let flung = drive.speed_load * T::of(0.2);
-            if (q * far < squeezed && squeezed > far * flung) || q > far * (squeezed + flung) {
-                place(c, drive.speed_load, self, centre, squeeze);
             }
         }
         false
     }
 }
 
-/// Three starts for a ball, by what holds it: out on the outer race, off the inner one; squeezed on
-/// the line of the two curvature centres, as at rest; or, where the grooves leave it room, pressed by
-/// centrifugal force into the corner between two rigid grooves.
+/// Deformation of a contact under the force `q`.
+#[inline(always)]
+fn depth<T: Real>(q: T, k: T) -> T {
+    let root = (q / k).cbrt();
+    root * root
+}
+
+/// Starts for a ball, by what holds it: out on the outer race, off the inner one; squeezed on the line
+/// of the two curvature centres, as at rest; near that line, as a chain that centrifugal force bends
+/// (see the `spring` module); or, where the grooves leave it room, pressed by centrifugal force into
+/// the corner between them.
 #[inline(never)]
 fn place<T: Real>(
     c: &Constants<T>,
@@ -359,23 +362,50 @@ fn place<T: Real>(
     let v = [a1, a2 - free];
     if fc > T::ZERO && dot(v, v) <= c.inner * c.inner {
         ball.put([T::ZERO, free], T::ZERO, fc);
-    } else if squeeze > T::ZERO || fc <= T::ZERO {
+    } else if !(fc > T::ZERO) {
         let squeeze = squeeze.or_larger(T::ZERO);
         let along = (c.outer + squeeze * c.outer_share) / distance;
         let q = squeeze * squeeze.sqrt();
-        ball.put(scale(along, centre), q, q + fc);
+        ball.put(scale(along, centre), q, q);
     } else {
-        let along = T::of(0.5) * (T::ONE + (c.outer - c.inner) / squared);
-        let across = (c.outer * c.outer / squared - along * along)
-            .or_larger(T::ZERO)
-            .sqrt();
-        let across = if a1 < T::ZERO { -across } else { across };
-        let at = [a1 * along - a2 * across, a2 * along + a1 * across];
-        // Triangle of forces: Qi sin(ai - ao) = Fc sin ao, Qo sin(ai - ao) = Fc sin ai.
-        let (si, ci) = ((a1 - at[0]) / c.inner, (a2 - at[1]) / c.inner);
-        let (so, co) = (at[0] / c.outer, at[1] / c.outer);
-        let unit = fc / (si * co - ci * so).abs().or_larger(T::of(1e-3));
-        ball.put(at, unit * so.abs(), unit * si.abs());
+        let a = scale(T::ONE / distance, centre);
+        let h = c.inner * c.outer;
+        let (across, along) = (fc * a[0], fc * a[1].or_larger(T::ZERO));
+        let slack = T::of(0.5) * h * across * across;
+        let r = along * c.inner;
+        // From a force of the right order, where the chain has the elongation `start`.
+        let order = r + squeeze * squeeze.or_larger(T::ZERO).sqrt();
+        let (hertz, bend) = (depth(order, T::ONE), slack / ((order + r) * (order + r)));
+        let start = hertz - bend + depth(along, c.ko);
+        let (z, _) = tension(hertz, bend, r / order, squeeze - start);
+        let z = T::ONE + z;
+        let q = order * z * z * z;
+        let y = across * h / (q + r).or_larger(T::TINY);
+        if z > T::ZERO && y.abs() < T::of(0.25) * c.inner.or_smaller(c.outer) {
+            let reach = c.outer + depth(q + along, c.ko) - T::of(0.5) * y * y / c.outer;
+            let at = [a[0] * reach - a[1] * y, a[1] * reach + a[0] * y];
+            ball.put(at, q, q + along);
+            return;
+        }
+        let (mut outer, mut inner) = (c.outer, c.inner);
+        for pass in 0..2 {
+            let along = T::of(0.5) * (T::ONE + (outer * outer - inner * inner) / squared);
+            let across = (outer * outer / squared - along * along)
+                .or_larger(T::ZERO)
+                .sqrt();
+            let across = if a1 < T::ZERO { -across } else { across };
+            let at = [a1 * along - a2 * across, a2 * along + a1 * across];
+            // Triangle of forces: Qi sin(ai - ao) = Fc sin ao, Qo sin(ai - ao) = Fc sin ai.
+            let (si, ci) = ((a1 - at[0]) / inner, (a2 - at[1]) / inner);
+            let (so, co) = (at[0] / outer, at[1] / outer);
+            let unit = fc / (si * co - ci * so).abs().or_larger(T::of(1e-3));
+            let (qi, qo) = (unit * so.abs(), unit * si.abs());
+            if pass == 1 {
+                ball.put(at, qi, qo);
+            }
+            outer = c.outer + depth(qo, c.ko);
+            inner = c.inner + depth(qi, c.ki);
+        }
     }
 }
 
@@ -404,35 +434,69 @@ impl<A: Attitude> Motion for AtSpeed<A> {
         drive: &Drive<T>,
         ball: &mut Ball<T>,
         a: Pair<T>,
-    ) -> (Share<T>, Check<T>) {
-        if ball.revise(c, drive, a) {
-            return (Share::NONE, Check::default());
+    ) -> (Share<T>, T) {
+        if ball.drops_out(c, drive, a) {
+            return (Share::NONE, T::ZERO);
         }
         let (share, pass) = ball.linearise::<A>(c, drive.speed_load, a);
         let largest = pass
             .outer
             .q
             .or_larger(pass.inner.q)
-            .or_larger(pass.loads.centrifugal);
+            .or_larger(pass.loads.centrifugal)
+            .or_larger(drive.negligible * T::of(1e3));
         let unbalanced = pass.residual[0].abs() + pass.residual[1].abs();
         let lag = pass.inner.lag.abs() + pass.outer.lag.abs();
-        let scale = largest.or_larger(drive.negligible * T::of(1e3));
-        let check = Check {
-            imbalance: unbalanced / scale.or_larger(T::TINY)
-                + lag / pass.outer.delta.or_larger(T::TINY),
-            unbalanced,
-            largest,
-            lag,
-            delta: pass.inner.delta,
-        };
-        (share, check)
+        let imbalance =
+            unbalanced / largest.or_larger(T::TINY) + lag / pass.outer.delta.or_larger(T::TINY);
+        (share, imbalance)
     }
 
     #[inline(always)]
-    fn rest<T: Real>(ball: &mut Ball<T>) {
-        ball.step = [T::ZERO; 2];
-        ball.inner_lead.rest();
-        ball.outer_lead.rest();
+    fn spring<T: Real>(ball: &Ball<T>) -> &Spring<T> {
+        &ball.spring
+    }
+
+    #[inline]
+    fn settle<T: Real>(ball: &mut Ball<T>) {
+        let mut dx = ball.step;
+        let size = dx[0].abs() + dx[1].abs();
+        let longest = T::of(0.3);
+        if !(size < longest) {
+            dx = if size.is_finite() {
+                scale(longest / size, dx)
+            } else {
+                [T::ZERO; 2]
+            };
+        }
+        ball.x = add(ball.x, dx);
+        // Forces that grow faster than this have lost touch with the geometry.
+        let most = T::of(4.0) * ball.outer_lead.q.or_larger(ball.inner_lead.q);
+        if ball.outer_lead.q > T::ZERO {
+            ball.outer_lead.follow(dx);
+            ball.outer_lead.q = ball.outer_lead.q.or_smaller(most);
+        }
+        if ball.inner_lead.q > T::ZERO {
+            let pull = ball.inner_lead.follow(sub([T::ZERO; 2], dx));
+            let next_to_nothing = T::of(1e-3) * ball.outer_lead.q;
+            ball.inner_lead.q = if pull == Pull::Lets && ball.inner_lead.q < next_to_nothing {
+                T::ZERO
+            } else {
+                ball.inner_lead.q.or_smaller(most)
+            };
+        }
+    }
+
+    #[inline(always)]
+    fn accelerate<T: Real>(ball: &mut Ball<T>, by: T) -> Share<T> {
+        ball.step = scale(by, ball.step_by_speed);
+        let force = scale(by, ball.force_by_speed);
+        ball.spring.rest(force);
+        Share {
+            force,
+            couple: by * ball.couple_by_speed,
+            ..Share::NONE
+        }
     }
 
     #[inline]
@@ -442,41 +506,54 @@ impl<A: Attitude> Motion for AtSpeed<A> {
         ball: &mut Ball<T>,
         a: Pair<T>,
         da: Pair<T>,
-    ) -> T {
-        let mut dx = [
-            ball.step[0] + dot(ball.slope[0], da),
-            ball.step[1] + dot(ball.slope[1], da),
+    ) -> Change<T> {
+        let reaction = ball.spring.react(da);
+        let (force, effective) = ball.spring.follow(da, &reaction);
+        let dx = [
+            ball.step[0] + dot(ball.slope[0], effective),
+            ball.step[1] + dot(ball.slope[1], effective),
         ];
         let step = dx[0].abs() + dx[1].abs();
-        if !step.is_finite() {
-            let a = add(a, da);
-            place(c, drive.speed_load, ball, ball.centre(a), ball.squeeze(a));
-            return T::ONE;
+        let normal = ball.inner_lead.normal;
+        let v = sub(da, dx);
+        let turn = (normal[1] * v[0] - normal[0] * v[1]) / c.inner;
+        let mut change = Change::of(step, normal, &ball.spring, &reaction, turn);
+
+        // A ball whose force changes a lot, and matters beside the centrifugal one, is not where its
+        // tangent says.
+        let (old, new) = (ball.spring.reference(), reaction.force);
+        let to = add(a, da);
+        let squeeze = ball.squeeze(to).or_larger(T::ZERO);
+        let squeezed = squeeze * squeeze.sqrt();
+        let much = T::of(4.0);
+        let fling = T::of(0.3) * ball.fling;
+        let far = !(step < T::of(0.1))
+            || new > much * old
+            || new * much < old
+            || squeezed > much * (new + fling);
+        let matters = old > fling || new > fling || squeezed > fling;
+        if !step.is_finite() || (far && matters) {
+            place(c, drive.speed_load, ball, ball.centre(to), ball.squeeze(to));
+            // Far from its reference.
+            change.step = T::ONE;
+            return change;
         }
-        let cap = T::of(0.3);
-        if step > cap {
-            dx = scale(cap / step, dx);
-        }
+
         ball.x = add(ball.x, dx);
-        if ball.outer_lead.q > T::ZERO {
-            ball.outer_lead.follow(dx);
+        let least = T::of(0.1);
+        let outer = &mut ball.outer_lead;
+        if outer.q > T::ZERO {
+            outer.q = (outer.q + dot(outer.normal, force)).or_larger(least * outer.q);
         }
-        if ball.inner_lead.q > T::ZERO
-            && ball.inner_lead.follow(sub(da, dx)) == Pull::Lets
-            && drive.speed_load > drive.negligible
-        {
-            // Off the inner race if the outer one holds it clear, or if next to nothing is left
-            // of the force.
-            let centre = ball.centre(add(a, da));
-            let (free, fc) = free_ball(c, drive.speed_load, centre);
-            let v = [centre[0], centre[1] - free];
-            if dot(v, v) <= c.inner * c.inner {
-                ball.put([T::ZERO, free], T::ZERO, fc);
-            } else if ball.inner_lead.q < drive.faint() {
-                ball.inner_lead.q = T::ZERO;
-            }
+        let inner = &mut ball.inner_lead;
+        if inner.q > T::ZERO {
+            inner.q = if new > T::ZERO {
+                (inner.q + dot(inner.normal, force)).or_larger(least * new)
+            } else {
+                T::ZERO
+            };
         }
-        step
+        change
     }
 
     #[inline]

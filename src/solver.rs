@@ -1,32 +1,49 @@
 //! The equilibrium under given loads, and the bearing's own law under given displacements.
 //!
 //! One damped Newton on the arrow-shaped system. Each sweep linearises every ball, which eliminates
-//! its own unknowns, sums what the balls hand to the ring, and takes a step of the ring and with it
-//! of every ball. The tangent of the last sweep *is* the stiffness.
+//! its own unknowns, and sums what the balls hand to the ring. The ring then looks for the load's
+//! balance among the balls' laws (the `spring` module), which agree with the linearisation in value
+//! and slope; so close to the solution this *is* Newton's step, and the tangent of the last sweep *is*
+//! the stiffness.
 //!
-//! What keeps the steps in hand:
+//! Why it ends:
 //!
-//! - Contact forces lead geometry while they are far apart (see the `contact` module).
-//! - The ring's step is bounded by the distance over which the grooves look straight to a contact:
-//!   `|du|^2 / 2` may not exceed a few deformations. A longer step is shortened by adding to the
-//!   tangent's diagonal (Levenberg 1944), which turns it towards the steepest descent and also
-//!   gets over a singular tangent (few loaded balls). That costs a 5x5 solve, not a sweep.
-//! - A ball that is badly off by itself (just off a race, or just caught by it) repeats its own
-//!   Newton step a few times within the sweep.
+//! - With inertia and friction forces frozen, the equilibrium minimises a convex function of ring and
+//!   ball positions jointly: contact energies are convex and increasing functions of distances, and
+//!   the groove centres move affinely with the ring. Every position of the ring has one equilibrium of
+//!   each ball, and with the balls eliminated what is left is convex in the ring's displacement. It
+//!   grows without bound in every direction in which three or more balls resist, so that it has a
+//!   minimum, and one only.
+//! - The ring's own iteration works on the sum of the balls' laws, each of which is the derivative of
+//!   a convex potential. A step is the solution of a system whose matrix is made positive definite
+//!   where it is not (Levenberg 1944), hence a descent direction, and is halved until the slope along
+//!   it has not turned over by more than half: such an iteration cannot be trapped short of the
+//!   minimum. It costs no linearisation of a ball.
+//! - At rest the laws are the bearing's own up to the third order of the step, which is bounded.
+//!   At speed inertia loads change with the step; a step that made the balance worse bounds the next
+//!   one to half of its length.
+//! - A ball whose force changes by more than a factor is placed anew by what holds it, and a ball that
+//!   is badly off by itself repeats its own Newton step a few times within the sweep.
+//!
+//! The speed-dependent part is a perturbation that the exact tangent takes in. Where it is not small
+//! (contact angles near 90 degrees), there need not be an equilibrium, and the bound on sweeps ends
+//! the search.
 //!
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved by its
-//! own stiffness to the new load, if that is near; the axisymmetric state; the same with more preload.
-//! A start that has not led to a solution after some sweeps makes room for the next.
+//! own laws and its sensitivity to speed to the new load and speed, if that is near; the axisymmetric
+//! state; the same with more preload. A start that has not led to a solution after some sweeps makes
+//! room for the next.
 //!
-//! With inertia and friction forces frozen, the equilibrium minimises a convex function of ring and
-//! ball positions jointly (contact energies are convex and increasing functions of distances, and the
-//! groove centres move affinely with the ring), so that there is one equilibrium and no trap on the
-//! way to it; the speed-dependent part is a perturbation that the exact tangent takes in.
+//! An answer certifies itself. The last step changes the stiffness by an amount that the laws tell ball
+//! by ball: the error of the stiffness, which is a linearisation old. Displacements and forces are one
+//! Newton step further, where that error enters as a factor. What rounding leaves comes on top.
 
+use crate::ball::Share;
 use crate::constants::{Azimuth, Bearing, Constants};
+use crate::contact::add;
 use crate::float::Real;
 use crate::ring::{self, Definite, Factors, Five, Sums, Tangent, shift};
-use crate::scene::{AtSpeed, Drive, Motion, Position, curvature_centre};
+use crate::scene::{AtSpeed, Change, Drive, Motion, Position, curvature_centre, free_ball};
 use crate::status::{Quantity, Status};
 
 /// How hard to try.
@@ -35,13 +52,13 @@ use crate::status::{Quantity, Status};
 pub struct Settings<T> {
     /// Most sweeps over the balls, at least 1.
     pub max_sweeps: u16,
-    /// Largest last step, relative to the largest contact deformation, for a solve to count as
-    /// converged. The displacements are then good to its square, the stiffness to its first power.
+    /// Largest estimated error of the stiffness, relative to its diagonal, for a solve to count as
+    /// converged. Displacements and contact forces are then good to its square.
     pub tolerance: T,
 }
 
 impl<T: Real> Default for Settings<T> {
-    /// 100 sweeps; a tolerance of 1e-5 in single and 1e-12 in double precision.
+    /// 100 sweeps; a tolerance of 2e-5 in single and 1e-12 in double precision.
     fn default() -> Self {
         Self {
             max_sweeps: 100,
@@ -74,6 +91,18 @@ pub struct BallState<T> {
     pub gyroscopic_moment: T,
 }
 
+/// Estimated errors of a solution, relative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ErrorEstimate<T> {
+    /// Of displacements: of the largest component, tilts taken at the pitch radius.
+    pub displacement: T,
+    /// Of contact forces: of the largest.
+    pub force: T,
+    /// Of the stiffness: an element's error over the root of the two diagonal elements.
+    pub stiffness: T,
+}
+
 /// An equilibrium, SI units; forces and displacements refer to the bearing centre.
 #[derive(Debug)]
 pub struct Solution<'s, T: Real, const N: usize, M: Motion> {
@@ -85,6 +114,8 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion> {
     pub repeats: u16,
     /// Load less the balls' forces in the last sweep, relative to the load (moments over `Rp`).
     pub residual: T,
+    /// How far the figures below can be off.
+    pub error: ErrorEstimate<T>,
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
     pub displacement: [T; 5],
     /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) that hold the balls' forces on the ring.
@@ -237,6 +268,9 @@ struct Outcome<T> {
     sweeps: u16,
     repeats: u16,
     residual: T,
+    /// Relative change of the stiffness by the last step, and that step's length.
+    change: T,
+    step: T,
     /// Last sweeps in a row whose tangent left a direction undetermined.
     singular: u8,
 }
@@ -248,7 +282,28 @@ impl<T: Real> Outcome<T> {
             sweeps: 0,
             repeats: 0,
             residual: T::ONE,
+            change: T::ONE,
+            step: T::ONE,
             singular: 0,
+        }
+    }
+
+    /// Errors of a solution whose largest displacement is `largest`.
+    fn error(&self, largest: T) -> ErrorEstimate<T> {
+        let rounding = T::EPSILON * T::of(4.0);
+        // Contact angles are rounded, and a rounded angle moves the ring by half a unit in the last
+        // place of `L0`.
+        let floor = T::EPSILON * T::of(0.5) / largest.or_larger(T::TINY) + rounding;
+        let step = self.step / largest.or_larger(T::TINY);
+        // What does not shrink any more is an error in full, not a factor.
+        let (factor, force) = match self.status {
+            Status::Converged => (self.change, self.change * self.change),
+            _ => (T::ONE, self.change + self.residual),
+        };
+        ErrorEstimate {
+            displacement: floor + factor * step,
+            force: rounding + force,
+            stiffness: rounding + T::of(3.0) * self.change,
         }
     }
 }
@@ -278,12 +333,16 @@ impl Attempt {
     }
 }
 
-fn norm<T: Real>(f: &Five<T>) -> T {
+fn dot5<T: Real>(a: &Five<T>, b: &Five<T>) -> T {
     let mut sum = T::ZERO;
-    for x in f {
-        sum += *x * *x;
+    for (x, y) in a.iter().zip(b) {
+        sum += *x * *y;
     }
-    sum.sqrt()
+    sum
+}
+
+fn norm<T: Real>(f: &Five<T>) -> T {
+    dot5(f, f).sqrt()
 }
 
 /// A bound on how far a displacement of the ring shifts any groove centre.
@@ -301,61 +360,49 @@ struct Iteration<'i, T: Real, M: Motion> {
     balls: &'i mut [M::Ball<T>],
 }
 
-/// What a sweep found over all balls.
-#[derive(Default)]
-struct Sweep<T> {
-    lag: T,
-    /// Largest unbalanced force of a ball, and largest force at all.
-    unbalanced: T,
-    largest: T,
-    /// Largest deformation of an inner contact.
-    depth: T,
-    repeats: u16,
-}
-
 impl<T: Real, M: Motion> Iteration<'_, T, M> {
-    /// Linearises all balls at the present position.
-    fn sweep(&mut self, drive: &Drive<T>) -> Sweep<T> {
+    /// Linearises all balls at the present position; returns how many steps of their own they made, and
+    /// the largest imbalance that is left.
+    fn sweep(&mut self, drive: &Drive<T>) -> (u16, T) {
         // Beyond this imbalance a ball repeats its own step, a few times at most.
-        let (bad, most) = (T::of(0.1), 3);
+        let (bad, most) = (T::of(0.01), 8);
         let mut sums = Sums::about(self.state.mean);
-        let mut total = Sweep::<T>::default();
+        let mut total: u16 = 0;
+        let mut worst = T::ZERO;
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
             let mut repeats = 0;
-            let (share, check) = loop {
-                let (share, check) = M::linearise(self.c, drive, ball, a);
-                if !(check.imbalance > bad) || repeats == most {
-                    break (share, check);
+            let (share, left) = loop {
+                let (share, imbalance) = M::linearise(self.c, drive, ball, a);
+                if !(imbalance > bad) || repeats == most {
+                    break (share, imbalance);
                 }
-                M::follow(self.c, drive, ball, a, [T::ZERO; 2]);
+                M::settle(ball);
                 repeats += 1;
             };
             sums.add(at, &share);
-            total.lag = total.lag.or_larger(check.lag);
-            total.depth = total.depth.or_larger(check.delta);
-            total.unbalanced = total.unbalanced.or_larger(check.unbalanced);
-            total.largest = total.largest.or_larger(check.largest);
-            total.repeats = total.repeats.saturating_add(repeats);
+            total = total.saturating_add(repeats);
+            worst = worst.or_larger(left);
         }
         self.state.force = sums.force();
         self.state.mean = sums.mean(self.c.balls);
         self.state.tangent = sums.tangent();
-        total
+        (total, worst)
     }
 
-    /// Moves the ring by `du` and every ball with it; returns the largest step of a ball.
-    fn follow(&mut self, drive: &Drive<T>, du: &Five<T>) -> T {
-        let mut largest = T::ZERO;
+    /// Moves the ring by `du` and every ball with it.
+    fn follow(&mut self, drive: &Drive<T>, du: &Five<T>) -> Change<T> {
+        let mut all = Change::<T>::default();
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
-            let step = M::follow(self.c, drive, ball, a, shift(du, at));
-            largest = largest.or_larger(step);
+            let change = M::follow(self.c, drive, ball, a, shift(du, at));
+            all.step = all.step.or_larger(change.step);
+            all.stiffness = add(all.stiffness, change.stiffness);
         }
         for (offset, step) in self.state.position.offset.iter_mut().zip(du) {
             *offset += *step;
         }
-        largest
+        all
     }
 
     /// Moves all references next to the present position.
@@ -416,7 +463,6 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let drive = Drive {
                 speed_load,
                 negligible: T::EPSILON * q * c.balls,
-                catch: T::of(1e-3),
             };
             let mut position = Position::default();
             position.offset[0] = x;
@@ -433,17 +479,45 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let centre = [coarse[0] + fine[0] + offset, coarse[1] + fine[1]];
             M::place(c, speed_load, &mut ball, centre);
             M::rebase(c, &mut ball, coarse, fine);
-            for _ in 0..12 {
-                let (share, check) = M::linearise(c, &drive, &mut ball, [offset, T::ZERO]);
-                let step =
-                    (sign * q - share.force[0]) / share.stiffness[0][0].or_larger(T::of(1e-6));
-                let step = step.or_smaller(T::of(0.2)).or_larger(T::of(-0.2));
-                M::follow(c, &drive, &mut ball, [offset, T::ZERO], [step, T::ZERO]);
-                offset += step;
+            // The ball alone on the outer race, just touched by the inner one, bounds the
+            // equilibrium from the one side, the ball at rest from the other.
+            let (free, _) = free_ball(c, speed_load, centre);
+            let reach = c.inner * c.inner - (centre[1] - free) * (centre[1] - free);
+            let touch = sign * reach.or_larger(T::ZERO).sqrt() - coarse[0] - fine[0];
+            let (mut low, mut high) = if sign > T::ZERO {
+                (touch, offset)
+            } else {
+                (offset, touch)
+            };
+            let bracket = low < high && reach > T::ZERO;
+            for _ in 0..20 {
+                let centre = [coarse[0] + fine[0] + offset, coarse[1] + fine[1]];
+                let mut share = Share::NONE;
+                M::place(c, speed_load, &mut ball, centre);
+                for _ in 0..6 {
+                    let (new, imbalance) = M::linearise(c, &drive, &mut ball, [offset, T::ZERO]);
+                    share = new;
+                    if imbalance < T::of(0.02) {
+                        break;
+                    }
+                    M::settle(&mut ball);
+                }
                 self.state.mean = [share.force[1], share.force[0] - share.couple];
-                if check.imbalance < T::of(0.05) && step.abs() < T::of(0.02) * w * w {
+                let b = sign * q - share.force[0];
+                if b.abs() < T::of(0.1) * q {
                     break;
                 }
+                if b > T::ZERO {
+                    low = offset;
+                } else {
+                    high = offset;
+                }
+                let step = b / share.stiffness[0][0].or_larger(T::of(1e-6));
+                let mut new = offset + step.or_smaller(T::of(0.2)).or_larger(T::of(-0.2));
+                if bracket && !(new > low && new < high) {
+                    new = T::of(0.5) * (low + high);
+                }
+                offset = new;
             }
             position.offset[0] = offset;
             self.state.position = position;
@@ -457,41 +531,132 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         }
     }
 
-    /// Moves a solved bearing to where its stiffness sees it under a new load.
+    /// Moves a solved bearing to where its laws see it under a new load at a new speed.
     fn predict(&mut self, load: &Five<T>, speed_load: T) {
-        let mut change = *load;
-        for (new, old) in change.iter_mut().zip(&self.state.load) {
-            *new -= *old;
+        let faster = speed_load - self.state.speed_load;
+        let mut sums = Sums::about([T::ZERO; 2]);
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            sums.add(at, &M::accelerate(ball, faster));
         }
-        for ball in self.balls.iter_mut() {
-            M::rest(ball);
+        for ((force, carried), by_speed) in self
+            .state
+            .force
+            .iter_mut()
+            .zip(&self.state.load)
+            .zip(&sums.force())
+        {
+            *force = *carried + *by_speed;
         }
-        let (du, _) = self.step(&change, T::of(0.1));
+        let (b, tangent) = self.unbalanced(load, &[T::ZERO; 5]);
+        let (du, _) = self.step(load, b, tangent, T::of(0.1));
         let drive = Drive {
             speed_load,
             negligible: T::EPSILON * norm(load),
-            catch: T::ZERO,
         };
         self.follow(&drive, &du);
     }
 
-    /// The step of the ring under the unbalanced load `b`, no longer than `longest`; the second value
-    /// tells whether the tangent left a direction undetermined.
-    fn step(&self, b: &Five<T>, longest: T) -> (Five<T>, bool) {
+    /// Load less the forces that the balls' laws see after a step `du`, and the tangent there.
+    fn unbalanced(&self, load: &Five<T>, du: &Five<T>) -> (Five<T>, Tangent<T>) {
+        let mut beyond = Sums::about([T::ZERO; 2]);
+        for (ball, at) in self.balls.iter().zip(self.azimuths) {
+            let spring = M::spring(ball);
+            let (force, stiffness) = spring.beyond(&spring.react(shift(du, at)));
+            beyond.add(
+                at,
+                &Share {
+                    force,
+                    stiffness,
+                    ..Share::NONE
+                },
+            );
+        }
+        let force = beyond.force();
+        let mut tangent = beyond.tangent();
+        let mut b = *load;
+        for i in 0..5 {
+            b[i] -= self.state.force[i] + force[i];
+            for j in 0..5 {
+                let linear = self.state.tangent[i][j];
+                b[i] -= linear * du[j];
+                tangent[i][j] += linear;
+            }
+        }
+        (b, tangent)
+    }
+
+    /// The step of the ring to where the balls' laws balance the load, no longer than `longest`, from
+    /// the unbalanced load `b` and the tangent before it; the second value tells whether that tangent
+    /// left a direction undetermined.
+    fn step(
+        &self,
+        load: &Five<T>,
+        mut b: Five<T>,
+        mut tangent: Tangent<T>,
+        longest: T,
+    ) -> (Five<T>, bool) {
+        let first = norm(&b);
+        let small = T::of(1e-3) * norm(load);
+        let mut du = [T::ZERO; 5];
+        let mut singular = false;
+        for pass in 0..16 {
+            let (d, semi) = self.descent(&b, &tangent, &du, longest, first <= small);
+            singular |= semi && pass == 0;
+            if first <= small {
+                // The laws are linear over so short a step.
+                return (d, singular);
+            }
+            let slope = dot5(&b, &d);
+            let mut fraction = T::ONE;
+            loop {
+                let mut to = du;
+                for (sum, part) in to.iter_mut().zip(&d) {
+                    *sum += fraction * *part;
+                }
+                let (left, there) = self.unbalanced(load, &to);
+                if dot5(&left, &d) >= T::of(-0.5) * slope || fraction < T::of(0.1) {
+                    (du, b, tangent) = (to, left, there);
+                    break;
+                }
+                fraction = fraction * T::of(0.5);
+            }
+            if !(norm(&b) > T::of(0.02) * first) {
+                break;
+            }
+        }
+        (du, singular)
+    }
+
+    /// One Newton step from `du`, shortened where it would lead further than `longest` and turned
+    /// downhill where the tangent is not positive definite: by adding to its diagonal. Close to the
+    /// solution (`close`) an indefinite tangent is taken as it is.
+    fn descent(
+        &self,
+        b: &Five<T>,
+        tangent: &Tangent<T>,
+        du: &Five<T>,
+        longest: T,
+        close: bool,
+    ) -> (Five<T>, bool) {
+        let least = T::of(8.0) * T::EPSILON;
         let mut damping = T::ZERO;
         let mut singular = false;
-        let least = T::of(8.0) * T::EPSILON;
-        let mut du = [T::ZERO; 5];
+        let mut d = [T::ZERO; 5];
         // The damping grows to more than the step bound can need.
         for attempt in 0..14 {
-            let mut tangent = self.state.tangent;
-            for (i, row) in tangent.iter_mut().enumerate() {
+            let mut damped = *tangent;
+            for (i, row) in damped.iter_mut().enumerate() {
                 row[i] += damping;
             }
-            let (factors, definite) = Factors::of(&tangent, least);
+            let (factors, definite) = Factors::of(&damped, least);
             singular |= attempt == 0 && definite == Definite::Semi;
-            du = factors.solve(b);
-            if definite == Definite::Positive && span(&du) <= longest {
+            d = factors.solve(b);
+            let mut to = *du;
+            for (sum, part) in to.iter_mut().zip(&d) {
+                *sum += *part;
+            }
+            let downhill = definite == Definite::Positive || (close && definite == Definite::No);
+            if downhill && span(&to) <= longest {
                 break;
             }
             damping = if attempt == 0 {
@@ -500,7 +665,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 damping * T::of(4.0)
             };
         }
-        (du, singular)
+        (d, singular)
     }
 
     /// Sweeps until converged, or until there were `until` of them.
@@ -516,43 +681,35 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             Given::Load(load) => norm(load),
             Given::Displacement => T::ZERO,
         };
-        let share = (size / self.c.balls).cbrt();
-        let first = outcome.sweeps;
+        let drive = Drive {
+            speed_load,
+            negligible: T::EPSILON * size,
+        };
+        let longest = T::of(0.3);
+        let mut radius = longest;
+        let mut stalled = 0_u8;
         outcome.status = Status::SweepLimit;
-        let mut depth = share * share;
-        let mut last = T::ONE;
-        let mut last_residual = T::ONE;
-        let mut caution = T::ONE;
+        // Nothing to compare the first sweep with.
+        (outcome.change, outcome.step) = (T::ONE, T::ZERO);
+        let mut last_residual = T::ONE / T::EPSILON;
         loop {
-            let drive = Drive {
-                speed_load,
-                negligible: T::EPSILON * size,
-                catch: T::of(0.01) * depth,
-            };
-            let sweep = self.sweep(&drive);
+            let (repeats, imbalance) = self.sweep(&drive);
             outcome.sweeps += 1;
-            outcome.repeats = outcome.repeats.saturating_add(sweep.repeats);
-            depth = sweep.depth.or_larger(T::ZERO);
+            outcome.repeats = outcome.repeats.saturating_add(repeats);
 
             let (mut du, mut singular) = ([T::ZERO; 5], false);
             if let Given::Load(load) = given {
-                let mut b = *load;
-                for (unbalanced, force) in b.iter_mut().zip(&self.state.force) {
-                    *unbalanced -= *force;
-                }
+                let (b, tangent) = self.unbalanced(load, &du);
                 outcome.residual = norm(&b) / size;
-                // Sets of loaded balls that follow one another in a circle are broken by shorter
-                // steps.
-                if outcome.sweeps - first > 10 {
-                    if outcome.residual > last_residual {
-                        caution = caution * T::of(0.5);
-                    } else if outcome.residual < T::of(0.5) * last_residual {
-                        caution = (caution + caution).or_smaller(T::ONE);
+                if M::AT_SPEED {
+                    if outcome.residual > T::ONE.or_larger(last_residual + last_residual) {
+                        radius = T::of(0.5) * outcome.step;
+                    } else if outcome.residual < T::of(0.25) * last_residual {
+                        radius = longest.or_smaller(radius.or_larger(outcome.step + outcome.step));
                     }
                 }
                 last_residual = outcome.residual;
-                let straight = (T::of(10.0) * depth.or_larger(share * share)).sqrt();
-                (du, singular) = self.step(&b, caution * straight.or_smaller(T::of(0.3)));
+                (du, singular) = self.step(load, b, tangent, radius);
             } else {
                 outcome.residual = T::ZERO;
             }
@@ -562,26 +719,43 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 0
             };
             let moved = self.follow(&drive, &du);
-            let change = span(&du).or_larger(sweep.lag);
-            if !change.is_finite() || !moved.is_finite() || !outcome.residual.is_finite() {
+            outcome.step = span(&du);
+            if !(outcome.step + outcome.residual).is_finite() {
                 outcome.status = Status::Diverged {
                     residual: outcome.residual,
                 };
                 return;
             }
-            let enough = tolerance * depth;
-            // What rounding leaves of a ball's motion along its grooves has no consequence; of the
-            // ring's motion, it ends the solve once it no longer shrinks.
-            let floor = T::EPSILON * T::of(4.0);
-            let settled =
-                sweep.unbalanced <= T::of(1e-4) * sweep.largest && moved <= enough.or_larger(floor);
-            let exhausted = change <= floor && change > T::of(0.25) * last;
-            if settled && (change <= enough || exhausted) {
+            let stiffness = &self.state.tangent;
+            let radial = stiffness[1][1].or_smaller(stiffness[2][2]);
+            let last = outcome.change;
+            let change = (moved.stiffness[0] / stiffness[0][0].or_larger(T::TINY))
+                .or_larger(moved.stiffness[1] / radial.or_larger(T::TINY));
+            outcome.change = if change.is_finite() { change } else { T::ONE };
+            // Rounding ends the solve where the change no longer shrinks; a pause of one sweep far
+            // from the tolerance is not that yet.
+            stalled = if outcome.change > T::of(0.25) * last {
+                stalled.saturating_add(1)
+            } else {
+                0
+            };
+            let near = outcome.change <= T::of(10.0) * tolerance;
+            let exhausted = outcome.change <= T::EPSILON.sqrt()
+                && stalled >= if near { 1 } else { 3 }
+                && outcome.sweeps > 1;
+            // A ball's step leaves the square of its imbalance.
+            let balanced = outcome.residual < T::of(1e-3)
+                && imbalance * imbalance <= T::of(0.1) * tolerance.or_larger(T::EPSILON);
+            if balanced && (outcome.change <= tolerance || exhausted) {
+                // The forces, too, are those after the step.
+                for (force, row) in self.state.force.iter_mut().zip(&self.state.tangent) {
+                    *force += dot5(row, &du);
+                }
                 outcome.status = if singular {
                     Status::Indeterminate {
                         loaded_balls: self.loaded_balls(speed_load),
                     }
-                } else if change <= enough {
+                } else if outcome.change <= tolerance {
                     Status::Converged
                 } else {
                     Status::PrecisionLimit
@@ -591,10 +765,9 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             if outcome.sweeps >= until {
                 return;
             }
-            last = change;
             // Offsets this large would cost digits of the deformations.
             let far = T::of(2e-3);
-            if span(&self.state.position.offset) > far || moved > far {
+            if span(&self.state.position.offset) > far || !(moved.step <= far) || repeats > 0 {
                 self.rebase();
             }
         }
@@ -780,7 +953,9 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
             }
         }
         let c = &self.bearing.constants;
-        let displacement = ring::displacement_out(c, &self.state.position.total());
+        let total = self.state.position.total();
+        let error = outcome.error(span(&total));
+        let displacement = ring::displacement_out(c, &total);
         let load = ring::load_out(c, &self.state.force);
         let stiffness = ring::stiffness_out(c, &self.state.tangent);
         let finite = |values: &Five<T>| values.iter().all(|x| x.is_finite());
@@ -795,6 +970,7 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
             sweeps: outcome.sweeps,
             repeats: outcome.repeats,
             residual: outcome.residual,
+            error,
             displacement,
             load,
             stiffness,

@@ -1,0 +1,438 @@
+//! A ball as the ring sees it between two linearisations: a nonlinear spring.
+//!
+//! Newton's method takes a ball's force for linear in the ring's displacement. What makes it fail, or
+//! slow, is mostly one thing: along one direction the force is that of a Hertz contact, which grows
+//! with `s^(3/2)` and ends where the contact opens. That law is known. So each sweep hands the ring,
+//! beside the linear force `f + H d`, the law along the stiffest direction of `H`, matched to it in
+//! value and slope, and the ring balances the load against the laws: an iteration over a few numbers
+//! per ball, without a square of `N` or a single contact angle in it.
+//!
+//! Three parts make up the law, the elongation `s` as a function of the force `Q = R z^3`:
+//!
+//! - the two Hertz contacts in series, `s = S1 (z^2 - 1)`;
+//! - the centrifugal force bends the line inner groove - ball - outer groove, and tension straightens
+//!   it: a chain of two links `li`, `lo` under a tension `Q` and a force `Fc sin a` across is
+//!   shorter than straight by `h (Fc sin a)^2 / (2 (Q + r)^2)` with `h = li lo / L0` and
+//!   `r = Fc cos a li / L0`, hence `s = S2 (1 - ((1 + r) / (z^3 + r))^2)` with `r` over `R`;
+//! - a shift `t` across the direction elongates the spring by `t^2 / 2` over the radius of curvature,
+//!   which is what `H` says across the direction.
+//!
+//! All three are convex potentials of `d`. At rest nothing else is left of the bearing, and the ring's
+//! problem is the bearing's own up to the third order in `d`.
+
+use crate::contact::{Contact, Pair, add, dot, scale, sub};
+use crate::float::Real;
+
+/// 2x2 matrix, by rows.
+pub type Square<T> = [Pair<T>; 2];
+
+/// The law of one ball.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Spring<T> {
+    /// Direction of the force.
+    pub normal: Pair<T>,
+    /// Direction of the shift that changes it: the same as `normal`, but for friction and inertia.
+    sense: Pair<T>,
+    /// Force `R` at `z = 1`; 0 of a ball without inner contact.
+    reference: T,
+    /// `S1`; of a ball without inner contact, the constant `K` of the law `Q = K s^(3/2)`.
+    hertz: T,
+    /// `S2`
+    bend: T,
+    /// `r / R`
+    along: T,
+    /// Elongation at `d = 0` beyond that of the reference.
+    elongation: T,
+    /// Half the curvature across the direction.
+    half_curvature: T,
+    /// The linear law along the direction: force at `d = 0` beyond `R`, and slope.
+    extra: T,
+    slope: T,
+    /// What the ball's own step changes of the force, relative, where `R` is the force after it.
+    settling: T,
+    /// What the linear law changes of the contact's force at `d = 0`.
+    change: Pair<T>,
+    stiffness: Square<T>,
+}
+
+/// What a shift makes of a spring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reaction<T> {
+    /// Force, and its slope along the direction.
+    pub force: T,
+    pub slope: T,
+    /// Force beyond the reference.
+    excess: T,
+    /// Shift along and across.
+    along: T,
+    across: T,
+}
+
+/// `z - 1` for the elongation `s`, `S1 (z^2 - 1) + S2 (1 - ((1 + r) / (z^3 + r))^2) = s`, and the slope of
+/// the left side there; -1 if that is larger even at `z = 0`. Newton between bounds, in differences from
+/// 1, so that small elongations keep their digits.
+#[inline]
+pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
+    let one = T::ONE;
+    let two = one + one;
+    let per_sum = one / (one + r);
+    let at = |x: T| {
+        let z = one + x;
+        let g = x * (z * z + z + one) * per_sum;
+        let inverse = one / (one + g).or_larger(T::TINY);
+        let bend = s2 * inverse * inverse;
+        let growth = T::of(3.0) * z * z * per_sum;
+        (
+            s1 * x * (two + x) + bend * g * (two + g) - s,
+            two * (s1 * z + bend * inverse * growth),
+        )
+    };
+    let (mut low, mut high) = (-one, T::of(1e4));
+    let mut x = T::ZERO;
+    let mut slope = one;
+    for _ in 0..40 {
+        let (value, rise) = at(x);
+        slope = rise.or_larger(T::TINY);
+        if value > T::ZERO {
+            high = x;
+        } else {
+            low = x;
+        }
+        let newton = x - value / slope;
+        let done = (newton - x).abs() <= T::of(4.0) * T::EPSILON * x.abs();
+        x = if done || (newton > low && newton < high) {
+            newton
+        } else {
+            T::of(0.5) * (low + high.or_smaller(T::of(4.0) * (low + one) + x))
+        };
+        if done {
+            break;
+        }
+    }
+    // A thousandth of the cube root is a thousand-millionth of the force: open.
+    if x < T::of(-0.999) {
+        x = -one;
+    }
+    (x, slope)
+}
+
+impl<T: Real> Spring<T> {
+    /// A ball at rest; `contact` has both deformations in one.
+    #[inline(always)]
+    pub fn at_rest(contact: &Contact<T>) -> Self {
+        let normal = contact.normal();
+        let half = T::of(0.5);
+        if contact.q <= T::ZERO {
+            return Self::open(normal, T::ONE, contact.delta, half);
+        }
+        let extra = contact.slope * contact.lag;
+        Self {
+            normal,
+            sense: normal,
+            reference: contact.q,
+            hertz: contact.delta,
+            bend: T::ZERO,
+            along: T::ZERO,
+            elongation: contact.lag,
+            half_curvature: half,
+            extra,
+            settling: T::ZERO,
+            slope: contact.slope,
+            change: scale(extra, normal),
+            stiffness: [[T::ZERO; 2]; 2],
+        }
+    }
+
+    /// A contact of the constant `k` across a gap, which is `-elongation`.
+    #[inline(always)]
+    pub fn open(normal: Pair<T>, k: T, elongation: T, half_curvature: T) -> Self {
+        Self {
+            normal,
+            sense: normal,
+            hertz: k,
+            elongation,
+            half_curvature,
+            ..Self::default()
+        }
+    }
+
+    /// A ball at speed whose contacts are `inner` and `outer`. `carried` is the force it hands to the
+    /// ring as it is, `force` and `stiffness` the linear law; `along` is `Fc li / L0`.
+    #[inline(always)]
+    pub fn of(
+        inner: &Contact<T>,
+        outer: &Contact<T>,
+        carried: Pair<T>,
+        force: Pair<T>,
+        stiffness: &Square<T>,
+        along: T,
+    ) -> Self {
+        let half = T::of(0.5);
+        let [[h00, h01], [h10, h11]] = *stiffness;
+        // Singular vectors of the larger singular value.
+        let p = half * (h00 * h00 + h10 * h10 - h01 * h01 - h11 * h11);
+        let q = h00 * h01 + h10 * h11;
+        let root = (p * p + q * q).sqrt();
+        let sense = if p > T::ZERO {
+            [p + root, q]
+        } else {
+            [q, root - p]
+        };
+        let mut unit = T::ONE / dot(sense, sense).or_larger(T::TINY).sqrt();
+        if dot(sense, inner.normal()) < T::ZERO {
+            unit = -unit;
+        }
+        let sense = scale(unit, sense);
+        let normal = [dot(stiffness[0], sense), dot(stiffness[1], sense)];
+        let slope = dot(normal, normal).or_larger(T::TINY).sqrt();
+        let normal = scale(T::ONE / slope, normal);
+        let across = (h00 * h11 - h01 * h10) / slope;
+
+        let mut reference = (inner.q * dot(inner.normal(), normal)).or_larger(inner.q * T::of(0.1));
+        let change = sub(force, carried);
+        let mut extra = dot(change, normal);
+        // A ball next to its own equilibrium is there for the law: what it still has to move does not
+        // elongate it.
+        let mut settling = T::ZERO;
+        if extra.abs() <= T::of(0.1) * reference {
+            settling = extra.abs() / reference;
+            reference += extra;
+            extra = T::ZERO;
+        }
+        let three_halves = T::of(1.5);
+        let flexibility = T::ONE / inner.slope + T::ONE / outer.slope;
+        let bent = T::ONE / slope - flexibility;
+        let along = along * normal[1].or_larger(T::ZERO) / reference;
+        let (hertz, bend) = if bent > T::ZERO {
+            (
+                three_halves * flexibility * reference,
+                half * bent * reference * (T::ONE + along),
+            )
+        } else {
+            (three_halves * reference / slope, T::ZERO)
+        };
+        Self {
+            normal,
+            sense,
+            reference,
+            hertz,
+            bend,
+            along,
+            elongation: extra / slope,
+            // Inertia can make a ball unstable across; its contacts still are round.
+            half_curvature: (half * across / reference)
+                .or_larger(T::of(0.25))
+                .or_smaller(half * inner.inverse_radius),
+            extra,
+            settling,
+            slope,
+            change,
+            stiffness: *stiffness,
+        }
+    }
+
+    /// The ball carries on the inner race.
+    #[inline(always)]
+    pub fn carries(&self) -> bool {
+        self.reference > T::ZERO
+    }
+
+    /// Force it started from.
+    #[inline(always)]
+    pub fn reference(&self) -> T {
+        self.reference
+    }
+
+    /// Change of the slope from the linear law to the reaction `r`. The slope grows with no more than
+    /// the cube of the force: that of a bent chain does.
+    #[inline(always)]
+    pub fn slope_change(&self, r: &Reaction<T>) -> T {
+        (r.slope - self.slope).abs() + T::of(3.0) * self.settling * self.slope
+    }
+
+    /// The larger of the two slopes.
+    #[inline(always)]
+    pub fn larger_slope(&self, r: &Reaction<T>) -> T {
+        r.slope.or_larger(self.slope)
+    }
+
+    /// Forgets what the last linearisation extrapolated, but for the force `change` and the
+    /// elongation that belongs to it.
+    #[inline(always)]
+    pub fn rest(&mut self, change: Pair<T>) {
+        let extra = dot(change, self.normal);
+        if self.carries() {
+            self.elongation = extra / self.slope;
+        }
+        self.extra = extra;
+        self.change = change;
+    }
+
+    /// The law after a shift `d` of the ring.
+    #[inline(always)]
+    pub fn react(&self, d: Pair<T>) -> Reaction<T> {
+        let w = self.sense;
+        let (along, across) = (dot(w, d), w[1] * d[0] - w[0] * d[1]);
+        let s = self.elongation + along + self.half_curvature * across * across;
+        let three_halves = T::of(1.5);
+        let (mut force, mut slope, mut excess) = (T::ZERO, T::ZERO, -self.reference);
+        if !self.carries() {
+            if s > T::ZERO {
+                let root = self.hertz * s.sqrt();
+                force = root * s;
+                slope = three_halves * root;
+                excess = force;
+            }
+        } else if !(self.bend > T::ZERO) {
+            let x = s / self.hertz;
+            let y = T::ONE + x;
+            if y > T::ZERO {
+                let root = y.sqrt();
+                force = self.reference * root * y;
+                slope = three_halves * self.reference * root / self.hertz;
+                // y^(3/2) - 1 without a difference.
+                excess = self.reference * x * (y + root + T::ONE) / (root + T::ONE);
+            }
+        } else {
+            let (x, rise) = tension(self.hertz, self.bend, self.along, s);
+            if x > -T::ONE {
+                let z = T::ONE + x;
+                let square = self.reference * z * z;
+                force = square * z;
+                slope = T::of(3.0) * square / rise;
+                excess = self.reference * x * (z * z + z + T::ONE);
+            }
+        }
+        Reaction {
+            force,
+            slope,
+            excess,
+            along,
+            across,
+        }
+    }
+
+    /// What force and stiffness are beyond the linear law after a shift `d`.
+    #[inline(always)]
+    pub fn beyond(&self, r: &Reaction<T>) -> (Pair<T>, Square<T>) {
+        let (n, w) = (self.normal, self.sense);
+        let (t, v) = ([n[1], -n[0]], [w[1], -w[0]]);
+        let curvature = self.half_curvature + self.half_curvature;
+        let bend = curvature * r.across;
+        let normal = r.excess - self.extra - self.slope * r.along;
+        let across = r.excess * bend;
+        let mixed = r.slope * bend;
+        let by_along = add(scale(r.slope - self.slope, n), scale(mixed, t));
+        let by_across = add(
+            scale(mixed, n),
+            scale(mixed * bend + curvature * r.excess, t),
+        );
+        let row = |i: usize| add(scale(by_along[i], w), scale(by_across[i], v));
+        (add(scale(normal, n), scale(across, t)), [row(0), row(1)])
+    }
+
+    /// Change of the contact's force by a shift `d`, and the shift that would have made it if the ball
+    /// were linear: what moves the ball itself.
+    #[inline(always)]
+    pub fn follow(&self, d: Pair<T>, r: &Reaction<T>) -> (Pair<T>, Pair<T>) {
+        let (beyond, _) = self.beyond(r);
+        let linear = [dot(self.stiffness[0], d), dot(self.stiffness[1], d)];
+        let change = add(add(self.change, linear), beyond);
+        if !self.carries() {
+            return (change, d);
+        }
+        let w = self.sense;
+        let along = (r.excess - self.extra - self.slope * r.along) / self.slope;
+        let turn = (r.excess / self.reference)
+            .or_smaller(T::ONE)
+            .or_larger(-T::ONE);
+        let across = r.across * turn;
+        (
+            change,
+            add(d, add(scale(along, w), scale(across, [w[1], -w[0]]))),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    fn bent() -> Spring<f64> {
+        Spring {
+            normal: [0.6, 0.8],
+            sense: [0.6, 0.8],
+            reference: 2e-3,
+            hertz: 0.016,
+            bend: 0.01,
+            along: 0.3,
+            elongation: 0.0,
+            half_curvature: 0.4,
+            extra: 0.0,
+            slope: 3.0 * 2e-3 / (2.0 * 0.016 + 6.0 * 0.01 / 1.3),
+            ..Spring::default()
+        }
+    }
+
+    #[test]
+    fn the_law_agrees_with_the_linear_one_in_value_and_slope() {
+        let spring = bent();
+        let r = spring.react([0.0, 0.0]);
+        assert!((r.force / spring.reference - 1.0).abs() < 1e-14);
+        assert!((r.slope / spring.slope - 1.0).abs() < 1e-14);
+        let (f, h) = spring.beyond(&r);
+        assert!(f.iter().all(|x| x.abs() < 1e-17), "{f:?}");
+        assert!(h.iter().flatten().all(|x| x.abs() < 1e-15), "{h:?}");
+    }
+
+    #[test]
+    fn the_tangent_beyond_the_linear_law_is_the_derivative_of_the_force() {
+        let spring = bent();
+        let step = 1e-7;
+        for d in [[0.0, 0.0], [3e-3, -2e-3], [-4e-3, 1e-2], [0.02, 0.01]] {
+            let (_, h) = spring.beyond(&spring.react(d));
+            for j in 0..2 {
+                let force = |sign: f64| {
+                    let mut d = d;
+                    d[j] += sign * step;
+                    spring.beyond(&spring.react(d)).0
+                };
+                let (more, less) = (force(1.0), force(-1.0));
+                for i in 0..2 {
+                    let slope = (more[i] - less[i]) / (2.0 * step);
+                    assert!((h[i][j] - slope).abs() < 1e-7, "{d:?}: {} {slope}", h[i][j]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_force_never_falls_with_the_elongation_and_never_is_negative() {
+        let spring = bent();
+        let forces: Vec<f64> = (-400..=400)
+            .map(|i| f64::from(i) * 1e-3)
+            .map(|s| spring.react([0.6 * s, 0.8 * s]).force)
+            .collect();
+        assert!(forces.windows(2).all(|w| w[1] >= w[0]));
+        assert!(forces[0] >= 0.0 && forces[800] > forces[400]);
+    }
+
+    #[test]
+    fn the_tension_solves_its_equation() {
+        for (s1, s2, r, s) in [
+            (1.0, 1e-3, 0.2, 0.5),
+            (1.0, 1e-3, 0.2, -0.02),
+            (1e-4, 3.0, 1e3, 2e-6),
+            (0.5, 0.0, 0.0, 0.1),
+        ] {
+            let (x, slope) = tension(s1, s2, r, s);
+            let z: f64 = 1.0 + x;
+            let bent: f64 = (1.0 + r) / (z * z * z + r);
+            let left = s1 * (z * z - 1.0) + s2 * (1.0 - bent * bent);
+            assert!((left - s).abs() < 1e-12 * (1.0 + s), "{s1} {s2} {r} {s}");
+            assert!(slope > 0.0);
+        }
+        assert_eq!(tension(1.0, 1e-3, 0.2, -2.0).0, -1.0);
+    }
+}
