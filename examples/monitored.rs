@@ -14,6 +14,8 @@ pub const DESIGN: Design = Design {
     inner_groove_factor: 0.515,
     outer_groove_factor: 0.525,
     free_contact: FreeContact::Angle(15.0 * PI / 180.0),
+    inner_shoulder_angle: 48.0 * PI / 180.0,
+    outer_shoulder_angle: 47.5 * PI / 180.0,
     first_ball: 0.0,
     ring: Material::STEEL,
     ball: Material::STEEL,

@@ -62,6 +62,42 @@ pub struct Constants<T> {
     pub moment: T,
     /// Ball radius `D / 2`, m.
     pub ball_radius: T,
+    /// What the limits are about.
+    pub inner_groove: Groove<T>,
+    pub outer_groove: Groove<T>,
+    /// The grooves are the same to either side of the balls.
+    pub symmetric: bool,
+}
+
+/// Size and place of the contacts in a groove. With `Q = K delta^(3/2)`, pressure and axes of a
+/// Hertzian contact, which grow with the cube root of the load, grow with the square root of the
+/// deformation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Groove<T> {
+    /// Peak pressure over the root of the deformation, Pa.
+    pub pressure: T,
+    /// Semi-major axis over groove radius and the root of the deformation.
+    pub semi_major: T,
+    /// Angle of the shoulder's edge, its sine and cosine.
+    pub shoulder: T,
+    pub shoulder_sin: T,
+    pub shoulder_cos: T,
+}
+
+impl Groove<f64> {
+    const fn of(contact: &HertzContact, l0: f64, radius: f64, shoulder: f64) -> Self {
+        // Load of a deformation of L0.
+        let q = contact.load_deflection * l0 * sqrt(l0);
+        let (shoulder_sin, shoulder_cos) = sin_cos(shoulder);
+        Self {
+            pressure: contact.peak_pressure(q),
+            semi_major: contact.semi_major * cbrt(q) / radius,
+            shoulder,
+            shoulder_sin,
+            shoulder_cos,
+        }
+    }
 }
 
 /// Where one ball sits: cosine and sine of its azimuth, and what rounding to the coarse grid leaves.
@@ -85,6 +121,8 @@ pub struct Azimuth<T> {
 ///     inner_groove_factor: 0.515,
 ///     outer_groove_factor: 0.525,
 ///     free_contact: FreeContact::Angle(15.0 * core::f64::consts::PI / 180.0),
+///     inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+///     outer_shoulder_angle: Design::HIGHEST_SHOULDER,
 ///     first_ball: 0.0,
 ///     ring: Material::STEEL,
 ///     ball: Material::STEEL,
@@ -172,6 +210,9 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         tilt: l0 / rp,
         moment: force * rp,
         ball_radius: 0.5 * d,
+        inner_groove: Groove::of(&inner, l0, fi * d, design.inner_shoulder_angle),
+        outer_groove: Groove::of(&outer, l0, fo * d, design.outer_shoulder_angle),
+        symmetric: design.is_symmetric(),
     })
 }
 
@@ -190,6 +231,18 @@ macro_rules! bearing {
                 Self {
                     high,
                     low: (x - high as f64) as $t,
+                }
+            }
+        }
+
+        impl Groove<$t> {
+            const fn rounded(exact: &Groove<f64>) -> Self {
+                Self {
+                    pressure: exact.pressure as $t,
+                    semi_major: exact.semi_major as $t,
+                    shoulder: exact.shoulder as $t,
+                    shoulder_sin: exact.shoulder_sin as $t,
+                    shoulder_cos: exact.shoulder_cos as $t,
                 }
             }
         }
@@ -229,6 +282,9 @@ macro_rules! bearing {
                     tilt: c.tilt as $t,
                     moment: c.moment as $t,
                     ball_radius: c.ball_radius as $t,
+                    inner_groove: Groove::<$t>::rounded(&c.inner_groove),
+                    outer_groove: Groove::<$t>::rounded(&c.outer_groove),
+                    symmetric: c.symmetric,
                 };
                 let mut azimuths = [Azimuth {
                     cos: 0.0,

@@ -43,9 +43,11 @@ impl Material {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FreeContact {
-    /// Free contact angle `alpha0`, rad.
+    /// Free contact angle `alpha0`, rad: an angular contact bearing, with shoulders made for a load
+    /// on the side of that angle only. 0 stands for a deep groove bearing without clearance.
     Angle(f64),
-    /// Diametral clearance `Pd`, m: `cos alpha0 = 1 - Pd / (2 L0)`.
+    /// Diametral clearance `Pd`, m: `cos alpha0 = 1 - Pd / (2 L0)`. A deep groove bearing, with
+    /// shoulders alike on both sides.
     DiametralClearance(f64),
 }
 
@@ -63,6 +65,14 @@ pub struct Design {
     pub outer_groove_factor: f64,
     /// Free contact angle, or the clearance that decides it.
     pub free_contact: FreeContact,
+    /// Inner shoulder's angle `theta_i`, rad: the contact angle at which the centre of a contact is on
+    /// the edge between the inner groove and its shoulder, on the side of the free contact angle.
+    /// The groove is an arc of the radius `f D`, so that a shoulder of the height `h` above its bottom
+    /// begins at `cos theta = 1 - h / (f D)`. [`Design::HIGHEST_SHOULDER`] if it is not known. It has
+    /// no part in the equilibrium, only in [`Solution::exceedances`](crate::Solution::exceedances).
+    pub inner_shoulder_angle: f64,
+    /// Outer shoulder's angle `theta_o`, rad, likewise.
+    pub outer_shoulder_angle: f64,
     /// Azimuth `phi_0` of the first ball, rad from +y towards +z.
     pub first_ball: f64,
     /// Material of both rings.
@@ -123,6 +133,10 @@ macro_rules! check {
 pub(crate) use check;
 
 impl Design {
+    /// The angle of a shoulder as high as the groove's radius, rad: no groove reaches further than
+    /// this quarter circle. For bearings whose shoulders are not known.
+    pub const HIGHEST_SHOULDER: f64 = core::f64::consts::FRAC_PI_2;
+
     /// Distance `L0 = (fi + fo - 1) D` of the groove curvature centres of the unloaded bearing, m.
     pub const fn centre_distance(&self) -> f64 {
         (self.inner_groove_factor + self.outer_groove_factor - 1.0) * self.ball_diameter
@@ -136,6 +150,14 @@ impl Design {
                 let versine = clearance / (2.0 * self.centre_distance());
                 (sqrt(versine * (2.0 - versine)), 1.0 - versine)
             }
+        }
+    }
+
+    /// Whether the grooves are the same to either side of the balls.
+    pub(crate) const fn is_symmetric(&self) -> bool {
+        match self.free_contact {
+            FreeContact::Angle(angle) => angle == 0.0,
+            FreeContact::DiametralClearance(_) => true,
         }
     }
 
@@ -176,6 +198,15 @@ impl Design {
                 1.66 * self.centre_distance()
             )),
         }
+        // The unloaded balls, at least, must lie in their grooves.
+        let least = match self.free_contact {
+            FreeContact::Angle(angle) => angle,
+            FreeContact::DiametralClearance(_) => 0.0,
+        };
+        let most = Self::HIGHEST_SHOULDER;
+        let (inner, outer) = (self.inner_shoulder_angle, self.outer_shoulder_angle);
+        check!(within(Q::InnerShoulderAngle, inner, least, most));
+        check!(within(Q::OuterShoulderAngle, outer, least, most));
         check!(within(Q::FirstBall, self.first_ball, -7.0, 7.0));
         check!(within(
             Q::RingYoungsModulus,

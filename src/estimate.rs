@@ -169,6 +169,8 @@ mod tests {
         inner_groove_factor: 0.515,
         outer_groove_factor: 0.525,
         free_contact: FreeContact::Angle(15.0 * core::f64::consts::PI / 180.0),
+        inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+        outer_shoulder_angle: Design::HIGHEST_SHOULDER,
         first_ball: 0.0,
         ring: Material::STEEL,
         ball: Material::STEEL,

@@ -25,6 +25,8 @@ mod hertz;
 #[forbid(unsafe_code)]
 mod kinematics;
 #[forbid(unsafe_code)]
+mod limits;
+#[forbid(unsafe_code)]
 mod ring;
 #[forbid(unsafe_code)]
 mod scene;
@@ -49,6 +51,7 @@ pub use design::{Design, DesignError, FreeContact, Material};
 pub use float::Real;
 pub use hertz::{HertzContact, elliptic_integrals};
 pub use kinematics::{Attitude, InnerRaceControl, OuterRaceControl, RacewayControlFree};
+pub use limits::{Exceedance, Exceedances, Limit, LimitSet, Limits, Race};
 pub use scene::{AtSpeed, Motion, Static};
 pub use solver::{BallState, ErrorEstimate, Settings, Solution, Solver};
 pub use status::{Quantity, Status};

@@ -38,7 +38,7 @@
 //! by ball: the error of the stiffness, which is a linearisation old. Displacements and forces are one
 //! Newton step further, where that error enters as a factor. What rounding leaves comes on top.
 
-use crate::ball::Share;
+use crate::ball::{Pass, Share};
 use crate::constants::{Azimuth, Bearing, Constants};
 use crate::contact::add;
 use crate::float::Real;
@@ -152,6 +152,18 @@ impl<T: Real, const N: usize, M: Motion> Solution<'_, T, N, M> {
             })
     }
 
+    /// The bearing's constants, and the contacts and loads of every ball in their units.
+    pub(crate) fn passes(&self) -> (&Constants<T>, impl Iterator<Item = Pass<T>> + '_) {
+        let c = &self.solver.bearing.constants;
+        let state = &self.solver.state;
+        let balls = self.solver.balls.iter().zip(&self.solver.bearing.azimuths);
+        let passes = balls.map(move |(ball, at)| {
+            let a = shift(&state.position.offset, at);
+            M::observe(c, state.speed_load, ball, a)
+        });
+        (c, passes)
+    }
+
     /// Forces on the inner race alone, N, in the order of the balls: what a monitor looks at, without
     /// the cost of contact angles.
     pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_ {
@@ -211,6 +223,7 @@ impl<T: Real, const N: usize, M: Motion> defmt::Format for Solution<'_, T, N, M>
 ///     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
 ///     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
 ///     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+///     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
 ///     ring: Material::STEEL, ball: Material::STEEL,
 /// };
 /// let bearing = Bearing::<f32, 16>::new(&design)?;

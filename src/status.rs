@@ -22,6 +22,10 @@ pub enum Quantity {
     ContactAngle,
     /// Diametral clearance `Pd`, m.
     DiametralClearance,
+    /// Inner shoulder's angle `theta_i`, rad.
+    InnerShoulderAngle,
+    /// Outer shoulder's angle `theta_o`, rad.
+    OuterShoulderAngle,
     /// Azimuth of the first ball `phi_0`, rad.
     FirstBall,
     /// Young's modulus of the rings, Pa.
@@ -74,6 +78,8 @@ impl Quantity {
             Self::OuterGrooveFactor => "outer groove factor fo",
             Self::ContactAngle => "free contact angle alpha0 (rad)",
             Self::DiametralClearance => "diametral clearance Pd (m)",
+            Self::InnerShoulderAngle => "inner shoulder's angle theta_i (rad)",
+            Self::OuterShoulderAngle => "outer shoulder's angle theta_o (rad)",
             Self::FirstBall => "azimuth of the first ball phi_0 (rad)",
             Self::RingYoungsModulus => "Young's modulus of the rings (Pa)",
             Self::RingPoissonsRatio => "Poisson's ratio of the rings",

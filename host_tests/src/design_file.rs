@@ -8,6 +8,8 @@
 //! inner_groove_factor = 0.515    # groove radius over ball diameter
 //! outer_groove_factor = 0.525
 //! contact_angle_deg = 15         # of the unloaded bearing; or diametral_clearance_um
+//! inner_shoulder_deg = 48        # contact angle at the shoulder's edge; may be left out
+//! outer_shoulder_deg = 47.5
 //! first_ball_deg = 0             # may be left out
 //!
 //! [ring]                         # what is left out is bearing steel's
@@ -138,6 +140,8 @@ struct Keys {
     outer_groove_factor: Key<Number>,
     contact_angle_deg: Key<Number>,
     diametral_clearance_um: Key<Number>,
+    inner_shoulder_deg: Key<Number>,
+    outer_shoulder_deg: Key<Number>,
     first_ball_deg: Key<Number>,
     #[serde(default)]
     ring: RingKeys,
@@ -374,6 +378,20 @@ impl DesignFile {
                 keys.outer_groove_factor,
             )?,
             free_contact: r.free_contact(keys.contact_angle_deg, keys.diametral_clearance_um)?,
+            inner_shoulder_angle: r.optional(
+                Q::InnerShoulderAngle,
+                "inner_shoulder_deg",
+                keys.inner_shoulder_deg,
+                f64::to_radians,
+                Design::HIGHEST_SHOULDER,
+            ),
+            outer_shoulder_angle: r.optional(
+                Q::OuterShoulderAngle,
+                "outer_shoulder_deg",
+                keys.outer_shoulder_deg,
+                f64::to_radians,
+                Design::HIGHEST_SHOULDER,
+            ),
             first_ball: r.optional(
                 Q::FirstBall,
                 "first_ball_deg",

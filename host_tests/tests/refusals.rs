@@ -260,7 +260,7 @@ fn refusal(change: impl FnOnce(&mut Design)) -> DesignError {
 type Field = (Quantity, fn(&mut Design, f64));
 
 /// Every number of a design. The flag says whether it may be zero.
-const FIELDS: [(Field, bool); 12] = [
+const FIELDS: [(Field, bool); 14] = [
     ((Quantity::BallDiameter, |d, x| d.ball_diameter = x), false),
     (
         (Quantity::PitchDiameter, |d, x| d.pitch_diameter = x),
@@ -289,6 +289,18 @@ const FIELDS: [(Field, bool); 12] = [
             d.free_contact = FreeContact::DiametralClearance(x);
         }),
         true,
+    ),
+    (
+        (Quantity::InnerShoulderAngle, |d, x| {
+            d.inner_shoulder_angle = x
+        }),
+        false,
+    ),
+    (
+        (Quantity::OuterShoulderAngle, |d, x| {
+            d.outer_shoulder_angle = x
+        }),
+        false,
     ),
     ((Quantity::FirstBall, |d, x| d.first_ball = x), true),
     (
@@ -388,6 +400,20 @@ fn a_groove_no_wider_than_the_ball_is_refused() {
         let error = refusal(|d| d.outer_groove_factor = factor);
         assert_eq!(error.quantity, Quantity::OuterGrooveFactor);
         assert_eq!(error.value, factor);
+    }
+}
+
+#[test]
+fn a_shoulder_below_the_unloaded_balls_or_in_degrees_is_refused() {
+    let FreeContact::Angle(free) = B7005C.free_contact else {
+        unreachable!()
+    };
+    for angle in [0.99 * free, -free, 1.01 * Design::HIGHEST_SHOULDER, 48.0] {
+        let error = refusal(|d| d.inner_shoulder_angle = angle);
+        assert_eq!(error.quantity, Quantity::InnerShoulderAngle);
+        let error = refusal(|d| d.outer_shoulder_angle = angle);
+        assert_eq!(error.quantity, Quantity::OuterShoulderAngle);
+        assert_eq!((error.value, error.least), (angle, free));
     }
 }
 

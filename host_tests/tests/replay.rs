@@ -6,7 +6,7 @@ use host_tests::dispatch::{self, Answer, AnySolver, Attitude, BALL_COUNTS, Figur
 use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError};
 use host_tests::milling_cycle::{RECORD, milling_cycle, write_csv};
 use host_tests::replay::{replay, run};
-use spindle_bearing::{BallState, FreeContact, Material};
+use spindle_bearing::{BallState, Design, FreeContact, Material};
 use std::ffi::OsString;
 use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
@@ -635,16 +635,21 @@ fn a_design_file_means_si_units_and_steel_unless_it_says_otherwise() {
     assert_eq!(design.inner_groove_factor, 0.515);
     assert_eq!(design.outer_groove_factor, 0.525);
     assert_eq!(design.free_contact, FreeContact::Angle(15_f64.to_radians()));
+    assert_eq!(design.inner_shoulder_angle, Design::HIGHEST_SHOULDER);
+    assert_eq!(design.outer_shoulder_angle, Design::HIGHEST_SHOULDER);
     assert_eq!(design.first_ball, 0.0);
     assert_eq!(design.ring, Material::STEEL);
     assert_eq!(design.ball, Material::STEEL);
 
     let clearance = DESIGN.replace("contact_angle_deg = 15", "diametral_clearance_um = 10");
-    let more = "first_ball_deg = 11.25\n[ball]\nyoungs_modulus_gpa = 310\ndensity_kg_m3 = 3200\n\
+    let more = "first_ball_deg = 11.25\ninner_shoulder_deg = 50\nouter_shoulder_deg = 45\n\
+                [ball]\nyoungs_modulus_gpa = 310\ndensity_kg_m3 = 3200\n\
                 [ring]\npoissons_ratio = 0.29\n";
     let design = DesignFile::parse("x", &(clearance + more)).unwrap().design;
     assert_eq!(design.free_contact, FreeContact::DiametralClearance(10e-6));
     assert_eq!(design.first_ball, 11.25_f64.to_radians());
+    assert_eq!(design.inner_shoulder_angle, 50_f64.to_radians());
+    assert_eq!(design.outer_shoulder_angle, 45_f64.to_radians());
     assert_eq!(
         design.ball,
         Material {

@@ -1,0 +1,498 @@
+//! Physical limits that an equilibrium may pass: the solver still has its numbers, and these say
+//! how far to trust the bearing, and the model, under them.
+//!
+//! Nothing here is computed unless [`Solution::exceedances`] is called. One pass over the balls
+//! compares sines, roots and products; angles are worked out for the worst contact only.
+
+use crate::ball::Pass;
+use crate::constants::{Constants, Groove};
+use crate::contact::Contact;
+use crate::float::Real;
+use crate::scene::Motion;
+use crate::solver::Solution;
+use core::fmt;
+
+/// Limits that the design does not give. One that is infinite is never passed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Limits<T> {
+    /// Peak contact pressure, Pa.
+    pub peak_pressure: T,
+    /// Friction force over contact force, `T/Q`. The friction is what carries the gyroscopic
+    /// moment; a lubricant that cannot supply it lets the balls slip.
+    pub friction: T,
+}
+
+impl<T: Real> Limits<T> {
+    /// Peak pressure, Pa, that makes up the static load rating of ball bearings: 4200 MPa dent ball
+    /// and raceway together by a ten-thousandth of the ball diameter (ISO 76:2006).
+    pub const STATIC_PRESSURE: f64 = 4.2e9;
+    /// Peak pressure, Pa, below which bearing steel does not tire: 1500 MPa (ISO 281:2007, fatigue
+    /// load limit).
+    pub const FATIGUE_PRESSURE: f64 = 1.5e9;
+    /// Friction that a lubricated contact can be trusted to have: 0.06 to 0.07 suffice to prevent
+    /// gyroscopic sliding in most ball bearings (Jones 1959, after Harris, Rolling Bearing
+    /// Analysis).
+    pub const LUBRICATED_FRICTION: f64 = 0.06;
+}
+
+impl<T: Real> Default for Limits<T> {
+    /// [`Limits::STATIC_PRESSURE`] and [`Limits::LUBRICATED_FRICTION`].
+    fn default() -> Self {
+        Self {
+            peak_pressure: T::of(Self::STATIC_PRESSURE),
+            friction: T::of(Self::LUBRICATED_FRICTION),
+        }
+    }
+}
+
+/// One of the two rings' raceways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Race {
+    /// That of the inner ring.
+    Inner,
+    /// That of the outer ring.
+    Outer,
+}
+
+impl Race {
+    /// `inner` or `outer`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Inner => "inner",
+            Self::Outer => "outer",
+        }
+    }
+}
+
+/// A limit that an equilibrium may pass, the most serious first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Limit {
+    /// Peak contact pressure, Pa, against [`Limits::peak_pressure`].
+    PeakPressure,
+    /// The centre of a contact lies past the edge of the shoulder, where there is no groove: contact
+    /// angle, rad, against the shoulder's angle.
+    Shoulder,
+    /// The shoulder truncates a contact: contact angle of the far end of the contact ellipse, rad,
+    /// against the shoulder's angle. Beyond it, the true pressure is above the one given here. A
+    /// contact past the shoulder is truncated, too.
+    Truncation,
+    /// A contact on the other side of the groove than the free contact angle, where an angular
+    /// contact bearing has a low shoulder or none: contact angle, rad, against 0. Deep groove
+    /// bearings carry on both sides, and their contacts are never reversed.
+    Reversal,
+    /// Friction force over contact force, `T/Q`, against [`Limits::friction`]: gross slip is to be
+    /// suspected.
+    Friction,
+    /// A ball is off the inner race: its gap between the races, m, against 0.
+    InnerContact,
+}
+
+impl Limit {
+    /// All limits, the most serious first.
+    pub const ALL: [Self; 6] = [
+        Self::PeakPressure,
+        Self::Shoulder,
+        Self::Truncation,
+        Self::Reversal,
+        Self::Friction,
+        Self::InnerContact,
+    ];
+
+    /// Short name in lower case, as tables print it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PeakPressure => "peak-pressure",
+            Self::Shoulder => "shoulder",
+            Self::Truncation => "truncation",
+            Self::Reversal => "reversal",
+            Self::Friction => "friction",
+            Self::InnerContact => "inner-contact",
+        }
+    }
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A set of limits, in a byte.
+#[derive(Clone, Copy, PartialEq, Eq, Default)]
+pub struct LimitSet(u8);
+
+impl LimitSet {
+    /// One bit for each limit, in the order of [`Limit::ALL`] from the lowest.
+    pub const fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// Whether there is none in it.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Whether this one is in it.
+    pub const fn contains(self, limit: Limit) -> bool {
+        self.0 & (1 << limit as u8) != 0
+    }
+
+    /// The limits in it, the most serious first.
+    pub fn iter(self) -> impl Iterator<Item = Limit> {
+        Limit::ALL
+            .into_iter()
+            .filter(move |limit| self.contains(*limit))
+    }
+}
+
+impl fmt::Debug for LimitSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
+}
+
+/// Names, a blank between two of them.
+impl fmt::Display for LimitSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, limit) in self.iter().enumerate() {
+            f.write_str(if i == 0 { "" } else { " " })?;
+            f.write_str(limit.name())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for LimitSet {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "[");
+        for (i, limit) in self.iter().enumerate() {
+            if i > 0 {
+                defmt::write!(f, ", ");
+            }
+            defmt::write!(f, "{}", limit);
+        }
+        defmt::write!(f, "]");
+    }
+}
+
+/// A limit that was passed: by how many balls, and the worst of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Exceedance<T> {
+    /// Which limit.
+    pub limit: Limit,
+    /// Balls past it, on either race.
+    pub balls: u16,
+    /// The worst ball, in the order of [`Solution::balls`].
+    pub ball: u16,
+    /// The worst ball's race.
+    pub race: Race,
+    /// What it has there, SI units: see [`Limit`].
+    pub value: T,
+    /// What is allowed there. Seldom, `value` equals it when rounded.
+    pub allowed: T,
+}
+
+impl<T: Real> fmt::Display for Exceedance<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            ball,
+            value,
+            allowed,
+            ..
+        } = self;
+        let race = self.race.name();
+        match self.limit {
+            Limit::PeakPressure => write!(
+                f,
+                "peak pressure {value:.3e} Pa at ball {ball}'s {race} race, above {allowed:.3e}"
+            )?,
+            Limit::Shoulder => write!(
+                f,
+                "contact angle {value:.4} rad at ball {ball}'s {race} race, past the shoulder at \
+                 {allowed:.4}"
+            )?,
+            Limit::Truncation => write!(
+                f,
+                "contact up to {value:.4} rad at ball {ball}'s {race} race, truncated by the \
+                 shoulder at {allowed:.4}"
+            )?,
+            Limit::Reversal => write!(
+                f,
+                "contact angle {value:.4} rad at ball {ball}'s {race} race, reversed"
+            )?,
+            Limit::Friction => write!(
+                f,
+                "friction demand {value:.3} of the force at ball {ball}'s {race} race, above \
+                 {allowed:.3}"
+            )?,
+            Limit::InnerContact => write!(f, "ball {ball} off the {race} race by {value:.3e} m")?,
+        }
+        let plural = if self.balls == 1 { "" } else { "s" };
+        write!(f, " ({} ball{plural})", self.balls)
+    }
+}
+
+/// The limits that an equilibrium has passed. [`LimitSet`] is the short form.
+#[derive(Clone, Copy, PartialEq)]
+pub struct Exceedances<T>([Option<Exceedance<T>>; Limit::ALL.len()]);
+
+impl<T: Copy> Exceedances<T> {
+    /// Whether no limit was passed.
+    pub fn is_empty(&self) -> bool {
+        self.iter().next().is_none()
+    }
+
+    /// A limit's exceedance, if it was passed.
+    pub fn get(&self, limit: Limit) -> Option<Exceedance<T>> {
+        self.0[limit as usize]
+    }
+
+    /// The limits that were passed, the most serious first.
+    pub fn iter(&self) -> impl Iterator<Item = Exceedance<T>> + '_ {
+        self.0.iter().flatten().copied()
+    }
+
+    /// Which limits were passed.
+    pub fn limits(&self) -> LimitSet {
+        self.iter()
+            .fold(LimitSet(0), |set, e| LimitSet(set.0 | (1 << e.limit as u8)))
+    }
+}
+
+impl<T: Real> fmt::Debug for Exceedances<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
+}
+
+/// One sentence for each limit, separated by semicolons.
+impl<T: Real> fmt::Display for Exceedances<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, exceedance) in self.iter().enumerate() {
+            f.write_str(if i == 0 { "" } else { "; " })?;
+            exceedance.fmt(f)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<T: Real> defmt::Format for Exceedances<T> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "[");
+        for (i, exceedance) in self.iter().enumerate() {
+            if i > 0 {
+                defmt::write!(f, ", ");
+            }
+            defmt::write!(f, "{}", exceedance);
+        }
+        defmt::write!(f, "]");
+    }
+}
+
+/// What is kept of the balls past a limit.
+#[derive(Clone, Copy)]
+struct Worst<T> {
+    balls: u16,
+    /// The ball counted last, plus 1.
+    counted: u16,
+    ball: u16,
+    race: Race,
+    /// A measure that grows with the excess.
+    rank: T,
+    /// Sine and cosine of the contact angle, and the ellipse's half-width over the groove radius.
+    contact: [T; 3],
+}
+
+impl<T: Real> Worst<T> {
+    const NONE: Self = Self {
+        balls: 0,
+        counted: 0,
+        ball: 0,
+        race: Race::Inner,
+        rank: T::ZERO,
+        contact: [T::ZERO; 3],
+    };
+
+    fn note(&mut self, ball: u16, race: Race, rank: T, contact: [T; 3]) {
+        if self.balls == 0 || rank > self.rank {
+            *self = Self {
+                ball,
+                race,
+                rank,
+                contact,
+                ..*self
+            };
+        }
+        // A ball may be past a limit on both races.
+        if self.counted != ball + 1 {
+            self.counted = ball + 1;
+            self.balls += 1;
+        }
+    }
+}
+
+/// A measure of the angle whose sine and cosine are given that grows with it from -90 to 270
+/// degrees; its sine up to 90.
+fn grown<T: Real>(sin: T, cos: T) -> T {
+    if cos >= T::ZERO {
+        sin
+    } else {
+        T::ONE + T::ONE - sin
+    }
+}
+
+struct Survey<'s, T> {
+    c: &'s Constants<T>,
+    limits: &'s Limits<T>,
+    found: [Worst<T>; Limit::ALL.len()],
+}
+
+impl<T: Real> Survey<'_, T> {
+    fn note(&mut self, limit: Limit, ball: u16, race: Race, rank: T, contact: [T; 3]) {
+        self.found[limit as usize].note(ball, race, rank, contact);
+    }
+
+    fn groove(&self, race: Race) -> &Groove<T> {
+        match race {
+            Race::Inner => &self.c.inner_groove,
+            Race::Outer => &self.c.outer_groove,
+        }
+    }
+
+    fn ball(&mut self, ball: u16, pass: &Pass<T>) {
+        let (inner, outer) = (&pass.inner, &pass.outer);
+        let held = inner.q > T::ZERO;
+        if !held {
+            let gap = -(inner.delta + outer.delta.or_smaller(T::ZERO));
+            let gap = gap.or_larger(T::ZERO);
+            self.note(Limit::InnerContact, ball, Race::Inner, gap, [T::ZERO; 3]);
+        }
+        let loads = &pass.loads;
+        self.contact(ball, Race::Inner, inner, loads.inner_friction, held);
+        self.contact(ball, Race::Outer, outer, loads.outer_friction, held);
+    }
+
+    fn contact(&mut self, ball: u16, race: Race, k: &Contact<T>, friction: T, held: bool) {
+        if !(k.q > T::ZERO) {
+            return;
+        }
+        let groove = *self.groove(race);
+        let root = k.delta.or_larger(T::ZERO).sqrt();
+        let pressure = groove.pressure * root;
+        if pressure > self.limits.peak_pressure {
+            self.note(Limit::PeakPressure, ball, race, pressure, [T::ZERO; 3]);
+        }
+
+        let friction = friction.abs();
+        // A force that is nothing beside the friction must not make an infinity of the ratio.
+        let demand = friction / k.q.or_larger(T::EPSILON * friction);
+        if demand > self.limits.friction {
+            self.note(Limit::Friction, ball, race, demand, [T::ZERO; 3]);
+        }
+
+        // Both sides of a deep groove are the side of its shoulder.
+        let side = if self.c.symmetric { k.sin.abs() } else { k.sin };
+        let semi_major = groove.semi_major * root;
+        let contact = [k.sin, k.cos, semi_major];
+        // The contact angle less the shoulder's.
+        let sin = side * groove.shoulder_cos - k.cos * groove.shoulder_sin;
+        let cos = k.cos * groove.shoulder_cos + side * groove.shoulder_sin;
+        // In the other half of the groove's circle, no angle comes near the shoulder but one that
+        // is less than a quarter turn below it.
+        if side > T::ZERO || cos > T::ZERO {
+            let past = grown(sin, cos);
+            if past > T::ZERO {
+                self.note(Limit::Shoulder, ball, race, past, contact);
+            }
+            // The shoulder's edge is in the contact's tangential plane, to which the ellipse belongs,
+            // at that sine times the groove radius.
+            if past + semi_major > T::ZERO {
+                self.note(Limit::Truncation, ball, race, past + semi_major, contact);
+            }
+        }
+        // Without an inner contact, the outer one is radial but for rounding.
+        let reversed = grown(-side, k.cos);
+        if held && reversed > T::of(64.0) * T::EPSILON && side < T::ZERO {
+            self.note(Limit::Reversal, ball, race, reversed, contact);
+        }
+    }
+
+    fn exceedance(&self, limit: Limit) -> Option<Exceedance<T>> {
+        let worst = &self.found[limit as usize];
+        if worst.balls == 0 {
+            return None;
+        }
+        let [sin, cos, semi_major] = worst.contact;
+        let shoulder = self.groove(worst.race).shoulder;
+        // A deep groove's negative angles are past its other shoulder.
+        let sign = if sin < T::ZERO { -T::ONE } else { T::ONE };
+        let side = if self.c.symmetric { sign } else { T::ONE };
+        let (value, allowed) = match limit {
+            Limit::PeakPressure => (worst.rank, self.limits.peak_pressure),
+            Limit::Friction => (worst.rank, self.limits.friction),
+            Limit::InnerContact => (worst.rank * self.c.length, T::ZERO),
+            Limit::Reversal => (sin.atan2(cos), T::ZERO),
+            Limit::Shoulder => (sin.atan2(cos), side * shoulder),
+            Limit::Truncation => {
+                let square = (T::ONE - semi_major * semi_major).or_larger(T::ZERO);
+                let reach = semi_major.atan2(square.sqrt());
+                let reach = reach * side;
+                (sin.atan2(cos) + reach, side * shoulder)
+            }
+        };
+        Some(Exceedance {
+            limit,
+            balls: worst.balls,
+            ball: worst.ball,
+            race: worst.race,
+            value,
+            allowed,
+        })
+    }
+}
+
+impl<T: Real, const N: usize, M: Motion> Solution<'_, T, N, M> {
+    /// The limits that this equilibrium has passed, and where: the given ones, and those of the
+    /// design's grooves.
+    ///
+    /// ```
+    /// # use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings, Solver};
+    /// use spindle_bearing::{Limit, Limits};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::<f64, 16>::new(&bearing);
+    /// let solution = solver.solve([200.0, 900.0, 0.0, 0.0, 0.0], 2000.0, &Settings::default())?;
+    /// let limits = Limits { peak_pressure: 2e9, ..Limits::default() };
+    /// let passed = solution.exceedances(&limits);
+    /// assert!(passed.get(Limit::Shoulder).is_none());
+    /// for exceedance in passed.iter() {
+    ///     println!("{exceedance}");
+    /// }
+    /// # assert!(passed.get(Limit::InnerContact).is_some());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
+        let (c, passes) = self.passes();
+        let mut survey = Survey {
+            c,
+            limits,
+            found: [Worst::NONE; Limit::ALL.len()],
+        };
+        for (ball, pass) in (0..).zip(passes) {
+            survey.ball(ball, &pass);
+        }
+        Exceedances(Limit::ALL.map(|limit| survey.exceedance(limit)))
+    }
+}
