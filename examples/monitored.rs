@@ -2,7 +2,7 @@
 //! checks it.
 
 use core::f64::consts::PI;
-use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings, Solver};
+use spindle_bearing::{Bearing, Design, FreeContact, Limits, Material, Settings, Solver};
 
 /// Ball count.
 pub const BALLS: usize = 16;
@@ -34,3 +34,10 @@ pub type Monitor = Solver<'static, f32, BALLS>;
 pub fn settings() -> Settings<f32> {
     Settings::default()
 }
+
+/// What it may be put to: the pressure that is customary in continuous service, well below the
+/// static limit.
+pub const LIMITS: Limits<f32> = Limits {
+    peak_pressure: 2.0e9,
+    friction: 0.06,
+};

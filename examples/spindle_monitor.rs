@@ -6,7 +6,7 @@
 //! | line | when |
 //! | --- | --- |
 //! | `ready: ...` | once, when records may come |
-//! | `Estimate { ... }` | a record was solved |
+//! | `Estimate { ... }` | a record was solved; `limits` names the physical limits that it passes |
 //! | `Refusal { ... }` | a record has no equilibrium; its status says why |
 //! | `corrupt frame N: ...` | a frame was damaged; N counts them |
 //! | `receiver lost N bytes` | records came faster than they could be taken; N is the sum so far |
@@ -26,7 +26,7 @@ mod monitored;
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use monitored::{BEARING, Monitor, settings};
+    use monitored::{BEARING, LIMITS, Monitor, settings};
     use spindle_bearing::estimate::Estimate;
     use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH};
 
@@ -49,7 +49,7 @@ fn main() -> ! {
     loop {
         match frames.push(receiver.wait_for_byte()) {
             None => {}
-            Some(Ok(record)) => match Estimate::of(solver, &record, &settings) {
+            Some(Ok(record)) => match Estimate::of(solver, &record, &settings, &LIMITS) {
                 Ok(estimate) => defmt::info!("{}", estimate),
                 Err(refusal) => defmt::warn!("{}", refusal),
             },

@@ -3,6 +3,7 @@
 //! Firmware and host use this one path from record to report, so that their reports can be held
 //! against each other to the last bit.
 
+use crate::limits::{Exceedance, LimitSet, Limits};
 use crate::record::LoadRecord;
 use crate::scene::Motion;
 use crate::solver::{Settings, Solution, Solver};
@@ -36,6 +37,10 @@ pub struct Estimate {
     pub status: Status<f32>,
     /// Sweeps over the balls that it took.
     pub sweeps: u16,
+    /// Physical limits that were passed.
+    pub limits: LimitSet,
+    /// The most serious of them, with the worst ball.
+    pub worst: Option<Exceedance<f32>>,
 }
 
 /// A record that has no equilibrium to report, and why.
@@ -53,7 +58,8 @@ pub struct Refusal {
 }
 
 impl Estimate {
-    /// Solves the equilibrium under a record, from where the solver stands, and sums it up.
+    /// Solves the equilibrium under a record, from where the solver stands, sums it up, and holds it
+    /// against the limits.
     ///
     /// # Errors
     ///
@@ -62,9 +68,10 @@ impl Estimate {
         solver: &mut Solver<'_, f32, N, M>,
         record: &LoadRecord,
         settings: &Settings<f32>,
+        limits: &Limits<f32>,
     ) -> Result<Self, Refusal> {
         match solver.solve(record.load(), record.omega(), settings) {
-            Ok(solution) => Ok(Self::sum_up(record, &solution)),
+            Ok(solution) => Ok(Self::sum_up(record, &solution, limits)),
             Err(status) => Err(Refusal {
                 sequence: record.sequence,
                 time_ms: record.time_ms,
@@ -74,10 +81,11 @@ impl Estimate {
         }
     }
 
-    /// Sums up the equilibrium under a record.
+    /// Sums up the equilibrium under a record, and holds it against the limits.
     pub fn sum_up<const N: usize, M: Motion>(
         record: &LoadRecord,
         solution: &Solution<'_, f32, N, M>,
+        limits: &Limits<f32>,
     ) -> Self {
         let k = &solution.stiffness;
         let (row, column) = strongest_coupling(k);
@@ -90,6 +98,7 @@ impl Estimate {
                 largest = force;
             }
         }
+        let passed = solution.exceedances(limits);
         Self {
             sequence: record.sequence,
             time_ms: record.time_ms,
@@ -102,6 +111,8 @@ impl Estimate {
             largest_force: largest,
             status: solution.status,
             sweeps: solution.sweeps,
+            limits: passed.limits(),
+            worst: passed.iter().next(),
         }
     }
 
@@ -130,10 +141,18 @@ impl Estimate {
                 e.coupling_row,
                 e.coupling_column,
                 e.sweeps,
+                e.limits,
             )
+        };
+        let worst = |e: &Self| {
+            e.worst.map(|x| {
+                let place = (x.limit, x.balls, x.ball, x.race);
+                (place, x.value.to_bits(), x.allowed.to_bits())
+            })
         };
         integers(self) == integers(other)
             && floats(self) == floats(other)
+            && worst(self) == worst(other)
             && self.status == other.status
     }
 }
@@ -161,7 +180,7 @@ fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Bearing, Design, FreeContact, Material};
+    use crate::{Bearing, Design, FreeContact, Limit, Material};
 
     const DESIGN: Design = Design {
         ball_diameter: 6.35e-3,
@@ -192,12 +211,17 @@ mod tests {
         let bearing = Bearing::<f32, 16>::new(&DESIGN).unwrap();
         let mut solver: Solver<'_, f32, 16> = Solver::new(&bearing);
         let settings = Settings::default();
-        let estimate = Estimate::of(&mut solver, &RECORD, &settings).unwrap();
+        // So low that every ball passes it.
+        let limits = Limits {
+            peak_pressure: 1e7,
+            ..Limits::default()
+        };
+        let estimate = Estimate::of(&mut solver, &RECORD, &settings, &limits).unwrap();
         let mut again: Solver<'_, f32, 16> = Solver::new(&bearing);
         let solution = again
             .solve(RECORD.load(), RECORD.omega(), &settings)
             .unwrap();
-        assert!(estimate.same_bits(&Estimate::sum_up(&RECORD, &solution)));
+        assert!(estimate.same_bits(&Estimate::sum_up(&RECORD, &solution, &limits)));
         let (i, j) = (estimate.coupling_row, estimate.coupling_column);
         assert_ne!(i, j);
         assert_eq!(
@@ -208,6 +232,10 @@ mod tests {
         assert!(force(estimate.least_force) && force(estimate.largest_force));
         assert!(estimate.least_force < estimate.largest_force);
         assert_eq!((estimate.sequence, estimate.time_ms), (3, 30));
+        let passed = solution.exceedances(&limits);
+        assert_eq!(estimate.limits, passed.limits());
+        assert!(estimate.limits.contains(Limit::PeakPressure));
+        assert_eq!(estimate.worst, passed.get(Limit::PeakPressure));
     }
 
     #[test]
@@ -218,7 +246,13 @@ mod tests {
             fy: f32::NAN,
             ..RECORD
         };
-        let refusal = Estimate::of(&mut solver, &record, &Settings::default()).unwrap_err();
+        let refusal = Estimate::of(
+            &mut solver,
+            &record,
+            &Settings::default(),
+            &Limits::default(),
+        )
+        .unwrap_err();
         assert_eq!((refusal.sequence, refusal.time_ms), (3, 30));
         assert_eq!(refusal.status.name(), "not-finite");
     }
@@ -244,7 +278,13 @@ mod tests {
     fn same_bits_tells_zero_from_minus_zero() {
         let bearing = Bearing::<f32, 16>::new(&DESIGN).unwrap();
         let mut solver: Solver<'_, f32, 16> = Solver::new(&bearing);
-        let a = Estimate::of(&mut solver, &RECORD, &Settings::default()).unwrap();
+        let a = Estimate::of(
+            &mut solver,
+            &RECORD,
+            &Settings::default(),
+            &Limits::default(),
+        )
+        .unwrap();
         let b = Estimate {
             least_force: 0.0,
             ..a

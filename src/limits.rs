@@ -404,8 +404,8 @@ impl<T: Real> Survey<'_, T> {
         // The contact angle less the shoulder's.
         let sin = side * groove.shoulder_cos - k.cos * groove.shoulder_sin;
         let cos = k.cos * groove.shoulder_cos + side * groove.shoulder_sin;
-        // In the other half of the groove's circle, no angle comes near the shoulder but one that
-        // is less than a quarter turn below it.
+        // On the other side only a contact within a quarter turn below the shoulder can reach it;
+        // for the rest the sine means something else.
         if side > T::ZERO || cos > T::ZERO {
             let past = grown(sin, cos);
             if past > T::ZERO {

@@ -6,8 +6,8 @@
 //! long in the solver does not depend on the ball count.
 
 use spindle_bearing::{
-    AtSpeed, BallState, Bearing, Design, DesignError, InnerRaceControl, Motion, OuterRaceControl,
-    RacewayControlFree, Real, Settings, Solver, Static,
+    AtSpeed, BallState, Bearing, Design, DesignError, InnerRaceControl, LimitSet, Limits, Motion,
+    OuterRaceControl, RacewayControlFree, Real, Settings, Solver, Static,
 };
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -86,6 +86,8 @@ pub struct Figures {
     pub displacement: [f64; 5],
     /// Stiffness, N and N m per m and rad; rows are forces, columns displacements.
     pub stiffness: [[f64; 5]; 5],
+    /// Physical limits that are passed.
+    pub limits: LimitSet,
 }
 
 /// A bearing whose ball count and precision are known at run time only.
@@ -119,6 +121,9 @@ pub trait AnySolver {
 
     /// Makes the next solve a cold one.
     fn forget(&mut self);
+
+    /// Holds the next solves against these limits instead of the default ones.
+    fn set_limits(&mut self, limits: &Limits<f64>);
 
     /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
     /// precision.
@@ -198,6 +203,7 @@ impl<T: Host, const N: usize> AnyBearing for Bearing<T, N> {
 struct Counted<'b, T: Real, const N: usize, M: Motion> {
     solver: Solver<'b, T, N, M>,
     settings: Settings<T>,
+    limits: Limits<T>,
 }
 
 impl<'b, T: Host, const N: usize, M: Motion> Counted<'b, T, N, M> {
@@ -205,6 +211,7 @@ impl<'b, T: Host, const N: usize, M: Motion> Counted<'b, T, N, M> {
         Self {
             solver: Solver::new(bearing),
             settings: Settings::default(),
+            limits: Limits::default(),
         }
     }
 }
@@ -239,6 +246,7 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
                         sweeps: solution.sweeps,
                         displacement: solution.displacement.map(T::to_f64),
                         stiffness: solution.stiffness.map(|row| row.map(T::to_f64)),
+                        limits: solution.exceedances(&self.limits).limits(),
                     }),
                 }
             }
@@ -251,6 +259,13 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
 
     fn forget(&mut self) {
         self.solver.forget();
+    }
+
+    fn set_limits(&mut self, limits: &Limits<f64>) {
+        self.limits = Limits {
+            peak_pressure: T::of(limits.peak_pressure),
+            friction: T::of(limits.friction),
+        };
     }
 }
 

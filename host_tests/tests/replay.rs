@@ -6,7 +6,7 @@ use host_tests::dispatch::{self, Answer, AnySolver, Attitude, BALL_COUNTS, Figur
 use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError};
 use host_tests::milling_cycle::{RECORD, milling_cycle, write_csv};
 use host_tests::replay::{replay, run};
-use spindle_bearing::{BallState, Design, FreeContact, Material};
+use spindle_bearing::{BallState, Design, FreeContact, LimitSet, Limits, Material};
 use std::ffi::OsString;
 use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ const HEADER: &str = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n";
 
 const RESULT_HEADER: &str = "time_s,status,sweeps,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
     k_x_x,k_x_y,k_x_z,k_x_ty,k_x_tz,k_y_x,k_y_y,k_y_z,k_y_ty,k_y_tz,k_z_x,k_z_y,k_z_z,k_z_ty,k_z_tz,\
-    k_ty_x,k_ty_y,k_ty_z,k_ty_ty,k_ty_tz,k_tz_x,k_tz_y,k_tz_z,k_tz_ty,k_tz_tz";
+    k_ty_x,k_ty_y,k_ty_z,k_ty_ty,k_ty_tz,k_tz_x,k_tz_y,k_tz_z,k_tz_ty,k_tz_tz,limits";
 
 /// Loads that are easy, uneven, at rest and at speed.
 const ROWS: &str = "\
@@ -128,7 +128,8 @@ fn results_hold_the_bits_that_the_solver_gave() {
                     .displacement
                     .iter()
                     .chain(figures.stiffness.iter().flatten());
-                assert_eq!(line.len(), 3 + 5 + 25);
+                assert_eq!(line.len(), 3 + 5 + 25 + 1);
+                assert_eq!(line[33], figures.limits.to_string());
                 for (text, &expected) in line[3..].iter().zip(expected) {
                     let read_back = match precision {
                         Precision::F32 => f64::from(text.parse::<f32>().unwrap()),
@@ -140,6 +141,21 @@ fn results_hold_the_bits_that_the_solver_gave() {
             assert_eq!(lines.next(), None);
         }
     }
+}
+
+#[test]
+fn a_limit_that_is_set_marks_the_rows_that_pass_it() {
+    let input = format!("{HEADER}0,100,0,0,0,0,0\n1,2000,0,0,0,0,0\n");
+    let replay = |pressure| {
+        let bearing = shipped("b7005c");
+        let args = [&bearing, "-", "--peak-pressure", pressure];
+        let (status, out, _) = replayed(&args, &input);
+        assert_eq!(status, 0);
+        let last = |line: &str| fields(line)[33].to_owned();
+        out.lines().skip(1).map(last).collect::<Vec<_>>()
+    };
+    assert_eq!(replay("1200"), ["", "peak-pressure"]);
+    assert_eq!(replay("4200"), ["", ""]);
 }
 
 #[test]
@@ -305,14 +321,14 @@ fn a_row_without_an_answer_keeps_its_place() {
         let lines: Vec<_> = out.lines().skip(1).map(fields).collect();
         assert_eq!(lines.len(), 5);
         for (i, line) in lines.iter().enumerate() {
-            assert_eq!(line.len(), 33);
+            assert_eq!(line.len(), 34);
             assert_eq!(line[0], i.to_string());
             if [1, 2, 3].contains(&i) {
                 assert_eq!(line[1], "not-finite");
                 assert!(line[2..].iter().all(|field| field.is_empty()));
             } else {
                 assert_eq!(line[1], "converged");
-                assert!(line[2..].iter().all(|field| field.parse::<f64>().is_ok()));
+                assert!(line[2..33].iter().all(|field| field.parse::<f64>().is_ok()));
             }
         }
         // A refusal leaves the warm start alone: same load as before, same place.
@@ -360,6 +376,8 @@ impl AnySolver for Parrot {
     }
 
     fn forget(&mut self) {}
+
+    fn set_limits(&mut self, _: &Limits<f64>) {}
 }
 
 #[test]
@@ -370,6 +388,7 @@ fn a_solve_that_ran_out_of_sweeps_still_has_figures() {
             sweeps: 40,
             displacement: [f64::from(1e-7_f32), 0.0, -2.5, 0.0, f64::from(-3e-9_f32)],
             stiffness: [[1e8, 0.0, 0.0, 0.0, f64::from(0.3_f32)]; 5],
+            limits: LimitSet::default(),
         }),
     });
     let row = LoadRow {
@@ -385,7 +404,7 @@ fn a_solve_that_ran_out_of_sweeps_still_has_figures() {
     assert_eq!(
         out.lines().nth(1).unwrap(),
         format!(
-            "0.1,sweep-limit,40,1e-7,0,-2.5,0,-3e-9{}",
+            "0.1,sweep-limit,40,1e-7,0,-2.5,0,-3e-9{},",
             ",100000000,0,0,0,0.3".repeat(5)
         )
     );

@@ -2,7 +2,7 @@
 
 use crate::emulator::{self, Board};
 use crate::firmware::Firmware;
-use crate::monitored::{BEARING, Monitor, settings};
+use crate::monitored::{BEARING, LIMITS, Monitor, settings};
 use crate::report::{HEADER, Report};
 use crate::toolchain::Emulator;
 use anyhow::{Context, Result, bail};
@@ -11,7 +11,8 @@ use spindle_bearing::estimate::Estimate;
 use spindle_bearing::record::{
     DELIMITER, FRAME_LENGTH, FrameReader, LoadRecord, MESSAGE_LENGTH, encode,
 };
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
@@ -67,7 +68,7 @@ impl Feed<'_> {
         };
         self.next += 1;
         self.due = self.next.is_multiple_of(self.plan.corrupt);
-        let report = match Estimate::of(&mut self.monitor, record, &settings()) {
+        let report = match Estimate::of(&mut self.monitor, record, &settings(), &LIMITS) {
             Ok(estimate) => Report::of(&estimate),
             Err(refusal) => Report::of(&refusal),
         };
@@ -124,6 +125,7 @@ pub fn run(plan: &Plan, firmware: &Firmware, emulator: &Emulator) -> Result<()> 
     };
     let mut under_way = VecDeque::with_capacity(WINDOW);
     let mut refused = 0;
+    let mut limits = Limits::default();
     loop {
         while under_way.len() < WINDOW {
             let Some((frame, answer)) = feed.next()? else {
@@ -148,6 +150,7 @@ pub fn run(plan: &Plan, firmware: &Firmware, emulator: &Emulator) -> Result<()> 
                 let index = bar.position() as usize;
                 let report = check(&line, &host)?;
                 refused += usize::from(report.kind != "Estimate");
+                limits.note(&report);
                 if index.is_multiple_of(plan.every) || report.get("status") != "Converged" {
                     bar.suspend(|| writeln!(out, "{}", report.row()))?;
                 }
@@ -168,8 +171,35 @@ pub fn run(plan: &Plan, firmware: &Firmware, emulator: &Emulator) -> Result<()> 
         out,
         "every answer equals the host's f32 result to the last bit"
     )?;
+    writeln!(out, "{limits}")?;
     writeln!(out, "firmware: {}", firmware.memory)?;
     Ok(())
+}
+
+/// Reports that name limits.
+#[derive(Default)]
+struct Limits(BTreeMap<String, u32>);
+
+impl Limits {
+    fn note(&mut self, report: &Report) {
+        for limit in report.limits() {
+            *self.0.entry(limit.to_owned()).or_default() += 1;
+        }
+    }
+}
+
+impl fmt::Display for Limits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("limits passed: ")?;
+        if self.0.is_empty() {
+            f.write_str("none")?;
+        }
+        for (i, (limit, count)) in self.0.iter().enumerate() {
+            let separator = if i == 0 { "" } else { ", " };
+            write!(f, "{separator}{limit} by {count} records")?;
+        }
+        Ok(())
+    }
 }
 
 /// What to make of a line that was not expected.

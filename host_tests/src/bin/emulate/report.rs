@@ -70,6 +70,13 @@ impl Report {
         self.get(name).parse().unwrap_or(f64::NAN)
     }
 
+    /// Names of the limits that were passed.
+    pub fn limits(&self) -> impl Iterator<Item = &str> {
+        self.get("limits")
+            .split(['[', ']', ',', ' '])
+            .filter(|name| !name.is_empty())
+    }
+
     /// The report as a row under [`HEADER`].
     pub fn row(&self) -> String {
         let time = self.number("time_ms") * 1e-3;
@@ -94,8 +101,9 @@ impl Report {
             direction("coupling_row"),
             direction("coupling_column")
         );
+        let limits: String = self.limits().map(|name| format!(" {name}")).collect();
         format!(
-            "{time:8.3} {speed:7.0} {:7.2} {:7.2} {:7.2} {:7.2} {:7.2} {:>10.3e} {pair:<6} {:7.2} {:9.2} {:>6} {status}",
+            "{time:8.3} {speed:7.0} {:7.2} {:7.2} {:7.2} {:7.2} {:7.2} {:>10.3e} {pair:<6} {:7.2} {:9.2} {:>6} {status}{limits}",
             k(0) * 1e-6,
             k(1) * 1e-6,
             k(2) * 1e-6,
@@ -114,7 +122,7 @@ const DIRECTIONS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
 
 /// Heads of the columns of [`Report::row`], names over units.
 pub const HEADER: &str = "    time   speed      Kx      Ky      Kz     Kty     Ktz   coupling of     Q least Q largest sweeps\n\
-    \x20      s     rpm    N/um    N/um    N/um kNm/rad kNm/rad         SI              N         N        status";
+    \x20      s     rpm    N/um    N/um    N/um kNm/rad kNm/rad         SI              N         N        status, limits passed";
 
 /// Splits at the first `, ` that is not within brackets.
 fn split_at_comma(text: &str) -> (&str, &str) {
