@@ -593,8 +593,5 @@ fn names_and_sentences() {
         text.starts_with("peak pressure ") && text.contains(expected),
         "{text}"
     );
-    assert!(
-        text.contains(" off the inner race by "),
-        "{text}"
-    );
+    assert!(text.contains(" off the inner race by "), "{text}");
 }

@@ -190,13 +190,13 @@ impl Limits {
 
 impl fmt::Display for Limits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("limits passed: ")?;
+        f.write_str("records past a limit: ")?;
         if self.0.is_empty() {
             f.write_str("none")?;
         }
         for (i, (limit, count)) in self.0.iter().enumerate() {
             let separator = if i == 0 { "" } else { ", " };
-            write!(f, "{separator}{limit} by {count} records")?;
+            write!(f, "{separator}{limit} {count}")?;
         }
         Ok(())
     }

@@ -182,6 +182,22 @@ mod tests {
     }
 
     #[test]
+    fn limits_are_named_and_compared() {
+        let text = "Estimate { limits: [Truncation, Friction], worst: Some(Exceedance { limit: \
+                    Truncation, balls: 2, race: Inner, value: 0.5 }), sweeps: 3 }";
+        let host = Report::parse(text).unwrap();
+        assert!(host.limits().eq(["Truncation", "Friction"]));
+        for (from, to) in [("[Truncation, ", "["), ("0.5", "0.50000006"), ("2", "3")] {
+            let board = Report::parse(&text.replace(from, to)).unwrap();
+            assert!(board.difference(&host).is_some(), "{from} and {to}");
+        }
+        assert_eq!(
+            Report::parse("A { limits: [] }").unwrap().limits().count(),
+            0
+        );
+    }
+
+    #[test]
     fn one_bit_is_a_difference_and_another_spelling_is_none() {
         let host = Report::parse(TEXT).unwrap();
         let board = |from: &str, to: &str| Report::parse(&TEXT.replace(from, to)).unwrap();
