@@ -24,10 +24,16 @@ mod board;
 mod monitored;
 
 #[cfg(target_os = "none")]
+use spindle_bearing::{
+    Settings,
+    estimate::{Estimate, Refusal},
+    record::LoadRecord,
+};
+
+#[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use monitored::{BEARING, LIMITS, Monitor, settings};
-    use spindle_bearing::estimate::Estimate;
+    use monitored::{BEARING, Monitor, settings};
     use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH};
 
     let Some((clock, mut receiver)) = board::start() else {
@@ -49,7 +55,7 @@ fn main() -> ! {
     loop {
         match frames.push(receiver.wait_for_byte()) {
             None => {}
-            Some(Ok(record)) => match Estimate::of(solver, &record, &settings, &LIMITS) {
+            Some(Ok(record)) => match estimate(solver, &record, &settings) {
                 Ok(estimate) => defmt::info!("{}", estimate),
                 Err(refusal) => defmt::warn!("{}", refusal),
             },
@@ -63,6 +69,18 @@ fn main() -> ! {
             defmt::warn!("receiver lost {=u32} bytes", lost);
         }
     }
+}
+
+/// All that is to be proved free of panics, kept apart from `main`, which has some:
+/// `cargo check-firmware` looks at what it calls.
+#[cfg(target_os = "none")]
+#[inline(never)]
+fn estimate(
+    solver: &mut monitored::Monitor,
+    record: &LoadRecord,
+    settings: &Settings<f32>,
+) -> Result<Estimate, Refusal> {
+    Estimate::of(solver, record, settings, &monitored::LIMITS)
 }
 
 #[cfg(not(target_os = "none"))]

@@ -2,6 +2,7 @@
 
 pub mod cases;
 pub mod compare;
+pub mod cross;
 pub mod design_file;
 pub mod dispatch;
 pub mod double_double;

@@ -1,15 +1,12 @@
 //! The firmware: built by cargo, measured by its ELF.
 
 use anyhow::{Context, Result, bail};
+use host_tests::cross::{Build, TARGET};
 use object::{Object, ObjectSection, SectionFlags, SectionKind, elf};
-use serde::Deserialize;
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
-/// The target it is built for.
-pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// The example that it is.
 const EXAMPLE: &str = "spindle_monitor";
 
@@ -52,46 +49,14 @@ impl fmt::Display for Memory {
     }
 }
 
-/// The one kind of message from cargo that matters here.
-#[derive(Deserialize)]
-struct Message {
-    executable: Option<PathBuf>,
-    target: Option<MessageTarget>,
-}
-
-#[derive(Deserialize)]
-struct MessageTarget {
-    name: String,
-}
-
 /// Builds the firmware of the project in `root`.
 pub fn build(root: &Path) -> Result<Firmware> {
     eprintln!("building the firmware for {TARGET}");
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .args(["build", "--release", "-p", "spindle-bearing"])
-        .args(["--target", TARGET])
-        .args(["--example", EXAMPLE, "--features", "defmt,record"])
-        .arg("--message-format=json-render-diagnostics")
-        // These would replace the linker scripts of the project's configuration.
-        .env_remove("RUSTFLAGS")
-        .env_remove("CARGO_ENCODED_RUSTFLAGS")
-        .env("DEFMT_LOG", "info")
-        .current_dir(root)
-        .stdin(Stdio::null())
-        .stderr(Stdio::inherit())
-        .output()
-        .context("cannot run cargo")?;
-    if !output.status.success() {
-        bail!("the firmware does not build: cargo's messages are above");
+    let path = Build {
+        example: EXAMPLE,
+        ..Build::default()
     }
-    let path = output
-        .stdout
-        .split(|byte| *byte == b'\n')
-        .filter_map(|line| serde_json::from_slice::<Message>(line).ok())
-        .filter(|message| message.target.as_ref().is_some_and(|t| t.name == EXAMPLE))
-        .find_map(|message| message.executable)
-        .context("cargo built the firmware but does not say where it is")?;
+    .run(root)?;
     let elf = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let script = root.join("memory.x");
     let script =

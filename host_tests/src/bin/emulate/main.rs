@@ -3,7 +3,7 @@
 //!
 //! | module | does |
 //! | --- | --- |
-//! | `toolchain` | sees to it that there are a Rust target and an emulator |
+//! | `toolchain` | sees to it that there is an emulator |
 //! | `firmware` | builds the ELF and reads its sizes |
 //! | `loads` | reads the recorded loads |
 //! | `emulator` | the running board: bytes in, lines of its log out |
@@ -104,7 +104,7 @@ fn prepare(
             .to_string(),
     };
     let records = loads::read(&input, arguments.seconds)?;
-    toolchain::add_target(root)?;
+    host_tests::cross::add_target(root)?;
     let emulator = toolchain::find_emulator()?;
     let firmware = firmware::build(root)?;
     let every = arguments

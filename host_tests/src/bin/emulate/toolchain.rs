@@ -1,9 +1,8 @@
-//! What the run needs on this machine: found, or installed where that is allowed.
+//! The emulator on this machine: found, or installed where that is allowed.
 
-use crate::firmware::TARGET;
 use anyhow::{Context, Result, bail};
-use std::path::Path;
-use std::process::{Command, Stdio};
+use host_tests::cross::{output, run};
+use std::process::Command;
 
 /// The emulator's command.
 const QEMU: &str = "qemu-system-arm";
@@ -23,56 +22,6 @@ impl Emulator {
         command.args(["-machine", self.machine, "-display", "none"]);
         command
     }
-}
-
-/// What a command prints; `None` if it cannot be run, or fails.
-fn output(command: &mut Command) -> Option<String> {
-    let output = command
-        .stdin(Stdio::null())
-        .stderr(Stdio::null())
-        .output()
-        .ok()?;
-    output
-        .status
-        .success()
-        .then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
-}
-
-/// Runs a command in the open, and fails if it does.
-fn run(command: &mut Command) -> Result<()> {
-    let name = format!("{command:?}").replace('"', "");
-    let status = command
-        .stdin(Stdio::null())
-        .status()
-        .with_context(|| format!("cannot run `{name}`"))?;
-    if !status.success() {
-        bail!("`{name}` ended with {status}");
-    }
-    Ok(())
-}
-
-/// Adds the Rust target of the firmware, unless it is there.
-pub fn add_target(root: &Path) -> Result<()> {
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let libraries = output(
-        Command::new(rustc)
-            .args(["--print", "target-libdir", "--target", TARGET])
-            .current_dir(root),
-    );
-    if libraries.is_some_and(|path| Path::new(&path).is_dir()) {
-        return Ok(());
-    }
-    if output(Command::new("rustup").arg("--version")).is_none() {
-        bail!(
-            "Rust's target {TARGET} is missing, and there is no rustup to add it; install it the \
-             way Rust was installed, then try again"
-        );
-    }
-    eprintln!("installing Rust's target {TARGET}: rustup target add {TARGET}");
-    run(Command::new("rustup")
-        .args(["target", "add", TARGET])
-        .current_dir(root))
-    .context("the Rust target could not be added; is there a network?")
 }
 
 /// Finds the emulator, installing it first where it is missing and that is allowed.

@@ -1,0 +1,163 @@
+//! What a solver for a microcontroller must not contain, told by its symbols.
+
+/// A kind of unwanted code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unwanted {
+    /// The way into a panic.
+    Panic,
+    /// Double precision, which this core works out in software.
+    Double,
+    /// Memory from a heap.
+    Allocation,
+}
+
+impl Unwanted {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Panic, Self::Double, Self::Allocation];
+
+    /// What code that contains it does.
+    pub fn verb(self) -> &'static str {
+        match self {
+            Self::Panic => "can panic",
+            Self::Double => "computes in double precision",
+            Self::Allocation => "allocates memory",
+        }
+    }
+
+    /// What to look for.
+    pub fn advice(self) -> &'static str {
+        match self {
+            Self::Panic => {
+                "Look in the last function of the library for an index, a division of integers, \
+                 an `unwrap` or an `assert` that the compiler cannot prove away; iterators and \
+                 arrays of known length need no check."
+            }
+            Self::Double => {
+                "Look in the last function of the library for an `f64`, or for a constant that is \
+                 converted at run time; `T::of` of a literal is worked out by the compiler only \
+                 where it is inlined."
+            }
+            Self::Allocation => "Use arrays whose length is known, or `heapless`.",
+        }
+    }
+
+    /// Whether a symbol of this (demangled) name is of the kind.
+    pub fn is(self, name: &str) -> bool {
+        let last = name.rsplit("::").next().unwrap_or(name);
+        match self {
+            Self::Panic => {
+                last == "rust_begin_unwind"
+                    || ["panic", "unwrap_failed", "expect_failed", "slice::index"]
+                        .iter()
+                        .any(|part| name.contains(part))
+            }
+            Self::Double => {
+                // Of the ARM run-time ABI, of GCC's library, and of the C library. The last do
+                // without the first two where they work on the bits.
+                last.starts_with("__aeabi_d")
+                    || last.starts_with("__aeabi_cd")
+                    || last.starts_with("__aeabi_") && last.ends_with("2d")
+                    || last.starts_with("__") && last.contains("df")
+                    || (last == name || name.contains("libm")) && C_DOUBLE.contains(&last)
+            }
+            Self::Allocation => {
+                name.starts_with("alloc::")
+                    || name.starts_with("<alloc::")
+                    || ["malloc", "calloc", "realloc", "free"].contains(&name)
+                    || ["__rust_", "__rg_", "__rdl_"].iter().any(|prefix| {
+                        last.strip_prefix(prefix)
+                            .is_some_and(|rest| rest.contains("alloc"))
+                    })
+            }
+        }
+    }
+}
+
+/// Functions of the C library on doubles.
+const C_DOUBLE: [&str; 16] = [
+    "sqrt", "cbrt", "fma", "fmod", "floor", "ceil", "trunc", "round", "rint", "sin", "cos", "tan",
+    "atan", "atan2", "exp", "pow",
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kind(name: &str) -> Option<Unwanted> {
+        Unwanted::ALL.into_iter().find(|kind| kind.is(name))
+    }
+
+    #[test]
+    fn unwanted_symbols_are_known_by_their_names() {
+        for (expected, names) in [
+            (
+                Unwanted::Panic,
+                &[
+                    "core::panicking::panic_fmt",
+                    "core::panicking::panic_bounds_check",
+                    "core::option::unwrap_failed",
+                    "core::result::unwrap_failed",
+                    "core::option::expect_failed",
+                    "core::slice::index::slice_end_index_len_fail",
+                    "__rustc::rust_begin_unwind",
+                    "rust_begin_unwind",
+                    "_defmt_panic",
+                ][..],
+            ),
+            (
+                Unwanted::Double,
+                &[
+                    "__aeabi_dadd",
+                    "__aeabi_dcmplt",
+                    "__aeabi_d2f",
+                    "__aeabi_d2iz",
+                    "__aeabi_cdcmple",
+                    "__aeabi_f2d",
+                    "__aeabi_ui2d",
+                    "__adddf3",
+                    "__truncdfsf2",
+                    "compiler_builtins::float::mul::__muldf3",
+                    "compiler_builtins::float::conv::__floatunsidf",
+                    "compiler_builtins::math::libm_math::sqrt::sqrt",
+                    "libm::math::atan2::atan2",
+                    "sqrt",
+                ],
+            ),
+            (
+                Unwanted::Allocation,
+                &[
+                    "__rust_alloc",
+                    "__rustc::__rust_realloc",
+                    "__rg_dealloc",
+                    "alloc::vec::Vec<T>::push",
+                    "<alloc::boxed::Box<T> as core::ops::Drop>::drop",
+                    "malloc",
+                ],
+            ),
+        ] {
+            for name in names {
+                assert_eq!(kind(name), Some(expected), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_single_precision_solver_is_made_of_is_not_unwanted() {
+        for name in [
+            "main",
+            "sqrtf",
+            "compiler_builtins::math::libm_math::sqrt::sqrtf",
+            "libm::math::atan2f::atan2f",
+            "__aeabi_memcpy4",
+            "__aeabi_fadd",
+            "__aeabi_uidiv",
+            "__addsf3",
+            "compiler_builtins::mem::memcpy",
+            "spindle_bearing::solver::Iteration<T,M>::run",
+            "spindle_bearing::record::round",
+            "__defmt_default_timestamp",
+        ] {
+            assert_eq!(kind(name), None, "{name}");
+        }
+    }
+}

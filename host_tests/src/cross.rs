@@ -1,0 +1,138 @@
+//! Firmware built from a host program: the Rust target, and cargo's way to the ELF.
+
+use anyhow::{Context, Result, bail};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// The target that firmware is built for.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// The one kind of message from cargo that matters here.
+#[derive(Deserialize)]
+struct Message {
+    executable: Option<PathBuf>,
+    target: Option<MessageTarget>,
+}
+
+#[derive(Deserialize)]
+struct MessageTarget {
+    name: String,
+}
+
+/// How an example is built.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Build<'b> {
+    /// Name of the example.
+    pub example: &'b str,
+    /// Arguments for the linker.
+    pub link: &'b [&'b str],
+    /// Environment variables, and `None` for those that must not be set.
+    pub environment: &'b [(&'b str, Option<&'b str>)],
+    /// Keep what cargo says for the error instead of showing it.
+    pub quiet: bool,
+}
+
+impl Build<'_> {
+    /// Builds the example of the project in `root` as it is shipped; returns where the ELF is.
+    pub fn run(&self, root: &Path) -> Result<PathBuf> {
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let mut command = Command::new(cargo);
+        command
+            .args(["rustc", "--release", "-p", "spindle-bearing"])
+            .args(["--target", TARGET])
+            .args(["--example", self.example, "--features", "defmt,record"])
+            .arg("--message-format=json-render-diagnostics")
+            .arg("--");
+        for argument in self.link {
+            command.arg("-C").arg(format!("link-arg={argument}"));
+        }
+        // These would replace the linker scripts of the project's configuration.
+        command
+            .env_remove("RUSTFLAGS")
+            .env_remove("CARGO_ENCODED_RUSTFLAGS")
+            .env("DEFMT_LOG", "info");
+        for (name, value) in self.environment {
+            match value {
+                Some(value) => command.env(name, value),
+                None => command.env_remove(name),
+            };
+        }
+        if !self.quiet {
+            command.stderr(Stdio::inherit());
+        }
+        let output = command
+            .current_dir(root)
+            .stdin(Stdio::null())
+            .output()
+            .context("cannot run cargo")?;
+        if !output.status.success() {
+            if self.quiet {
+                bail!("{}", String::from_utf8_lossy(&output.stderr));
+            }
+            bail!("the firmware does not build: cargo's messages are above");
+        }
+        output
+            .stdout
+            .split(|byte| *byte == b'\n')
+            .filter_map(|line| serde_json::from_slice::<Message>(line).ok())
+            .filter(|message| {
+                message
+                    .target
+                    .as_ref()
+                    .is_some_and(|t| t.name == self.example)
+            })
+            .find_map(|message| message.executable)
+            .context("cargo built the firmware but does not say where it is")
+    }
+}
+
+/// What a command prints; `None` if it cannot be run, or fails.
+pub fn output(command: &mut Command) -> Option<String> {
+    let output = command
+        .stdin(Stdio::null())
+        .stderr(Stdio::null())
+        .output()
+        .ok()?;
+    output
+        .status
+        .success()
+        .then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+/// Runs a command in the open, and fails if it does.
+pub fn run(command: &mut Command) -> Result<()> {
+    let name = format!("{command:?}").replace('"', "");
+    let status = command
+        .stdin(Stdio::null())
+        .status()
+        .with_context(|| format!("cannot run `{name}`"))?;
+    if !status.success() {
+        bail!("`{name}` ended with {status}");
+    }
+    Ok(())
+}
+
+/// Adds the Rust target of the firmware, unless it is there.
+pub fn add_target(root: &Path) -> Result<()> {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let libraries = output(
+        Command::new(rustc)
+            .args(["--print", "target-libdir", "--target", TARGET])
+            .current_dir(root),
+    );
+    if libraries.is_some_and(|path| Path::new(&path).is_dir()) {
+        return Ok(());
+    }
+    if output(Command::new("rustup").arg("--version")).is_none() {
+        bail!(
+            "Rust's target {TARGET} is missing, and there is no rustup to add it; install it the \
+             way Rust was installed, then try again"
+        );
+    }
+    eprintln!("installing Rust's target {TARGET}: rustup target add {TARGET}");
+    run(Command::new("rustup")
+        .args(["target", "add", TARGET])
+        .current_dir(root))
+    .context("the Rust target could not be added; is there a network?")
+}
