@@ -215,7 +215,8 @@ impl Random {
         Self(seed)
     }
 
-    fn bits(&mut self) -> u64 {
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -227,6 +228,16 @@ impl Random {
     pub fn between(&mut self, least: f64, most: f64) -> f64 {
         let unit = (self.bits() >> 11) as f64 / (1u64 << 53) as f64;
         least + (most - least) * unit
+    }
+
+    /// Positive, its logarithm evenly distributed from that of `least` to that of `most`.
+    pub fn log_between(&mut self, least: f64, most: f64) -> f64 {
+        self.between(least.ln(), most.ln()).exp()
+    }
+
+    /// A whole number below `count`, all equally likely.
+    pub fn below(&mut self, count: usize) -> usize {
+        self.between(0.0, count as f64) as usize
     }
 
     /// True with this probability.
@@ -315,10 +326,16 @@ impl Case {
 
     /// The rule for the attitude, as the reference build calls it.
     pub fn reference_attitude(&self) -> reference::Attitude {
-        match self.attitude {
-            Attitude::Raceless => reference::Attitude::Raceless,
-            Attitude::Outer => reference::Attitude::Outer,
-            Attitude::Inner => reference::Attitude::Inner,
+        self.attitude.into()
+    }
+}
+
+impl From<Attitude> for reference::Attitude {
+    fn from(attitude: Attitude) -> Self {
+        match attitude {
+            Attitude::Raceless => Self::Raceless,
+            Attitude::Outer => Self::Outer,
+            Attitude::Inner => Self::Inner,
         }
     }
 }

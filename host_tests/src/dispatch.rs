@@ -82,12 +82,17 @@ pub struct Answer {
 pub struct Figures {
     /// Sweeps over the balls.
     pub sweeps: u16,
+    /// Ball passes beyond one a ball and sweep.
+    pub repeats: u16,
     /// Displacement of the inner ring `(dx, dy, dz, ty, tz)`, m and rad.
     pub displacement: [f64; 5],
     /// Stiffness, N and N m per m and rad; rows are forces, columns displacements.
     pub stiffness: [[f64; 5]; 5],
     /// Physical limits that are passed.
     pub limits: LimitSet,
+    /// The solver's own estimate of its errors of displacement, force and stiffness, measured as in
+    /// [`compare`](crate::compare); if it makes one.
+    pub error: Option<[f64; 3]>,
 }
 
 /// A bearing whose ball count and precision are known at run time only.
@@ -244,9 +249,11 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
                     status: solution.status.name(),
                     figures: Ok(Figures {
                         sweeps: solution.sweeps,
+                        repeats: solution.repeats,
                         displacement: solution.displacement.map(T::to_f64),
                         stiffness: solution.stiffness.map(|row| row.map(T::to_f64)),
                         limits: solution.exceedances(&self.limits).limits(),
+                        error: None,
                     }),
                 }
             }

@@ -1,5 +1,6 @@
 //! What runs on the host: programs around the solver, and the tests that judge it.
 
+pub mod campaign;
 pub mod cases;
 pub mod compare;
 pub mod cross;

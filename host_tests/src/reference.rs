@@ -1688,6 +1688,59 @@ impl Reference {
             })
     }
 
+    /// Like [`Self::law`], in f64 throughout and without the stiffness: the force on the ring and the
+    /// inner deformation of every ball, good for constructing cases. `centres` of balls, if there are
+    /// as many as balls, are where it starts, and become those it finds.
+    ///
+    /// # Errors
+    /// [`Failure::Ball`] if a ball finds no equilibrium.
+    pub fn rough_law(
+        &self,
+        u: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        centres: &mut Vec<[f64; 2]>,
+    ) -> Result<([f64; 5], Vec<f64>), Failure> {
+        check(&[0.0; 5], omega, &u)?;
+        let known = centres.len() == self.stations.len();
+        let mut found = Vec::with_capacity(self.stations.len());
+        let mut depths = Vec::with_capacity(self.stations.len());
+        let mut force = [0.0; 5];
+        for (index, station) in self.stations.iter().enumerate() {
+            let centre = self.inner_centre(index, &u);
+            let guess = known.then(|| centres[index]);
+            let x = self
+                .ball_at(&centre, omega, attitude, guess)
+                .ok_or(Failure::Ball { index })?;
+            let w = self.unknowns(&x, &centre);
+            let terms = self.evaluate(&w, &centre, omega, attitude);
+            station.collect(&terms.ring, &mut force);
+            found.push(x);
+            depths.push(w[2]);
+        }
+        *centres = found;
+        Ok((force, depths))
+    }
+
+    /// Inner deformation of ball `index` alone at the displacements `u`, in f64.
+    ///
+    /// # Errors
+    /// [`Failure::Ball`] if it finds no equilibrium.
+    pub fn depth(
+        &self,
+        index: usize,
+        u: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+    ) -> Result<f64, Failure> {
+        check(&[0.0; 5], omega, &u)?;
+        let centre = self.inner_centre(index, &u);
+        let x = self
+            .ball_at(&centre, omega, attitude, None)
+            .ok_or(Failure::Ball { index })?;
+        Ok(self.unknowns(&x, &centre)[2])
+    }
+
     /// Forces and stiffness at the displacements `u`.
     ///
     /// # Errors

@@ -386,9 +386,11 @@ fn a_solve_that_ran_out_of_sweeps_still_has_figures() {
         status: "sweep-limit",
         figures: Ok(Figures {
             sweeps: 40,
+            repeats: 0,
             displacement: [f64::from(1e-7_f32), 0.0, -2.5, 0.0, f64::from(-3e-9_f32)],
             stiffness: [[1e8, 0.0, 0.0, 0.0, f64::from(0.3_f32)]; 5],
             limits: LimitSet::default(),
+            error: None,
         }),
     });
     let row = LoadRow {

@@ -1,0 +1,88 @@
+//! `cargo campaign`: see `cargo campaign --help`.
+
+use anyhow::{Context, bail};
+use clap::Parser;
+use host_tests::campaign::families::{Family, Trial};
+use host_tests::campaign::{self, Plan, detail, report};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::fs::File;
+use std::path::PathBuf;
+
+/// The page that `--write` writes.
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/campaign.md");
+
+/// Solves very many bearings of every kind and has every answer judged
+#[derive(Debug, Parser)]
+#[command(name = "cargo campaign")]
+struct Args {
+    /// Solves of each precision, over all families
+    #[arg(long, default_value_t = Plan::SOLVES)]
+    cases: usize,
+    /// Seed of the cases
+    #[arg(long, default_value_t = Plan::SEED)]
+    seed: u64,
+    /// Only this family, with its share of the solves; may be given several times
+    #[arg(long)]
+    family: Vec<Family>,
+    /// Prints one case in full instead; needs one family
+    #[arg(long, value_name = "INDEX")]
+    case: Option<usize>,
+    /// Has the reference build look into every refusal, not just the first 40 of a family: slow
+    #[arg(long)]
+    judge_all: bool,
+    /// Writes docs/campaign.md
+    #[arg(long)]
+    write: bool,
+    /// Writes a row for every solve that is worth a look
+    #[arg(long, value_name = "FILE.csv")]
+    list_failures: Option<PathBuf>,
+}
+
+fn main() -> anyhow::Result<()> {
+    let args = Args::parse();
+    if let Some(index) = args.case {
+        let [family] = args.family[..] else {
+            bail!("--case needs one --family");
+        };
+        print!("{}", detail::in_full(&Trial::new(args.seed, family, index)));
+        return Ok(());
+    }
+    if args.write && !args.family.is_empty() {
+        bail!("the page is about all families");
+    }
+    let plan = Plan {
+        seed: args.seed,
+        solves: args.cases,
+        families: if args.family.is_empty() {
+            Family::ALL.to_vec()
+        } else {
+            args.family.clone()
+        },
+        searches: (!args.judge_all).then_some(Plan::SEARCHES),
+    };
+    // They are counted; a message each would tear the bar.
+    std::panic::set_hook(Box::new(|_| {}));
+    let bar = ProgressBar::new(0).with_style(ProgressStyle::with_template(
+        "{bar:40} {pos} of {len} solves, {msg}, {eta} left",
+    )?);
+    let records = campaign::run(&plan, &bar);
+    bar.finish_and_clear();
+    let _ = std::panic::take_hook();
+
+    let page = report::page(&plan, &records);
+    if args.write {
+        let judge_all = if args.judge_all { " --judge-all" } else { "" };
+        let first = format!(
+            "<!-- Made by `cargo campaign --cases {} --seed {}{judge_all} --write`. -->\n\n",
+            args.cases, args.seed
+        );
+        std::fs::write(PAGE, first + &page).with_context(|| format!("cannot write {PAGE}"))?;
+    }
+    println!("{page}\n{}", report::worst(&records));
+    if let Some(path) = &args.list_failures {
+        let file =
+            File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
+        report::list_failures(&records, file)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,681 @@
+//! The families of cases, and how a case of each is drawn.
+//!
+//! A case is a family and an index: the same two, and the same seed of the campaign, give the same
+//! case for ever, whatever the solver does. Where a load has to be that of a known displacement, the
+//! reference build's law gives it.
+
+use crate::cases::{Case, Random, rad_per_s};
+use crate::dispatch::Attitude;
+use crate::reference::Reference;
+use spindle_bearing::{Design, FreeContact, Material};
+use std::f64::consts::{PI, TAU};
+
+/// A kind of cases.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum)]
+pub enum Family {
+    /// Random bearings, loads and speeds
+    Random,
+    /// Realistic mixed loads
+    Moderate,
+    /// Mostly radial load, most balls unloaded
+    Radial,
+    /// Two or three balls loaded
+    FewBalls,
+    /// A ball within 1e-9 m of opening
+    Opening,
+    /// Contact angles near 0, or near the shoulder
+    ExtremeAngles,
+    /// Axial load reversed
+    Reversed,
+    /// Deep groove with clearance, at rest
+    DeepGroove,
+    /// Hybrid bearings and extreme ratios of stiffness
+    Moduli,
+    /// Inner race control, moderate loads
+    InnerControl,
+    /// Some load components zero, or all
+    ZeroLoads,
+    /// Warm: load and speed drift by about a percent
+    WarmDrift,
+    /// Warm: load and speed jump
+    WarmJumps,
+    /// Any bit pattern as load and speed
+    AnyBits,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 14] = [
+        Self::Random,
+        Self::Moderate,
+        Self::Radial,
+        Self::FewBalls,
+        Self::Opening,
+        Self::ExtremeAngles,
+        Self::Reversed,
+        Self::DeepGroove,
+        Self::Moduli,
+        Self::InnerControl,
+        Self::ZeroLoads,
+        Self::WarmDrift,
+        Self::WarmJumps,
+        Self::AnyBits,
+    ];
+
+    /// Its name in tables and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Random => "random",
+            Self::Moderate => "moderate",
+            Self::Radial => "radial",
+            Self::FewBalls => "few-balls",
+            Self::Opening => "opening",
+            Self::ExtremeAngles => "extreme-angles",
+            Self::Reversed => "reversed",
+            Self::DeepGroove => "deep-groove",
+            Self::Moduli => "moduli",
+            Self::InnerControl => "inner-control",
+            Self::ZeroLoads => "zero-loads",
+            Self::WarmDrift => "warm-drift",
+            Self::WarmJumps => "warm-jumps",
+            Self::AnyBits => "any-bits",
+        }
+    }
+
+    /// What is in it.
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Random => {
+                "any bearing (3 to 64 balls of 1 to 100 mm, groove factors 0.505 to 0.56, free angle 0 \
+                 to 45 degrees), load of any direction from 1e-6 to 3 times the static capacity, at \
+                 rest, hardly turning, or up to n dm = 4 million (rpm mm)"
+            }
+            Self::Moderate => {
+                "axial load of 0.001 to 0.3 of the static capacity, radial load up to 0.6 of it, a \
+                 moment up to 0.1 of it times the pitch radius, n dm up to 1.5 million"
+            }
+            Self::Radial => "radial load with 0.01 to 0.3 of it axial: most balls are unloaded",
+            Self::FewBalls => "the load of a displacement that loads two or three balls",
+            Self::Opening => {
+                "the load of a displacement that has one ball within 1e-9 m of opening or closing at \
+                 the inner race"
+            }
+            Self::ExtremeAngles => {
+                "free angles of 0 to 2 degrees under small loads; free angles of 40 to 45 degrees under \
+                 loads that open them to 50 to 70 degrees"
+            }
+            Self::Reversed => "moderate loads with the axial one reversed",
+            Self::DeepGroove => {
+                "a small clearance or hardly any free angle, at rest, tiny to large loads, purely \
+                 radial ones among them"
+            }
+            Self::Moduli => {
+                "ceramic balls on steel, and moduli of ball and rings times 0.1 to 10 each"
+            }
+            Self::InnerControl => "inner race control under moderate loads that keep balls loaded",
+            Self::ZeroLoads => "some components of the load exactly zero, or all",
+            Self::WarmDrift => {
+                "ten ticks from a cold solve, every load within 1 % and the speed within 0.5 % of the \
+                 tick before; the cold solve is not counted"
+            }
+            Self::WarmJumps => {
+                "ten ticks from a cold solve: load times 0.01 to 100, reversed or turned, speed to 0, \
+                 to full speed or to anything between; the cold solve is not counted"
+            }
+            Self::AnyBits => {
+                "inputs replaced by not-a-number, infinities, subnormals, largest numbers, random bits"
+            }
+        }
+    }
+
+    /// Solves of a case that are counted.
+    pub const fn ticks(self) -> usize {
+        match self {
+            Self::WarmDrift | Self::WarmJumps => 10,
+            _ => 1,
+        }
+    }
+
+    /// Whether what is counted are warm solves.
+    pub const fn is_warm(self) -> bool {
+        self.ticks() > 1
+    }
+}
+
+/// Which of the solver's scenes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scene {
+    /// In closed form for every ball; at speed 0 only.
+    AtRest,
+    /// The bearing at speed, which 0 is one of.
+    AtSpeed,
+}
+
+/// What the ring is under for one solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tick {
+    /// `Fx, Fy, Fz, My, Mz`, N and N m.
+    pub load: [f64; 5],
+    /// Shaft speed, rad/s.
+    pub omega: f64,
+}
+
+/// A case of the campaign.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// Its family.
+    pub family: Family,
+    /// Its number in the family.
+    pub index: usize,
+    /// The bearing, and the first tick.
+    pub case: Case,
+    /// The bearing, prepared by the reference build.
+    pub reference: Reference,
+    /// Scene it is solved in.
+    pub scene: Scene,
+    /// What it is solved for, one after the other; only the last [`Family::ticks`] count.
+    pub ticks: Vec<Tick>,
+    /// A displacement that belongs to the load, before that was rounded to single precision.
+    pub known: Option<[f64; 5]>,
+}
+
+/// Largest static load, N: what ISO 76 gives for a ball of this size, roughly.
+fn capacity(balls: usize, d: f64) -> f64 {
+    12e6 * balls as f64 * d * d
+}
+
+/// A bearing being drawn.
+struct Draft {
+    r: Random,
+    balls: usize,
+    design: Design,
+    attitude: Attitude,
+}
+
+/// A load and a speed, with a displacement that belongs to them if that is where they come from.
+type Drawn = (Tick, Option<[f64; 5]>);
+
+impl Draft {
+    /// Any bearing, its free contact angle between these, in degrees.
+    fn new(mut r: Random, angles: [f64; 2]) -> Self {
+        let balls = 3 + r.below(62);
+        let d = r.log_between(1e-3, 100e-3);
+        let least = (1.02 * d / (PI / balls as f64).sin()).max(2.2 * d);
+        let design = Design {
+            ball_diameter: d,
+            pitch_diameter: least * r.between(1.0, 1.5),
+            inner_groove_factor: r.between(0.505, 0.56),
+            outer_groove_factor: r.between(0.505, 0.56),
+            free_contact: FreeContact::Angle(r.between(angles[0], angles[1]).to_radians()),
+            first_ball: if r.chance(0.5) {
+                0.0
+            } else {
+                r.between(-PI, PI)
+            },
+            ring: Material::STEEL,
+            ball: if r.chance(0.6) {
+                Material::STEEL
+            } else {
+                Material::SILICON_NITRIDE
+            },
+        };
+        let attitude = if r.chance(0.25) {
+            Attitude::Outer
+        } else {
+            Attitude::Raceless
+        };
+        Self {
+            r,
+            balls,
+            design,
+            attitude,
+        }
+    }
+
+    fn capacity(&self) -> f64 {
+        capacity(self.balls, self.design.ball_diameter)
+    }
+
+    fn pitch_radius(&self) -> f64 {
+        0.5 * self.design.pitch_diameter
+    }
+
+    fn free_angle(&self) -> f64 {
+        match self.design.free_contact {
+            FreeContact::Angle(angle) => angle,
+            FreeContact::DiametralClearance(clearance) => {
+                (1.0 - clearance / (2.0 * self.design.centre_distance())).acos()
+            }
+        }
+    }
+
+    /// Speed in rad/s of `n dm` in rpm mm.
+    fn speed(&self, n_dm: f64) -> f64 {
+        rad_per_s(n_dm / (1e3 * self.design.pitch_diameter))
+    }
+
+    /// At rest with this probability, else up to `most` in `n dm`.
+    fn rest_or_speed(&mut self, rest: f64, most: f64) -> f64 {
+        if self.r.chance(rest) {
+            0.0
+        } else {
+            let n_dm = self.r.between(0.0, most);
+            self.speed(n_dm)
+        }
+    }
+
+    /// Two components of this size, in any direction.
+    fn across(&mut self, size: f64) -> [f64; 2] {
+        let (sin, cos) = self.r.between(0.0, TAU).sin_cos();
+        [size * cos, size * sin]
+    }
+
+    /// A load with these axial, radial and moment sizes; the moment over the pitch radius.
+    fn load(&mut self, axial: f64, radial: f64, moment: f64) -> [f64; 5] {
+        let [fy, fz] = self.across(radial);
+        let [my, mz] = self.across(moment * self.pitch_radius());
+        [axial, fy, fz, my, mz]
+    }
+
+    /// Any load and any speed.
+    fn any(&mut self) -> Tick {
+        let size = self.capacity() * self.r.log_between(1e-6, 3.0);
+        let axial = match self.r.below(10) {
+            0 => 1.0,
+            1 => 0.0,
+            _ => self.r.between(-1.0, 1.0),
+        };
+        let moment = if self.r.chance(0.5) {
+            0.0
+        } else {
+            self.r.between(0.0, 0.5)
+        };
+        let radial = (1.0 - axial * axial).sqrt();
+        let load = self.load(size * axial, size * radial, size * moment);
+        let omega = match self.r.below(20) {
+            0..5 => 0.0,
+            5..8 => self.r.log_between(1e-6, 1.0),
+            8 => -self.rest_or_speed(0.0, 4e6),
+            _ => self.rest_or_speed(0.0, 4e6),
+        };
+        Tick { load, omega }
+    }
+
+    /// An axial load of this share of the capacity with a smaller radial one and a moment.
+    fn mixed(&mut self, shares: [f64; 2], radial: f64, moment: f64, n_dm: f64) -> Tick {
+        let size = self.capacity() * self.r.log_between(shares[0], shares[1]);
+        let radial = size * self.r.between(0.0, radial);
+        let moment = size * self.r.between(0.0, moment);
+        Tick {
+            load: self.load(size, radial, moment),
+            omega: self.rest_or_speed(0.1, n_dm),
+        }
+    }
+
+    fn moderate(&mut self) -> Tick {
+        self.mixed([1e-3, 0.3], 0.6, 0.1, 1.5e6)
+    }
+
+    fn radial(&mut self) -> Tick {
+        let size = self.capacity() * self.r.log_between(1e-5, 1.0);
+        let axial = size * self.r.log_between(0.01, 0.3);
+        let moment = if self.r.chance(0.5) {
+            0.0
+        } else {
+            size * self.r.between(0.0, 0.05)
+        };
+        Tick {
+            load: self.load(axial, size, moment),
+            omega: self.rest_or_speed(0.5, 1.5e6),
+        }
+    }
+
+    fn deep_groove(&mut self) -> Tick {
+        let d = self.design.ball_diameter;
+        self.design.free_contact = match self.r.below(10) {
+            0 => FreeContact::Angle(0.0),
+            1..3 => FreeContact::Angle(self.r.log_between(1e-6, 1e-2)),
+            _ => FreeContact::DiametralClearance(d * self.r.log_between(1e-6, 2e-3)),
+        };
+        let size = self.capacity() * self.r.log_between(1e-6, 3.0);
+        let [axial, radial] = match self.r.below(10) {
+            0..4 => [0.0, 1.0],
+            4..6 => [1.0, 0.0],
+            _ => [self.r.log_between(1e-3, 1.0), 1.0],
+        };
+        Tick {
+            load: self.load(size * axial, size * radial, 0.0),
+            omega: 0.0,
+        }
+    }
+
+    fn moduli(&mut self) -> Tick {
+        self.design.ball = Material::SILICON_NITRIDE;
+        if self.r.chance(0.7) {
+            self.design.ball.youngs_modulus *= self.r.log_between(0.1, 10.0);
+            self.design.ring.youngs_modulus *= self.r.log_between(0.1, 10.0);
+        }
+        self.mixed([1e-4, 0.3], 0.6, 0.1, 1.5e6)
+    }
+
+    fn zero_loads(&mut self) -> Tick {
+        let mut tick = self.moderate();
+        let zero = if self.r.chance(0.5) { 0.0 } else { -0.0 };
+        if self.r.chance(0.1) {
+            tick.load = [zero; 5];
+            return tick;
+        }
+        loop {
+            let set: [bool; 5] = std::array::from_fn(|_| self.r.chance(0.5));
+            if set.contains(&true) && set.contains(&false) {
+                for (load, set) in tick.load.iter_mut().zip(set) {
+                    if set {
+                        *load = zero;
+                    }
+                }
+                return tick;
+            }
+        }
+    }
+
+    /// The next tick of a drift.
+    fn drift(&mut self, last: &Tick) -> Tick {
+        Tick {
+            load: last.load.map(|f| f * self.r.between(0.99, 1.01)),
+            omega: last.omega * self.r.between(0.995, 1.005),
+        }
+    }
+
+    /// The next tick of a sequence of jumps.
+    fn jump(&mut self, last: &Tick, full: f64) -> Tick {
+        let mut tick = *last;
+        let [fx, fy, fz, my, mz] = tick.load;
+        match self.r.below(6) {
+            0 => tick.load = tick.load.map(|f| -f),
+            1 => {
+                let (sin, cos) = self.r.between(0.0, TAU).sin_cos();
+                let turn = |y: f64, z: f64| [y * cos - z * sin, y * sin + z * cos];
+                let ([fy, fz], [my, mz]) = (turn(fy, fz), turn(my, mz));
+                tick.load = [fx, fy, fz, my, mz];
+            }
+            2 => tick.load = self.moderate().load,
+            _ => {
+                let factor = self.r.log_between(0.01, 100.0);
+                tick.load = tick.load.map(|f| f * factor);
+            }
+        }
+        // Sequences would wander off otherwise.
+        let size = tick.load[0].abs() + tick.load[1].hypot(tick.load[2]);
+        let (least, most) = (1e-5 * self.capacity(), 3.0 * self.capacity());
+        let factor = size.clamp(least, most) / size;
+        tick.load = tick.load.map(|f| f * factor);
+        tick.omega = match self.r.below(6) {
+            0 => 0.0,
+            1 => full,
+            2 => full * self.r.between(0.0, 1.0),
+            _ => tick.omega,
+        };
+        tick
+    }
+
+    fn bits(&mut self) -> f64 {
+        match self.r.below(12) {
+            0 => f64::NAN,
+            1 => f64::INFINITY,
+            2 => f64::NEG_INFINITY,
+            3 => f64::from(f32::from_bits((self.r.bits() >> 41) as u32)),
+            4 => f64::from_bits(self.r.bits() >> 12),
+            5 => f64::from(f32::MAX),
+            6 => f64::MAX,
+            7 => -f64::from(f32::MAX),
+            8 => f64::from_bits(self.r.bits()),
+            9 => f64::from(f32::MIN_POSITIVE),
+            _ => f64::from(f32::from_bits(self.r.bits() as u32)),
+        }
+    }
+
+    fn any_bits(&mut self) -> Tick {
+        let mut tick = self.moderate();
+        loop {
+            let set: [bool; 6] = std::array::from_fn(|_| self.r.chance(0.35));
+            if !set.contains(&true) {
+                continue;
+            }
+            for (load, _) in tick.load.iter_mut().zip(set).filter(|(_, set)| *set) {
+                *load = self.bits();
+            }
+            if set[5] {
+                tick.omega = self.bits();
+            }
+            return tick;
+        }
+    }
+
+    /// The bearing, prepared by the reference build.
+    fn reference(&self) -> Reference {
+        crate::cases::reference(&self.design, self.balls)
+    }
+
+    fn attitude(&self) -> crate::reference::Attitude {
+        self.attitude.into()
+    }
+
+    /// A displacement that loads two or three balls, found by moving the ring along the axis.
+    fn few_balls(&mut self) -> Option<Drawn> {
+        let reference = self.reference();
+        let omega = self.rest_or_speed(0.6, 1.2e6);
+        let wanted = 2 + self.r.below(2);
+        let l0 = self.design.centre_distance();
+        let (sin, cos) = self.free_angle().sin_cos();
+        // Beyond, a ball would be loaded wherever the ring is along the axis.
+        let room = l0 * (1.0 - cos);
+        let radial = room.min(l0 * self.r.log_between(1e-4, 0.05)) * self.r.between(0.3, 0.95);
+        let [dy, dz] = self.across(radial);
+        let tilt = if self.r.chance(0.5) {
+            0.0
+        } else {
+            self.r.between(0.0, 0.3) * radial / self.pitch_radius()
+        };
+        let [ty, tz] = self.across(tilt);
+        let mut centres = Vec::new();
+        let (mut low, mut high) = (
+            -l0 * sin,
+            2.0 * l0 * ((1.0 - (cos - radial / l0).powi(2)).sqrt() - sin) + radial,
+        );
+        for _ in 0..40 {
+            let u = [0.5 * (low + high), dy, dz, ty, tz];
+            let (load, depths) = reference
+                .rough_law(u, omega, self.attitude(), &mut centres)
+                .ok()?;
+            let loaded = depths.iter().filter(|depth| **depth > 0.0).count();
+            match loaded.cmp(&wanted) {
+                std::cmp::Ordering::Equal => return Some((Tick { load, omega }, Some(u))),
+                std::cmp::Ordering::Less => low = u[0],
+                std::cmp::Ordering::Greater => high = u[0],
+            }
+        }
+        None
+    }
+
+    /// A displacement that has the least loaded ball within 1e-9 m of opening.
+    fn opening(&mut self) -> Option<Drawn> {
+        let reference = self.reference();
+        let omega = self.rest_or_speed(0.5, 1.5e6);
+        let attitude = self.attitude();
+        let l0 = self.design.centre_distance();
+        let (sin, cos) = self.free_angle().sin_cos();
+        let depth = l0 * self.r.log_between(1e-5, 3e-2);
+        let size = depth * self.r.between(0.1, 1.5);
+        let [dy, dz] = self.across(size);
+        let size = depth * self.r.between(0.0, 0.5) / self.pitch_radius();
+        let [ty, tz] = self.across(size);
+        // At this axial displacement the least loaded ball is as deep as was drawn, about.
+        let reach = (l0 + 3.0 * depth).powi(2) - (l0 * cos).powi(2);
+        let at = |dx: f64| [dx, dy, dz, ty, tz];
+        let (mut low, mut high) = (-l0 * sin, reach.sqrt() - l0 * sin);
+        let (_, depths) = reference
+            .rough_law(at(high), omega, attitude, &mut Vec::new())
+            .ok()?;
+        let ball = (0..self.balls).min_by(|&a, &b| depths[a].total_cmp(&depths[b]))?;
+        let target = self.r.between(-0.8e-9, 0.8e-9);
+        let off = |dx: f64| Some(reference.depth(ball, at(dx), omega, attitude).ok()? - target);
+        let (mut below, mut above) = (off(low)?, depths[ball] - target);
+        if below >= 0.0 || above <= 0.0 {
+            return None;
+        }
+        // Illinois: the secant rule, with the end that stays put halved.
+        for _ in 0..60 {
+            let dx = (low * above - high * below) / (above - below);
+            let there = off(dx)?;
+            if there.abs() < 1e-10 {
+                let (load, _) = reference
+                    .rough_law(at(dx), omega, attitude, &mut Vec::new())
+                    .ok()?;
+                return Some((Tick { load, omega }, Some(at(dx))));
+            }
+            if there < 0.0 {
+                (low, below) = (dx, there);
+                above *= 0.5;
+            } else {
+                (high, above) = (dx, there);
+                below *= 0.5;
+            }
+        }
+        None
+    }
+
+    /// Contact angles near 0, or near the shoulder.
+    fn extreme_angles(&mut self) -> Option<Drawn> {
+        if self.free_angle() < 0.1 {
+            let axial = self.capacity() * self.r.log_between(1e-6, 1e-2);
+            let radial = self.capacity() * self.r.log_between(1e-6, 1e-2);
+            let load = self.load(axial, radial, 0.0);
+            let omega = self.rest_or_speed(0.5, 1e6);
+            return Some((Tick { load, omega }, None));
+        }
+        let reference = self.reference();
+        let omega = self.rest_or_speed(0.3, 1e6);
+        let l0 = self.design.centre_distance();
+        let (sin, cos) = self.free_angle().sin_cos();
+        let angle = self.r.between(50.0, 70.0).to_radians();
+        let dx = l0 * (cos * angle.tan() - sin);
+        let size = dx * self.r.between(0.0, 0.1);
+        let [dy, dz] = self.across(size);
+        let u = [dx, dy, dz, 0.0, 0.0];
+        let (load, _) = reference
+            .rough_law(u, omega, self.attitude(), &mut Vec::new())
+            .ok()?;
+        Some((Tick { load, omega }, Some(u)))
+    }
+}
+
+/// To single precision, so that one truth serves both.
+fn rounded(tick: Tick) -> Tick {
+    let round = |x: f64| f64::from(x as f32);
+    Tick {
+        load: tick.load.map(round),
+        omega: round(tick.omega),
+    }
+}
+
+impl Trial {
+    /// The case of this family and number, in the campaign of this seed.
+    pub fn new(seed: u64, family: Family, index: usize) -> Self {
+        // One draw scrambles what would otherwise be overlapping sequences.
+        let place = ((family as u64) << 56) ^ index as u64;
+        let mut r = Random::seeded(Random::seeded(seed).bits() ^ place);
+        let mut start = Random::seeded(r.bits());
+        let angles = match family {
+            Family::Random | Family::AnyBits | Family::Radial => [0.0, 45.0],
+            Family::FewBalls | Family::Opening => [2.0, 45.0],
+            Family::ExtremeAngles if start.chance(0.5) => [0.0, 2.0],
+            Family::ExtremeAngles => [40.0, 45.0],
+            _ => [10.0, 45.0],
+        };
+        // A few draws have no displacement as it is wanted.
+        for _ in 0..100 {
+            let mut draft = Draft::new(start.clone(), angles);
+            start = Random::seeded(r.bits());
+            let drawn = match family {
+                Family::Random => Some((draft.any(), None)),
+                Family::Moderate | Family::WarmDrift | Family::WarmJumps => {
+                    Some((draft.moderate(), None))
+                }
+                Family::Radial => Some((draft.radial(), None)),
+                Family::FewBalls => draft.few_balls(),
+                Family::Opening => draft.opening(),
+                Family::ExtremeAngles => draft.extreme_angles(),
+                Family::Reversed => {
+                    let mut tick = draft.moderate();
+                    tick.load[0] = -tick.load[0];
+                    Some((tick, None))
+                }
+                Family::DeepGroove => Some((draft.deep_groove(), None)),
+                Family::Moduli => Some((draft.moduli(), None)),
+                Family::InnerControl => {
+                    draft.attitude = Attitude::Inner;
+                    Some((draft.mixed([1e-2, 0.3], 0.3, 0.05, 1e6), None))
+                }
+                Family::ZeroLoads => Some((draft.zero_loads(), None)),
+                Family::AnyBits => Some((draft.any_bits(), None)),
+            };
+            if let Some((tick, known)) = drawn {
+                return Self::finished(draft, family, index, tick, known);
+            }
+        }
+        panic!("{} {index}: cannot be drawn", family.name());
+    }
+
+    fn finished(
+        mut draft: Draft,
+        family: Family,
+        index: usize,
+        first: Tick,
+        known: Option<[f64; 5]>,
+    ) -> Self {
+        let mut ticks = vec![first];
+        if family.is_warm() {
+            let full = draft.speed(1.5e6);
+            for _ in 0..family.ticks() {
+                let last = ticks[ticks.len() - 1];
+                ticks.push(if family == Family::WarmDrift {
+                    draft.drift(&last)
+                } else {
+                    draft.jump(&last, full)
+                });
+            }
+        }
+        // Both precisions may get what single precision cannot hold, where that is the point.
+        if family != Family::AnyBits {
+            ticks = ticks.into_iter().map(rounded).collect();
+        }
+        let at_rest = ticks.iter().all(|tick| tick.omega == 0.0);
+        let scene = if at_rest && draft.r.chance(0.5) {
+            Scene::AtRest
+        } else {
+            Scene::AtSpeed
+        };
+        let reference = draft.reference();
+        Self {
+            family,
+            index,
+            case: Case {
+                name: format!("{} {index}", family.name()),
+                balls: draft.balls,
+                design: draft.design,
+                attitude: draft.attitude,
+                load: ticks[0].load,
+                omega: ticks[0].omega,
+            },
+            reference,
+            scene,
+            ticks,
+            known,
+        }
+    }
+
+    /// Number of the first tick that counts.
+    pub fn first_counted(&self) -> usize {
+        self.ticks.len() - self.family.ticks()
+    }
+}

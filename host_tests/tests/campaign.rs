@@ -1,0 +1,25 @@
+//! A small campaign, held to its contract.
+
+use host_tests::campaign::{Plan, contract, families::Family, report, run};
+use indicatif::ProgressBar;
+
+#[test]
+fn every_family_holds_its_contract() {
+    let plan = Plan {
+        seed: Plan::SEED,
+        solves: 20_000,
+        families: Family::ALL.to_vec(),
+        searches: Some(3),
+    };
+    let records = run(&plan, &ProgressBar::hidden());
+    let broken: Vec<String> = report::summaries(&records)
+        .iter()
+        .flat_map(contract::broken)
+        .collect();
+    assert!(
+        broken.is_empty(),
+        "\n{}\n{}",
+        broken.join("\n"),
+        report::worst(&records)
+    );
+}
