@@ -373,22 +373,30 @@ struct Hertz {
 }
 
 /// Complete elliptic integrals `(K, E)` of parameter `1 - 1/kappa^2`, by the arithmetic-geometric mean.
-fn elliptic(kappa: Dd) -> (Dd, Dd) {
-    let (one, two) = (Dd::ONE, Dd::of(2.0));
+fn elliptic<T: Scalar>(kappa: T) -> (T, T) {
+    let [one, two, half] = [1.0, 2.0, 0.5].map(|x| T::of(Dd::of(x)));
     let mut a = one;
     let mut g = one / kappa;
-    let mut weight = Dd::of(0.5);
+    let mut weight = half;
     let mut sum = weight * (one - g * g);
     for _ in 0..9 {
-        let c = (a - g) / two;
-        let next = (a + g) / two;
+        let c = (a - g) * half;
+        let next = (a + g) * half;
         g = (a * g).sqrt();
         a = next;
         weight = weight * two;
         sum = sum + weight * c * c;
     }
-    let k = Dd::PI / (two * a);
+    let k = T::of(Dd::PI) / (two * a);
     (k, k * (one - sum))
+}
+
+/// Curvature difference of an ellipse of contact of ellipticity `kappa`.
+fn curvature_difference<T: Scalar>(kappa: T) -> T {
+    let [one, two] = [1.0, 2.0].map(|x| T::of(Dd::of(x)));
+    let (k, e) = elliptic(kappa);
+    let k2 = kappa * kappa;
+    ((k2 + one) * e - two * k) / ((k2 - one) * e)
 }
 
 impl Hertz {
@@ -397,11 +405,7 @@ impl Hertz {
         let s = rx + ry;
         let fr = (rx - ry) / s;
         let two = Dd::of(2.0);
-        let excess = |kappa: Dd| {
-            let (k, e) = elliptic(kappa);
-            let k2 = kappa * kappa;
-            ((k2 + Dd::ONE) * e - two * k) / ((k2 - Dd::ONE) * e) - fr
-        };
+        let excess = |kappa: Dd| curvature_difference(kappa) - fr;
         // Bisection in log kappa, then Newton in double-double with a differenced slope.
         let (mut low, mut high) = (1e-6_f64, 14.0_f64);
         if !(fr.hi > 0.0 && fr.hi < 1.0) {
@@ -409,7 +413,7 @@ impl Hertz {
         }
         for _ in 0..60 {
             let mid = 0.5 * (low + high);
-            if excess(Dd::of(mid.exp())).hi < 0.0 {
+            if curvature_difference(mid.exp()) < fr.hi {
                 low = mid;
             } else {
                 high = mid;
@@ -561,6 +565,8 @@ struct Task {
     attitude: Attitude,
     free: [bool; 5],
     dense: bool,
+    /// Follows a solution in ever smaller steps before it gives up.
+    thorough: bool,
 }
 
 /// Newton direction of the whole system.
@@ -1326,7 +1332,14 @@ impl Reference {
     fn follow(&self, s: &mut Stage, from: &Task, to: &Task) -> Result<(), Failure> {
         let mut done = 0.0_f64;
         let mut stride = 1.0_f64;
+        let (least, most) = if to.thorough {
+            (1e-4, usize::MAX)
+        } else {
+            (0.01, 16)
+        };
+        let mut steps = 0;
         while done < 1.0 {
+            steps += 1;
             let goal = (done + stride).min(1.0);
             let blend = |a: f64, b: f64| if goal < 1.0 { a + goal * (b - a) } else { b };
             let task = Task {
@@ -1346,7 +1359,7 @@ impl Reference {
                 }
                 Err(e) => {
                     stride *= 0.25;
-                    if stride < 1e-4 {
+                    if stride < least || steps > most {
                         return Err(e);
                     }
                 }
@@ -1482,6 +1495,7 @@ impl Reference {
             attitude: Attitude::Outer,
             free: [true; 5],
             dense: false,
+            thorough: true,
         };
         Ok(self.preloaded(self.preload(&load, 1.0), &task)?.u)
     }
@@ -1583,18 +1597,47 @@ impl Reference {
             attitude,
             free,
             dense: true,
+            thorough: true,
         };
+        self.cold(&task, &held)
+    }
+
+    /// Like [`Self::solve`], but sooner done with a load that has no equilibrium, or one that is hard
+    /// to find.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn search(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+    ) -> Result<Solution, Failure> {
+        check(&load, omega, &[0.0; 5])?;
+        let task = Task {
+            load,
+            omega,
+            attitude,
+            free: [true; 5],
+            dense: false,
+            thorough: false,
+        };
+        self.cold(&task, &[0.0; 5])
+    }
+
+    /// A cold start, by one method after another.
+    fn cold(&self, task: &Task, held: &[f64; 5]) -> Result<Solution, Failure> {
         let hold = |s: &mut Stage| {
             for k in 0..5 {
-                if !free[k] {
+                if !task.free[k] {
                     s.u[k] = held[k];
                 }
             }
         };
         let mut steps = 0;
         let finish = |mut s: Stage, steps: &mut usize| {
-            self.newton(&mut s, &task, 60, steps)?;
-            self.refine(&s, &task, steps)
+            self.newton(&mut s, task, 60, steps)?;
+            self.refine(&s, task, steps)
         };
         let mut outcome = Err(Failure::Singular);
         // Plain Newton from a preload that keeps every ball loaded, then with balls in equilibrium
@@ -1604,8 +1647,8 @@ impl Reference {
                 let preload = self.preload(&task.load, factor);
                 let start = Task {
                     load: [preload, 0.0, 0.0, 0.0, 0.0],
-                    omega: if method == 3 { 0.0 } else { omega },
-                    ..task
+                    omega: if method == 3 { 0.0 } else { task.omega },
+                    ..*task
                 };
                 let Ok(mut s) = self.preloaded(preload, &start) else {
                     continue;
@@ -1613,12 +1656,15 @@ impl Reference {
                 hold(&mut s);
                 outcome = match method {
                     0 => Ok(()),
-                    1 => self.nested(&mut s, &task, 60),
-                    2 => self.follow(&mut s, &start, &task),
+                    1 => self.nested(&mut s, task, 60),
+                    2 => self.follow(&mut s, &start, task),
                     _ => {
-                        let rest = Task { omega: 0.0, ..task };
+                        let rest = Task {
+                            omega: 0.0,
+                            ..*task
+                        };
                         self.follow(&mut s, &start, &rest)
-                            .and_then(|()| self.follow(&mut s, &rest, &task))
+                            .and_then(|()| self.follow(&mut s, &rest, task))
                     }
                 }
                 .and_then(|()| finish(s, &mut steps));
@@ -1647,6 +1693,39 @@ impl Reference {
         self.polish_with(load, omega, attitude, u0, centres, [true; 5])
     }
 
+    /// Like [`Self::polish`], but gives up unless the start is near an equilibrium.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn polish_near(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        u0: [f64; 5],
+        centres: &[(f64, f64)],
+    ) -> Result<Solution, Failure> {
+        check(&load, omega, &u0)?;
+        if centres.len() != self.stations.len() {
+            return Err(Failure::Input("number of ball centres"));
+        }
+        let task = Task {
+            load,
+            omega,
+            attitude,
+            free: [true; 5],
+            dense: false,
+            thorough: false,
+        };
+        let mut s = Stage {
+            u: u0,
+            x: centres.iter().map(|&(a, r)| [a, r]).collect(),
+        };
+        let mut steps = 0;
+        self.newton(&mut s, &task, 12, &mut steps)?;
+        self.refine(&s, &task, &mut steps)
+    }
+
     /// Like [`Self::polish`]; a freedom that is not `free` keeps its displacement of `u0`.
     ///
     /// # Errors
@@ -1670,6 +1749,7 @@ impl Reference {
             attitude,
             free,
             dense: false,
+            thorough: true,
         };
         let mut s = Stage {
             u: u0,
@@ -1753,6 +1833,7 @@ impl Reference {
             attitude,
             free: [false; 5],
             dense: false,
+            thorough: true,
         };
         let mut s = Stage {
             u,

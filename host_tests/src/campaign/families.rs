@@ -102,7 +102,7 @@ impl Family {
             }
             Self::ExtremeAngles => {
                 "free angles of 0 to 2 degrees under small loads; free angles of 40 to 45 degrees under \
-                 loads that open them to 50 to 70 degrees"
+                 loads that open them to 50 to 67 degrees"
             }
             Self::Reversed => "moderate loads with the axial one reversed",
             Self::DeepGroove => {
@@ -557,7 +557,9 @@ impl Draft {
         let omega = self.rest_or_speed(0.3, 1e6);
         let l0 = self.design.centre_distance();
         let (sin, cos) = self.free_angle().sin_cos();
-        let angle = self.r.between(50.0, 70.0).to_radians();
+        // Deeper than the grooves' centres are apart nothing in the model holds.
+        let steepest = (cos / 1.8).acos();
+        let angle = self.r.between(50f64.to_radians(), steepest);
         let dx = l0 * (cos * angle.tan() - sin);
         let size = dx * self.r.between(0.0, 0.1);
         let [dy, dz] = self.across(size);

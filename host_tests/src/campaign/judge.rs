@@ -53,13 +53,13 @@ impl Answer {
             Precision::F64 => x,
         };
         let inputs = || tick.load.iter().chain([&tick.omega]).map(|x| seen(*x));
-        let refused = self.status == "not-finite";
-        if refused == inputs().all(f64::is_finite) {
-            return Some(if refused {
-                "finite input refused as not finite"
-            } else {
-                "input that is not finite was not refused as such"
-            });
+        let finite = inputs().all(f64::is_finite);
+        if finite && self.status == "not-finite" {
+            return Some("finite input refused as not finite");
+        }
+        // Inputs are checked in their order: one before it may be out of range.
+        if !finite && !matches!(self.status, "not-finite" | "out-of-range") {
+            return Some("input that is not finite was not refused");
         }
         let unloaded = tick.load.iter().all(|f| seen(*f) == 0.0);
         if unloaded && !matches!(self.status, "unloaded" | "not-finite" | "out-of-range") {
@@ -218,7 +218,7 @@ fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
         .collect();
     trial
         .reference
-        .polish(
+        .polish_near(
             tick.load,
             tick.omega,
             trial.case.reference_attitude(),
@@ -356,7 +356,9 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> JudgedTick 
             }
             records[0].errors = Some(e);
             verdict
-        } else if let Some(truth) = polished(trial, &ticks[p], &answers[p]) {
+        } else if let Some(truth) =
+            polished(trial, &ticks[p], &answers[p]).or_else(|| known(trial, &ticks[p]))
+        {
             records[p].errors = Some(errors(trial, &found, &Equilibrium::from(&truth)));
             truths[p] = Some(truth);
             Verdict::Judged
@@ -405,7 +407,7 @@ fn known(trial: &Trial, tick: &Tick) -> Option<Solution> {
         .ok()?;
     let centres: Vec<(f64, f64)> = centres.iter().map(|x| (x[0], x[1])).collect();
     reference
-        .polish(tick.load, tick.omega, attitude, u, &centres)
+        .polish_near(tick.load, tick.omega, attitude, u, &centres)
         .ok()
 }
 
@@ -419,7 +421,7 @@ pub fn search(trial: &Trial, records: &mut [&mut Record]) {
             Some((same, truth)) if same == tick => truth,
             _ => {
                 let attitude = trial.case.reference_attitude();
-                let found = trial.reference.solve(tick.load, tick.omega, attitude);
+                let found = trial.reference.search(tick.load, tick.omega, attitude);
                 found.ok()
             }
         };
