@@ -98,6 +98,6 @@ fn search(plan: &Plan, records: &mut [Record]) {
     }
     solves.into_par_iter().for_each(|mut solve| {
         let trial = Trial::new(plan.seed, solve[0].family, solve[0].index);
-        judge::search(&trial, &mut solve);
+        let _ = judge::search(&trial, &mut solve);
     });
 }

@@ -1332,10 +1332,10 @@ impl Reference {
     fn follow(&self, s: &mut Stage, from: &Task, to: &Task) -> Result<(), Failure> {
         let mut done = 0.0_f64;
         let mut stride = 1.0_f64;
-        let (least, most) = if to.thorough {
-            (1e-4, usize::MAX)
+        let (least, most, limit) = if to.thorough {
+            (1e-4, usize::MAX, 40)
         } else {
-            (0.01, 16)
+            (0.01, 16, 25)
         };
         let mut steps = 0;
         while done < 1.0 {
@@ -1351,7 +1351,7 @@ impl Reference {
                 ..*to
             };
             let mut trial = s.clone();
-            match self.nested(&mut trial, &task, 40) {
+            match self.nested(&mut trial, &task, limit) {
                 Ok(()) => {
                     *s = trial;
                     done = goal;

@@ -27,8 +27,11 @@ struct Args {
     /// Prints one case in full instead; needs one family
     #[arg(long, value_name = "INDEX")]
     case: Option<usize>,
-    /// Has the reference build look into every refusal, not just the first 40 of a family: slow
-    #[arg(long)]
+    /// Refusals of a family that the reference build looks into by itself: a second or two each
+    #[arg(long, value_name = "N", default_value_t = Plan::SEARCHES)]
+    searches: usize,
+    /// Has the reference build look into every refusal
+    #[arg(long, conflicts_with = "searches")]
     judge_all: bool,
     /// Writes docs/campaign.md
     #[arg(long)]
@@ -58,7 +61,7 @@ fn main() -> anyhow::Result<()> {
         } else {
             args.family.clone()
         },
-        searches: (!args.judge_all).then_some(Plan::SEARCHES),
+        searches: (!args.judge_all).then_some(args.searches),
     };
     // They are counted; a message each would tear the bar.
     std::panic::set_hook(Box::new(|_| {}));
@@ -71,9 +74,11 @@ fn main() -> anyhow::Result<()> {
 
     let page = report::page(&plan, &records);
     if args.write {
-        let judge_all = if args.judge_all { " --judge-all" } else { "" };
+        let searches = plan
+            .searches
+            .map_or("--judge-all".to_owned(), |n| format!("--searches {n}"));
         let first = format!(
-            "<!-- Made by `cargo campaign --cases {} --seed {}{judge_all} --write`. -->\n\n",
+            "<!-- Made by `cargo campaign --cases {} --seed {} {searches} --write`. -->\n\n",
             args.cases, args.seed
         );
         std::fs::write(PAGE, first + &page).with_context(|| format!("cannot write {PAGE}"))?;

@@ -3,6 +3,7 @@
 use super::families::Trial;
 use super::judge::{JudgedTick, PRECISIONS, Record, Verdict, judge, search};
 use crate::dispatch::Precision;
+use crate::reference::Solution;
 use std::fmt::{self, Write};
 
 /// A case: what is given, what both precisions and the reference build make of it.
@@ -33,8 +34,12 @@ fn write(text: &mut String, trial: &Trial) -> fmt::Result {
             .iter_mut()
             .filter(|r| r.verdict == Verdict::Undecided)
             .collect();
-        search(trial, &mut open);
+        let found = search(trial, &mut open);
         write_solve(text, trial, &solve)?;
+        if let Some(truth) = found {
+            writeln!(text, "\nthe reference build's own search")?;
+            write_truth(text, &truth)?;
+        }
     }
     Ok(())
 }
@@ -85,21 +90,23 @@ fn write_solve(text: &mut String, trial: &Trial, solve: &JudgedTick) -> fmt::Res
             Err(why) => writeln!(text, "  {why}")?,
         }
         if let Some(truth) = &solve.truths[p] {
-            writeln!(
-                text,
-                "truth of {precision:?}, residual {:.1e}",
-                truth.residual
-            )?;
-            write_figures(text, &truth.u, &truth.k, Precision::F64)?;
-            for b in &truth.balls {
-                let angles = [b.azimuth, b.alpha_i, b.alpha_o];
-                write_ball(
-                    text,
-                    angles,
-                    [b.q_i, b.q_o, b.delta_i, b.delta_o, b.fc, b.mg],
-                )?;
-            }
+            writeln!(text, "\ntruth of {precision:?}")?;
+            write_truth(text, truth)?;
         }
+    }
+    Ok(())
+}
+
+fn write_truth(text: &mut String, truth: &Solution) -> fmt::Result {
+    writeln!(text, "  residual {:.1e}", truth.residual)?;
+    write_figures(text, &truth.u, &truth.k, Precision::F64)?;
+    for b in &truth.balls {
+        let angles = [b.azimuth, b.alpha_i, b.alpha_o];
+        write_ball(
+            text,
+            angles,
+            [b.q_i, b.q_o, b.delta_i, b.delta_o, b.fc, b.mg],
+        )?;
     }
     Ok(())
 }

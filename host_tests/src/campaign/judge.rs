@@ -412,8 +412,8 @@ fn known(trial: &Trial, tick: &Tick) -> Option<Solution> {
 }
 
 /// The reference build's own search for the equilibrium of a solve that found none, in one precision
-/// or both: slow.
-pub fn search(trial: &Trial, records: &mut [&mut Record]) {
+/// or both: slow. Returns it.
+pub fn search(trial: &Trial, records: &mut [&mut Record]) -> Option<Solution> {
     let mut last: Option<(Tick, Option<Solution>)> = None;
     for record in records {
         let tick = seen(&trial.ticks[record.tick], record.precision);
@@ -431,4 +431,5 @@ pub fn search(trial: &Trial, records: &mut [&mut Record]) {
         };
         last = Some((tick, truth));
     }
+    last.and_then(|(_, truth)| truth)
 }
