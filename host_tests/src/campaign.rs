@@ -70,6 +70,11 @@ pub fn run(plan: &Plan, bar: &ProgressBar) -> Vec<Record> {
     records
 }
 
+/// Runs a campaign without a word.
+pub fn run_quietly(plan: &Plan) -> Vec<Record> {
+    run(plan, &ProgressBar::hidden())
+}
+
 /// Has the reference build look for equilibria where the solver found none and nothing else decides.
 fn search(plan: &Plan, records: &mut [Record]) {
     let most = plan.searches.unwrap_or(usize::MAX);

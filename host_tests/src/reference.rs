@@ -1628,9 +1628,9 @@ impl Reference {
     /// A cold start, by one method after another.
     fn cold(&self, task: &Task, held: &[f64; 5]) -> Result<Solution, Failure> {
         let hold = |s: &mut Stage| {
-            for k in 0..5 {
-                if !task.free[k] {
-                    s.u[k] = held[k];
+            for (u, (free, held)) in s.u.iter_mut().zip(task.free.iter().zip(held)) {
+                if !free {
+                    *u = *held;
                 }
             }
         };

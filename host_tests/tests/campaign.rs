@@ -1,7 +1,6 @@
 //! A small campaign, held to its contract.
 
-use host_tests::campaign::{Plan, contract, families::Family, report, run};
-use indicatif::ProgressBar;
+use host_tests::campaign::{Plan, contract, families::Family, report, run_quietly};
 
 #[test]
 fn every_family_holds_its_contract() {
@@ -12,7 +11,7 @@ fn every_family_holds_its_contract() {
         // They take seconds.
         searches: Some(0),
     };
-    let records = run(&plan, &ProgressBar::hidden());
+    let records = run_quietly(&plan);
     let broken: Vec<String> = report::summaries(&records)
         .iter()
         .flat_map(contract::broken)
