@@ -5,6 +5,7 @@ use crate::compare::{Ball, Equilibrium};
 use crate::dispatch::{self, Figures, Precision};
 use crate::reference::{Solution, small_solve};
 use spindle_bearing::BallState;
+use std::f64::consts::PI;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most sweeps a solve may take: the bound of the default settings.
@@ -225,6 +226,7 @@ fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
         reference
             .polish_near(tick.load, omega, attitude, u, &centres)
             .ok()
+            .filter(|truth| is_physical(trial, truth))
     };
     if let Some(truth) = near(tick.omega) {
         return Some(truth);
@@ -242,6 +244,17 @@ fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
     reference
         .polish(tick.load, tick.omega, attitude, u, &centres)
         .ok()
+        .filter(|truth| is_physical(trial, truth))
+}
+
+/// Whether an equilibrium is one of the bearing, not just of its equations: Newton may run away to
+/// contacts that are wound round the ball or deeper than the grooves' centres are apart.
+fn is_physical(trial: &Trial, truth: &Solution) -> bool {
+    let deepest = trial.case.design.centre_distance();
+    truth.balls.iter().all(|ball| {
+        [ball.alpha_i, ball.alpha_o].iter().all(|a| a.abs() <= PI)
+            && [ball.delta_i, ball.delta_o].iter().all(|d| *d <= deepest)
+    })
 }
 
 /// Errors of displacement, force and stiffness; what is not a number is infinite.
@@ -425,6 +438,7 @@ fn known(trial: &Trial, tick: &Tick) -> Option<Solution> {
     reference
         .polish_near(tick.load, tick.omega, attitude, u, &centres)
         .ok()
+        .filter(|truth| is_physical(trial, truth))
 }
 
 /// The reference build's own search for the equilibrium of a solve that found none, in one precision
@@ -438,7 +452,7 @@ pub fn search(trial: &Trial, records: &mut [&mut Record]) -> Option<Solution> {
             _ => {
                 let attitude = trial.case.reference_attitude();
                 let found = trial.reference.search(tick.load, tick.omega, attitude);
-                found.ok()
+                found.ok().filter(|truth| is_physical(trial, truth))
             }
         };
         record.verdict = match &truth {

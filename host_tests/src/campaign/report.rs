@@ -320,7 +320,7 @@ pub fn page(plan: &Plan, records: &[Record]) -> String {
     format!(
         "# Stability campaign
 
-{} cases of seed {}, a row for every family. Every case is solved in both precisions from the same
+{} solves of seed {}, as many of every family. Every case is solved in both precisions from the same
 load and speed, rounded to single precision; a warm family counts ten solves a case.
 
 {families}
