@@ -284,6 +284,8 @@ struct Outcome<T> {
     /// Relative change of the stiffness by the last step, and that step's length.
     change: T,
     step: T,
+    /// How far the worst ball was from its own equilibrium before that step.
+    imbalance: T,
     /// Last sweeps in a row whose tangent left a direction undetermined.
     singular: u8,
 }
@@ -297,26 +299,33 @@ impl<T: Real> Outcome<T> {
             residual: T::ONE,
             change: T::ONE,
             step: T::ONE,
+            imbalance: T::ONE,
             singular: 0,
         }
     }
 
     /// Errors of a solution whose largest displacement is `largest`.
     fn error(&self, largest: T) -> ErrorEstimate<T> {
-        let rounding = T::EPSILON * T::of(4.0);
+        // The second part is that of the bearing's constants, which are worked out in doubles.
+        let rounding = T::EPSILON * T::of(6.0) + T::of(32.0 * f64::EPSILON);
         // Contact angles are rounded, and a rounded angle moves the ring by half a unit in the last
         // place of `L0`.
-        let floor = T::EPSILON * T::of(0.5) / largest.or_larger(T::TINY) + rounding;
-        let step = self.step / largest.or_larger(T::TINY);
-        // What does not shrink any more is an error in full, not a factor.
+        let per_largest = T::ONE / largest.or_larger(T::TINY);
+        let floor = rounding + T::of(0.5) * T::EPSILON * per_largest;
+        let step = self.step * per_largest;
+        // What a Newton step leaves is of second order; what does not shrink any more is an error in
+        // full.
+        let own = self.imbalance * self.imbalance;
         let (factor, force) = match self.status {
             Status::Converged => (self.change, self.change * self.change),
             _ => (T::ONE, self.change + self.residual),
         };
+        let left = T::of(3.0) * own + force;
         ErrorEstimate {
-            displacement: floor + factor * step,
-            force: rounding + force,
-            stiffness: rounding + T::of(3.0) * self.change,
+            displacement: floor + left + factor * step,
+            force: rounding + rounding + left,
+            // The change is summed over the balls, and an element sees some of them only.
+            stiffness: rounding + T::of(12.0) * self.change,
         }
     }
 }
@@ -733,6 +742,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             };
             let moved = self.follow(&drive, &du);
             outcome.step = span(&du);
+            outcome.imbalance = imbalance;
             if !(outcome.step + outcome.residual).is_finite() {
                 outcome.status = Status::Diverged {
                     residual: outcome.residual,

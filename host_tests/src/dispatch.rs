@@ -91,7 +91,7 @@ pub struct Figures {
     /// Physical limits that are passed.
     pub limits: LimitSet,
     /// The solver's own estimate of its errors of displacement, force and stiffness, measured as in
-    /// [`compare`](crate::compare); if it makes one.
+    /// [`compare`](crate::compare); none of figures that come from elsewhere.
     pub error: Option<[f64; 3]>,
 }
 
@@ -253,7 +253,14 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
                         displacement: solution.displacement.map(T::to_f64),
                         stiffness: solution.stiffness.map(|row| row.map(T::to_f64)),
                         limits: solution.exceedances(&self.limits).limits(),
-                        error: None,
+                        error: Some(
+                            [
+                                solution.error.displacement,
+                                solution.error.force,
+                                solution.error.stiffness,
+                            ]
+                            .map(T::to_f64),
+                        ),
                     }),
                 }
             }

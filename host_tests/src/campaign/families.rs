@@ -207,6 +207,8 @@ impl Draft {
             inner_groove_factor: r.between(0.505, 0.56),
             outer_groove_factor: r.between(0.505, 0.56),
             free_contact: FreeContact::Angle(r.between(angles[0], angles[1]).to_radians()),
+            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
             first_ball: if r.chance(0.5) {
                 0.0
             } else {

@@ -92,6 +92,7 @@ impl Summary {
             .iter()
             .filter_map(|r| Some((r.errors?, r.estimate?)))
             .collect();
+        let solved = || records.iter().filter(|r| r.is_solved());
         let coverage = |i: usize| Coverage {
             share: both.iter().filter(|(e, of)| e[i] <= of[i]).count() as f64 / both.len() as f64,
             ratio: Spread::of(
@@ -108,8 +109,8 @@ impl Summary {
             solves: records.len(),
             endings,
             failed: count(&|r| matches!(r.verdict, Verdict::Failed(_))),
-            sweeps: Spread::of(records.iter().filter_map(|r| r.sweeps).map(f64::from)),
-            passes: Spread::of(records.iter().filter_map(|r| r.passes).map(f64::from)),
+            sweeps: Spread::of(solved().filter_map(|r| r.sweeps).map(f64::from)),
+            passes: Spread::of(solved().filter_map(|r| r.passes).map(f64::from)),
             refused: [verdict(Verdict::RightlyRefused), verdict(Verdict::Missed)],
             undecided: verdict(Verdict::Undecided),
             answers: [
@@ -330,8 +331,9 @@ load and speed, rounded to single precision; a warm family counts ten solves a c
 *missed* are those where it knows an equilibrium (for `indeterminate`: one that three balls or more carry
 and whose stiffness can be inverted), *open* are those that were not looked into. *Failed* is what must
 never be: a panic, a figure that is not a finite number, more than 100 sweeps, a refusal for a reason
-that does not hold. *Sweeps* over the balls: median / 99 % / worst, warm ones in warm families, cold ones
-elsewhere; *passes* per ball count what single balls repeated, too: median / 99 %.
+that does not hold. *Sweeps* over the balls, of solves that ended with an answer: median / 99 % / worst,
+warm ones in warm families, cold ones elsewhere; *passes* per ball count what single balls repeated, too:
+median / 99 %.
 
 {}
 ## Errors in single precision
