@@ -203,10 +203,11 @@ impl<T: Real, const N: usize, M: Motion> defmt::Format for Solution<'_, T, N, M>
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(
             f,
-            "{} after {} sweeps, residual {}; displacement {}, load {}, stiffness {}",
+            "{} after {} sweeps, residual {}, errors {}; displacement {}, load {}, stiffness {}",
             self.status,
             self.sweeps,
             self.residual,
+            self.error,
             self.displacement,
             self.load,
             self.stiffness
