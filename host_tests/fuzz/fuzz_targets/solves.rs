@@ -120,6 +120,8 @@ impl<'a> Arbitrary<'a> for AnyDesign {
             inner_groove_factor: number(u, 0.501, 0.7)?,
             outer_groove_factor: number(u, 0.501, 0.7)?,
             free_contact: FreeContact::Angle(number(u, 0.0, 1.4)?),
+            inner_shoulder_angle: number(u, 1.4, 1.6)?,
+            outer_shoulder_angle: number(u, 1.4, 1.6)?,
             first_ball: number(u, -7.0, 7.0)?,
             ring: material(u)?,
             ball: material(u)?,
