@@ -449,6 +449,12 @@ impl<A: Attitude> Motion for AtSpeed<A> {
         let lag = pass.inner.lag.abs() + pass.outer.lag.abs();
         let imbalance =
             unbalanced / largest.or_larger(T::TINY) + lag / pass.outer.delta.or_larger(T::TINY);
+        // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
+        // pole, with equilibria that are of the equations only.
+        let opposed = dot(pass.inner.normal(), pass.outer.normal());
+        if pass.inner.q > T::ZERO && opposed < T::of(-0.5) {
+            return (share, T::ONE);
+        }
         (share, imbalance)
     }
 

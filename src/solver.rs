@@ -40,7 +40,7 @@
 
 use crate::ball::{Pass, Share};
 use crate::constants::{Azimuth, Bearing, Constants};
-use crate::contact::add;
+use crate::contact::{add, dot};
 use crate::float::Real;
 use crate::ring::{self, Definite, Factors, Five, Sums, Tangent, shift};
 use crate::scene::{AtSpeed, Change, Drive, Motion, Position, curvature_centre, free_ball};
@@ -106,7 +106,7 @@ pub struct ErrorEstimate<T> {
 /// An equilibrium, SI units; forces and displacements refer to the bearing centre.
 #[derive(Debug)]
 pub struct Solution<'s, T: Real, const N: usize, M: Motion> {
-    /// How the solve ended: `Converged`, `PrecisionLimit` or `SweepLimit`.
+    /// How the solve ended: `Converged`, `PrecisionLimit`, `SweepLimit` or `Unseated`.
     pub status: Status<T>,
     /// Sweeps over the balls.
     pub sweeps: u16,
@@ -772,6 +772,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let rounded =
                 outcome.residual <= T::of(256.0) * T::EPSILON && outcome.change < T::of(0.05);
             let exhausted = (outcome.change <= T::EPSILON.sqrt() || rounded)
+                && imbalance < T::of(0.03)
                 && stalled >= if near && settled { 1 } else { 3 }
                 && outcome.sweeps > 1;
             let balanced = outcome.residual < T::of(1e-3);
@@ -810,6 +811,22 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             count += u16::from(pass.inner.q > T::ZERO);
         }
         count
+    }
+
+    /// The carrying ball whose contacts are furthest apart, if those are past opposing each other.
+    fn unseated(&self, speed_load: T) -> Option<Status<T>> {
+        let (mut least, mut worst) = (T::ZERO, None);
+        for (index, (ball, at)) in (0..).zip(self.balls.iter().zip(self.azimuths)) {
+            let a = shift(&self.state.position.offset, at);
+            let Pass { inner, outer, .. } = M::observe(self.c, speed_load, ball, a);
+            let opposed = dot(inner.normal(), outer.normal());
+            if inner.q > T::ZERO && opposed < least {
+                let across = dot(inner.normal(), outer.tangent());
+                let apart = across.abs().atan2(opposed);
+                (least, worst) = (opposed, Some(Status::Unseated { ball: index, apart }));
+            }
+        }
+        worst
     }
 }
 
@@ -961,7 +978,7 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
     /// Keeps the state as the next solve's start, and makes the solution of it.
     fn conclude(
         &mut self,
-        outcome: Outcome<T>,
+        mut outcome: Outcome<T>,
         load: Five<T>,
         speed_load: T,
     ) -> Result<Solution<'_, T, N, M>, Status<T>> {
@@ -975,7 +992,12 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
                 self.forget();
                 return Err(Status::Indeterminate { loaded_balls });
             }
-            Status::SweepLimit => self.state.load = [T::ZERO; 5],
+            Status::SweepLimit => {
+                self.state.load = [T::ZERO; 5];
+                if let Some(unseated) = self.iteration().unseated(speed_load) {
+                    outcome.status = unseated;
+                }
+            }
             refusal => {
                 self.forget();
                 return Err(refusal);

@@ -109,7 +109,7 @@ impl fmt::Display for Quantity {
 
 /// How a solve ended.
 ///
-/// The first three come with an answer, in [`Solution::status`](crate::Solution::status); the rest
+/// The first four come with numbers, those of the first two with an answer, in [`Solution::status`](crate::Solution::status); the rest
 /// are refusals, the `Err` of a solve, and leave the solver as it was.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -122,6 +122,15 @@ pub enum Status<T> {
     /// The bound on sweeps was reached first. The numbers belong to the last iterate, whose
     /// residual is given.
     SweepLimit,
+    /// The same, and centrifugal force has driven a ball past where the inner groove holds it: its
+    /// contacts are more than 90 degrees apart. The load is too small for the speed. There, the model
+    /// has several equilibria or none, and the iteration found none.
+    Unseated {
+        /// Index of the worst ball.
+        ball: u16,
+        /// How far its contact angles are apart, `abs(ai - ao)`, rad.
+        apart: T,
+    },
     /// An input is not a number, or infinite.
     NotFinite {
         /// Which input.
@@ -161,6 +170,7 @@ impl<T> Status<T> {
             Self::Converged => "converged",
             Self::PrecisionLimit => "precision-limit",
             Self::SweepLimit => "sweep-limit",
+            Self::Unseated { .. } => "unseated",
             Self::NotFinite { .. } => "not-finite",
             Self::OutOfRange { .. } => "out-of-range",
             Self::Unloaded => "unloaded",
@@ -176,6 +186,11 @@ impl<T: Real> fmt::Display for Status<T> {
             Self::Converged => f.write_str("converged"),
             Self::PrecisionLimit => f.write_str("as close as the working precision allows"),
             Self::SweepLimit => f.write_str("the bound on sweeps was reached before the tolerance"),
+            Self::Unseated { ball, apart } => write!(
+                f,
+                "ball {ball} is driven out of the inner groove (contact angles {apart} rad apart): \
+                 more axial load or less speed"
+            ),
             Self::NotFinite { quantity, value } => write!(f, "{quantity} is {value}"),
             Self::OutOfRange {
                 quantity,
