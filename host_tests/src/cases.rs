@@ -251,8 +251,14 @@ impl Case {
     /// the static load rating up to it, axial or with radial parts and moments; at rest, or up to
     /// 60,000 rpm and `n dm` of two and a half millions (mm, rpm); every rule of attitude.
     pub fn random(seed: u64) -> Self {
+        Self::random_with(seed, None)
+    }
+
+    /// The same with this number of balls.
+    pub fn random_with(seed: u64, balls: Option<usize>) -> Self {
         let mut r = Random::seeded(seed);
-        let balls = r.between(7.0, 31.0) as usize;
+        let drawn = r.between(7.0, 31.0) as usize;
+        let balls = balls.unwrap_or(drawn);
         let d = (r.between(3e-3_f64.ln(), 30e-3_f64.ln())).exp();
         let crowding = r.between(0.55, 0.95);
         // Few balls fill no bearing.

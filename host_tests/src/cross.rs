@@ -27,6 +27,8 @@ pub struct Build<'b> {
     pub example: &'b str,
     /// Arguments for the linker.
     pub link: &'b [&'b str],
+    /// Processor to compile for, where it is not the one of the project's configuration.
+    pub processor: Option<&'b str>,
     /// Environment variables, and `None` for those that must not be set.
     pub environment: &'b [(&'b str, Option<&'b str>)],
     /// Keep what cargo says for the error instead of showing it.
@@ -36,8 +38,7 @@ pub struct Build<'b> {
 impl Build<'_> {
     /// Builds the example of the project in `root` as it is shipped; returns where the ELF is.
     pub fn run(&self, root: &Path) -> Result<PathBuf> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let mut command = Command::new(cargo);
+        let mut command = cargo();
         command
             .args(["rustc", "--release", "-p", "spindle-bearing"])
             .args(["--target", TARGET])
@@ -52,6 +53,15 @@ impl Build<'_> {
             .env_remove("RUSTFLAGS")
             .env_remove("CARGO_ENCODED_RUSTFLAGS")
             .env("DEFMT_LOG", "info");
+        if let Some(processor) = self.processor {
+            // Takes the place of the configuration's flags, so that the linker scripts are named again.
+            let flags = [
+                "-Clink-arg=-Tlink.x",
+                "-Clink-arg=-Tdefmt.x",
+                &format!("-Ctarget-cpu={processor}"),
+            ];
+            command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
+        }
         for (name, value) in self.environment {
             match value {
                 Some(value) => command.env(name, value),
@@ -85,6 +95,11 @@ impl Build<'_> {
             .find_map(|message| message.executable)
             .context("cargo built the firmware but does not say where it is")
     }
+}
+
+/// The cargo that this program was started by, or any.
+pub fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
 /// What a command prints; `None` if it cannot be run, or fails.

@@ -7,13 +7,12 @@
 //!   relocations. For what must not be there, the way to it is printed.
 //! - Both are first shown a program that has it: a check that finds nothing there is blind.
 
-mod graph;
 mod unwanted;
 
 use addr2line::Loader;
 use anyhow::{Context, Result, bail};
-use graph::{Graph, Reach};
 use host_tests::cross::{self, Build};
+use host_tests::graph::{self, Graph, Reach};
 use std::error::Error;
 use std::fmt::Write;
 use std::fs;
@@ -94,6 +93,7 @@ fn build_bare(root: &Path, variant: Option<&str>, lenient: bool) -> Result<Progr
         link: if lenient { &link } else { &link[..1] },
         environment: &[("BARE_SOLVER", variant)],
         quiet: true,
+        ..Build::default()
     };
     Program::build(&build, root)
 }

@@ -146,6 +146,14 @@ impl Reach<'_> {
         self.order.iter().map(|at| &*self.graph.symbols[at].name)
     }
 
+    /// Address, size in bytes and name of what is reachable.
+    pub fn symbols(&self) -> impl Iterator<Item = (u64, u64, &str)> {
+        self.order.iter().map(|at| {
+            let symbol = &self.graph.symbols[at];
+            (*at, symbol.size, &*symbol.name)
+        })
+    }
+
     /// The shortest way to the nearest symbol whose name is `wanted`, from a root on.
     pub fn path(&self, wanted: impl Fn(&str) -> bool) -> Option<Path<'_>> {
         let wanted = |at: &&u64| wanted(&self.graph.symbols[at].name);

@@ -1,0 +1,265 @@
+//! One solver, as `cargo reports` wants it: entry points that an emulator calls one at a time, each with
+//! its input and its output at fixed symbols.
+//!
+//! Precision, ball count and scene are the build's to say (`MEASURED_PRECISION`, `MEASURED_BALLS`,
+//! `MEASURED_MOTION`), so that a program has one solver, inlined as it would be in a firmware. It is
+//! linked as a firmware is, but never started: who measures calls the entry points by their symbols.
+
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(target_os = "none", no_main)]
+
+// For the interrupt vectors, which the linker script asks for.
+#[cfg(target_os = "none")]
+extern crate stm32f4;
+
+#[cfg(target_os = "none")]
+#[allow(
+    unsafe_code,
+    reason = "symbols that a debugger finds, in memory that it writes"
+)]
+mod measured {
+    use core::hint::black_box;
+    use core::mem::MaybeUninit;
+    use spindle_bearing::{
+        AtSpeed, Bearing, Design, FreeContact, InnerRaceControl, Material, OuterRaceControl,
+        RacewayControlFree, Settings, Solver, Static, Status,
+    };
+
+    struct Choice<const I: usize>;
+    trait Precision {
+        type T: spindle_bearing::Real;
+    }
+    impl Precision for Choice<0> {
+        type T = f32;
+    }
+    impl Precision for Choice<1> {
+        type T = f64;
+    }
+    trait Scene {
+        type M: spindle_bearing::Motion;
+    }
+    impl Scene for Choice<0> {
+        type M = AtSpeed<RacewayControlFree>;
+    }
+    impl Scene for Choice<1> {
+        type M = AtSpeed<OuterRaceControl>;
+    }
+    impl Scene for Choice<2> {
+        type M = AtSpeed<InnerRaceControl>;
+    }
+    impl Scene for Choice<3> {
+        type M = Static;
+    }
+
+    const fn text(value: Option<&'static str>) -> &'static [u8] {
+        match value {
+            Some(text) => text.as_bytes(),
+            None => b"",
+        }
+    }
+    const PRECISION: usize = match text(option_env!("MEASURED_PRECISION")) {
+        b"" | b"f32" => 0,
+        b"f64" => 1,
+        _ => panic!("MEASURED_PRECISION is f32 or f64"),
+    };
+    const MOTION: usize = match text(option_env!("MEASURED_MOTION")) {
+        b"" | b"raceless" => 0,
+        b"outer" => 1,
+        b"inner" => 2,
+        b"static" => 3,
+        _ => panic!("MEASURED_MOTION is raceless, outer, inner or static"),
+    };
+    const BALLS: usize = match text(option_env!("MEASURED_BALLS")) {
+        [] => 16,
+        [ones @ b'0'..=b'9'] => (*ones - b'0') as usize,
+        [tens @ b'0'..=b'9', ones @ b'0'..=b'9'] => {
+            (*tens - b'0') as usize * 10 + (*ones - b'0') as usize
+        }
+        _ => panic!("MEASURED_BALLS is a number of balls below 100"),
+    };
+
+    type T = <Choice<PRECISION> as Precision>::T;
+    type Measured = Solver<'static, T, BALLS, <Choice<MOTION> as Scene>::M>;
+
+    /// What to build: ball and pitch diameter, groove factors, free contact angle, azimuth of the first
+    /// ball; modulus, Poisson's ratio and density of the rings and of the balls.
+    #[unsafe(no_mangle)]
+    static mut MEASURED_DESIGN: [f64; 12] = [0.0; 12];
+
+    /// What to solve.
+    #[derive(Clone, Copy)]
+    #[repr(C)]
+    struct Question {
+        load: [T; 5],
+        speed: T,
+        tolerance: T,
+        max_sweeps: u32,
+    }
+    #[unsafe(no_mangle)]
+    static mut MEASURED_QUESTION: MaybeUninit<Question> = MaybeUninit::zeroed();
+
+    /// What came of it.
+    #[derive(Clone, Copy)]
+    #[repr(C)]
+    struct Answer {
+        displacement: [T; 5],
+        stiffness: [[T; 5]; 5],
+        error: [T; 3],
+        /// 0 if there is no answer, else 1, 2, 3: converged, precision limit, sweep limit.
+        status: u32,
+        sweeps: u32,
+        repeats: u32,
+    }
+    #[unsafe(no_mangle)]
+    static mut MEASURED_ANSWER: MaybeUninit<Answer> = MaybeUninit::zeroed();
+    /// For an answer to no question.
+    #[unsafe(no_mangle)]
+    static mut MEASURED_BLANK: MaybeUninit<Answer> = MaybeUninit::zeroed();
+
+    /// Bytes of a solver and of the bearing that it borrows.
+    #[unsafe(no_mangle)]
+    static MEASURED_SIZES: [u32; 2] = [
+        size_of::<Measured>() as u32,
+        size_of::<Bearing<T, BALLS>>() as u32,
+    ];
+
+    static mut BEARING: MaybeUninit<Bearing<T, BALLS>> = MaybeUninit::uninit();
+    static mut SOLVER: MaybeUninit<Measured> = MaybeUninit::uninit();
+
+    /// Builds the bearing and a cold solver; 1 if the design is in order.
+    ///
+    /// # Safety
+    ///
+    /// Of all entry points: one thread, this one first.
+    #[unsafe(no_mangle)]
+    unsafe extern "C" fn measured_build() -> u32 {
+        // SAFETY: one thread, and no reference to any of it is left from before.
+        unsafe {
+            let d = (&raw const MEASURED_DESIGN).read_volatile();
+            let material = |m: &[f64]| Material {
+                youngs_modulus: m[0],
+                poissons_ratio: m[1],
+                density: m[2],
+            };
+            let design = Design {
+                ball_diameter: d[0],
+                pitch_diameter: d[1],
+                inner_groove_factor: d[2],
+                outer_groove_factor: d[3],
+                free_contact: FreeContact::Angle(d[4]),
+                inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+                outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+                first_ball: d[5],
+                ring: material(&d[6..9]),
+                ball: material(&d[9..12]),
+            };
+            let Ok(bearing) = Bearing::<T, BALLS>::build(&design) else {
+                return 0;
+            };
+            let bearing = (*(&raw mut BEARING)).write(bearing);
+            (*(&raw mut SOLVER)).write(Solver::new(bearing));
+            1
+        }
+    }
+
+    /// Makes the next solve a cold one.
+    ///
+    /// # Safety
+    ///
+    /// As for [`measured_build`].
+    #[unsafe(no_mangle)]
+    unsafe extern "C" fn measured_forget() {
+        // SAFETY: the solver was built.
+        unsafe { (*(&raw mut SOLVER)).assume_init_mut() }.forget();
+    }
+
+    /// Solves.
+    ///
+    /// # Safety
+    ///
+    /// As for [`measured_build`].
+    #[unsafe(no_mangle)]
+    unsafe extern "C" fn measured_solve() {
+        // SAFETY: the solver was built, and every bit pattern is a question.
+        unsafe {
+            let solver = (*(&raw mut SOLVER)).assume_init_mut();
+            let question = (&raw const MEASURED_QUESTION).read_volatile().assume_init();
+            let settings = Settings {
+                tolerance: question.tolerance,
+                max_sweeps: question.max_sweeps as u16,
+            };
+            let answer = match solver.solve(question.load, question.speed, &settings) {
+                Ok(solution) => Answer {
+                    displacement: solution.displacement,
+                    stiffness: solution.stiffness,
+                    error: [
+                        solution.error.displacement,
+                        solution.error.force,
+                        solution.error.stiffness,
+                    ],
+                    status: match solution.status {
+                        Status::Converged => 1,
+                        Status::PrecisionLimit => 2,
+                        _ => 3,
+                    },
+                    sweeps: u32::from(solution.sweeps),
+                    repeats: u32::from(solution.repeats),
+                },
+                Err(_) => {
+                    let mut none = (&raw const MEASURED_BLANK).read_volatile().assume_init();
+                    none.status = 0;
+                    none
+                }
+            };
+            (&raw mut MEASURED_ANSWER).write_volatile(MaybeUninit::new(answer));
+        }
+    }
+
+    /// Everything that `measured_solve` does but solve.
+    ///
+    /// # Safety
+    ///
+    /// As for [`measured_build`].
+    #[unsafe(no_mangle)]
+    unsafe extern "C" fn measured_nothing() {
+        // SAFETY: every bit pattern is a question and an answer.
+        unsafe {
+            black_box((*(&raw mut SOLVER)).assume_init_mut());
+            let question = (&raw const MEASURED_QUESTION).read_volatile().assume_init();
+            let settings = Settings {
+                tolerance: question.tolerance,
+                max_sweeps: question.max_sweeps as u16,
+            };
+            black_box((&question.load, question.speed, &settings));
+            let answer = (&raw const MEASURED_BLANK).read_volatile().assume_init();
+            (&raw mut MEASURED_ANSWER).write_volatile(MaybeUninit::new(answer));
+        }
+    }
+
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo) -> ! {
+        loop {}
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        loop {
+            // Names them, so that the linker keeps them.
+            // SAFETY: one thread, and the first one builds.
+            unsafe {
+                black_box(measured_build());
+                black_box(&raw const MEASURED_SIZES);
+                measured_nothing();
+                measured_solve();
+                measured_forget();
+            }
+        }
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!(
+        "This is for `cargo reports`, which calls what is in it on an emulated microcontroller."
+    );
+}

@@ -1,0 +1,65 @@
+//! What is solved: mixed cases, and one case that stands for everyday use.
+
+use crate::bench::Question;
+use host_tests::cases::{B7005C, Case, Random, rad_per_s};
+use host_tests::dispatch::Precision;
+use spindle_bearing::{Design, Real};
+
+/// A bearing under load, and the same a moment later.
+#[derive(Debug, Clone)]
+pub struct Work {
+    /// The bearing.
+    pub design: Design,
+    /// Load (N, N m) and speed (rad/s), numbers of single precision.
+    pub cold: ([f64; 5], f64),
+    /// One tick later: every load 1 % and the speed 0.5 % larger or smaller.
+    pub warm: ([f64; 5], f64),
+}
+
+impl Work {
+    fn new(design: Design, load: [f64; 5], omega: f64, seed: u64) -> Self {
+        let single = |x: f64| f64::from(x as f32);
+        let mut r = Random::seeded(seed);
+        let mut by = |part: f64| {
+            if r.chance(0.5) {
+                1.0 + part
+            } else {
+                1.0 - part
+            }
+        };
+        Self {
+            design,
+            cold: (load.map(single), single(omega)),
+            warm: (
+                load.map(|f| single(f * by(0.01))),
+                single(omega * by(0.005)),
+            ),
+        }
+    }
+
+    /// A random bearing of this ball count under a random load; at rest if it does not turn.
+    pub fn mixed(seed: u64, balls: usize, turns: bool) -> Self {
+        let case = Case::random_with(seed, Some(balls));
+        let omega = if turns { case.omega } else { 0.0 };
+        Self::new(case.design, case.load, omega, !seed)
+    }
+
+    /// A spindle bearing in a cut: the example of the README.
+    pub fn everyday() -> Self {
+        let load = [1000.0, 200.0, 0.0, 0.0, 3.0];
+        Self::new(B7005C, load, rad_per_s(20_000.0), 0)
+    }
+}
+
+/// As a question with the default settings of a precision.
+pub fn question((load, omega): ([f64; 5], f64), precision: Precision) -> Question {
+    Question {
+        load,
+        omega,
+        tolerance: match precision {
+            Precision::F32 => f32::TOLERANCE.into(),
+            Precision::F64 => f64::TOLERANCE,
+        },
+        max_sweeps: 100,
+    }
+}

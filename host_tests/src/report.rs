@@ -1,0 +1,58 @@
+//! Command line of `cargo reports`, which the program that starts the measurement and the one that
+//! does it share.
+
+use crate::dispatch::{Attitude, Precision};
+use crate::timing::Core;
+use clap::{Args, Parser, Subcommand};
+
+/// Measures the solver's cycles, memory and errors, and writes docs/report.md with its figures
+#[derive(Debug, Parser)]
+#[command(name = "cargo reports")]
+pub struct Arguments {
+    /// Something else than the page
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// What else there is.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Prints where the cycles of one solver go, part by part and function by function
+    Profile(Choice),
+}
+
+/// A solver.
+#[derive(Debug, Clone, Args)]
+pub struct Choice {
+    /// The core
+    #[arg(long, value_enum, default_value = "m4f")]
+    pub core: Core,
+    /// The precision
+    #[arg(long, value_enum, default_value = "f32")]
+    pub precision: Precision,
+    /// The ball count, 3 to 99
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u8).range(3..=99))]
+    pub balls: u8,
+    /// The rule of attitude
+    #[arg(long, value_enum, default_value = "raceless")]
+    pub attitude: Attitude,
+    /// The scene at rest instead of the one at speed
+    #[arg(long)]
+    pub rest: bool,
+    /// Mixed cases to solve, cold and then warm
+    #[arg(long, default_value_t = 200)]
+    pub cases: u32,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        Self {
+            core: Core::M4f,
+            precision: Precision::F32,
+            balls: 16,
+            attitude: Attitude::Raceless,
+            rest: false,
+            cases: 200,
+        }
+    }
+}
