@@ -57,6 +57,11 @@ pub struct Ball<T> {
     pub step: Pair<T>,
     /// Its derivative by `A`.
     pub slope: Square<T>,
+    /// Stiffness along the inner contact's normal, and its derivative by the contact's force.
+    pub stiff: T,
+    pub stiffening: T,
+    /// Change of the force on the ring by a change of speed.
+    pub carried: Pair<T>,
     /// Centrifugal force.
     pub fling: T,
     /// Derivatives by the speed load: of the ball's position, and of what it hands to the ring.
@@ -183,6 +188,7 @@ impl<T: Real> Ball<T> {
         c: &Constants<T>,
         speed_load: T,
         a: Pair<T>,
+        law: bool,
     ) -> (Share<T>, Pass<T>) {
         let (inner, outer) = self.contacts(c, a);
         let inner = inner.led_by(self.inner_lead.q, c.ki);
@@ -339,6 +345,34 @@ impl<T: Real> Ball<T> {
             ti[0] * friction_by_speed - dot(elastic[0], self.step_by_speed),
             ti[1] * friction_by_speed - dot(elastic[1], self.step_by_speed),
         ];
+        if inner.q > T::ZERO {
+            // 1/3 Q of a Hertz contact's stiffness, 3 Q of a bent chain's.
+            let half = T::of(0.5);
+            self.stiff = dot(ni, [dot(stiffness[0], ni), dot(stiffness[1], ni)]);
+            let sin_d = ni[0] * no[1] - ni[1] * no[0];
+            let bent = self.stiff * sin_d * sin_d * half;
+            let per = T::ONE / (inner.q * (inner.q + outer.q));
+            self.stiffening = self.stiff
+                * (T::of(1.0 / 3.0) * (inner.q + outer.q)
+                    + T::of(3.0) * bent)
+                * per;
+        }
+        if !law {
+            return (
+                Share {
+                    force,
+                    couple: c.friction_arm * (friction + friction_step),
+                    stiffness,
+                    couple_slope: scale(c.friction_arm, couple_slope),
+                },
+                Pass {
+                    inner,
+                    outer,
+                    loads: l,
+                    residual,
+                },
+            );
+        }
         self.spring = if inner.q > T::ZERO {
             let carried = add(scale(inner.q, ni), scale(l.inner_friction, ti));
             let along = l.centrifugal * c.inner;

@@ -22,6 +22,18 @@ pub fn shift<T: Real>(u: &Five<T>, at: &Azimuth<T>) -> Pair<T> {
     ]
 }
 
+/// Adds one ball's force and couple to those on the ring.
+#[inline(always)]
+pub fn spread<T: Real>(sum: &mut Five<T>, at: &Azimuth<T>, force: Pair<T>, couple: T) {
+    let [fa, fr] = force;
+    let moment = fa - couple;
+    sum[0] += fa;
+    sum[1] += fr * at.cos;
+    sum[2] += fr * at.sin;
+    sum[3] += moment * at.sin;
+    sum[4] -= moment * at.cos;
+}
+
 /// Sums over the azimuth. The tangent needs 21 of them: each element of a ball's `H` is weighted by
 /// 1, the cosine and sine, or their products, and the tilts use the same sums as axial and radial
 /// motion.

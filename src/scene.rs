@@ -76,6 +76,13 @@ pub struct Change<T> {
 }
 
 impl<T: Real> Change<T> {
+    /// Adds another ball's.
+    #[inline(always)]
+    pub fn merge(&mut self, other: Self) {
+        self.step = self.step.or_larger(other.step);
+        self.stiffness = add(self.stiffness, other.stiffness);
+    }
+
     /// A contact that reacted as `reaction`, and whose normal turned by `turn`.
     #[inline(always)]
     fn of(step: T, normal: Pair<T>, spring: &Spring<T>, reaction: &Reaction<T>, turn: T) -> Self {
@@ -107,13 +114,15 @@ pub trait Motion: sealed::Sealed + 'static {
     #[doc(hidden)]
     fn rebase<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, coarse: Pair<T>, fine: Pair<T>);
     /// Linearises the ball at the ring's offset `a`. The second value is how far it was from its own
-    /// equilibrium: unbalanced force over the largest, plus lag over deformation.
+    /// equilibrium: unbalanced force over the largest, plus lag over deformation. `law` asks for the
+    /// ball's law, too.
     #[doc(hidden)]
     fn linearise<T: Real>(
         c: &Constants<T>,
         drive: &Drive<T>,
         ball: &mut Self::Ball<T>,
         a: Pair<T>,
+        law: bool,
     ) -> (Share<T>, T);
     /// The ball's law in the last linearisation.
     #[doc(hidden)]
@@ -126,7 +135,14 @@ pub trait Motion: sealed::Sealed + 'static {
     /// stiffness).
     #[doc(hidden)]
     fn accelerate<T: Real>(ball: &mut Self::Ball<T>, by: T) -> Share<T>;
-    /// Follows a step `da` of the ring from its offset `a`.
+    /// What the ball's force has beyond the linear one, to second order, after it was accelerated and
+    /// the ring stepped by `da`.
+    #[doc(hidden)]
+    fn second_order<T: Real>(ball: &Self::Ball<T>, da: Pair<T>) -> Pair<T>;
+    /// Follows a step `da` of the ring that is so short that linearisations hold.
+    #[doc(hidden)]
+    fn advance<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, da: Pair<T>) -> Change<T>;
+    /// Follows a step `da` of the ring from its offset `a` by the ball's law.
     #[doc(hidden)]
     fn follow<T: Real>(
         c: &Constants<T>,
@@ -201,6 +217,7 @@ impl Motion for Static {
         _: &Drive<T>,
         ball: &mut Still<T>,
         a: Pair<T>,
+        _: bool,
     ) -> (Share<T>, T) {
         let k = Contact::at(&ball.centres, a, T::ONE, T::ONE).led_by(ball.force, T::ONE);
         ball.spring = Spring::at_rest(&k);
@@ -238,18 +255,28 @@ impl Motion for Static {
     }
 
     #[inline(always)]
-    fn follow<T: Real>(
-        _: &Constants<T>,
-        _: &Drive<T>,
-        ball: &mut Still<T>,
-        _: Pair<T>,
-        da: Pair<T>,
-    ) -> Change<T> {
+    fn second_order<T: Real>(ball: &Still<T>, da: Pair<T>) -> Pair<T> {
+        ball.spring.beyond(&ball.spring.react(da)).0
+    }
+
+    #[inline(always)]
+    fn advance<T: Real>(_: &Constants<T>, ball: &mut Still<T>, da: Pair<T>) -> Change<T> {
         let normal = ball.spring.normal;
         let reaction = ball.spring.react(da);
         ball.force = reaction.force;
         let turn = normal[1] * da[0] - normal[0] * da[1];
         Change::of(T::ZERO, normal, &ball.spring, &reaction, turn)
+    }
+
+    #[inline(always)]
+    fn follow<T: Real>(
+        c: &Constants<T>,
+        _: &Drive<T>,
+        ball: &mut Still<T>,
+        _: Pair<T>,
+        da: Pair<T>,
+    ) -> Change<T> {
+        Self::advance(c, ball, da)
     }
 
     #[inline]
@@ -434,11 +461,12 @@ impl<A: Attitude> Motion for AtSpeed<A> {
         drive: &Drive<T>,
         ball: &mut Ball<T>,
         a: Pair<T>,
+        law: bool,
     ) -> (Share<T>, T) {
         if ball.drops_out(c, drive, a) {
             return (Share::NONE, T::ZERO);
         }
-        let (share, pass) = ball.linearise::<A>(c, drive.speed_load, a);
+        let (share, pass) = ball.linearise::<A>(c, drive.speed_load, a, law);
         let largest = pass
             .outer
             .q
@@ -497,12 +525,52 @@ impl<A: Attitude> Motion for AtSpeed<A> {
     fn accelerate<T: Real>(ball: &mut Ball<T>, by: T) -> Share<T> {
         ball.step = scale(by, ball.step_by_speed);
         let force = scale(by, ball.force_by_speed);
-        ball.spring.rest(force);
+        ball.carried = force;
         Share {
             force,
             couple: by * ball.couple_by_speed,
             ..Share::NONE
         }
+    }
+
+    #[inline(always)]
+    fn second_order<T: Real>(ball: &Ball<T>, da: Pair<T>) -> Pair<T> {
+        if !(ball.inner_lead.q > T::ZERO) {
+            return [T::ZERO; 2];
+        }
+        let normal = ball.inner_lead.normal;
+        let by = ball.stiff * dot(normal, da) + dot(normal, ball.carried);
+        scale(T::of(0.5) * ball.stiffening * by * by, normal)
+    }
+
+    #[inline]
+    fn advance<T: Real>(c: &Constants<T>, ball: &mut Ball<T>, da: Pair<T>) -> Change<T> {
+        let dx = [
+            ball.step[0] + dot(ball.slope[0], da),
+            ball.step[1] + dot(ball.slope[1], da),
+        ];
+        let v = sub(da, dx);
+        let normal = ball.inner_lead.normal;
+        ball.x = add(ball.x, dx);
+        ball.outer_lead.follow(dx);
+        let mut change = Change {
+            step: dx[0].abs() + dx[1].abs(),
+            stiffness: [T::ZERO; 2],
+        };
+        if ball.inner_lead.q > T::ZERO {
+            let turn = (normal[1] * v[0] - normal[0] * v[1]) / c.inner;
+            let before = ball.inner_lead.q;
+            if ball.inner_lead.follow(v) == Pull::Lets {
+                ball.inner_lead.q = T::ZERO;
+            }
+            let stiffened = (ball.stiffening * (ball.inner_lead.q - before)).abs();
+            let turned = ((ball.stiff + ball.stiff) * turn * normal[0] * normal[1]).abs();
+            change.stiffness = [
+                stiffened * normal[0] * normal[0] + turned,
+                stiffened * normal[1] * normal[1] + turned,
+            ];
+        }
+        change
     }
 
     #[inline]

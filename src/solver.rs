@@ -40,7 +40,7 @@
 
 use crate::ball::{Pass, Share};
 use crate::constants::{Azimuth, Bearing, Constants};
-use crate::contact::{add, dot};
+use crate::contact::dot;
 use crate::float::Real;
 use crate::ring::{self, Definite, Factors, Five, Sums, Tangent, shift};
 use crate::scene::{AtSpeed, Change, Drive, Motion, Position, curvature_centre, free_ball};
@@ -386,7 +386,7 @@ struct Iteration<'i, T: Real, M: Motion> {
 impl<T: Real, M: Motion> Iteration<'_, T, M> {
     /// Linearises all balls at the present position; returns how many steps of their own they made, and
     /// the largest imbalance that is left.
-    fn sweep(&mut self, drive: &Drive<T>) -> (u16, T) {
+    fn sweep(&mut self, drive: &Drive<T>, laws: bool) -> (u16, T) {
         // Beyond this imbalance a ball repeats its own step, a few times at most.
         let (bad, most) = (T::of(0.01), 8);
         let mut sums = Sums::about(self.state.mean);
@@ -396,7 +396,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let a = shift(&self.state.position.offset, at);
             let mut repeats = 0;
             let (share, left) = loop {
-                let (share, imbalance) = M::linearise(self.c, drive, ball, a);
+                let (share, imbalance) = M::linearise(self.c, drive, ball, a, laws);
                 if !(imbalance > bad) || repeats == most {
                     break (share, imbalance);
                 }
@@ -413,14 +413,24 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         (total, worst)
     }
 
-    /// Moves the ring by `du` and every ball with it.
+    /// Moves the ring by `du` and every ball with it, by its linearisation.
+    fn advance(&mut self, du: &Five<T>) -> Change<T> {
+        let mut all = Change::<T>::default();
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            all.merge(M::advance(self.c, ball, shift(du, at)));
+        }
+        for (offset, step) in self.state.position.offset.iter_mut().zip(du) {
+            *offset += *step;
+        }
+        all
+    }
+
+    /// Moves the ring by `du` and every ball with it, by its law.
     fn follow(&mut self, drive: &Drive<T>, du: &Five<T>) -> Change<T> {
         let mut all = Change::<T>::default();
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
-            let change = M::follow(self.c, drive, ball, a, shift(du, at));
-            all.step = all.step.or_larger(change.step);
-            all.stiffness = add(all.stiffness, change.stiffness);
+            all.merge(M::follow(self.c, drive, ball, a, shift(du, at)));
         }
         for (offset, step) in self.state.position.offset.iter_mut().zip(du) {
             *offset += *step;
@@ -518,7 +528,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 let mut share = Share::NONE;
                 M::place(c, speed_load, &mut ball, centre);
                 for _ in 0..6 {
-                    let (new, imbalance) = M::linearise(c, &drive, &mut ball, [offset, T::ZERO]);
+                    let (new, imbalance) = M::linearise(c, &drive, &mut ball, [offset, T::ZERO], false);
                     share = new;
                     if imbalance < T::of(0.02) {
                         break;
@@ -554,29 +564,29 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         }
     }
 
-    /// Moves a solved bearing to where its laws see it under a new load at a new speed.
+    /// Moves a solved bearing to where its last linearisation, and what of the second order matters,
+    /// see it under a new load at a new speed.
     fn predict(&mut self, load: &Five<T>, speed_load: T) {
         let faster = speed_load - self.state.speed_load;
-        let mut sums = Sums::about([T::ZERO; 2]);
+        let mut sums = [T::ZERO; 5];
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
-            sums.add(at, &M::accelerate(ball, faster));
+            let share = M::accelerate(ball, faster);
+            ring::spread(&mut sums, at, share.force, share.couple);
         }
-        for ((force, carried), by_speed) in self
-            .state
-            .force
-            .iter_mut()
-            .zip(&self.state.load)
-            .zip(&sums.force())
-        {
-            *force = *carried + *by_speed;
+        let mut b = *load;
+        for i in 0..5 {
+            b[i] -= self.state.load[i] + sums[i];
         }
-        let (b, tangent) = self.unbalanced(load, &[T::ZERO; 5]);
-        let (du, _) = self.step(load, b, tangent, T::of(0.1));
-        let drive = Drive {
-            speed_load,
-            negligible: T::EPSILON * norm(load),
-        };
-        self.follow(&drive, &du);
+        let (factors, _) = Factors::of(&self.state.tangent, T::of(8.0) * T::EPSILON);
+        let mut du = factors.solve(&b);
+        let mut sums = [T::ZERO; 5];
+        for (ball, at) in self.balls.iter().zip(self.azimuths) {
+            ring::spread(&mut sums, at, M::second_order(ball, shift(&du, at)), T::ZERO);
+        }
+        for (step, back) in du.iter_mut().zip(&factors.solve(&sums)) {
+            *step -= *back;
+        }
+        self.advance(&du);
     }
 
     /// Load less the forces that the balls' laws see after a step `du`, and the tangent there.
@@ -622,7 +632,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         let small = T::of(1e-3) * norm(load);
         let mut du = [T::ZERO; 5];
         let mut singular = false;
-        for pass in 0..16 {
+        for pass in 0..8 {
             let (d, semi) = self.descent(&b, &tangent, &du, longest, first <= small);
             singular |= semi && pass == 0;
             if first <= small {
@@ -643,7 +653,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 }
                 fraction = fraction * T::of(0.5);
             }
-            if !(norm(&b) > T::of(0.02) * first) {
+            if !(norm(&b) > T::of(0.1) * first) {
                 break;
             }
         }
@@ -699,6 +709,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         speed_load: T,
         tolerance: T,
         until: u16,
+        mut laws: bool,
     ) {
         let size = match given {
             Given::Load(load) => norm(load),
@@ -716,14 +727,25 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         (outcome.change, outcome.step) = (T::ONE, T::ZERO);
         let mut last_residual = T::ONE / T::EPSILON;
         loop {
-            let (repeats, imbalance) = self.sweep(&drive);
+            let (repeats, imbalance) = self.sweep(&drive, laws);
             outcome.sweeps += 1;
             outcome.repeats = outcome.repeats.saturating_add(repeats);
 
             let (mut du, mut singular) = ([T::ZERO; 5], false);
             if let Given::Load(load) = given {
-                let (b, tangent) = self.unbalanced(load, &du);
+                let (mut b, mut tangent) = (*load, self.state.tangent);
+                if laws {
+                    (b, tangent) = self.unbalanced(load, &du);
+                } else {
+                    for (b, force) in b.iter_mut().zip(&self.state.force) {
+                        *b -= *force;
+                    }
+                }
                 outcome.residual = norm(&b) / size;
+                if !laws && outcome.residual > T::of(0.1) && outcome.sweeps < until {
+                    laws = true;
+                    continue;
+                }
                 if M::AT_SPEED {
                     if outcome.residual > T::ONE.or_larger(last_residual + last_residual) {
                         radius = T::of(0.5) * outcome.step;
@@ -732,7 +754,11 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                     }
                 }
                 last_residual = outcome.residual;
-                (du, singular) = self.step(load, b, tangent, radius);
+                (du, singular) = if laws {
+                    self.step(load, b, tangent, radius)
+                } else {
+                    self.descent(&b, &tangent, &du, radius, true)
+                };
             } else {
                 outcome.residual = T::ZERO;
             }
@@ -741,7 +767,11 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             } else {
                 0
             };
-            let moved = self.follow(&drive, &du);
+            let moved = if laws {
+                self.follow(&drive, &du)
+            } else {
+                self.advance(&du)
+            };
             outcome.step = span(&du);
             outcome.imbalance = imbalance;
             if !(outcome.step + outcome.residual).is_finite() {
@@ -795,6 +825,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             if outcome.sweeps >= until {
                 return;
             }
+            laws = outcome.residual > T::of(0.02);
             // Offsets this large would cost digits of the deformations.
             let far = T::of(2e-3);
             if span(&self.state.position.offset) > far || !(moved.step <= far) || repeats > 0 {
@@ -895,6 +926,7 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
                 speed_load,
                 settings.tolerance,
                 until.min(settings.max_sweeps.max(1)),
+                attempt != Attempt::Warm,
             );
             let failed = matches!(outcome.status, Status::SweepLimit | Status::Diverged { .. });
             if !failed || outcome.sweeps >= settings.max_sweeps {
@@ -935,6 +967,7 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
             speed_load,
             settings.tolerance,
             settings.max_sweeps,
+            true,
         );
         let force = self.state.force;
         self.conclude(outcome, force, speed_load)

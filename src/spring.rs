@@ -88,8 +88,12 @@ pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
         )
     };
     let (mut low, mut high) = (-one, T::of(1e4));
-    let mut x = T::ZERO;
-    let mut slope = one;
+    // Newton's first step, from 0.
+    let mut slope = two * s1 + T::of(6.0) * s2 * per_sum;
+    let mut x = (s / slope.or_larger(T::TINY)).or_larger(T::of(-0.8));
+    if x.abs() < T::of(1e-3) {
+        return (x, slope);
+    }
     for _ in 0..40 {
         let (value, rise) = at(x);
         slope = rise.or_larger(T::TINY);
@@ -99,7 +103,7 @@ pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
             low = x;
         }
         let newton = x - value / slope;
-        let done = (newton - x).abs() <= T::of(4.0) * T::EPSILON * x.abs();
+        let done = (newton - x).abs() <= T::of(0.02) * newton.abs();
         x = if done || (newton > low && newton < high) {
             newton
         } else {
