@@ -53,9 +53,9 @@ pub struct Ball<T> {
     pub excess: T,
     /// Offset of `X` from its reference.
     pub x: Pair<T>,
-    /// Newton step of `X` at a fixed ring.
+    /// Newton step of `X` at a fixed ring, along the inner contact's normal and tangent.
     pub step: Pair<T>,
-    /// Its derivative by `A`.
+    /// Its derivative by `A`, likewise.
     pub slope: Square<T>,
     /// Stiffness along the inner contact's normal, and its derivative by the contact's force.
     pub stiff: T,
@@ -64,7 +64,8 @@ pub struct Ball<T> {
     pub carried: Pair<T>,
     /// Centrifugal force.
     pub fling: T,
-    /// Derivatives by the speed load: of the ball's position, and of what it hands to the ring.
+    /// Derivatives by the logarithm of the speed load: of the ball's position (along the inner contact's
+    /// normal and tangent), and of what it hands to the ring.
     pub step_by_speed: Pair<T>,
     pub force_by_speed: Pair<T>,
     pub couple_by_speed: T,
@@ -94,18 +95,6 @@ pub struct Pass<T> {
     pub inner: Contact<T>,
     pub outer: Contact<T>,
     pub loads: Loads<T>,
-    /// Unbalanced force on the ball.
-    pub residual: Pair<T>,
-}
-
-/// `a (x) b` added to a matrix.
-#[inline(always)]
-fn add_outer<T: Real>(m: &mut Square<T>, a: Pair<T>, b: Pair<T>) {
-    for i in 0..2 {
-        for j in 0..2 {
-            m[i][j] += a[i] * b[j];
-        }
-    }
 }
 
 #[inline(always)]
@@ -149,20 +138,7 @@ impl<T: Real> Ball<T> {
         (m, loads)
     }
 
-    #[inline(always)]
-    fn residual(inner: &Contact<T>, outer: &Contact<T>, l: &Loads<T>) -> Pair<T> {
-        let f = add(
-            scale(inner.q, inner.normal()),
-            scale(l.inner_friction, inner.tangent()),
-        );
-        let g = add(
-            scale(outer.q, outer.normal()),
-            scale(l.outer_friction, outer.tangent()),
-        );
-        [f[0] - g[0], f[1] - g[1] + l.centrifugal]
-    }
-
-    /// Contacts, loads and unbalanced force, without the linearisation.
+    /// Contacts and loads, without the linearisation.
     #[inline]
     pub fn observe<A: Attitude>(&self, c: &Constants<T>, speed_load: T, a: Pair<T>) -> Pass<T> {
         let (mut inner, mut outer) = self.contacts(c, a);
@@ -173,7 +149,6 @@ impl<T: Real> Ball<T> {
         }
         let (_, loads) = Self::loads::<A>(c, speed_load, &inner, &outer);
         Pass {
-            residual: Self::residual(&inner, &outer, &loads),
             inner,
             outer,
             loads,
@@ -181,62 +156,53 @@ impl<T: Real> Ball<T> {
     }
 
     /// Linearises the ball at the ring's offset `a`, keeps its Newton step and the step's slope, and
-    /// returns what it hands to the ring. `speed_load` is `m dm omega^2 / 2`.
-    #[inline]
+    /// returns what it hands to the ring, and how far the ball was from its own equilibrium: unbalanced
+    /// force over its contact forces (or what is `negligible` beside the bearing's load), plus lag over
+    /// deformation. `speed_load` is `m dm omega^2 / 2`; `law` asks for the ball's law, too.
+    ///
+    /// Vectors and matrices are worked out along the inner contact's normal and tangent, where half of
+    /// the derivatives are single numbers, and turned to the bearing's directions in the end.
+    #[inline(always)]
     pub fn linearise<A: Attitude>(
         &mut self,
         c: &Constants<T>,
         speed_load: T,
+        negligible: T,
         a: Pair<T>,
         law: bool,
-    ) -> (Share<T>, Pass<T>) {
+    ) -> (Share<T>, T) {
         let (inner, outer) = self.contacts(c, a);
         let inner = inner.led_by(self.inner_lead.q, c.ki);
         let outer = outer.led_by(self.outer_lead.q, c.ko);
         self.inner_lead.remember(&inner);
         self.outer_lead.remember(&outer);
         let (m, l) = Self::loads::<A>(c, speed_load, &inner, &outer);
-        let mut residual = Self::residual(&inner, &outer, &l);
+        let (ti, to, fc) = (l.inner_friction, l.outer_friction, l.centrifugal);
+        let (si, ci) = (inner.sin, inner.cos);
+        let (sd, cd) = (m.sin_d, m.cos_d);
+        let (ri, ro) = (inner.inverse_radius, outer.inverse_radius);
+        // Along n_i and t_i: n_o = (cos d, -sin d), t_o = (sin d, cos d), e_r = (cos ai, -sin ai).
+        let inertia =
+            |ti: T, to: T, fc: T| -> Pair<T> { [fc * ci - to * sd, ti - to * cd - fc * si] };
+
+        // Slopes of Fc and of the friction by the angles; columns of r by normal and tangential motion at
+        // each contact.
         let two = T::ONE + T::ONE;
-        // Slopes of Fc and of the friction by the angles and by eta.
         let fc_mu = two * speed_load * m.mu.value;
         let g = T::of(0.4) * speed_load;
         let (g_mu, g_nu) = (g * m.nu.value, g * m.mu.value);
-        let fc_ai = fc_mu * m.mu.by_inner_angle;
-        let fc_ao = fc_mu * m.mu.by_outer_angle;
         let g_ai = g_mu * m.mu.by_inner_angle + g_nu * m.nu.by_inner_angle;
         let g_ao = g_mu * m.mu.by_outer_angle + g_nu * m.nu.by_outer_angle;
-        let ti_ai = m.share * g_ai;
-        let ti_ao = m.share * g_ao;
-        let (to_ai, to_ao) = (g_ai - ti_ai, g_ao - ti_ao);
-
-        // Columns of r by the four local coordinates: normal and tangential motion at each contact.
-        let (ni, ti) = (inner.normal(), inner.tangent());
-        let (no, to) = (outer.normal(), outer.tangent());
-        let ri = inner.inverse_radius;
-        let ro = outer.inverse_radius;
-        let inertia = |ti_by: T, to_by: T, fc_by: T| -> Pair<T> {
-            [
-                ti_by * ti[0] - to_by * to[0],
-                ti_by * ti[1] - to_by * to[1] + fc_by,
-            ]
-        };
-        let mut r_di = scale(inner.slope, ni);
-        let mut r_do = scale(-outer.slope, no);
-        let r_wi = scale(
-            ri,
-            add(
-                inertia(ti_ai, to_ai, fc_ai),
-                sub(scale(inner.q, ti), scale(l.inner_friction, ni)),
-            ),
-        );
-        let r_wo = scale(
-            ro,
-            sub(
-                inertia(ti_ao, to_ao, fc_ao),
-                sub(scale(outer.q, to), scale(l.outer_friction, no)),
-            ),
-        );
+        let (ti_ai, ti_ao) = (m.share * g_ai, m.share * g_ao);
+        let by_ai = inertia(ti_ai, g_ai - ti_ai, fc_mu * m.mu.by_inner_angle);
+        let by_ao = inertia(ti_ao, g_ao - ti_ao, fc_mu * m.mu.by_outer_angle);
+        let mut r_di = [inner.slope, T::ZERO];
+        let mut r_do = [-(outer.slope * cd), outer.slope * sd];
+        let r_wi = [ri * (by_ai[0] - ti), ri * (by_ai[1] + inner.q)];
+        let r_wo = [
+            ro * (by_ao[0] - outer.q * sd + to * cd),
+            ro * (by_ao[1] - outer.q * cd - to * sd),
+        ];
         let (mut ti_di, mut ti_do) = (T::ZERO, T::ZERO);
         if A::COUPLED {
             let fc_eta = fc_mu * m.mu.by_eta;
@@ -265,135 +231,171 @@ impl<T: Real> Ball<T> {
             );
         }
 
-        // Forces that lead are extrapolated to the geometry.
-        residual = add(
-            residual,
-            add(scale(inner.lag, r_di), scale(outer.lag, r_do)),
-        );
+        // The unbalanced force; forces that lead are extrapolated to the geometry.
+        let loads = inertia(ti, to, fc);
+        let residual = [
+            inner.q - outer.q * cd + loads[0] + inner.lag * r_di[0] + outer.lag * r_do[0],
+            outer.q * sd + loads[1] + inner.lag * r_di[1] + outer.lag * r_do[1],
+        ];
 
-        // r_V and r_X, then the Newton step -R^-1 r with R = r_X - r_V, and its slope -R^-1 r_V.
-        let mut r_v = [[T::ZERO; 2]; 2];
-        add_outer(&mut r_v, r_di, ni);
-        add_outer(&mut r_v, r_wi, ti);
-        let mut matrix = [[-r_v[0][0], -r_v[0][1]], [-r_v[1][0], -r_v[1][1]]];
-        add_outer(&mut matrix, r_do, no);
-        add_outer(&mut matrix, r_wo, to);
+        // r_V and r_X - r_V = R, then the Newton step -R^-1 r, and its slope Y = -R^-1 r_V.
+        let r_v = [[r_di[0], r_wi[0]], [r_di[1], r_wi[1]]];
+        let row = |i: usize| {
+            [
+                r_do[i] * cd + r_wo[i] * sd - r_v[i][0],
+                r_wo[i] * cd - r_do[i] * sd - r_v[i][1],
+            ]
+        };
+        let matrix = [row(0), row(1)];
         let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
-        // A ball off both races (at rest) drops out: no force, no step.
-        let inverse = if determinant.abs() > T::TINY {
-            T::ONE / determinant
+        // One division for two inverses. A ball off both races (at rest) drops out: no force, no step.
+        let force = if inner.q > T::ZERO { inner.q } else { T::ONE };
+        let product = determinant * force;
+        let (inverse, per_force) = if product.abs() > T::TINY {
+            let inverse = T::ONE / product;
+            (inverse * force, inverse * determinant)
         } else {
-            T::ZERO
+            (T::ZERO, T::ZERO)
         };
         let minus_inverse = [
             [-(matrix[1][1] * inverse), matrix[0][1] * inverse],
             [matrix[1][0] * inverse, -(matrix[0][0] * inverse)],
         ];
-        self.step = [
+        let step = [
             dot(minus_inverse[0], residual),
             dot(minus_inverse[1], residual),
         ];
         let y = multiply(&minus_inverse, &r_v);
-        self.slope = y;
+        let rest = [[T::ONE - y[0][0], -y[0][1]], [-y[1][0], T::ONE - y[1][1]]];
 
         // Force on the ring: elastic part by V, friction part along t_i by V and X.
-        let ti_v = add(scale(ti_di, ni), scale(ti_ai * ri, ti));
-        let ti_x = add(scale(ti_do, no), scale(ti_ao * ro, to));
+        let ti_v = [ti_di, ti_ai * ri];
+        let ti_wo = ti_ao * ro;
+        let ti_x = [ti_do * cd + ti_wo * sd, ti_wo * cd - ti_do * sd];
         let by_x = sub(ti_x, ti_v);
-        let rest = [[T::ONE - y[0][0], -y[0][1]], [-y[1][0], T::ONE - y[1][1]]];
         let couple_slope = [
             ti_v[0] * rest[0][0] + ti_v[1] * rest[1][0] + ti_x[0] * y[0][0] + ti_x[1] * y[1][0],
             ti_v[0] * rest[0][1] + ti_v[1] * rest[1][1] + ti_x[0] * y[0][1] + ti_x[1] * y[1][1],
         ];
-        let turn = scale(ri, sub(scale(inner.q, ti), scale(l.inner_friction, ni)));
-        let mut elastic = [[T::ZERO; 2]; 2];
-        add_outer(&mut elastic, scale(inner.slope, ni), ni);
-        add_outer(&mut elastic, turn, ti);
-        let mut stiffness = multiply(&elastic, &rest);
-        add_outer(&mut stiffness, ti, couple_slope);
+        let (turn_n, turn_t) = (ti * ri, inner.q * ri);
+        let local = [
+            [
+                inner.slope * rest[0][0] - turn_n * rest[1][0],
+                inner.slope * rest[0][1] - turn_n * rest[1][1],
+            ],
+            [
+                couple_slope[0] + turn_t * rest[1][0],
+                couple_slope[1] + turn_t * rest[1][1],
+            ],
+        ];
+        // From n_i and t_i to the axial and the radial direction.
+        let turned = |v: Pair<T>| [v[0] * si + v[1] * ci, v[0] * ci - v[1] * si];
+        let rows = [turned(local[0]), turned(local[1])];
+        let columns = [
+            turned([rows[0][0], rows[1][0]]),
+            turned([rows[0][1], rows[1][1]]),
+        ];
+        let stiffness = [
+            [columns[0][0], columns[1][0]],
+            [columns[0][1], columns[1][1]],
+        ];
 
         // What the ring will see once the ball has made its step.
-        let friction_step = dot(by_x, self.step);
-        let force_step = [
-            dot(elastic[0], self.step) - ti[0] * friction_step,
-            dot(elastic[1], self.step) - ti[1] * friction_step,
-        ];
-        let friction = l.inner_friction + ti_di * inner.lag + ti_do * outer.lag;
-        let force = add(
-            scale(inner.q + inner.slope * inner.lag, ni),
-            scale(friction, ti),
-        );
-        let force = sub(force, force_step);
-        self.fling = l.centrifugal;
+        let moved = |step: Pair<T>, friction: T| {
+            turned([
+                turn_n * step[1] - inner.slope * step[0],
+                friction - turn_t * step[1],
+            ])
+        };
+        let friction_step = dot(by_x, step);
+        let friction = ti + ti_di * inner.lag + ti_do * outer.lag + friction_step;
+        let held = inner.q + inner.slope * inner.lag;
+        let force = add(moved(step, friction), [held * si, held * ci]);
+        self.fling = fc;
         // At a higher speed all inertia loads grow alike.
-        let per_load = if speed_load > T::ZERO {
-            T::ONE / speed_load
-        } else {
-            T::ZERO
-        };
-        let by_speed = scale(
-            per_load,
-            inertia(l.inner_friction, l.outer_friction, l.centrifugal),
-        );
-        self.step_by_speed = [
-            dot(minus_inverse[0], by_speed),
-            dot(minus_inverse[1], by_speed),
-        ];
-        let friction_by_speed = l.inner_friction * per_load + dot(by_x, self.step_by_speed);
+        let step_by_speed = [dot(minus_inverse[0], loads), dot(minus_inverse[1], loads)];
+        let friction_by_speed = ti + dot(by_x, step_by_speed);
         self.couple_by_speed = c.friction_arm * friction_by_speed;
-        self.force_by_speed = [
-            ti[0] * friction_by_speed - dot(elastic[0], self.step_by_speed),
-            ti[1] * friction_by_speed - dot(elastic[1], self.step_by_speed),
-        ];
-        if inner.q > T::ZERO {
-            // 1/3 Q of a Hertz contact's stiffness, 3 Q of a bent chain's.
-            let half = T::of(0.5);
-            self.stiff = dot(ni, [dot(stiffness[0], ni), dot(stiffness[1], ni)]);
-            let sin_d = ni[0] * no[1] - ni[1] * no[0];
-            let bent = self.stiff * sin_d * sin_d * half;
-            let per = T::ONE / (inner.q * (inner.q + outer.q));
-            self.stiffening = self.stiff
-                * (T::of(1.0 / 3.0) * (inner.q + outer.q)
-                    + T::of(3.0) * bent)
-                * per;
-        }
-        if !law {
-            return (
-                Share {
-                    force,
-                    couple: c.friction_arm * (friction + friction_step),
-                    stiffness,
-                    couple_slope: scale(c.friction_arm, couple_slope),
-                },
-                Pass {
-                    inner,
-                    outer,
-                    loads: l,
-                    residual,
-                },
-            );
-        }
-        self.spring = if inner.q > T::ZERO {
-            let carried = add(scale(inner.q, ni), scale(l.inner_friction, ti));
-            let along = l.centrifugal * c.inner;
-            Spring::of(&inner, &outer, carried, force, &stiffness, along)
-        } else {
-            let gap = inner.delta - dot(ni, self.step);
-            Spring::open(ni, c.ki, gap, T::of(0.5) * ri)
+        self.force_by_speed = moved(step_by_speed, friction_by_speed);
+        self.step_by_speed = step_by_speed;
+        self.step = step;
+        self.slope = y;
+        // 1/3 Q of a Hertz contact's stiffness, 3 Q of a bent chain's.
+        let stiff = local[0][0];
+        let bent = stiff * sd * sd * m.per_forces;
+        self.stiff = stiff;
+        self.stiffening = stiff * (T::of(1.0 / 3.0) + T::of(1.5) * bent) * per_force;
+        let share = Share {
+            force,
+            couple: c.friction_arm * friction,
+            stiffness,
+            couple_slope: scale(c.friction_arm, turned(couple_slope)),
         };
-        (
-            Share {
-                force,
-                couple: c.friction_arm * (friction + friction_step),
-                stiffness,
-                couple_slope: scale(c.friction_arm, couple_slope),
-            },
-            Pass {
-                inner,
-                outer,
-                loads: l,
-                residual,
-            },
-        )
+        if law {
+            self.spring = self.law(c, &inner, &outer, &l, &share);
+        }
+        // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
+        // pole, with equilibria that are of the equations only.
+        if inner.q > T::ZERO && cd < T::of(-0.5) {
+            return (share, T::ONE);
+        }
+        let unbalanced = residual[0].abs() + residual[1].abs();
+        let least = T::of(1e3) * negligible;
+        let mut imbalance = if outer.q < least {
+            unbalanced / least
+        } else {
+            unbalanced * m.per_forces
+        };
+        let lag = inner.lag.abs() + outer.lag.abs();
+        if lag > T::ZERO {
+            imbalance += lag / outer.delta.or_larger(T::TINY);
+        }
+        (share, imbalance)
+    }
+
+    /// The law that agrees with the linearisation.
+    #[inline(never)]
+    fn law(
+        &self,
+        c: &Constants<T>,
+        inner: &Contact<T>,
+        outer: &Contact<T>,
+        l: &Loads<T>,
+        share: &Share<T>,
+    ) -> Spring<T> {
+        if inner.q > T::ZERO {
+            let carried = add(
+                scale(inner.q, inner.normal()),
+                scale(l.inner_friction, inner.tangent()),
+            );
+            let along = l.centrifugal * c.inner;
+            Spring::of(inner, outer, carried, share.force, &share.stiffness, along)
+        } else {
+            let gap = inner.delta - self.step[0];
+            Spring::open(inner.normal(), c.ki, gap, T::of(0.5) * inner.inverse_radius)
+        }
+    }
+
+    /// A vector of the ball's own directions, n_i and t_i of its last linearisation, in the axial and
+    /// the radial one.
+    #[inline(always)]
+    pub fn outward(&self, v: Pair<T>) -> Pair<T> {
+        let [s, c] = self.inner_lead.normal;
+        [v[0] * s + v[1] * c, v[0] * c - v[1] * s]
+    }
+
+    /// The reverse: the matrix is its own inverse.
+    #[inline(always)]
+    pub fn inward(&self, v: Pair<T>) -> Pair<T> {
+        self.outward(v)
+    }
+
+    /// The ball's step, in its own directions, when the ring makes `da`, in the same.
+    #[inline(always)]
+    pub fn stepped(&self, da: Pair<T>) -> Pair<T> {
+        [
+            self.step[0] + dot(self.slope[0], da),
+            self.step[1] + dot(self.slope[1], da),
+        ]
     }
 }

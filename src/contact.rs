@@ -193,7 +193,12 @@ impl<T: Real> Lead<T> {
     /// seen from a large force points below zero long before the contact opens.
     #[inline(always)]
     pub fn follow(&mut self, d: Pair<T>) -> Pull {
-        let by = dot(self.normal, d);
+        self.follow_by(dot(self.normal, d))
+    }
+
+    /// The same for a motion `by` along the normal.
+    #[inline(always)]
+    pub fn follow_by(&mut self, by: T) -> Pull {
         let q = self.linear + self.slope * by;
         let least = T::of(0.1) * self.q;
         if q >= least {

@@ -79,6 +79,11 @@ pub struct BallMotion<T> {
     pub share: T,
     pub share_by_inner: T,
     pub share_by_outer: T,
+    /// Sine and cosine of the angle between the contacts, `ai - ao`.
+    pub sin_d: T,
+    pub cos_d: T,
+    /// One over the sum of both contact forces.
+    pub per_forces: T,
 }
 
 /// Angles between the contacts, common to all rules.
@@ -89,6 +94,8 @@ struct Angles<T> {
     sin_d: T,
     /// `1 / (1 + cos d)`
     inverse: T,
+    /// `1 / (Qi + Qo)`
+    per_forces: T,
     tau: T,
 }
 
@@ -96,14 +103,19 @@ impl<T: Real> Angles<T> {
     #[inline(always)]
     fn of(k: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> Self {
         let cos_d = inner.cos * outer.cos + inner.sin * outer.sin;
+        // Opposite contact angles do not occur in an equilibrium; on the way to one, the
+        // bound keeps the numbers finite.
+        let apart = (T::ONE + cos_d).or_larger(T::of(0.01));
+        let forces = (inner.q + outer.q).or_larger(T::of(1e-30));
+        // One division for both.
+        let inverse = T::ONE / (apart * forces);
         Self {
             a: T::ONE + k.tau * outer.cos,
             c: T::ONE - k.tau * inner.cos,
             cos_d,
             sin_d: inner.sin * outer.cos - inner.cos * outer.sin,
-            // Opposite contact angles do not occur in an equilibrium; on the way to one, the
-            // bound keeps the numbers finite.
-            inverse: T::ONE / (T::ONE + cos_d).or_larger(T::of(0.01)),
+            inverse: inverse * forces,
+            per_forces: inverse * apart,
             tau: k.tau,
         }
     }
@@ -137,6 +149,9 @@ impl<T: Real> Angles<T> {
             share: T::ZERO,
             share_by_inner: T::ZERO,
             share_by_outer: T::ZERO,
+            sin_d: self.sin_d,
+            cos_d: self.cos_d,
+            per_forces: self.per_forces,
         }
     }
 }
@@ -177,6 +192,9 @@ impl Attitude for InnerRaceControl {
             share: T::of(0.5),
             share_by_inner: T::ZERO,
             share_by_outer: T::ZERO,
+            sin_d: g.sin_d,
+            cos_d: g.cos_d,
+            per_forces: g.per_forces,
         }
     }
 }
@@ -219,7 +237,7 @@ impl Attitude for RacewayControlFree {
             half * sum_sin - c_sin,
         );
 
-        let forces = T::ONE / (inner.q + outer.q).or_larger(T::TINY);
+        let forces = g.per_forces;
         let share = inner.q * forces;
         let two = T::ONE + T::ONE;
         BallMotion {
@@ -230,6 +248,9 @@ impl Attitude for RacewayControlFree {
             share,
             share_by_inner: inner.slope * forces * (T::ONE - share),
             share_by_outer: -(outer.slope * forces * share),
+            sin_d: g.sin_d,
+            cos_d: g.cos_d,
+            per_forces: forces,
         }
     }
 }

@@ -130,8 +130,8 @@ pub trait Motion: sealed::Sealed + 'static {
     /// Makes the ball's own Newton step, the ring at rest.
     #[doc(hidden)]
     fn settle<T: Real>(ball: &mut Self::Ball<T>);
-    /// Forgets the Newton step of a ball that has made it, and takes one that follows a change of the
-    /// speed load instead; returns the change of what it hands to the ring (as [`Share`], without
+    /// Forgets the Newton step of a ball that has made it, and takes one that follows a relative change
+    /// of the speed load instead; returns the change of what it hands to the ring (as [`Share`], without
     /// stiffness).
     #[doc(hidden)]
     fn accelerate<T: Real>(ball: &mut Self::Ball<T>, by: T) -> Share<T>;
@@ -141,7 +141,7 @@ pub trait Motion: sealed::Sealed + 'static {
     fn second_order<T: Real>(ball: &Self::Ball<T>, da: Pair<T>) -> Pair<T>;
     /// Follows a step `da` of the ring that is so short that linearisations hold.
     #[doc(hidden)]
-    fn advance<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, da: Pair<T>) -> Change<T>;
+    fn advance<T: Real>(ball: &mut Self::Ball<T>, da: Pair<T>) -> Change<T>;
     /// Follows a step `da` of the ring from its offset `a` by the ball's law.
     #[doc(hidden)]
     fn follow<T: Real>(
@@ -260,7 +260,7 @@ impl Motion for Static {
     }
 
     #[inline(always)]
-    fn advance<T: Real>(_: &Constants<T>, ball: &mut Still<T>, da: Pair<T>) -> Change<T> {
+    fn advance<T: Real>(ball: &mut Still<T>, da: Pair<T>) -> Change<T> {
         let normal = ball.spring.normal;
         let reaction = ball.spring.react(da);
         ball.force = reaction.force;
@@ -270,13 +270,13 @@ impl Motion for Static {
 
     #[inline(always)]
     fn follow<T: Real>(
-        c: &Constants<T>,
+        _: &Constants<T>,
         _: &Drive<T>,
         ball: &mut Still<T>,
         _: Pair<T>,
         da: Pair<T>,
     ) -> Change<T> {
-        Self::advance(c, ball, da)
+        Self::advance(ball, da)
     }
 
     #[inline]
@@ -299,7 +299,6 @@ impl Motion for Static {
                 inner_friction: T::ZERO,
                 outer_friction: T::ZERO,
             },
-            residual: [T::ZERO; 2],
         }
     }
 }
@@ -466,24 +465,7 @@ impl<A: Attitude> Motion for AtSpeed<A> {
         if ball.drops_out(c, drive, a) {
             return (Share::NONE, T::ZERO);
         }
-        let (share, pass) = ball.linearise::<A>(c, drive.speed_load, a, law);
-        let largest = pass
-            .outer
-            .q
-            .or_larger(pass.inner.q)
-            .or_larger(pass.loads.centrifugal)
-            .or_larger(drive.negligible * T::of(1e3));
-        let unbalanced = pass.residual[0].abs() + pass.residual[1].abs();
-        let lag = pass.inner.lag.abs() + pass.outer.lag.abs();
-        let imbalance =
-            unbalanced / largest.or_larger(T::TINY) + lag / pass.outer.delta.or_larger(T::TINY);
-        // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
-        // pole, with equilibria that are of the equations only.
-        let opposed = dot(pass.inner.normal(), pass.outer.normal());
-        if pass.inner.q > T::ZERO && opposed < T::of(-0.5) {
-            return (share, T::ONE);
-        }
-        (share, imbalance)
+        ball.linearise::<A>(c, drive.speed_load, drive.negligible, a, law)
     }
 
     #[inline(always)]
@@ -493,7 +475,7 @@ impl<A: Attitude> Motion for AtSpeed<A> {
 
     #[inline]
     fn settle<T: Real>(ball: &mut Ball<T>) {
-        let mut dx = ball.step;
+        let mut dx = ball.outward(ball.step);
         let size = dx[0].abs() + dx[1].abs();
         let longest = T::of(0.3);
         if !(size < longest) {
@@ -544,12 +526,11 @@ impl<A: Attitude> Motion for AtSpeed<A> {
     }
 
     #[inline]
-    fn advance<T: Real>(c: &Constants<T>, ball: &mut Ball<T>, da: Pair<T>) -> Change<T> {
-        let dx = [
-            ball.step[0] + dot(ball.slope[0], da),
-            ball.step[1] + dot(ball.slope[1], da),
-        ];
-        let v = sub(da, dx);
+    fn advance<T: Real>(ball: &mut Ball<T>, da: Pair<T>) -> Change<T> {
+        let da = ball.inward(da);
+        let local = ball.stepped(da);
+        let v = sub(da, local);
+        let dx = ball.outward(local);
         let normal = ball.inner_lead.normal;
         ball.x = add(ball.x, dx);
         ball.outer_lead.follow(dx);
@@ -558,9 +539,10 @@ impl<A: Attitude> Motion for AtSpeed<A> {
             stiffness: [T::ZERO; 2],
         };
         if ball.inner_lead.q > T::ZERO {
-            let turn = (normal[1] * v[0] - normal[0] * v[1]) / c.inner;
+            // Not quite the angle that the contact turns by, but of its size.
+            let turn = v[1] + v[1];
             let before = ball.inner_lead.q;
-            if ball.inner_lead.follow(v) == Pull::Lets {
+            if ball.inner_lead.follow_by(v[0]) == Pull::Lets {
                 ball.inner_lead.q = T::ZERO;
             }
             let stiffened = (ball.stiffening * (ball.inner_lead.q - before)).abs();
@@ -583,10 +565,7 @@ impl<A: Attitude> Motion for AtSpeed<A> {
     ) -> Change<T> {
         let reaction = ball.spring.react(da);
         let (force, effective) = ball.spring.follow(da, &reaction);
-        let dx = [
-            ball.step[0] + dot(ball.slope[0], effective),
-            ball.step[1] + dot(ball.slope[1], effective),
-        ];
+        let dx = ball.outward(ball.stepped(ball.inward(effective)));
         let step = dx[0].abs() + dx[1].abs();
         let normal = ball.inner_lead.normal;
         let v = sub(da, dx);

@@ -417,7 +417,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     fn advance(&mut self, du: &Five<T>) -> Change<T> {
         let mut all = Change::<T>::default();
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
-            all.merge(M::advance(self.c, ball, shift(du, at)));
+            all.merge(M::advance(ball, shift(du, at)));
         }
         for (offset, step) in self.state.position.offset.iter_mut().zip(du) {
             *offset += *step;
@@ -567,7 +567,11 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     /// Moves a solved bearing to where its last linearisation, and what of the second order matters,
     /// see it under a new load at a new speed.
     fn predict(&mut self, load: &Five<T>, speed_load: T) {
-        let faster = speed_load - self.state.speed_load;
+        let faster = if self.state.speed_load > T::ZERO {
+            speed_load / self.state.speed_load - T::ONE
+        } else {
+            T::ZERO
+        };
         let mut sums = [T::ZERO; 5];
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let share = M::accelerate(ball, faster);
