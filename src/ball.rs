@@ -320,11 +320,16 @@ impl<T: Real> Ball<T> {
         self.step_by_speed = step_by_speed;
         self.step = step;
         self.slope = y;
-        // 1/3 Q of a Hertz contact's stiffness, 3 Q of a bent chain's.
+        // A Hertz contact's stiffness grows with the cube root of its force, that of a chain which inertia
+        // bends with the cube of its tension; `bent` is the chain's part in the flexibility.
         let stiff = local[0][0];
-        let bent = stiff * sd * sd * m.per_forces;
+        let twice = two * m.per_forces;
+        let bent = (stiff * sd * sd * c.inner * c.outer * twice).or_smaller(T::ONE);
+        let third = T::of(1.0 / 3.0);
         self.stiff = stiff;
-        self.stiffening = stiff * (T::of(1.0 / 3.0) + T::of(1.5) * bent) * per_force;
+        self.stiffening = stiff
+            * (third + bent * (T::of(3.0) * twice * inner.q - third))
+            * per_force;
         let share = Share {
             force,
             couple: c.friction_arm * friction,

@@ -10,7 +10,7 @@ use crate::contact::{Contact, Pair, Pull, Reference, add, dot, length, scale, su
 use crate::float::Real;
 use crate::kinematics::{Attitude, RacewayControlFree};
 use crate::ring::Five;
-use crate::spring::{Reaction, Spring, tension};
+use crate::spring::{Reaction, Spring, Square, tension};
 use core::marker::PhantomData;
 
 mod sealed {
@@ -139,9 +139,14 @@ pub trait Motion: sealed::Sealed + 'static {
     /// the ring stepped by `da`.
     #[doc(hidden)]
     fn second_order<T: Real>(ball: &Self::Ball<T>, da: Pair<T>) -> Pair<T>;
-    /// Follows a step `da` of the ring that is so short that linearisations hold.
+    /// Follows a step `da` of the ring that is so short that linearisations hold. Returns the ball's
+    /// step, and what that of both changes of the ball's tangent.
     #[doc(hidden)]
-    fn advance<T: Real>(ball: &mut Self::Ball<T>, da: Pair<T>) -> Change<T>;
+    fn advance<T: Real>(
+        c: &Constants<T>,
+        ball: &mut Self::Ball<T>,
+        da: Pair<T>,
+    ) -> (T, Square<T>);
     /// Follows a step `da` of the ring from its offset `a` by the ball's law.
     #[doc(hidden)]
     fn follow<T: Real>(
@@ -260,12 +265,11 @@ impl Motion for Static {
     }
 
     #[inline(always)]
-    fn advance<T: Real>(ball: &mut Still<T>, da: Pair<T>) -> Change<T> {
-        let normal = ball.spring.normal;
+    fn advance<T: Real>(_: &Constants<T>, ball: &mut Still<T>, da: Pair<T>) -> (T, Square<T>) {
         let reaction = ball.spring.react(da);
         ball.force = reaction.force;
-        let turn = normal[1] * da[0] - normal[0] * da[1];
-        Change::of(T::ZERO, normal, &ball.spring, &reaction, turn)
+        let (_, tangent) = ball.spring.beyond(&reaction);
+        (T::ZERO, tangent)
     }
 
     #[inline(always)]
@@ -276,7 +280,11 @@ impl Motion for Static {
         _: Pair<T>,
         da: Pair<T>,
     ) -> Change<T> {
-        Self::advance(ball, da)
+        let normal = ball.spring.normal;
+        let reaction = ball.spring.react(da);
+        ball.force = reaction.force;
+        let turn = normal[1] * da[0] - normal[0] * da[1];
+        Change::of(T::ZERO, normal, &ball.spring, &reaction, turn)
     }
 
     #[inline]
@@ -520,39 +528,48 @@ impl<A: Attitude> Motion for AtSpeed<A> {
         if !(ball.inner_lead.q > T::ZERO) {
             return [T::ZERO; 2];
         }
-        let normal = ball.inner_lead.normal;
-        let by = ball.stiff * dot(normal, da) + dot(normal, ball.carried);
-        scale(T::of(0.5) * ball.stiffening * by * by, normal)
+        // The line of centres, of unit length, turns when the ring moves across it.
+        let [along, across] = ball.inward(da);
+        let half = T::of(0.5);
+        let by = ball.stiff * along + ball.inward(ball.carried)[0];
+        ball.outward([
+            half * (ball.stiffening * by * by + ball.stiff * across * across),
+            by * across,
+        ])
     }
 
     #[inline]
-    fn advance<T: Real>(ball: &mut Ball<T>, da: Pair<T>) -> Change<T> {
+    fn advance<T: Real>(
+        c: &Constants<T>,
+        ball: &mut Ball<T>,
+        da: Pair<T>,
+    ) -> (T, Square<T>) {
         let da = ball.inward(da);
         let local = ball.stepped(da);
         let v = sub(da, local);
         let dx = ball.outward(local);
-        let normal = ball.inner_lead.normal;
         ball.x = add(ball.x, dx);
         ball.outer_lead.follow(dx);
-        let mut change = Change {
-            step: dx[0].abs() + dx[1].abs(),
-            stiffness: [T::ZERO; 2],
-        };
-        if ball.inner_lead.q > T::ZERO {
-            // Not quite the angle that the contact turns by, but of its size.
-            let turn = v[1] + v[1];
-            let before = ball.inner_lead.q;
-            if ball.inner_lead.follow_by(v[0]) == Pull::Lets {
-                ball.inner_lead.q = T::ZERO;
-            }
-            let stiffened = (ball.stiffening * (ball.inner_lead.q - before)).abs();
-            let turned = ((ball.stiff + ball.stiff) * turn * normal[0] * normal[1]).abs();
-            change.stiffness = [
-                stiffened * normal[0] * normal[0] + turned,
-                stiffened * normal[1] * normal[1] + turned,
-            ];
+        let step = dx[0].abs() + dx[1].abs();
+        let before = ball.inner_lead.q;
+        if !(before > T::ZERO) {
+            return (step, [[T::ZERO; 2]; 2]);
         }
-        change
+        if ball.inner_lead.follow_by(v[0]) == Pull::Lets {
+            ball.inner_lead.q = T::ZERO;
+        }
+        // The stiffness along the normal grows with the force, and turns with the normal.
+        let [s, c] = scale(T::ONE / c.inner, ball.inner_lead.normal);
+        let [n0, n1] = ball.inner_lead.normal;
+        let stiffened = ball.stiffening * (ball.inner_lead.q - before);
+        let turned = ball.stiff * v[1];
+        let twice = turned + turned;
+        let mixed = stiffened * n0 * n1 + turned * (c * n1 - s * n0);
+        let along = [
+            stiffened * n0 * n0 + twice * s * n1,
+            stiffened * n1 * n1 - twice * s * n1,
+        ];
+        (step, [[along[0], mixed], [mixed, along[1]]])
     }
 
     #[inline]

@@ -326,7 +326,7 @@ impl<T: Real> Outcome<T> {
             displacement: floor + left + factor * step,
             force: rounding + rounding + left,
             // The change is summed over the balls, and an element sees some of them only.
-            stiffness: rounding + T::of(12.0) * self.change,
+            stiffness: rounding + T::of(8.0) * self.change,
         }
     }
 }
@@ -413,11 +413,28 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         (total, worst)
     }
 
-    /// Moves the ring by `du` and every ball with it, by its linearisation.
+    /// Moves the ring by `du` and every ball with it, by its linearisation, and the tangent with them.
     fn advance(&mut self, du: &Five<T>) -> Change<T> {
         let mut all = Change::<T>::default();
+        let mut sums = Sums::about([T::ZERO; 2]);
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
-            all.merge(M::advance(ball, shift(du, at)));
+            let (step, stiffness) = M::advance(self.c, ball, shift(du, at));
+            all.merge(Change {
+                step,
+                stiffness: [stiffness[0][0].abs(), stiffness[1][1].abs()],
+            });
+            sums.add(
+                at,
+                &Share {
+                    stiffness,
+                    ..Share::NONE
+                },
+            );
+        }
+        for (row, more) in self.state.tangent.iter_mut().zip(&sums.tangent()) {
+            for (element, more) in row.iter_mut().zip(more) {
+                *element += *more;
+            }
         }
         for (offset, step) in self.state.position.offset.iter_mut().zip(du) {
             *offset += *step;
@@ -789,7 +806,11 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let last = outcome.change;
             let change = (moved.stiffness[0] / stiffness[0][0].or_larger(T::TINY))
                 .or_larger(moved.stiffness[1] / radial.or_larger(T::TINY));
-            outcome.change = if change.is_finite() { change } else { T::ONE };
+            outcome.change = if change.is_finite() {
+                T::of(1.5) * change
+            } else {
+                T::ONE
+            };
             // Rounding ends the solve where the change no longer shrinks; a pause of one sweep far
             // from the tolerance is not that yet.
             stalled = if outcome.change > T::of(0.25) * last {
