@@ -327,9 +327,8 @@ impl<T: Real> Ball<T> {
         let bent = (stiff * sd * sd * c.inner * c.outer * twice).or_smaller(T::ONE);
         let third = T::of(1.0 / 3.0);
         self.stiff = stiff;
-        self.stiffening = stiff
-            * (third + bent * (T::of(3.0) * twice * inner.q - third))
-            * per_force;
+        self.stiffening =
+            stiff * (third + bent * (T::of(3.0) * twice * inner.q - third)) * per_force;
         let share = Share {
             force,
             couple: c.friction_arm * friction,

@@ -196,7 +196,13 @@ impl<T: Real> Lead<T> {
         self.follow_by(dot(self.normal, d))
     }
 
-    /// The same for a motion `by` along the normal.
+    /// Deformation by geometry after a motion `by` along the normal.
+    #[inline(always)]
+    pub fn reach(&self, by: T) -> T {
+        self.delta + by
+    }
+
+    /// As [`Lead::follow`], for a motion `by` along the normal.
     #[inline(always)]
     pub fn follow_by(&mut self, by: T) -> Pull {
         let q = self.linear + self.slope * by;

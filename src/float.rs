@@ -172,7 +172,7 @@ real!(
 );
 real!(
     f64,
-    1e-12,
+    3e-13,
     crate::sqrt::sqrt_f64,
     0x2a9f_7893_782d_a1ce,
     3,

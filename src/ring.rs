@@ -283,6 +283,16 @@ impl<T: Real> Factors<T> {
         (Self { lu, inverse_pivot }, definite)
     }
 
+    /// Flexibility along the direction of the smallest pivot.
+    #[inline]
+    pub fn weakest(&self) -> T {
+        let mut largest = T::ZERO;
+        for inverse in &self.inverse_pivot {
+            largest = largest.or_larger(inverse.abs());
+        }
+        largest
+    }
+
     /// Solves `K x = b`.
     #[inline]
     pub fn solve(&self, b: &Five<T>) -> Five<T> {

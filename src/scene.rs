@@ -142,11 +142,7 @@ pub trait Motion: sealed::Sealed + 'static {
     /// Follows a step `da` of the ring that is so short that linearisations hold. Returns the ball's
     /// step, and what that of both changes of the ball's tangent.
     #[doc(hidden)]
-    fn advance<T: Real>(
-        c: &Constants<T>,
-        ball: &mut Self::Ball<T>,
-        da: Pair<T>,
-    ) -> (T, Square<T>);
+    fn advance<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, da: Pair<T>) -> (T, Square<T>);
     /// Follows a step `da` of the ring from its offset `a` by the ball's law.
     #[doc(hidden)]
     fn follow<T: Real>(
@@ -539,11 +535,7 @@ impl<A: Attitude> Motion for AtSpeed<A> {
     }
 
     #[inline]
-    fn advance<T: Real>(
-        c: &Constants<T>,
-        ball: &mut Ball<T>,
-        da: Pair<T>,
-    ) -> (T, Square<T>) {
+    fn advance<T: Real>(c: &Constants<T>, ball: &mut Ball<T>, da: Pair<T>) -> (T, Square<T>) {
         let da = ball.inward(da);
         let local = ball.stepped(da);
         let v = sub(da, local);
@@ -551,17 +543,29 @@ impl<A: Attitude> Motion for AtSpeed<A> {
         ball.x = add(ball.x, dx);
         ball.outer_lead.follow(dx);
         let step = dx[0].abs() + dx[1].abs();
-        let before = ball.inner_lead.q;
-        if !(before > T::ZERO) {
-            return (step, [[T::ZERO; 2]; 2]);
-        }
-        if ball.inner_lead.follow_by(v[0]) == Pull::Lets {
-            ball.inner_lead.q = T::ZERO;
-        }
         // The stiffness along the normal grows with the force, and turns with the normal.
-        let [s, c] = scale(T::ONE / c.inner, ball.inner_lead.normal);
+        let before = ball.inner_lead.q;
         let [n0, n1] = ball.inner_lead.normal;
-        let stiffened = ball.stiffening * (ball.inner_lead.q - before);
+        let stiffened = if before > T::ZERO {
+            if ball.inner_lead.follow_by(v[0]) == Pull::Lets {
+                ball.inner_lead.q = T::ZERO;
+                -ball.stiff
+            } else {
+                let change = ball.inner_lead.q - before;
+                if change.abs() <= T::of(0.25) * before {
+                    ball.stiffening * change
+                } else {
+                    ball.stiff * ((ball.inner_lead.q / before).cbrt() - T::ONE)
+                }
+            }
+        } else {
+            let closed = ball.inner_lead.reach(v[0]);
+            if !(closed > T::ZERO) {
+                return (step, [[T::ZERO; 2]; 2]);
+            }
+            T::of(1.5) * c.ki * closed.sqrt()
+        };
+        let [s, c] = scale(T::ONE / c.inner, ball.inner_lead.normal);
         let turned = ball.stiff * v[1];
         let twice = turned + turned;
         let mixed = stiffened * n0 * n1 + turned * (c * n1 - s * n0);

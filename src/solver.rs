@@ -289,6 +289,8 @@ struct Outcome<T> {
     imbalance: T,
     /// Last sweeps in a row whose tangent left a direction undetermined.
     singular: u8,
+    /// How far the ring gives way where it is weakest, to what rounding leaves of the balance.
+    slack: T,
 }
 
 impl<T: Real> Outcome<T> {
@@ -302,6 +304,7 @@ impl<T: Real> Outcome<T> {
             step: T::ONE,
             imbalance: T::ONE,
             singular: 0,
+            slack: T::ZERO,
         }
     }
 
@@ -312,7 +315,7 @@ impl<T: Real> Outcome<T> {
         // Contact angles are rounded, and a rounded angle moves the ring by half a unit in the last
         // place of `L0`.
         let per_largest = T::ONE / largest.or_larger(T::TINY);
-        let floor = rounding + T::of(0.5) * T::EPSILON * per_largest;
+        let floor = rounding + (T::of(0.5) * T::EPSILON + self.slack) * per_largest;
         let step = self.step * per_largest;
         // What a Newton step leaves is of second order; what does not shrink any more is an error in
         // full.
@@ -326,7 +329,7 @@ impl<T: Real> Outcome<T> {
             displacement: floor + left + factor * step,
             force: rounding + rounding + left,
             // The change is summed over the balls, and an element sees some of them only.
-            stiffness: rounding + T::of(8.0) * self.change,
+            stiffness: rounding + T::of(16.0) * self.change,
         }
     }
 }
@@ -388,7 +391,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     /// the largest imbalance that is left.
     fn sweep(&mut self, drive: &Drive<T>, laws: bool) -> (u16, T) {
         // Beyond this imbalance a ball repeats its own step, a few times at most.
-        let (bad, most) = (T::of(0.03), 8);
+        let (bad, most) = (T::of(0.01), 8);
         let mut sums = Sums::about(self.state.mean);
         let mut total: u16 = 0;
         let mut worst = T::ZERO;
@@ -545,7 +548,8 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 let mut share = Share::NONE;
                 M::place(c, speed_load, &mut ball, centre);
                 for _ in 0..6 {
-                    let (new, imbalance) = M::linearise(c, &drive, &mut ball, [offset, T::ZERO], false);
+                    let (new, imbalance) =
+                        M::linearise(c, &drive, &mut ball, [offset, T::ZERO], false);
                     share = new;
                     if imbalance < T::of(0.02) {
                         break;
@@ -602,7 +606,12 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         let mut du = factors.solve(&b);
         let mut sums = [T::ZERO; 5];
         for (ball, at) in self.balls.iter().zip(self.azimuths) {
-            ring::spread(&mut sums, at, M::second_order(ball, shift(&du, at)), T::ZERO);
+            ring::spread(
+                &mut sums,
+                at,
+                M::second_order(ball, shift(&du, at)),
+                T::ZERO,
+            );
         }
         for (step, back) in du.iter_mut().zip(&factors.solve(&sums)) {
             *step -= *back;
@@ -653,7 +662,9 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         let small = T::of(1e-3) * norm(load);
         let mut du = [T::ZERO; 5];
         let mut singular = false;
-        for pass in 0..8 {
+        // At rest, balls are cheaper to react than to linearise.
+        let (passes, enough) = if M::AT_SPEED { (12, 0.05) } else { (16, 0.02) };
+        for pass in 0..passes {
             let (d, semi) = self.descent(&b, &tangent, &du, longest, first <= small);
             singular |= semi && pass == 0;
             if first <= small {
@@ -674,7 +685,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 }
                 fraction = fraction * T::of(0.5);
             }
-            if !(norm(&b) > T::of(0.1) * first) {
+            if !(norm(&b) > T::of(enough) * first) {
                 break;
             }
         }
@@ -747,6 +758,10 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         // Nothing to compare the first sweep with.
         (outcome.change, outcome.step) = (T::ONE, T::ZERO);
         let mut last_residual = T::ONE / T::EPSILON;
+        let mut stuck = false;
+        // Balls round their forces, which are centrifugal ones where the load is light.
+        let (some, few) = (T::of(256.0), T::of(2.0));
+        let rounding = T::EPSILON * (some + few * speed_load / size.or_larger(T::TINY));
         loop {
             let (repeats, imbalance) = self.sweep(&drive, laws);
             outcome.sweeps += 1;
@@ -775,6 +790,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                         radius = longest.or_smaller(radius.or_larger(outcome.step + outcome.step));
                     }
                 }
+                stuck = outcome.residual > T::of(0.5) * last_residual;
                 last_residual = outcome.residual;
                 (du, singular) = if laws {
                     self.step(load, b, tangent, radius)
@@ -825,8 +841,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let converged = settled && outcome.change <= tolerance;
             // Under light loads deformations have few digits, and the balance tells that it is as good as
             // rounding allows.
-            let rounded =
-                outcome.residual <= T::of(256.0) * T::EPSILON && outcome.change < T::of(0.05);
+            let rounded = outcome.residual <= rounding && outcome.change < T::of(0.05);
             let exhausted = (outcome.change <= T::EPSILON.sqrt() || rounded)
                 && imbalance < T::of(0.03)
                 && stalled >= if near && settled { 1 } else { 3 }
@@ -851,7 +866,8 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             if outcome.sweeps >= until {
                 return;
             }
-            laws = outcome.residual > T::of(0.1);
+            // Short steps need no laws, unless they lead nowhere: a ball about to open is not linear.
+            laws = !M::AT_SPEED || outcome.residual > T::of(0.05) || (stuck && !settled);
             // Offsets this large would cost digits of the deformations.
             let far = T::of(2e-3);
             if span(&self.state.position.offset) > far || !(moved.step <= far) || repeats > 0 {
@@ -952,7 +968,7 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
                 speed_load,
                 settings.tolerance,
                 until.min(settings.max_sweeps.max(1)),
-                attempt != Attempt::Warm,
+                !M::AT_SPEED || attempt != Attempt::Warm,
             );
             let failed = matches!(outcome.status, Status::SweepLimit | Status::Diverged { .. });
             if !failed || outcome.sweeps >= settings.max_sweeps {
@@ -1064,6 +1080,11 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
         }
         let c = &self.bearing.constants;
         let total = self.state.position.total();
+        outcome.slack = T::EPSILON
+            * norm(&load)
+            * Factors::of(&self.state.tangent, T::of(8.0) * T::EPSILON)
+                .0
+                .weakest();
         let error = outcome.error(span(&total));
         let displacement = ring::displacement_out(c, &total);
         let load = ring::load_out(c, &self.state.force);

@@ -441,7 +441,10 @@ mod tests {
             let z: f64 = 1.0 + x;
             let bent: f64 = (1.0 + r) / (z * z * z + r);
             let left = s1 * (z * z - 1.0) + s2 * (1.0 - bent * bent);
-            assert!((left - s).abs() < 5e-3 * s.abs(), "{s1} {s2} {r} {s}: {left}");
+            assert!(
+                (left - s).abs() < 5e-3 * s.abs(),
+                "{s1} {s2} {r} {s}: {left}"
+            );
             assert!(slope > 0.0);
         }
         assert_eq!(tension(1.0, 1e-3, 0.2, -2.0).0, -1.0);
