@@ -128,6 +128,79 @@ pub fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
+/// Something that is not on this machine.
+#[derive(Debug, Clone, Copy)]
+pub struct Missing<'m> {
+    /// What to call it.
+    pub what: &'m str,
+    /// Debian's packages that bring it.
+    pub debian: &'m [&'m str],
+    /// How to install it on other systems.
+    pub elsewhere: &'m str,
+}
+
+/// Installs what is missing where that can be done without asking: on Debian and Ubuntu, by root or
+/// with `sudo` that takes no password.
+///
+/// # Errors
+///
+/// How to do it by hand.
+pub fn install(missing: &Missing<'_>) -> Result<()> {
+    let what = missing.what;
+    let packages = missing.debian.join(" ");
+    let by_hand = format!("apt-get update && apt-get install {packages}");
+    if !is_debian() {
+        bail!(
+            "{what} is missing. Install it, then try again. Debian and Ubuntu: {by_hand}; {}",
+            missing.elsewhere
+        );
+    }
+    let root = output(Command::new("id").arg("-u")).as_deref() == Some("0");
+    if !root && output(Command::new("sudo").args(["-n", "true"])).is_none() {
+        bail!(
+            "{what} is missing, and installing it needs a password. Run this, then try again: \
+             sudo sh -c '{by_hand}'"
+        );
+    }
+    let apt = |arguments: &[&str]| {
+        let mut command = if root {
+            Command::new("env")
+        } else {
+            let mut command = Command::new("sudo");
+            command.args(["-n", "env"]);
+            command
+        };
+        command
+            .args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-q"])
+            .args(arguments)
+            // Standard output is for results.
+            .stdout(std::io::stderr());
+        run(&mut command)
+    };
+    eprintln!("installing Debian's {packages}: {by_hand}");
+    // One source that does not answer fails the update, though the package may well be there.
+    if let Err(error) = apt(&["update"]) {
+        eprintln!("warning: {error:#}");
+    }
+    let all = [
+        &["install", "-y", "--no-install-recommends"],
+        missing.debian,
+    ]
+    .concat();
+    apt(&all).with_context(|| format!("{what} could not be installed; try by hand: {by_hand}"))
+}
+
+/// Debian, Ubuntu, and what is made from them.
+fn is_debian() -> bool {
+    let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    release
+        .lines()
+        .filter_map(|line| line.split_once('='))
+        .filter(|(key, _)| matches!(*key, "ID" | "ID_LIKE"))
+        .flat_map(|(_, value)| value.trim_matches('"').split_whitespace())
+        .any(|id| matches!(id, "debian" | "ubuntu"))
+}
+
 /// Adds the Rust target of the firmware, unless it is there.
 pub fn add_target(root: &Path) -> Result<()> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());

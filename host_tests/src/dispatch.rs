@@ -130,6 +130,9 @@ pub trait AnySolver {
     /// Holds the next solves against these limits instead of the default ones.
     fn set_limits(&mut self, limits: &Limits<f64>);
 
+    /// Makes the next solves stop at this tolerance, or after this many sweeps.
+    fn set_settings(&mut self, tolerance: f64, max_sweeps: u16);
+
     /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
     /// precision.
     fn solve(&mut self, load: [f64; 5], omega: f64) -> Answer {
@@ -279,6 +282,13 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
         self.limits = Limits {
             peak_pressure: T::of(limits.peak_pressure),
             friction: T::of(limits.friction),
+        };
+    }
+
+    fn set_settings(&mut self, tolerance: f64, max_sweeps: u16) {
+        self.settings = Settings {
+            tolerance: T::of(tolerance),
+            max_sweeps,
         };
     }
 }

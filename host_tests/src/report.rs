@@ -4,11 +4,18 @@
 use crate::dispatch::{Attitude, Precision};
 use crate::timing::Core;
 use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
 
 /// Measures the solver's cycles, memory and errors, and writes docs/report.md with its figures
 #[derive(Debug, Parser)]
 #[command(name = "cargo reports")]
 pub struct Arguments {
+    /// Mixed cases for every point
+    #[arg(long, default_value_t = 200)]
+    pub cases: usize,
+    /// Writes every figure to this file, too, as a list of rows
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
     /// Something else than the page
     #[command(subcommand)]
     pub command: Option<Command>,

@@ -378,6 +378,8 @@ impl AnySolver for Parrot {
     fn forget(&mut self) {}
 
     fn set_limits(&mut self, _: &Limits<f64>) {}
+
+    fn set_settings(&mut self, _: f64, _: u16) {}
 }
 
 #[test]

@@ -154,7 +154,7 @@ fn name(precision: Precision) -> &'static str {
 }
 
 /// A Markdown table, its columns padded so that the source can be read, too.
-fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
     let width = |i: usize| {
         let cells = rows.iter().map(|row| row[i].chars().count());
         cells.chain([head[i].chars().count(), 3]).max().unwrap_or(3)

@@ -1,11 +1,10 @@
 //! A solver on the emulated core: questions in, answers and counts out.
 
-use crate::image::{Image, Motion, Variant};
+use crate::image::{Image, Variant};
 use crate::machine::{Counts, Machine};
 use anyhow::{Context, Result, bail};
 use host_tests::dispatch::Precision;
 use spindle_bearing::{Design, FreeContact};
-use std::path::Path;
 
 /// What to solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,9 +60,8 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// Builds the program and puts it on the core.
-    pub fn new(root: &Path, variant: Variant) -> Result<Self> {
-        let image = Image::build(root, &variant)?;
+    /// Puts a program on the core.
+    pub fn new(image: Image, variant: Variant) -> Result<Self> {
         let machine = Machine::new(variant.core, &image)?;
         let mut bench = Self {
             variant,
@@ -196,12 +194,10 @@ impl Bench {
     /// Bytes of stack that a solve takes, beyond those of the call around it.
     pub fn stack(&mut self, question: &Question) -> Result<u32> {
         self.ask(question)?;
-        // Nothing of the program is so far up.
-        let lowest = 0x2001_0000;
         let nothing = self.image.symbol("measured_nothing")?;
         let solve = self.image.symbol("measured_solve")?;
-        let around = self.machine.stack_of(nothing, lowest)?;
-        let all = self.machine.stack_of(solve, lowest)?;
+        let around = self.machine.stack_of(nothing)?;
+        let all = self.machine.stack_of(solve)?;
         Ok(all.saturating_sub(around))
     }
 
@@ -211,10 +207,5 @@ impl Bench {
         let bytes = self.machine.read(at, 8)?;
         let word = |i: usize| u32::from_le_bytes(std::array::from_fn(|j| bytes[4 * i + j]));
         Ok([word(0), word(1)])
-    }
-
-    /// Whether the scene takes notice of the speed.
-    pub fn turns(&self) -> bool {
-        self.variant.motion != Motion::Static
     }
 }

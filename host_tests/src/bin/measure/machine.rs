@@ -15,6 +15,8 @@ const FLASH: (u32, u32) = (0x0800_0000, 0x10_0000);
 const RAM: (u32, u32) = (0x2000_0000, 0x2_0000);
 /// Where functions return to: the end of flash.
 const RETURN: u32 = FLASH.0 + FLASH.1 - 16;
+/// Bytes at the start of RAM that are kept for the program's statics; the rest is stack.
+const DATA: usize = 0x1_0000;
 /// What the stack is painted with.
 const PAINT: u8 = 0xA5;
 
@@ -48,6 +50,32 @@ pub struct Runs {
 /// Counts by calling function and block.
 pub type Counts = HashMap<(usize, usize), Runs>;
 
+/// A block under a calling function, with what followed it so far.
+struct Slot {
+    node: usize,
+    block: usize,
+    runs: Runs,
+    next: Vec<Edge>,
+}
+
+/// From a block to the next one. It is the same whenever it is taken: a function under a caller
+/// returns to that caller only.
+#[derive(Clone, Copy)]
+struct Edge {
+    address: u32,
+    size: u32,
+    slot: usize,
+    taken: bool,
+    flow: Flow,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Flow {
+    Within,
+    Call,
+    Return,
+}
+
 struct Watch {
     core: Core,
     decoder: Decoder,
@@ -55,8 +83,9 @@ struct Watch {
     index: HashMap<(u32, u32), usize>,
     blocks: Vec<Block>,
     nodes: Vec<Node>,
-    counts: Counts,
-    node: usize,
+    slots: Vec<Slot>,
+    by_place: HashMap<(usize, usize), usize>,
+    /// Where functions that run return to, and the slot that called them.
     returns: Vec<(u32, usize)>,
     last: Option<usize>,
     failure: Option<anyhow::Error>,
@@ -90,38 +119,108 @@ impl Watch {
         Ok(number)
     }
 
-    fn enter(&mut self, address: u32, size: u32) -> Result<()> {
+    fn slot(&mut self, node: usize, block: usize) -> usize {
+        *self.by_place.entry((node, block)).or_insert_with(|| {
+            self.slots.push(Slot {
+                node,
+                block,
+                runs: Runs::default(),
+                next: Vec::new(),
+            });
+            self.slots.len() - 1
+        })
+    }
+
+    /// The edge from a slot to a block that it was not followed by before.
+    fn edge(&mut self, last: usize, address: u32, size: u32) -> Result<Edge> {
         let block = self.find(address, size)?;
-        if let Some(last) = self.last {
-            let from = &self.blocks[last];
-            if from.end != address {
-                self.counts.entry((self.node, last)).or_default().taken += 1;
-                if from.kind == End::Call {
-                    let call = from.instructions.last().map_or(0, |i| i.0);
-                    self.returns.push((from.end, self.node));
-                    let next = self.nodes.len();
-                    let child = *self.nodes[self.node]
-                        .children
-                        .entry((last, address))
-                        .or_insert(next);
-                    if child == next {
-                        self.nodes.push(Node {
-                            caller: Some((self.node, call)),
-                            children: HashMap::new(),
-                        });
-                    }
-                    self.node = child;
-                } else if let Some((to, node)) = self.returns.last()
-                    && *to == address
-                {
-                    self.node = *node;
-                    self.returns.pop();
-                }
+        let Slot {
+            node, block: from, ..
+        } = self.slots[last];
+        let before = &self.blocks[from];
+        let taken = before.end != address;
+        let (node, flow) = if taken && before.kind == End::Call {
+            let call = before.instructions.last().map_or(0, |i| i.0);
+            let next = self.nodes.len();
+            let callee = *self.nodes[node]
+                .children
+                .entry((from, address))
+                .or_insert(next);
+            if callee == next {
+                self.nodes.push(Node {
+                    caller: Some((node, call)),
+                    children: HashMap::new(),
+                });
             }
-        }
-        self.counts.entry((self.node, block)).or_default().all += 1;
-        self.last = Some(block);
+            (callee, Flow::Call)
+        } else if let Some((to, caller)) = self.returns.last()
+            && taken
+            && *to == address
+        {
+            (self.slots[*caller].node, Flow::Return)
+        } else {
+            (node, Flow::Within)
+        };
+        let edge = Edge {
+            address,
+            size,
+            slot: self.slot(node, block),
+            taken,
+            flow,
+        };
+        self.slots[last].next.push(edge);
+        Ok(edge)
+    }
+
+    fn enter(&mut self, address: u32, size: u32) -> Result<()> {
+        let slot = match self.last {
+            None => {
+                let block = self.find(address, size)?;
+                self.slot(0, block)
+            }
+            Some(last) => {
+                let known = self.slots[last]
+                    .next
+                    .iter()
+                    .find(|edge| edge.address == address && edge.size == size);
+                let edge = match known {
+                    Some(edge) => *edge,
+                    None => self.edge(last, address, size)?,
+                };
+                self.slots[last].runs.taken += u64::from(edge.taken);
+                match edge.flow {
+                    Flow::Within => {}
+                    Flow::Call => {
+                        let end = self.blocks[self.slots[last].block].end;
+                        self.returns.push((end, last));
+                    }
+                    Flow::Return => {
+                        self.returns.pop();
+                    }
+                }
+                edge.slot
+            }
+        };
+        self.slots[slot].runs.all += 1;
+        self.last = Some(slot);
         Ok(())
+    }
+
+    /// Starts over with counting.
+    fn clear(&mut self) {
+        for slot in &mut self.slots {
+            slot.runs = Runs::default();
+        }
+        self.returns.clear();
+        self.last = None;
+    }
+
+    fn counts(&self) -> Counts {
+        self.slots
+            .iter()
+            .filter(|slot| slot.runs.all > 0)
+            .map(|slot| ((slot.node, slot.block), slot.runs))
+            .collect()
     }
 }
 
@@ -163,14 +262,15 @@ impl Machine {
                 caller: None,
                 children: HashMap::new(),
             }],
-            counts: HashMap::new(),
-            node: 0,
+            slots: Vec::new(),
+            by_place: HashMap::new(),
             returns: Vec::new(),
             last: None,
             failure: None,
         };
-        let mut uc = Unicorn::new_with_data(Arch::ARM, Mode::THUMB | Mode::MCLASS, watch)
-            .map_err(failed("start"))?;
+        // With `Mode::MCLASS` every core would be a Cortex-M33, whatever model is asked for.
+        let mut uc =
+            Unicorn::new_with_data(Arch::ARM, Mode::THUMB, watch).map_err(failed("start"))?;
         let model = match core {
             Core::M4f => ArmCpuModel::CORTEX_M4,
             Core::M7 => ArmCpuModel::CORTEX_M7,
@@ -198,11 +298,7 @@ impl Machine {
 
     /// Calls a function; returns what it returns and what was counted.
     pub fn call(&mut self, function: u32) -> Result<(u32, Counts)> {
-        let watch = self.uc.get_data_mut();
-        watch.counts.clear();
-        watch.node = 0;
-        watch.returns.clear();
-        watch.last = None;
+        self.uc.get_data_mut().clear();
         let stack = RAM.0 + RAM.1;
         for (register, value) in [(RegisterARM::SP, stack), (RegisterARM::LR, RETURN | 1)] {
             self.uc
@@ -227,12 +323,12 @@ impl Machine {
             .uc
             .reg_read(RegisterARM::R0)
             .map_err(failed("tell a register"))?;
-        let counts = std::mem::take(&mut self.uc.get_data_mut().counts);
-        Ok((value as u32, counts))
+        Ok((value as u32, self.uc.get_data().counts()))
     }
 
     /// Calls a function and tells how many bytes of stack it touched.
-    pub fn stack_of(&mut self, function: u32, lowest: u32) -> Result<u32> {
+    pub fn stack_of(&mut self, function: u32) -> Result<u32> {
+        let lowest = RAM.0 + DATA as u32;
         let top = RAM.0 + RAM.1;
         self.write(lowest, &vec![PAINT; (top - lowest) as usize])?;
         self.call(function)?;
@@ -242,6 +338,16 @@ impl Machine {
             .take_while(|byte| **byte == PAINT)
             .count();
         Ok(top - lowest - left as u32)
+    }
+
+    /// What is in memory, but for the stack.
+    pub fn memory(&self) -> Result<Vec<u8>> {
+        self.read(RAM.0, DATA)
+    }
+
+    /// Puts back what was in memory.
+    pub fn restore(&mut self, memory: &[u8]) -> Result<()> {
+        self.write(RAM.0, memory)
     }
 
     /// Reads memory.

@@ -1,23 +1,19 @@
 //! `cargo reports profile`: one solver's cycles, for who works on it.
 
 use crate::bench::Bench;
-use crate::image::{Motion, Variant, name};
+use crate::host::Limit;
+use crate::image::{Image, Motion, Variant, name};
+use crate::memory::Memory;
 use crate::profile::{Part, Profile, Profiler};
 use crate::workload::{Work, question};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use host_tests::campaign::report::Spread;
-use host_tests::cross;
-use host_tests::graph::Graph;
 use host_tests::report::Choice;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 
 /// Measures one solver and prints where its cycles go.
-pub fn profile(choice: &Choice) -> Result<()> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .context("the project has no root folder")?;
-    cross::add_target(root)?;
+pub fn profile(root: &Path, choice: &Choice) -> Result<()> {
     let variant = Variant {
         core: choice.core,
         precision: choice.precision,
@@ -28,7 +24,7 @@ pub fn profile(choice: &Choice) -> Result<()> {
             Motion::AtSpeed(choice.attitude)
         },
     };
-    let mut bench = Bench::new(root, variant)?;
+    let mut bench = Bench::new(Image::build(root, &variant)?, variant)?;
     let mut profiler = Profiler::new(variant.core, &bench.image)?;
     println!(
         "{}, {}, {} balls, {}: modelled cycles, +-15 %, no wait states\n",
@@ -45,8 +41,9 @@ pub fn profile(choice: &Choice) -> Result<()> {
     let mut warm = Measured::default();
     let mut stack = 0;
     for seed in 0..choice.cases as u64 {
-        let work = Work::mixed(seed, variant.balls, bench.turns());
-        let questions = [work.cold, work.warm].map(|q| question(q, variant.precision));
+        let work = Work::mixed(seed, variant.balls, variant.motion != Motion::Static);
+        let questions =
+            [work.cold, work.warm].map(|q| question(q, variant.precision, Limit::Default));
         bench.bearing(&work.design)?;
         for (measured, question) in [&mut cold, &mut warm].into_iter().zip(&questions) {
             let solve = bench.solve(question)?;
@@ -67,7 +64,8 @@ pub fn profile(choice: &Choice) -> Result<()> {
     bar.finish_and_clear();
 
     let everyday = Work::everyday();
-    let questions = [everyday.cold, everyday.warm].map(|q| question(q, variant.precision));
+    let questions =
+        [everyday.cold, everyday.warm].map(|q| question(q, variant.precision, Limit::Default));
     bench.bearing(&everyday.design)?;
     println!("a B7005C at 20,000 rpm, 1000 N axial, 200 N radial, 3 N m:");
     for (start, question) in ["cold", "warm"].into_iter().zip(&questions) {
@@ -80,9 +78,11 @@ pub fn profile(choice: &Choice) -> Result<()> {
         );
     }
     for seed in 0..choice.cases.min(60) as u64 {
-        let work = Work::mixed(seed, variant.balls, bench.turns());
+        let work = Work::mixed(seed, variant.balls, variant.motion != Motion::Static);
         bench.bearing(&work.design)?;
-        for question in [work.cold, work.warm].map(|q| question(q, variant.precision)) {
+        for question in
+            [work.cold, work.warm].map(|q| question(q, variant.precision, Limit::Default))
+        {
             stack = stack.max(bench.stack(&question)?);
         }
     }
@@ -91,26 +91,17 @@ pub fn profile(choice: &Choice) -> Result<()> {
         measured.print(start);
     }
 
-    let elf = Graph::read(&bench.image.elf)?;
-    let around: Vec<u64> = elf
-        .reach(|name| name == "measured_nothing")
-        .symbols()
-        .map(|(at, ..)| at)
-        .collect();
-    let reach = elf.reach(|name| name == "measured_solve");
-    let mut symbols: Vec<_> = reach
-        .symbols()
-        .filter(|(at, size, _)| *size > 0 && !around.contains(at) && *at < 0x2000_0000)
-        .collect();
-    symbols.sort_by_key(|(_, size, _)| std::cmp::Reverse(*size));
-    let flash: u64 = symbols.iter().map(|(_, size, _)| size).sum();
-    println!("\nflash of the solver, {} bytes:", thousands(flash as f64));
-    for (_, size, name) in symbols {
+    let memory = Memory::of(&bench)?;
+    println!(
+        "\nflash of the solver, {} bytes:",
+        thousands(memory.flash() as f64)
+    );
+    for (size, name) in &memory.symbols {
         println!("{size:8} {name}");
     }
-    let [solver, constants] = bench.sizes()?;
     println!(
-        "\nstate {solver} bytes, the bearing's constants {constants} bytes, worst stack {stack} bytes"
+        "\nstate {} bytes, the bearing's constants {} bytes, worst stack {stack} bytes",
+        memory.state, memory.constants
     );
     Ok(())
 }

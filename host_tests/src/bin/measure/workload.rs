@@ -1,9 +1,13 @@
 //! What is solved: mixed cases, and one case that stands for everyday use.
 
 use crate::bench::Question;
+use crate::host::Limit;
 use host_tests::cases::{B7005C, Case, Random, rad_per_s};
 use host_tests::dispatch::Precision;
-use spindle_bearing::{Design, Real};
+use spindle_bearing::Design;
+
+/// Balls of the everyday case.
+pub const EVERYDAY_BALLS: usize = 16;
 
 /// A bearing under load, and the same a moment later.
 #[derive(Debug, Clone)]
@@ -51,15 +55,13 @@ impl Work {
     }
 }
 
-/// As a question with the default settings of a precision.
-pub fn question((load, omega): ([f64; 5], f64), precision: Precision) -> Question {
+/// As a question to a solver of this precision.
+pub fn question((load, omega): ([f64; 5], f64), precision: Precision, limit: Limit) -> Question {
+    let (tolerance, sweeps) = limit.settings(precision);
     Question {
         load,
         omega,
-        tolerance: match precision {
-            Precision::F32 => f32::TOLERANCE.into(),
-            Precision::F64 => f64::TOLERANCE,
-        },
-        max_sweeps: 100,
+        tolerance,
+        max_sweeps: sweeps.into(),
     }
 }

@@ -1,0 +1,46 @@
+//! Flash and memory that a solver takes.
+
+use crate::bench::Bench;
+use anyhow::Result;
+use host_tests::graph::Graph;
+
+/// Bytes.
+pub struct Memory {
+    /// Code and constants that a solve reaches, by symbol, the largest first.
+    pub symbols: Vec<(u64, String)>,
+    /// The solver.
+    pub state: u32,
+    /// The bearing's constants, which may lie in flash.
+    pub constants: u32,
+}
+
+impl Memory {
+    /// Of the program on a bench.
+    pub fn of(bench: &Bench) -> Result<Self> {
+        let graph = Graph::read(&bench.image.elf)?;
+        // What copies question and answer is not the solver's.
+        let around: Vec<u64> = graph
+            .reach(|name| name == "measured_nothing")
+            .symbols()
+            .map(|(at, ..)| at)
+            .collect();
+        let reach = graph.reach(|name| name == "measured_solve");
+        let mut symbols: Vec<(u64, String)> = reach
+            .symbols()
+            .filter(|(at, size, _)| *size > 0 && !around.contains(at) && *at < 0x2000_0000)
+            .map(|(_, size, name)| (size, name.to_owned()))
+            .collect();
+        symbols.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+        let [state, constants] = bench.sizes()?;
+        Ok(Self {
+            symbols,
+            state,
+            constants,
+        })
+    }
+
+    /// All of the flash.
+    pub fn flash(&self) -> u64 {
+        self.symbols.iter().map(|(size, _)| size).sum()
+    }
+}
