@@ -277,8 +277,11 @@ impl Machine {
         };
         uc.ctl_set_cpu_model(model as i32)
             .map_err(failed("be this core"))?;
-        for ((start, size), data) in [(FLASH, &flash), (RAM, &ram)] {
-            uc.mem_map(start.into(), size.into(), Prot::ALL)
+        for ((start, size), data, use_of) in [
+            (FLASH, &flash, Prot::READ | Prot::EXEC),
+            (RAM, &ram, Prot::READ | Prot::WRITE),
+        ] {
+            uc.mem_map(start.into(), size.into(), use_of)
                 .map_err(failed("map memory"))?;
             uc.mem_write(start.into(), data)
                 .map_err(failed("fill memory"))?;

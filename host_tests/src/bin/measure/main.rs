@@ -1,6 +1,7 @@
 //! The part of `cargo reports` that needs the emulator: see `cargo reports --help`.
 
 mod bench;
+mod clock;
 mod decode;
 mod host;
 mod image;
@@ -38,7 +39,11 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Some(Command::Profile(choice)) = &arguments.command {
         return terminal::profile(root, choice);
     }
-    let (rows, ..) = plan::run(root, arguments.cases)?;
+    let (mut rows, works, truths) = plan::run(root, arguments.cases)?;
+    let t = std::time::Instant::now();
+    let clock = clock::run(&works, &truths)?;
+    eprintln!("clock {:?}", t.elapsed());
+    rows.append(clock);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(rows.all())?;
         std::fs::write(path, text + "\n")

@@ -168,7 +168,6 @@ pub fn run(root: &Path, cases: usize) -> Result<(Rows, Vec<Work>, Vec<Truth>)> {
         .collect();
     let progress = bar(variants.len() as u64)?;
     let mut images = Vec::new();
-    let t = std::time::Instant::now();
     for variant in &variants {
         progress.set_message(format!(
             "building for {}, {}",
@@ -180,7 +179,6 @@ pub fn run(root: &Path, cases: usize) -> Result<(Rows, Vec<Work>, Vec<Truth>)> {
     }
     progress.finish_and_clear();
 
-    eprintln!("images {:?}", t.elapsed());
     // Doubles in software take longest: first, so that nothing waits for them at the end.
     images.sort_by_key(|(v, _)| {
         (
@@ -203,10 +201,7 @@ pub fn run(root: &Path, cases: usize) -> Result<(Rows, Vec<Work>, Vec<Truth>)> {
                 .iter()
                 .find(|(precision, ..)| *precision == variant.precision)
                 .context("a precision without answers")?;
-            let t = std::time::Instant::now();
-            let r = target::measure(image, variant, &ground.works, tasks, samples, &progress);
-            eprintln!("{variant:?} {:?}", t.elapsed());
-            r
+            target::measure(image, variant, &ground.works, tasks, samples, &progress)
         })
         .collect::<Result<_>>()?;
     progress.finish_and_clear();

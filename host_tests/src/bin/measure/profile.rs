@@ -153,6 +153,26 @@ pub struct Profiler {
     core: Core,
     frames: HashMap<u32, Names>,
     paths: HashMap<usize, Names>,
+    ways: HashMap<Vec<Rc<str>>, Rc<Way>>,
+    names: Vec<String>,
+    costs: HashMap<(usize, usize), Vec<Item>>,
+}
+
+/// Where an instruction belongs.
+#[derive(PartialEq, Eq)]
+struct Way {
+    part: Part,
+    /// The function itself, and all on the way to it.
+    own: usize,
+    all: Vec<usize>,
+}
+
+/// Instructions of a block that belong to the same place.
+struct Item {
+    class: Class,
+    instructions: u64,
+    cycles: u64,
+    way: Rc<Way>,
 }
 
 impl Profiler {
@@ -165,6 +185,9 @@ impl Profiler {
             core,
             frames: HashMap::new(),
             paths: HashMap::new(),
+            ways: HashMap::new(),
+            names: Vec::new(),
+            costs: HashMap::new(),
         })
     }
 
@@ -215,41 +238,92 @@ impl Profiler {
 
     /// What these counts come to.
     pub fn profile(&mut self, machine: &Machine, counts: &Counts) -> Result<Profile> {
-        let mut profile = Profile::default();
-        // Per function on the way, once for every way.
-        let mut ways: HashMap<(usize, u32), u64> = HashMap::new();
         let taken = u64::from(timing::taken(self.core));
-        for ((node, block), runs) in counts {
-            let block = &machine.blocks()[*block];
-            let last = block.instructions.len().saturating_sub(1);
-            for (i, (address, cycles, class)) in block.instructions.iter().enumerate() {
-                let mut all = runs.all * u64::from(*cycles);
-                if i == last {
-                    all += runs.taken * taken;
+        let mut profile = Profile::default();
+        let mut shares: Vec<Share> = Vec::new();
+        for (place, runs) in counts {
+            if !self.costs.contains_key(place) {
+                let cost = self.cost(machine, *place)?;
+                self.costs.insert(*place, cost);
+            }
+            shares.resize(self.names.len(), Share::default());
+            for (i, item) in self.costs[place].iter().enumerate() {
+                // The branch is the last one.
+                let extra = if i == 0 { runs.taken * taken } else { 0 };
+                let cycles = runs.all * item.cycles + extra;
+                let of_class = profile.classes.entry(item.class).or_default();
+                of_class.0 += runs.all * item.instructions;
+                of_class.1 += cycles;
+                *profile.parts.entry(item.way.part).or_default() += cycles;
+                shares[item.way.own].own += cycles;
+                for function in &item.way.all {
+                    shares[*function].all += cycles;
                 }
-                let of_class = profile.classes.entry(*class).or_default();
-                of_class.0 += runs.all;
-                of_class.1 += all;
-                *ways.entry((*node, *address)).or_default() += all;
             }
         }
-        for ((node, address), cycles) in ways {
-            let mut names = self.path(machine, node)?.to_vec();
-            names.extend(self.frames(address)?.iter().cloned());
-            *profile.parts.entry(part(&names)).or_default() += cycles;
-            let mut seen: Vec<&str> = Vec::new();
-            for name in names.iter().filter(|name| is_counted(name)) {
-                let name = short(name);
-                if !seen.contains(&name) {
-                    seen.push(name);
-                    profile.functions.entry(name.to_owned()).or_default().all += cycles;
-                }
+        for (name, share) in self.names.iter().zip(shares) {
+            if share.all + share.own > 0 {
+                profile.functions.insert(name.clone(), share);
             }
-            let own = names.iter().rev().find(|name| is_counted(name));
-            let own = own.map_or("(around it)", |name| short(name));
-            profile.functions.entry(own.to_owned()).or_default().own += cycles;
         }
         Ok(profile)
+    }
+
+    /// What one run of a block under a calling function costs, its last instruction first.
+    fn cost(&mut self, machine: &Machine, (node, block): (usize, usize)) -> Result<Vec<Item>> {
+        let mut items: Vec<Item> = Vec::new();
+        let instructions = &machine.blocks()[block].instructions;
+        for (address, cycles, class) in instructions.iter().rev() {
+            let way = self.way(machine, node, *address)?;
+            let same = items
+                .iter_mut()
+                .find(|i| i.class == *class && *i.way == *way);
+            match same {
+                Some(item) => {
+                    item.instructions += 1;
+                    item.cycles += u64::from(*cycles);
+                }
+                None => items.push(Item {
+                    class: *class,
+                    instructions: 1,
+                    cycles: u64::from(*cycles),
+                    way,
+                }),
+            }
+        }
+        Ok(items)
+    }
+
+    fn way(&mut self, machine: &Machine, node: usize, address: u32) -> Result<Rc<Way>> {
+        let mut names = self.path(machine, node)?.to_vec();
+        names.extend(self.frames(address)?.iter().cloned());
+        if let Some(known) = self.ways.get(&names) {
+            return Ok(known.clone());
+        }
+        let mut all: Vec<usize> = Vec::new();
+        for name in names.iter().filter(|name| is_counted(name)) {
+            let id = self.id(short(name));
+            if !all.contains(&id) {
+                all.push(id);
+            }
+        }
+        let own = names.iter().rev().find(|name| is_counted(name)).cloned();
+        let own = self.id(own.as_deref().map_or("(around it)", short));
+        let way = Rc::new(Way {
+            part: part(&names),
+            own,
+            all,
+        });
+        self.ways.insert(names, way.clone());
+        Ok(way)
+    }
+
+    fn id(&mut self, name: &str) -> usize {
+        let known = self.names.iter().position(|n| n == name);
+        known.unwrap_or_else(|| {
+            self.names.push(name.to_owned());
+            self.names.len() - 1
+        })
     }
 }
 
