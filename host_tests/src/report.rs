@@ -16,6 +16,13 @@ pub struct Arguments {
     /// Writes every figure to this file, too, as a list of rows
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Instead, fails if a few fixed solves take 2 % more instructions or flash than the committed
+    /// figures say
+    #[arg(long, conflicts_with_all = ["json", "accept"])]
+    pub check: bool,
+    /// Instead, takes the figures of these solves as they are now
+    #[arg(long, conflicts_with = "json")]
+    pub accept: bool,
     /// Something else than the page
     #[command(subcommand)]
     pub command: Option<Command>,

@@ -3,10 +3,13 @@
 mod bench;
 mod clock;
 mod decode;
+mod figures;
+mod gate;
 mod host;
 mod image;
 mod machine;
 mod memory;
+mod page;
 mod plan;
 mod profile;
 mod rows;
@@ -39,15 +42,47 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Some(Command::Profile(choice)) = &arguments.command {
         return terminal::profile(root, choice);
     }
+    if arguments.check {
+        return gate::check(root);
+    }
+    if arguments.accept {
+        return gate::accept(root);
+    }
     let (mut rows, works, truths) = plan::run(root, arguments.cases)?;
-    let t = std::time::Instant::now();
-    let clock = clock::run(&works, &truths)?;
-    eprintln!("clock {:?}", t.elapsed());
-    rows.append(clock);
+    rows.append(clock::run(&works, &truths)?);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(rows.all())?;
-        std::fs::write(path, text + "\n")
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        write(path, &(text + "\n"))?;
     }
+    let docs = root.join("docs");
+    figures::draw(&docs, &rows)?;
+    write(&docs.join("report.md"), &page::page(&rows, arguments.cases))?;
+    write(&docs.join("report_host.md"), &page::host_page(&rows))?;
+    into_readme(&root.join("README.md"), &page::main_table(&rows))?;
+    println!(
+        "{}\ndocs/report.md and its figures are written",
+        page::main_table(&rows)
+    );
     Ok(())
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// Puts the main table where the README wants it, if it does.
+fn into_readme(path: &Path, table: &str) -> Result<()> {
+    const MARKS: [&str; 2] = ["<!-- report: begin -->\n", "<!-- report: end -->"];
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let Some((before, rest)) = text.split_once(MARKS[0]) else {
+        return Ok(());
+    };
+    let Some((_, after)) = rest.split_once(MARKS[1]) else {
+        anyhow::bail!("{}: `{}` is missing", path.display(), MARKS[1]);
+    };
+    write(
+        path,
+        &format!("{before}{}\n{table}\n{}{after}", MARKS[0], MARKS[1]),
+    )
 }

@@ -1,0 +1,126 @@
+//! Figures that must not get worse unnoticed: instructions and flash of a few fixed solves.
+
+use crate::bench::Bench;
+use crate::host::Limit;
+use crate::image::{Image, Motion, Variant, name};
+use crate::memory::Memory;
+use crate::plan::{OTHERS, USUAL, bar};
+use crate::workload::{self, EVERYDAY_BALLS, Work};
+use anyhow::{Context, Result, bail};
+use host_tests::dispatch::Precision;
+use host_tests::timing::Core;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The committed figures.
+const FIGURES: &str = "docs/report_figures.json";
+/// Growth that is let pass.
+const LEEWAY: f64 = 0.02;
+/// Mixed cases whose instructions are summed up, besides the everyday one.
+const CASES: u64 = 12;
+
+type Figures = BTreeMap<String, u64>;
+
+fn measure(root: &Path) -> Result<Figures> {
+    let usual = |core, precision| (core, precision, USUAL);
+    let mut variants = vec![
+        usual(Core::M4f, Precision::F32),
+        usual(Core::M7, Precision::F64),
+    ];
+    variants.extend(OTHERS.map(|motion| (Core::M4f, Precision::F32, motion)));
+    let progress = bar(variants.len() as u64)?;
+    progress.set_message("fixed solves");
+    let mut figures = Figures::new();
+    for (core, precision, motion) in variants {
+        let variant = Variant {
+            core,
+            precision,
+            balls: EVERYDAY_BALLS,
+            motion,
+        };
+        let of = format!("{}, {}, {}", core.name(), name(precision), motion.name());
+        let mut bench = Bench::new(Image::build(root, &variant)?, variant)?;
+        let mut mixed = [0; 2];
+        let works =
+            (0..CASES).map(|seed| Work::mixed(seed, EVERYDAY_BALLS, motion != Motion::Static));
+        for (number, work) in [Work::everyday()].into_iter().chain(works).enumerate() {
+            bench.bearing(&work.design)?;
+            for (i, state) in [work.cold, work.warm].into_iter().enumerate() {
+                let question = workload::question(state, precision, Limit::Default);
+                let instructions = bench.solve(&question)?.instructions;
+                if number == 0 {
+                    let start = ["cold", "warm"][i];
+                    figures.insert(
+                        format!("{of}: instructions, everyday, {start}"),
+                        instructions,
+                    );
+                } else {
+                    mixed[i] += instructions;
+                }
+            }
+        }
+        for (start, sum) in ["cold", "warm"].into_iter().zip(mixed) {
+            figures.insert(format!("{of}: instructions, {CASES} mixed, {start}"), sum);
+        }
+        figures.insert(format!("{of}: flash"), Memory::of(&bench)?.flash());
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    Ok(figures)
+}
+
+/// Takes the figures as they are now.
+pub fn accept(root: &Path) -> Result<()> {
+    let figures = measure(root)?;
+    let path = root.join(FIGURES);
+    let text = serde_json::to_string_pretty(&figures)? + "\n";
+    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    println!("{FIGURES}: {} figures; commit it", figures.len());
+    Ok(())
+}
+
+/// Fails if a figure has grown by more than the leeway.
+pub fn check(root: &Path) -> Result<()> {
+    let path = root.join(FIGURES);
+    let text = std::fs::read_to_string(&path).with_context(|| {
+        format!(
+            "cannot read {}; `cargo reports --accept` writes it",
+            path.display()
+        )
+    })?;
+    let accepted: Figures = serde_json::from_str(&text)
+        .with_context(|| format!("{FIGURES} is not a list of figures"))?;
+    let figures = measure(root)?;
+    let mut grown = Vec::new();
+    let mut shrunk = false;
+    for (what, now) in &figures {
+        let Some(before) = accepted.get(what) else {
+            grown.push(format!("{what}: {now}, and no figure to hold it to"));
+            continue;
+        };
+        let change = *now as f64 / *before as f64 - 1.0;
+        println!("{what}: {now} ({:+.2} %)", 100.0 * change);
+        shrunk |= change < -LEEWAY;
+        if change > LEEWAY {
+            grown.push(format!(
+                "{what}: {now}, was {before} ({:+.1} %)",
+                100.0 * change
+            ));
+        }
+    }
+    if let Some(gone) = accepted.keys().find(|what| !figures.contains_key(*what)) {
+        grown.push(format!("{gone}: not measured any more"));
+    }
+    if !grown.is_empty() {
+        bail!(
+            "more than {:.0} % worse than {FIGURES}:\n       {}\n       `cargo reports profile` shows where it \
+             goes. If it is worth it, take the new figures with `cargo reports --accept` and commit them",
+            100.0 * LEEWAY,
+            grown.join("\n       ")
+        );
+    }
+    if shrunk {
+        println!("better than {FIGURES}: `cargo reports --accept` holds on to it");
+    }
+    Ok(())
+}
