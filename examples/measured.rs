@@ -156,8 +156,11 @@ mod measured {
             let Ok(bearing) = Bearing::<T, BALLS>::build(&design) else {
                 return 0;
             };
-            let bearing = (*(&raw mut BEARING)).write(bearing);
-            (*(&raw mut SOLVER)).write(Solver::new(bearing));
+            let built = (&raw mut BEARING).cast::<Bearing<T, BALLS>>();
+            built.write(bearing);
+            (&raw mut SOLVER)
+                .cast::<Measured>()
+                .write(Solver::new(&*built));
             1
         }
     }
@@ -170,7 +173,7 @@ mod measured {
     #[unsafe(no_mangle)]
     unsafe extern "C" fn measured_forget() {
         // SAFETY: the solver was built.
-        unsafe { (*(&raw mut SOLVER)).assume_init_mut() }.forget();
+        unsafe { &mut *(&raw mut SOLVER).cast::<Measured>() }.forget();
     }
 
     /// Solves.
@@ -182,7 +185,7 @@ mod measured {
     unsafe extern "C" fn measured_solve() {
         // SAFETY: the solver was built, and every bit pattern is a question.
         unsafe {
-            let solver = (*(&raw mut SOLVER)).assume_init_mut();
+            let solver = &mut *(&raw mut SOLVER).cast::<Measured>();
             let question = (&raw const MEASURED_QUESTION).read_volatile().assume_init();
             let settings = Settings {
                 tolerance: question.tolerance,
@@ -224,7 +227,7 @@ mod measured {
     unsafe extern "C" fn measured_nothing() {
         // SAFETY: every bit pattern is a question and an answer.
         unsafe {
-            black_box((*(&raw mut SOLVER)).assume_init_mut());
+            black_box((&raw mut SOLVER).cast::<Measured>());
             let question = (&raw const MEASURED_QUESTION).read_volatile().assume_init();
             let settings = Settings {
                 tolerance: question.tolerance,

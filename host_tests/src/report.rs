@@ -11,8 +11,8 @@ use std::path::PathBuf;
 #[command(name = "cargo reports")]
 pub struct Arguments {
     /// Mixed cases for every point
-    #[arg(long, default_value_t = 200)]
-    pub cases: usize,
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
+    pub cases: u32,
     /// Writes every figure to this file, too, as a list of rows
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

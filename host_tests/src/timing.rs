@@ -317,3 +317,60 @@ fn paired(block: &[Timed]) -> Vec<u32> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An instruction on singles: its class, what it reads and what it writes.
+    fn op(class: Class, reads: u64, writes: u64) -> Timed {
+        Timed {
+            class,
+            words: 1,
+            double: false,
+            reads,
+            writes,
+        }
+    }
+
+    const S0: u64 = 1 << 32;
+    const S1: u64 = 1 << 33;
+    const R0: u64 = 1;
+
+    #[test]
+    fn loads_in_a_row_overlap() {
+        let load = op(Class::FpLoad, R0, S0);
+        assert_eq!(cycles(Core::M4f, &[load; 4]), [2, 1, 1, 1]);
+    }
+
+    #[test]
+    fn a_result_that_is_used_at_once_is_waited_for() {
+        let product = op(Class::FpMul, S0, S1);
+        let sum = op(Class::FpAdd, S1, S1);
+        let other = op(Class::FpAdd, S0, S0);
+        assert_eq!(cycles(Core::M4f, &[product, sum]), [1, 2]);
+        assert_eq!(cycles(Core::M4f, &[product, other, sum]), [1, 1, 1]);
+        assert_eq!(cycles(Core::M7, &[product, sum]), [1, 3]);
+    }
+
+    #[test]
+    fn several_registers_cost_one_more_than_their_number() {
+        let mut push = op(Class::FpMultiple, R0, 0);
+        push.words = 8;
+        assert_eq!(cycles(Core::M4f, &[push]), [9]);
+    }
+
+    #[test]
+    fn the_larger_core_issues_two_at_a_time_where_nothing_stands_against_it() {
+        let independent = [
+            op(Class::Integer, 1 << 1, 1 << 2),
+            op(Class::Integer, 1 << 3, 1 << 4),
+        ];
+        assert_eq!(cycles(Core::M7, &independent), [1, 0]);
+        let dependent = [
+            op(Class::Integer, 1 << 1, 1 << 2),
+            op(Class::Integer, 1 << 2, 1 << 4),
+        ];
+        assert_eq!(cycles(Core::M7, &dependent), [1, 1]);
+    }
+}

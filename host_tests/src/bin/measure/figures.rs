@@ -205,7 +205,7 @@ fn curves(path: &Path, chart: &Chart<'_>) -> Result<()> {
             })
     };
     let ((left, right), (low, high)) = (bounds(|p| p.0), bounds(|p| p.1));
-    if !(left <= right) {
+    if left > right {
         anyhow::bail!("nothing to draw");
     }
     let y = (low / 1.5..high * 1.5).log_scale();

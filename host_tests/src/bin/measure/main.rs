@@ -48,7 +48,8 @@ fn run(arguments: &Arguments) -> Result<()> {
     if arguments.accept {
         return gate::accept(root);
     }
-    let (mut rows, works, truths) = plan::run(root, arguments.cases)?;
+    let cases = arguments.cases as usize;
+    let (mut rows, works, truths) = plan::run(root, cases)?;
     rows.append(clock::run(&works, &truths)?);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(rows.all())?;
@@ -56,7 +57,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     }
     let docs = root.join("docs");
     figures::draw(&docs, &rows)?;
-    write(&docs.join("report.md"), &page::page(&rows, arguments.cases))?;
+    write(&docs.join("report.md"), &page::page(&rows, cases))?;
     write(&docs.join("report_host.md"), &page::host_page(&rows))?;
     into_readme(&root.join("README.md"), &page::main_table(&rows))?;
     println!(

@@ -51,7 +51,14 @@ struct Ground {
     balls: usize,
     works: Vec<Work>,
     truths: Vec<Truth>,
-    samples: Vec<(Precision, Vec<Task>, Vec<Vec<Option<Sample>>>)>,
+    asked: Vec<Asked>,
+}
+
+/// The tasks of a precision, and the host's answers by task and case.
+struct Asked {
+    precision: Precision,
+    tasks: Vec<Task>,
+    samples: Vec<Vec<Option<Sample>>>,
 }
 
 /// What is asked of a solver.
@@ -74,12 +81,16 @@ impl Ground {
             .map(|seed| Work::mixed(seed, balls, motion != Motion::Static))
             .collect();
         let truths = host::truths(&works, motion, balls)?;
-        let samples = [Precision::F32, Precision::F64]
+        let asked = [Precision::F32, Precision::F64]
             .into_iter()
             .map(|precision| {
                 let tasks = tasks(motion, balls, precision);
                 let samples = host::samples(&works, &truths, precision, motion, balls, &tasks)?;
-                Ok((precision, tasks, samples))
+                Ok(Asked {
+                    precision,
+                    tasks,
+                    samples,
+                })
             })
             .collect::<Result<_>>()?;
         Ok(Self {
@@ -87,18 +98,18 @@ impl Ground {
             balls,
             works,
             truths,
-            samples,
+            asked,
         })
     }
 
     /// Errors and sweeps, which are the same on every core.
     fn rows(&self) -> Rows {
         let mut rows = Rows::default();
-        for (precision, tasks, samples) in &self.samples {
-            for ((start, limit), samples) in tasks.iter().zip(samples) {
+        for asked in &self.asked {
+            for ((start, limit), samples) in asked.tasks.iter().zip(&asked.samples) {
                 let at = At {
                     core: None,
-                    precision: *precision,
+                    precision: asked.precision,
                     motion: self.motion,
                     balls: self.balls,
                     start: Some(*start),
@@ -196,12 +207,19 @@ pub fn run(root: &Path, cases: usize) -> Result<(Rows, Vec<Work>, Vec<Truth>)> {
                 .iter()
                 .find(|g| g.motion == variant.motion && g.balls == variant.balls)
                 .context("a solver without cases")?;
-            let (_, tasks, samples) = ground
-                .samples
+            let asked = ground
+                .asked
                 .iter()
-                .find(|(precision, ..)| *precision == variant.precision)
+                .find(|asked| asked.precision == variant.precision)
                 .context("a precision without answers")?;
-            target::measure(image, variant, &ground.works, tasks, samples, &progress)
+            target::measure(
+                image,
+                variant,
+                &ground.works,
+                &asked.tasks,
+                &asked.samples,
+                &progress,
+            )
         })
         .collect::<Result<_>>()?;
     progress.finish_and_clear();

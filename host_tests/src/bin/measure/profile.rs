@@ -381,3 +381,45 @@ fn plain(name: &str) -> String {
 fn is_hash(part: &str) -> bool {
     part.len() == 17 && part.starts_with('h') && part[1..].chars().all(|c| c.is_ascii_hexdigit())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lose_what_does_not_tell_functions_apart() {
+        for (name, expected) in [
+            (
+                "spindle_bearing::solver::Iteration<T,M>::step",
+                "Iteration::step",
+            ),
+            (
+                "<spindle_bearing::scene::AtSpeed<A> as spindle_bearing::scene::Motion>::linearise",
+                "AtSpeed::linearise",
+            ),
+            (
+                "spindle_bearing::ball::Ball<T>::linearise::{{closure}}::h0123456789abcdef",
+                "Ball::linearise",
+            ),
+        ] {
+            assert_eq!(short(&plain(name)), expected);
+        }
+    }
+
+    #[test]
+    fn the_first_row_that_fits_tells_the_part() {
+        let names = |all: &[&str]| -> Vec<Rc<str>> {
+            all.iter()
+                .map(|name| format!("spindle_bearing::solver::{name}").into())
+                .collect()
+        };
+        let sweep = ["Solver::solve", "Iteration::sweep", "Sums::add"];
+        assert_eq!(part(&names(&sweep[..2])), Part::BallPass);
+        assert_eq!(part(&names(&sweep)), Part::Assembly);
+        assert_eq!(
+            part(&names(&["Iteration::step", "Factors::of"])),
+            Part::Ring
+        );
+        assert_eq!(part(&names(&["Solver::solve"])), Part::Rest);
+    }
+}
