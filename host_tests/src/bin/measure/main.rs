@@ -84,6 +84,11 @@ fn into_readme(path: &Path, table: &str) -> Result<()> {
     };
     write(
         path,
-        &format!("{before}{}\n{table}\n{}{after}", MARKS[0], MARKS[1]),
+        &format!(
+            "{before}{}\n{}\n\n{}{after}",
+            MARKS[0],
+            table.trim_end(),
+            MARKS[1]
+        ),
     )
 }

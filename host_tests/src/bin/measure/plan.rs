@@ -115,8 +115,11 @@ impl Ground {
                     start: Some(*start),
                 };
                 let found = || samples.iter().flatten();
+                // What was stopped is judged as it is; what ran out of sweeps by itself is no answer.
+                let stopped = matches!(limit, Limit::Sweeps(_));
+                let judged = || found().filter(|s| stopped || s.solved);
                 for (i, what) in ["displacement", "force", "stiffness"].iter().enumerate() {
-                    let errors: Vec<f64> = found().filter_map(|s| Some(s.errors?[i])).collect();
+                    let errors: Vec<f64> = judged().filter_map(|s| Some(s.errors?[i])).collect();
                     rows.spread(&at, &limit.metric(&format!("{what} error")), &errors, "1");
                 }
                 let sweeps: Vec<f64> = found().map(|s| s.sweeps.into()).collect();
@@ -130,7 +133,11 @@ impl Ground {
                     count("answers solved", found().filter(|s| s.solved).count());
                     count(
                         "answers compared",
-                        found().filter(|s| s.errors.is_some()).count(),
+                        judged().filter(|s| s.errors.is_some()).count(),
+                    );
+                    count(
+                        "answers of another equilibrium",
+                        judged().filter(|s| s.other).count(),
                     );
                 }
             }
