@@ -16,3 +16,4 @@ pub mod report;
 pub mod study;
 pub mod timing;
 pub mod tolerances;
+pub mod validation;

@@ -370,6 +370,9 @@ struct Hertz {
     k: Dd,
     /// `a* E sqrt(2 / (d* S))`: semi-major axis times elliptic `E` is this times `sqrt(delta)`.
     axis: Dd,
+    /// Curvature sums along and across the rolling direction in 1/m, compliance in 1/Pa.
+    curvature: [Dd; 2],
+    compliance: Dd,
 }
 
 /// Complete elliptic integrals `(K, E)` of parameter `1 - 1/kappa^2`, by the arithmetic-geometric mean.
@@ -404,7 +407,6 @@ impl Hertz {
     fn new(rx: Dd, ry: Dd, c: Dd) -> Option<Hertz> {
         let s = rx + ry;
         let fr = (rx - ry) / s;
-        let two = Dd::of(2.0);
         let excess = |kappa: Dd| curvature_difference(kappa) - fr;
         // Bisection in log kappa, then Newton in double-double with a differenced slope.
         let (mut low, mut high) = (1e-6_f64, 14.0_f64);
@@ -426,15 +428,36 @@ impl Hertz {
             kappa = kappa - f * h / (excess(kappa + h) - f);
         }
         let (k, e) = elliptic(kappa);
+        Some(Hertz::of_ellipse(kappa, k, e, [rx, ry], c))
+    }
+
+    /// Constants of an ellipse of ellipticity `kappa` with these elliptic integrals.
+    fn of_ellipse(kappa: Dd, k: Dd, e: Dd, [rx, ry]: [Dd; 2], c: Dd) -> Hertz {
+        let s = rx + ry;
+        let two = Dd::of(2.0);
         let k2e = kappa * kappa * e;
         let a_star = (two * k2e / Dd::PI).cbrt();
         let d_star = two * k / Dd::PI * (Dd::PI / (two * k2e)).cbrt();
         // delta = d* g^2 S / 2 with g^3 = 3 Q c / (2 S), solved for Q.
         let g_per_root = (two / (d_star * s)).sqrt();
-        Some(Hertz {
+        Hertz {
             k: two * s / (Dd::of(3.0) * c) * g_per_root * g_per_root * g_per_root,
             axis: a_star * e * g_per_root,
-        })
+            curvature: [rx, ry],
+            compliance: c,
+        }
+    }
+
+    /// The same contact with ellipticity and elliptic integrals by the fits of Brewe and Hamrock, J. Lubr.
+    /// Technol. 99 (1977), instead of their exact values.
+    fn fitted(&self) -> Hertz {
+        let [rx, ry] = self.curvature.map(Dd::value);
+        let ratio = rx / ry;
+        let kappa = 1.0339 * ratio.powf(0.636);
+        let e = 1.0003 + 0.5968 / ratio;
+        let k = 1.5277 + 0.6023 * ratio.ln();
+        let [kappa, k, e] = [kappa, k, e].map(Dd::of);
+        Hertz::of_ellipse(kappa, k, e, self.curvature, self.compliance)
     }
 
     /// Force at deformation `delta`, zero without contact.
@@ -546,6 +569,8 @@ pub struct Reference {
     inner_groove: Dd,
     mass: Dd,
     inertia: Dd,
+    /// Derivatives leave out those of the inertia loads and of the friction forces.
+    frozen: bool,
     pub(crate) stations: Vec<Station>,
 }
 
@@ -675,8 +700,51 @@ impl Reference {
             inner_groove: fi * d,
             mass,
             inertia: mass * d * d / Dd::of(10.0),
+            frozen: false,
             stations,
         })
+    }
+
+    /// The bearing as a program sees it that gives the gyroscopic moment the wrong sign; for showing
+    /// what that does. `Mg` of its balls is negative.
+    #[must_use]
+    pub fn with_gyroscopic_moment_reversed(mut self) -> Reference {
+        self.inertia = -self.inertia;
+        self
+    }
+
+    /// The bearing as a program sees it that takes its contact constants from the fits of Brewe and
+    /// Hamrock (1977); for showing what they do.
+    #[must_use]
+    pub fn with_fitted_contacts(mut self) -> Reference {
+        self.inner = self.inner.fitted();
+        self.outer = self.outer.fitted();
+        self
+    }
+
+    /// The stiffness at an equilibrium without the derivatives of centrifugal forces, gyroscopic
+    /// moments and friction shares; for showing what leaving them out does.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] if a ball's equations cannot be inverted.
+    pub fn frozen_stiffness(
+        &self,
+        balls: &[BallState],
+        omega: f64,
+        attitude: Attitude,
+    ) -> Result<[[f64; 5]; 5], Failure> {
+        let frozen = Reference {
+            frozen: true,
+            ..self.clone()
+        };
+        let linear: Vec<Linear> = balls
+            .iter()
+            .map(|b| {
+                let w = [b.alpha_i, b.alpha_o, b.delta_i, b.delta_o];
+                frozen.linearise(&w, &[0.0; 2], omega, attitude)
+            })
+            .collect();
+        frozen.stiffness(&linear, false).ok_or(Failure::Singular)
     }
 
     /// Number of balls.
@@ -783,6 +851,10 @@ impl Reference {
         let (mut fc, mut mg, mut shares) = (zero, zero, [zero, zero]);
         if omega != 0.0 {
             (fc, mg, shares) = self.motion((si, ci), (so, co), di, d_o, qi, qo, omega, attitude);
+            if self.frozen {
+                let constant = |x: T| T::of(Dd::of(x.value()));
+                (fc, mg, shares) = (constant(fc), constant(mg), shares.map(constant));
+            }
         } else if di.value() <= 0.0 && d_o.value() <= 0.0 {
             // At rest and off both races nothing holds the ball; any rule that fixes it will do.
             let stiff = T::of(self.outer.k * self.lo.sqrt());

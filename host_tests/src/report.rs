@@ -33,6 +33,8 @@ pub struct Arguments {
 pub enum Command {
     /// Prints where the cycles of one solver go, part by part and function by function
     Profile(Choice),
+    /// Known results reproduced: writes docs/validation.md and its figures
+    Validation,
 }
 
 /// A solver.

@@ -4,6 +4,8 @@
 //! program needs nothing of that: it sees to the tools, then has cargo build and run the one that
 //! measures.
 
+mod validation;
+
 use anyhow::{Context, Result};
 use clap::Parser;
 use host_tests::cross::{self, Missing, output};
@@ -15,6 +17,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match &arguments.command {
         None | Some(Command::Profile(_)) => measure(),
+        Some(Command::Validation) => validation::run().map(|()| ExitCode::SUCCESS),
     };
     match result {
         Ok(status) => status,

@@ -1,0 +1,273 @@
+//! Statements of the page: what is said, what was measured, and what the measure must be.
+
+use std::fmt;
+
+/// What became of a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is so.
+    Holds,
+    /// Some of it is so; the remark says what.
+    InPart,
+    /// It is not so; the remark says what is.
+    DoesNotHold,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Holds => "holds",
+            Self::InPart => "holds in part",
+            Self::DoesNotHold => "does not hold",
+        })
+    }
+}
+
+/// A number that decides about a statement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measure {
+    /// What was measured, with its symbol.
+    pub label: String,
+    /// The number, in `unit`.
+    pub value: f64,
+    /// Its unit; empty for a ratio or a count.
+    pub unit: &'static str,
+    /// The statement is as judged if the number lies strictly above this.
+    pub above: f64,
+    /// And no higher than this.
+    pub most: f64,
+    /// It is what rounding leaves, and its digits mean nothing: only the bound is printed.
+    rounding: bool,
+}
+
+impl Measure {
+    /// Must be larger than `bound`.
+    pub fn above(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
+        Self::within(label, value, unit, bound, f64::INFINITY)
+    }
+
+    /// Must be at most `bound`.
+    pub fn at_most(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
+        Self::within(label, value, unit, f64::NEG_INFINITY, bound)
+    }
+
+    /// Must be larger than `above` and at most `most`.
+    pub fn within(
+        label: impl Into<String>,
+        value: f64,
+        unit: &'static str,
+        above: f64,
+        most: f64,
+    ) -> Self {
+        Self {
+            label: label.into(),
+            value,
+            unit,
+            above,
+            most,
+            rounding: false,
+        }
+    }
+
+    /// Vanishes but for rounding: its size must be at most `bound`, and only that is printed.
+    pub fn rounding(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
+        Self {
+            rounding: true,
+            ..Self::within(label, value.abs(), unit, f64::NEG_INFINITY, bound)
+        }
+    }
+
+    /// Exactly this many.
+    pub fn count(label: impl Into<String>, value: usize, wanted: usize) -> Self {
+        let (value, wanted) = (value as f64, wanted as f64);
+        Self::within(label, value, "", wanted - 0.5, wanted)
+    }
+
+    /// The number is where it must be.
+    pub fn holds(&self) -> bool {
+        self.value > self.above && self.value <= self.most
+    }
+}
+
+impl fmt::Display for Measure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = match self.unit {
+            "" => String::new(),
+            "\u{b0}" | "%" => self.unit.to_owned(),
+            unit => format!("\u{a0}{unit}"),
+        };
+        let Self { label, most, .. } = self;
+        if self.rounding {
+            return write!(f, "{label}: at most {}{unit}", shown(*most));
+        }
+        write!(f, "{label}: {}{unit}", shown(self.value))?;
+        match (self.above.is_finite(), self.most.is_finite()) {
+            (true, true) if self.most - self.above == 0.5 => Ok(()), // a count
+            (true, true) => write!(f, " ({} to {})", shown(self.above), shown(self.most)),
+            (true, false) => write!(f, " (above {})", shown(self.above)),
+            (false, true) => write!(f, " (at most {})", shown(self.most)),
+            (false, false) => Ok(()),
+        }
+    }
+}
+
+/// A sentence about the bearing or the program, and what decides whether it is true.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Statement {
+    /// Whose claim it is, if it is not ours: the study's item.
+    pub source: Option<&'static str>,
+    /// What is claimed, a whole sentence.
+    pub claim: String,
+    /// What became of it.
+    pub verdict: Verdict,
+    /// What is true instead or besides, where the claim does not hold as it stands.
+    pub remark: Option<String>,
+    /// What was measured. The verdict is right if every measure is where it must be.
+    pub measures: Vec<Measure>,
+}
+
+impl Statement {
+    /// A statement of ours.
+    pub fn ours(claim: impl Into<String>, measures: Vec<Measure>) -> Self {
+        Self {
+            source: None,
+            claim: claim.into(),
+            verdict: Verdict::Holds,
+            remark: None,
+            measures,
+        }
+    }
+
+    /// A claim of somebody else's that holds.
+    pub fn of(source: &'static str, claim: impl Into<String>, measures: Vec<Measure>) -> Self {
+        Self {
+            source: Some(source),
+            ..Self::ours(claim, measures)
+        }
+    }
+
+    /// The same with another verdict, and what is true instead.
+    pub fn but(mut self, verdict: Verdict, remark: impl Into<String>) -> Self {
+        self.verdict = verdict;
+        self.remark = Some(remark.into());
+        self
+    }
+
+    /// The verdict is right. A statement that nothing was measured for is not.
+    pub fn holds(&self) -> bool {
+        !self.measures.is_empty() && self.measures.iter().all(Measure::holds)
+    }
+
+    /// What is wrong with it, for a failing test.
+    pub fn complaint(&self) -> Option<String> {
+        (!self.holds()).then(|| {
+            let wrong = self.measures.iter().filter(|m| !m.holds());
+            let wrong: Vec<String> = wrong
+                .map(|m| format!("{m} [{:e} is not in {:e}..={:e}]", m.value, m.above, m.most))
+                .collect();
+            format!(
+                "\"{}\" ({}) is not so any more: {}",
+                self.claim,
+                self.verdict,
+                wrong.join("; ")
+            )
+        })
+    }
+}
+
+/// A number with four significant digits, as short as it gets: neither platform nor rounding shows.
+pub fn shown(value: f64) -> String {
+    with_digits(value, 4)
+}
+
+/// A number with `digits` significant digits, trailing zeros of a fraction left out.
+pub fn with_digits(value: f64, digits: i32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return if value == 0.0 {
+            "0".into()
+        } else {
+            value.to_string()
+        };
+    }
+    let size = value.abs();
+    if !(1e-3..1e6).contains(&size) {
+        let text = format!("{value:.*e}", (digits - 1).max(0) as usize);
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{}e{exponent}", trimmed(mantissa));
+    }
+    let decimals = digits - 1 - size.log10().floor() as i32;
+    trimmed(&format!("{value:.*}", decimals.max(0) as usize)).to_owned()
+}
+
+/// A whole number with a comma between the thousands.
+pub fn thousands(value: f64) -> String {
+    let digits = format!("{value:.0}");
+    let mut text = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(c);
+    }
+    text
+}
+
+fn trimmed(text: &str) -> &str {
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_statement_falls_with_any_of_its_measures() {
+        let good = Measure::above("good", 2.0, "", 1.0);
+        let bad = [
+            Measure::above("too small", 1.0, "", 1.0),
+            Measure::at_most("too large", 1.1, "", 1.0),
+            Measure::within("too large", 3.1, "", 1.0, 3.0),
+            Measure::rounding("too large, negative", -2e-9, "", 1e-9),
+            Measure::count("too many", 3, 2),
+            Measure::count("too few", 1, 2),
+            Measure::at_most("no number", f64::NAN, "", 1.0),
+            Measure::above("no number", f64::NAN, "", 1.0),
+        ];
+        assert!(Statement::ours("", vec![good.clone()]).holds());
+        assert!(!Statement::ours("", vec![]).holds());
+        for bad in bad {
+            let statement = Statement::ours("", vec![good.clone(), bad]);
+            assert!(
+                !statement.holds() && statement.complaint().is_some(),
+                "{statement:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (12.0, "12"),
+            (0.012_345, "0.01235"),
+            (-48.691, "-48.69"),
+            (2.860_9e8, "2.861e8"),
+            (1e-12, "1e-12"),
+            (123_456.0, "123456"),
+        ] {
+            assert_eq!(shown(value), text);
+        }
+        for (value, text) in [
+            (0.0, "0"),
+            (500.0, "500"),
+            (20_000.0, "20,000"),
+            (1e6, "1,000,000"),
+        ] {
+            assert_eq!(thousands(value), text);
+        }
+    }
+}
