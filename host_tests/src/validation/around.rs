@@ -267,14 +267,14 @@ fn legend() -> Vec<(Pen, String)> {
 }
 
 const ANGLES: Plane = Plane::Around {
+    centre: 0.0,
     rim: 30.0,
     step: 10.0,
-    unit: "\u{b0}",
 };
 const FORCES: Plane = Plane::Around {
-    rim: 300.0,
-    step: 100.0,
-    unit: " N",
+    centre: 50.0,
+    rim: 250.0,
+    step: 50.0,
 };
 
 fn figure(
@@ -288,7 +288,7 @@ fn figure(
     let panels = rows.iter().flat_map(|(row, of)| {
         families
             .iter()
-            .map(move |f| f.panel(format!("{row}, {}", f.tilt.symbol()), *of, plane))
+            .map(move |f| f.panel(format!("{row}: {}", f.tilt.symbol()), *of, plane))
     });
     Figure {
         name,
@@ -330,8 +330,8 @@ fn rest_and_speed(rest: &Family, fast: &Family) -> Figure {
         name: "rest_and_speed",
         title: "B7005C, Fx = 1000 N, Fy = 200 N, Mz = 3 N m: at rest and at 20,000 rpm".to_owned(),
         caption: format!(
-            "Contact angles and contact forces under `Mz` = 3 N m, at rest and at 20,000 rpm. \
-             Regenerate with `{COMMAND}`."
+            "Contact angles and contact forces under `Mz` = 3 N m, at rest and at 20,000 rpm; the \
+             centre is 0\u{b0} and 50 N. Regenerate with `{COMMAND}`."
         ),
         legend: pens
             .iter()
@@ -340,8 +340,8 @@ fn rest_and_speed(rest: &Family, fast: &Family) -> Figure {
             .collect(),
         columns: 2,
         panels: vec![
-            panel("contact angles", INNER_ANGLE, OUTER_ANGLE, &ANGLES),
-            panel("contact forces", INNER_FORCE, OUTER_FORCE, &FORCES),
+            panel("contact angles / \u{b0}", INNER_ANGLE, OUTER_ANGLE, &ANGLES),
+            panel("contact forces / N", INNER_FORCE, OUTER_FORCE, &FORCES),
         ],
     }
 }
@@ -580,15 +580,15 @@ pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
             "contact angle at rest",
             "Contact angle at rest (inner and outer are the same).",
             &rest,
-            &[("ai = ao", INNER_ANGLE)],
+            &[("ai = ao / \u{b0}", INNER_ANGLE)],
             &ANGLES,
         )),
         Block::Figure(figure(
             "contact_forces_at_rest",
             "contact force at rest",
-            "Contact force at rest (inner and outer are the same).",
+            "Contact force at rest (inner and outer are the same); the centre is 50 N.",
             &rest,
-            &[("Qi = Qo", INNER_FORCE)],
+            &[("Qi = Qo / N", INNER_FORCE)],
             &FORCES,
         )),
         Block::Statements(at_rest(&rest)),
@@ -597,15 +597,21 @@ pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
             "contact angles at 20,000 rpm",
             "Inner (upper row) and outer (lower row) contact angle at 20,000 rpm.",
             &fast,
-            &[("inner, ai", INNER_ANGLE), ("outer, ao", OUTER_ANGLE)],
+            &[
+                ("inner, ai / \u{b0}", INNER_ANGLE),
+                ("outer, ao / \u{b0}", OUTER_ANGLE),
+            ],
             &ANGLES,
         )),
         Block::Figure(figure(
             "contact_forces_at_speed",
             "contact forces at 20,000 rpm",
-            "Inner (upper row) and outer (lower row) contact force at 20,000 rpm.",
+            "Inner (upper row) and outer (lower row) contact force at 20,000 rpm; the centre is 50 N.",
             &fast,
-            &[("inner, Qi", INNER_FORCE), ("outer, Qo", OUTER_FORCE)],
+            &[
+                ("inner, Qi / N", INNER_FORCE),
+                ("outer, Qo / N", OUTER_FORCE),
+            ],
             &FORCES,
         )),
         Block::Figure(rest_and_speed(&rest[0], &fast[0])),

@@ -193,12 +193,12 @@ pub enum Plane {
     },
     /// Around the bearing, seen along the shaft: +y to the right, +z upwards, the value outwards.
     Around {
+        /// Value in the centre.
+        centre: f64,
         /// Value at the rim.
         rim: f64,
         /// From one ring to the next.
         step: f64,
-        /// Unit of the value.
-        unit: &'static str,
     },
 }
 
@@ -318,7 +318,9 @@ impl Figure {
             let area = root.clone().shrink((x as u32, y as u32), (w, h));
             match &panel.plane {
                 Plane::Straight { x, y } => straight(&area, panel, x, y)?,
-                Plane::Around { rim, step, unit } => around(&area, panel, *rim, *step, unit)?,
+                Plane::Around { centre, rim, step } => {
+                    around(&area, panel, [*centre, *rim], *step)?
+                }
             }
         }
         root.present()?;
@@ -493,12 +495,12 @@ fn straight(area: &Area, panel: &Panel, x: &Axis, y: &Axis) -> anyhow::Result<()
     Ok(())
 }
 
-fn around(area: &Area, panel: &Panel, rim: f64, step: f64, unit: &str) -> anyhow::Result<()> {
+fn around(area: &Area, panel: &Panel, [least, most]: [f64; 2], step: f64) -> anyhow::Result<()> {
     let (w, h) = area.dim_in_pixel();
     let centre = (w as i32 / 2, 46 + (h as i32 - 46) / 2);
     let radius = f64::from(w) / 2.0 - 52.0;
     let at = |(azimuth, value): (f64, f64)| {
-        let r = radius * value / rim;
+        let r = radius * (value - least) / (most - least);
         (
             centre.0 + (r * azimuth.cos()).round() as i32,
             centre.1 - (r * azimuth.sin()).round() as i32,
@@ -507,7 +509,7 @@ fn around(area: &Area, panel: &Panel, rim: f64, step: f64, unit: &str) -> anyhow
     let style = bold(21, &INK).pos(Pos::new(HPos::Center, VPos::Top));
     area.draw(&Text::new(panel.title.as_str(), (centre.0, 8), style))?;
 
-    let rings = (rim / step).round() as i32;
+    let rings = ((most - least) / step).round() as i32;
     for i in 1..=rings {
         let r = (radius * f64::from(i) / f64::from(rings)).round() as i32;
         let line = if i == rings {
@@ -520,7 +522,7 @@ fn around(area: &Area, panel: &Panel, rim: f64, step: f64, unit: &str) -> anyhow
     for spoke in 0..8 {
         let azimuth = f64::from(spoke) * TAU / 8.0;
         area.draw(&PathElement::new(
-            vec![centre, at((azimuth, rim))],
+            vec![centre, at((azimuth, most))],
             GRID.stroke_width(1),
         ))?;
         let text = match spoke {
@@ -538,7 +540,7 @@ fn around(area: &Area, panel: &Panel, rim: f64, step: f64, unit: &str) -> anyhow
             4 => VPos::Center,
             _ => VPos::Top,
         };
-        let out = rim * (1.0 + 8.0 / radius);
+        let out = most + (most - least) * 8.0 / radius;
         let mut place = at((azimuth, out));
         if spoke == 0 {
             // Beside the rim there is no room for it; on the rim nothing else stands.
@@ -563,12 +565,12 @@ fn around(area: &Area, panel: &Panel, rim: f64, step: f64, unit: &str) -> anyhow
     }
     // Last, on plates of their own, so that no curve runs through a number.
     for i in 1..=rings {
-        let value = step * f64::from(i);
+        let value = least + step * f64::from(i);
         let (x, y) = at((-TAU / 32.0, value));
-        let text = format!("{}{unit}", tick_label(value, step));
+        let text = tick_label(value, step);
         let half = 6 * text.chars().count() as i32;
         area.draw(&Rectangle::new(
-            [(x - half, y - 12), (x + half, y + 12)],
+            [(x - half, y - 10), (x + half, y + 10)],
             BACKGROUND.mix(0.85).filled(),
         ))?;
         let style = plain(18).pos(Pos::new(HPos::Center, VPos::Center));

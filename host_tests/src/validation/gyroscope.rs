@@ -13,7 +13,7 @@ use super::figure::{
 use super::scene::{Scene, solve_all};
 use super::statement::{Measure, Statement, shown, thousands, with_digits};
 use super::{Block, COMMAND, Chapter, Progress, Table};
-use crate::cases::B218;
+use crate::cases::{B218, rad_per_s};
 use crate::compare::worse;
 use crate::dispatch::Attitude;
 use rayon::prelude::*;
@@ -248,6 +248,31 @@ fn along_orbit(azimuth: f64) -> V3 {
 }
 
 impl Check {
+    /// Integrates the motion of `ball`.
+    pub fn of(
+        name: &'static str,
+        design: &Design,
+        attitude: Attitude,
+        rpm: f64,
+        ball: BallState<f64>,
+    ) -> Self {
+        let total = ball.q_i + ball.q_o;
+        let rolling = Rolling::of(design, &ball, rad_per_s(rpm));
+        Self {
+            name,
+            rpm,
+            design: *design,
+            ball,
+            shares: match attitude {
+                Attitude::Outer => [0.0, 2.0],
+                Attitude::Inner => [1.0, 1.0],
+                Attitude::Raceless => [2.0 * ball.q_i / total, 2.0 * ball.q_o / total],
+            },
+            supplied: integrate(design, &rolling),
+            rolling,
+        }
+    }
+
     /// Largest difference of the couple from `Mg e_t`, over `Mg`, along the orbit.
     pub fn couple_error(&self) -> f64 {
         let mg = self.ball.gyroscopic_moment;
@@ -333,22 +358,7 @@ pub fn checks(progress: &Progress) -> anyhow::Result<Vec<Check>> {
         .into_par_iter()
         .zip(solved)
         .map(|((name, attitude, rpm), solved)| {
-            let ball = solved.balls[0];
-            let total = ball.q_i + ball.q_o;
-            let rolling = Rolling::of(&B218, &ball, solved.omega());
-            let check = Check {
-                name,
-                rpm,
-                design: B218,
-                ball,
-                shares: match attitude {
-                    Attitude::Outer => [0.0, 2.0],
-                    Attitude::Inner => [1.0, 1.0],
-                    Attitude::Raceless => [2.0 * ball.q_i / total, 2.0 * ball.q_o / total],
-                },
-                supplied: integrate(&B218, &rolling),
-                rolling,
-            };
+            let check = Check::of(name, &B218, attitude, rpm, solved.balls[0]);
             progress.done();
             check
         });
