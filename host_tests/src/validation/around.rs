@@ -513,7 +513,7 @@ fn at_speed(rest: &[Family], fast: &[Family]) -> Vec<Statement> {
             ]
         } else {
             vec![
-                Measure::within("least change", most, unit, f64::NEG_INFINITY, 0.0),
+                Measure::below("least change", most, unit, 0.0),
                 Measure::at_most("largest", least, unit, most),
             ]
         };

@@ -80,7 +80,7 @@ fn nearly_round(curvature: f64, excess: f64, compliance: f64) -> HertzContact {
 }
 
 fn errors_of_round(r: f64) -> [f64; 3] {
-    let contact = nearly_round(1.0 / r, 1e-4, steel());
+    let contact = nearly_round(1.0 / r, 1e-5, steel());
     let [k, a, p] = spheres(r, steel());
     let mean = (contact.semi_major * contact.semi_minor).sqrt();
     [
@@ -112,7 +112,8 @@ fn closed_forms() -> (Table, Vec<Statement>) {
         ]
     });
     let table = Table {
-        caption: "From an ellipse to a circle: contact of the curvatures `1 + e/2` and `1 - e/2`, and how far its \
+        caption: "From an ellipse to a circle (the library's search ends at `kappa` = 1.000001): contact of the \
+                  curvatures `1 + e/2` and `1 - e/2`, and how far its \
                   load-deflection constant is from that of spheres of the same sum of curvatures."
             .to_owned(),
         head: ["e", "kappa", "K over the spheres' - 1"].map(str::to_owned).into(),
@@ -123,13 +124,13 @@ fn closed_forms() -> (Table, Vec<Statement>) {
         .fold(0.0, |m, &e| worse(m, departure(e).abs()));
     let statements = vec![
         Statement::ours(
-            "A contact that is nearly round (curvatures 1e-4 apart) has the load-deflection constant, the size and \
+            "A contact that is nearly round (curvatures 1e-5 apart) has the load-deflection constant, the size and \
              the peak pressure of a sphere on a sphere.",
             vec![Measure::rounding(
                 "largest relative difference, two balls of the 218",
                 sphere,
                 "",
-                2e-9,
+                2e-11,
             )],
         ),
         Statement::ours(
@@ -138,7 +139,7 @@ fn closed_forms() -> (Table, Vec<Statement>) {
                 "largest relative difference, a ball of the 218",
                 plane,
                 "",
-                2e-9,
+                2e-11,
             )],
         ),
         Statement::ours(
@@ -203,7 +204,7 @@ fn thirty_digits() -> anyhow::Result<Vec<Statement>> {
             ),
             vec![
                 Measure::rounding("largest relative difference of `K(m)`", worst[0], "", 1e-15),
-                Measure::rounding("of `E(m)`", worst[1], "", 1e-15),
+                Measure::rounding("of `E(m)`", worst[1], "", 2e-15),
             ],
         ),
         Statement::ours(
@@ -465,7 +466,7 @@ fn brewe_hamrock() -> anyhow::Result<Vec<Block>> {
                 ),
                 Measure::within("at 100", long, "%", 5.0, 7.0),
                 Measure::within("least from 1.05 to 100", least, "%", -1.0, 0.0),
-                Measure::within("largest", most, "%", 7.0, near_circle),
+                Measure::at_most("largest", most, "%", near_circle),
             ],
         ),
         Statement::ours(

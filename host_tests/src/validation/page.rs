@@ -76,8 +76,7 @@ fn summary(page: &mut String, chapters: &[Chapter]) {
     let count = |verdict: Verdict| claims().filter(|s| s.verdict == verdict).count();
     let _ = write!(
         page,
-        "The study's claims, {} in all: holds {}, holds in part {}, does not hold {}. Those that do not \
-         hold as they stand:\n\n",
+        "{} claims of the study: {} hold, {} in part, {} not. Those that do not hold as they stand:\n\n",
         claims().count(),
         count(Verdict::Holds),
         count(Verdict::InPart),

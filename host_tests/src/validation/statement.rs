@@ -23,6 +23,19 @@ impl fmt::Display for Verdict {
     }
 }
 
+/// Where a number must lie for a statement to be as judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Bounds {
+    Above(f64),
+    Below(f64),
+    AtMost(f64),
+    /// Strictly.
+    Between(f64, f64),
+    /// At most this in size; it is what rounding leaves, and its digits mean nothing.
+    Rounding(f64),
+    Count(usize),
+}
+
 /// A number that decides about a statement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measure {
@@ -32,81 +45,100 @@ pub struct Measure {
     pub value: f64,
     /// Its unit; empty for a ratio or a count.
     pub unit: &'static str,
-    /// The statement is as judged if the number lies strictly above this.
-    pub above: f64,
-    /// And no higher than this.
-    pub most: f64,
-    /// It is what rounding leaves, and its digits mean nothing: only the bound is printed.
-    rounding: bool,
+    bounds: Bounds,
+    digits: i32,
 }
 
 impl Measure {
-    /// Must be larger than `bound`.
-    pub fn above(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
-        Self::within(label, value, unit, bound, f64::INFINITY)
-    }
-
-    /// Must be at most `bound`.
-    pub fn at_most(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
-        Self::within(label, value, unit, f64::NEG_INFINITY, bound)
-    }
-
-    /// Must be larger than `above` and at most `most`.
-    pub fn within(
-        label: impl Into<String>,
-        value: f64,
-        unit: &'static str,
-        above: f64,
-        most: f64,
-    ) -> Self {
+    fn new(label: impl Into<String>, value: f64, unit: &'static str, bounds: Bounds) -> Self {
         Self {
             label: label.into(),
             value,
             unit,
-            above,
-            most,
-            rounding: false,
+            bounds,
+            digits: 4,
         }
+    }
+
+    /// Must be larger than `bound`.
+    pub fn above(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
+        Self::new(label, value, unit, Bounds::Above(bound))
+    }
+
+    /// Must be smaller than `bound`.
+    pub fn below(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
+        Self::new(label, value, unit, Bounds::Below(bound))
+    }
+
+    /// Must be at most `bound`.
+    pub fn at_most(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
+        Self::new(label, value, unit, Bounds::AtMost(bound))
+    }
+
+    /// Must be larger than `least` and smaller than `most`.
+    pub fn within(
+        label: impl Into<String>,
+        value: f64,
+        unit: &'static str,
+        least: f64,
+        most: f64,
+    ) -> Self {
+        Self::new(label, value, unit, Bounds::Between(least, most))
     }
 
     /// Vanishes but for rounding: its size must be at most `bound`, and only that is printed.
     pub fn rounding(label: impl Into<String>, value: f64, unit: &'static str, bound: f64) -> Self {
-        Self {
-            rounding: true,
-            ..Self::within(label, value.abs(), unit, f64::NEG_INFINITY, bound)
-        }
+        Self::new(label, value, unit, Bounds::Rounding(bound))
     }
 
     /// Exactly this many.
     pub fn count(label: impl Into<String>, value: usize, wanted: usize) -> Self {
-        let (value, wanted) = (value as f64, wanted as f64);
-        Self::within(label, value, "", wanted - 0.5, wanted)
+        Self::new(label, value as f64, "", Bounds::Count(wanted))
     }
 
-    /// The number is where it must be.
+    /// Printed with this many digits, for a number that has no more of any meaning.
+    #[must_use]
+    pub fn digits(self, digits: i32) -> Self {
+        Self { digits, ..self }
+    }
+
+    /// The number is where it must be; what is not a number is nowhere.
     pub fn holds(&self) -> bool {
-        self.value > self.above && self.value <= self.most
+        let v = self.value;
+        match self.bounds {
+            Bounds::Above(bound) => v > bound,
+            Bounds::Below(bound) => v < bound,
+            Bounds::AtMost(bound) => v <= bound,
+            Bounds::Between(least, most) => v > least && v < most,
+            Bounds::Rounding(bound) => v.abs() <= bound,
+            Bounds::Count(wanted) => v == wanted as f64,
+        }
+    }
+
+    fn with_unit(&self, number: &str) -> String {
+        match self.unit {
+            "" => number.to_owned(),
+            "\u{b0}" => format!("{number}\u{b0}"),
+            unit => format!("{number}\u{a0}{unit}"),
+        }
     }
 }
 
 impl fmt::Display for Measure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let unit = match self.unit {
-            "" => String::new(),
-            "\u{b0}" | "%" => self.unit.to_owned(),
-            unit => format!("\u{a0}{unit}"),
-        };
-        let Self { label, most, .. } = self;
-        if self.rounding {
-            return write!(f, "{label}: at most {}{unit}", shown(*most));
+        let label = &self.label;
+        if let Bounds::Rounding(bound) = self.bounds {
+            return write!(f, "{label}: at most {}", self.with_unit(&shown(bound)));
         }
-        write!(f, "{label}: {}{unit}", shown(self.value))?;
-        match (self.above.is_finite(), self.most.is_finite()) {
-            (true, true) if self.most - self.above == 0.5 => Ok(()), // a count
-            (true, true) => write!(f, " ({} to {})", shown(self.above), shown(self.most)),
-            (true, false) => write!(f, " (above {})", shown(self.above)),
-            (false, true) => write!(f, " (at most {})", shown(self.most)),
-            (false, false) => Ok(()),
+        let value = self.with_unit(&with_digits(self.value, self.digits));
+        write!(f, "{label}: {value}")?;
+        match self.bounds {
+            Bounds::Above(bound) => write!(f, " (above {})", shown(bound)),
+            Bounds::Below(bound) => write!(f, " (below {})", shown(bound)),
+            Bounds::AtMost(bound) => write!(f, " (at most {})", shown(bound)),
+            Bounds::Between(least, most) => write!(f, " ({} to {})", shown(least), shown(most)),
+            Bounds::Count(wanted) => write!(f, " (exactly {wanted})"),
+            Bounds::Rounding(_) => Ok(()),
         }
     }
 }
@@ -163,7 +195,7 @@ impl Statement {
         (!self.holds()).then(|| {
             let wrong = self.measures.iter().filter(|m| !m.holds());
             let wrong: Vec<String> = wrong
-                .map(|m| format!("{m} [{:e} is not in {:e}..={:e}]", m.value, m.above, m.most))
+                .map(|m| format!("{m}, but it is {:e}", m.value))
                 .collect();
             format!(
                 "\"{}\" ({}) is not so any more: {}",
@@ -229,7 +261,9 @@ mod tests {
         let good = Measure::above("good", 2.0, "", 1.0);
         let bad = [
             Measure::above("too small", 1.0, "", 1.0),
+            Measure::below("too large", 1.0, "", 1.0),
             Measure::at_most("too large", 1.1, "", 1.0),
+            Measure::within("too small", 1.0, "", 1.0, 3.0),
             Measure::within("too large", 3.1, "", 1.0, 3.0),
             Measure::rounding("too large, negative", -2e-9, "", 1e-9),
             Measure::count("too many", 3, 2),

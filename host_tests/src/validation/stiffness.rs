@@ -246,7 +246,7 @@ fn falls(element: Element, run: &Run) -> [Measure; 2] {
             -100.0,
             0.0,
         ),
-        Measure::at_most(
+        Measure::below(
             format!("{}: largest step", element.0),
             100.0 * largest_rise(&values),
             "%",
@@ -278,7 +278,7 @@ fn item_3(over: &Run, back: &Run) -> Vec<Statement> {
     let rises = |element: Element| {
         let values: Vec<f64> = element.over(over).iter().map(|v| -v).collect();
         vec![
-            Measure::at_most(
+            Measure::below(
                 format!("{}: largest value", element.0),
                 -element.unit().1 * values.iter().fold(f64::INFINITY, |m, v| m.min(*v)),
                 element.unit().0,
@@ -291,7 +291,7 @@ fn item_3(over: &Run, back: &Run) -> Vec<Statement> {
                 -100.0,
                 0.0,
             ),
-            Measure::at_most(
+            Measure::below(
                 format!("{}: largest step of its size", element.0),
                 100.0 * largest_rise(&values),
                 "%",
@@ -467,13 +467,16 @@ pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
         ),
         Statement::ours(
             "With 15 balls, which 4 does not divide, it is no longer exact, but nearly so.",
-            vec![Measure::within(
-                "largest relative difference, `Mz` = 3 N m against `My` = -3 N m",
-                swapped(&odd[0], &odd[1]),
-                "",
-                1e-9,
-                1e-2,
-            )],
+            vec![
+                Measure::within(
+                    "largest relative difference, `Mz` = 3 N m against `My` = -3 N m",
+                    swapped(&odd[0], &odd[1]),
+                    "",
+                    1e-9,
+                    1e-2,
+                )
+                .digits(2),
+            ],
         ),
         Statement::of(
             "item 5",
