@@ -1,6 +1,6 @@
 //! The validation book: what the solver reproduces, as a page with figures and tables.
 //!
-//! Every statement of the page is a [`Statement`](statement::Statement): a sentence, the numbers that
+//! Every statement of the page is a [`Statement`]: a sentence, the numbers that
 //! decide about it, and where they must lie. The page is printed from the same values that
 //! `tests/validation.rs` asserts. Prose around them says how things were done and claims nothing.
 

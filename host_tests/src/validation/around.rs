@@ -195,26 +195,27 @@ const PENS: [Pen; 5] = [
     Pen(VERMILION, Dash::Solid, Marker::Triangle),
 ];
 
-fn families(rpm: f64, progress: &Progress) -> anyhow::Result<Vec<Family>> {
-    Tilt::ALL
+fn family(tilt: Tilt, rpm: f64, progress: &Progress) -> anyhow::Result<Family> {
+    let scenes = MOMENTS.map(|moment| Scene {
+        name: "B7005C",
+        design: B7005C,
+        balls: BALLS,
+        attitude: Attitude::Raceless,
+        load: tilt.load(moment),
+        rpm,
+    });
+    let solved = solve_all(scenes.into(), progress)?;
+    let curves = solved
         .into_iter()
-        .map(|tilt| {
-            let scenes = MOMENTS.map(|moment| Scene {
-                name: "B7005C",
-                design: B7005C,
-                balls: BALLS,
-                attitude: Attitude::Raceless,
-                load: tilt.load(moment),
-                rpm,
-            });
-            let solved = solve_all(scenes.into(), progress)?;
-            let curves = solved
-                .into_iter()
-                .map(Curves::of)
-                .collect::<Result<_, _>>()?;
-            Ok(Family { tilt, curves })
-        })
-        .collect()
+        .map(Curves::of)
+        .collect::<Result<_, _>>()?;
+    Ok(Family { tilt, curves })
+}
+
+/// Those of every tilt, in their order.
+fn families(rpm: f64, progress: &Progress) -> anyhow::Result<[Family; 3]> {
+    let [mz, my, both] = Tilt::ALL.map(|tilt| family(tilt, rpm, progress));
+    Ok([mz?, my?, both?])
 }
 
 /// Distance of two azimuths, degrees.
@@ -366,10 +367,8 @@ fn impurity(family: &Family, quarter: usize) -> [f64; 2] {
     worst
 }
 
-fn at_rest(families: &[Family]) -> Vec<Statement> {
-    let [mz, my, both] = families else {
-        unreachable!("three tilts");
-    };
+fn at_rest(families: &[Family; 3]) -> Vec<Statement> {
+    let [mz, my, both] = families;
     let all = || families.iter().flat_map(|f| &f.curves);
     let apart = all()
         .flat_map(|c| &c.fine)

@@ -203,6 +203,7 @@ fn thirty_digits() -> anyhow::Result<Vec<Statement>> {
                 integrals.len()
             ),
             vec![
+                Measure::count("values", integrals.len(), 15),
                 Measure::rounding("largest relative difference of `K(m)`", worst[0], "", 1e-15),
                 Measure::rounding("of `E(m)`", worst[1], "", 2e-15),
             ],
@@ -214,6 +215,7 @@ fn thirty_digits() -> anyhow::Result<Vec<Statement>> {
                 contacts.len()
             ),
             vec![
+                Measure::count("contacts", contacts.len(), 11),
                 Measure::rounding("largest relative difference of `kappa`", by[0], "", 1e-13),
                 Measure::rounding("of `E`", by[1], "", 1e-13),
                 Measure::rounding("of the load-deflection constant", by[2], "", 1e-13),

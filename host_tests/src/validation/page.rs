@@ -17,7 +17,8 @@ this model, its row says so and by how much. A number that is rounding and nothi
 Unless a line says otherwise, figures and numbers are the solver's in double precision. Each chapter holds every \
 equilibrium against the reference build and against single precision. The bearings: 218 (16 balls of 22.23 mm, 40\u{b0}), \
 B7005C (16 of 6.35 mm, 15\u{b0}), SKF 6205 (9 of 7.938 mm, angle by clearance), of steel; `host_tests/bearings` \
-has the files.
+has the files. The study's own tables of dimensions are not known; those of the B7005C are a plausible set, not the \
+maker's.
 ";
 
 /// The page.

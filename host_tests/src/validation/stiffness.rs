@@ -410,16 +410,12 @@ fn skewness(run: &Run) -> f64 {
 ///
 /// A load without a solution.
 pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
-    let runs: Vec<Run> = CASES
-        .iter()
-        .map(|(tilt, moment)| {
-            let speeds = evenly(0.0, TOP, STEPS);
-            solve_all(scenes(16, tilt.load(*moment), speeds), progress)
-        })
-        .collect::<Result<_, _>>()?;
-    let [mz, my, both, mz_back, my_back, both_back] = &runs[..] else {
-        unreachable!("six cases");
-    };
+    let [a, b, c, d, e, f] = CASES.map(|(tilt, moment)| {
+        let speeds = evenly(0.0, TOP, STEPS);
+        solve_all(scenes(16, tilt.load(moment), speeds), progress)
+    });
+    let runs = [a?, b?, c?, d?, e?, f?];
+    let [mz, my, both, mz_back, my_back, both_back] = &runs;
     // A count that four does not divide.
     let odd: Vec<Run> = [Tilt::Mz.load(MOMENT), Tilt::My.load(-MOMENT)]
         .into_iter()
