@@ -713,6 +713,14 @@ impl Reference {
         self
     }
 
+    /// The bearing as a program sees it that leaves the friction moment `mt` out of the ring's balance;
+    /// for showing what that does.
+    #[must_use]
+    pub fn without_friction_moment(mut self) -> Reference {
+        self.inner_groove = Dd::ZERO;
+        self
+    }
+
     /// The bearing as a program sees it that takes its contact constants from the fits of Brewe and
     /// Hamrock (1977); for showing what they do.
     #[must_use]

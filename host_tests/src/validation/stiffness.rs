@@ -7,9 +7,11 @@ use super::figure::{
 use super::scene::{Scene, Solved, evenly, solve_all};
 use super::statement::{Measure, Statement, Verdict, shown, with_digits};
 use super::{Block, COMMAND, Chapter, Progress, Table, judged};
-use crate::cases::B7005C;
+use crate::cases::{self, B7005C, rad_per_s};
 use crate::compare::{stiffness_error, worse};
 use crate::dispatch::Attitude;
+use anyhow::Context;
+use rayon::prelude::*;
 
 const MOMENT: f64 = 3.0;
 const TOP: f64 = 20_000.0;
@@ -270,7 +272,7 @@ fn extreme(element: Element, run: &Run, scale: f64) -> (f64, f64) {
     })
 }
 
-fn item_3(over: &Run, back: &Run) -> Vec<Statement> {
+fn item_3(over: &Run, back: &Run, without_moment: &[f64]) -> Vec<Statement> {
     let (y_least, y_most) = excess(KYY, KZZ, over);
     let (t_least, t_most) = excess(KTZTZ, KTYTY, over);
     let (back_least, back_most) = excess(KYY, KZZ, back);
@@ -359,13 +361,20 @@ fn item_3(over: &Run, back: &Run) -> Vec<Statement> {
                 Measure::above("`Kxy`: least value", extreme(KXY, back, 1e-6).0, "N/\u{b5}m", 0.0),
                 Measure::within("`Kxy`: change over the range", change(&kxy), "%", -100.0, 0.0),
                 Measure::within("`Kxy`: largest rise above its value at rest", 100.0 * rise_above_start(&kxy), "%", 0.0, 0.1),
+                Measure::below(
+                    "largest step without `mt`",
+                    100.0 * largest_rise(without_moment),
+                    "%",
+                    0.0,
+                ),
                 Measure::within("reached at", back[peak].scene.rpm, "rpm", 0.0, 10_000.0),
             ],
         )
         .but(
             Verdict::InPart,
             "It is positive and ends lower, but does not fall from the start: up to some thousand rpm \
-             it rises, by less than a thousandth.",
+             it rises, by less than a thousandth. That comes with the friction moment `mt` on the ring: a \
+             reference build that leaves it out has the stiffness fall throughout.",
         ),
     ]
 }
@@ -404,6 +413,25 @@ fn skewness(run: &Run) -> f64 {
     })
 }
 
+/// `Kxy` under `Mz` = -3 N m over the speeds, by a reference build without the friction moment on the
+/// ring.
+fn without_friction_moment(progress: &Progress) -> anyhow::Result<Vec<f64>> {
+    let reference = cases::reference(&B7005C, 16).without_friction_moment();
+    let speeds = evenly(0.0, TOP, STEPS);
+    progress.expect(speeds.len());
+    speeds
+        .into_par_iter()
+        .map(|rpm| {
+            let load = Tilt::Mz.load(-MOMENT);
+            let found = reference
+                .search(load, rad_per_s(rpm), Attitude::Raceless.into())
+                .with_context(|| format!("reference build without `mt`, {load:?} at {rpm} rpm"))?;
+            progress.done();
+            Ok(found.k[KXY.1][KXY.2])
+        })
+        .collect()
+}
+
 /// The chapter.
 ///
 /// # Errors
@@ -416,6 +444,7 @@ pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
     });
     let runs = [a?, b?, c?, d?, e?, f?];
     let [mz, my, both, mz_back, my_back, both_back] = &runs;
+    let without_moment = without_friction_moment(progress)?;
     // A count that four does not divide.
     let odd: Vec<Run> = [Tilt::Mz.load(MOMENT), Tilt::My.load(-MOMENT)]
         .into_iter()
@@ -524,7 +553,7 @@ pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
             Block::Figure(off_diagonal),
             Block::Figure(change_of_it),
             Block::Table(table(&runs)),
-            Block::Statements(item_3(mz, mz_back)),
+            Block::Statements(item_3(mz, mz_back, &without_moment)),
             Block::Statements(later),
         ],
     })
