@@ -233,9 +233,16 @@ impl<T: Real> Ball<T> {
 
         // The unbalanced force; forces that lead are extrapolated to the geometry.
         let loads = inertia(ti, to, fc);
+        // The large parts are taken apart before they are turned: sines and cosines of differences have
+        // lost digits.
+        let (no, so) = (outer.normal(), outer.tangent());
+        let unbalanced = [
+            inner.q * si - outer.q * no[0] + (ti * ci - to * so[0]),
+            inner.q * ci - outer.q * no[1] + (fc - ti * si - to * so[1]),
+        ];
         let residual = [
-            inner.q - outer.q * cd + loads[0] + inner.lag * r_di[0] + outer.lag * r_do[0],
-            outer.q * sd + loads[1] + inner.lag * r_di[1] + outer.lag * r_do[1],
+            unbalanced[0] * si + unbalanced[1] * ci + (inner.lag * r_di[0] + outer.lag * r_do[0]),
+            unbalanced[0] * ci - unbalanced[1] * si + (inner.lag * r_di[1] + outer.lag * r_do[1]),
         ];
 
         // r_V and r_X - r_V = R, then the Newton step -R^-1 r, and its slope Y = -R^-1 r_V.

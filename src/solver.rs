@@ -329,7 +329,7 @@ impl<T: Real> Outcome<T> {
             displacement: floor + left + factor * step,
             force: rounding + rounding + left,
             // The change is summed over the balls, and an element sees some of them only.
-            stiffness: rounding + T::of(16.0) * self.change,
+            stiffness: rounding + T::of(18.0) * self.change,
         }
     }
 }
