@@ -1,10 +1,11 @@
 //! The equilibrium under given loads, and the bearing's own law under given displacements.
 //!
 //! One damped Newton on the arrow-shaped system. Each sweep linearises every ball, which eliminates
-//! its own unknowns, and sums what the balls hand to the ring. The ring then looks for the load's
-//! balance among the balls' laws (the `spring` module), which agree with the linearisation in value
-//! and slope; so close to the solution this *is* Newton's step, and the tangent of the last sweep *is*
-//! the stiffness.
+//! its own unknowns, and sums what the balls hand to the ring. Far from the solution the ring then looks
+//! for the load's balance among the balls' laws (the `spring` module), which agree with the
+//! linearisation in value and slope; near it, and after a warm start, it makes Newton's step. The tangent
+//! of the last sweep, corrected by what that step changes of the contacts' stiffness and direction, is the
+//! stiffness.
 //!
 //! Why it ends:
 //!
@@ -30,13 +31,16 @@
 //! the search.
 //!
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved by its
-//! own laws and its sensitivity to speed to the new load and speed, if that is near; the axisymmetric
+//! tangent, its sensitivity to speed and the second-order part of both (contacts stiffen, lines of centres
+//! turn) to the new load and speed, if that is near; the axisymmetric
 //! state; the same with more preload. A start that has not led to a solution after some sweeps makes
 //! room for the next.
 //!
-//! An answer certifies itself. The last step changes the stiffness by an amount that the laws tell ball
-//! by ball: the error of the stiffness, which is a linearisation old. Displacements and forces are one
-//! Newton step further, where that error enters as a factor. What rounding leaves comes on top.
+//! An answer certifies itself. The last step changes the stiffness by an amount that is known ball by ball:
+//! a bound on the error of the stiffness, which is corrected for it. Displacements and forces are one
+//! Newton step further, where that error enters as a factor. What rounding leaves comes on top, in the
+//! direction in which the ring gives way most. A ball whose contacts no longer oppose each other (120 degrees
+//! apart) is no answer: there the cage speed has a pole, and the equations have roots of no bearing.
 
 use crate::ball::{Pass, Share};
 use crate::constants::{Azimuth, Bearing, Constants};
@@ -58,7 +62,7 @@ pub struct Settings<T> {
 }
 
 impl<T: Real> Default for Settings<T> {
-    /// 100 sweeps; a tolerance of 2e-5 in single and 1e-12 in double precision.
+    /// 100 sweeps; a tolerance of 2e-5 in single and 3e-13 in double precision.
     fn default() -> Self {
         Self {
             max_sweeps: 100,

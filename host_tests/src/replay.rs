@@ -97,6 +97,7 @@ Results, one row for each row of LOADS.csv, SI units:
   time_s          copied
   status          converged; precision-limit (as close as the precision allows);
                   sweep-limit (ran out of sweeps, figures are those of the last one);
+                  unseated (the same, a ball driven out of its groove by the speed);
                   anything else means that this row has no answer, and its figures are empty
   sweeps          passes over all balls that the solve took
   dx_m .. tz_rad  displacement of the inner ring
