@@ -187,7 +187,7 @@ fn panel<'p>(path: &'p Path, title: &str) -> Result<DrawingArea<SVGBackend<'p>, 
 
 /// A power of ten, or a number; what the axis hands over is rounded.
 fn tick(value: &f64) -> String {
-    if *value >= 1e3 || *value < 0.1 {
+    if *value >= 1e3 || (*value > 0.0 && *value < 0.1) {
         format!("{value:.0e}")
     } else {
         format!("{}", (value * 1e3).round() / 1e3)

@@ -63,7 +63,7 @@ impl Part {
 
 /// What belongs to which part: the first row whose functions are all on the way to an instruction.
 #[rustfmt::skip]
-const PARTS: [(&[&str], Part); 14] = [
+const PARTS: [(&[&str], Part); 15] = [
     (&["Iteration::start"], Part::Start),
     (&["Iteration::predict"], Part::Start),
     (&["Iteration::place"], Part::Start),
@@ -77,6 +77,7 @@ const PARTS: [(&[&str], Part); 14] = [
     (&["Iteration::sweep", "Sums::tangent"], Part::Assembly),
     (&["Iteration::sweep"], Part::BallPass),
     (&["Iteration::follow"], Part::Moving),
+    (&["Iteration::advance"], Part::Moving),
     (&["Iteration::rebase"], Part::Moving),
 ];
 
