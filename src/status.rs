@@ -109,8 +109,8 @@ impl fmt::Display for Quantity {
 
 /// How a solve ended.
 ///
-/// The first four come with numbers, those of the first two with an answer, in [`Solution::status`](crate::Solution::status); the rest
-/// are refusals, the `Err` of a solve, and leave the solver as it was.
+/// The first four come with numbers, in [`Solution::status`](crate::Solution::status); those of the first
+/// two are an answer. The rest are refusals, the `Err` of a solve, and leave the solver as it was.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

@@ -1,6 +1,6 @@
 //! Input without an answer: what is said to it, and that the solver survives it.
 
-use host_tests::cases::{B7005C, rad_per_s};
+use host_tests::cases::{B218, B7005C, rad_per_s};
 use proptest::prelude::*;
 use spindle_bearing::{
     AtSpeed, Bearing, Design, DesignError, FreeContact, InnerRaceControl, Motion, OuterRaceControl,
@@ -203,6 +203,28 @@ fn a_refusal_says_what_and_how_much() {
         "{message}"
     );
     assert!(text([0.0; 5], 0.0).contains("no load"));
+}
+
+#[test]
+fn a_ball_that_speed_drives_out_of_its_groove_is_named_and_preload_puts_it_back() {
+    let bearing = build::<f64, 16>(&B218);
+    let mut solver = Solver::<_, 16, Free>::new(&bearing);
+    let settings = Settings::default();
+    let solution = solver.solve([10.0, 500.0, 0.0, 0.0, 0.0], 2500.0, &settings);
+    let status = solution.unwrap().status;
+    let Status::Unseated { ball, apart } = status else {
+        panic!("{status}");
+    };
+    // The radial load presses ball 0, at +y; ball 8 is opposite.
+    assert_eq!(ball, 8);
+    assert!(apart > PI / 2.0 && apart < PI, "{apart}");
+    assert!(status.to_string().contains("ball 8"));
+    let solution = solver.solve([20_000.0, 500.0, 0.0, 0.0, 0.0], 2500.0, &settings);
+    let solution = solution.unwrap();
+    assert_eq!(solution.status, Status::Converged);
+    for ball in solution.balls() {
+        assert!((ball.alpha_i - ball.alpha_o).abs() < PI / 2.0);
+    }
 }
 
 #[test]
