@@ -44,6 +44,9 @@ mod status;
 pub mod estimate;
 #[cfg(feature = "record")]
 #[forbid(unsafe_code)]
+pub mod framing;
+#[cfg(feature = "record")]
+#[forbid(unsafe_code)]
 pub mod record;
 
 pub use constants::Bearing;

@@ -1,35 +1,18 @@
-//! Measured loads and speed as messages: one record, one frame.
+//! Measured loads and speed as messages: one record, one frame of [`framing`](crate::framing).
 //!
-//! | layer | by |
-//! | --- | --- |
-//! | [`LoadRecord`] to bytes | postcard: integers as varints, floats as their four bytes |
-//! | damage found | CRC-32 (ISO-HDLC) of those bytes, appended little-endian |
-//! | frame boundaries | COBS, so that a zero byte occurs nowhere but after every frame |
-//!
-//! A receiver that joins in the middle, or loses bytes, is in step again after the next zero.
 //! [`encode`] is the sender's side, [`FrameReader`] the receiver's; neither allocates.
 
-use cobs::{DecodeResult, DecoderState};
-use core::fmt;
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use crate::framing::{self, CHECKSUM_LENGTH};
+pub use crate::framing::{DELIMITER, FrameError};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-
-/// Without a table: bit by bit, a record's checksum costs far less than solving it, and the table
-/// would cost a kilobyte of flash.
-const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
-/// Bytes of the checksum.
-const CHECKSUM_LENGTH: usize = size_of::<u32>();
 
 /// Length of the longest message that a record can become: two varints of at most five bytes, six
 /// floats, and the checksum.
 pub const MESSAGE_LENGTH: usize = 2 * 5 + 6 * size_of::<f32>() + CHECKSUM_LENGTH;
 
 /// Length of the frame of the longest message, its delimiter included.
-pub const FRAME_LENGTH: usize = cobs::max_encoding_length(MESSAGE_LENGTH) + 1;
-
-/// The byte between frames.
-pub const DELIMITER: u8 = 0;
+pub const FRAME_LENGTH: usize = framing::frame_length(MESSAGE_LENGTH);
 
 /// Loads on the inner ring and speed of the shaft at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -70,117 +53,17 @@ impl LoadRecord {
 pub fn encode(record: &LoadRecord) -> Vec<u8, FRAME_LENGTH> {
     // The lengths above make room for every record. Should a later field break that, the frame is
     // empty, which the tests see.
-    try_encode(record).unwrap_or_default()
+    framing::encode(record).unwrap_or_default()
 }
 
-fn try_encode(record: &LoadRecord) -> Option<Vec<u8, FRAME_LENGTH>> {
-    let mut message = [0; MESSAGE_LENGTH];
-    let written = postcard::to_slice(record, &mut message).ok()?.len();
-    let sum = CHECKSUM.checksum(message.get(..written)?).to_le_bytes();
-    let end = written + CHECKSUM_LENGTH;
-    message.get_mut(written..end)?.copy_from_slice(&sum);
-    let mut frame = Vec::new();
-    frame.resize_default(FRAME_LENGTH).ok()?;
-    let length = cobs::try_encode(message.get(..end)?, &mut frame).ok()?;
-    frame.truncate(length);
-    frame.push(DELIMITER).ok()?;
-    Some(frame)
-}
-
-/// Why a frame was skipped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum FrameError {
-    /// Longer than the reader holds: a delimiter was lost, or this is another protocol.
-    TooLong,
-    /// Too short to hold a record and its checksum.
-    Truncated,
-    /// Not a COBS encoding: bytes were lost or changed.
-    Stuffing,
-    /// The checksum says that bytes were changed.
-    Checksum,
-    /// Undamaged, but not a [`LoadRecord`]: the sender speaks another version.
-    Content,
-}
-
-impl FrameError {
-    /// What went wrong, in a few words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::TooLong => "frame too long",
-            Self::Truncated => "frame truncated",
-            Self::Stuffing => "frame stuffing broken",
-            Self::Checksum => "frame checksum wrong",
-            Self::Content => "frame holds no load record",
-        }
-    }
-}
-
-impl fmt::Display for FrameError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl core::error::Error for FrameError {}
-
-/// Takes a stream apart, byte by byte. `CAP` bounds the messages it accepts, checksum included;
-/// [`MESSAGE_LENGTH`] holds every record.
-#[derive(Debug, Default)]
-pub struct FrameReader<const CAP: usize> {
-    stuffing: DecoderState,
-    message: Vec<u8, CAP>,
-    overflow: bool,
-}
-
-impl<const CAP: usize> FrameReader<CAP> {
-    /// A reader at the start of a frame.
-    pub const fn new() -> Self {
-        Self {
-            stuffing: DecoderState::Idle,
-            message: Vec::new(),
-            overflow: false,
-        }
-    }
-
-    /// Takes the next byte; at the end of a frame returns the record, or why there is none. A
-    /// frame of no bytes is no error: senders may separate with more than one delimiter.
-    pub fn push(&mut self, byte: u8) -> Option<Result<LoadRecord, FrameError>> {
-        let result = match self.stuffing.feed(byte) {
-            Ok(DecodeResult::NoData | DecodeResult::DataStart) => return None,
-            Ok(DecodeResult::DataContinue(byte)) => {
-                self.overflow |= self.message.push(byte).is_err();
-                return None;
-            }
-            _ if self.overflow => Err(FrameError::TooLong),
-            Ok(DecodeResult::DataComplete) => parse(&self.message),
-            Err(_) => Err(FrameError::Stuffing),
-        };
-        self.message.clear();
-        self.overflow = false;
-        Some(result)
-    }
-}
-
-/// The record that a message holds.
-fn parse(message: &[u8]) -> Result<LoadRecord, FrameError> {
-    let (content, sum) = message
-        .split_last_chunk::<CHECKSUM_LENGTH>()
-        .ok_or(FrameError::Truncated)?;
-    // Before the parser sees a byte, so that damage is called damage.
-    if CHECKSUM.checksum(content) != u32::from_le_bytes(*sum) {
-        return Err(FrameError::Checksum);
-    }
-    match postcard::take_from_bytes(content) {
-        Ok((record, [])) => Ok(record),
-        _ => Err(FrameError::Content),
-    }
-}
+/// Takes a stream of load records apart, byte by byte. `CAP` bounds the messages it accepts, checksum
+/// included; [`MESSAGE_LENGTH`] holds every record.
+pub type FrameReader<const CAP: usize> = framing::FrameReader<LoadRecord, CAP>;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::framing::CHECKSUM;
     use proptest::prelude::*;
     use std::vec::Vec as Bytes;
 
