@@ -45,6 +45,9 @@ pub mod estimate;
 #[cfg(feature = "record")]
 #[forbid(unsafe_code)]
 pub mod framing;
+#[cfg(feature = "monitor")]
+#[forbid(unsafe_code)]
+pub mod monitor;
 #[cfg(feature = "record")]
 #[forbid(unsafe_code)]
 pub mod record;

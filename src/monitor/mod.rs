@@ -1,0 +1,5 @@
+//! From sensor to alarm: what a spindle's board does around the solver.
+
+pub mod judgement;
+pub mod plausibility;
+pub mod telemetry;

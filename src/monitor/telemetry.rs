@@ -1,0 +1,715 @@
+//! What the monitor tells others: a versioned binary record, and the queue in which it waits for a slow
+//! link.
+//!
+//! A [`Frame`] goes out in the framing of [`framing`](crate::framing): postcard, CRC-32, COBS. On the
+//! wire it is the fields of [`Frame`] in their order, integers as varints, floats as four bytes, and enums
+//! as the index of their variant: the order in which fields and variants stand here *is* the format. A
+//! change of it is a new [`VERSION`], which older receivers refuse as [`FrameError::Content`].
+//!
+//! | payload | when | in need |
+//! | --- | --- | --- |
+//! | [`Payload::Alarm`] | an alarm changed its state; again and again while it stands | never dropped |
+//! | [`Payload::Health`] | at a fixed interval | the newest is kept |
+//! | [`Payload::Estimate`] | at a fixed interval | the oldest is dropped, and counted |
+//! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
+//!
+//! [`Outbox`] is the queue. The link takes bytes out of it whenever it can; alarms go first. Sequence
+//! numbers are given when a frame goes out, so that a gap in them is a frame that the link lost, and
+//! what was dropped for want of room is counted by itself ([`HealthReport::frames_dropped`]).
+//!
+//! **No alarm is lost.** Changes queue in order. Should the link stay shut for so long that even that
+//! queue is full, what is left of the alarms that no longer fit is their latest state, which goes out
+//! when there is room, with the number of times that each was raised and cleared so far: a receiver
+//! sees from these counts what happened meanwhile. An alarm that stands is sent again at an interval,
+//! which makes up for frames that the link itself loses.
+
+use super::judgement::{Alarm, AlarmState};
+use super::plausibility::Marks;
+use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
+use crate::limits::Limit;
+use crate::status::Status;
+use heapless::{Deque, Vec};
+use serde::{Deserialize, Deserializer, Serialize, de};
+
+/// Version of the format.
+pub const VERSION: u8 = 1;
+
+/// Balls in one [`BallsReport`].
+pub const BALLS_PER_FRAME: usize = 8;
+
+/// Length of the longest message that a frame can become, checksum included: version, sequence, time
+/// and variant (17 bytes), then index, count and first azimuth (11 bytes with the length) and as many
+/// balls as a frame takes.
+pub const MESSAGE_LENGTH: usize =
+    17 + 11 + BALLS_PER_FRAME * 4 * size_of::<f32>() + CHECKSUM_LENGTH;
+
+/// Length of the frame of the longest message, its delimiter included.
+pub const FRAME_LENGTH: usize = framing::frame_length(MESSAGE_LENGTH);
+
+/// Takes a stream of telemetry apart, byte by byte.
+pub type FrameReader = framing::FrameReader<Frame, MESSAGE_LENGTH>;
+
+/// One telemetry record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Frame {
+    /// [`VERSION`]. A frame of another version is not read.
+    #[serde(deserialize_with = "this_version")]
+    pub version: u8,
+    /// Counts the frames that went out; wraps to 0.
+    pub sequence: u32,
+    /// Time of the monitor since its start, us.
+    pub time_us: u64,
+    /// What it is about.
+    pub payload: Payload,
+}
+
+fn this_version<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
+    match u8::deserialize(deserializer)? {
+        VERSION => Ok(VERSION),
+        other => Err(de::Error::invalid_value(
+            de::Unexpected::Unsigned(other.into()),
+            &"the version of this receiver",
+        )),
+    }
+}
+
+/// What a [`Frame`] is about.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+// Frames live in fixed memory, and the largest variant is what the queue must hold anyway.
+#[allow(clippy::large_enum_variant)]
+pub enum Payload {
+    /// The last good estimate.
+    Estimate(EstimateReport),
+    /// Contact forces and angles of some balls of that estimate.
+    Balls(BallsReport),
+    /// An alarm's state.
+    Alarm(AlarmReport),
+    /// Counters.
+    Health(HealthReport),
+}
+
+/// How the last solve ended: [`Status`] without its numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StatusCode {
+    /// [`Status::Converged`].
+    Converged,
+    /// [`Status::PrecisionLimit`].
+    PrecisionLimit,
+    /// [`Status::SweepLimit`].
+    SweepLimit,
+    /// [`Status::Unseated`].
+    Unseated,
+    /// [`Status::NotFinite`].
+    NotFinite,
+    /// [`Status::OutOfRange`].
+    OutOfRange,
+    /// [`Status::Unloaded`].
+    Unloaded,
+    /// [`Status::Indeterminate`].
+    Indeterminate,
+    /// [`Status::Diverged`].
+    Diverged,
+}
+
+impl StatusCode {
+    /// Short name in lower case, that of [`Status::name`].
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::PrecisionLimit => "precision-limit",
+            Self::SweepLimit => "sweep-limit",
+            Self::Unseated => "unseated",
+            Self::NotFinite => "not-finite",
+            Self::OutOfRange => "out-of-range",
+            Self::Unloaded => "unloaded",
+            Self::Indeterminate => "indeterminate",
+            Self::Diverged => "diverged",
+        }
+    }
+}
+
+impl<T> From<&Status<T>> for StatusCode {
+    fn from(status: &Status<T>) -> Self {
+        match status {
+            Status::Converged => Self::Converged,
+            Status::PrecisionLimit => Self::PrecisionLimit,
+            Status::SweepLimit => Self::SweepLimit,
+            Status::Unseated { .. } => Self::Unseated,
+            Status::NotFinite { .. } => Self::NotFinite,
+            Status::OutOfRange { .. } => Self::OutOfRange,
+            Status::Unloaded => Self::Unloaded,
+            Status::Indeterminate { .. } => Self::Indeterminate,
+            Status::Diverged { .. } => Self::Diverged,
+        }
+    }
+}
+
+/// The last good estimate, how old it is, and what is doubted now. SI units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct EstimateReport {
+    /// Ticks since the sample was taken that the estimate belongs to: 0 for one of this tick.
+    pub age: u32,
+    /// Doubts about the sample of this tick. If there are any, the estimate is an older one.
+    pub marks: Marks,
+    /// Loads `Fx, Fy, Fz` (N), `My, Mz` (N m) of the estimate.
+    pub load: [f32; 5],
+    /// Shaft speed `omega` of the estimate, rad/s.
+    pub speed: f32,
+    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
+    pub displacement: [f32; 5],
+    /// Diagonal of the stiffness: `Kxx, Kyy, Kzz` (N/m), `Ktyty, Ktztz` (N m/rad).
+    pub stiffness: [f32; 5],
+    /// The off-diagonal stiffness that couples most.
+    pub coupling: f32,
+    /// Its row, 0 for x to 4 for the tilt about z.
+    pub coupling_row: u8,
+    /// Its column.
+    pub coupling_column: u8,
+    /// Smallest contact force on the inner race, N; 0 if a ball is off that race.
+    pub least_force: f32,
+    /// Largest contact force on the inner race, N.
+    pub largest_force: f32,
+    /// How the last solve ended. If not with an answer, the estimate is an older one.
+    pub status: StatusCode,
+    /// Sweeps of the estimate.
+    pub sweeps: u16,
+    /// Estimated relative errors of displacement, contact forces and stiffness.
+    pub error: [f32; 3],
+    /// Physical limits that were passed, one bit each in the order of [`Limit::ALL`] from the lowest.
+    pub limits: u8,
+}
+
+impl EstimateReport {
+    /// The physical limits that were passed, the most serious first.
+    pub fn passed(&self) -> impl Iterator<Item = Limit> {
+        let bits = self.limits;
+        Limit::ALL
+            .into_iter()
+            .filter(move |limit| bits & (1 << *limit as u8) != 0)
+    }
+}
+
+/// Contact forces and angles of some balls, for a polar picture. The balls stand at equal angles,
+/// from [`BallsReport::first_azimuth`] on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BallsReport {
+    /// Index of the first ball in this frame.
+    pub first: u16,
+    /// Number of balls of the bearing.
+    pub count: u16,
+    /// Azimuth of the bearing's ball 0, rad from +y towards +z.
+    pub first_azimuth: f32,
+    /// The balls from `first` on.
+    pub balls: Vec<BallReport, BALLS_PER_FRAME>,
+}
+
+/// One ball.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BallReport {
+    /// Inner contact force, N.
+    pub q_i: f32,
+    /// Outer contact force, N.
+    pub q_o: f32,
+    /// Inner contact angle, rad.
+    pub alpha_i: f32,
+    /// Outer contact angle, rad.
+    pub alpha_o: f32,
+}
+
+/// What an alarm report is sent for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AlarmChange {
+    /// The condition has stood for its hold time.
+    Raised,
+    /// The condition is gone.
+    Cleared,
+    /// Somebody has acknowledged the alarm.
+    Acknowledged,
+    /// Nothing changed: the alarm stands, or is in the state that a full queue held back.
+    Standing,
+}
+
+/// An alarm's state, and what led to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AlarmReport {
+    /// Which alarm.
+    pub alarm: Alarm,
+    /// What happened.
+    pub change: AlarmChange,
+    /// Its state since then.
+    pub state: AlarmState,
+    /// What was watched, in the unit of [`Alarm`].
+    pub value: f32,
+    /// The limit that it is held against.
+    pub limit: f32,
+    /// The ball that is worst, if it is about a ball.
+    pub ball: Option<u16>,
+    /// How often this alarm was raised since the start.
+    pub raised: u32,
+    /// How often its condition went away again.
+    pub cleared: u32,
+}
+
+/// Counters since the start. None of them can overflow within a century.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct HealthReport {
+    /// Ticks that finished.
+    pub ticks: u64,
+    /// Of these, ticks that took longer than their deadline.
+    pub overruns: u64,
+    /// Ticks that never began, because the one before took so long.
+    pub missed_ticks: u64,
+    /// Solves that gave an estimate.
+    pub estimates: u64,
+    /// Solves that were refused, or stopped short of an answer.
+    pub refusals: u64,
+    /// Ticks whose sample was doubted.
+    pub marked_samples: u64,
+    /// Alarms raised.
+    pub alarms_raised: u64,
+    /// Alarms whose condition went away.
+    pub alarms_cleared: u64,
+    /// Estimates and balls that were dropped because the link was too slow.
+    pub frames_dropped: u64,
+    /// Largest number of cycles that a tick took.
+    pub most_cycles: u32,
+    /// Revolutions of the shaft.
+    pub revolutions: u64,
+    /// Rating life used up, as a part of 1.
+    pub life_used: f32,
+    /// Every doubt that there was since the last health report.
+    pub marks: Marks,
+}
+
+/// Alarm reports that wait in order.
+const ALARM_QUEUE: usize = 4 * Alarm::COUNT;
+
+/// A payload and when it was.
+#[derive(Debug, Clone, PartialEq)]
+struct Waiting {
+    time_us: u64,
+    payload: Payload,
+}
+
+/// An alarm's latest state, which waits behind the queue.
+#[derive(Debug, Clone, Copy)]
+struct HeldBack {
+    time_us: u64,
+    report: AlarmReport,
+    /// A change found the queue full: what comes later may not overtake it.
+    change: bool,
+}
+
+/// Frames that wait for the link. `FRAMES` estimates and balls fit; two are few, twenty are a second
+/// or so.
+#[derive(Debug)]
+pub struct Outbox<const FRAMES: usize> {
+    alarms: Deque<(u64, AlarmReport), ALARM_QUEUE>,
+    held_back: [Option<HeldBack>; Alarm::COUNT],
+    health: Option<(u64, HealthReport)>,
+    frames: Deque<Waiting, FRAMES>,
+    sequence: u32,
+    dropped: u64,
+    /// The frame that is on its way, and how much of it is gone.
+    current: Vec<u8, FRAME_LENGTH>,
+    gone: usize,
+}
+
+impl<const FRAMES: usize> Default for Outbox<FRAMES> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const FRAMES: usize> Outbox<FRAMES> {
+    /// An empty queue.
+    pub const fn new() -> Self {
+        Self {
+            alarms: Deque::new(),
+            held_back: [None; Alarm::COUNT],
+            health: None,
+            frames: Deque::new(),
+            sequence: 0,
+            dropped: 0,
+            current: Vec::new(),
+            gone: 0,
+        }
+    }
+
+    /// Numbers frames from this one on.
+    pub const fn number_from(&mut self, sequence: u32) {
+        self.sequence = sequence;
+    }
+
+    /// Estimates and balls that were dropped so far.
+    pub const fn dropped(&self) -> u64 {
+        self.dropped
+    }
+
+    /// Whether there is nothing to send.
+    pub fn is_empty(&self) -> bool {
+        self.gone >= self.current.len()
+            && self.alarms.is_empty()
+            && self.held_back.iter().all(Option::is_none)
+            && self.health.is_none()
+            && self.frames.is_empty()
+    }
+
+    /// Queues a payload of this time. What has to give way for want of room is counted.
+    pub fn post(&mut self, time_us: u64, payload: Payload) {
+        match payload {
+            Payload::Alarm(report) => self.post_alarm(time_us, report),
+            Payload::Health(report) => self.health = Some((time_us, report)),
+            payload @ (Payload::Estimate(_) | Payload::Balls(_)) => {
+                // What is newest is worth most.
+                if self.frames.is_full() && self.frames.pop_front().is_some() {
+                    self.dropped = self.dropped.saturating_add(1);
+                }
+                if self.frames.push_back(Waiting { time_us, payload }).is_err() {
+                    // Without any room at all.
+                    self.dropped = self.dropped.saturating_add(1);
+                }
+            }
+        }
+    }
+
+    fn post_alarm(&mut self, time_us: u64, report: AlarmReport) {
+        let Some(slot) = self.held_back.get_mut(report.alarm as usize) else {
+            return;
+        };
+        let held = slot.is_some_and(|held| held.change);
+        // One that only says that the alarm stands must not take the room of those that say more.
+        let change = report.change != AlarmChange::Standing;
+        if change && !held && self.alarms.push_back((time_us, report)).is_ok() {
+            // What says that it stands is out of date.
+            *slot = None;
+            return;
+        }
+        *slot = Some(HeldBack {
+            time_us,
+            report: AlarmReport {
+                change: AlarmChange::Standing,
+                ..report
+            },
+            change: change || held,
+        });
+    }
+
+    /// The next frame that is worth the link, and drops it from the queue.
+    fn next(&mut self) -> Option<Waiting> {
+        if let Some((time_us, report)) = self.alarms.pop_front() {
+            let payload = Payload::Alarm(report);
+            return Some(Waiting { time_us, payload });
+        }
+        if let Some(slot) = self.held_back.iter_mut().find(|slot| slot.is_some()) {
+            return slot.take().map(|held| Waiting {
+                time_us: held.time_us,
+                payload: Payload::Alarm(held.report),
+            });
+        }
+        if let Some((time_us, report)) = self.health.take() {
+            let payload = Payload::Health(report);
+            return Some(Waiting { time_us, payload });
+        }
+        self.frames.pop_front()
+    }
+
+    /// Makes sure that there are bytes on their way; false if there is nothing to send.
+    fn fetch(&mut self) -> bool {
+        if self.gone < self.current.len() {
+            return true;
+        }
+        let Some(Waiting { time_us, payload }) = self.next() else {
+            return false;
+        };
+        let frame = Frame {
+            version: VERSION,
+            sequence: self.sequence,
+            time_us,
+            payload,
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        self.gone = 0;
+        // The lengths above make room for every frame; the tests see to it.
+        self.current = framing::encode(&frame).unwrap_or_default();
+        !self.current.is_empty()
+    }
+
+    /// The next byte for the link, if there is one.
+    pub fn next_byte(&mut self) -> Option<u8> {
+        if !self.fetch() {
+            return None;
+        }
+        let byte = self.current.get(self.gone).copied();
+        self.gone += 1;
+        byte
+    }
+
+    /// Fills a buffer for the link, and returns how many bytes it has put there.
+    pub fn fill(&mut self, buffer: &mut [u8]) -> usize {
+        let mut filled = 0;
+        while filled < buffer.len() && self.fetch() {
+            let rest = self.current.get(self.gone..).unwrap_or_default();
+            let room = buffer.get_mut(filled..).unwrap_or_default();
+            let count = rest.len().min(room.len());
+            for (to, from) in room.iter_mut().zip(rest) {
+                *to = *from;
+            }
+            self.gone += count;
+            filled += count;
+        }
+        filled
+    }
+}
+
+/// The frame of a record, delimiter included; empty if it is longer than any that this version knows.
+pub fn encode(frame: &Frame) -> Vec<u8, FRAME_LENGTH> {
+    framing::encode(frame).unwrap_or_default()
+}
+
+/// What a reader returns at the end of each frame.
+pub type Read = Result<Frame, FrameError>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec as Bytes;
+
+    fn longest(payload: Payload) -> Frame {
+        Frame {
+            version: VERSION,
+            sequence: u32::MAX,
+            time_us: u64::MAX,
+            payload,
+        }
+    }
+
+    fn balls() -> Payload {
+        let ball = BallReport {
+            q_i: f32::MAX,
+            q_o: f32::MAX,
+            alpha_i: f32::MAX,
+            alpha_o: f32::MAX,
+        };
+        Payload::Balls(BallsReport {
+            first: u16::MAX,
+            count: u16::MAX,
+            first_azimuth: f32::MAX,
+            balls: Vec::from_array([ball; BALLS_PER_FRAME]),
+        })
+    }
+
+    fn estimate(sweeps: u16) -> Payload {
+        let mut marks = Marks::NONE;
+        for mark in super::super::plausibility::Mark::ALL {
+            marks = marks.with(mark);
+        }
+        Payload::Estimate(EstimateReport {
+            age: u32::MAX,
+            marks,
+            load: [f32::MAX; 5],
+            speed: f32::MAX,
+            displacement: [f32::MAX; 5],
+            stiffness: [f32::MAX; 5],
+            coupling: f32::MAX,
+            coupling_row: u8::MAX,
+            coupling_column: u8::MAX,
+            least_force: f32::MAX,
+            largest_force: f32::MAX,
+            status: StatusCode::Diverged,
+            sweeps,
+            error: [f32::MAX; 3],
+            limits: u8::MAX,
+        })
+    }
+
+    fn alarm(alarm: Alarm, change: AlarmChange, raised: u32) -> Payload {
+        Payload::Alarm(AlarmReport {
+            alarm,
+            change,
+            state: AlarmState::Raised,
+            value: f32::MAX,
+            limit: f32::MAX,
+            ball: Some(u16::MAX),
+            raised,
+            cleared: u32::MAX,
+        })
+    }
+
+    fn health() -> Payload {
+        Payload::Health(HealthReport {
+            ticks: u64::MAX,
+            overruns: u64::MAX,
+            missed_ticks: u64::MAX,
+            estimates: u64::MAX,
+            refusals: u64::MAX,
+            marked_samples: u64::MAX,
+            alarms_raised: u64::MAX,
+            alarms_cleared: u64::MAX,
+            frames_dropped: u64::MAX,
+            most_cycles: u32::MAX,
+            revolutions: u64::MAX,
+            life_used: f32::MAX,
+            marks: Marks::NONE,
+        })
+    }
+
+    fn read(bytes: &[u8]) -> Bytes<Read> {
+        let mut reader = FrameReader::new();
+        bytes.iter().filter_map(|b| reader.push(*b)).collect()
+    }
+
+    fn drain<const F: usize>(outbox: &mut Outbox<F>) -> Bytes<Frame> {
+        let bytes: Bytes<u8> = core::iter::from_fn(|| outbox.next_byte()).collect();
+        read(&bytes).into_iter().map(Result::unwrap).collect()
+    }
+
+    #[test]
+    fn the_longest_frames_fit_and_arrive_as_they_left() {
+        for payload in [
+            balls(),
+            estimate(u16::MAX),
+            alarm(Alarm::Deadline, AlarmChange::Standing, u32::MAX),
+            health(),
+        ] {
+            let frame = longest(payload);
+            let bytes = encode(&frame);
+            assert!(!bytes.is_empty(), "{frame:?}");
+            if matches!(frame.payload, Payload::Balls(_)) {
+                assert!(bytes.len() + 2 >= FRAME_LENGTH);
+            }
+            assert_eq!(read(&bytes), [Ok(frame)]);
+        }
+    }
+
+    #[test]
+    fn a_frame_of_another_version_is_refused_as_content() {
+        let frame = Frame {
+            version: VERSION + 1,
+            ..longest(health())
+        };
+        assert_eq!(read(&encode(&frame)), [Err(FrameError::Content)]);
+    }
+
+    /// The bytes that a decoder in another language has to expect.
+    #[test]
+    fn the_wire_format_is_that_of_version_1() {
+        let frame = Frame {
+            version: 1,
+            sequence: 300,
+            time_us: 5,
+            payload: Payload::Alarm(AlarmReport {
+                alarm: Alarm::PreloadLoss,
+                change: AlarmChange::Raised,
+                state: AlarmState::Raised,
+                value: 1.0,
+                limit: 0.5,
+                ball: None,
+                raised: 1,
+                cleared: 0,
+            }),
+        };
+        let mut bytes = [0; 64];
+        let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
+        let expected = [
+            1, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+        ];
+        assert_eq!(bytes, expected);
+    }
+
+    #[test]
+    fn a_slow_link_loses_the_oldest_estimates_and_counts_them() {
+        let mut outbox = Outbox::<4>::new();
+        for sweeps in 0..10 {
+            outbox.post(u64::from(sweeps), estimate(sweeps));
+        }
+        assert_eq!(outbox.dropped(), 6);
+        let frames = drain(&mut outbox);
+        let times: Bytes<u64> = frames.iter().map(|f| f.time_us).collect();
+        assert_eq!(times, [6, 7, 8, 9]);
+        let numbers: Bytes<u32> = frames.iter().map(|f| f.sequence).collect();
+        assert_eq!(numbers, [0, 1, 2, 3]);
+        assert!(outbox.is_empty());
+    }
+
+    #[test]
+    fn alarms_overtake_estimates_and_are_never_dropped() {
+        let mut outbox = Outbox::<2>::new();
+        for i in 0..100 {
+            outbox.post(i, estimate(0));
+            let change = if i % 2 == 0 {
+                AlarmChange::Raised
+            } else {
+                AlarmChange::Cleared
+            };
+            outbox.post(i, alarm(Alarm::Slip, change, i as u32 / 2 + 1));
+            outbox.post(i, alarm(Alarm::Sensor, AlarmChange::Standing, 7));
+        }
+        assert_eq!(outbox.dropped(), 98);
+        let frames = drain(&mut outbox);
+        let of = |which: Alarm| -> Bytes<AlarmReport> {
+            let reports = frames.iter().filter_map(|frame| match &frame.payload {
+                Payload::Alarm(report) if report.alarm == which => Some(*report),
+                _ => None,
+            });
+            reports.collect()
+        };
+        let slip = of(Alarm::Slip);
+        assert_eq!(slip.len(), ALARM_QUEUE + 1);
+        let (last, first) = slip.split_last().unwrap();
+        for (i, report) in first.iter().enumerate() {
+            assert_eq!(report.raised as usize, i / 2 + 1);
+            assert_ne!(report.change, AlarmChange::Standing);
+        }
+        // What no longer fitted is there as a count.
+        assert_eq!((last.raised, last.change), (50, AlarmChange::Standing));
+        let sensor = of(Alarm::Sensor);
+        assert_eq!(sensor.len(), 1);
+        assert!(matches!(
+            frames.last().unwrap().payload,
+            Payload::Estimate(_)
+        ));
+    }
+
+    #[test]
+    fn a_buffer_of_any_size_carries_the_same_bytes() {
+        let post = |outbox: &mut Outbox<8>| {
+            outbox.number_from(u32::MAX);
+            for i in 0..3 {
+                outbox.post(i, estimate(3));
+                outbox.post(i, balls());
+            }
+            outbox.post(9, health());
+        };
+        let mut byte_by_byte = Outbox::<8>::new();
+        post(&mut byte_by_byte);
+        let expected: Bytes<u8> = core::iter::from_fn(|| byte_by_byte.next_byte()).collect();
+        for size in [1, 7, 64, 4096] {
+            let mut outbox = Outbox::<8>::new();
+            post(&mut outbox);
+            let (mut buffer, mut bytes) = (std::vec![0; size], Bytes::<u8>::new());
+            loop {
+                let filled = outbox.fill(&mut buffer);
+                if filled == 0 {
+                    break;
+                }
+                bytes.extend(&buffer[..filled]);
+            }
+            assert_eq!(bytes, expected);
+        }
+        let numbers: Bytes<u32> = read(&expected)
+            .into_iter()
+            .map(|frame| frame.unwrap().sequence)
+            .collect();
+        assert_eq!(numbers, [u32::MAX, 0, 1, 2, 3, 4, 5]);
+    }
+}
