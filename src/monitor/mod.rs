@@ -2,4 +2,6 @@
 
 pub mod judgement;
 pub mod plausibility;
+pub mod speed;
 pub mod telemetry;
+pub mod tick;
