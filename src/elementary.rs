@@ -80,6 +80,60 @@ pub(crate) const fn sin_cos(x: f64) -> (f64, f64) {
     }
 }
 
+/// Natural logarithm of a finite, positive number; that of the smallest one for anything less.
+#[cfg(feature = "monitor")]
+pub(crate) const fn ln(x: f64) -> f64 {
+    let mut x = if x > f64::MIN_POSITIVE {
+        x
+    } else {
+        f64::MIN_POSITIVE
+    };
+    let mut exponent = 0;
+    // To within a root of 2 of 1; a thousand halvings at most.
+    while x > core::f64::consts::SQRT_2 {
+        x *= 0.5;
+        exponent += 1;
+    }
+    while x < core::f64::consts::FRAC_1_SQRT_2 {
+        x *= 2.0;
+        exponent -= 1;
+    }
+    // 2 artanh s = 2 (s + s^3/3 + ...), s below 0.172.
+    let s = (x - 1.0) / (x + 1.0);
+    let mut sum = 0.0;
+    let mut n = 25;
+    while n > 0 {
+        sum = sum * s * s + 1.0 / n as f64;
+        n -= 2;
+    }
+    2.0 * s * sum + exponent as f64 * core::f64::consts::LN_2
+}
+
+/// `x` to the power of `y` for a finite, positive `x` and a result that doubles can hold.
+#[cfg(feature = "monitor")]
+pub(crate) const fn pow(x: f64, y: f64) -> f64 {
+    let exponent = y * ln(x);
+    let halves = exponent / core::f64::consts::LN_2;
+    let whole = (halves + if halves < 0.0 { -0.5 } else { 0.5 }) as i32;
+    let rest = exponent - whole as f64 * core::f64::consts::LN_2;
+    let mut sum = 1.0;
+    let mut n = 18;
+    while n > 0 {
+        sum = 1.0 + sum * rest / n as f64;
+        n -= 1;
+    }
+    let mut i = 0;
+    while i < whole && i < 1024 {
+        sum *= 2.0;
+        i += 1;
+    }
+    while i > whole && i > -1024 {
+        sum *= 0.5;
+        i -= 1;
+    }
+    sum
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,6 +153,21 @@ mod tests {
             let x = 1.7 * 10f64.powi(exponent);
             assert!((sqrt(x) / x.sqrt() - 1.0).abs() < 3e-16, "sqrt {x}");
             assert!((cbrt(x) / x.cbrt() - 1.0).abs() < 5e-16, "cbrt {x}");
+        }
+    }
+
+    #[cfg(feature = "monitor")]
+    #[test]
+    fn powers_agree_with_the_standard_library() {
+        for i in 1..3000 {
+            let x = f64::from(i) * 1.7e-3 * f64::from(i);
+            for y in [0.41, -0.3, 10.0 / 3.0, 1.8, -1.0, 0.0] {
+                assert!((pow(x, y) / x.powf(y) - 1.0).abs() < 2e-14, "{x}^{y}");
+            }
+            assert!(
+                (ln(x) - x.ln()).abs() < 1e-15 * (1.0 + 2.0 * x.ln().abs()),
+                "ln {x}"
+            );
         }
     }
 

@@ -1,5 +1,19 @@
-//! Alarms.
+//! What estimates mean: limits, a baseline, a slow trend, and alarms that latch.
+//!
+//! - **Alarm.** A level that reaches `raise` and stays, above `clear`, for the hold time raises its alarm
+//!   ([`Threshold`]). When the level has fallen to `clear` the condition is gone, but the alarm stays latched
+//!   until somebody acknowledges it. A level that is not known changes nothing.
+//! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. Compared
+//!   is the *idling* spindle (radial load and tilting moment below a bound, as between cuts), within a band of
+//!   speed ([`Baseline`]): what is left to change the stiffness there is preload, wear and heat. The baseline is
+//!   learnt on the good spindle: the mean diagonal of the stiffness in every band. The loss is that of the
+//!   element that has lost most, over the baseline.
+//! - **Trend.** Preload goes slowly. Means of the idling stiffness over the baseline, one for each span of
+//!   time, are kept ([`Trend`]); the least-squares line through them tells the loss to be expected some time
+//!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit, and so
+//!   raises [`Alarm::PreloadLoss`] before [`Alarm::StiffnessLoss`] comes.
 
+use super::plausibility::seconds;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +41,7 @@ pub enum Alarm {
     Sensor,
     /// The estimate is old: seconds since the sample it belongs to.
     StaleEstimate,
-    /// Ticks miss their deadline: cycles of the worst of them.
+    /// Ticks miss their deadline: how many within the last second or two.
     Deadline,
 }
 
@@ -74,9 +88,9 @@ impl Alarm {
             | Self::UnloadedBalls
             | Self::StiffnessLoss
             | Self::PreloadLoss
-            | Self::LifeUsed => "",
+            | Self::LifeUsed
+            | Self::Deadline => "",
             Self::Sensor | Self::StaleEstimate => "s",
-            Self::Deadline => "cycles",
         }
     }
 }
@@ -114,5 +128,726 @@ impl AlarmState {
             Self::Acknowledged => "acknowledged",
             Self::Latched => "latched",
         }
+    }
+}
+
+/// When an alarm is raised, and when its condition is gone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Threshold {
+    /// The condition begins at this level.
+    pub raise: f32,
+    /// The condition ends at this level, below `raise`.
+    pub clear: f32,
+    /// So long it must last, us.
+    pub hold_us: u32,
+}
+
+impl Threshold {
+    /// `clear` below `raise`, both numbers.
+    pub(super) const fn is_sound(&self) -> bool {
+        self.raise.is_finite() && self.clear.is_finite() && self.clear < self.raise
+    }
+}
+
+/// A level that an alarm watches, and the ball that is worst.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Level {
+    /// In the unit of the [`Alarm`].
+    pub value: f32,
+    /// The worst ball, if it is about one.
+    pub ball: Option<u16>,
+}
+
+impl Level {
+    /// A level that is about no ball.
+    pub const fn of(value: f32) -> Self {
+        Self { value, ball: None }
+    }
+}
+
+/// What happened to an alarm.
+pub use super::telemetry::AlarmChange;
+
+/// One alarm's memory.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct AlarmMachine {
+    state: AlarmState,
+    /// Since when the condition lasts, us.
+    since_us: u64,
+    level: f32,
+    ball: Option<u16>,
+    raised: u32,
+    cleared: u32,
+}
+
+impl AlarmMachine {
+    /// Where it stands.
+    pub const fn state(&self) -> AlarmState {
+        self.state
+    }
+
+    /// How often it was raised, and how often its condition went away.
+    pub const fn counts(&self) -> (u32, u32) {
+        (self.raised, self.cleared)
+    }
+
+    /// The last level, and its ball.
+    pub const fn level(&self) -> Level {
+        Level {
+            value: self.level,
+            ball: self.ball,
+        }
+    }
+
+    /// Holds a level against its threshold.
+    pub fn update(
+        &mut self,
+        time_us: u64,
+        level: Level,
+        threshold: &Threshold,
+    ) -> Option<AlarmChange> {
+        use AlarmState as S;
+        // A level that is no number tells nothing.
+        if level.value.is_nan() {
+            return None;
+        }
+        (self.level, self.ball) = (level.value, level.ball);
+        let active = matches!(self.state, S::Pending | S::Raised | S::Acknowledged);
+        let condition = if active {
+            level.value > threshold.clear
+        } else {
+            level.value >= threshold.raise
+        };
+        if condition && !active {
+            self.since_us = time_us;
+        }
+        let held = time_us.saturating_sub(self.since_us) >= threshold.hold_us.into();
+        match (self.state, condition) {
+            (S::Clear, true) if !held => {
+                self.state = S::Pending;
+                None
+            }
+            // A latched alarm is known to be one, and needs no hold time to be one again.
+            (S::Clear | S::Pending, true) if held => self.raise(),
+            (S::Latched, true) => self.raise(),
+            (S::Pending, false) => {
+                self.state = S::Clear;
+                None
+            }
+            (S::Raised, false) => self.clear(S::Latched),
+            (S::Acknowledged, false) => self.clear(S::Clear),
+            _ => None,
+        }
+    }
+
+    fn raise(&mut self) -> Option<AlarmChange> {
+        self.state = AlarmState::Raised;
+        self.raised = self.raised.saturating_add(1);
+        Some(AlarmChange::Raised)
+    }
+
+    fn clear(&mut self, to: AlarmState) -> Option<AlarmChange> {
+        self.state = to;
+        self.cleared = self.cleared.saturating_add(1);
+        Some(AlarmChange::Cleared)
+    }
+
+    /// Somebody has seen it.
+    pub const fn acknowledge(&mut self) -> Option<AlarmChange> {
+        self.state = match self.state {
+            AlarmState::Raised => AlarmState::Acknowledged,
+            AlarmState::Latched => AlarmState::Clear,
+            _ => return None,
+        };
+        Some(AlarmChange::Acknowledged)
+    }
+
+    /// Whether there is something to know about it.
+    pub const fn stands(&self) -> bool {
+        matches!(
+            self.state,
+            AlarmState::Raised | AlarmState::Acknowledged | AlarmState::Latched
+        )
+    }
+}
+
+/// Bands of speed.
+pub const BANDS: usize = 16;
+
+/// When stiffness is compared, and how the baseline is learnt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BaselineSettings {
+    /// Width of a band of speed, rad/s. The last of the [`BANDS`] is open to above.
+    pub band_width: f32,
+    /// Largest radial load of an idling spindle, N.
+    pub idle_radial: f32,
+    /// Largest tilting moment of an idling spindle, N m.
+    pub idle_moment: f32,
+    /// Estimates that a band's mean takes to count.
+    pub least_estimates: u32,
+}
+
+/// Stiffness of the good spindle, idling, by bands of speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Baseline {
+    /// Mean diagonal of the stiffness in each band, N/m and N m/rad.
+    pub stiffness: [[f32; 5]; BANDS],
+    /// Estimates that the mean is of.
+    pub estimates: [u32; BANDS],
+}
+
+impl Baseline {
+    /// Nothing learnt.
+    pub const EMPTY: Self = Self {
+        stiffness: [[0.0; 5]; BANDS],
+        estimates: [0; BANDS],
+    };
+
+    /// The band of a speed, if the spindle idles.
+    fn band(settings: &BaselineSettings, load: &[f32; 5], speed: f32) -> Option<usize> {
+        let [_, fy, fz, my, mz] = load;
+        let square = |x: f32| x * x;
+        if !(fy * fy + fz * fz <= square(settings.idle_radial)
+            && my * my + mz * mz <= square(settings.idle_moment))
+        {
+            return None;
+        }
+        // The cast saturates.
+        let band = (speed.abs() / settings.band_width) as usize;
+        Some(band.min(BANDS - 1))
+    }
+
+    /// Takes an estimate into the mean of its band, if the spindle idles.
+    pub fn learn(
+        &mut self,
+        settings: &BaselineSettings,
+        load: &[f32; 5],
+        speed: f32,
+        stiffness: &[f32; 5],
+    ) {
+        let Some(band) = Self::band(settings, load, speed) else {
+            return;
+        };
+        if !stiffness.iter().all(|k| k.is_finite() && *k > 0.0) {
+            return;
+        }
+        let (Some(mean), Some(count)) =
+            (self.stiffness.get_mut(band), self.estimates.get_mut(band))
+        else {
+            return;
+        };
+        *count = count.saturating_add(1);
+        // Beyond this many the mean forgets slowly instead of rounding new ones away.
+        let weight = 1.0 / (*count).min(100_000) as f32;
+        for (mean, k) in mean.iter_mut().zip(stiffness) {
+            *mean += (k - *mean) * weight;
+        }
+    }
+
+    /// Stiffness over the baseline, element by element; none if the spindle does not idle, or its band is
+    /// not known.
+    pub fn ratio(
+        &self,
+        settings: &BaselineSettings,
+        load: &[f32; 5],
+        speed: f32,
+        stiffness: &[f32; 5],
+    ) -> Option<[f32; 5]> {
+        let band = Self::band(settings, load, speed)?;
+        let (mean, count) = (self.stiffness.get(band)?, self.estimates.get(band)?);
+        if *count < settings.least_estimates.max(1) {
+            return None;
+        }
+        let mut ratio = *stiffness;
+        for (k, mean) in ratio.iter_mut().zip(mean) {
+            *k /= mean;
+        }
+        ratio.iter().all(|r| r.is_finite()).then_some(ratio)
+    }
+}
+
+/// Means that the trend is made of.
+pub const TREND_SPANS: usize = 32;
+
+/// How the trend is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TrendSettings {
+    /// Length of a span, us: one mean each.
+    pub span_us: u64,
+    /// Estimates of an idling spindle that a span's mean takes to count.
+    pub least_estimates: u32,
+    /// Spans that a line takes, at least 3, at most [`TREND_SPANS`].
+    pub least_spans: u16,
+    /// How far the line is carried on, s.
+    pub ahead: f32,
+}
+
+/// A slow change, by its means over spans of time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trend {
+    /// Means and their times, the oldest first once it is full.
+    spans: [(u64, f32); TREND_SPANS],
+    next: usize,
+    filled: usize,
+    begin_us: u64,
+    mean: f32,
+    count: u32,
+}
+
+impl Default for Trend {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+impl Trend {
+    /// Without a past.
+    pub const EMPTY: Self = Self {
+        spans: [(0, 0.0); TREND_SPANS],
+        next: 0,
+        filled: 0,
+        begin_us: 0,
+        mean: 0.0,
+        count: 0,
+    };
+
+    /// Takes in a ratio. At the end of a span, returns the loss to be expected: 0 if there is no slope
+    /// down beyond doubt.
+    pub fn add(&mut self, time_us: u64, ratio: f32, settings: &TrendSettings) -> Option<f32> {
+        let mut expected = None;
+        let over = time_us.saturating_sub(self.begin_us) >= settings.span_us;
+        if over && self.count > 0 {
+            // A span with too little in it is left out.
+            if self.count >= settings.least_estimates {
+                let middle = self.begin_us + time_us.saturating_sub(self.begin_us) / 2;
+                if let Some(span) = self.spans.get_mut(self.next) {
+                    *span = (middle, self.mean);
+                }
+                self.next = (self.next + 1) % TREND_SPANS;
+                self.filled = (self.filled + 1).min(TREND_SPANS);
+                expected = self.expected(time_us, settings);
+            }
+            self.count = 0;
+        }
+        if self.count == 0 {
+            self.begin_us = time_us;
+            self.mean = 0.0;
+        }
+        self.count = self.count.saturating_add(1);
+        self.mean += (ratio - self.mean) / self.count as f32;
+        expected
+    }
+
+    /// The loss to be expected `ahead` of this time, if there are enough spans.
+    fn expected(&self, time_us: u64, settings: &TrendSettings) -> Option<f32> {
+        if self.filled < usize::from(settings.least_spans.max(3)) {
+            return None;
+        }
+        let spans = self.spans.get(..self.filled)?;
+        let n = self.filled as f32;
+        // Times before now, so that a float holds them.
+        let point = |(at, y): &(u64, f32)| (-seconds_long(*at, time_us), *y);
+        let (mut x_mean, mut y_mean) = (0.0, 0.0);
+        for (x, y) in spans.iter().map(point) {
+            x_mean += x / n;
+            y_mean += y / n;
+        }
+        let (mut sxx, mut sxy, mut syy) = (0.0, 0.0, 0.0);
+        for (x, y) in spans.iter().map(point) {
+            let (dx, dy) = (x - x_mean, y - y_mean);
+            sxx += dx * dx;
+            sxy += dx * dy;
+            syy += dy * dy;
+        }
+        if !(sxx > 0.0) {
+            return None;
+        }
+        let slope = sxy / sxx;
+        let rest = (syy - slope * sxy).max(0.0) / (n - 2.0);
+        let error = crate::sqrt::sqrt_f32(rest / sxx);
+        if slope + 3.0 * error >= 0.0 {
+            return Some(0.0);
+        }
+        let then = y_mean + slope * (settings.ahead - x_mean);
+        Some(1.0 - then)
+    }
+}
+
+/// Seconds between two times that may be months apart.
+fn seconds_long(from: u64, to: u64) -> f32 {
+    // Milliseconds first: a float has no more digits.
+    let ms = to.saturating_sub(from) / 1000;
+    ms.min(u32::MAX.into()) as u32 as f32 * 1e-3
+}
+
+/// Thresholds of all alarms; the baseline and the trend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct JudgementSettings {
+    /// One for each alarm, in the order of [`Alarm::ALL`].
+    pub thresholds: [Threshold; Alarm::COUNT],
+    /// The baseline.
+    pub baseline: BaselineSettings,
+    /// The trend.
+    pub trend: TrendSettings,
+}
+
+impl JudgementSettings {
+    /// An alarm's threshold.
+    pub const fn of(&self, alarm: Alarm) -> &Threshold {
+        &self.thresholds[alarm as usize]
+    }
+}
+
+/// What an equilibrium looks like to the one who judges it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Findings {
+    /// Largest peak pressure, Pa.
+    pub pressure: Level,
+    /// Largest contact angle less that of its shoulder, rad.
+    pub contact_angle: Level,
+    /// Largest friction over contact force; 0 if below the level at which its alarm clears.
+    pub slip: Level,
+    /// Balls off the inner race.
+    pub unloaded: Level,
+    /// Loads, N, N m.
+    pub load: [f32; 5],
+    /// Speed, rad/s.
+    pub speed: f32,
+    /// Diagonal of the stiffness.
+    pub stiffness: [f32; 5],
+}
+
+/// An alarm that changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Change {
+    /// Which.
+    pub alarm: Alarm,
+    /// How.
+    pub change: AlarmChange,
+}
+
+/// The changes of one tick. Each alarm changes once a tick at most.
+pub type Changes = heapless::Vec<Change, { Alarm::COUNT }>;
+
+/// All alarms, the baseline and the trend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Judgement {
+    alarms: [AlarmMachine; Alarm::COUNT],
+    baseline: Baseline,
+    learning: bool,
+    trend: Trend,
+    /// Alarms raised and cleared so far.
+    raised: u64,
+    cleared: u64,
+    /// Ticks that overran in this second and the last, and when it began.
+    late: [u32; 2],
+    second_us: u64,
+}
+
+impl Judgement {
+    /// Without a past, against a baseline that was kept ([`Baseline::EMPTY`] for none).
+    pub fn new(baseline: Baseline) -> Self {
+        Self {
+            alarms: [AlarmMachine::default(); Alarm::COUNT],
+            baseline,
+            learning: false,
+            trend: Trend::EMPTY,
+            raised: 0,
+            cleared: 0,
+            late: [0; 2],
+            second_us: 0,
+        }
+    }
+
+    /// One alarm.
+    pub fn alarm(&self, alarm: Alarm) -> &AlarmMachine {
+        // As many as there are names.
+        &self.alarms[alarm as usize]
+    }
+
+    /// Alarms raised and cleared so far.
+    pub const fn counts(&self) -> (u64, u64) {
+        (self.raised, self.cleared)
+    }
+
+    /// The baseline, to be kept over a power cycle.
+    pub const fn baseline(&self) -> &Baseline {
+        &self.baseline
+    }
+
+    /// Begins to learn a new baseline. Stiffness is not judged until [`Judgement::stop_learning`].
+    pub const fn start_learning(&mut self) {
+        self.baseline = Baseline::EMPTY;
+        self.trend = Trend::EMPTY;
+        self.learning = true;
+    }
+
+    /// From now on stiffness is held against what was learnt.
+    pub const fn stop_learning(&mut self) {
+        self.learning = false;
+    }
+
+    /// Holds a level against an alarm's threshold.
+    pub fn level(
+        &mut self,
+        time_us: u64,
+        alarm: Alarm,
+        level: Level,
+        settings: &JudgementSettings,
+        changes: &mut Changes,
+    ) {
+        let machine = &mut self.alarms[alarm as usize];
+        let Some(change) = machine.update(time_us, level, settings.of(alarm)) else {
+            return;
+        };
+        match change {
+            AlarmChange::Raised => self.raised = self.raised.saturating_add(1),
+            AlarmChange::Cleared => self.cleared = self.cleared.saturating_add(1),
+            AlarmChange::Acknowledged | AlarmChange::Standing => {}
+        }
+        // There is room for one of each.
+        let _ = changes.push(Change { alarm, change });
+    }
+
+    /// Judges a new equilibrium.
+    pub fn judge(
+        &mut self,
+        time_us: u64,
+        findings: &Findings,
+        settings: &JudgementSettings,
+        changes: &mut Changes,
+    ) {
+        for (alarm, level) in [
+            (Alarm::PeakPressure, findings.pressure),
+            (Alarm::ContactAngle, findings.contact_angle),
+            (Alarm::Slip, findings.slip),
+            (Alarm::UnloadedBalls, findings.unloaded),
+        ] {
+            self.level(time_us, alarm, level, settings, changes);
+        }
+        let Findings {
+            load,
+            speed,
+            stiffness,
+            ..
+        } = findings;
+        if self.learning {
+            let baseline = &settings.baseline;
+            self.baseline.learn(baseline, load, *speed, stiffness);
+            return;
+        }
+        let Some(ratio) = self
+            .baseline
+            .ratio(&settings.baseline, load, *speed, stiffness)
+        else {
+            return;
+        };
+        let least = ratio.iter().fold(f32::INFINITY, |least, r| least.min(*r));
+        let loss = Level::of(1.0 - least);
+        self.level(time_us, Alarm::StiffnessLoss, loss, settings, changes);
+        let mean = ratio.iter().sum::<f32>() / ratio.len() as f32;
+        if let Some(expected) = self.trend.add(time_us, mean, &settings.trend) {
+            let level = Level::of(expected);
+            self.level(time_us, Alarm::PreloadLoss, level, settings, changes);
+        }
+    }
+
+    /// A tick has ended, late or not.
+    pub fn ticked(
+        &mut self,
+        time_us: u64,
+        overrun: bool,
+        settings: &JudgementSettings,
+        changes: &mut Changes,
+    ) {
+        if seconds(self.second_us, time_us) >= 1.0 {
+            self.second_us = time_us;
+            self.late = [0, self.late[0]];
+        }
+        self.late[0] = self.late[0].saturating_add(overrun.into());
+        let late = self.late[0].saturating_add(self.late[1]);
+        let level = Level::of(late as f32);
+        self.level(time_us, Alarm::Deadline, level, settings, changes);
+    }
+
+    /// Somebody has seen an alarm.
+    pub fn acknowledge(&mut self, alarm: Alarm) -> Option<AlarmChange> {
+        self.alarms[alarm as usize].acknowledge()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    const THRESHOLD: Threshold = Threshold {
+        raise: 10.0,
+        clear: 8.0,
+        hold_us: 3000,
+    };
+
+    fn run(machine: &mut AlarmMachine, from: u64, levels: &[f32]) -> Vec<(u64, AlarmChange)> {
+        let mut changes = Vec::new();
+        for (time, level) in (from..).zip(levels) {
+            if let Some(change) = machine.update(time * 1000, Level::of(*level), &THRESHOLD) {
+                changes.push((time, change));
+            }
+        }
+        changes
+    }
+
+    #[test]
+    fn an_alarm_is_raised_after_its_hold_time_and_stays_until_acknowledged() {
+        let mut a = AlarmMachine::default();
+        // Too short, then long enough though it falls below the upper level meanwhile.
+        let changes = run(&mut a, 0, &[9.9, 10.0, 12.0, 8.0, 10.0, 9.0, 9.0, 8.1, 9.0]);
+        assert_eq!(changes, [(7, AlarmChange::Raised)]);
+        assert_eq!(
+            run(&mut a, 9, &[f32::NAN, 8.0, 9.9]),
+            [(10, AlarmChange::Cleared)]
+        );
+        assert_eq!(a.state(), AlarmState::Latched);
+        // Latched, it needs no hold time.
+        assert_eq!(run(&mut a, 12, &[10.0, 10.0]), [(12, AlarmChange::Raised)]);
+        assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
+        assert_eq!(a.acknowledge(), None);
+        assert_eq!(a.state(), AlarmState::Acknowledged);
+        assert_eq!(run(&mut a, 14, &[10.0, 0.0]), [(15, AlarmChange::Cleared)]);
+        assert_eq!((a.state(), a.counts()), (AlarmState::Clear, (2, 2)));
+        assert_eq!(a.acknowledge(), None);
+    }
+
+    #[test]
+    fn without_a_hold_time_the_first_level_raises() {
+        let threshold = Threshold {
+            hold_us: 0,
+            ..THRESHOLD
+        };
+        let mut a = AlarmMachine::default();
+        let change = a.update(5, Level::of(f32::INFINITY), &threshold);
+        assert_eq!(change, Some(AlarmChange::Raised));
+        a.update(6, Level::of(0.0), &threshold);
+        assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
+        assert_eq!(a.state(), AlarmState::Clear);
+    }
+
+    const BASELINE: BaselineSettings = BaselineSettings {
+        band_width: 100.0,
+        idle_radial: 50.0,
+        idle_moment: 0.5,
+        least_estimates: 3,
+    };
+    const IDLE: [f32; 5] = [400.0, 30.0, -30.0, 0.3, 0.3];
+
+    #[test]
+    fn stiffness_is_compared_in_its_band_and_idling_only() {
+        let mut baseline = Baseline::EMPTY;
+        for k in [0.9e8, 1.0e8, 1.1e8] {
+            baseline.learn(&BASELINE, &IDLE, -250.0, &[k; 5]);
+            baseline.learn(&BASELINE, &[0.0, 60.0, 0.0, 0.0, 0.0], 250.0, &[9e9; 5]);
+            baseline.learn(&BASELINE, &IDLE, 250.0, &[f32::NAN; 5]);
+        }
+        let now = [1e8, 1e8, 0.8e8, 1e8, 1.2e8];
+        let ratio = baseline.ratio(&BASELINE, &IDLE, 299.0, &now).unwrap();
+        for (ratio, expected) in ratio.iter().zip([1.0, 1.0, 0.8, 1.0, 1.2]) {
+            assert!((ratio - expected).abs() < 1e-6);
+        }
+        assert_eq!(baseline.ratio(&BASELINE, &IDLE, 300.0, &now), None);
+        let cutting = [400.0, 60.0, 0.0, 0.0, 0.0];
+        assert_eq!(baseline.ratio(&BASELINE, &cutting, 250.0, &now), None);
+        // The fastest band is open, and a speed that is no number has one, too.
+        baseline.learn(&BASELINE, &IDLE, f32::INFINITY, &[1.0; 5]);
+        assert_eq!(baseline.estimates[BANDS - 1], 1);
+    }
+
+    const TREND: TrendSettings = TrendSettings {
+        span_us: 1_000_000,
+        least_estimates: 5,
+        least_spans: 8,
+        ahead: 100.0,
+    };
+
+    /// Noise between -1 and 1 (xorshift).
+    fn noise(state: &mut u32) -> f32 {
+        *state ^= *state << 13;
+        *state ^= *state >> 17;
+        *state ^= *state << 5;
+        *state as f32 / 2_147_483_648.0 - 1.0
+    }
+
+    #[test]
+    fn a_slope_is_carried_on_and_noise_is_none() {
+        let (mut sinking, mut level) = (Trend::EMPTY, Trend::EMPTY);
+        let (mut seed, mut expected) = (1, Vec::new());
+        // From five months on, so that times have no digits to spare in a float.
+        let start = 13_000_000_000_000;
+        let mut alarms = 0;
+        for i in 0..1000_u64 {
+            let time = start + i * 100_000;
+            let x = noise(&mut seed) * 0.01;
+            let ratio = 1.0 - 1e-3 * (i as f32 * 0.1) + x;
+            expected.extend(sinking.add(time, ratio, &TREND));
+            alarms += u32::from(level.add(time, 1.0 + x, &TREND).is_some_and(|e| e > 0.0));
+        }
+        // 0.1 % a second: at 99 s, 100 s ahead.
+        let last = expected.last().unwrap();
+        assert!((last - 0.199).abs() < 0.02, "{last}");
+        assert_eq!(expected.len(), 99 - 7);
+        // Three standard errors: a few of a thousand, of 92 one or two at most.
+        assert!(alarms <= 2, "{alarms}");
+    }
+
+    #[test]
+    fn the_trend_speaks_before_the_limit_does() {
+        let limit = |raise: f32, hold_us| Threshold {
+            raise,
+            clear: 0.5 * raise,
+            hold_us,
+        };
+        let settings = JudgementSettings {
+            thresholds: [limit(0.1, 0); Alarm::COUNT],
+            baseline: BASELINE,
+            trend: TREND,
+        };
+        let mut judgement = Judgement::new(Baseline {
+            stiffness: [[1e8; 5]; BANDS],
+            estimates: [100; BANDS],
+        });
+        let mut raised = Vec::new();
+        for i in 0..2000_u64 {
+            let k = 1e8 * (1.0 - 1e-3 * (i as f32 * 0.1));
+            let quiet = Level::of(0.0);
+            let findings = Findings {
+                pressure: quiet,
+                contact_angle: quiet,
+                slip: quiet,
+                unloaded: quiet,
+                load: IDLE,
+                speed: 250.0,
+                stiffness: [k; 5],
+            };
+            let mut changes = Changes::new();
+            judgement.judge(i * 100_000, &findings, &settings, &mut changes);
+            raised.extend(changes.iter().map(|c| (c.alarm, i)));
+        }
+        let (first, second) = (raised[0], raised[1]);
+        assert_eq!(first.0, Alarm::PreloadLoss);
+        assert_eq!(second.0, Alarm::StiffnessLoss);
+        // 10 % are lost after 100 s.
+        assert!(
+            first.1 < 150 && (999..1003).contains(&second.1),
+            "{raised:?}"
+        );
+        assert_eq!(judgement.counts(), (2, 0));
     }
 }

@@ -1,5 +1,19 @@
-//! Doubts about samples.
+//! Doubts about samples: every one has its [`Mark`], and a sample with a mark is not solved.
+//!
+//! | doubt | against |
+//! | --- | --- |
+//! | range | lowest and highest value of each load, and of the speed |
+//! | rate of change | the last good value, over the time since then |
+//! | stuck value | the same bits so many times, in any channel ([`StuckWatch`]; bridges watch their counts) |
+//! | saturation | a converter's rail (known to its source) |
+//! | missing samples | a time without any |
+//! | disagreement | what redundant channels leave of one another, and two sources of speed |
+//!
+//! A value that changed too fast is not the new truth at once: it is held against the last good one, whose
+//! distance it may have come as time goes by. A true step is thus believed after a few samples, and a
+//! spike never.
 
+use super::loads::LoadSample;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -185,4 +199,228 @@ impl defmt::Format for Marks {
         }
         defmt::write!(f, "]");
     }
+}
+
+/// Watches `K` channels for values that do not change any more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StuckWatch<const K: usize> {
+    after: u16,
+    last: [i32; K],
+    same: [u16; K],
+}
+
+impl<const K: usize> StuckWatch<K> {
+    /// A channel that gives one and the same value `after` times is stuck; 0 and 1 mean never.
+    pub const fn new(after: u16) -> Self {
+        Self {
+            after,
+            last: [0; K],
+            same: [0; K],
+        }
+    }
+
+    /// Takes the next values; whether a channel is stuck.
+    pub fn watch(&mut self, values: [i32; K]) -> bool {
+        let mut stuck = false;
+        for ((value, last), same) in values.iter().zip(&mut self.last).zip(&mut self.same) {
+            *same = if value == last && *same > 0 {
+                same.saturating_add(1)
+            } else {
+                1
+            };
+            *last = *value;
+            stuck |= self.after > 1 && *same >= self.after;
+        }
+        stuck
+    }
+}
+
+/// What is plausible.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PlausibilitySettings {
+    /// Lowest and highest of each load, N, N m.
+    pub load: [[f32; 2]; 5],
+    /// Fastest change of each load, N/s, N m/s.
+    pub load_rate: [f32; 5],
+    /// A load that gives one and the same value so many times is stuck; 0 for never.
+    pub stuck_after: u16,
+    /// Time without a sample that is one without loads, us.
+    pub missing_after_us: u32,
+    /// Largest residual of redundant channels, counts.
+    pub residual: f32,
+    /// Highest speed in either direction, rad/s.
+    pub speed: f32,
+    /// Fastest change of speed, rad/s^2.
+    pub speed_rate: f32,
+    /// By how much two sources of speed may differ, rad/s, and as a part of the speed.
+    pub speed_difference: [f32; 2],
+}
+
+/// What the sensors say in a tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Readings {
+    /// What the source of loads returned.
+    pub loads: Result<Option<LoadSample>, Marks>,
+    /// Shaft speed from a source of its own, rad/s, if there is one; `Some(None)` if that source fails.
+    pub speed: Option<Option<f32>>,
+}
+
+/// A sample that nothing speaks against.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct GoodSample {
+    /// When it was taken, us.
+    pub time_us: u64,
+    /// `Fx, Fy, Fz` (N), `My, Mz` (N m).
+    pub load: [f32; 5],
+    /// Shaft speed `omega`, rad/s.
+    pub speed: f32,
+}
+
+/// Holds samples against what is plausible.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plausibility {
+    /// The last good loads and speed, each with its time.
+    load: Option<([f32; 5], u64)>,
+    speed: Option<(f32, u64)>,
+    /// Speed from the source of loads, which may sample more slowly than ticks go.
+    carried: Option<f32>,
+    stuck: StuckWatch<5>,
+    /// When the last sample came, good or not.
+    heard: Option<u64>,
+    /// Doubts about the last sample, which hold until the next one.
+    doubts: Marks,
+}
+
+impl Plausibility {
+    /// Without a sample.
+    pub const fn new(settings: &PlausibilitySettings) -> Self {
+        Self {
+            load: None,
+            speed: None,
+            carried: None,
+            stuck: StuckWatch::new(settings.stuck_after),
+            heard: None,
+            doubts: Marks::NONE,
+        }
+    }
+
+    /// Judges what came in a tick. With a new sample that nothing speaks against, returns it; without
+    /// a new sample, the doubts about the last one stay.
+    pub fn judge(
+        &mut self,
+        time_us: u64,
+        readings: &Readings,
+        settings: &PlausibilitySettings,
+    ) -> (Marks, Option<GoodSample>) {
+        let heard = *self.heard.get_or_insert(time_us);
+        let mut fresh = None;
+        match &readings.loads {
+            Ok(Some(sample)) => {
+                self.heard = Some(time_us);
+                self.carried = sample.speed.or(self.carried);
+                self.doubts = self.loads(time_us, sample, settings);
+                fresh = Some(sample);
+            }
+            Ok(None) => {
+                let silent = time_us.saturating_sub(heard) > settings.missing_after_us.into();
+                self.doubts.mark_if(silent, Mark::Missing);
+            }
+            Err(doubts) => {
+                self.heard = Some(time_us);
+                self.doubts = *doubts;
+                // An error without a name is one all the same.
+                self.doubts.mark_if(doubts.is_empty(), Mark::Bus);
+            }
+        }
+        let (speed, speed_doubts) = self.speed(time_us, readings, settings);
+        let marks = self.doubts.union(speed_doubts);
+        let good = match (fresh, speed) {
+            (Some(sample), Some(speed)) if marks.is_empty() => Some(GoodSample {
+                time_us,
+                load: sample.load,
+                speed,
+            }),
+            _ => None,
+        };
+        (marks, good)
+    }
+
+    fn loads(
+        &mut self,
+        time_us: u64,
+        sample: &LoadSample,
+        settings: &PlausibilitySettings,
+    ) -> Marks {
+        let mut marks = sample.doubts;
+        let finite = sample.load.iter().all(|load| load.is_finite());
+        marks.mark_if(!finite || !sample.residual.is_finite(), Mark::NotFinite);
+        let within = |(load, [low, high]): (&f32, &[f32; 2])| load >= low && load <= high;
+        marks.mark_if(
+            finite && !sample.load.iter().zip(&settings.load).all(within),
+            Mark::Range,
+        );
+        marks.mark_if(sample.residual > settings.residual, Mark::Disagreement);
+        let bits = sample.load.map(|load| load.to_bits() as i32);
+        marks.mark_if(self.stuck.watch(bits), Mark::Stuck);
+        if let Some((last, then)) = self.load {
+            let time = seconds(then, time_us);
+            let changes = sample.load.iter().zip(&last).zip(&settings.load_rate);
+            let mut fast = false;
+            for ((load, last), rate) in changes {
+                fast |= (load - last).abs() > rate * time;
+            }
+            marks.mark_if(fast, Mark::Rate);
+        }
+        if marks.is_empty() {
+            self.load = Some((sample.load, time_us));
+        }
+        marks
+    }
+
+    /// The speed, if it can be believed.
+    fn speed(
+        &mut self,
+        time_us: u64,
+        readings: &Readings,
+        settings: &PlausibilitySettings,
+    ) -> (Option<f32>, Marks) {
+        let mut marks = Marks::NONE;
+        let known = |speed: f32| speed.is_finite().then_some(speed);
+        // The source of its own is heard every tick, and goes first.
+        let own = readings.speed.map(|speed| speed.and_then(known));
+        let carried = self.carried.map(known);
+        let speed = match (own, carried) {
+            (Some(own), _) => own,
+            (None, Some(carried)) => carried,
+            (None, None) => None,
+        };
+        if let (Some(Some(a)), Some(Some(b))) = (own, carried) {
+            let [absolute, relative] = settings.speed_difference;
+            let allowed = absolute + relative * a.abs();
+            marks.mark_if(!((a - b).abs() <= allowed), Mark::SpeedDisagreement);
+        }
+        let Some(speed) = speed else {
+            return (None, marks.with(Mark::SpeedMissing));
+        };
+        marks.mark_if(!(speed.abs() <= settings.speed), Mark::SpeedRange);
+        if let Some((last, then)) = self.speed {
+            let change = (speed - last).abs();
+            let allowed = settings.speed_rate * seconds(then, time_us);
+            marks.mark_if(change > allowed, Mark::SpeedRate);
+        }
+        if !marks.is_empty() {
+            return (None, marks);
+        }
+        self.speed = Some((speed, time_us));
+        (Some(speed), marks)
+    }
+}
+
+/// Seconds between two times in us.
+pub(super) fn seconds(from: u64, to: u64) -> f32 {
+    let us = to.saturating_sub(from).min(u32::MAX.into()) as u32;
+    us as f32 * 1e-6
 }

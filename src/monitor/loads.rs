@@ -1,0 +1,768 @@
+//! Measured loads, from a serial line or from strain bridges, behind one trait.
+//!
+//! Read [`LoadSource`] first. [`FramedLoads`] takes the frames of [`record`](crate::record) apart;
+//! [`StrainBridge`] turns the counts of `K` bridges into five loads by a [`Calibration`], after tare and
+//! temperature. Sources tell what they know themselves (a bus error, a converter at its rail, a damaged
+//! frame); whether loads make sense is the next stage's to say ([`plausibility`](super::plausibility)).
+//!
+//! # The converter
+//!
+//! A spindle's bridges must be read at the same instant: five loads that belong to different angles of the
+//! cutter are no load that ever was. What was judged, of drivers that are on the registry:
+//!
+//! | driver | converter | verdict |
+//! | --- | --- | --- |
+//! | `ads131m08` 0.2 | 8 channels sampled together, 24 bit, gain to 128, to 32 kSPS, CRC | embedded-hal 1.0, no_std, MIT or Apache-2.0, under development: taken |
+//! | `ad7124-rs` 0.4 | 8 pairs through one modulator, 24 bit | embedded-hal 1.0, no_std; a settled scan of five bridges takes longer than a tick of 1 ms |
+//! | `embedded-ads1220` 0.1 | 2 pairs through one modulator, 2 kSPS | embedded-hal 1.0, one release; too few channels, one after the other |
+//! | `max112x` 0.7 | one channel, 64 kSPS | one converter a bridge |
+//! | `hx711`, `hx711_spi` 0.7, `loadcell` 0.3 | one channel and a half, 80 SPS | scales: too slow |
+//! | `nau7802` 0.1 alpha, `ads1263` 0.1 | one modulator | embedded-hal 0.2 |
+//!
+//! No driver is on the registry for ADS1256, AD7190 and AD7193. [`Ads131m08Bridges`] wraps the
+//! driver that was taken and adds what it leaves to its caller: it checks the CRC of every conversion,
+//! reads back the settings, and tells a converter that has lost them.
+//! Bridges are excited by the converter's reference voltage, so that counts are ratios (V/V).
+//!
+//! [`BridgeAdc`] is all that another converter has to be.
+
+use super::plausibility::{Mark, Marks, StuckWatch};
+use crate::framing::FrameError;
+use crate::record::{FrameReader, LoadRecord, MESSAGE_LENGTH};
+use core::fmt;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{InputPin, OutputPin};
+use embedded_hal::spi::SpiDevice;
+
+/// The five loads at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LoadSample {
+    /// Time at which the sample was taken in, us.
+    pub time_us: u64,
+    /// `Fx, Fy, Fz` (N), `My, Mz` (N m) on the inner ring.
+    pub load: [f32; 5],
+    /// Shaft speed `omega`, rad/s, of sources that measure it, too.
+    pub speed: Option<f32>,
+    /// How far redundant channels are from agreeing, counts; 0 of a source that has none.
+    pub residual: f32,
+    /// What the source itself doubts.
+    pub doubts: Marks,
+}
+
+/// Where loads come from.
+pub trait LoadSource {
+    /// The newest sample since the last call, if there is one. Never waits.
+    ///
+    /// # Errors
+    ///
+    /// Why a sample is lost.
+    fn sample(&mut self, time_us: u64) -> Result<Option<LoadSample>, Marks>;
+}
+
+// --- framed records -----------------------------------------------------------------------------
+
+/// Loads from a serial line: feed it the bytes as they come.
+///
+/// Of several records between two calls, the newest is the sample. A damaged frame is an error if no
+/// good one followed it. A record that is older than the one before, or the same, is out of order; since
+/// the sender may have started anew, the records after it are counted from there.
+#[derive(Debug)]
+pub struct FramedLoads {
+    reader: FrameReader<MESSAGE_LENGTH>,
+    newest: Option<LoadRecord>,
+    sequence: Option<u32>,
+    doubts: Marks,
+    counts: FrameCounts,
+}
+
+/// What came over the line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FrameCounts {
+    /// Records that arrived.
+    pub received: u64,
+    /// Frames that were damaged.
+    pub corrupt: u64,
+    /// Records that are missing in the sequence.
+    pub lost: u64,
+    /// Records out of order.
+    pub disordered: u64,
+    /// Records that a newer one replaced before they were used.
+    pub passed_over: u64,
+}
+
+impl Default for FramedLoads {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl FramedLoads {
+    /// A source at the start of a frame.
+    pub const fn new() -> Self {
+        Self {
+            reader: FrameReader::new(),
+            newest: None,
+            sequence: None,
+            doubts: Marks::NONE,
+            counts: FrameCounts {
+                received: 0,
+                corrupt: 0,
+                lost: 0,
+                disordered: 0,
+                passed_over: 0,
+            },
+        }
+    }
+
+    /// Takes the next byte.
+    pub fn push(&mut self, byte: u8) {
+        match self.reader.push(byte) {
+            None => {}
+            Some(Ok(record)) => self.take(record),
+            Some(Err(error)) => self.damaged(error),
+        }
+    }
+
+    /// What came over the line so far.
+    pub const fn counts(&self) -> FrameCounts {
+        self.counts
+    }
+
+    fn damaged(&mut self, _: FrameError) {
+        let counts = &mut self.counts;
+        counts.corrupt = counts.corrupt.saturating_add(1);
+        self.doubts.mark_if(true, Mark::Corrupt);
+    }
+
+    fn take(&mut self, record: LoadRecord) {
+        let counts = &mut self.counts;
+        counts.received = counts.received.saturating_add(1);
+        let ahead = match self.sequence.replace(record.sequence) {
+            None => 1,
+            Some(last) => record.sequence.wrapping_sub(last),
+        };
+        // The nearer way around.
+        if ahead == 0 || ahead > u32::MAX / 2 {
+            counts.disordered = counts.disordered.saturating_add(1);
+            self.doubts.mark_if(true, Mark::Order);
+            return;
+        }
+        counts.lost = counts.lost.saturating_add((ahead - 1).into());
+        if self.newest.replace(record).is_some() {
+            counts.passed_over = counts.passed_over.saturating_add(1);
+        }
+        // A good record makes up for what was damaged before it.
+        self.doubts = Marks::NONE;
+    }
+}
+
+impl LoadSource for FramedLoads {
+    fn sample(&mut self, time_us: u64) -> Result<Option<LoadSample>, Marks> {
+        let doubts = core::mem::take(&mut self.doubts);
+        match self.newest.take() {
+            Some(record) => Ok(Some(LoadSample {
+                time_us,
+                load: record.load(),
+                speed: Some(record.omega()),
+                residual: 0.0,
+                doubts,
+            })),
+            None if doubts.is_empty() => Ok(None),
+            None => Err(doubts),
+        }
+    }
+}
+
+// --- strain bridges -----------------------------------------------------------------------------
+
+/// What can go wrong with a converter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum AdcError {
+    /// The bus or a pin reported an error.
+    Bus,
+    /// The checksum says that a conversion was damaged on its way.
+    Checksum,
+    /// The converter was reset, and has lost its settings: start it anew.
+    Reset,
+    /// The settings read back are not those that were written.
+    Settings,
+}
+
+impl fmt::Display for AdcError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Bus => "bus or pin error at the converter",
+            Self::Checksum => "conversion damaged on its way",
+            Self::Reset => "converter was reset and has lost its settings",
+            Self::Settings => "converter does not keep its settings",
+        })
+    }
+}
+
+impl core::error::Error for AdcError {}
+
+/// A converter that samples `K` bridges together.
+pub trait BridgeAdc<const K: usize> {
+    /// The count at either rail.
+    const RAIL: i32;
+
+    /// The newest conversion, if there is one since the last call. Never waits.
+    ///
+    /// # Errors
+    ///
+    /// Why there is none that could be trusted.
+    fn read(&mut self) -> Result<Option<[i32; K]>, AdcError>;
+}
+
+/// Bridges at the first `K` channels of an ADS131M08.
+#[derive(Debug)]
+pub struct Ads131m08Bridges<D, const K: usize> {
+    device: D,
+}
+
+/// The driver's type.
+pub use ads131m08::blocking::Ads131m08;
+/// Its settings.
+pub use ads131m08::{Config as Ads131m08Config, Gain, Osr};
+
+/// Bits of the status word: resynchronised by itself, or a command damaged on its way.
+const STATUS_FAULT: u16 = 0x5000;
+const STATUS_RESET: u16 = 0x0400;
+
+impl<SPI, DRDY, SYNC, CS, DELAY, const K: usize>
+    Ads131m08Bridges<Ads131m08<SPI, DRDY, SYNC, CS, DELAY>, K>
+where
+    SPI: SpiDevice,
+    DRDY: InputPin,
+    SYNC: OutputPin,
+    CS: OutputPin,
+    DELAY: DelayNs,
+{
+    /// At most the converter's eight, at least one for each load.
+    const CHANNELS: () = assert!(
+        K >= 5 && K <= 8,
+        "an ADS131M08 has 8 channels, and 5 loads need 5"
+    );
+
+    /// Resets and sets up the converter, and reads the settings back. Takes a good tenth of a second: before
+    /// the ticks begin.
+    ///
+    /// # Errors
+    ///
+    /// What went wrong.
+    pub fn start(
+        mut device: Ads131m08<SPI, DRDY, SYNC, CS, DELAY>,
+        config: &Ads131m08Config,
+    ) -> Result<Self, AdcError> {
+        use ads131m08::Register;
+        let () = Self::CHANNELS;
+        device.init(config).map_err(|_| AdcError::Bus)?;
+        // What the driver wrote, by its own layout.
+        let gains = |from: usize| {
+            let mut value = 0;
+            for (i, gain) in config.gain.iter().skip(from).take(4).enumerate() {
+                value |= (*gain as u16) << (4 * i);
+            }
+            value
+        };
+        let clock = (u16::from(config.channels_enabled) << 8)
+            | ((config.osr as u16) << 2)
+            | config.power_mode as u16;
+        for (register, value) in [
+            (Register::Clock, clock),
+            (Register::Gain1, gains(0)),
+            (Register::Gain2, gains(4)),
+        ] {
+            if device.read_reg(register).map_err(|_| AdcError::Bus)? != value {
+                return Err(AdcError::Settings);
+            }
+        }
+        Ok(Self { device })
+    }
+
+    /// Gives the driver back, to start it anew.
+    pub fn stop(self) -> Ads131m08<SPI, DRDY, SYNC, CS, DELAY> {
+        self.device
+    }
+}
+
+impl<SPI, DRDY, SYNC, CS, DELAY, const K: usize> BridgeAdc<K>
+    for Ads131m08Bridges<Ads131m08<SPI, DRDY, SYNC, CS, DELAY>, K>
+where
+    SPI: SpiDevice,
+    DRDY: InputPin,
+    SYNC: OutputPin,
+    CS: OutputPin,
+    DELAY: DelayNs,
+{
+    const RAIL: i32 = 0x7f_ffff;
+
+    fn read(&mut self) -> Result<Option<[i32; K]>, AdcError> {
+        if !self.device.is_data_ready().map_err(|_| AdcError::Bus)? {
+            return Ok(None);
+        }
+        let data = self.device.read_channels().map_err(|_| AdcError::Bus)?;
+        // The driver hands the checksum on unchecked. It is that of the words before it: status, padded to
+        // three bytes, and eight channels.
+        let mut words = [0; 27];
+        let (status, channels) = words.split_at_mut(3);
+        if let [high, low, _] = status {
+            [*high, *low] = data.status.to_be_bytes();
+        }
+        for (bytes, value) in channels.chunks_exact_mut(3).zip(&data.channels) {
+            let [_, most, middle, least] = value.to_be_bytes();
+            bytes.copy_from_slice(&[most, middle, least]);
+        }
+        if data.crc != Some(ads131m08::calculate_crc16_ccitt(&words)) {
+            return Err(AdcError::Checksum);
+        }
+        if data.status & STATUS_RESET != 0 {
+            return Err(AdcError::Reset);
+        }
+        if data.status & STATUS_FAULT != 0 {
+            return Err(AdcError::Bus);
+        }
+        Ok(data.channels.first_chunk::<K>().copied())
+    }
+}
+
+/// How counts of `K >= 5` bridges and loads belong together, from a calibration with known loads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Calibration<const K: usize> {
+    /// Loads by counts (rows `Fx, Fy, Fz, My, Mz`): N or N m per count.
+    pub loads: [[f32; K]; 5],
+    /// Counts by loads (rows the channels): counts per N or N m. Tells what the channels must
+    /// have in common if there are more than five of them.
+    pub counts: [[f32; 5]; K],
+    /// Change of a bridge's zero with temperature, counts/K.
+    pub zero_slope: [f32; K],
+    /// Relative change of a bridge's sensitivity with temperature, 1/K.
+    pub gain_slope: [f32; K],
+    /// Temperature at which it was calibrated, degrees Celsius.
+    pub temperature: f32,
+    /// Lowest and highest temperature that the slopes are good for, degrees Celsius.
+    pub temperatures: [f32; 2],
+    /// Loads that act while the tare is taken and that bridges cannot tell from none, such as a spring
+    /// preload: N, N m.
+    pub standing: [f32; 5],
+}
+
+/// A calibration that cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// A number is infinite or none.
+    NotFinite,
+    /// The channels do not determine all five loads.
+    Singular,
+    /// A temperature range without its own calibration temperature, or slopes that turn a gain over.
+    Temperature,
+}
+
+impl CalibrationError {
+    /// What is wrong, in a few words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotFinite => "calibration has numbers that are none",
+            Self::Singular => "calibration does not determine all five loads",
+            Self::Temperature => "calibration's temperature range or slopes are wrong",
+        }
+    }
+}
+
+impl fmt::Display for CalibrationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl core::error::Error for CalibrationError {}
+
+impl<const K: usize> Calibration<K> {
+    /// From the counts that each load makes alone (rows the channels, counts per N or N m): the
+    /// loads that fit counts best, by least squares. No temperature slopes, from -40 to 125 degrees,
+    /// nothing standing.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with the numbers.
+    pub const fn from_counts(counts: [[f64; 5]; K]) -> Result<Self, CalibrationError> {
+        // Columns scaled to length 1, since loads have units of their own.
+        let mut scale = [0.0; 5];
+        let mut j = 0;
+        while j < 5 {
+            let mut k = 0;
+            while k < K {
+                if !counts[k][j].is_finite() {
+                    return Err(CalibrationError::NotFinite);
+                }
+                scale[j] += counts[k][j] * counts[k][j];
+                k += 1;
+            }
+            scale[j] = crate::elementary::sqrt(scale[j]);
+            if !(scale[j] > 0.0 && scale[j].is_finite()) {
+                return Err(CalibrationError::Singular);
+            }
+            j += 1;
+        }
+        // Modified Gram-Schmidt, G = Q R.
+        let mut q = [[0.0; 5]; K];
+        let mut r = [[0.0; 5]; 5];
+        let mut j = 0;
+        while j < 5 {
+            let mut column = [0.0; K];
+            let mut k = 0;
+            while k < K {
+                column[k] = counts[k][j] / scale[j];
+                k += 1;
+            }
+            let mut i = 0;
+            while i < j {
+                let mut dot = 0.0;
+                let mut k = 0;
+                while k < K {
+                    dot += q[k][i] * column[k];
+                    k += 1;
+                }
+                r[i][j] = dot;
+                let mut k = 0;
+                while k < K {
+                    column[k] -= dot * q[k][i];
+                    k += 1;
+                }
+                i += 1;
+            }
+            let mut square = 0.0;
+            let mut k = 0;
+            while k < K {
+                square += column[k] * column[k];
+                k += 1;
+            }
+            let norm = crate::elementary::sqrt(square);
+            // A load that others make up to a thousandth would amplify noise as much.
+            if !(norm > 1e-3) {
+                return Err(CalibrationError::Singular);
+            }
+            r[j][j] = norm;
+            let mut k = 0;
+            while k < K {
+                q[k][j] = column[k] / norm;
+                k += 1;
+            }
+            j += 1;
+        }
+        // loads = scale^-1 R^-1 Q^T, channel by channel from the last row up.
+        let mut loads = [[0.0; K]; 5];
+        let mut narrow = [[0.0; 5]; K];
+        let mut k = 0;
+        while k < K {
+            let mut x = [0.0; 5];
+            let mut i = 5;
+            while i > 0 {
+                i -= 1;
+                let mut sum = q[k][i];
+                let mut j = i + 1;
+                while j < 5 {
+                    sum -= r[i][j] * x[j];
+                    j += 1;
+                }
+                x[i] = sum / r[i][i];
+            }
+            let mut i = 0;
+            while i < 5 {
+                loads[i][k] = (x[i] / scale[i]) as f32;
+                narrow[k][i] = counts[k][i] as f32;
+                i += 1;
+            }
+            k += 1;
+        }
+        Ok(Self {
+            loads,
+            counts: narrow,
+            zero_slope: [0.0; K],
+            gain_slope: [0.0; K],
+            temperature: 25.0,
+            temperatures: [-40.0, 125.0],
+            standing: [0.0; 5],
+        })
+    }
+
+    /// Whether every number is one, and temperatures make sense. A `const fn`, for the compiler to ask.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong.
+    pub const fn check(&self) -> Result<(), CalibrationError> {
+        let [low, high] = self.temperatures;
+        let mut k = 0;
+        while k < K {
+            let mut i = 0;
+            while i < 5 {
+                if !(self.loads[i][k].is_finite() && self.counts[k][i].is_finite()) {
+                    return Err(CalibrationError::NotFinite);
+                }
+                i += 1;
+            }
+            if !(self.zero_slope[k].is_finite() && self.gain_slope[k].is_finite()) {
+                return Err(CalibrationError::NotFinite);
+            }
+            let (cold, hot) = (low - self.temperature, high - self.temperature);
+            if !(1.0 + self.gain_slope[k] * cold > 0.5 && 1.0 + self.gain_slope[k] * hot > 0.5) {
+                return Err(CalibrationError::Temperature);
+            }
+            k += 1;
+        }
+        let mut i = 0;
+        while i < 5 {
+            if !self.standing[i].is_finite() {
+                return Err(CalibrationError::NotFinite);
+            }
+            i += 1;
+        }
+        if !(low <= self.temperature && self.temperature <= high) {
+            return Err(CalibrationError::Temperature);
+        }
+        Ok(())
+    }
+}
+
+/// Why no tare was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum TareError {
+    /// The shaft turns, or it is not known whether it does.
+    Turning,
+    /// A sample was doubted.
+    Marked(Marks),
+}
+
+impl fmt::Display for TareError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Turning => f.write_str("no tare: the shaft turns, or may turn"),
+            Self::Marked(marks) => write!(f, "no tare: samples are doubted ({marks})"),
+        }
+    }
+}
+
+impl core::error::Error for TareError {}
+
+/// Where the taking of a tare stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum TareState {
+    /// None was asked for.
+    Idle,
+    /// So many samples are still to come.
+    Running(u16),
+    /// Taken.
+    Done,
+    /// Refused; the tare before it stays.
+    Refused(TareError),
+}
+
+/// Strain bridges at a converter, as a source of loads.
+///
+/// A count becomes `(count - tare - zero_slope dT) / (1 + gain_slope dT)`, and these become loads by
+/// the calibration; `dT` is the temperature less that of the calibration.
+#[derive(Debug)]
+pub struct StrainBridge<A, const K: usize> {
+    adc: A,
+    calibration: Calibration<K>,
+    /// Counts under no load, referred to the temperature of the calibration.
+    tare: Option<[f32; K]>,
+    /// Temperature less that of the calibration; none if it is not to be trusted.
+    warmer: Option<f32>,
+    turning: bool,
+    state: TareState,
+    wanted: u16,
+    sums: [i64; K],
+    stuck: StuckWatch<K>,
+    errors: u64,
+    last_error: Option<AdcError>,
+}
+
+impl<A: BridgeAdc<K>, const K: usize> StrainBridge<A, K> {
+    /// Bridges without a tare: every sample is doubted until one was taken or given. A channel that
+    /// gives the same count `stuck_after` times is stuck.
+    pub const fn new(adc: A, calibration: Calibration<K>, stuck_after: u16) -> Self {
+        Self {
+            adc,
+            calibration,
+            tare: None,
+            warmer: Some(0.0),
+            turning: true,
+            state: TareState::Idle,
+            wanted: 0,
+            sums: [0; K],
+            stuck: StuckWatch::new(stuck_after),
+            errors: 0,
+            last_error: None,
+        }
+    }
+
+    /// The converter.
+    pub const fn adc(&mut self) -> &mut A {
+        &mut self.adc
+    }
+
+    /// The tare, counts at the temperature of the calibration: to be kept over a power cycle.
+    pub const fn tare(&self) -> Option<[f32; K]> {
+        self.tare
+    }
+
+    /// A tare that was kept. One that is no number is none.
+    pub fn set_tare(&mut self, tare: [f32; K]) {
+        let good = tare.iter().all(|count| count.is_finite());
+        self.tare = good.then_some(tare);
+    }
+
+    /// Whether the shaft turns, which forbids a tare. Unless told, it may.
+    pub const fn set_turning(&mut self, turning: bool) {
+        self.turning = turning;
+    }
+
+    /// Temperature of the bridges, degrees Celsius. Outside the calibration's range, or not a number,
+    /// it makes every sample doubtful. Unless told, it is that of the calibration.
+    pub fn set_temperature(&mut self, celsius: f32) {
+        let [low, high] = self.calibration.temperatures;
+        let known = celsius >= low && celsius <= high;
+        self.warmer = known.then_some(celsius - self.calibration.temperature);
+    }
+
+    /// Asks for a tare: the mean of the next `samples` samples (at least 1), which must all be free of doubt
+    /// and of a shaft that stands still. Until it is there, the old one holds.
+    ///
+    /// # Errors
+    ///
+    /// If the shaft turns.
+    pub fn take_tare(&mut self, samples: u16) -> Result<(), TareError> {
+        if self.turning {
+            self.state = TareState::Refused(TareError::Turning);
+            return Err(TareError::Turning);
+        }
+        self.wanted = samples.max(1);
+        self.sums = [0; K];
+        self.state = TareState::Running(self.wanted);
+        Ok(())
+    }
+
+    /// Where the taking of a tare stands.
+    pub const fn tare_state(&self) -> TareState {
+        self.state
+    }
+
+    /// Errors of the converter so far, and the last of them.
+    pub const fn errors(&self) -> (u64, Option<AdcError>) {
+        (self.errors, self.last_error)
+    }
+
+    /// Adds a sample to the tare that is being taken.
+    fn weigh(&mut self, raw: Option<&[i32; K]>, doubts: Marks) {
+        let TareState::Running(left) = self.state else {
+            return;
+        };
+        let refusal = if self.turning {
+            Some(TareError::Turning)
+        } else if doubts.is_empty() {
+            None
+        } else {
+            Some(TareError::Marked(doubts))
+        };
+        if let Some(error) = refusal {
+            self.state = TareState::Refused(error);
+            return;
+        }
+        let (Some(raw), Some(warmer)) = (raw, self.warmer) else {
+            return;
+        };
+        // 65,535 counts of 32 bits cannot overflow 64.
+        for (sum, count) in self.sums.iter_mut().zip(raw) {
+            *sum += i64::from(*count);
+        }
+        if left > 1 {
+            self.state = TareState::Running(left - 1);
+            return;
+        }
+        let mut tare = [0.0; K];
+        let slopes = self.calibration.zero_slope.iter();
+        for ((tare, sum), slope) in tare.iter_mut().zip(&self.sums).zip(slopes) {
+            // Whole and rest apart, since a mean of 24 bits leaves a float no digits to spare.
+            let wanted = i64::from(self.wanted.max(1));
+            let (whole, rest) = (sum / wanted, sum % wanted);
+            *tare = whole as f32 + rest as f32 / f32::from(self.wanted.max(1)) - slope * warmer;
+        }
+        self.tare = Some(tare);
+        self.state = TareState::Done;
+    }
+}
+
+impl<A: BridgeAdc<K>, const K: usize> LoadSource for StrainBridge<A, K> {
+    fn sample(&mut self, time_us: u64) -> Result<Option<LoadSample>, Marks> {
+        let raw = match self.adc.read() {
+            Ok(Some(raw)) => raw,
+            Ok(None) => return Ok(None),
+            Err(error) => {
+                self.errors = self.errors.saturating_add(1);
+                self.last_error = Some(error);
+                let doubts = match error {
+                    AdcError::Checksum => Mark::Corrupt,
+                    _ => Mark::Bus,
+                }
+                .into();
+                self.weigh(None, doubts);
+                return Err(doubts);
+            }
+        };
+        let mut doubts = Marks::NONE;
+        let railed = |count: &i32| *count >= A::RAIL || *count <= -A::RAIL;
+        doubts.mark_if(raw.iter().any(railed), Mark::Saturated);
+        doubts.mark_if(self.stuck.watch(raw), Mark::Stuck);
+        doubts.mark_if(self.warmer.is_none(), Mark::Temperature);
+        self.weigh(Some(&raw), doubts);
+        doubts.mark_if(self.tare.is_none(), Mark::Untared);
+
+        let warmer = self.warmer.unwrap_or(0.0);
+        let tare = self.tare.unwrap_or([0.0; K]);
+        let c = &self.calibration;
+        let mut clean = [0.0; K];
+        for (k, clean) in clean.iter_mut().enumerate() {
+            let zero = tare[k] + c.zero_slope[k] * warmer;
+            *clean = (raw[k] as f32 - zero) / (1.0 + c.gain_slope[k] * warmer);
+        }
+        let mut load = [0.0; 5];
+        for (load, row) in load.iter_mut().zip(&c.loads) {
+            for (count, by) in clean.iter().zip(row) {
+                *load += count * by;
+            }
+        }
+        let mut residual: f32 = 0.0;
+        for (count, row) in clean.iter().zip(&c.counts) {
+            let mut rest = *count;
+            for (load, by) in load.iter().zip(row) {
+                rest -= load * by;
+            }
+            // A rest that is no number is one.
+            if !(rest.abs() <= residual) {
+                residual = rest.abs();
+            }
+        }
+        for (load, standing) in load.iter_mut().zip(&c.standing) {
+            *load += standing;
+        }
+        Ok(Some(LoadSample {
+            time_us,
+            load,
+            speed: None,
+            residual,
+            doubts,
+        }))
+    }
+}
