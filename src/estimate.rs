@@ -161,7 +161,7 @@ impl Estimate {
 const CLEARLY: f32 = 1.02;
 
 /// Row and column of the off-diagonal element that couples most; x, y if nothing couples.
-fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
+pub(crate) fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
     let mut place = (0, 1);
     let mut strongest: f32 = 0.0;
     for i in 0..5 {

@@ -128,8 +128,6 @@ pub struct LifeRating {
     pub inner: f32,
     /// `Qce`, N: the outer contact's.
     pub outer: f32,
-    /// Life used up above which its alarm is raised.
-    pub limit: f32,
 }
 
 /// Nominal `cos a` and `g`, and `S`.
@@ -165,7 +163,7 @@ impl LifeRating {
     }
 
     /// Ratings of the contacts for a bearing of this rating `Cr` (N), from the catalogue or from
-    /// [`LifeRating::basic_dynamic_load_rating`]. The alarm is at 0.8.
+    /// [`LifeRating::basic_dynamic_load_rating`].
     pub const fn new(design: &Design, balls: usize, dynamic_load_rating: f64) -> Self {
         let (cos, _, s) = geometry(design);
         let per_ball = dynamic_load_rating / (balls as f64 * pow(cos, 0.7));
@@ -173,7 +171,6 @@ impl LifeRating {
         Self {
             inner: (per_ball / 0.407 * pow(1.0 + ratio, 0.3)) as f32,
             outer: (per_ball / 0.389 * pow(1.0 + 1.0 / ratio, 0.3)) as f32,
-            limit: 0.8,
         }
     }
 

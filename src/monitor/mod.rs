@@ -1,9 +1,769 @@
 //! From sensor to alarm: what a spindle's board does around the solver.
+//!
+//! Data flows one way, a file for each step:
+//!
+//! | step | module | gives |
+//! | --- | --- | --- |
+//! | acquisition | [`loads`], [`speed`] | five loads and a speed, or why there are none |
+//! | plausibility | [`plausibility`] | a good sample, or the [`Marks`] of what is doubted |
+//! | tick | [`tick`], [`Monitor`] | an equilibrium within the deadline |
+//! | judgement | [`judgement`] | alarms that latch |
+//! | life | [`life`] | rating life used up |
+//! | telemetry | [`telemetry`] | frames for a host |
+//!
+//! Read [`Monitor::tick`] first, then [`settings`], which has all that is particular to a spindle. The
+//! whole of a firmware's loop:
+//!
+//! ```
+//! use spindle_bearing::monitor::{
+//!     Monitor, Readings,
+//!     loads::{FramedLoads, LoadSource},
+//!     settings::MonitorSettings,
+//!     speed::{Edges, PulseSpeed, SpeedSettings, SpeedSource},
+//!     tick::{CycleCounter, Watchdog, Widened},
+//! };
+//! use spindle_bearing::{Bearing, Design, FreeContact, Material};
+//!
+//! const DESIGN: Design = Design {
+//!     ball_diameter: 6.35e-3, // m
+//!     pitch_diameter: 36e-3,
+//!     inner_groove_factor: 0.515,
+//!     outer_groove_factor: 0.525,
+//!     free_contact: FreeContact::Angle(15.0 * core::f64::consts::PI / 180.0),
+//!     inner_shoulder_angle: 0.84,
+//!     outer_shoulder_angle: 0.83,
+//!     first_ball: 0.0,
+//!     ring: Material::STEEL,
+//!     ball: Material::STEEL,
+//! };
+//! static BEARING: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&DESIGN) {
+//!     Ok(bearing) => bearing,
+//!     Err(_) => panic!("this bearing cannot be built"),
+//! };
+//! static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN, 16);
+//! const _: () = assert!(SETTINGS.check().is_ok());
+//! const TACHOMETER: SpeedSettings = SpeedSettings {
+//!     pulses_per_revolution: 4,
+//!     timer_hz: 1_000_000,
+//!     timer_bits: 32,
+//!     counter_bits: 16,
+//!     count_above: 400.0,
+//!     period_below: 300.0,
+//!     gate_us: 5000,
+//!     standstill_us: 500_000,
+//!     deceleration: 1000.0,
+//! };
+//! # struct Board { us: u32 }
+//! # impl Board {
+//! #     fn wait_for_tick(&mut self) -> u32 { self.us += 1000; self.us }
+//! #     fn received(&mut self) -> Option<u8> { None }
+//! #     fn send(&mut self, _: u8) -> bool { true }
+//! #     fn link_is_free(&self) -> bool { true }
+//! # }
+//! # struct Dwt; impl CycleCounter for Dwt { fn cycles(&mut self) -> u32 { 0 } }
+//! # struct Iwdg; impl Watchdog for Iwdg { fn feed(&mut self) {} }
+//! # let (mut board, mut dwt, mut iwdg) = (Board { us: 0 }, Dwt, Iwdg);
+//!
+//! let mut monitor: Monitor<16> = Monitor::new(&BEARING, &SETTINGS);
+//! // From nothing, a solve takes more sweeps than a tick has: once, before ticks begin.
+//! monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).expect("the preload has an equilibrium");
+//! let mut loads = FramedLoads::new();
+//! let mut tachometer = PulseSpeed::new(Edges::default(), TACHOMETER);
+//! let mut clock = Widened::new(32, 0);
+//! # for _ in 0..3 {
+//! // loop {
+//!     let now = board.wait_for_tick();
+//!     let time_us = clock.at(now);
+//!     while let Some(byte) = board.received() {
+//!         loads.push(byte);
+//!     }
+//!     let readings = Readings {
+//!         loads: loads.sample(time_us),
+//!         speed: Some(tachometer.speed(now).ok().map(|speed| speed.omega)),
+//!     };
+//!     let outcome = monitor.tick(time_us, &readings, &mut dwt, &mut iwdg);
+//!     for change in &outcome.changes {
+//!         // defmt::warn!("{}", change);
+//!         # let _ = change;
+//!     }
+//!     while board.link_is_free() && let Some(byte) = monitor.outbox().next_byte() {
+//!         board.send(byte);
+//!     }
+//! # }
+//! # assert_eq!(monitor.health().ticks, 3);
+//! // }
+//! ```
+//!
+//! # What holds whatever happens
+//!
+//! - **No fault stops the ticks.** Nothing waits, loops are bounded, and every input ends in an answer or a
+//!   mark.
+//! - **No stiffness without a mark.** What is doubted is not solved. The last good estimate stays, with its
+//!   age, and goes out with the marks of the present.
+//! - **No alarm is lost.** Alarms latch, and their reports are not dropped ([`telemetry`]).
+//! - **No drift.** Times are 64 bits, counters are 64 bits and stop rather than wrap, sums over a life are
+//!   exact.
+//!
+//! # When a solve does not fit its tick
+//!
+//! A solve that ends at the bound on sweeps is no answer, and leaves a solver that would start from
+//! nothing. The monitor keeps the solver of the last answer, goes back to it, and at the next tick goes
+//! half of the way to the loads of that tick; a quarter after that. Each step is a warm solve, and once one
+//! is an answer the next goes twice as far. Until the loads themselves are reached there is no new estimate,
+//! and the mark is [`Mark::Unsolved`]. Only if all small steps fail does a solve start from nothing, with
+//! [`TickSettings::cold_sweeps`](tick::TickSettings::cold_sweeps), and if that fails, too, it is tried again after
+//! longer and longer pauses.
+//!
+//! # Left out on purpose
+//!
+//! Filters before the solver (an analogue one belongs before the converter), the spectrum of vibrations,
+//! lubrication, more than one bearing, double precision, and storing of baseline, tare and life over a power
+//! cycle: the firmware keeps [`Judgement::baseline`], [`Life::kept`] and
+//! [`StrainBridge::tare`](loads::StrainBridge::tare) where its board can.
 
 pub mod judgement;
 pub mod life;
 pub mod loads;
 pub mod plausibility;
+pub mod settings;
 pub mod speed;
 pub mod telemetry;
 pub mod tick;
+
+pub use judgement::{Alarm, AlarmState, Baseline, Changes, Judgement};
+pub use life::Life;
+pub use plausibility::{GoodSample, Mark, Marks, Readings};
+pub use settings::{MonitorSettings, SettingsError};
+
+use crate::constants::Bearing;
+use crate::estimate::strongest_coupling;
+use crate::float::Real;
+use crate::limits::{Limit, Limits};
+use crate::scene::{AtSpeed, Motion};
+use crate::solver::{Settings, Solution, Solver};
+use crate::status::Status;
+use judgement::{AlarmChange, Findings, Level};
+use plausibility::{Plausibility, seconds};
+use telemetry::{
+    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport, Outbox,
+    Payload, StatusCode,
+};
+use tick::{CycleCounter, Ticker, Watchdog};
+
+/// What happened in a tick.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Outcome {
+    /// What is doubted, of the sample or of the estimate.
+    pub marks: Marks,
+    /// Whether there is a new estimate.
+    pub solved: bool,
+    /// Age of the estimate in ticks, if there is one.
+    pub age: Option<u32>,
+    /// Alarms that changed.
+    pub changes: Changes,
+    /// Whether the tick took longer than its deadline.
+    pub overrun: bool,
+}
+
+/// The last good equilibrium.
+#[derive(Debug, Clone, Copy)]
+struct Estimate<const N: usize> {
+    /// As of its own tick, with an age of 0 and no marks.
+    report: EstimateReport,
+    time_us: u64,
+    tick: u64,
+    balls: [BallReport; N],
+}
+
+/// Something that is due now and then.
+#[derive(Debug, Clone, Copy)]
+struct Every {
+    next_us: u64,
+}
+
+impl Every {
+    fn is_due(&mut self, time_us: u64, period_us: u32) -> bool {
+        if time_us < self.next_us {
+            return false;
+        }
+        // In step with the period, unless that has been missed altogether.
+        let period = u64::from(period_us);
+        let next = self.next_us.saturating_add(period);
+        self.next_us = if next > time_us {
+            next
+        } else {
+            time_us.saturating_add(period)
+        };
+        true
+    }
+}
+
+/// Follows the loads from equilibrium to equilibrium.
+#[derive(Debug)]
+struct Tracker<const N: usize, M: Motion> {
+    solver: Solver<'static, f32, N, M>,
+    /// The solver of the last answer, and loads and speed of that.
+    good: Solver<'static, f32, N, M>,
+    at: Option<([f32; 5], f32)>,
+    /// Part of the way to the present loads that the next solve goes.
+    part: f32,
+    /// Solves to leave out before the next one from nothing, and how many it were last.
+    pause: u16,
+    pauses: u16,
+}
+
+/// The smallest part of the way that is tried.
+const LEAST_PART: f32 = 1.0 / 64.0;
+/// The longest pause between solves from nothing, in solves.
+const LONGEST_PAUSE: u16 = 1023;
+
+/// An answer, and not only numbers.
+fn is_answer(status: &Status<f32>) -> bool {
+    matches!(status, Status::Converged | Status::PrecisionLimit)
+}
+
+impl<const N: usize, M: Motion + Clone> Tracker<N, M> {
+    fn new(bearing: &'static Bearing<f32, N>) -> Self {
+        Self {
+            solver: Solver::new(bearing),
+            good: Solver::new(bearing),
+            at: None,
+            part: 1.0,
+            pause: 0,
+            pauses: 0,
+        }
+    }
+
+    /// What `see` sees of the equilibrium under these loads, or how the solve ended without it.
+    fn solve<R>(
+        &mut self,
+        load: [f32; 5],
+        speed: f32,
+        settings: &MonitorSettings,
+        see: impl FnOnce(&Solution<'_, f32, N, M>) -> R,
+    ) -> Result<R, StatusCode> {
+        let Some((from, from_speed)) = self.at else {
+            return self.start(load, speed, settings, see);
+        };
+        let part = self.part;
+        let there = part >= 1.0;
+        let (mut to, mut to_speed) = (load, speed);
+        if !there {
+            for (to, from) in to.iter_mut().zip(&from) {
+                *to = from + part * (*to - from);
+            }
+            to_speed = from_speed + part * (speed - from_speed);
+        }
+        let effort = Settings {
+            max_sweeps: settings.tick.max_sweeps(),
+            tolerance: settings.tolerance,
+        };
+        let seen = match self.solver.solve(to, to_speed, &effort) {
+            Ok(solution) if is_answer(&solution.status) => Ok(there.then(|| see(&solution))),
+            Ok(solution) => Err(solution.status),
+            Err(status) => Err(status),
+        };
+        let status = match seen {
+            Ok(seen) => {
+                self.good.clone_from(&self.solver);
+                self.at = Some((to, to_speed));
+                self.part = (2.0 * part).min(1.0);
+                // An equilibrium on the way is not that of the sample.
+                return seen.ok_or(StatusCode::SweepLimit);
+            }
+            Err(status) => status,
+        };
+        // These have left the solver as it was, and no smaller step makes them good.
+        if !matches!(
+            status,
+            Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded
+        ) {
+            self.solver.clone_from(&self.good);
+            self.part = 0.5 * part;
+            if self.part < LEAST_PART {
+                (self.at, self.part) = (None, 1.0);
+            }
+        }
+        Err(StatusCode::from(&status))
+    }
+
+    /// The same from nothing, unless it is to pause.
+    fn start<R>(
+        &mut self,
+        load: [f32; 5],
+        speed: f32,
+        settings: &MonitorSettings,
+        see: impl FnOnce(&Solution<'_, f32, N, M>) -> R,
+    ) -> Result<R, StatusCode> {
+        if self.pause > 0 {
+            self.pause -= 1;
+            return Err(StatusCode::SweepLimit);
+        }
+        let effort = Settings {
+            max_sweeps: settings.tick.cold_sweeps,
+            tolerance: settings.tolerance,
+        };
+        self.solver.forget();
+        let seen = match self.solver.solve(load, speed, &effort) {
+            Ok(solution) if is_answer(&solution.status) => Ok(see(&solution)),
+            Ok(solution) => Err(StatusCode::from(&solution.status)),
+            Err(status) => Err(StatusCode::from(&status)),
+        };
+        if seen.is_ok() {
+            self.good.clone_from(&self.solver);
+            (self.at, self.part) = (Some((load, speed)), 1.0);
+            self.pauses = 0;
+        } else {
+            self.pauses = (2 * self.pauses + 1).min(LONGEST_PAUSE);
+            self.pause = self.pauses;
+        }
+        seen
+    }
+}
+
+/// The monitor of one spindle bearing of `N` balls. Fixed in size, without a heap; `FRAMES` estimates and
+/// pictures of balls wait for a slow link.
+#[derive(Debug)]
+pub struct Monitor<const N: usize, M: Motion = AtSpeed, const FRAMES: usize = 12> {
+    settings: &'static MonitorSettings,
+    tracker: Tracker<N, M>,
+    plausibility: Plausibility,
+    ticker: Ticker,
+    judgement: Judgement,
+    life: Life,
+    outbox: Outbox<FRAMES>,
+    estimate: Option<Estimate<N>>,
+    /// How the last solve ended.
+    status: StatusCode,
+    /// The last solve gave no estimate.
+    unsolved: bool,
+    /// The newest good sample that is still to be solved, and its tick.
+    waiting: Option<(GoodSample, u64)>,
+    /// Ticks until the next solve.
+    countdown: u16,
+    /// The tick before this one was late.
+    late: bool,
+    /// When the monitor began, and when a sample was good last, us.
+    began_us: Option<u64>,
+    good_us: Option<u64>,
+    estimates: u64,
+    refusals: u64,
+    marked: u64,
+    /// Doubts since the last health report.
+    doubts: Marks,
+    due_estimate: Every,
+    due_balls: Every,
+    due_health: Every,
+    due_standing: Every,
+}
+
+impl<const N: usize, M: Motion + Clone, const FRAMES: usize> Monitor<N, M, FRAMES> {
+    /// A monitor at its beginning: no estimate, no alarm, a new bearing, no baseline.
+    pub fn new(bearing: &'static Bearing<f32, N>, settings: &'static MonitorSettings) -> Self {
+        let now = Every { next_us: 0 };
+        Self {
+            settings,
+            tracker: Tracker::new(bearing),
+            plausibility: Plausibility::new(&settings.plausibility),
+            ticker: Ticker::new(&settings.tick),
+            judgement: Judgement::new(Baseline::EMPTY),
+            life: Life::NEW,
+            outbox: Outbox::new(),
+            estimate: None,
+            status: StatusCode::Unloaded,
+            unsolved: false,
+            waiting: None,
+            countdown: 0,
+            late: false,
+            began_us: None,
+            good_us: None,
+            estimates: 0,
+            refusals: 0,
+            marked: 0,
+            doubts: Marks::NONE,
+            due_estimate: now,
+            due_balls: now,
+            due_health: now,
+            due_standing: now,
+        }
+    }
+
+    /// Goes on with what was kept over a power cycle: the baseline, and life used and revolutions
+    /// ([`Life::kept`]).
+    #[must_use]
+    pub fn with_past(mut self, baseline: Baseline, life: (u128, u128)) -> Self {
+        self.judgement = Judgement::new(baseline);
+        self.life = Life::resume(life.0, life.1);
+        self
+    }
+
+    /// Solves a first equilibrium (loads in N, N m; speed in rad/s) to start from, before ticks begin: it may
+    /// take longer than one. Gives no estimate.
+    ///
+    /// # Errors
+    ///
+    /// How the solve ended without an answer.
+    pub fn prepare(&mut self, load: [f32; 5], speed: f32) -> Result<(), StatusCode> {
+        self.tracker.at = None;
+        self.tracker.pause = 0;
+        self.tracker.start(load, speed, self.settings, |_| ())
+    }
+
+    /// One tick: takes what the sensors say, doubts it, solves it if it is time to, judges, counts and reports.
+    /// `time_us` is the time since the start and never goes back.
+    pub fn tick(
+        &mut self,
+        time_us: u64,
+        readings: &Readings,
+        counter: &mut impl CycleCounter,
+        watchdog: &mut impl Watchdog,
+    ) -> Outcome {
+        let step_us = self.ticker.begin(time_us, counter);
+        let tick = self.ticker.ticks();
+        let began_us = *self.began_us.get_or_insert(time_us);
+        let mut changes = Changes::new();
+        let judging = &self.settings.judgement;
+
+        let (doubts, good) =
+            self.plausibility
+                .judge(time_us, readings, &self.settings.plausibility);
+        if let Some(sample) = good {
+            self.waiting = Some((sample, tick));
+        }
+        if doubts.is_empty() {
+            self.good_us = Some(time_us);
+        } else {
+            // What was good a tick ago is not solved under the doubts of now.
+            self.waiting = None;
+            self.marked = self.marked.saturating_add(1);
+        }
+
+        let mut solved = false;
+        if self.countdown > 0 {
+            self.countdown -= 1;
+        } else if let Some((sample, at)) = self.waiting.take() {
+            self.countdown = self.settings.tick.solve_every.saturating_sub(1);
+            solved = self.solve(&sample, at, &mut changes);
+        }
+
+        let mut marks = doubts;
+        marks.mark_if(self.unsolved, Mark::Unsolved);
+        marks.mark_if(self.estimate.is_none(), Mark::NoEstimate);
+        self.doubts = self.doubts.union(marks);
+
+        let speed = self.plausibility.last_speed();
+        self.life
+            .turn(speed, step_us as f32 * 1e-6, !marks.is_empty());
+
+        let good_us = self.good_us.unwrap_or(began_us);
+        let estimated_us = self.estimate.as_ref().map_or(began_us, |e| e.time_us);
+        for (alarm, value) in [
+            (Alarm::LifeUsed, self.life.used()),
+            (Alarm::Sensor, seconds(good_us, time_us)),
+            (Alarm::StaleEstimate, seconds(estimated_us, time_us)),
+        ] {
+            self.judgement
+                .level(time_us, alarm, Level::of(value), judging, &mut changes);
+        }
+        // A tick knows how long it took when it is over: the next one judges it.
+        self.judgement
+            .ticked(time_us, self.late, judging, &mut changes);
+
+        self.report(time_us, tick, marks, &changes);
+        let overrun = self.ticker.finish(counter, watchdog);
+        self.late = overrun;
+        Outcome {
+            marks,
+            solved,
+            age: self.age(tick),
+            changes,
+            overrun,
+        }
+    }
+
+    /// Age of the estimate at a tick.
+    fn age(&self, tick: u64) -> Option<u32> {
+        let age = |e: &Estimate<N>| tick.saturating_sub(e.tick).min(u32::MAX.into()) as u32;
+        self.estimate.as_ref().map(age)
+    }
+
+    /// Solves and judges a sample; whether there is a new estimate.
+    fn solve(&mut self, sample: &GoodSample, tick: u64, changes: &mut Changes) -> bool {
+        let settings = self.settings;
+        let seen = self
+            .tracker
+            .solve(sample.load, sample.speed, settings, |solution| {
+                observe(solution, sample, tick, settings)
+            });
+        self.unsolved = seen.is_err();
+        match seen {
+            Ok((estimate, findings, damage)) => {
+                self.status = estimate.report.status;
+                self.estimates = self.estimates.saturating_add(1);
+                self.estimate = Some(estimate);
+                self.life.set_damage(damage);
+                self.judgement
+                    .judge(sample.time_us, &findings, &settings.judgement, changes);
+                true
+            }
+            Err(status) => {
+                self.status = status;
+                self.refusals = self.refusals.saturating_add(1);
+                false
+            }
+        }
+    }
+
+    /// Puts what is due into the outbox.
+    fn report(&mut self, time_us: u64, tick: u64, marks: Marks, changes: &Changes) {
+        let every = &self.settings.telemetry;
+        for change in changes {
+            self.post_alarm(time_us, change.alarm, change.change);
+        }
+        if self.due_standing.is_due(time_us, every.standing_us) {
+            for alarm in Alarm::ALL {
+                if self.judgement.alarm(alarm).stands() {
+                    self.post_alarm(time_us, alarm, AlarmChange::Standing);
+                }
+            }
+        }
+        if self.due_health.is_due(time_us, every.health_us) {
+            let health = self.health();
+            self.doubts = Marks::NONE;
+            self.outbox.post(time_us, Payload::Health(health));
+        }
+        let (estimate_due, balls_due) = (
+            self.due_estimate.is_due(time_us, every.estimate_us),
+            self.due_balls.is_due(time_us, every.balls_us),
+        );
+        if estimate_due && let Some(report) = self.report_at(tick, marks) {
+            self.outbox.post(time_us, Payload::Estimate(report));
+        }
+        if balls_due && let Some(estimate) = &self.estimate {
+            for (first, balls) in (0..)
+                .step_by(BALLS_PER_FRAME)
+                .zip(estimate.balls.chunks(BALLS_PER_FRAME))
+            {
+                let report = BallsReport {
+                    first,
+                    count: N as u16,
+                    first_azimuth: self.settings.first_azimuth,
+                    balls: balls.iter().copied().collect(),
+                };
+                self.outbox.post(time_us, Payload::Balls(report));
+            }
+        }
+    }
+
+    fn post_alarm(&mut self, time_us: u64, alarm: Alarm, change: AlarmChange) {
+        let machine = self.judgement.alarm(alarm);
+        let (raised, cleared) = machine.counts();
+        let Level { value, ball } = machine.level();
+        let threshold = self.settings.judgement.of(alarm);
+        let report = AlarmReport {
+            alarm,
+            change,
+            state: machine.state(),
+            value,
+            limit: match change {
+                AlarmChange::Cleared => threshold.clear,
+                _ => threshold.raise,
+            },
+            ball,
+            raised,
+            cleared,
+        };
+        self.outbox.post(time_us, Payload::Alarm(report));
+    }
+
+    fn report_at(&self, tick: u64, marks: Marks) -> Option<EstimateReport> {
+        let estimate = self.estimate.as_ref()?;
+        Some(EstimateReport {
+            age: self.age(tick)?,
+            marks,
+            status: self.status,
+            ..estimate.report
+        })
+    }
+
+    /// Somebody has seen an alarm: it may clear. Says so in the telemetry.
+    pub fn acknowledge(&mut self, time_us: u64, alarm: Alarm) {
+        if let Some(change) = self.judgement.acknowledge(alarm) {
+            self.post_alarm(time_us, alarm, change);
+        }
+    }
+
+    /// Counters since the start.
+    pub fn health(&self) -> HealthReport {
+        let (alarms_raised, alarms_cleared) = self.judgement.counts();
+        HealthReport {
+            ticks: self.ticker.ticks(),
+            overruns: self.ticker.overruns(),
+            missed_ticks: self.ticker.missed(),
+            estimates: self.estimates,
+            refusals: self.refusals,
+            marked_samples: self.marked,
+            alarms_raised,
+            alarms_cleared,
+            frames_dropped: self.outbox.dropped(),
+            most_cycles: self.ticker.most_cycles(),
+            revolutions: self.life.revolutions(),
+            life_used: self.life.used(),
+            marks: self.doubts,
+        }
+    }
+
+    /// Frames for the link.
+    pub const fn outbox(&mut self) -> &mut Outbox<FRAMES> {
+        &mut self.outbox
+    }
+
+    /// Alarms, the baseline and its learning.
+    pub const fn judgement(&mut self) -> &mut Judgement {
+        &mut self.judgement
+    }
+
+    /// Life used up.
+    pub const fn life(&self) -> &Life {
+        &self.life
+    }
+}
+
+/// What is kept of an equilibrium, what judgement is to know, and what it costs of the life.
+fn observe<const N: usize, M: Motion>(
+    solution: &Solution<'_, f32, N, M>,
+    sample: &GoodSample,
+    tick: u64,
+    settings: &MonitorSettings,
+) -> (Estimate<N>, Findings, f32) {
+    let contacts = &settings.contacts;
+    let [inner_shoulder, outer_shoulder] = contacts.shoulder;
+    let mut balls = [BallReport {
+        q_i: 0.0,
+        q_o: 0.0,
+        alpha_i: 0.0,
+        alpha_o: 0.0,
+    }; N];
+    // The largest force of either race and the largest angle past a shoulder, each with its ball.
+    let mut largest = [(0.0_f32, 0_u16); 2];
+    let mut least = f32::INFINITY;
+    let (mut past, mut past_ball) = (f32::NEG_INFINITY, None);
+    let (mut unloaded, mut unloaded_ball) = (0_u16, None);
+    for ((index, to), ball) in (0_u16..).zip(&mut balls).zip(solution.balls()) {
+        *to = BallReport {
+            q_i: ball.q_i,
+            q_o: ball.q_o,
+            alpha_i: ball.alpha_i,
+            alpha_o: ball.alpha_o,
+        };
+        if ball.q_i < least {
+            least = ball.q_i;
+        }
+        if !(ball.q_i > 0.0) {
+            unloaded = unloaded.saturating_add(1);
+            unloaded_ball = Some(index);
+        }
+        for (largest, (force, angle, shoulder)) in largest.iter_mut().zip([
+            (ball.q_i, ball.alpha_i, inner_shoulder),
+            (ball.q_o, ball.alpha_o, outer_shoulder),
+        ]) {
+            if force > largest.0 {
+                *largest = (force, index);
+            }
+            let angle = if contacts.symmetric {
+                angle.abs()
+            } else {
+                angle
+            };
+            if force > 0.0 && angle - shoulder > past {
+                (past, past_ball) = (angle - shoulder, Some(index));
+            }
+        }
+    }
+    let [inner, outer] = largest;
+    let [of_inner, of_outer] = contacts.pressure;
+    let pressures = [
+        (of_inner * Real::cbrt(inner.0), inner.1),
+        (of_outer * Real::cbrt(outer.0), outer.1),
+    ];
+    let [inner_pressure, outer_pressure] = pressures;
+    let (pressure, pressure_ball) = if outer_pressure.0 > inner_pressure.0 {
+        outer_pressure
+    } else {
+        inner_pressure
+    };
+
+    // The friction is wanted from the level on at which its alarm clears.
+    let passed = solution.exceedances(&Limits {
+        peak_pressure: settings.limits.peak_pressure,
+        friction: settings
+            .judgement
+            .of(Alarm::Slip)
+            .clear
+            .min(settings.limits.friction),
+    });
+    let slip = passed
+        .get(Limit::Friction)
+        .map_or(Level::of(0.0), |e| Level {
+            value: e.value,
+            ball: Some(e.ball),
+        });
+    let mut limits = passed.limits().bits();
+    if !(slip.value > settings.limits.friction) {
+        limits &= !(1 << Limit::Friction as u8);
+    }
+
+    let k = &solution.stiffness;
+    let (row, column) = strongest_coupling(k);
+    let stiffness = core::array::from_fn(|i| k[i][i]);
+    let report = EstimateReport {
+        age: 0,
+        marks: Marks::NONE,
+        load: sample.load,
+        speed: sample.speed,
+        displacement: solution.displacement,
+        stiffness,
+        coupling: k[row][column],
+        coupling_row: row as u8,
+        coupling_column: column as u8,
+        least_force: least,
+        largest_force: inner.0,
+        status: StatusCode::from(&solution.status),
+        sweeps: solution.sweeps,
+        error: [
+            solution.error.displacement,
+            solution.error.force,
+            solution.error.stiffness,
+        ],
+        limits,
+    };
+    let damage = settings
+        .rating
+        .damage(balls.iter().map(|ball| (ball.q_i, ball.q_o)));
+    let findings = Findings {
+        pressure: Level {
+            value: pressure,
+            ball: Some(pressure_ball),
+        },
+        contact_angle: Level {
+            value: past,
+            ball: past_ball,
+        },
+        slip,
+        unloaded: Level {
+            value: f32::from(unloaded),
+            ball: unloaded_ball,
+        },
+        load: sample.load,
+        speed: sample.speed,
+        stiffness,
+    };
+    let estimate = Estimate {
+        report,
+        time_us: sample.time_us,
+        tick,
+        balls,
+    };
+    (estimate, findings, damage)
+}

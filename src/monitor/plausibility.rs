@@ -307,6 +307,14 @@ impl Plausibility {
         }
     }
 
+    /// The last speed that could be believed, rad/s; 0 before there is one.
+    pub const fn last_speed(&self) -> f32 {
+        match self.speed {
+            Some((speed, _)) => speed,
+            None => 0.0,
+        }
+    }
+
     /// Judges what came in a tick. With a new sample that nothing speaks against, returns it; without
     /// a new sample, the doubts about the last one stay.
     pub fn judge(

@@ -1,0 +1,396 @@
+//! Everything that makes a monitor that of one spindle, in one place, for the compiler to check.
+
+use super::judgement::{
+    Alarm, BANDS, BaselineSettings, JudgementSettings, TREND_SPANS, Threshold, TrendSettings,
+};
+use super::life::LifeRating;
+use super::plausibility::PlausibilitySettings;
+use super::tick::{CycleCost, TickSettings};
+use crate::design::Design;
+use crate::hertz::HertzContact;
+use crate::limits::Limits;
+use core::fmt;
+
+/// What judgement wants to know of the contacts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ContactConstants {
+    /// Peak pressure of the inner and the outer contact over the cube root of its force,
+    /// Pa/N^(1/3).
+    pub pressure: [f32; 2],
+    /// Angles of the inner and the outer shoulder, rad.
+    pub shoulder: [f32; 2],
+    /// Shoulders on both sides: a deep groove bearing.
+    pub symmetric: bool,
+}
+
+impl ContactConstants {
+    /// Of a design.
+    pub const fn new(design: &Design) -> Self {
+        let (d, dm) = (design.ball_diameter, design.pitch_diameter);
+        let gamma = d * design.free_contact_angle().1 / dm;
+        let (ring, ball) = (&design.ring, &design.ball);
+        let inner = HertzContact::of_groove(d, gamma, design.inner_groove_factor, ring, ball);
+        let outer = HertzContact::of_groove(d, -gamma, design.outer_groove_factor, ring, ball);
+        Self {
+            pressure: [
+                inner.peak_pressure(1.0) as f32,
+                outer.peak_pressure(1.0) as f32,
+            ],
+            shoulder: [
+                design.inner_shoulder_angle as f32,
+                design.outer_shoulder_angle as f32,
+            ],
+            symmetric: design.is_symmetric(),
+        }
+    }
+}
+
+/// How often telemetry goes out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TelemetrySettings {
+    /// Time between estimates, us.
+    pub estimate_us: u32,
+    /// Time between pictures of all balls, us.
+    pub balls_us: u32,
+    /// Time between health reports, us.
+    pub health_us: u32,
+    /// Time after which an alarm that stands is sent again, us.
+    pub standing_us: u32,
+}
+
+/// Everything that makes a monitor that of one spindle.
+///
+/// ```
+/// use spindle_bearing::monitor::settings::MonitorSettings;
+/// use spindle_bearing::{Design, FreeContact, Material};
+/// # const DESIGN: Design = Design {
+/// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+/// #     free_contact: FreeContact::Angle(0.26), first_ball: 0.0,
+/// #     inner_shoulder_angle: 0.84, outer_shoulder_angle: 0.83,
+/// #     ring: Material::STEEL, ball: Material::STEEL,
+/// # };
+/// static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN, 16);
+/// // A setting that is out of order does not compile.
+/// const _: () = match SETTINGS.check() {
+///     Ok(()) => {}
+///     Err(error) => panic!("{}", error.field),
+/// };
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MonitorSettings {
+    /// Azimuth of the first ball, rad.
+    pub first_azimuth: f32,
+    /// The contacts.
+    pub contacts: ContactConstants,
+    /// The contacts' dynamic load ratings.
+    pub rating: LifeRating,
+    /// Rate and deadline.
+    pub tick: TickSettings,
+    /// Largest estimated error of the stiffness that counts as solved, relative.
+    pub tolerance: f32,
+    /// What estimates report as passed limits.
+    pub limits: Limits<f32>,
+    /// What is plausible.
+    pub plausibility: PlausibilitySettings,
+    /// When alarms are raised.
+    pub judgement: JudgementSettings,
+    /// How often telemetry goes out.
+    pub telemetry: TelemetrySettings,
+}
+
+/// A setting that is out of order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SettingsError {
+    /// Path of the field, as in code.
+    pub field: &'static str,
+    /// What it must be.
+    pub must: &'static str,
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} must be {}", self.field, self.must)
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+macro_rules! demand {
+    ($condition:expr, $field:literal, $must:literal) => {
+        if !$condition {
+            return Err(SettingsError {
+                field: $field,
+                must: $must,
+            });
+        }
+    };
+}
+
+/// Above 0; infinite stands for no bound.
+const fn positive(x: f32) -> bool {
+    x > 0.0
+}
+
+const fn threshold(raise: f32, clear: f32, hold_ms: u32) -> Threshold {
+    Threshold {
+        raise,
+        clear,
+        hold_us: hold_ms * 1000,
+    }
+}
+
+impl MonitorSettings {
+    /// A start for a bearing of `balls` balls on a machine tool's spindle: sampled at 1 kHz and solved at
+    /// every tick on a Cortex-M4F at 168 MHz, thresholds on the safe side. Ranges and rates of loads are
+    /// wide; narrow them to what your spindle does.
+    pub const fn new(design: &Design, balls: usize) -> Self {
+        let dynamic = LifeRating::basic_dynamic_load_rating(design, balls);
+        Self {
+            first_azimuth: design.first_ball as f32,
+            contacts: ContactConstants::new(design),
+            rating: LifeRating::new(design, balls, dynamic),
+            tick: TickSettings {
+                period_us: 1000,
+                solve_every: 1,
+                deadline_cycles: 168_000,
+                cost: CycleCost::CORTEX_M4F,
+                cold_sweeps: 60,
+            },
+            tolerance: 2e-5,
+            limits: Limits {
+                peak_pressure: 2.0e9,
+                friction: 0.06,
+            },
+            plausibility: PlausibilitySettings {
+                load: [
+                    [-10e3, 10e3],
+                    [-10e3, 10e3],
+                    [-10e3, 10e3],
+                    [-200.0, 200.0],
+                    [-200.0, 200.0],
+                ],
+                load_rate: [1e6, 1e6, 1e6, 2e4, 2e4],
+                stuck_after: 100,
+                missing_after_us: 50_000,
+                residual: f32::INFINITY,
+                speed: 5e3,
+                speed_rate: 5e3,
+                speed_difference: [10.0, 0.02],
+            },
+            judgement: JudgementSettings {
+                // In the order of the alarms.
+                thresholds: [
+                    threshold(2.0e9, 1.9e9, 100),
+                    threshold(0.0, -0.035, 100),
+                    threshold(0.06, 0.05, 500),
+                    threshold(0.5, 0.25, 500),
+                    threshold(0.15, 0.12, 5000),
+                    threshold(0.15, 0.10, 0),
+                    threshold(0.8, 0.79, 0),
+                    threshold(0.1, 0.05, 0),
+                    threshold(0.1, 0.05, 0),
+                    threshold(10.0, 5.0, 0),
+                ],
+                baseline: BaselineSettings {
+                    band_width: 150.0,
+                    idle_radial: 40.0,
+                    idle_moment: 0.6,
+                    least_estimates: 100,
+                },
+                trend: TrendSettings {
+                    span_us: 3_600_000_000,
+                    least_estimates: 1000,
+                    least_spans: 8,
+                    ahead: 7.0 * 86_400.0,
+                },
+            },
+            telemetry: TelemetrySettings {
+                estimate_us: 20_000,
+                balls_us: 200_000,
+                health_us: 1_000_000,
+                standing_us: 10_000_000,
+            },
+        }
+    }
+
+    /// Whether the settings are in order: for the compiler to ask.
+    ///
+    /// # Errors
+    ///
+    /// The first field that is not, and what it must be.
+    pub const fn check(&self) -> Result<(), SettingsError> {
+        let t = &self.tick;
+        demand!(self.first_azimuth.is_finite(), "first_azimuth", "a number");
+        let [i, o] = self.contacts.pressure;
+        demand!(positive(i) && positive(o), "contacts.pressure", "positive");
+        let [i, o] = self.contacts.shoulder;
+        demand!(positive(i) && positive(o), "contacts.shoulder", "positive");
+        let rating = &self.rating;
+        demand!(
+            positive(rating.inner) && rating.inner.is_finite(),
+            "rating.inner",
+            "positive and finite"
+        );
+        demand!(
+            positive(rating.outer) && rating.outer.is_finite(),
+            "rating.outer",
+            "positive and finite"
+        );
+        demand!(
+            t.period_us > 0 && t.period_us <= 1_000_000,
+            "tick.period_us",
+            "from 1 to 1,000,000"
+        );
+        demand!(t.solve_every > 0, "tick.solve_every", "at least 1");
+        demand!(t.cost.sweep > 0, "tick.cost.sweep", "at least 1");
+        demand!(
+            t.deadline_cycles as u64 >= t.cost.fixed as u64 + t.cost.sweep as u64,
+            "tick.deadline_cycles",
+            "enough for the fixed part and a sweep"
+        );
+        demand!(t.cold_sweeps > 0, "tick.cold_sweeps", "at least 1");
+        demand!(
+            self.tolerance >= f32::EPSILON && self.tolerance <= 1e-2,
+            "tolerance",
+            "from the precision to 1e-2"
+        );
+        let p = &self.plausibility;
+        let mut i = 0;
+        while i < 5 {
+            let [low, high] = p.load[i];
+            demand!(low < high, "plausibility.load", "low, then high");
+            demand!(
+                positive(p.load_rate[i]),
+                "plausibility.load_rate",
+                "positive"
+            );
+            i += 1;
+        }
+        demand!(
+            p.stuck_after != 1,
+            "plausibility.stuck_after",
+            "0 or at least 2"
+        );
+        demand!(
+            p.missing_after_us >= t.period_us,
+            "plausibility.missing_after_us",
+            "at least a tick"
+        );
+        demand!(positive(p.residual), "plausibility.residual", "positive");
+        demand!(positive(p.speed), "plausibility.speed", "positive");
+        demand!(
+            positive(p.speed_rate),
+            "plausibility.speed_rate",
+            "positive"
+        );
+        let [absolute, relative] = p.speed_difference;
+        demand!(
+            absolute >= 0.0 && relative >= 0.0 && absolute + relative > 0.0,
+            "plausibility.speed_difference",
+            "not below 0, and not both 0"
+        );
+        let mut i = 0;
+        while i < Alarm::COUNT {
+            demand!(
+                self.judgement.thresholds[i].is_sound(),
+                "judgement.thresholds",
+                "numbers, each to clear below that to raise"
+            );
+            i += 1;
+        }
+        let b = &self.judgement.baseline;
+        demand!(
+            positive(b.band_width) && b.band_width * BANDS as f32 <= f32::MAX,
+            "judgement.baseline.band_width",
+            "positive and finite"
+        );
+        demand!(
+            positive(b.idle_radial),
+            "judgement.baseline.idle_radial",
+            "positive"
+        );
+        demand!(
+            positive(b.idle_moment),
+            "judgement.baseline.idle_moment",
+            "positive"
+        );
+        let r = &self.judgement.trend;
+        demand!(r.span_us > 0, "judgement.trend.span_us", "at least 1");
+        demand!(
+            r.least_spans >= 3 && r.least_spans as usize <= TREND_SPANS,
+            "judgement.trend.least_spans",
+            "from 3 to TREND_SPANS"
+        );
+        demand!(
+            r.ahead >= 0.0 && r.ahead.is_finite(),
+            "judgement.trend.ahead",
+            "a number, not below 0"
+        );
+        let s = &self.telemetry;
+        demand!(
+            s.estimate_us > 0 && s.balls_us > 0 && s.health_us > 0 && s.standing_us > 0,
+            "telemetry",
+            "intervals of at least 1 us"
+        );
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::{FreeContact, Material};
+
+    const DESIGN: Design = Design {
+        ball_diameter: 6.35e-3,
+        pitch_diameter: 36e-3,
+        inner_groove_factor: 0.515,
+        outer_groove_factor: 0.525,
+        free_contact: FreeContact::Angle(15.0 * core::f64::consts::PI / 180.0),
+        inner_shoulder_angle: 0.84,
+        outer_shoulder_angle: 0.83,
+        first_ball: 0.0,
+        ring: Material::STEEL,
+        ball: Material::STEEL,
+    };
+
+    #[test]
+    fn a_setting_that_is_out_of_order_is_named() {
+        let good = MonitorSettings::new(&DESIGN, 16);
+        assert_eq!(good.check(), Ok(()));
+        type Spoil = fn(&mut MonitorSettings);
+        let spoils: [(Spoil, &str); 9] = [
+            (|s| s.tick.period_us = 0, "tick.period_us"),
+            (|s| s.tick.deadline_cycles = 100_000, "tick.deadline_cycles"),
+            (|s| s.tolerance = f32::NAN, "tolerance"),
+            (
+                |s| s.plausibility.load[3] = [1.0, f32::NAN],
+                "plausibility.load",
+            ),
+            (
+                |s| s.plausibility.residual = f32::NAN,
+                "plausibility.residual",
+            ),
+            (
+                |s| s.judgement.thresholds[9].clear = 99.0,
+                "judgement.thresholds",
+            ),
+            (
+                |s| s.judgement.trend.least_spans = 33,
+                "judgement.trend.least_spans",
+            ),
+            (|s| s.rating.outer = f32::INFINITY, "rating.outer"),
+            (|s| s.telemetry.health_us = 0, "telemetry"),
+        ];
+        for (spoil, field) in spoils {
+            let mut settings = good;
+            spoil(&mut settings);
+            assert_eq!(settings.check().unwrap_err().field, field);
+        }
+    }
+}
