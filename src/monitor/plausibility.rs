@@ -251,7 +251,8 @@ pub struct PlausibilitySettings {
     pub residual: f32,
     /// Highest speed in either direction, rad/s.
     pub speed: f32,
-    /// Fastest change of speed, rad/s^2.
+    /// Fastest change of speed, rad/s^2, from tick to tick: a source that has a new value every few
+    /// ticks only makes the change of all of them in one.
     pub speed_rate: f32,
     /// By how much two sources of speed may differ, rad/s, and as a part of the speed.
     pub speed_difference: [f32; 2],
@@ -290,8 +291,9 @@ pub struct Plausibility {
     stuck: StuckWatch<5>,
     /// When the last sample came, good or not.
     heard: Option<u64>,
-    /// Doubts about the last sample, which hold until the next one.
+    /// Doubts about the last sample, and about the last speed, which hold until the next one.
     doubts: Marks,
+    speed_doubts: Marks,
 }
 
 impl Plausibility {
@@ -304,6 +306,7 @@ impl Plausibility {
             stuck: StuckWatch::new(settings.stuck_after),
             heard: None,
             doubts: Marks::NONE,
+            speed_doubts: Marks::NONE.with(Mark::SpeedMissing),
         }
     }
 
@@ -343,8 +346,8 @@ impl Plausibility {
                 self.doubts.mark_if(doubts.is_empty(), Mark::Bus);
             }
         }
-        let (speed, speed_doubts) = self.speed(time_us, readings, settings);
-        let marks = self.doubts.union(speed_doubts);
+        let speed = self.speed(time_us, readings, settings, fresh.is_some());
+        let marks = self.doubts.union(self.speed_doubts);
         let good = match (fresh, speed) {
             (Some(sample), Some(speed)) if marks.is_empty() => Some(GoodSample {
                 time_us,
@@ -388,42 +391,43 @@ impl Plausibility {
         marks
     }
 
-    /// The speed, if it can be believed.
+    /// The speed, if it can be believed; doubts are left in `speed_doubts`. `fresh` if there is a new
+    /// sample of loads, which may carry a speed.
     fn speed(
         &mut self,
         time_us: u64,
         readings: &Readings,
         settings: &PlausibilitySettings,
-    ) -> (Option<f32>, Marks) {
-        let mut marks = Marks::NONE;
+        fresh: bool,
+    ) -> Option<f32> {
         let known = |speed: f32| speed.is_finite().then_some(speed);
         // The source of its own is heard every tick, and goes first.
         let own = readings.speed.map(|speed| speed.and_then(known));
+        if own.is_none() && !fresh {
+            return None;
+        }
+        let mut marks = Marks::NONE;
         let carried = self.carried.map(known);
-        let speed = match (own, carried) {
-            (Some(own), _) => own,
-            (None, Some(carried)) => carried,
-            (None, None) => None,
-        };
         if let (Some(Some(a)), Some(Some(b))) = (own, carried) {
             let [absolute, relative] = settings.speed_difference;
             let allowed = absolute + relative * a.abs();
             marks.mark_if(!((a - b).abs() <= allowed), Mark::SpeedDisagreement);
         }
-        let Some(speed) = speed else {
-            return (None, marks.with(Mark::SpeedMissing));
-        };
-        marks.mark_if(!(speed.abs() <= settings.speed), Mark::SpeedRange);
-        if let Some((last, then)) = self.speed {
-            let change = (speed - last).abs();
-            let allowed = settings.speed_rate * seconds(then, time_us);
-            marks.mark_if(change > allowed, Mark::SpeedRate);
+        let speed = own.or(carried).flatten();
+        if let Some(speed) = speed {
+            marks.mark_if(!(speed.abs() <= settings.speed), Mark::SpeedRange);
+            if let Some((last, then)) = self.speed {
+                let change = (speed - last).abs();
+                let allowed = settings.speed_rate * seconds(then, time_us);
+                marks.mark_if(change > allowed, Mark::SpeedRate);
+            }
+        } else {
+            marks = marks.with(Mark::SpeedMissing);
         }
-        if !marks.is_empty() {
-            return (None, marks);
-        }
-        self.speed = Some((speed, time_us));
-        (Some(speed), marks)
+        self.speed_doubts = marks;
+        let good = speed.filter(|_| marks.is_empty());
+        self.speed = good.map(|speed| (speed, time_us)).or(self.speed);
+        good
     }
 }
 

@@ -179,7 +179,7 @@ impl MonitorSettings {
                 missing_after_us: 50_000,
                 residual: f32::INFINITY,
                 speed: 5e3,
-                speed_rate: 5e3,
+                speed_rate: 2e4,
                 speed_difference: [10.0, 0.02],
             },
             judgement: JudgementSettings {
