@@ -1,6 +1,7 @@
 //! The bearing on the monitored spindle: one place for the firmware and for the host program that
-//! checks it.
+//! checks it. Whoever includes it says in which precision the solver works.
 
+use super::Precision;
 use core::f64::consts::PI;
 use spindle_bearing::{Bearing, Design, FreeContact, Limits, Material, Settings, Solver};
 
@@ -22,22 +23,22 @@ pub const DESIGN: Design = Design {
 };
 
 /// Its constants, worked out by the compiler.
-pub static BEARING: Bearing<f32, BALLS> = match Bearing::<f32, BALLS>::new(&DESIGN) {
+pub static BEARING: Bearing<Precision, BALLS> = match Bearing::<Precision, BALLS>::new(&DESIGN) {
     Ok(bearing) => bearing,
     Err(_) => panic!("this bearing cannot be built"),
 };
 
 /// Five freedoms, at speed, raceway control free.
-pub type Monitor = Solver<'static, f32, BALLS>;
+pub type Monitor = Solver<'static, Precision, BALLS>;
 
 /// How hard the monitor tries.
-pub fn settings() -> Settings<f32> {
+pub fn settings() -> Settings<Precision> {
     Settings::default()
 }
 
 /// What it may be put to: the pressure that is customary in continuous service, well below the
 /// static limit.
-pub const LIMITS: Limits<f32> = Limits {
+pub const LIMITS: Limits<Precision> = Limits {
     peak_pressure: 2.0e9,
     friction: 0.06,
 };

@@ -1,8 +1,10 @@
 //! What is reported of each load record: a summary of its equilibrium, small enough to send on.
 //!
 //! Firmware and host use this one path from record to report, so that their reports can be held
-//! against each other to the last bit.
+//! against each other to the last bit. The solver works in either precision; what is reported of it is
+//! rounded to single.
 
+use crate::float::Real;
 use crate::limits::{Exceedance, LimitSet, Limits};
 use crate::record::LoadRecord;
 use crate::scene::Motion;
@@ -64,33 +66,34 @@ impl Estimate {
     /// # Errors
     ///
     /// The record's numbers and the status of a solve that gave no answer.
-    pub fn of<const N: usize, M: Motion>(
-        solver: &mut Solver<'_, f32, N, M>,
+    pub fn of<T: Real, const N: usize, M: Motion>(
+        solver: &mut Solver<'_, T, N, M>,
         record: &LoadRecord,
-        settings: &Settings<f32>,
-        limits: &Limits<f32>,
+        settings: &Settings<T>,
+        limits: &Limits<T>,
     ) -> Result<Self, Refusal> {
-        match solver.solve(record.load(), record.omega(), settings) {
+        let load = record.load().map(T::from_f32);
+        match solver.solve(load, T::from_f32(record.omega()), settings) {
             Ok(solution) => Ok(Self::sum_up(record, &solution, limits)),
             Err(status) => Err(Refusal {
                 sequence: record.sequence,
                 time_ms: record.time_ms,
                 speed_rpm: record.speed_rpm,
-                status,
+                status: status.to_f32(),
             }),
         }
     }
 
     /// Sums up the equilibrium under a record, and holds it against the limits.
-    pub fn sum_up<const N: usize, M: Motion>(
+    pub fn sum_up<T: Real, const N: usize, M: Motion>(
         record: &LoadRecord,
-        solution: &Solution<'_, f32, N, M>,
-        limits: &Limits<f32>,
+        solution: &Solution<'_, T, N, M>,
+        limits: &Limits<T>,
     ) -> Self {
-        let k = &solution.stiffness;
-        let (row, column) = strongest_coupling(k);
+        let k = solution.stiffness.map(|row| row.map(T::to_f32));
+        let (row, column) = strongest_coupling(&k);
         let (mut least, mut largest) = (f32::INFINITY, 0.0);
-        for force in solution.inner_forces() {
+        for force in solution.inner_forces().map(T::to_f32) {
             if force < least {
                 least = force;
             }
@@ -109,10 +112,10 @@ impl Estimate {
             coupling_column: column as u8,
             least_force: least,
             largest_force: largest,
-            status: solution.status,
+            status: solution.status.to_f32(),
             sweeps: solution.sweeps,
             limits: passed.limits(),
-            worst: passed.iter().next(),
+            worst: passed.iter().next().map(Exceedance::to_f32),
         }
     }
 
@@ -255,6 +258,55 @@ mod tests {
         .unwrap_err();
         assert_eq!((refusal.sequence, refusal.time_ms), (3, 30));
         assert_eq!(refusal.status.name(), "not-finite");
+    }
+
+    #[test]
+    fn an_estimate_in_double_precision_agrees_with_one_in_single() {
+        let (single, double) = (
+            Bearing::<f32, 16>::new(&DESIGN).unwrap(),
+            Bearing::<f64, 16>::new(&DESIGN).unwrap(),
+        );
+        let mut solver: Solver<'_, f32, 16> = Solver::new(&single);
+        let a = Estimate::of(
+            &mut solver,
+            &RECORD,
+            &Settings::default(),
+            &Limits::default(),
+        )
+        .unwrap();
+        let mut solver: Solver<'_, f64, 16> = Solver::new(&double);
+        let b = Estimate::of(
+            &mut solver,
+            &RECORD,
+            &Settings::default(),
+            &Limits::default(),
+        )
+        .unwrap();
+        for (a, b) in a.stiffness.into_iter().zip(b.stiffness) {
+            assert!((a - b).abs() < 1e-3 * b, "{a} and {b}");
+        }
+        for (a, b) in [
+            (a.least_force, b.least_force),
+            (a.largest_force, b.largest_force),
+        ] {
+            assert!((a - b).abs() < 1e-4 * b, "{a} and {b}");
+        }
+        let loads = LoadRecord {
+            my: f32::INFINITY,
+            ..RECORD
+        };
+        let refusal = Estimate::of(
+            &mut solver,
+            &loads,
+            &Settings::default(),
+            &Limits::default(),
+        )
+        .unwrap_err();
+        let status = Status::NotFinite {
+            quantity: crate::Quantity::My,
+            value: f32::INFINITY,
+        };
+        assert_eq!(refusal.status, status);
     }
 
     #[test]

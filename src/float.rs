@@ -62,6 +62,10 @@ pub trait Real:
     /// Rounds a double to this precision. Only ever called with constants, so that no double
     /// arithmetic is left in the code of a single-precision solver.
     fn of(x: f64) -> Self;
+    /// Takes a measured number.
+    fn from_f32(x: f32) -> Self;
+    /// Rounds to single precision (for reports).
+    fn to_f32(self) -> f32;
     /// Widens to a double (for reports and errors).
     fn to_f64(self) -> f64;
     /// Square root; the hardware's own where there is one.
@@ -116,6 +120,14 @@ macro_rules! real {
             #[inline(always)]
             fn of(x: f64) -> Self {
                 x as $t
+            }
+            #[inline(always)]
+            fn from_f32(x: f32) -> Self {
+                x as $t
+            }
+            #[inline(always)]
+            fn to_f32(self) -> f32 {
+                self as f32
             }
             #[inline(always)]
             fn to_f64(self) -> f64 {

@@ -198,6 +198,20 @@ pub struct Exceedance<T> {
     pub allowed: T,
 }
 
+impl<T: Real> Exceedance<T> {
+    /// The same with its numbers rounded to single precision, as reports give it.
+    pub fn to_f32(self) -> Exceedance<f32> {
+        Exceedance {
+            limit: self.limit,
+            balls: self.balls,
+            ball: self.ball,
+            race: self.race,
+            value: self.value.to_f32(),
+            allowed: self.allowed.to_f32(),
+        }
+    }
+}
+
 impl<T: Real> fmt::Display for Exceedance<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {

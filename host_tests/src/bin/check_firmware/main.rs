@@ -151,7 +151,7 @@ fn shipped(root: &Path) -> Result<()> {
     if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
         bail!("this check is blind: it does not see the panics of the firmware's main");
     }
-    let root = "spindle_monitor::estimate";
+    let root = "spindle_monitor::application::estimate";
     let is_root = |name: &str| name == root || is_library(name);
     let reach = program.graph.reach(is_root);
     if !reach.names().any(|name| name == root) {

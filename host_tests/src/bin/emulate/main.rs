@@ -19,6 +19,9 @@ mod monitored;
 mod report;
 mod toolchain;
 
+/// That of the emulated core.
+type Precision = f32;
+
 use anyhow::{Context, Result};
 use clap::Parser;
 use std::path::Path;
