@@ -20,10 +20,22 @@ struct MessageTarget {
     name: String,
 }
 
+/// Whose firmware it is.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Board {
+    /// The STM32F405, an example of the library.
+    #[default]
+    F405,
+    /// The STM32H743, a package beside the examples.
+    H743,
+}
+
 /// How an example is built.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Build<'b> {
-    /// Name of the example.
+    /// Whose it is.
+    pub board: Board,
+    /// Name of the example, or of the package's program.
     pub example: &'b str,
     /// Arguments for the linker.
     pub link: &'b [&'b str],
@@ -39,10 +51,17 @@ impl Build<'_> {
     /// Builds the example of the project in `root` as it is shipped; returns where the ELF is.
     pub fn run(&self, root: &Path) -> Result<PathBuf> {
         let mut command = cargo();
+        command.args(["rustc", "--release"]);
+        match self.board {
+            Board::F405 => command
+                .args(["-p", "spindle-bearing", "--target", TARGET])
+                .args(["--example", self.example, "--features", "defmt,record"]),
+            Board::H743 => command
+                .args(["--manifest-path", "examples/h743/Cargo.toml"])
+                .args(["--config", "examples/h743/.cargo/config.toml"])
+                .args(["--bin", self.example]),
+        };
         command
-            .args(["rustc", "--release", "-p", "spindle-bearing"])
-            .args(["--target", TARGET])
-            .args(["--example", self.example, "--features", "defmt,record"])
             .arg("--message-format=json-render-diagnostics")
             .arg("--");
         for argument in self.link {

@@ -14,6 +14,7 @@ pub mod reference;
 pub mod replay;
 pub mod report;
 pub mod study;
+pub mod telemetry;
 pub mod timing;
 pub mod tolerances;
 pub mod validation;

@@ -11,7 +11,7 @@ mod unwanted;
 
 use addr2line::Loader;
 use anyhow::{Context, Result, bail};
-use host_tests::cross::{self, Build};
+use host_tests::cross::{self, Board, Build};
 use host_tests::graph::{self, Graph, Reach};
 use std::error::Error;
 use std::fmt::Write;
@@ -47,7 +47,13 @@ fn check() -> Result<()> {
         Some("double"),
         &[Unwanted::Panic, Unwanted::Allocation],
     )?;
-    shipped(root)
+    shipped(root, Board::F405, "spindle_monitor", &Unwanted::ALL)?;
+    shipped(
+        root,
+        Board::H743,
+        "spindle_monitor_h743",
+        &[Unwanted::Panic, Unwanted::Allocation],
+    )
 }
 
 /// A linked program.
@@ -140,10 +146,11 @@ fn bare(root: &Path, variant: Option<&str>, kinds: &[Unwanted]) -> Result<()> {
     Ok(())
 }
 
-/// Checks the monitor's firmware.
-fn shipped(root: &Path) -> Result<()> {
+/// Checks the monitor's firmware for a board.
+fn shipped(root: &Path, board: Board, example: &str, kinds: &[Unwanted]) -> Result<()> {
     let build = Build {
-        example: "spindle_monitor",
+        board,
+        example,
         link: &[RELOCATIONS],
         ..Build::default()
     };
@@ -151,14 +158,14 @@ fn shipped(root: &Path) -> Result<()> {
     if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
         bail!("this check is blind: it does not see the panics of the firmware's main");
     }
-    let root = "spindle_monitor::application::estimate";
+    let root = format!("{example}::application::estimate");
     let is_root = |name: &str| name == root || is_library(name);
     let reach = program.graph.reach(is_root);
     if !reach.names().any(|name| name == root) {
         bail!("there is no {root} in the firmware to check");
     }
     let what = format!("{root} in the firmware");
-    refuse(&what, &program, &reach, &Unwanted::ALL)
+    refuse(&what, &program, &reach, kinds)
 }
 
 /// The library's own code, less what prints its types for a log.

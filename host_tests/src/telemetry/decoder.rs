@@ -1,0 +1,128 @@
+//! Bytes to frames. Damage is counted by its kind, and what is missing by the gaps in the sequence
+//! numbers.
+
+use spindle_bearing::framing::FrameError;
+use spindle_bearing::monitor::telemetry::{Frame, FrameReader};
+use std::fmt;
+
+/// What the decoder has to say at the end of a frame.
+// Events are handed on one at a time.
+#[allow(clippy::large_enum_variant)]
+#[derive(Debug, Clone, PartialEq)]
+pub enum Event {
+    /// An undamaged frame.
+    Frame {
+        /// The frame.
+        frame: Frame,
+        /// What lies between it and the frame before.
+        gap: Gap,
+    },
+    /// A piece of the stream that is no frame.
+    Damaged(FrameError),
+}
+
+/// What lies between two undamaged frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gap {
+    /// Nothing; also before the first frame, since a receiver may join at any time.
+    None,
+    /// So many frames that did not arrive, or not undamaged.
+    Lost(u32),
+    /// The numbers went back: the sender has started again. What it sent before the frame that
+    /// arrived first is not known.
+    Restart,
+}
+
+/// Counts since the start of the stream.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Bytes.
+    pub bytes: u64,
+    /// Undamaged frames.
+    pub frames: u64,
+    /// Frames missing between them, those among them that arrived damaged.
+    pub lost: u64,
+    /// Pieces that are no frame.
+    pub damaged: u64,
+    /// Of these, undamaged frames of another version or another protocol.
+    pub foreign: u64,
+    /// New starts of the sender.
+    pub restarts: u64,
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} frames in {} bytes, {} lost, {} damaged pieces",
+            self.frames, self.bytes, self.lost, self.damaged
+        )?;
+        if self.foreign > 0 {
+            write!(f, " ({} of another version or protocol)", self.foreign)?;
+        }
+        if self.restarts > 0 {
+            write!(f, ", {} restarts of the sender", self.restarts)?;
+        }
+        Ok(())
+    }
+}
+
+/// Takes a stream apart.
+#[derive(Debug, Default)]
+pub struct Decoder {
+    reader: FrameReader,
+    expected: Option<u32>,
+    tally: Tally,
+}
+
+impl Decoder {
+    /// A decoder at the start of a stream, or anywhere in it.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes the next byte.
+    pub fn push(&mut self, byte: u8) -> Option<Event> {
+        self.tally.bytes += 1;
+        match self.reader.push(byte)? {
+            Ok(frame) => {
+                let gap = self.gap_before(frame.sequence);
+                self.expected = Some(frame.sequence.wrapping_add(1));
+                self.tally.frames += 1;
+                match gap {
+                    Gap::None => {}
+                    Gap::Lost(count) => self.tally.lost += u64::from(count),
+                    Gap::Restart => self.tally.restarts += 1,
+                }
+                Some(Event::Frame { frame, gap })
+            }
+            Err(error) => {
+                self.tally.damaged += 1;
+                self.tally.foreign += u64::from(error == FrameError::Content);
+                Some(Event::Damaged(error))
+            }
+        }
+    }
+
+    fn gap_before(&self, sequence: u32) -> Gap {
+        let Some(expected) = self.expected else {
+            return Gap::None;
+        };
+        match sequence.wrapping_sub(expected) {
+            0 => Gap::None,
+            // Half of all numbers lie ahead; at a thousand frames a second they take 24 days.
+            count @ 1..=0x7fff_ffff => Gap::Lost(count),
+            _ => Gap::Restart,
+        }
+    }
+
+    /// Takes some bytes.
+    pub fn push_all<'d>(&'d mut self, bytes: &'d [u8]) -> impl Iterator<Item = Event> + 'd {
+        bytes.iter().filter_map(|byte| self.push(*byte))
+    }
+
+    /// Counts so far.
+    pub const fn tally(&self) -> Tally {
+        self.tally
+    }
+}

@@ -1,0 +1,156 @@
+//! What the frames so far say of the spindle.
+
+use super::decoder::{Event, Gap, Tally};
+use spindle_bearing::framing::FrameError;
+use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::telemetry::{
+    AlarmReport, BallReport, EstimateReport, HealthReport, Payload,
+};
+use std::collections::VecDeque;
+
+/// Estimates that are kept for the course over time: a minute at a hundred a second.
+pub const HISTORY: usize = 6000;
+
+/// An estimate's place in the course over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Time of the monitor, s.
+    pub time: f64,
+    /// Diagonal of the stiffness, N/m and N m/rad.
+    pub stiffness: [f32; 5],
+    /// The sample behind it was good, and it was solved: the estimate is none of an earlier tick.
+    pub trusted: bool,
+}
+
+/// A report and when it was.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct At<T> {
+    /// Time of the monitor, us.
+    pub time_us: u64,
+    /// The report.
+    pub report: T,
+}
+
+/// The balls as they are known.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Balls {
+    /// Azimuth of ball 0, rad from +y towards +z.
+    pub first_azimuth: f32,
+    /// One for each ball of the bearing; `None` before its first report.
+    pub balls: Vec<Option<BallReport>>,
+}
+
+impl Balls {
+    /// Azimuth of a ball, rad from +y towards +z.
+    pub fn azimuth(&self, index: usize) -> f64 {
+        let turn = index as f64 / self.balls.len().max(1) as f64;
+        f64::from(self.first_azimuth) + core::f64::consts::TAU * turn
+    }
+}
+
+/// What is known.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct State {
+    /// Latest time of any frame, us.
+    pub time_us: u64,
+    /// The course of the stiffness.
+    pub history: VecDeque<Point>,
+    /// The last estimate.
+    pub estimate: Option<At<EstimateReport>>,
+    /// The balls.
+    pub balls: Balls,
+    /// The last report of each alarm, in the order of [`Alarm::ALL`].
+    pub alarms: [Option<At<AlarmReport>>; Alarm::COUNT],
+    /// The last counters.
+    pub health: Option<At<HealthReport>>,
+    /// Counts of the decoder.
+    pub tally: Tally,
+    /// The last damage.
+    pub last_damage: Option<FrameError>,
+}
+
+impl State {
+    /// Takes an event and the counts after it.
+    pub fn note(&mut self, event: &Event, tally: Tally) {
+        self.tally = tally;
+        let (frame, gap) = match event {
+            Event::Damaged(error) => {
+                self.last_damage = Some(*error);
+                return;
+            }
+            Event::Frame { frame, gap } => (frame, *gap),
+        };
+        if gap == Gap::Restart {
+            // Time, counters and alarms begin anew.
+            *self = Self {
+                tally,
+                last_damage: self.last_damage,
+                ..Self::default()
+            };
+        }
+        let time_us = frame.time_us;
+        self.time_us = self.time_us.max(time_us);
+        match &frame.payload {
+            Payload::Estimate(report) => {
+                let report = *report;
+                self.estimate = Some(At { time_us, report });
+                if self.history.len() == HISTORY {
+                    self.history.pop_front();
+                }
+                self.history.push_back(Point {
+                    time: time_us as f64 * 1e-6,
+                    stiffness: report.stiffness,
+                    trusted: report.age == 0 && report.marks.is_empty(),
+                });
+            }
+            Payload::Balls(report) => {
+                let count = usize::from(report.count);
+                if self.balls.balls.len() != count {
+                    self.balls.balls = vec![None; count];
+                }
+                self.balls.first_azimuth = report.first_azimuth;
+                let places = self.balls.balls.iter_mut().skip(report.first.into());
+                for (place, ball) in places.zip(&report.balls) {
+                    *place = Some(*ball);
+                }
+            }
+            Payload::Alarm(report) => {
+                let report = *report;
+                if let Some(place) = self.alarms.get_mut(report.alarm as usize) {
+                    // One that only says how it stands keeps the time of the last change.
+                    let since = match place {
+                        Some(At {
+                            time_us,
+                            report: old,
+                        }) if old.state == report.state && old.raised == report.raised => *time_us,
+                        _ => time_us,
+                    };
+                    *place = Some(At {
+                        time_us: since,
+                        report,
+                    });
+                }
+            }
+            Payload::Health(report) => {
+                let report = *report;
+                self.health = Some(At { time_us, report });
+            }
+        }
+    }
+
+    /// Alarms that want somebody's attention or stand, the most serious first: none that is clear, or
+    /// pending for its hold time.
+    pub fn standing(&self) -> impl Iterator<Item = &At<AlarmReport>> {
+        self.alarms
+            .iter()
+            .flatten()
+            .filter(|at| !matches!(at.report.state, AlarmState::Clear | AlarmState::Pending))
+    }
+
+    /// Alarms that nobody has acknowledged.
+    pub fn unacknowledged(&self) -> usize {
+        self.standing()
+            .filter(|at| at.report.state != AlarmState::Acknowledged)
+            .count()
+    }
+}

@@ -1,0 +1,428 @@
+//! Frames as rows of a CSV file, and rows as frames again.
+//!
+//! One row a frame, one a ball for the balls; what does not belong to the kind of the row stays empty.
+//! SI units. Sets of names have a blank between two. `lost_before` counts the frames that are missing
+//! before this one.
+
+use super::decoder::{Event, Gap};
+use anyhow::{Context, Result, anyhow, bail};
+use serde::{Deserialize, Serialize};
+use spindle_bearing::Limit;
+use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::plausibility::{Mark, Marks};
+use spindle_bearing::monitor::telemetry::{
+    AlarmChange, AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
+    Payload, StatusCode,
+};
+use std::io::{Read, Write};
+
+/// A row of the file.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Row {
+    kind: String,
+    lost_before: Option<String>,
+    version: Option<u8>,
+    sequence: Option<u32>,
+    time_us: Option<u64>,
+
+    age_ticks: Option<u32>,
+    marks: Option<String>,
+    fx_n: Option<f32>,
+    fy_n: Option<f32>,
+    fz_n: Option<f32>,
+    my_nm: Option<f32>,
+    mz_nm: Option<f32>,
+    speed_rad_s: Option<f32>,
+    dx_m: Option<f32>,
+    dy_m: Option<f32>,
+    dz_m: Option<f32>,
+    ty_rad: Option<f32>,
+    tz_rad: Option<f32>,
+    k_x_x: Option<f32>,
+    k_y_y: Option<f32>,
+    k_z_z: Option<f32>,
+    k_ty_ty: Option<f32>,
+    k_tz_tz: Option<f32>,
+    coupling: Option<f32>,
+    coupling_row: Option<u8>,
+    coupling_column: Option<u8>,
+    least_force_n: Option<f32>,
+    largest_force_n: Option<f32>,
+    status: Option<String>,
+    sweeps: Option<u16>,
+    error_displacement: Option<f32>,
+    error_force: Option<f32>,
+    error_stiffness: Option<f32>,
+    limits: Option<String>,
+
+    first_ball: Option<u16>,
+    ball_count: Option<u16>,
+    first_azimuth_rad: Option<f32>,
+    ball: Option<u16>,
+    q_i_n: Option<f32>,
+    q_o_n: Option<f32>,
+    alpha_i_rad: Option<f32>,
+    alpha_o_rad: Option<f32>,
+
+    alarm: Option<String>,
+    change: Option<String>,
+    state: Option<String>,
+    value: Option<f32>,
+    limit: Option<f32>,
+    alarm_ball: Option<u16>,
+    raised: Option<u32>,
+    cleared: Option<u32>,
+
+    ticks: Option<u64>,
+    overruns: Option<u64>,
+    missed_ticks: Option<u64>,
+    estimates: Option<u64>,
+    refusals: Option<u64>,
+    marked_samples: Option<u64>,
+    alarms_raised: Option<u64>,
+    alarms_cleared: Option<u64>,
+    frames_dropped: Option<u64>,
+    most_cycles: Option<u32>,
+    revolutions: Option<u64>,
+    life_used: Option<f32>,
+}
+
+const STATUSES: [StatusCode; 9] = [
+    StatusCode::Converged,
+    StatusCode::PrecisionLimit,
+    StatusCode::SweepLimit,
+    StatusCode::Unseated,
+    StatusCode::NotFinite,
+    StatusCode::OutOfRange,
+    StatusCode::Unloaded,
+    StatusCode::Indeterminate,
+    StatusCode::Diverged,
+];
+
+const STATES: [AlarmState; 5] = [
+    AlarmState::Clear,
+    AlarmState::Pending,
+    AlarmState::Raised,
+    AlarmState::Acknowledged,
+    AlarmState::Latched,
+];
+
+const CHANGES: [AlarmChange; 4] = [
+    AlarmChange::Raised,
+    AlarmChange::Cleared,
+    AlarmChange::Acknowledged,
+    AlarmChange::Standing,
+];
+
+/// Short name in lower case of what an alarm report is sent for.
+pub const fn change_name(change: AlarmChange) -> &'static str {
+    match change {
+        AlarmChange::Raised => "raised",
+        AlarmChange::Cleared => "cleared",
+        AlarmChange::Acknowledged => "acknowledged",
+        AlarmChange::Standing => "standing",
+    }
+}
+
+/// Writes the file.
+pub struct Writer<W: Write>(csv::Writer<W>);
+
+impl<W: Write> Writer<W> {
+    /// A file with nothing in it yet.
+    pub fn new(out: W) -> Self {
+        Self(csv::Writer::from_writer(out))
+    }
+
+    /// Adds an event's row or rows.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be written.
+    pub fn write(&mut self, event: &Event) -> Result<()> {
+        match event {
+            Event::Damaged(error) => self.0.serialize(Row {
+                kind: "damaged".into(),
+                status: Some(error.name().into()),
+                ..Row::default()
+            })?,
+            Event::Frame { frame, gap } => {
+                for row in rows(frame, *gap) {
+                    self.0.serialize(row)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands on what has gathered.
+    ///
+    /// # Errors
+    ///
+    /// The file cannot be written.
+    pub fn flush(&mut self) -> Result<()> {
+        Ok(self.0.flush()?)
+    }
+}
+
+fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
+    let head = Row {
+        lost_before: Some(match gap {
+            Gap::None => "0".into(),
+            Gap::Lost(count) => count.to_string(),
+            Gap::Restart => "restart".into(),
+        }),
+        version: Some(frame.version),
+        sequence: Some(frame.sequence),
+        time_us: Some(frame.time_us),
+        ..Row::default()
+    };
+    match &frame.payload {
+        Payload::Estimate(report) => vec![estimate_row(head, report)],
+        Payload::Balls(report) => balls_rows(&head, report),
+        Payload::Alarm(report) => vec![Row {
+            kind: "alarm".into(),
+            alarm: Some(report.alarm.name().into()),
+            change: Some(change_name(report.change).into()),
+            state: Some(report.state.name().into()),
+            value: Some(report.value),
+            limit: Some(report.limit),
+            alarm_ball: report.ball,
+            raised: Some(report.raised),
+            cleared: Some(report.cleared),
+            ..head
+        }],
+        Payload::Health(report) => vec![Row {
+            kind: "health".into(),
+            ticks: Some(report.ticks),
+            overruns: Some(report.overruns),
+            missed_ticks: Some(report.missed_ticks),
+            estimates: Some(report.estimates),
+            refusals: Some(report.refusals),
+            marked_samples: Some(report.marked_samples),
+            alarms_raised: Some(report.alarms_raised),
+            alarms_cleared: Some(report.alarms_cleared),
+            frames_dropped: Some(report.frames_dropped),
+            most_cycles: Some(report.most_cycles),
+            revolutions: Some(report.revolutions),
+            life_used: Some(report.life_used),
+            marks: Some(report.marks.to_string()),
+            ..head
+        }],
+    }
+}
+
+fn estimate_row(head: Row, report: &EstimateReport) -> Row {
+    let [fx, fy, fz, my, mz] = report.load.map(Some);
+    let [dx, dy, dz, ty, tz] = report.displacement.map(Some);
+    let [kx, ky, kz, kty, ktz] = report.stiffness.map(Some);
+    let [error_displacement, error_force, error_stiffness] = report.error.map(Some);
+    let limits: Vec<_> = report.passed().map(Limit::name).collect();
+    Row {
+        kind: "estimate".into(),
+        age_ticks: Some(report.age),
+        marks: Some(report.marks.to_string()),
+        fx_n: fx,
+        fy_n: fy,
+        fz_n: fz,
+        my_nm: my,
+        mz_nm: mz,
+        speed_rad_s: Some(report.speed),
+        dx_m: dx,
+        dy_m: dy,
+        dz_m: dz,
+        ty_rad: ty,
+        tz_rad: tz,
+        k_x_x: kx,
+        k_y_y: ky,
+        k_z_z: kz,
+        k_ty_ty: kty,
+        k_tz_tz: ktz,
+        coupling: Some(report.coupling),
+        coupling_row: Some(report.coupling_row),
+        coupling_column: Some(report.coupling_column),
+        least_force_n: Some(report.least_force),
+        largest_force_n: Some(report.largest_force),
+        status: Some(report.status.name().into()),
+        sweeps: Some(report.sweeps),
+        error_displacement,
+        error_force,
+        error_stiffness,
+        limits: Some(limits.join(" ")),
+        ..head
+    }
+}
+
+fn balls_rows(head: &Row, report: &BallsReport) -> Vec<Row> {
+    let head = Row {
+        kind: "ball".into(),
+        first_ball: Some(report.first),
+        ball_count: Some(report.count),
+        first_azimuth_rad: Some(report.first_azimuth),
+        ..head.clone()
+    };
+    if report.balls.is_empty() {
+        return vec![head];
+    }
+    let mut rows = Vec::new();
+    for (i, ball) in report.balls.iter().enumerate() {
+        // The gap lies before the frame, not before every ball of it.
+        let lost_before = match i {
+            0 => head.lost_before.clone(),
+            _ => Some("0".into()),
+        };
+        rows.push(Row {
+            lost_before,
+            ball: Some(report.first.wrapping_add(i as u16)),
+            q_i_n: Some(ball.q_i),
+            q_o_n: Some(ball.q_o),
+            alpha_i_rad: Some(ball.alpha_i),
+            alpha_o_rad: Some(ball.alpha_o),
+            ..head.clone()
+        });
+    }
+    rows
+}
+
+/// Reads the frames of a file that [`Writer`] wrote; rows of damage are none.
+///
+/// # Errors
+///
+/// The number of the first row that is none of such a file, and what is wrong with it.
+pub fn read(source: impl Read) -> Result<Vec<Frame>> {
+    let mut frames: Vec<Frame> = Vec::new();
+    let mut reader = csv::Reader::from_reader(source);
+    for (i, row) in reader.deserialize::<Row>().enumerate() {
+        let at = || format!("row {}", i + 1);
+        let row = row.with_context(at)?;
+        if row.kind == "damaged" {
+            continue;
+        }
+        let frame = frame(&row).with_context(at)?;
+        // Rows of one frame of balls follow one another.
+        if let Some(last) = frames.last_mut()
+            && let (Payload::Balls(balls), Payload::Balls(more)) =
+                (&mut last.payload, &frame.payload)
+            && (last.sequence, last.time_us) == (frame.sequence, frame.time_us)
+        {
+            for ball in &more.balls {
+                let kept = balls.balls.push(*ball);
+                kept.map_err(|_| anyhow!("more balls than a frame holds"))
+                    .with_context(at)?;
+            }
+            continue;
+        }
+        frames.push(frame);
+    }
+    Ok(frames)
+}
+
+fn frame(row: &Row) -> Result<Frame> {
+    Ok(Frame {
+        version: row.version.context("no version")?,
+        sequence: row.sequence.context("no sequence")?,
+        time_us: row.time_us.context("no time_us")?,
+        payload: match row.kind.as_str() {
+            "estimate" => Payload::Estimate(estimate(row).context("a field is missing")?),
+            "ball" => Payload::Balls(balls(row).context("a field is missing")?),
+            "alarm" => Payload::Alarm(alarm(row).context("a field is missing or not known")?),
+            "health" => Payload::Health(health(row).context("a field is missing")?),
+            other => bail!("no such kind of row: `{other}`"),
+        },
+    })
+}
+
+fn by_name<T: Copy>(all: &[T], name: impl Fn(T) -> &'static str, text: &str) -> Option<T> {
+    all.iter().copied().find(|x| name(*x) == text)
+}
+
+fn marks(text: &Option<String>) -> Option<Marks> {
+    // An empty field and one that is not there are the same in the file.
+    let names = text.as_deref().unwrap_or_default().split_whitespace();
+    names
+        .map(|name| by_name(&Mark::ALL, Mark::name, name))
+        .try_fold(Marks::NONE, |marks, mark| Some(marks.with(mark?)))
+}
+
+fn estimate(row: &Row) -> Option<EstimateReport> {
+    let names = row.limits.as_deref().unwrap_or_default().split_whitespace();
+    let limits = names
+        .map(|name| by_name(&Limit::ALL, Limit::name, name))
+        .try_fold(0, |bits, limit| Some(bits | 1 << limit? as u8))?;
+    Some(EstimateReport {
+        age: row.age_ticks?,
+        marks: marks(&row.marks)?,
+        load: [row.fx_n?, row.fy_n?, row.fz_n?, row.my_nm?, row.mz_nm?],
+        speed: row.speed_rad_s?,
+        displacement: [row.dx_m?, row.dy_m?, row.dz_m?, row.ty_rad?, row.tz_rad?],
+        stiffness: [
+            row.k_x_x?,
+            row.k_y_y?,
+            row.k_z_z?,
+            row.k_ty_ty?,
+            row.k_tz_tz?,
+        ],
+        coupling: row.coupling?,
+        coupling_row: row.coupling_row?,
+        coupling_column: row.coupling_column?,
+        least_force: row.least_force_n?,
+        largest_force: row.largest_force_n?,
+        status: by_name(&STATUSES, StatusCode::name, row.status.as_deref()?)?,
+        sweeps: row.sweeps?,
+        error: [
+            row.error_displacement?,
+            row.error_force?,
+            row.error_stiffness?,
+        ],
+        limits,
+    })
+}
+
+fn balls(row: &Row) -> Option<BallsReport> {
+    let mut report = BallsReport {
+        first: row.first_ball?,
+        count: row.ball_count?,
+        first_azimuth: row.first_azimuth_rad?,
+        balls: Default::default(),
+    };
+    if row.ball.is_some() {
+        let ball = BallReport {
+            q_i: row.q_i_n?,
+            q_o: row.q_o_n?,
+            alpha_i: row.alpha_i_rad?,
+            alpha_o: row.alpha_o_rad?,
+        };
+        report.balls.push(ball).ok()?;
+    }
+    Some(report)
+}
+
+fn alarm(row: &Row) -> Option<AlarmReport> {
+    Some(AlarmReport {
+        alarm: by_name(&Alarm::ALL, Alarm::name, row.alarm.as_deref()?)?,
+        change: by_name(&CHANGES, change_name, row.change.as_deref()?)?,
+        state: by_name(&STATES, AlarmState::name, row.state.as_deref()?)?,
+        value: row.value?,
+        limit: row.limit?,
+        ball: row.alarm_ball,
+        raised: row.raised?,
+        cleared: row.cleared?,
+    })
+}
+
+fn health(row: &Row) -> Option<HealthReport> {
+    Some(HealthReport {
+        ticks: row.ticks?,
+        overruns: row.overruns?,
+        missed_ticks: row.missed_ticks?,
+        estimates: row.estimates?,
+        refusals: row.refusals?,
+        marked_samples: row.marked_samples?,
+        alarms_raised: row.alarms_raised?,
+        alarms_cleared: row.alarms_cleared?,
+        frames_dropped: row.frames_dropped?,
+        most_cycles: row.most_cycles?,
+        revolutions: row.revolutions?,
+        life_used: row.life_used?,
+        marks: marks(&row.marks)?,
+    })
+}
