@@ -97,21 +97,24 @@ fn run(arguments: &Arguments) -> Result<()> {
         Some(table) => table.write(event),
         None => Ok(()),
     };
-    let state = if arguments.view {
+    let mut state = State::default();
+    let ended = if arguments.view {
         let pace = (arguments.port.is_none() && arguments.pace > 0.0).then_some(arguments.pace);
-        view::view(&chunks, pace, write)?
+        view::view(&chunks, pace, &mut state, write)
     } else {
-        read(&chunks, quiet, write)?
+        read(&chunks, quiet, &mut state, write)
     };
+    // A port that was unplugged is told of after what came from it.
+    eprintln!("{}", state.tally);
     if let Some(table) = &mut table {
         table.flush()?;
     }
+    ended?;
     if let Some(path) = &arguments.picture {
         let (width, height) = SCREEN;
         let svg = picture::svg(&view::screen(&state, width, height));
         std::fs::write(path, svg).with_context(|| format!("cannot write {}", path.display()))?;
     }
-    eprintln!("{}", state.tally);
     Ok(())
 }
 
@@ -122,7 +125,7 @@ fn open(arguments: &Arguments) -> Result<Chunks> {
     if let Some(path) = &arguments.file {
         return source::file(path);
     }
-    let design = design_file::DesignFile::read(&Path::new(SHIPPED).join("b7005c.toml"))?;
+    let design = design_file::DesignFile::read(Path::new(SHIPPED).join("b7005c.toml"))?;
     let mut rows = Vec::new();
     for row in loads::read(RECORD)? {
         let row = row?;
@@ -144,9 +147,13 @@ fn create(path: &str) -> Result<Box<dyn Write>> {
 }
 
 /// Reads to the end of the stream.
-fn read(chunks: &Chunks, quiet: bool, mut each: impl FnMut(&Event) -> Result<()>) -> Result<State> {
+fn read(
+    chunks: &Chunks,
+    quiet: bool,
+    state: &mut State,
+    mut each: impl FnMut(&Event) -> Result<()>,
+) -> Result<()> {
     let mut decoder = Decoder::new();
-    let mut state = State::default();
     let mut out = io::stdout().lock();
     for chunk in chunks {
         for byte in chunk.context("cannot read on")? {
@@ -159,7 +166,7 @@ fn read(chunks: &Chunks, quiet: bool, mut each: impl FnMut(&Event) -> Result<()>
             }
         }
     }
-    Ok(state)
+    Ok(())
 }
 
 /// One line for an event.

@@ -73,3 +73,37 @@ fn pump(mut source: impl Read, sender: &SyncSender<io::Result<Vec<u8>>>) {
         }
     }
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use serialport::{SerialPort, TTYPort};
+    use std::io::Write;
+
+    /// A pseudo-terminal is a port to whoever opens it.
+    #[test]
+    fn the_bytes_of_a_port_arrive_as_they_were_sent_silence_is_no_end_and_unplugging_is() {
+        let (mut sender, port_side) = TTYPort::pair().unwrap();
+        let name = port_side.name().unwrap();
+        let chunks = port(&name, 460_800).unwrap();
+        let receive = |count: usize| -> Vec<u8> {
+            let mut bytes = Vec::new();
+            while bytes.len() < count {
+                let chunk = chunks.recv_timeout(Duration::from_secs(10)).unwrap();
+                bytes.extend(chunk.unwrap());
+            }
+            bytes
+        };
+        // All of them: a terminal would change some.
+        let sent: Vec<u8> = (0..=255).collect();
+        for _ in 0..2 {
+            sender.write_all(&sent).unwrap();
+            assert_eq!(receive(sent.len()), sent);
+            thread::sleep(2 * PORT_TIMEOUT);
+        }
+        drop((sender, port_side));
+        let last = chunks.recv_timeout(Duration::from_secs(10));
+        assert!(!matches!(last, Ok(Ok(_))), "{last:?}");
+        assert!(!matches!(last, Err(mpsc::RecvTimeoutError::Timeout)));
+    }
+}

@@ -440,7 +440,7 @@ fn counters(state: &State) -> Paragraph<'_> {
 /// Shows a stream until its reader presses q, Esc or Ctrl-C. At the end of the stream the view stays.
 ///
 /// `pace` is how many times as fast as the monitor's own time the frames are shown; `None` shows them as
-/// they come. `each` is called for every event.
+/// they come. `each` is called for every event, and `state` is what they say, also if there is an error.
 ///
 /// # Errors
 ///
@@ -448,16 +448,16 @@ fn counters(state: &State) -> Paragraph<'_> {
 pub fn view(
     chunks: &Chunks,
     pace: Option<f64>,
+    state: &mut State,
     mut each: impl FnMut(&Event) -> Result<()>,
-) -> Result<State> {
+) -> Result<()> {
     let mut terminal = ratatui::try_init()?;
     let shown = (|| {
         let mut decoder = Decoder::new();
-        let mut state = State::default();
         let mut waiting: VecDeque<(Event, super::decoder::Tally)> = VecDeque::new();
         let (mut start, mut open) = (None, true);
         loop {
-            terminal.draw(|frame| draw(frame, &state))?;
+            terminal.draw(|frame| draw(frame, state))?;
             let next = Instant::now() + REFRESH;
             loop {
                 while let Some((event, tally)) = waiting.front() {
@@ -501,7 +501,7 @@ pub fn view(
                         || key.code == KeyCode::Char('c')
                             && key.modifiers.contains(KeyModifiers::CONTROL))
                 {
-                    return Ok(state);
+                    return Ok(());
                 }
             }
         }
