@@ -1,4 +1,4 @@
-//! Measured loads and speed as messages: one record, one frame of [`framing`](crate::framing).
+//! Measured loads and speed as messages: one record, one frame of [`framing`].
 //!
 //! [`encode`] is the sender's side, [`FrameReader`] the receiver's; neither allocates.
 

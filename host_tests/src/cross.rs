@@ -48,6 +48,14 @@ pub struct Build<'b> {
 }
 
 impl Build<'_> {
+    /// The features that the example requires.
+    fn features(&self) -> &'static str {
+        match self.example {
+            "bare_monitor" => "defmt,monitor",
+            _ => "defmt,record",
+        }
+    }
+
     /// Builds the example of the project in `root` as it is shipped; returns where the ELF is.
     pub fn run(&self, root: &Path) -> Result<PathBuf> {
         let mut command = cargo();
@@ -55,7 +63,7 @@ impl Build<'_> {
         match self.board {
             Board::F405 => command
                 .args(["-p", "spindle-bearing", "--target", TARGET])
-                .args(["--example", self.example, "--features", "defmt,record"]),
+                .args(["--example", self.example, "--features", self.features()]),
             Board::H743 => command
                 .args(["--manifest-path", "examples/h743/Cargo.toml"])
                 .args(["--config", "examples/h743/.cargo/config.toml"])

@@ -1,7 +1,7 @@
 //! What the monitor tells others: a versioned binary record, and the queue in which it waits for a slow
 //! link.
 //!
-//! A [`Frame`] goes out in the framing of [`framing`](crate::framing): postcard, CRC-32, COBS. On the
+//! A [`Frame`] goes out in the framing of [`framing`]: postcard, CRC-32, COBS. On the
 //! wire it is the fields of [`Frame`] in their order, integers as varints, floats as four bytes, and enums
 //! as the index of their variant: the order in which fields and variants stand here *is* the format. A
 //! change of it is a new [`VERSION`], which older receivers refuse as [`FrameError::Content`].

@@ -1,8 +1,8 @@
-//! `cargo check-firmware`: no panic, no double precision and no allocation in the solver on a
-//! microcontroller, proved on linked programs.
+//! `cargo check-firmware`: no panic, no double precision and no allocation in the solver and the monitor
+//! on a microcontroller, proved on linked programs.
 //!
-//! - `bare_solver` has a panic handler that does not link. It must link, in single precision and in
-//!   double.
+//! - `bare_solver` and `bare_monitor` have a panic handler that does not link. They must link, the solver
+//!   in single precision and in double.
 //! - In it, and in the firmware as shipped, what the solver calls is followed through the
 //!   relocations. For what must not be there, the way to it is printed.
 //! - Both are first shown a program that has it: a check that finds nothing there is blind.
@@ -22,7 +22,7 @@ use unwanted::Unwanted;
 
 /// Keeps the relocations of a linked program.
 const RELOCATIONS: &str = "--emit-relocs";
-/// What the panic handler of `bare_solver` calls, and nobody defines.
+/// What the panic handlers of the bare programs call, and nobody defines.
 const MISSING: &str = "the_solver_can_panic";
 
 fn main() -> ExitCode {
@@ -41,12 +41,14 @@ fn check() -> Result<()> {
         .context("the project has no root folder")?;
     cross::add_target(root)?;
     be_seen_to_fail(root)?;
-    bare(root, None, &Unwanted::ALL)?;
+    bare(root, SOLVER, None, &Unwanted::ALL)?;
     bare(
         root,
+        SOLVER,
         Some("double"),
         &[Unwanted::Panic, Unwanted::Allocation],
     )?;
+    bare(root, MONITOR, None, &Unwanted::ALL)?;
     shipped(root, Board::F405, "spindle_monitor", &Unwanted::ALL)?;
     shipped(
         root,
@@ -55,6 +57,10 @@ fn check() -> Result<()> {
         &[Unwanted::Panic, Unwanted::Allocation],
     )
 }
+
+/// The programs without a panic handler.
+const SOLVER: &str = "bare_solver";
+const MONITOR: &str = "bare_monitor";
 
 /// A linked program.
 struct Program {
@@ -90,12 +96,12 @@ impl Program {
     }
 }
 
-/// Builds `bare_solver`; where `lenient`, with a definition of what must not be called.
-fn build_bare(root: &Path, variant: Option<&str>, lenient: bool) -> Result<Program> {
+/// Builds a bare program; where `lenient`, with a definition of what must not be called.
+fn build_bare(root: &Path, example: &str, variant: Option<&str>, lenient: bool) -> Result<Program> {
     let definition = format!("--defsym={MISSING}=0");
     let link = [RELOCATIONS, &definition];
     let build = Build {
-        example: "bare_solver",
+        example,
         link: if lenient { &link } else { &link[..1] },
         environment: &[("BARE_SOLVER", variant)],
         quiet: true,
@@ -107,12 +113,12 @@ fn build_bare(root: &Path, variant: Option<&str>, lenient: bool) -> Result<Progr
 /// Fails unless a program with a panic and a double in it fails to link, and both are found.
 fn be_seen_to_fail(root: &Path) -> Result<()> {
     let spoiled = Some("spoiled");
-    match build_bare(root, spoiled, false) {
+    match build_bare(root, SOLVER, spoiled, false) {
         Ok(_) => bail!("this check is blind: a program that can panic links"),
         Err(error) if is_missing(&error) => {}
         Err(error) => return Err(error.context("bare_solver does not build")),
     }
-    let program = build_bare(root, spoiled, true)?;
+    let program = build_bare(root, SOLVER, spoiled, true)?;
     for kind in [Unwanted::Panic, Unwanted::Double] {
         if find(&program.reach_from_main(), kind).is_none() {
             bail!(
@@ -131,13 +137,13 @@ fn is_missing(error: &anyhow::Error) -> bool {
         .contains(&format!("undefined symbol: {MISSING}"))
 }
 
-/// Checks the solver by itself.
-fn bare(root: &Path, variant: Option<&str>, kinds: &[Unwanted]) -> Result<()> {
-    let what = format!("bare_solver in {} precision", variant.unwrap_or("single"));
-    let (program, links) = match build_bare(root, variant, false) {
+/// Checks the solver, or the monitor, by itself.
+fn bare(root: &Path, example: &str, variant: Option<&str>, kinds: &[Unwanted]) -> Result<()> {
+    let what = format!("{example} in {} precision", variant.unwrap_or("single"));
+    let (program, links) = match build_bare(root, example, variant, false) {
         Ok(program) => (program, true),
-        Err(error) if is_missing(&error) => (build_bare(root, variant, true)?, false),
-        Err(error) => return Err(error.context("bare_solver does not build")),
+        Err(error) if is_missing(&error) => (build_bare(root, example, variant, true)?, false),
+        Err(error) => return Err(error.context(format!("{example} does not build"))),
     };
     refuse(&what, &program, &program.reach_from_main(), kinds)?;
     if !links {
