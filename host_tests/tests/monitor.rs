@@ -514,6 +514,40 @@ fn a_load_step_is_doubted_then_believed_then_solved_within_one_sweep_a_tick() {
 }
 
 #[test]
+fn loads_without_an_equilibrium_are_refused_with_a_mark_and_cost_nothing_later() {
+    let mut rig = Rig::new(&TIGHT);
+    rig.run_up();
+    let before = rig.monitor.health();
+    // Without any load the ring floats.
+    for _ in 0..300 {
+        let mut sample = rig.sample(IDLE);
+        sample.load = [0.0; 5];
+        let outcome = rig.tick(&bad(Ok(Some(sample))));
+        assert!(!outcome.solved);
+    }
+    let after = rig.monitor.health();
+    assert!(after.refusals - before.refusals >= 99, "{after:?}");
+    assert_eq!(after.estimates, before.estimates);
+    assert_eq!(rig.state(Alarm::StaleEstimate), AlarmState::Raised);
+    assert!(rig.marks.last().unwrap().contains(Mark::Unsolved));
+    for _ in 0..100 {
+        rig.good(IDLE, SPEED);
+    }
+    assert!(rig.good(IDLE, SPEED).solved);
+    rig.no_alarm_is_lost();
+}
+
+#[test]
+fn without_a_prepared_start_the_first_tick_solves_from_nothing() {
+    let mut rig = Rig::new(&TIGHT);
+    rig.monitor = Monitor::new(&BEARING, &TIGHT);
+    assert!(rig.tick(&bad(Ok(None))).marks.contains(Mark::NoEstimate));
+    assert!(rig.stiffness.is_empty());
+    let outcome = rig.good(IDLE, SPEED);
+    assert!(outcome.solved && outcome.marks.is_empty(), "{outcome:?}");
+}
+
+#[test]
 fn overruns_are_counted_and_raise_their_alarm() {
     let mut rig = Rig::new(&SETTINGS);
     rig.run_up();
