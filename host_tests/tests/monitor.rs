@@ -43,6 +43,8 @@ static BEARING: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&DESIGN) {
 static SETTINGS: MonitorSettings = settings(10, 1);
 /// One sweep fits into a tick.
 static TIGHT: MonitorSettings = settings(1, 1);
+/// Solved at every fifth tick.
+static SELDOM: MonitorSettings = settings(10, 5);
 
 const fn settings(sweeps: u32, solve_every: u16) -> MonitorSettings {
     let mut settings = MonitorSettings::new(&DESIGN, 16);
@@ -140,7 +142,8 @@ impl Rig {
         );
         // What is doubted is not solved.
         assert!(!outcome.solved || outcome.marks.is_empty(), "{outcome:?}");
-        assert!(!outcome.solved || outcome.age == Some(0), "{outcome:?}");
+        // A sample may have waited for its solve, but not for longer than solves are apart.
+        assert!(!outcome.solved || outcome.age.is_some_and(|age| age < 5));
         self.marks.push(outcome.marks);
         let changes = outcome.changes.iter();
         self.happened.extend(changes.map(|c| (c.alarm, c.change)));
@@ -222,7 +225,7 @@ impl Rig {
             self.good(IDLE, SPEED * ms as f32 / 1000.0);
         }
         let outcome = self.good(IDLE, SPEED);
-        assert!(outcome.solved && outcome.marks.is_empty(), "{outcome:?}");
+        assert!(outcome.marks.is_empty(), "{outcome:?}");
     }
 
     fn state(&mut self, alarm: Alarm) -> AlarmState {
@@ -414,7 +417,7 @@ fn any_mix_of_faults_for_a_minute_breaks_no_law() {
         x ^= x << 17;
         (x >> 33) % below
     };
-    for settings in [&SETTINGS, &TIGHT] {
+    for settings in [&SETTINGS, &TIGHT, &SELDOM] {
         let mut rig = Rig::new(settings);
         rig.link = 4;
         rig.run_up();
@@ -467,7 +470,8 @@ fn any_mix_of_faults_for_a_minute_breaks_no_law() {
         for _ in 0..3000 {
             rig.good(IDLE, SPEED);
         }
-        assert!(rig.good(IDLE, SPEED).solved);
+        let every = usize::from(settings.tick.solve_every);
+        assert!((0..every).any(|_| rig.good(IDLE, SPEED).solved));
     }
 }
 
