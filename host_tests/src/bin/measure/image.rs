@@ -66,6 +66,7 @@ impl Image {
     pub fn build(root: &Path, variant: &Variant) -> Result<Self> {
         let balls = variant.balls.to_string();
         let build = Build {
+            board: host_tests::cross::Board::F405,
             example: "measured",
             link: &["--emit-relocs"],
             processor: (variant.core != Core::M4f).then(|| variant.core.processor()),
