@@ -23,7 +23,7 @@ mod bare {
     use spindle_bearing::estimate::Estimate;
     use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH, encode};
     use spindle_bearing::{
-        AtSpeed, Bearing, InnerRaceControl, Limits, Motion, OuterRaceControl, RacewayControlFree,
+        Bearing, Full, InnerRaceControl, Limits, Motion, OuterRaceControl, RacewayControlFree,
         Real, Settings, Solver, Static, elliptic_integrals,
     };
     #[panic_handler]
@@ -73,9 +73,9 @@ mod bare {
 
     fn every_scene<T: Real, const N: usize>(bearing: &Bearing<T, N>) {
         scene::<T, N, Static>(bearing);
-        scene::<T, N, AtSpeed<RacewayControlFree>>(bearing);
-        scene::<T, N, AtSpeed<OuterRaceControl>>(bearing);
-        scene::<T, N, AtSpeed<InnerRaceControl>>(bearing);
+        scene::<T, N, Full<RacewayControlFree>>(bearing);
+        scene::<T, N, Full<OuterRaceControl>>(bearing);
+        scene::<T, N, Full<InnerRaceControl>>(bearing);
     }
 
     fn scene<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>) {

@@ -21,7 +21,7 @@ mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
     use spindle_bearing::{
-        AtSpeed, Bearing, Design, FreeContact, InnerRaceControl, Material, OuterRaceControl,
+        Bearing, Design, FreeContact, Full, InnerRaceControl, Material, OuterRaceControl,
         RacewayControlFree, Settings, Solver, Static, Status,
     };
 
@@ -39,13 +39,13 @@ mod measured {
         type M: spindle_bearing::Motion;
     }
     impl Scene for Choice<0> {
-        type M = AtSpeed<RacewayControlFree>;
+        type M = Full<RacewayControlFree>;
     }
     impl Scene for Choice<1> {
-        type M = AtSpeed<OuterRaceControl>;
+        type M = Full<OuterRaceControl>;
     }
     impl Scene for Choice<2> {
-        type M = AtSpeed<InnerRaceControl>;
+        type M = Full<InnerRaceControl>;
     }
     impl Scene for Choice<3> {
         type M = Static;

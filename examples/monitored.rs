@@ -23,10 +23,7 @@ pub const DESIGN: Design = Design {
 };
 
 /// Its constants, worked out by the compiler.
-pub static BEARING: Bearing<Precision, BALLS> = match Bearing::<Precision, BALLS>::new(&DESIGN) {
-    Ok(bearing) => bearing,
-    Err(_) => panic!("this bearing cannot be built"),
-};
+pub static BEARING: Bearing<Precision, BALLS> = Bearing::<Precision, BALLS>::checked(&DESIGN);
 
 /// Five freedoms, at speed, raceway control free.
 pub type Monitor = Solver<'static, Precision, BALLS>;

@@ -127,8 +127,11 @@ impl<T: Real> Ball<T> {
         outer: &Contact<T>,
     ) -> (BallMotion<T>, Loads<T>) {
         let m = A::motion(c, inner, outer);
-        let friction = T::of(0.4) * speed_load * m.mu.value * m.nu.value;
-        let inner_friction = m.share * friction;
+        let (mut friction, mut inner_friction) = (T::ZERO, T::ZERO);
+        if A::FRICTION {
+            friction = T::of(0.4) * speed_load * m.mu.value * m.nu.value;
+            inner_friction = m.share * friction;
+        }
         let loads = Loads {
             centrifugal: speed_load * m.mu.value * m.mu.value,
             friction,
@@ -158,12 +161,13 @@ impl<T: Real> Ball<T> {
     /// Linearises the ball at the ring's offset `a`, keeps its Newton step and the step's slope, and
     /// returns what it hands to the ring, and how far the ball was from its own equilibrium: unbalanced
     /// force over its contact forces (or what is `negligible` beside the bearing's load), plus lag over
-    /// deformation. `speed_load` is `m dm omega^2 / 2`; `law` asks for the ball's law, too.
+    /// deformation. `speed_load` is `m dm omega^2 / 2`; `law` asks for the ball's law, too. A ring that
+    /// cannot tilt, with fewer than 5 freedoms `D`, takes no notice of the couple.
     ///
     /// Vectors and matrices are worked out along the inner contact's normal and tangent, where half of
     /// the derivatives are single numbers, and turned to the bearing's directions in the end.
     #[inline(always)]
-    pub fn linearise<A: Attitude>(
+    pub fn linearise<A: Attitude, const D: usize>(
         &mut self,
         c: &Constants<T>,
         speed_load: T,
@@ -182,8 +186,13 @@ impl<T: Real> Ball<T> {
         let (sd, cd) = (m.sin_d, m.cos_d);
         let (ri, ro) = (inner.inverse_radius, outer.inverse_radius);
         // Along n_i and t_i: n_o = (cos d, -sin d), t_o = (sin d, cos d), e_r = (cos ai, -sin ai).
-        let inertia =
-            |ti: T, to: T, fc: T| -> Pair<T> { [fc * ci - to * sd, ti - to * cd - fc * si] };
+        let inertia = |ti: T, to: T, fc: T| -> Pair<T> {
+            if A::FRICTION {
+                [fc * ci - to * sd, ti - to * cd - fc * si]
+            } else {
+                [fc * ci, -(fc * si)]
+            }
+        };
 
         // Slopes of Fc and of the friction by the angles; columns of r by normal and tangential motion at
         // each contact.
@@ -199,10 +208,12 @@ impl<T: Real> Ball<T> {
         let mut r_di = [inner.slope, T::ZERO];
         let mut r_do = [-(outer.slope * cd), outer.slope * sd];
         let r_wi = [ri * (by_ai[0] - ti), ri * (by_ai[1] + inner.q)];
-        let r_wo = [
-            ro * (by_ao[0] - outer.q * sd + to * cd),
-            ro * (by_ao[1] - outer.q * cd - to * sd),
-        ];
+        let (mut turn_no, mut turn_to) = (by_ao[0] - outer.q * sd, by_ao[1] - outer.q * cd);
+        if A::FRICTION {
+            turn_no += to * cd;
+            turn_to -= to * sd;
+        }
+        let r_wo = [ro * turn_no, ro * turn_to];
         let (mut ti_di, mut ti_do) = (T::ZERO, T::ZERO);
         if A::COUPLED {
             let fc_eta = fc_mu * m.mu.by_eta;
@@ -236,9 +247,14 @@ impl<T: Real> Ball<T> {
         // The large parts are taken apart before they are turned: sines and cosines of differences have
         // lost digits.
         let (no, so) = (outer.normal(), outer.tangent());
+        let (mut axial, mut radial) = (T::ZERO, fc);
+        if A::FRICTION {
+            axial = ti * ci - to * so[0];
+            radial = fc - ti * si - to * so[1];
+        }
         let unbalanced = [
-            inner.q * si - outer.q * no[0] + (ti * ci - to * so[0]),
-            inner.q * ci - outer.q * no[1] + (fc - ti * si - to * so[1]),
+            inner.q * si - outer.q * no[0] + axial,
+            inner.q * ci - outer.q * no[1] + radial,
         ];
         let residual = [
             unbalanced[0] * si + unbalanced[1] * ci + (inner.lag * r_di[0] + outer.lag * r_do[0]),
@@ -276,15 +292,19 @@ impl<T: Real> Ball<T> {
         let rest = [[T::ONE - y[0][0], -y[0][1]], [-y[1][0], T::ONE - y[1][1]]];
 
         // Force on the ring: elastic part by V, friction part along t_i by V and X.
-        let ti_v = [ti_di, ti_ai * ri];
-        let ti_wo = ti_ao * ro;
-        let ti_x = [ti_do * cd + ti_wo * sd, ti_wo * cd - ti_do * sd];
-        let by_x = sub(ti_x, ti_v);
-        let couple_slope = [
-            ti_v[0] * rest[0][0] + ti_v[1] * rest[1][0] + ti_x[0] * y[0][0] + ti_x[1] * y[1][0],
-            ti_v[0] * rest[0][1] + ti_v[1] * rest[1][1] + ti_x[0] * y[0][1] + ti_x[1] * y[1][1],
-        ];
-        let (turn_n, turn_t) = (ti * ri, inner.q * ri);
+        let (mut by_x, mut couple_slope, mut turn_n) = ([T::ZERO; 2], [T::ZERO; 2], T::ZERO);
+        if A::FRICTION {
+            let ti_v = [ti_di, ti_ai * ri];
+            let ti_wo = ti_ao * ro;
+            let ti_x = [ti_do * cd + ti_wo * sd, ti_wo * cd - ti_do * sd];
+            by_x = sub(ti_x, ti_v);
+            couple_slope = [
+                ti_v[0] * rest[0][0] + ti_v[1] * rest[1][0] + ti_x[0] * y[0][0] + ti_x[1] * y[1][0],
+                ti_v[0] * rest[0][1] + ti_v[1] * rest[1][1] + ti_x[0] * y[0][1] + ti_x[1] * y[1][1],
+            ];
+            turn_n = ti * ri;
+        }
+        let turn_t = inner.q * ri;
         let local = [
             [
                 inner.slope * rest[0][0] - turn_n * rest[1][0],
@@ -314,15 +334,23 @@ impl<T: Real> Ball<T> {
                 friction - turn_t * step[1],
             ])
         };
-        let friction_step = dot(by_x, step);
-        let friction = ti + ti_di * inner.lag + ti_do * outer.lag + friction_step;
+        let friction = if A::FRICTION {
+            ti + ti_di * inner.lag + ti_do * outer.lag + dot(by_x, step)
+        } else {
+            T::ZERO
+        };
         let held = inner.q + inner.slope * inner.lag;
         let force = add(moved(step, friction), [held * si, held * ci]);
         self.fling = fc;
         // At a higher speed all inertia loads grow alike.
         let step_by_speed = [dot(minus_inverse[0], loads), dot(minus_inverse[1], loads)];
-        let friction_by_speed = ti + dot(by_x, step_by_speed);
-        self.couple_by_speed = c.friction_arm * friction_by_speed;
+        let mut friction_by_speed = T::ZERO;
+        if A::FRICTION {
+            friction_by_speed = ti + dot(by_x, step_by_speed);
+            if D == 5 {
+                self.couple_by_speed = c.friction_arm * friction_by_speed;
+            }
+        }
         self.force_by_speed = moved(step_by_speed, friction_by_speed);
         self.step_by_speed = step_by_speed;
         self.step = step;
@@ -336,12 +364,15 @@ impl<T: Real> Ball<T> {
         self.stiff = stiff;
         self.stiffening =
             stiff * (third + bent * (T::of(3.0) * twice * inner.q - third)) * per_force;
-        let share = Share {
+        let mut share = Share {
             force,
-            couple: c.friction_arm * friction,
             stiffness,
-            couple_slope: scale(c.friction_arm, turned(couple_slope)),
+            ..Share::NONE
         };
+        if A::FRICTION && D == 5 {
+            share.couple = c.friction_arm * friction;
+            share.couple_slope = scale(c.friction_arm, turned(couple_slope));
+        }
         if law {
             self.spring = self.law(c, &inner, &outer, &l, &share);
         }

@@ -115,7 +115,7 @@ pub struct Azimuth<T> {
 ///
 /// ```
 /// use spindle_bearing::{Bearing, Design, FreeContact, Material};
-/// const B7005C: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&Design {
+/// const B7005C: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design {
 ///     ball_diameter: 6.35e-3,
 ///     pitch_diameter: 36e-3,
 ///     inner_groove_factor: 0.515,
@@ -126,10 +126,7 @@ pub struct Azimuth<T> {
 ///     first_ball: 0.0,
 ///     ring: Material::STEEL,
 ///     ball: Material::STEEL,
-/// }) {
-///     Ok(bearing) => bearing,
-///     Err(_) => panic!("this geometry cannot be built"),
-/// };
+/// });
 /// assert_eq!(B7005C.ball_count(), 16);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -308,6 +305,20 @@ macro_rules! bearing {
                     constants,
                     azimuths,
                 })
+            }
+
+            /// The same for a design that the compiler knows: one that cannot be built is a compile
+            /// error that names the quantity. For a `const` or a `static`; elsewhere, take
+            #[doc = concat!("[`Bearing::<", stringify!($t), ", N>::new`](Bearing::new).")]
+            ///
+            /// # Panics
+            ///
+            /// For a design that cannot be built, with [`DesignError::reason`].
+            pub const fn checked(design: &Design) -> Self {
+                match Self::new(design) {
+                    Ok(bearing) => bearing,
+                    Err(error) => panic!("{}", error.reason()),
+                }
             }
         }
     };

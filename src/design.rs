@@ -95,6 +95,65 @@ pub struct DesignError {
     pub most: f64,
 }
 
+impl DesignError {
+    /// What the quantity at fault must fulfil. A literal, for the compiler's error about a design in a
+    /// `const`, which has no numbers.
+    pub const fn reason(&self) -> &'static str {
+        use Quantity as Q;
+        match self.quantity {
+            Q::BallCount => "this bearing cannot be built: ball count N must be 3 to 1000",
+            Q::BallDiameter => {
+                "this bearing cannot be built: ball diameter D must be 10 um to 10 m, and the balls must \
+                 have room beside each other, D <= dm sin(pi/N)"
+            }
+            Q::PitchDiameter => {
+                "this bearing cannot be built: pitch diameter dm must be 1.01 to 10000 ball diameters"
+            }
+            Q::InnerGrooveFactor => {
+                "this bearing cannot be built: inner groove factor fi must be 0.501 to 0.7"
+            }
+            Q::OuterGrooveFactor => {
+                "this bearing cannot be built: outer groove factor fo must be 0.501 to 0.7"
+            }
+            Q::ContactAngle => {
+                "this bearing cannot be built: free contact angle alpha0 must be 0 to 1.4 rad"
+            }
+            Q::DiametralClearance => {
+                "this bearing cannot be built: diametral clearance Pd must be 0 to 1.66 times the distance \
+                 L0 of the groove centres"
+            }
+            Q::InnerShoulderAngle => {
+                "this bearing cannot be built: inner shoulder's angle theta_i must be the free contact \
+                 angle to 90 degrees"
+            }
+            Q::OuterShoulderAngle => {
+                "this bearing cannot be built: outer shoulder's angle theta_o must be the free contact \
+                 angle to 90 degrees"
+            }
+            Q::FirstBall => {
+                "this bearing cannot be built: azimuth phi_0 of the first ball must be -7 to 7 rad"
+            }
+            Q::RingYoungsModulus => {
+                "this bearing cannot be built: Young's modulus E of the rings must be 1e6 to 1e13 Pa"
+            }
+            Q::RingPoissonsRatio => {
+                "this bearing cannot be built: Poisson's ratio nu of the rings must be 0 to 0.5"
+            }
+            Q::BallYoungsModulus => {
+                "this bearing cannot be built: Young's modulus Eb of the balls must be 1e6 to 1e13 Pa"
+            }
+            Q::BallPoissonsRatio => {
+                "this bearing cannot be built: Poisson's ratio nub of the balls must be 0 to 0.5"
+            }
+            Q::BallDensity => {
+                "this bearing cannot be built: density rho of the balls must be 1 to 1e5 kg/m^3"
+            }
+            // No quantity of a design.
+            _ => "this bearing cannot be built",
+        }
+    }
+}
+
 impl core::fmt::Display for DesignError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(

@@ -23,18 +23,26 @@ use crate::constants::Constants;
 use crate::contact::Contact;
 use crate::float::Real;
 
-mod sealed {
+pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
 /// Rule for the attitude of the balls' spin axis and for how the two contacts share the friction
 /// that carries the gyroscopic moment. A type, so that a firmware contains one rule only.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not an attitude rule",
+    label = "not an attitude rule",
+    note = "choose `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`"
+)]
 pub trait Attitude: sealed::Sealed + Copy + 'static {
     /// Short name, as settings files and tables print it.
     const NAME: &'static str;
     /// The loads of the contacts enter the rule.
     #[doc(hidden)]
     const COUPLED: bool;
+    /// Friction carries a gyroscopic moment.
+    #[doc(hidden)]
+    const FRICTION: bool = true;
 
     #[doc(hidden)]
     fn motion<T: Real>(c: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> BallMotion<T>;

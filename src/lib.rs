@@ -9,7 +9,11 @@
 extern crate std;
 
 #[forbid(unsafe_code)]
+mod axial;
+#[forbid(unsafe_code)]
 mod ball;
+#[forbid(unsafe_code)]
+mod conditions;
 #[forbid(unsafe_code)]
 mod constants;
 #[forbid(unsafe_code)]
@@ -21,11 +25,15 @@ mod elementary;
 #[forbid(unsafe_code)]
 mod float;
 #[forbid(unsafe_code)]
+mod freedoms;
+#[forbid(unsafe_code)]
 mod hertz;
 #[forbid(unsafe_code)]
 mod kinematics;
 #[forbid(unsafe_code)]
 mod limits;
+#[forbid(unsafe_code)]
+mod outputs;
 #[forbid(unsafe_code)]
 mod ring;
 #[forbid(unsafe_code)]
@@ -52,12 +60,15 @@ pub mod monitor;
 #[forbid(unsafe_code)]
 pub mod record;
 
+pub use conditions::{Condition, Conditions, Displacement, ImposedTilt, Load, Loads, RigidPreload};
 pub use constants::Bearing;
 pub use design::{Design, DesignError, FreeContact, Material};
 pub use float::Real;
+pub use freedoms::{All, Axial, BallStore, FreedomSet, Freedoms, Translations};
 pub use hertz::{HertzContact, elliptic_integrals};
 pub use kinematics::{Attitude, InnerRaceControl, OuterRaceControl, RacewayControlFree};
 pub use limits::{Exceedance, Exceedances, Limit, LimitSet, Limits, Race};
-pub use scene::{AtSpeed, Motion, Static};
+pub use outputs::{Balls, Displacements, NotPutOut, Outputs, PerBall, Stiffness};
+pub use scene::{Centrifugal, Full, Motion, NoAttitude, Static};
 pub use solver::{BallState, ErrorEstimate, Settings, Solution, Solver};
 pub use status::{Quantity, Status};

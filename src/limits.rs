@@ -5,9 +5,12 @@
 //! compares sines, roots and products; angles are worked out for the worst contact only.
 
 use crate::ball::Pass;
+use crate::conditions::Conditions;
 use crate::constants::{Constants, Groove};
 use crate::contact::Contact;
 use crate::float::Real;
+use crate::freedoms::{BallStore, Freedoms};
+use crate::outputs::PerBall;
 use crate::scene::Motion;
 use crate::solver::Solution;
 use core::fmt;
@@ -472,7 +475,14 @@ impl<T: Real> Survey<'_, T> {
     }
 }
 
-impl<T: Real, const N: usize, M: Motion> Solution<'_, T, N, M> {
+impl<T, const N: usize, const D: usize, M, B, O> Solution<'_, T, N, M, Freedoms<D>, B, O>
+where
+    T: Real,
+    M: Motion,
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: PerBall,
+{
     /// The limits that this equilibrium has passed, and where: the given ones, and those of the
     /// design's grooves.
     ///

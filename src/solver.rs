@@ -42,13 +42,18 @@
 //! direction in which the ring gives way most. A ball whose contacts no longer oppose each other (120 degrees
 //! apart) is no answer: there the cage speed has a pole, and the equations have roots of no bearing.
 
+use crate::axial::Spring;
 use crate::ball::{Pass, Share};
+use crate::conditions::{Conditions, Loads, constrain, hold, missing};
 use crate::constants::{Azimuth, Bearing, Constants};
 use crate::contact::dot;
 use crate::float::Real;
-use crate::ring::{self, Definite, Factors, Five, Sums, Tangent, shift};
-use crate::scene::{AtSpeed, Change, Drive, Motion, Position, curvature_centre, free_ball};
+use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
+use crate::outputs::{Balls, Outputs, PerBall};
+use crate::ring::{self, Definite, Factors, Sums, Tangent, shift};
+use crate::scene::{Change, Drive, Full, Motion, Position, curvature_centre, free_ball};
 use crate::status::{Quantity, Status};
+use core::marker::PhantomData;
 
 /// How hard to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,9 +112,17 @@ pub struct ErrorEstimate<T> {
     pub stiffness: T,
 }
 
-/// An equilibrium, SI units; forces and displacements refer to the bearing centre.
-#[derive(Debug)]
-pub struct Solution<'s, T: Real, const N: usize, M: Motion> {
+/// An equilibrium, SI units; forces and displacements refer to the bearing centre. Vectors have as many
+/// components as the scene has freedoms, in the order given here.
+pub struct Solution<
+    's,
+    T: Real,
+    const N: usize,
+    M: Motion,
+    F: FreedomSet = All,
+    B: Conditions<F> = Loads,
+    O: Outputs = Balls,
+> {
     /// How the solve ended: `Converged`, `PrecisionLimit`, `SweepLimit` or `Unseated`.
     pub status: Status<T>,
     /// Sweeps over the balls.
@@ -121,46 +134,75 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion> {
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
-    pub displacement: [T; 5],
-    /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) that hold the balls' forces on the ring.
-    pub load: [T; 5],
-    /// Stiffness: derivative of the forces (rows) by the displacements (columns) at constant speed.
-    /// Not symmetric at speed.
-    pub stiffness: [[T; 5]; 5],
-    solver: &'s Solver<'s, T, N, M>,
+    pub displacement: F::Vector<T>,
+    /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) that hold the balls' forces on the ring;
+    /// where the displacement was given, this is the reaction.
+    pub load: F::Vector<T>,
+    /// Stiffness: derivative of the forces (rows) by the displacements (columns) at constant speed, of
+    /// the freedoms that are free, with the others held. Not symmetric at speed.
+    pub stiffness: O::Stiffness<B::Stiffness<T>>,
+    solver: O::Balls<&'s Solver<'s, T, N, M, F, B, O>>,
 }
 
-impl<T: Real, const N: usize, M: Motion> Solution<'_, T, N, M> {
-    /// States of the balls, in the order of their azimuths.
+impl<T, const N: usize, M, F, B, O> core::fmt::Debug for Solution<'_, T, N, M, F, B, O>
+where
+    T: Real,
+    M: Motion,
+    F: FreedomSet,
+    B: Conditions<F>,
+    O: Outputs,
+{
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Solution")
+            .field("status", &self.status)
+            .field("sweeps", &self.sweeps)
+            .field("repeats", &self.repeats)
+            .field("residual", &self.residual)
+            .field("error", &self.error)
+            .field("displacement", &self.displacement)
+            .field("load", &self.load)
+            .field("stiffness", &self.stiffness)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<T, const N: usize, const D: usize, M, B, O> Solution<'_, T, N, M, Freedoms<D>, B, O>
+where
+    T: Real,
+    M: Motion,
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: PerBall,
+{
+    /// States of the balls, in the order of their azimuths; of the first one, where it stands for all.
     pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_ {
-        let c = &self.solver.bearing.constants;
-        let state = &self.solver.state;
-        self.solver
-            .balls
-            .iter()
-            .zip(&self.solver.bearing.azimuths)
-            .map(move |(ball, at)| {
-                let a = shift(&state.position.offset, at);
-                let pass = M::observe(c, state.speed_load, ball, a);
-                BallState {
-                    azimuth: at.sin.atan2(at.cos),
-                    alpha_i: pass.inner.sin.atan2(pass.inner.cos),
-                    alpha_o: pass.outer.sin.atan2(pass.outer.cos),
-                    q_i: pass.inner.q * c.force,
-                    q_o: pass.outer.q * c.force,
-                    delta_i: pass.inner.delta * c.length,
-                    delta_o: pass.outer.delta * c.length,
-                    centrifugal_force: pass.loads.centrifugal * c.force,
-                    gyroscopic_moment: pass.loads.friction * c.force * c.ball_radius,
-                }
-            })
+        let solver = O::solver(&self.solver);
+        let c = &solver.bearing.constants;
+        let state = &solver.state;
+        let balls = solver.balls.as_ref().iter();
+        balls.zip(&solver.bearing.azimuths).map(move |(ball, at)| {
+            let a = shift(&state.position.offset, at);
+            let pass = M::observe(c, state.speed_load, ball, a);
+            BallState {
+                azimuth: at.sin.atan2(at.cos),
+                alpha_i: pass.inner.sin.atan2(pass.inner.cos),
+                alpha_o: pass.outer.sin.atan2(pass.outer.cos),
+                q_i: pass.inner.q * c.force,
+                q_o: pass.outer.q * c.force,
+                delta_i: pass.inner.delta * c.length,
+                delta_o: pass.outer.delta * c.length,
+                centrifugal_force: pass.loads.centrifugal * c.force,
+                gyroscopic_moment: pass.loads.friction * c.force * c.ball_radius,
+            }
+        })
     }
 
     /// The bearing's constants, and the contacts and loads of every ball in their units.
     pub(crate) fn passes(&self) -> (&Constants<T>, impl Iterator<Item = Pass<T>> + '_) {
-        let c = &self.solver.bearing.constants;
-        let state = &self.solver.state;
-        let balls = self.solver.balls.iter().zip(&self.solver.bearing.azimuths);
+        let solver = O::solver(&self.solver);
+        let c = &solver.bearing.constants;
+        let state = &solver.state;
+        let balls = solver.balls.as_ref().iter().zip(&solver.bearing.azimuths);
         let passes = balls.map(move |(ball, at)| {
             let a = shift(&state.position.offset, at);
             M::observe(c, state.speed_load, ball, a)
@@ -171,39 +213,49 @@ impl<T: Real, const N: usize, M: Motion> Solution<'_, T, N, M> {
     /// Forces on the inner race alone, N, in the order of the balls: what a monitor looks at, without
     /// the cost of contact angles.
     pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_ {
-        let c = &self.solver.bearing.constants;
-        let state = &self.solver.state;
-        self.solver
-            .balls
-            .iter()
-            .zip(&self.solver.bearing.azimuths)
-            .map(move |(ball, at)| {
-                let a = shift(&state.position.offset, at);
-                M::observe(c, state.speed_load, ball, a).inner.q * c.force
-            })
+        let solver = O::solver(&self.solver);
+        let c = &solver.bearing.constants;
+        let state = &solver.state;
+        let balls = solver.balls.as_ref().iter();
+        balls.zip(&solver.bearing.azimuths).map(move |(ball, at)| {
+            let a = shift(&state.position.offset, at);
+            M::observe(c, state.speed_load, ball, a).inner.q * c.force
+        })
     }
+}
 
+#[cfg(feature = "nalgebra")]
+impl<T, const N: usize, const D: usize, M, B, O> Solution<'_, T, N, M, Freedoms<D>, B, O>
+where
+    T: Real + nalgebra::Scalar,
+    M: Motion,
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
     /// The displacement as a vector of `nalgebra`.
-    #[cfg(feature = "nalgebra")]
-    pub fn displacement_vector(&self) -> nalgebra::SVector<T, 5>
-    where
-        T: nalgebra::Scalar,
-    {
+    pub fn displacement_vector(&self) -> nalgebra::SVector<T, D> {
         nalgebra::SVector::from(self.displacement)
     }
 
     /// The stiffness as a matrix of `nalgebra`.
-    #[cfg(feature = "nalgebra")]
-    pub fn stiffness_matrix(&self) -> nalgebra::SMatrix<T, 5, 5>
+    pub fn stiffness_matrix<const K: usize>(&self) -> nalgebra::SMatrix<T, K, K>
     where
-        T: nalgebra::Scalar,
+        O: Outputs<Stiffness<B::Stiffness<T>> = [[T; K]; K]>,
     {
         nalgebra::SMatrix::from_fn(|i, j| self.stiffness[i][j])
     }
 }
 
 #[cfg(feature = "defmt")]
-impl<T: Real, const N: usize, M: Motion> defmt::Format for Solution<'_, T, N, M> {
+impl<T, const N: usize, M, F, B, O> defmt::Format for Solution<'_, T, N, M, F, B, O>
+where
+    T: Real,
+    M: Motion,
+    F: FreedomSet,
+    B: Conditions<F>,
+    O: Outputs,
+{
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(
             f,
@@ -239,44 +291,79 @@ impl<T: Real, const N: usize, M: Motion> defmt::Format for Solution<'_, T, N, M>
 /// assert!(k_y > k_z && k_z > k_x);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// The scene is a matter of types: how the balls move ([`Static`](crate::Static),
+/// [`Centrifugal`](crate::Centrifugal) or [`Full`]), the ring's freedoms ([`Axial`](crate::Axial),
+/// [`Translations`](crate::Translations) or [`All`]), what is given of each ([`Loads`], or a tuple of
+/// [`Load`](crate::Load) and [`Displacement`](crate::Displacement)), and what comes out
+/// ([`Displacements`](crate::Displacements), [`Stiffness`](crate::Stiffness) or [`Balls`]).
+///
+/// ```
+/// # use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings};
+/// use spindle_bearing::{OuterRaceControl, Full, RigidPreload, All, Solver};
+/// # let design = Design {
+/// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+/// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+/// #     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+/// #     ring: Material::STEEL, ball: Material::STEEL,
+/// # };
+/// let bearing = Bearing::<f64, 16>::new(&design)?;
+/// let mut solver = Solver::<f64, 16, Full<OuterRaceControl>, All, RigidPreload>::new(&bearing);
+/// // dx in m, then Fy, Fz in N, My, Mz in N m.
+/// let solution = solver.solve([12e-6, 200.0, 0.0, 0.0, 0.0], 2000.0, &Settings::default())?;
+/// let [preload, ..] = solution.load;
+/// let stiffness: [[f64; 4]; 4] = solution.stiffness;
+/// assert!(preload > 100.0 && stiffness[0][0] > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
-pub struct Solver<'b, T: Real, const N: usize, M: Motion = AtSpeed> {
+pub struct Solver<
+    'b,
+    T: Real,
+    const N: usize,
+    M: Motion = Full,
+    F: FreedomSet = All,
+    B: Conditions<F> = Loads,
+    O: Outputs = Balls,
+> {
     bearing: &'b Bearing<T, N>,
-    state: State<T>,
-    balls: [M::Ball<T>; N],
+    state: F::State<T>,
+    balls: F::Balls<M::Ball<T>, N>,
+    scene: PhantomData<(B, O)>,
 }
 
 /// What is kept between solves besides the balls, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct State<T> {
-    position: Position<T>,
-    tangent: Tangent<T>,
-    force: Five<T>,
+pub struct State<T, const D: usize> {
+    position: Position<T, D>,
+    tangent: Tangent<T, D>,
+    force: [T; D],
     /// Mean radial force and moment of the balls.
     mean: [T; 2],
     speed_load: T,
-    /// Load of the last solve; its norm is 0 as long as there is none to start from.
-    load: Five<T>,
+    /// Load of the last solve, 0 of held freedoms.
+    load: [T; D],
+    /// Its norm, reactions included; 0 as long as there is no solution to start from.
+    size: T,
 }
 
-impl<T: Real> State<T> {
+impl<T: Real, const D: usize> State<T, D> {
     const COLD: Self = Self {
-        position: Position {
-            reference: [T::ZERO; 5],
-            offset: [T::ZERO; 5],
-        },
-        tangent: [[T::ZERO; 5]; 5],
-        force: [T::ZERO; 5],
+        position: Position::UNLOADED,
+        tangent: [[T::ZERO; D]; D],
+        force: [T::ZERO; D],
         mean: [T::ZERO; 2],
         speed_load: T::ZERO,
-        load: [T::ZERO; 5],
+        load: [T::ZERO; D],
+        size: T::ZERO,
     };
 }
 
 /// What is given: the load on the ring, or its displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Given<T> {
-    Load(Five<T>),
+enum Given<T, const D: usize> {
+    Load([T; D]),
     Displacement,
 }
 
@@ -363,7 +450,7 @@ impl Attempt {
     }
 }
 
-fn dot5<T: Real>(a: &Five<T>, b: &Five<T>) -> T {
+fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     let mut sum = T::ZERO;
     for (x, y) in a.iter().zip(b) {
         sum += *x * *y;
@@ -371,26 +458,37 @@ fn dot5<T: Real>(a: &Five<T>, b: &Five<T>) -> T {
     sum
 }
 
-fn norm<T: Real>(f: &Five<T>) -> T {
+fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
     dot5(f, f).sqrt()
 }
 
 /// A bound on how far a displacement of the ring shifts any groove centre.
-fn span<T: Real>(u: &Five<T>) -> T {
-    let axial = u[0].abs() + (u[3] * u[3] + u[4] * u[4]).sqrt();
-    let radial = (u[1] * u[1] + u[2] * u[2]).sqrt();
-    axial.or_larger(radial)
+fn span<T: Real, const D: usize>(u: &[T; D]) -> T {
+    let mut axial = u[0].abs();
+    if D == 5 {
+        axial += (u[3] * u[3] + u[4] * u[4]).sqrt();
+    }
+    if D >= 3 {
+        return axial.or_larger((u[1] * u[1] + u[2] * u[2]).sqrt());
+    }
+    axial
 }
 
 /// One bearing's iteration: constants, azimuths, and the state it works on.
-struct Iteration<'i, T: Real, M: Motion> {
+struct Iteration<'i, T: Real, M: Motion, B, O, const D: usize> {
     c: &'i Constants<T>,
     azimuths: &'i [Azimuth<T>],
-    state: &'i mut State<T>,
+    state: &'i mut State<T, D>,
     balls: &'i mut [M::Ball<T>],
+    scene: PhantomData<(B, O)>,
 }
 
-impl<T: Real, M: Motion> Iteration<'_, T, M> {
+impl<T: Real, M: Motion, B, O, const D: usize> Iteration<'_, T, M, B, O, D>
+where
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
     /// Linearises all balls at the present position; returns how many steps of their own they made, and
     /// the largest imbalance that is left.
     fn sweep(&mut self, drive: &Drive<T>, laws: bool) -> (u16, T) {
@@ -403,7 +501,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let a = shift(&self.state.position.offset, at);
             let mut repeats = 0;
             let (share, left) = loop {
-                let (share, imbalance) = M::linearise(self.c, drive, ball, a, laws);
+                let (share, imbalance) = M::linearise::<T, D>(self.c, drive, ball, a, laws);
                 if !(imbalance > bad) || repeats == most {
                     break (share, imbalance);
                 }
@@ -415,28 +513,30 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             worst = worst.or_larger(left);
         }
         self.state.force = sums.force();
-        self.state.mean = sums.mean(self.c.balls);
+        self.state.mean = sums.mean(ring::sharing::<T, D>(self.c));
         self.state.tangent = sums.tangent();
         (total, worst)
     }
 
     /// Moves the ring by `du` and every ball with it, by its linearisation, and the tangent with them.
-    fn advance(&mut self, du: &Five<T>) -> Change<T> {
+    fn advance(&mut self, du: &[T; D]) -> Change<T> {
         let mut all = Change::<T>::default();
-        let mut sums = Sums::about([T::ZERO; 2]);
+        let mut sums = Sums::<T, D>::about([T::ZERO; 2]);
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let (step, stiffness) = M::advance(self.c, ball, shift(du, at));
             all.merge(Change {
                 step,
                 stiffness: [stiffness[0][0].abs(), stiffness[1][1].abs()],
             });
-            sums.add(
-                at,
-                &Share {
-                    stiffness,
-                    ..Share::NONE
-                },
-            );
+            if O::STIFFNESS {
+                sums.add(
+                    at,
+                    &Share {
+                        stiffness,
+                        ..Share::NONE
+                    },
+                );
+            }
         }
         for (row, more) in self.state.tangent.iter_mut().zip(&sums.tangent()) {
             for (element, more) in row.iter_mut().zip(more) {
@@ -450,7 +550,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     }
 
     /// Moves the ring by `du` and every ball with it, by its law.
-    fn follow(&mut self, drive: &Drive<T>, du: &Five<T>) -> Change<T> {
+    fn follow(&mut self, drive: &Drive<T>, du: &[T; D]) -> Change<T> {
         let mut all = Change::<T>::default();
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
@@ -472,9 +572,9 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     }
 
     /// Puts the ring at `u`, and every ball where it belongs without further knowledge.
-    fn place(&mut self, u: &Five<T>, speed_load: T) {
+    fn place(&mut self, u: &[T; D], speed_load: T) {
         self.state.position = Position {
-            reference: [T::ZERO; 5],
+            reference: [T::ZERO; D],
             offset: *u,
         };
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
@@ -488,40 +588,50 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
 
     /// A start from nothing: the axisymmetric state under the axial load, plus so much preload that
     /// radial load and moment do not unload balls at first sight. From above, Newton on a 3/2 law
-    /// does not overshoot. `preload` multiplies it.
-    fn start(&mut self, load: &Five<T>, speed_load: T, preload: T) {
+    /// does not overshoot. `preload` multiplies it. Held freedoms start where they are `wanted`.
+    fn start(&mut self, load: &[T; D], wanted: &[T; D], speed_load: T, preload: T) {
         let c = self.c;
-        let radial = (load[1] * load[1] + load[2] * load[2]).sqrt();
-        let tilting = (load[3] * load[3] + load[4] * load[4]).sqrt();
-        let q = preload * (load[0].abs() + T::of(0.5) * radial + tilting) / c.balls;
+        let mut pressing = load[0].abs();
+        if D >= 3 {
+            pressing += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt();
+        }
+        if D == 5 {
+            pressing += (load[3] * load[3] + load[4] * load[4]).sqrt();
+        }
+        let balls = ring::sharing::<T, D>(c);
+        let q = preload * pressing / balls;
         let sign = if load[0] < T::ZERO { -T::ONE } else { T::ONE };
-
-        // At rest: w^3 A1 / (1 + w^2) = q with w^2 the deformation of both contacts, by Newton from
-        // above, where the left side is convex.
-        let s0 = c.n0[0].high;
-        let axial = |w2: T| (s0 * s0 + w2 * (w2 + T::ONE + T::ONE)).sqrt();
-        let mut w = T::ONE;
+        let (s0, mut w) = (c.n0[0].high, T::ONE);
         for _ in 0..24 {
-            let w2 = w * w;
-            let (a1, h) = (axial(w2), T::ONE / (T::ONE + w2));
-            let value = w2 * w * a1 * h - q;
-            let slope = T::of(3.0) * w2 * a1 * h
-                + (w2 * w2 + w2 * w2) * (T::ONE / (a1 * h).or_larger(T::TINY) - a1 * h) * h;
-            let step = value / slope.or_larger(T::TINY);
+            let step = Spring::at(s0, w).step(q);
             w = (w - step).or_larger(T::of(0.1) * w);
             if step.abs() <= T::of(0.01) * w {
                 break;
             }
         }
-        let x = sign * axial(w * w) - s0;
+        let x = sign * Spring::at(s0, w).axial - s0;
+
+        if B::HOLDS {
+            let mut u = [T::ZERO; D];
+            u[0] = x;
+            let missing = missing::<T, B, D>(c, wanted, &u);
+            let mut step = [T::ZERO; D];
+            constrain::<T, B, D>(c, &missing, &mut step);
+            for (u, step) in u.iter_mut().zip(&step) {
+                *u += *step;
+            }
+            self.state.mean = [T::ZERO; 2];
+            self.place(&u, speed_load);
+            return;
+        }
 
         // At speed: one ball stands for all.
         if M::AT_SPEED {
             let drive = Drive {
                 speed_load,
-                negligible: T::EPSILON * q * c.balls,
+                negligible: T::EPSILON * q * balls,
             };
-            let mut position = Position::default();
+            let mut position = Position::UNLOADED;
             position.offset[0] = x;
             position.rebase();
             let top = Azimuth {
@@ -553,7 +663,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 M::place(c, speed_load, &mut ball, centre);
                 for _ in 0..6 {
                     let (new, imbalance) =
-                        M::linearise(c, &drive, &mut ball, [offset, T::ZERO], false);
+                        M::linearise::<T, D>(c, &drive, &mut ball, [offset, T::ZERO], false);
                     share = new;
                     if imbalance < T::of(0.02) {
                         break;
@@ -585,30 +695,35 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             self.rebase();
         } else {
             self.state.mean = [sign * q * c.n0[1].high / (s0 + x), sign * q];
-            self.place(&[x, T::ZERO, T::ZERO, T::ZERO, T::ZERO], speed_load);
+            let mut u = [T::ZERO; D];
+            u[0] = x;
+            self.place(&u, speed_load);
         }
     }
 
     /// Moves a solved bearing to where its last linearisation, and what of the second order matters,
     /// see it under a new load at a new speed.
-    fn predict(&mut self, load: &Five<T>, speed_load: T) {
+    fn predict(&mut self, load: &[T; D], wanted: &[T; D], speed_load: T) {
         let faster = if self.state.speed_load > T::ZERO {
             speed_load / self.state.speed_load - T::ONE
         } else {
             T::ZERO
         };
-        let mut sums = [T::ZERO; 5];
+        let mut sums = [T::ZERO; D];
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let share = M::accelerate(ball, faster);
             ring::spread(&mut sums, at, share.force, share.couple);
         }
         let mut b = *load;
-        for i in 0..5 {
+        for i in 0..D {
             b[i] -= self.state.load[i] + sums[i];
         }
-        let (factors, _) = Factors::of(&self.state.tangent, T::of(8.0) * T::EPSILON);
+        let mut tangent = self.state.tangent;
+        let by = missing::<T, B, D>(self.c, wanted, &self.state.position.total());
+        hold::<T, B, D>(self.c, &by, &mut b, &mut tangent);
+        let (factors, _) = Factors::of(&tangent, T::of(8.0) * T::EPSILON);
         let mut du = factors.solve(&b);
-        let mut sums = [T::ZERO; 5];
+        let mut sums = [T::ZERO; D];
         for (ball, at) in self.balls.iter().zip(self.azimuths) {
             ring::spread(
                 &mut sums,
@@ -617,14 +732,16 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 T::ZERO,
             );
         }
+        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut sums, &mut tangent);
         for (step, back) in du.iter_mut().zip(&factors.solve(&sums)) {
             *step -= *back;
         }
+        constrain::<T, B, D>(self.c, &by, &mut du);
         self.advance(&du);
     }
 
     /// Load less the forces that the balls' laws see after a step `du`, and the tangent there.
-    fn unbalanced(&self, load: &Five<T>, du: &Five<T>) -> (Five<T>, Tangent<T>) {
+    fn unbalanced(&self, load: &[T; D], du: &[T; D]) -> ([T; D], Tangent<T, D>) {
         let mut beyond = Sums::about([T::ZERO; 2]);
         for (ball, at) in self.balls.iter().zip(self.azimuths) {
             let spring = M::spring(ball);
@@ -641,14 +758,15 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
         let force = beyond.force();
         let mut tangent = beyond.tangent();
         let mut b = *load;
-        for i in 0..5 {
+        for i in 0..D {
             b[i] -= self.state.force[i] + force[i];
-            for j in 0..5 {
+            for j in 0..D {
                 let linear = self.state.tangent[i][j];
                 b[i] -= linear * du[j];
                 tangent[i][j] += linear;
             }
         }
+        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut b, &mut tangent);
         (b, tangent)
     }
 
@@ -657,14 +775,14 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     /// left a direction undetermined.
     fn step(
         &self,
-        load: &Five<T>,
-        mut b: Five<T>,
-        mut tangent: Tangent<T>,
+        load: &[T; D],
+        mut b: [T; D],
+        mut tangent: Tangent<T, D>,
         longest: T,
-    ) -> (Five<T>, bool) {
+    ) -> ([T; D], bool) {
         let first = norm(&b);
         let small = T::of(1e-3) * norm(load);
-        let mut du = [T::ZERO; 5];
+        let mut du = [T::ZERO; D];
         let mut singular = false;
         // At rest, balls are cheaper to react than to linearise.
         let (passes, enough) = if M::AT_SPEED { (12, 0.05) } else { (16, 0.02) };
@@ -701,16 +819,16 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     /// solution (`close`) an indefinite tangent is taken as it is.
     fn descent(
         &self,
-        b: &Five<T>,
-        tangent: &Tangent<T>,
-        du: &Five<T>,
+        b: &[T; D],
+        tangent: &Tangent<T, D>,
+        du: &[T; D],
         longest: T,
         close: bool,
-    ) -> (Five<T>, bool) {
+    ) -> ([T; D], bool) {
         let least = T::of(8.0) * T::EPSILON;
         let mut damping = T::ZERO;
         let mut singular = false;
-        let mut d = [T::ZERO; 5];
+        let mut d = [T::ZERO; D];
         // The damping grows to more than the step bound can need.
         for attempt in 0..14 {
             let mut damped = *tangent;
@@ -720,6 +838,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let (factors, definite) = Factors::of(&damped, least);
             singular |= attempt == 0 && definite == Definite::Semi;
             d = factors.solve(b);
+            constrain::<T, B, D>(self.c, &[T::ZERO; D], &mut d);
             let mut to = *du;
             for (sum, part) in to.iter_mut().zip(&d) {
                 *sum += *part;
@@ -741,13 +860,13 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     fn run(
         &mut self,
         outcome: &mut Outcome<T>,
-        given: &Given<T>,
+        given: &Given<T, D>,
         speed_load: T,
         tolerance: T,
         until: u16,
         mut laws: bool,
     ) {
-        let size = match given {
+        let mut size = match given {
             Given::Load(load) => norm(load),
             Given::Displacement => T::ZERO,
         };
@@ -770,8 +889,11 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
             let (repeats, imbalance) = self.sweep(&drive, laws);
             outcome.sweeps += 1;
             outcome.repeats = outcome.repeats.saturating_add(repeats);
+            if B::HOLDS {
+                size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
+            }
 
-            let (mut du, mut singular) = ([T::ZERO; 5], false);
+            let (mut du, mut singular) = ([T::ZERO; D], false);
             if let Given::Load(load) = given {
                 let (mut b, mut tangent) = (*load, self.state.tangent);
                 // Balls next to their own equilibrium have laws that agree with the linearisation here.
@@ -781,6 +903,7 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                     for (b, force) in b.iter_mut().zip(&self.state.force) {
                         *b -= *force;
                     }
+                    hold::<T, B, D>(self.c, &[T::ZERO; D], &mut b, &mut tangent);
                 }
                 outcome.residual = norm(&b) / size;
                 if !laws && outcome.residual > T::of(0.1) && outcome.sweeps < until {
@@ -823,10 +946,12 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
                 return;
             }
             let stiffness = &self.state.tangent;
-            let radial = stiffness[1][1].or_smaller(stiffness[2][2]);
             let last = outcome.change;
-            let change = (moved.stiffness[0] / stiffness[0][0].or_larger(T::TINY))
-                .or_larger(moved.stiffness[1] / radial.or_larger(T::TINY));
+            let mut change = moved.stiffness[0] / stiffness[0][0].or_larger(T::TINY);
+            if D >= 3 {
+                let radial = stiffness[1][1].or_smaller(stiffness[2][2]);
+                change = change.or_larger(moved.stiffness[1] / radial.or_larger(T::TINY));
+            }
             // Not all that a step changes is summed: on the campaign's cases, half as much again makes the
             // tolerance hold.
             outcome.change = if change.is_finite() {
@@ -909,13 +1034,21 @@ impl<T: Real, M: Motion> Iteration<'_, T, M> {
     }
 }
 
-impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
+impl<'b, T, const N: usize, const D: usize, M, B, O> Solver<'b, T, N, M, Freedoms<D>, B, O>
+where
+    T: Real,
+    M: Motion,
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
     /// A solver without history: its first solve starts from nothing.
     pub fn new(bearing: &'b Bearing<T, N>) -> Self {
         Self {
             bearing,
             state: State::COLD,
-            balls: [M::Ball::<T>::default(); N],
+            balls: Freedoms::<D>::balls(M::Ball::default()),
+            scene: PhantomData,
         }
     }
 
@@ -925,7 +1058,8 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
     }
 
     /// Solves the equilibrium of the inner ring under the load `[Fx, Fy, Fz, My, Mz]` (N, N m) at
-    /// the shaft speed `speed` (rad/s), starting from the last solution if that is near.
+    /// the shaft speed `speed` (rad/s), starting from the last solution if that is near. Of a freedom
+    /// that is held, `values` has the displacement (m, rad) instead; of fewer freedoms, the first ones.
     ///
     /// The scene at rest ([`Static`](crate::Static)) takes no notice of the speed.
     ///
@@ -935,37 +1069,40 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
     /// it was; a solve that failed makes the next one start from nothing.
     pub fn solve(
         &mut self,
-        load: [T; 5],
+        values: [T; D],
         speed: T,
         settings: &Settings<T>,
-    ) -> Result<Solution<'_, T, N, M>, Status<T>> {
+    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
         let c = &self.bearing.constants;
-        // Beyond N times the force that would press a ball by the whole groove distance, nothing
-        // in the model holds.
-        let (force, moment) = (c.force * c.balls, c.moment * c.balls);
-        check(
-            &load,
-            &Quantity::LOAD,
-            [force, force, force, moment, moment],
-        )?;
+        check(&values, |i| self.range(i, B::HELD[i]))?;
         let speed_load = self.speed_load(speed)?;
+        let (mut load, mut wanted) = (values, [T::ZERO; D]);
+        if B::HOLDS {
+            for (i, (load, wanted)) in load.iter_mut().zip(&mut wanted).enumerate() {
+                if B::HELD[i] {
+                    (*load, *wanted) = (T::ZERO, *load / ring::units::<T, D>(c, i).0);
+                }
+            }
+        }
         let load = ring::load_in(c, &load);
-        let size = norm(&load);
         // Squares of smaller numbers are lost.
-        if !(size > T::TINY.sqrt()) {
+        if !B::HOLDS && !(norm(&load) > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
         }
+        if D == 1 && !M::AT_SPEED {
+            return self.balance(load, settings);
+        }
 
-        let warm = self.is_near(&load, speed_load);
+        let warm = self.is_near(&load, &wanted, speed_load);
         let given = Given::Load(load);
         let mut run = self.iteration();
         let mut outcome = Outcome::new();
         for attempt in Attempt::ALL {
             match attempt {
                 Attempt::Warm if !warm => continue,
-                Attempt::Warm => run.predict(&load, speed_load),
-                Attempt::Cold => run.start(&load, speed_load, T::ONE),
-                Attempt::Preloaded => run.start(&load, speed_load, T::of(4.0)),
+                Attempt::Warm => run.predict(&load, &wanted, speed_load),
+                Attempt::Cold => run.start(&load, &wanted, speed_load, T::ONE),
+                Attempt::Preloaded => run.start(&load, &wanted, speed_load, T::of(4.0)),
             }
             let until = outcome.sweeps.saturating_add(attempt.sweeps());
             run.run(
@@ -981,7 +1118,13 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
                 break;
             }
         }
-        self.conclude(outcome, load, speed_load)
+        let mut size = norm(&load);
+        if B::HOLDS {
+            size = size.or_larger(norm(&self.state.force));
+        }
+        self.conclude(outcome, load, size, speed_load, |i| {
+            B::HELD[i].then(|| values[i])
+        })
     }
 
     /// The bearing's own law: forces of the balls on the inner ring, tangent, and states of the balls
@@ -993,17 +1136,12 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
     /// As for [`Solver::solve`].
     pub fn law(
         &mut self,
-        displacement: [T; 5],
+        displacement: [T; D],
         speed: T,
         settings: &Settings<T>,
-    ) -> Result<Solution<'_, T, N, M>, Status<T>> {
+    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
         let c = &self.bearing.constants;
-        let (length, tilt) = (c.length + c.length, c.tilt + c.tilt);
-        check(
-            &displacement,
-            &Quantity::DISPLACEMENT,
-            [length, length, length, tilt, tilt],
-        )?;
+        check(&displacement, |i| self.range(i, true))?;
         let speed_load = self.speed_load(speed)?;
         let u = ring::displacement_in(c, &displacement);
         let mut run = self.iteration();
@@ -1017,8 +1155,32 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
             settings.max_sweeps,
             true,
         );
-        let force = self.state.force;
-        self.conclude(outcome, force, speed_load)
+        let mut load = self.state.force;
+        let size = norm(&load);
+        for (i, load) in load.iter_mut().enumerate() {
+            if B::HELD[i] {
+                *load = T::ZERO;
+            }
+        }
+        self.conclude(outcome, load, size, speed_load, |_| None)
+    }
+
+    /// What a freedom's load or displacement is called, and the largest that is accepted.
+    fn range(&self, freedom: usize, displacement: bool) -> (Quantity, T) {
+        let c = &self.bearing.constants;
+        let [of_load, of_displacement] = Quantity::OF_FREEDOM[freedom % 5];
+        let (length, force) = if freedom < 3 {
+            (c.length, c.force)
+        } else {
+            (c.tilt, c.moment)
+        };
+        if displacement {
+            (of_displacement, length + length)
+        } else {
+            // Beyond N times the force that would press a ball by the whole groove distance, nothing
+            // in the model holds.
+            (of_load, force * c.balls)
+        }
     }
 
     /// Checks the speed and turns it into `m dm omega^2 / 2`.
@@ -1026,7 +1188,7 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
         let c = &self.bearing.constants;
         // Where a ball's centrifugal force would press it by the whole groove distance.
         let limit = (T::of(4.0) / c.centrifugal).sqrt();
-        check(&[speed], &[Quantity::Speed], [limit])?;
+        check(&[speed], |_| (Quantity::Speed, limit))?;
         Ok(if M::AT_SPEED {
             c.centrifugal * speed * speed
         } else {
@@ -1034,37 +1196,50 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
         })
     }
 
-    /// Whether the last solution is a start worth having: load and speed not too far from its own.
-    fn is_near(&self, load: &Five<T>, speed_load: T) -> bool {
+    /// Whether the last solution is a start worth having: load, displacement and speed not too far from
+    /// its own.
+    fn is_near(&self, load: &[T; D], wanted: &[T; D], speed_load: T) -> bool {
         let last = &self.state;
         let mut change = *load;
         for (new, old) in change.iter_mut().zip(&last.load) {
             *new -= *old;
         }
+        if B::HOLDS {
+            let c = &self.bearing.constants;
+            let by = missing::<T, B, D>(c, wanted, &last.position.total());
+            for (change, row) in change.iter_mut().zip(&last.tangent) {
+                *change = change.abs() + dot5(row, &by).abs();
+            }
+        }
         let half = T::of(0.5);
-        let reference = norm(&last.load);
-        norm(&change) <= half * reference
-            && (speed_load - last.speed_load).abs() <= half * last.speed_load + half * reference
+        (!B::HOLDS || last.size > T::ZERO)
+            && norm(&change) <= half * last.size
+            && (speed_load - last.speed_load).abs() <= half * last.speed_load + half * last.size
     }
 
-    fn iteration(&mut self) -> Iteration<'_, T, M> {
+    fn iteration(&mut self) -> Iteration<'_, T, M, B, O, D> {
         Iteration {
             c: &self.bearing.constants,
             azimuths: &self.bearing.azimuths,
             state: &mut self.state,
-            balls: &mut self.balls,
+            balls: self.balls.as_mut(),
+            scene: PhantomData,
         }
     }
 
-    /// Keeps the state as the next solve's start, and makes the solution of it.
+    /// Keeps the state as the next solve's start, and makes the solution of it. `size` is that of the load
+    /// with its reactions, `held` the displacement of a held freedom.
     fn conclude(
         &mut self,
         mut outcome: Outcome<T>,
-        load: Five<T>,
+        load: [T; D],
+        size: T,
         speed_load: T,
-    ) -> Result<Solution<'_, T, N, M>, Status<T>> {
+        held: impl Fn(usize) -> Option<T>,
+    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
         self.state.speed_load = speed_load;
         self.state.load = load;
+        self.state.size = size;
         match outcome.status {
             Status::Converged | Status::PrecisionLimit => {}
             // Not for want of sweeps.
@@ -1074,7 +1249,8 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
                 return Err(Status::Indeterminate { loaded_balls });
             }
             Status::SweepLimit => {
-                self.state.load = [T::ZERO; 5];
+                self.state.load = [T::ZERO; D];
+                self.state.size = T::ZERO;
                 if let Some(unseated) = self.iteration().unseated(speed_load) {
                     outcome.status = unseated;
                 }
@@ -1087,15 +1263,22 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
         let c = &self.bearing.constants;
         let total = self.state.position.total();
         outcome.slack = T::EPSILON
-            * norm(&load)
+            * size
             * Factors::of(&self.state.tangent, T::of(8.0) * T::EPSILON)
                 .0
                 .weakest();
         let error = outcome.error(span(&total));
-        let displacement = ring::displacement_out(c, &total);
+        let mut displacement = ring::displacement_out(c, &total);
+        for (i, displacement) in displacement.iter_mut().enumerate() {
+            *displacement = held(i).unwrap_or(*displacement);
+        }
         let load = ring::load_out(c, &self.state.force);
-        let stiffness = ring::stiffness_out(c, &self.state.tangent);
-        let finite = |values: &Five<T>| values.iter().all(|x| x.is_finite());
+        let stiffness = if O::STIFFNESS {
+            ring::stiffness_out(c, &self.state.tangent)
+        } else {
+            [[T::ZERO; D]; D]
+        };
+        let finite = |values: &[T; D]| values.iter().all(|x| x.is_finite());
         if !(finite(&displacement) && finite(&load) && stiffness.iter().all(finite)) {
             self.forget();
             return Err(Status::Diverged {
@@ -1110,20 +1293,77 @@ impl<'b, T: Real, const N: usize, M: Motion> Solver<'b, T, N, M> {
             error,
             displacement,
             load,
-            stiffness,
-            solver: self,
+            stiffness: O::stiffness(B::stiffness(&stiffness)),
+            solver: O::balls(self),
+        })
+    }
+
+    /// Pure axial load at rest: one ball is one spring, and needs no linearised bearing.
+    fn balance(
+        &mut self,
+        load: [T; D],
+        settings: &Settings<T>,
+    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
+        let c = &self.bearing.constants;
+        let s0 = c.n0[0].high + c.n0[0].low;
+        let (q, reversed) = (load[0].abs(), load[0] < T::ZERO);
+        let mut w = Spring::root_at(s0, self.state.position.total()[0]);
+        let mut spring = Spring::at(s0, w);
+        let (mut status, mut sweeps, mut left) = (Status::SweepLimit, 0, T::ONE);
+        while status != Status::Converged && (sweeps == 0 || sweeps < settings.max_sweeps) {
+            let least = T::of(0.1) * w;
+            let next = (w - spring.step(q)).or_larger(least).or_smaller(T::of(2.0));
+            let step = (next - w) / next;
+            w = next;
+            spring = Spring::at(s0, w);
+            sweeps += 1;
+            // Newton's steps leave what is of second order.
+            left = step * step;
+            if left <= T::EPSILON {
+                status = Status::Converged;
+            }
+        }
+        let sign = if reversed { -T::ONE } else { T::ONE };
+        let force = spring.force();
+        self.state.position = Position::UNLOADED;
+        self.state.position.reference[0] = spring.displacement(s0, reversed);
+        M::rest(
+            self.balls.as_mut(),
+            spring.centres(c.n0[1].high + c.n0[1].low, reversed),
+            q,
+        );
+        let error = T::of(6.0) * (T::EPSILON + left);
+        let mut stiffness = [[T::ZERO; D]; D];
+        if O::STIFFNESS {
+            stiffness[0][0] = spring.stiffness();
+        }
+        let mut carried = load;
+        carried[0] = sign * force;
+        Ok(Solution {
+            status,
+            sweeps,
+            repeats: 0,
+            residual: (force - q).abs() / q,
+            error: ErrorEstimate {
+                displacement: error,
+                force: error,
+                stiffness: error,
+            },
+            displacement: ring::displacement_out(c, &self.state.position.reference),
+            load: ring::load_out(c, &carried),
+            stiffness: O::stiffness(B::stiffness(&ring::stiffness_out(c, &stiffness))),
+            solver: O::balls(self),
         })
     }
 }
 
-/// Refuses the first value that is not finite, or larger in magnitude than its limit.
+/// Refuses the first value that is not finite, or larger in magnitude than `range` says.
 fn check<T: Real, const L: usize>(
     values: &[T; L],
-    quantities: &[Quantity; L],
-    limits: [T; L],
+    range: impl Fn(usize) -> (Quantity, T),
 ) -> Result<(), Status<T>> {
-    for ((value, quantity), limit) in values.iter().zip(quantities).zip(limits) {
-        let (value, quantity) = (*value, *quantity);
+    for (i, value) in values.iter().enumerate() {
+        let (value, (quantity, limit)) = (*value, range(i));
         if !value.is_finite() {
             return Err(Status::NotFinite { quantity, value });
         }

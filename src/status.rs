@@ -63,10 +63,14 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The five loads, in the order of the load vector.
-    pub(crate) const LOAD: [Self; 5] = [Self::Fx, Self::Fy, Self::Fz, Self::My, Self::Mz];
-    /// The five displacements, in the order of the displacement vector.
-    pub(crate) const DISPLACEMENT: [Self; 5] = [Self::Dx, Self::Dy, Self::Dz, Self::Ty, Self::Tz];
+    /// Load and displacement of the five freedoms.
+    pub(crate) const OF_FREEDOM: [[Self; 2]; 5] = [
+        [Self::Fx, Self::Dx],
+        [Self::Fy, Self::Dy],
+        [Self::Fz, Self::Dz],
+        [Self::My, Self::Ty],
+        [Self::Mz, Self::Tz],
+    ];
 
     /// Name and unit, as messages print them.
     pub const fn name(self) -> &'static str {

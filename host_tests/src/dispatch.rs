@@ -6,7 +6,7 @@
 //! long in the solver does not depend on the ball count.
 
 use spindle_bearing::{
-    AtSpeed, BallState, Bearing, Design, DesignError, InnerRaceControl, LimitSet, Limits, Motion,
+    BallState, Bearing, Design, DesignError, Full, InnerRaceControl, LimitSet, Limits, Motion,
     OuterRaceControl, RacewayControlFree, Real, Settings, Solver, Static,
 };
 use std::fmt;
@@ -197,9 +197,9 @@ impl Host for f64 {
 impl<T: Host, const N: usize> AnyBearing for Bearing<T, N> {
     fn solver(&self, attitude: Attitude) -> Box<dyn AnySolver + '_> {
         match attitude {
-            Attitude::Raceless => Box::new(Counted::<T, N, AtSpeed<RacewayControlFree>>::new(self)),
-            Attitude::Outer => Box::new(Counted::<T, N, AtSpeed<OuterRaceControl>>::new(self)),
-            Attitude::Inner => Box::new(Counted::<T, N, AtSpeed<InnerRaceControl>>::new(self)),
+            Attitude::Raceless => Box::new(Counted::<T, N, Full<RacewayControlFree>>::new(self)),
+            Attitude::Outer => Box::new(Counted::<T, N, Full<OuterRaceControl>>::new(self)),
+            Attitude::Inner => Box::new(Counted::<T, N, Full<InnerRaceControl>>::new(self)),
         }
     }
 

@@ -6,14 +6,14 @@ use host_tests::dispatch::Precision;
 use host_tests::tolerances::allowed;
 use proptest::prelude::*;
 use spindle_bearing::{
-    AtSpeed, BallState, Bearing, Design, FreeContact, InnerRaceControl, Motion, OuterRaceControl,
+    BallState, Bearing, Design, FreeContact, Full, InnerRaceControl, Motion, OuterRaceControl,
     RacewayControlFree, Real, Settings, Solution, Solver, Static, Status,
 };
 use std::f64::consts::TAU;
 
-type Free = AtSpeed<RacewayControlFree>;
-type Outer = AtSpeed<OuterRaceControl>;
-type Inner = AtSpeed<InnerRaceControl>;
+type Free = Full<RacewayControlFree>;
+type Outer = Full<OuterRaceControl>;
+type Inner = Full<InnerRaceControl>;
 
 /// A load without any symmetry, for the B7005C.
 const SKEW: [f64; 5] = [1000.0, 200.0, -80.0, 0.7, 3.0];

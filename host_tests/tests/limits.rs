@@ -4,14 +4,14 @@ use host_tests::cases::{B218, B7005C, Random, SKF6205, rad_per_s};
 use host_tests::dispatch::Precision;
 use host_tests::tolerances::allowed;
 use spindle_bearing::{
-    AtSpeed, BallState, Bearing, Design, Exceedance, Exceedances, FreeContact, HertzContact,
+    BallState, Bearing, Design, Exceedance, Exceedances, FreeContact, Full, HertzContact,
     InnerRaceControl, Limit, Limits, Material, Motion, OuterRaceControl, Race, RacewayControlFree,
     Real, Settings, Solver, Static, Status,
 };
 
-type Free = AtSpeed<RacewayControlFree>;
-type Outer = AtSpeed<OuterRaceControl>;
-type Inner = AtSpeed<InnerRaceControl>;
+type Free = Full<RacewayControlFree>;
+type Outer = Full<OuterRaceControl>;
+type Inner = Full<InnerRaceControl>;
 
 /// Limits that everything passes.
 const NOTHING: Limits<f64> = Limits {

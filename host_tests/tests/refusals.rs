@@ -3,12 +3,12 @@
 use host_tests::cases::{B218, B7005C, rad_per_s};
 use proptest::prelude::*;
 use spindle_bearing::{
-    AtSpeed, Bearing, Design, DesignError, FreeContact, InnerRaceControl, Motion, OuterRaceControl,
+    Bearing, Design, DesignError, FreeContact, Full, InnerRaceControl, Motion, OuterRaceControl,
     Quantity, RacewayControlFree, Real, Settings, Solver, Static, Status,
 };
 use std::f64::consts::PI;
 
-type Free = AtSpeed<RacewayControlFree>;
+type Free = Full<RacewayControlFree>;
 
 const LOAD: [f64; 5] = [1000.0, 200.0, -80.0, 0.7, 3.0];
 
@@ -537,8 +537,8 @@ proptest! {
         let omega = rad_per_s(rpm);
         let (single, double) = (build::<f32, 16>(&B7005C), build::<f64, 16>(&B7005C));
         assert_sound::<f32, Free>(&single, load, omega);
-        assert_sound::<f32, AtSpeed<OuterRaceControl>>(&single, load, omega);
-        assert_sound::<f32, AtSpeed<InnerRaceControl>>(&single, load, omega);
+        assert_sound::<f32, Full<OuterRaceControl>>(&single, load, omega);
+        assert_sound::<f32, Full<InnerRaceControl>>(&single, load, omega);
         assert_sound::<f64, Free>(&double, load, omega);
         assert_sound::<f64, Static>(&double, load, omega);
     }

@@ -139,7 +139,7 @@ use crate::constants::Bearing;
 use crate::estimate::strongest_coupling;
 use crate::float::Real;
 use crate::limits::{Limit, Limits};
-use crate::scene::{AtSpeed, Motion};
+use crate::scene::{Full, Motion};
 use crate::solver::{Settings, Solution, Solver};
 use crate::status::Status;
 use judgement::{AlarmChange, Findings, Level};
@@ -325,7 +325,7 @@ impl<const N: usize, M: Motion + Clone> Tracker<N, M> {
 /// The monitor of one spindle bearing of `N` balls. Fixed in size, without a heap; `FRAMES` estimates and
 /// pictures of balls wait for a slow link.
 #[derive(Debug)]
-pub struct Monitor<const N: usize, M: Motion = AtSpeed, const FRAMES: usize = 12> {
+pub struct Monitor<const N: usize, M: Motion = Full, const FRAMES: usize = 12> {
     settings: &'static MonitorSettings,
     tracker: Tracker<N, M>,
     plausibility: Plausibility,

@@ -5,7 +5,7 @@
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use spindle_bearing::{
-    AtSpeed, Bearing, Design, FreeContact, InnerRaceControl, Material, Motion, OuterRaceControl,
+    Full, Bearing, Design, FreeContact, InnerRaceControl, Material, Motion, OuterRaceControl,
     RacewayControlFree, Real, Settings, Solution, Solver, Static, Status,
 };
 use std::f64::consts::PI;
@@ -183,9 +183,9 @@ fn in_precision<T: Real, const N: usize>(run: &Run) {
         Err(error) => assert!(!(error.value >= error.least && error.value <= error.most)),
         Ok(bearing) => match run.scene {
             Scene::Static => solve::<T, N, Static>(run, &bearing),
-            Scene::Free => solve::<T, N, AtSpeed<RacewayControlFree>>(run, &bearing),
-            Scene::Outer => solve::<T, N, AtSpeed<OuterRaceControl>>(run, &bearing),
-            Scene::Inner => solve::<T, N, AtSpeed<InnerRaceControl>>(run, &bearing),
+            Scene::Free => solve::<T, N, Full<RacewayControlFree>>(run, &bearing),
+            Scene::Outer => solve::<T, N, Full<OuterRaceControl>>(run, &bearing),
+            Scene::Inner => solve::<T, N, Full<InnerRaceControl>>(run, &bearing),
         },
     }
 }

@@ -395,8 +395,8 @@ mod tests {
                 "Iteration::step",
             ),
             (
-                "<spindle_bearing::scene::AtSpeed<A> as spindle_bearing::scene::Motion>::linearise",
-                "AtSpeed::linearise",
+                "<spindle_bearing::scene::Full<A> as spindle_bearing::scene::Motion>::linearise",
+                "Full::linearise",
             ),
             (
                 "spindle_bearing::ball::Ball<T>::linearise::{{closure}}::h0123456789abcdef",
