@@ -10,6 +10,7 @@ use crate::status::Quantity;
 /// Elastic constants and density of a ring or of the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Material {
     /// Young's modulus `E`, Pa.
     pub youngs_modulus: f64,
@@ -42,6 +43,7 @@ impl Material {
 /// How ball and grooves meet in the unloaded bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FreeContact {
     /// Free contact angle `alpha0`, rad: an angular contact bearing, with shoulders made for a load
     /// on the side of that angle only. 0 stands for a deep groove bearing without clearance.
@@ -54,6 +56,7 @@ pub enum FreeContact {
 /// An angular contact (or deep groove) ball bearing, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Design {
     /// Ball diameter `D`, m.
     pub ball_diameter: f64,
@@ -84,6 +87,7 @@ pub struct Design {
 /// A design that cannot be built: which quantity, its value, and the range it must lie in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DesignError {
     /// The quantity at fault.
     pub quantity: Quantity,

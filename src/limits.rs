@@ -10,7 +10,7 @@ use crate::constants::{Constants, Groove};
 use crate::contact::Contact;
 use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
-use crate::outputs::PerBall;
+use crate::outputs::{Outputs, PerBall};
 use crate::scene::Motion;
 use crate::solver::Solution;
 use core::fmt;
@@ -18,6 +18,7 @@ use core::fmt;
 /// Limits that the design does not give. One that is infinite, or not a number, is never passed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits<T> {
     /// Peak contact pressure, Pa.
     pub peak_pressure: T,
@@ -481,7 +482,7 @@ where
     M: Motion,
     Freedoms<D>: BallStore,
     B: Conditions<Freedoms<D>>,
-    O: PerBall,
+    O: Outputs,
 {
     /// The limits that this equilibrium has passed, and where: the given ones, and those of the
     /// design's grooves.
@@ -507,7 +508,10 @@ where
     /// assert!(!passed.limits().contains(Limit::Shoulder));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
+    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T>
+    where
+        O: PerBall,
+    {
         let (c, passes) = self.passes();
         let mut survey = Survey {
             c,

@@ -40,6 +40,14 @@ pub struct Centrifugal<A = RacewayControlFree>(PhantomData<A>);
 pub struct Full<A = RacewayControlFree>(PhantomData<A>);
 
 /// The rule of a shaft that turns, and whether its balls need friction.
+// Whoever misses `Motion` is told so in terms of this trait, which nearly all motions have it from.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a motion of the balls",
+    label = "not a motion",
+    note = "a motion is `Static`, `Centrifugal<A>` or `Full<A>`",
+    note = "`A` is an attitude rule: `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`",
+    note = "balls at rest have no attitude, so that `Static` takes no rule"
+)]
 pub trait Turning: sealed::Sealed + 'static {
     type Rule: Attitude;
 }
@@ -314,12 +322,12 @@ impl Motion for Static {
 
     #[inline(always)]
     fn second_order<T: Real>(ball: &Still<T>, da: Pair<T>) -> Pair<T> {
-        ball.spring.beyond(&ball.spring.react(da)).0
+        ball.spring.beyond(&ball.spring.react(da, false)).0
     }
 
     #[inline(always)]
     fn advance<T: Real>(_: &Constants<T>, ball: &mut Still<T>, da: Pair<T>) -> (T, Square<T>) {
-        let reaction = ball.spring.react(da);
+        let reaction = ball.spring.react(da, false);
         ball.force = reaction.force;
         let (_, tangent) = ball.spring.beyond(&reaction);
         (T::ZERO, tangent)
@@ -334,7 +342,7 @@ impl Motion for Static {
         da: Pair<T>,
     ) -> Change<T> {
         let normal = ball.spring.normal;
-        let reaction = ball.spring.react(da);
+        let reaction = ball.spring.react(da, false);
         ball.force = reaction.force;
         let turn = normal[1] * da[0] - normal[0] * da[1];
         Change::of(T::ZERO, normal, &ball.spring, &reaction, turn)
@@ -649,7 +657,7 @@ impl<S: Turning> Motion for S {
         a: Pair<T>,
         da: Pair<T>,
     ) -> Change<T> {
-        let reaction = ball.spring.react(da);
+        let reaction = ball.spring.react(da, true);
         let (force, effective) = ball.spring.follow(da, &reaction);
         let dx = ball.outward(ball.stepped(ball.inward(effective)));
         let step = dx[0].abs() + dx[1].abs();

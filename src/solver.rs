@@ -58,6 +58,7 @@ use core::marker::PhantomData;
 /// How hard to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings<T> {
     /// Most sweeps over the balls, at least 1.
     pub max_sweeps: u16,
@@ -79,6 +80,7 @@ impl<T: Real> Default for Settings<T> {
 /// State of one ball, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BallState<T> {
     /// Azimuth `phi`, rad from +y towards +z.
     pub azimuth: T,
@@ -103,6 +105,7 @@ pub struct BallState<T> {
 /// Estimated errors of a solution, relative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ErrorEstimate<T> {
     /// Of displacements: of the largest component, tilts taken at the pitch radius.
     pub displacement: T,
@@ -172,10 +175,13 @@ where
     M: Motion,
     Freedoms<D>: BallStore,
     B: Conditions<Freedoms<D>>,
-    O: PerBall,
+    O: Outputs,
 {
     /// States of the balls, in the order of their azimuths; of the first one, where it stands for all.
-    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_ {
+    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_
+    where
+        O: PerBall,
+    {
         let solver = O::solver(&self.solver);
         let c = &solver.bearing.constants;
         let state = &solver.state;
@@ -198,7 +204,10 @@ where
     }
 
     /// The bearing's constants, and the contacts and loads of every ball in their units.
-    pub(crate) fn passes(&self) -> (&Constants<T>, impl Iterator<Item = Pass<T>> + '_) {
+    pub(crate) fn passes(&self) -> (&Constants<T>, impl Iterator<Item = Pass<T>> + '_)
+    where
+        O: PerBall,
+    {
         let solver = O::solver(&self.solver);
         let c = &solver.bearing.constants;
         let state = &solver.state;
@@ -212,7 +221,10 @@ where
 
     /// Forces on the inner race alone, N, in the order of the balls: what a monitor looks at, without
     /// the cost of contact angles.
-    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_
+    where
+        O: PerBall,
+    {
         let solver = O::solver(&self.solver);
         let c = &solver.bearing.constants;
         let state = &solver.state;
@@ -459,6 +471,9 @@ fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
 }
 
 fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
+    if D == 1 {
+        return f[0].abs();
+    }
     dot5(f, f).sqrt()
 }
 
@@ -745,7 +760,7 @@ where
         let mut beyond = Sums::about([T::ZERO; 2]);
         for (ball, at) in self.balls.iter().zip(self.azimuths) {
             let spring = M::spring(ball);
-            let (force, stiffness) = spring.beyond(&spring.react(shift(du, at)));
+            let (force, stiffness) = spring.beyond(&spring.react(shift(du, at), M::AT_SPEED));
             beyond.add(
                 at,
                 &Share {
@@ -1251,7 +1266,9 @@ where
             Status::SweepLimit => {
                 self.state.load = [T::ZERO; D];
                 self.state.size = T::ZERO;
-                if let Some(unseated) = self.iteration().unseated(speed_load) {
+                if M::AT_SPEED
+                    && let Some(unseated) = self.iteration().unseated(speed_load)
+                {
                     outcome.status = unseated;
                 }
             }
@@ -1309,8 +1326,8 @@ where
         let (q, reversed) = (load[0].abs(), load[0] < T::ZERO);
         let mut w = Spring::root_at(s0, self.state.position.total()[0]);
         let mut spring = Spring::at(s0, w);
-        let (mut status, mut sweeps, mut left) = (Status::SweepLimit, 0, T::ONE);
-        while status != Status::Converged && (sweeps == 0 || sweeps < settings.max_sweeps) {
+        let (mut status, mut sweeps) = (Status::SweepLimit, 0);
+        let left = loop {
             let least = T::of(0.1) * w;
             let next = (w - spring.step(q)).or_larger(least).or_smaller(T::of(2.0));
             let step = (next - w) / next;
@@ -1318,11 +1335,15 @@ where
             spring = Spring::at(s0, w);
             sweeps += 1;
             // Newton's steps leave what is of second order.
-            left = step * step;
+            let left = step * step;
             if left <= T::EPSILON {
                 status = Status::Converged;
+                break left;
             }
-        }
+            if sweeps >= settings.max_sweeps {
+                break left;
+            }
+        };
         let sign = if reversed { -T::ONE } else { T::ONE };
         let force = spring.force();
         self.state.position = Position::UNLOADED;

@@ -273,9 +273,10 @@ impl<T: Real> Spring<T> {
         self.change = change;
     }
 
-    /// The law after a shift `d` of the ring.
+    /// The law after a shift `d` of the ring; `bends` is false where no inertia load bends the line of
+    /// centres.
     #[inline(always)]
-    pub fn react(&self, d: Pair<T>) -> Reaction<T> {
+    pub fn react(&self, d: Pair<T>, bends: bool) -> Reaction<T> {
         let w = self.sense;
         let (along, across) = (dot(w, d), w[1] * d[0] - w[0] * d[1]);
         let s = self.elongation + along + self.half_curvature * across * across;
@@ -288,7 +289,7 @@ impl<T: Real> Spring<T> {
                 slope = three_halves * root;
                 excess = force;
             }
-        } else if !(self.bend > T::ZERO) {
+        } else if !(bends && self.bend > T::ZERO) {
             let x = s / self.hertz;
             let y = T::ONE + x;
             if y > T::ZERO {
@@ -383,7 +384,7 @@ mod tests {
     #[test]
     fn the_law_agrees_with_the_linear_one_in_value_and_slope() {
         let spring = bent();
-        let r = spring.react([0.0, 0.0]);
+        let r = spring.react([0.0, 0.0], true);
         assert!((r.force / spring.reference - 1.0).abs() < 1e-14);
         assert!((r.slope / spring.slope - 1.0).abs() < 1e-14);
         let (f, h) = spring.beyond(&r);
@@ -396,12 +397,12 @@ mod tests {
         let spring = bent();
         let step = 1e-7;
         for d in [[0.0, 0.0], [3e-3, -2e-3], [-4e-3, 1e-2], [0.02, 0.01]] {
-            let (_, h) = spring.beyond(&spring.react(d));
+            let (_, h) = spring.beyond(&spring.react(d, true));
             for j in 0..2 {
                 let force = |sign: f64| {
                     let mut d = d;
                     d[j] += sign * step;
-                    spring.beyond(&spring.react(d)).0
+                    spring.beyond(&spring.react(d, true)).0
                 };
                 let (more, less) = (force(1.0), force(-1.0));
                 for i in 0..2 {
@@ -423,7 +424,7 @@ mod tests {
         let spring = bent();
         let forces: Vec<f64> = (-400..=400)
             .map(|i| f64::from(i) * 1e-3)
-            .map(|s| spring.react([0.6 * s, 0.8 * s]).force)
+            .map(|s| spring.react([0.6 * s, 0.8 * s], true).force)
             .collect();
         assert!(forces.windows(2).all(|w| w[1] >= w[0]));
         assert!(forces[0] >= 0.0 && forces[800] > forces[400]);

@@ -6,6 +6,7 @@ use core::fmt;
 /// A quantity that a design or a measurement gives, by its symbol in the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub enum Quantity {
     /// Ball count `N`.
@@ -117,6 +118,7 @@ impl fmt::Display for Quantity {
 /// two are an answer. The rest are refusals, the `Err` of a solve, and leave the solver as it was.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub enum Status<T> {
     /// Solved to the tolerance.

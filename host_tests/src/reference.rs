@@ -713,6 +713,13 @@ impl Reference {
         self
     }
 
+    /// The bearing under centrifugal force alone: no gyroscopic moment, hence no friction.
+    #[must_use]
+    pub fn without_gyroscopic_moment(mut self) -> Reference {
+        self.inertia = Dd::ZERO;
+        self
+    }
+
     /// The bearing as a program sees it that leaves the friction moment `mt` out of the ring's balance;
     /// for showing what that does.
     #[must_use]

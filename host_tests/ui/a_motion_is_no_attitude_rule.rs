@@ -1,0 +1,12 @@
+//~ is not an attitude rule
+//~ choose `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`
+use spindle_bearing::*;
+
+#[cfg(good)]
+type Rule = InnerRaceControl;
+#[cfg(not(good))]
+type Rule = Static;
+
+pub fn solver(bearing: &Bearing<f32, 16>) -> Solver<'_, f32, 16, Centrifugal<Rule>> {
+    Solver::new(bearing)
+}
