@@ -10,6 +10,9 @@
 #[cfg(target_os = "none")]
 #[allow(dead_code, reason = "the monitor's, too")]
 mod monitored;
+/// The precision of what is not used here.
+#[cfg(target_os = "none")]
+type Precision = f32;
 // For the interrupt vectors, which the linker script asks for.
 #[cfg(target_os = "none")]
 extern crate stm32f4;

@@ -5,8 +5,10 @@
 //!   in single precision and in double.
 //! - In it, and in the firmware as shipped, what the solver calls is followed through the
 //!   relocations. For what must not be there, the way to it is printed.
-//! - Both are first shown a program that has it: a check that finds nothing there is blind.
+//! - `scene` is built for every scene, and must have nothing of what that scene leaves out.
+//! - All are first shown a program that has it: a check that finds nothing there is blind.
 
+mod scenes;
 mod unwanted;
 
 use addr2line::Loader;
@@ -55,7 +57,8 @@ fn check() -> Result<()> {
         Board::H743,
         "spindle_monitor_h743",
         &[Unwanted::Panic, Unwanted::Allocation],
-    )
+    )?;
+    scenes::check(root)
 }
 
 /// The programs without a panic handler.
@@ -108,6 +111,18 @@ fn build_bare(root: &Path, example: &str, variant: Option<&str>, lenient: bool) 
         ..Build::default()
     };
     Program::build(&build, root)
+}
+
+/// Builds the firmware that has one scene alone, and no panic.
+fn build_scene(root: &Path, scene: &str, precision: &str) -> Result<Program> {
+    let build = Build {
+        example: "scene",
+        link: &[RELOCATIONS],
+        environment: &[("SCENE", Some(scene)), ("SCENE_PRECISION", Some(precision))],
+        quiet: true,
+        ..Build::default()
+    };
+    Program::build(&build, root).with_context(|| format!("the scene {scene}"))
 }
 
 /// Fails unless a program with a panic and a double in it fails to link, and both are found.
@@ -184,11 +199,16 @@ fn find<'r>(reach: &'r Reach<'_>, kind: Unwanted) -> Option<graph::Path<'r>> {
     reach.path(|name| kind.is(name))
 }
 
-/// Fails if anything unwanted is reachable, and says by which way.
+/// As [`clean`], of a program that must have functions of the library to look at.
 fn refuse(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
     if !reach.names().any(is_library) {
         bail!("this check is blind: there is no solver in {what}");
     }
+    clean(what, program, reach, kinds)
+}
+
+/// Fails if anything unwanted is reachable, and says by which way.
+fn clean(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
     for kind in kinds {
         if let Some(path) = find(reach, *kind) {
             let names = path.names.join("\n    -> ");
