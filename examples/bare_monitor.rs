@@ -6,6 +6,9 @@
 #[cfg(target_os = "none")]
 #[allow(dead_code, reason = "the other programs use the rest")]
 mod monitored;
+/// That of the smaller core.
+#[cfg(target_os = "none")]
+type Precision = f32;
 // For the interrupt vectors, which the linker script asks for.
 #[cfg(target_os = "none")]
 extern crate stm32f4;

@@ -10,7 +10,7 @@
 #[cfg(target_os = "none")]
 #[allow(dead_code, reason = "the monitor's, too")]
 mod monitored;
-/// The precision of what is not used here.
+/// That of the smaller core.
 #[cfg(target_os = "none")]
 type Precision = f32;
 // For the interrupt vectors, which the linker script asks for.

@@ -351,7 +351,7 @@ pub fn check(root: &Path) -> Result<()> {
         );
     }
     // A firmware that asks for everything.
-    let whole = crate::build_bare(root, Some("double"), true)?;
+    let whole = crate::build_bare(root, crate::SOLVER, Some("double"), true)?;
     let whole = Origins::reached(&whole, whole.reach_from_main())?;
     for part in [Part::Balls, Part::Design] {
         if whole.find(part, &guarded).is_some() {
