@@ -195,6 +195,10 @@ impl Guarded {
         let mut blocks = BTreeMap::new();
         for entry in fs::read_dir(root.join("src"))? {
             let path = entry?.path();
+            // The monitor is beside every scene.
+            if path.is_dir() {
+                continue;
+            }
             let name = path.file_name().unwrap_or_default();
             let text = fs::read_to_string(&path)
                 .with_context(|| format!("cannot read {}", path.display()))?;
