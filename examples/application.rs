@@ -1,56 +1,114 @@
-//! The monitor's application, the same on every board: measured loads and speed in, stiffness and
-//! contact forces out. The board is `super::board`, the bearing `super::monitored`.
+//! The monitor's application, the same on every board: loads and speed in, alarms and telemetry out. The
+//! board is `super::board`, the spindle `super::monitored`, and all that needs no hardware `super::chain`.
 
-use super::monitored::{self, BEARING, Monitor, settings};
-use super::{Precision, board};
-use spindle_bearing::Settings;
-use spindle_bearing::estimate::{Estimate, Refusal};
-use spindle_bearing::record::{FrameReader, LoadRecord, MESSAGE_LENGTH};
+use super::board::{self, Board, Cycles, Dog};
+use super::chain::Chain;
+use super::monitored::MONITOR;
+use spindle_bearing::monitor::Outcome;
+use spindle_bearing::monitor::tick::{Watchdog, Widened};
 
 /// Takes the board, and never gives it back.
 pub fn run() -> ! {
-    let Some((clock, mut receiver)) = board::start() else {
+    let Some(board) = board::start() else {
         unreachable!("main runs once, and takes the peripherals once");
     };
-    let Some(solver) = cortex_m::singleton!(: Monitor = Monitor::new(&BEARING)) else {
-        unreachable!("main runs once, and makes one solver");
+    let Some(chain) = cortex_m::singleton!(: Chain = Chain::new()) else {
+        unreachable!("main runs once, and makes one monitor");
     };
-    let settings = settings();
-    let mut frames = FrameReader::<MESSAGE_LENGTH>::new();
-    let mut corrupt: u32 = 0;
-    let mut lost = 0;
     defmt::info!(
-        "ready: core at {=u32} MHz, clock {}, {=u32} baud",
-        clock.core_hz / 1_000_000,
-        clock.source,
-        board::BAUD
-    );
-    loop {
-        match frames.push(receiver.wait_for_byte()) {
-            None => {}
-            Some(Ok(record)) => match estimate(solver, &record, &settings) {
-                Ok(estimate) => defmt::info!("{}", estimate),
-                Err(refusal) => defmt::warn!("{}", refusal),
-            },
-            Some(Err(error)) => {
-                corrupt = corrupt.wrapping_add(1);
-                defmt::warn!("corrupt frame {=u32}: {=str}", corrupt, error.name());
-            }
+        "ready: core at {=u32} MHz, clock {}, {=u32} baud, ticks by {=str}",
+        board.clock.core_hz / 1_000_000,
+        board.clock.source,
+        board::BAUD,
+        if board.lock_step {
+            "the port"
+        } else {
+            "the timer"
         }
-        if receiver.lost() != lost {
-            lost = receiver.lost();
+    );
+    if let Err(status) = chain.prepare() {
+        defmt::warn!("no equilibrium to start from: {=str}", status.name());
+    }
+    if board.lock_step {
+        in_lock_step(chain, board)
+    } else {
+        by_the_timer(chain, board)
+    }
+}
+
+/// Ticks by the timer. Between them, bytes come in and go out.
+fn by_the_timer(chain: &mut Chain, mut board: Board) -> ! {
+    board::start_timer(board.timer, board.clock.core_hz, MONITOR.tick.period_us);
+    let mut dog = Dog::start(board.iwdg);
+    let mut last = board::ticks();
+    let mut clock = Widened::new(32, last);
+    let mut lost = 0;
+    loop {
+        while let Some(byte) = board.receiver.byte() {
+            take(chain, byte);
+        }
+        if board::is_free()
+            && let Some(byte) = chain.next_byte()
+        {
+            board::send(byte);
+        }
+        let now = board::ticks();
+        if now == last {
+            continue;
+        }
+        last = now;
+        let time_us = clock.at(now).saturating_mul(MONITOR.tick.period_us.into());
+        let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
+        tell(&outcome);
+        if board.receiver.lost() != lost {
+            lost = board.receiver.lost();
             defmt::warn!("receiver lost {=u32} bytes", lost);
         }
     }
 }
 
-/// All that is to be proved free of panics, kept apart from `run`, which has some:
-/// `cargo check-firmware` looks at what it calls.
+/// Ticks as they are asked for: what the monitor does is then a matter of the bytes alone, and can be held
+/// against another machine.
+fn in_lock_step(chain: &mut Chain, mut board: Board) -> ! {
+    let mut dog = Dog::asleep();
+    let mut time_us = 0_u64;
+    loop {
+        let Some(room) = board::received().and_then(|byte| take(chain, byte)) else {
+            continue;
+        };
+        let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
+        tell(&outcome);
+        time_us = time_us.saturating_add(MONITOR.tick.period_us.into());
+        for _ in 0..room {
+            let Some(byte) = chain.next_byte() else {
+                break;
+            };
+            board::send(byte);
+        }
+    }
+}
+
+/// Alarms go into the log, too.
+fn tell(outcome: &Outcome) {
+    for change in &outcome.changes {
+        defmt::warn!("alarm {=str}: {}", change.alarm.name(), change.change);
+    }
+}
+
+// All that is to be proved free of panics, kept apart from `run`, which has some: `cargo check-firmware`
+// looks at what these two call.
+
 #[inline(never)]
-fn estimate(
-    solver: &mut Monitor,
-    record: &LoadRecord,
-    settings: &Settings<Precision>,
-) -> Result<Estimate, Refusal> {
-    Estimate::of(solver, record, settings, &monitored::LIMITS)
+fn take(chain: &mut Chain, byte: u8) -> Option<u16> {
+    chain.push(byte)
+}
+
+#[inline(never)]
+fn tick(
+    chain: &mut Chain,
+    time_us: u64,
+    cycles: &mut Cycles,
+    watchdog: &mut impl Watchdog,
+) -> Outcome {
+    chain.tick(time_us, cycles, watchdog)
 }

@@ -1,9 +1,11 @@
 //! The bearing on the monitored spindle: one place for the firmware and for the host program that
-//! checks it. Whoever includes it says in which precision the solver works.
+//! checks it. Whoever includes it says in which precision the solver works, and how
+//! fast.
 
-use super::Precision;
+use super::{CORE_HZ, COST, Precision};
 use core::f64::consts::PI;
-use spindle_bearing::{Bearing, Design, FreeContact, Limits, Material, Settings, Solver};
+use spindle_bearing::monitor::settings::MonitorSettings;
+use spindle_bearing::{Bearing, Design, FreeContact, Material};
 
 /// Ball count.
 pub const BALLS: usize = 16;
@@ -25,17 +27,26 @@ pub const DESIGN: Design = Design {
 /// Its constants, worked out by the compiler.
 pub static BEARING: Bearing<Precision, BALLS> = Bearing::<Precision, BALLS>::checked(&DESIGN);
 
-/// Five freedoms, at speed, raceway control free.
-pub type Monitor = Solver<'static, Precision, BALLS>;
+/// Loads of the idling spindle (N, N m), to start from: the preload.
+pub const IDLE: [f32; 5] = [420.0, 0.0, 0.0, 0.0, 0.0];
 
-/// How hard the monitor tries.
-pub fn settings() -> Settings<Precision> {
-    Settings::default()
-}
-
-/// What it may be put to: the pressure that is customary in continuous service, well below the
-/// static limit.
-pub const LIMITS: Limits<Precision> = Limits {
-    peak_pressure: 2.0e9,
-    friction: 0.06,
+/// Rate, doubts, alarms and telemetry. What is particular to this spindle is set here.
+pub static MONITOR: MonitorSettings = {
+    let mut settings = MonitorSettings::new(&DESIGN, BALLS);
+    // Of this spindle's main bearing, in normal use.
+    settings.plausibility.load = [
+        [-500.0, 3e3],
+        [-3e3, 3e3],
+        [-3e3, 3e3],
+        [-60.0, 60.0],
+        [-60.0, 60.0],
+    ];
+    // All of a tick's time.
+    settings.tick.deadline_cycles = CORE_HZ / 1_000_000 * settings.tick.period_us;
+    settings.tick.cost = COST;
+    settings
+};
+const _: () = match MONITOR.check() {
+    Ok(()) => {}
+    Err(error) => panic!("{}", error.field),
 };

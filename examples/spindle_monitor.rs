@@ -1,15 +1,11 @@
-//! Firmware for an STM32F405: measured loads and speed in, stiffness and contact forces out.
+//! Firmware for an STM32F405: measured loads and speed in, stiffness, alarms and rating life out.
 //!
-//! In: [`LoadRecord`](spindle_bearing::record::LoadRecord)s, framed as the `record` module says, on
-//! USART1 (PA10), 460,800 baud, 8N1. Out: one defmt line per record on the same USART (PA9).
-//!
-//! | line | when |
-//! | --- | --- |
-//! | `ready: ...` | once, when records may come |
-//! | `Estimate { ... }` | a record was solved; `limits` names the physical limits that it passes |
-//! | `Refusal { ... }` | a record has no equilibrium; its status says why |
-//! | `corrupt frame N: ...` | a frame was damaged; N counts them |
-//! | `receiver lost N bytes` | records came faster than they could be taken; N is the sum so far |
+//! - USART1, 460,800 baud, 8N1: in (PA10), [`LoadRecord`](spindle_bearing::record::LoadRecord)s, framed as
+//!   the `record` module says, and commands (`chain.rs`); out (PA9), frames of
+//!   [`telemetry`](spindle_bearing::monitor::telemetry).
+//! - USART2 (PA2), the same baud rate: a defmt log. `ready: ...` once, then alarms that change, and
+//!   received bytes that were lost.
+//! - PC0 to ground: lock-step. There is no timer then, and a tick is what the other side asks for.
 //!
 //! `cargo emulate` runs it without a board, `cargo flash-f405` brings it onto one with an 8 MHz crystal.
 //! `h743` beside this file has the same for another board.
@@ -22,11 +18,21 @@ mod application;
 #[cfg(target_os = "none")]
 mod board;
 #[cfg(target_os = "none")]
+mod chain;
+#[cfg(target_os = "none")]
 mod monitored;
+
+#[cfg(target_os = "none")]
+use spindle_bearing::monitor::tick::CycleCost;
 
 /// What the solver works in: this core has no double precision.
 #[cfg(target_os = "none")]
 type Precision = f32;
+/// The core's frequency, and what a tick costs there.
+#[cfg(target_os = "none")]
+const CORE_HZ: u32 = 168_000_000;
+#[cfg(target_os = "none")]
+const COST: CycleCost = CycleCost::CORTEX_M4F;
 
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]

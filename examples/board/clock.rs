@@ -41,6 +41,8 @@ pub struct Clock {
     pub core_hz: u32,
     /// Frequency that USART1 divides its baud rate from, Hz.
     pub usart_hz: u32,
+    /// The same of USART2.
+    pub log_hz: u32,
 }
 
 /// Goes as fast as the hardware lets it. Expects the chip as a reset leaves it: on the internal
@@ -51,6 +53,7 @@ pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
             source: Source::Crystal,
             core_hz: CORE_HZ,
             usart_hz: CORE_HZ / 2,
+            log_hz: CORE_HZ / 4,
         };
     }
     rcc.cfgr().reset();
@@ -60,6 +63,7 @@ pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
         source: Source::InternalOscillator,
         core_hz: INTERNAL_HZ,
         usart_hz: INTERNAL_HZ,
+        log_hz: INTERNAL_HZ,
     }
 }
 

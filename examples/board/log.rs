@@ -1,4 +1,4 @@
-//! defmt's log, out through the serial port.
+//! defmt's log, out through a serial port of its own.
 //!
 //! A log that held interrupts back while it waits for the port would lose received bytes. This one
 //! leaves them on, and therefore belongs to the main program: interrupt handlers must not log.
@@ -30,7 +30,7 @@ pub fn is_free() -> bool {
 }
 
 fn send(bytes: &[u8]) {
-    bytes.iter().copied().for_each(serial::send);
+    bytes.iter().copied().for_each(serial::log);
 }
 
 // SAFETY: `acquire` lets one frame at a time begin, and panics where a second one would, whatever
@@ -46,7 +46,7 @@ unsafe impl Logger for Log {
     }
 
     unsafe fn flush() {
-        serial::flush();
+        serial::flush_log();
     }
 
     unsafe fn release() {

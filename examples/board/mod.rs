@@ -1,23 +1,58 @@
-//! An STM32F405 as the monitor needs it: a clock, a serial port, a log, and a way out of a panic.
+//! An STM32F405 as the monitor needs it: a clock, a beat, serial ports, a log, and a way out of a panic.
 
+mod beat;
 mod clock;
 mod faults;
 mod log;
 mod receiver;
 mod serial;
 
+pub use beat::{Cycles, Dog, start_timer, ticks};
 pub use clock::Clock;
 pub use receiver::Receiver;
-pub use serial::BAUD;
+pub use serial::{BAUD, is_free, received, send};
 
+use cortex_m::peripheral::SYST;
 use stm32f4::stm32f405 as pac;
 
-/// Starts clock and serial port; `None` if they were started before.
-pub fn start() -> Option<(Clock, Receiver)> {
+/// The board once it is started.
+pub struct Board {
+    /// The clock that was reached.
+    pub clock: Clock,
+    /// What came in over the port.
+    pub receiver: Receiver,
+    /// Counts cycles.
+    pub cycles: Cycles,
+    /// The watchdog: not started yet.
+    pub iwdg: pac::IWDG,
+    /// The timer: not started yet.
+    pub timer: SYST,
+    /// PC0 is wired to ground: ticks are asked for over the port. On an emulated board, which has no pins,
+    /// every input is low.
+    pub lock_step: bool,
+}
+
+/// Starts everything but timer and watchdog; `None` if it was started before.
+pub fn start() -> Option<Board> {
     let p = pac::Peripherals::take()?;
+    let mut core = cortex_m::Peripherals::take()?;
     let clock = clock::start(&p.RCC, &p.FLASH);
-    let receiver = serial::start(p.USART1, &p.RCC, &p.GPIOA, clock.usart_hz)?;
-    Some((clock, receiver))
+    let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
+    p.RCC.ahb1enr().modify(|_, w| w.gpiocen().enabled());
+    let _ = p.RCC.ahb1enr().read();
+    p.GPIOC.pupdr().modify(|_, w| w.pupdr0().pull_up());
+    // The pull-up takes a few microseconds to charge the pin.
+    cortex_m::asm::delay(clock.core_hz / 10_000);
+    let lock_step = p.GPIOC.idr().read().idr0().bit_is_clear();
+    let receiver = serial::start((p.USART1, p.USART2), &p.RCC, &p.GPIOA, &clock, lock_step)?;
+    Some(Board {
+        clock,
+        receiver,
+        cycles,
+        iwdg: p.IWDG,
+        timer: core.SYST,
+        lock_step,
+    })
 }
 
 /// Whether a condition comes true within `tries` looks at it. Every wait for hardware goes through

@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use critical_section::Mutex;
 use heapless::spsc::{Consumer, Producer, Queue};
 
-/// Bytes that wait for the solver: some 50 records, and far more than come in while one is solved.
+/// Bytes that wait for the monitor: some 50 records, and far more than come in during a tick.
 const QUEUE_LENGTH: usize = 2048;
 
 /// The queue's writing end, on its way to the interrupt handler.
@@ -28,20 +28,9 @@ impl Receiver {
         Some(Self { queue: consumer })
     }
 
-    /// The next byte; sleeps until there is one.
-    pub fn wait_for_byte(&mut self) -> u8 {
-        loop {
-            if let Some(byte) = self.queue.dequeue() {
-                return byte;
-            }
-            // With interrupts held back, one that comes between the look and the sleep still ends
-            // the sleep, and is served right after.
-            critical_section::with(|_| {
-                if !self.queue.ready() {
-                    cortex_m::asm::wfi();
-                }
-            });
-        }
+    /// The next byte, if there is one.
+    pub fn byte(&mut self) -> Option<u8> {
+        self.queue.dequeue()
     }
 
     /// Bytes lost since the start, because they came faster than they were taken.

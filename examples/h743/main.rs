@@ -1,8 +1,8 @@
 //! Firmware for an STM32H743, laid out for a NUCLEO-H743ZI2: the application of `spindle_monitor` with
 //! its solver in double precision.
 //!
-//! The records come in, and the log goes out, over USART3 (PD9 and PD8), which that board leads to its
-//! USB plug; 460,800 baud, 8N1. `cargo flash-h743` builds it and brings it onto the board.
+//! Records and commands come in, and telemetry goes out, over USART3 (PD9 and PD8), which that board leads to
+//! its USB plug; the log goes out over USART2 (PD5). 460,800 baud, 8N1. PC0 to ground: lock-step. `cargo flash-h743` builds it and brings it onto the board.
 
 #![no_std]
 #![no_main]
@@ -10,11 +10,22 @@
 #[path = "../application.rs"]
 mod application;
 mod board;
+#[path = "../chain.rs"]
+mod chain;
 #[path = "../monitored.rs"]
 mod monitored;
 
+use spindle_bearing::monitor::tick::CycleCost;
+
 /// What the solver works in: this core has a unit for double precision.
 type Precision = f64;
+/// The core's frequency, and what a tick costs there: the fixed part is an allowance, a sweep that of
+/// `docs/report.md`.
+const CORE_HZ: u32 = 400_000_000;
+const COST: CycleCost = CycleCost {
+    fixed: 60_000,
+    sweep: 141_921,
+};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {

@@ -117,7 +117,7 @@
 //! # Left out on purpose
 //!
 //! Filters before the solver (an analogue one belongs before the converter), the spectrum of vibrations,
-//! lubrication, more than one bearing, double precision, and storing of baseline, tare and life over a power
+//! lubrication, more than one bearing, and storing of baseline, tare and life over a power
 //! cycle: the firmware keeps [`Judgement::baseline`], [`Life::kept`] and
 //! [`StrainBridge::tare`](loads::StrainBridge::tare) where its board can.
 
@@ -201,10 +201,10 @@ impl Every {
 
 /// Follows the loads from equilibrium to equilibrium.
 #[derive(Debug)]
-struct Tracker<const N: usize, M: Motion> {
-    solver: Solver<'static, f32, N, M>,
+struct Tracker<T: Real + 'static, const N: usize, M: Motion> {
+    solver: Solver<'static, T, N, M>,
     /// The solver of the last answer, and loads and speed of that.
-    good: Solver<'static, f32, N, M>,
+    good: Solver<'static, T, N, M>,
     at: Option<([f32; 5], f32)>,
     /// Part of the way to the present loads that the next solve goes.
     part: f32,
@@ -219,12 +219,12 @@ const LEAST_PART: f32 = 1.0 / 64.0;
 const LONGEST_PAUSE: u16 = 1023;
 
 /// An answer, and not only numbers.
-fn is_answer(status: &Status<f32>) -> bool {
+fn is_answer<T>(status: &Status<T>) -> bool {
     matches!(status, Status::Converged | Status::PrecisionLimit)
 }
 
-impl<const N: usize, M: Motion + Clone> Tracker<N, M> {
-    fn new(bearing: &'static Bearing<f32, N>) -> Self {
+impl<T: Real, const N: usize, M: Motion + Clone> Tracker<T, N, M> {
+    fn new(bearing: &'static Bearing<T, N>) -> Self {
         Self {
             solver: Solver::new(bearing),
             good: Solver::new(bearing),
@@ -241,7 +241,7 @@ impl<const N: usize, M: Motion + Clone> Tracker<N, M> {
         load: [f32; 5],
         speed: f32,
         settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, f32, N, M>) -> R,
+        see: impl FnOnce(&Solution<'_, T, N, M>) -> R,
     ) -> Result<R, StatusCode> {
         let Some((from, from_speed)) = self.at else {
             return self.start(load, speed, settings, see);
@@ -257,9 +257,12 @@ impl<const N: usize, M: Motion + Clone> Tracker<N, M> {
         }
         let effort = Settings {
             max_sweeps: settings.tick.max_sweeps(),
-            tolerance: settings.tolerance,
+            tolerance: T::from_f32(settings.tolerance),
         };
-        let seen = match self.solver.solve(to, to_speed, &effort) {
+        let seen = match self
+            .solver
+            .solve(to.map(T::from_f32), T::from_f32(to_speed), &effort)
+        {
             Ok(solution) if is_answer(&solution.status) => Ok(there.then(|| see(&solution))),
             Ok(solution) => Err(solution.status),
             Err(status) => Err(status),
@@ -294,7 +297,7 @@ impl<const N: usize, M: Motion + Clone> Tracker<N, M> {
         load: [f32; 5],
         speed: f32,
         settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, f32, N, M>) -> R,
+        see: impl FnOnce(&Solution<'_, T, N, M>) -> R,
     ) -> Result<R, StatusCode> {
         if self.pause > 0 {
             self.pause -= 1;
@@ -302,10 +305,13 @@ impl<const N: usize, M: Motion + Clone> Tracker<N, M> {
         }
         let effort = Settings {
             max_sweeps: settings.tick.cold_sweeps,
-            tolerance: settings.tolerance,
+            tolerance: T::from_f32(settings.tolerance),
         };
         self.solver.forget();
-        let seen = match self.solver.solve(load, speed, &effort) {
+        let seen = match self
+            .solver
+            .solve(load.map(T::from_f32), T::from_f32(speed), &effort)
+        {
             Ok(solution) if is_answer(&solution.status) => Ok(see(&solution)),
             Ok(solution) => Err(StatusCode::from(&solution.status)),
             Err(status) => Err(StatusCode::from(&status)),
@@ -323,11 +329,17 @@ impl<const N: usize, M: Motion + Clone> Tracker<N, M> {
 }
 
 /// The monitor of one spindle bearing of `N` balls. Fixed in size, without a heap; `FRAMES` estimates and
-/// pictures of balls wait for a slow link.
+/// pictures of balls wait for a slow link. The solver works in `T`; what is measured and reported is in
+/// single precision.
 #[derive(Debug)]
-pub struct Monitor<const N: usize, M: Motion = Full, const FRAMES: usize = 12> {
+pub struct Monitor<
+    const N: usize,
+    M: Motion = Full,
+    const FRAMES: usize = 12,
+    T: Real + 'static = f32,
+> {
     settings: &'static MonitorSettings,
-    tracker: Tracker<N, M>,
+    tracker: Tracker<T, N, M>,
     plausibility: Plausibility,
     ticker: Ticker,
     judgement: Judgement,
@@ -358,9 +370,9 @@ pub struct Monitor<const N: usize, M: Motion = Full, const FRAMES: usize = 12> {
     due_standing: Every,
 }
 
-impl<const N: usize, M: Motion + Clone, const FRAMES: usize> Monitor<N, M, FRAMES> {
+impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N, M, FRAMES, T> {
     /// A monitor at its beginning: no estimate, no alarm, a new bearing, no baseline.
-    pub fn new(bearing: &'static Bearing<f32, N>, settings: &'static MonitorSettings) -> Self {
+    pub fn new(bearing: &'static Bearing<T, N>, settings: &'static MonitorSettings) -> Self {
         let now = Every { next_us: 0 };
         Self {
             settings,
@@ -631,8 +643,8 @@ impl<const N: usize, M: Motion + Clone, const FRAMES: usize> Monitor<N, M, FRAME
 }
 
 /// What is kept of an equilibrium, what judgement is to know, and what it costs of the life.
-fn observe<const N: usize, M: Motion>(
-    solution: &Solution<'_, f32, N, M>,
+fn observe<T: Real, const N: usize, M: Motion>(
+    solution: &Solution<'_, T, N, M>,
     sample: &GoodSample,
     tick: u64,
     settings: &MonitorSettings,
@@ -651,12 +663,13 @@ fn observe<const N: usize, M: Motion>(
     let (mut past, mut past_ball) = (f32::NEG_INFINITY, None);
     let (mut unloaded, mut unloaded_ball) = (0_u16, None);
     for ((index, to), ball) in (0_u16..).zip(&mut balls).zip(solution.balls()) {
-        *to = BallReport {
-            q_i: ball.q_i,
-            q_o: ball.q_o,
-            alpha_i: ball.alpha_i,
-            alpha_o: ball.alpha_o,
+        let ball = BallReport {
+            q_i: ball.q_i.to_f32(),
+            q_o: ball.q_o.to_f32(),
+            alpha_i: ball.alpha_i.to_f32(),
+            alpha_o: ball.alpha_o.to_f32(),
         };
+        *to = ball;
         if ball.q_i < least {
             least = ball.q_i;
         }
@@ -696,17 +709,19 @@ fn observe<const N: usize, M: Motion>(
 
     // The friction is wanted from the level on at which its alarm clears.
     let passed = solution.exceedances(&Limits {
-        peak_pressure: settings.limits.peak_pressure,
-        friction: settings
-            .judgement
-            .of(Alarm::Slip)
-            .clear
-            .min(settings.limits.friction),
+        peak_pressure: T::from_f32(settings.limits.peak_pressure),
+        friction: T::from_f32(
+            settings
+                .judgement
+                .of(Alarm::Slip)
+                .clear
+                .min(settings.limits.friction),
+        ),
     });
     let slip = passed
         .get(Limit::Friction)
         .map_or(Level::of(0.0), |e| Level {
-            value: e.value,
+            value: e.value.to_f32(),
             ball: Some(e.ball),
         });
     let mut limits = passed.limits().bits();
@@ -714,15 +729,15 @@ fn observe<const N: usize, M: Motion>(
         limits &= !(1 << Limit::Friction as u8);
     }
 
-    let k = &solution.stiffness;
-    let (row, column) = strongest_coupling(k);
+    let k = solution.stiffness.map(|row| row.map(T::to_f32));
+    let (row, column) = strongest_coupling(&k);
     let stiffness = core::array::from_fn(|i| k[i][i]);
     let report = EstimateReport {
         age: 0,
         marks: Marks::NONE,
         load: sample.load,
         speed: sample.speed,
-        displacement: solution.displacement,
+        displacement: solution.displacement.map(T::to_f32),
         stiffness,
         coupling: k[row][column],
         coupling_row: row as u8,
@@ -732,9 +747,9 @@ fn observe<const N: usize, M: Motion>(
         status: StatusCode::from(&solution.status),
         sweeps: solution.sweeps,
         error: [
-            solution.error.displacement,
-            solution.error.force,
-            solution.error.stiffness,
+            solution.error.displacement.to_f32(),
+            solution.error.force.to_f32(),
+            solution.error.stiffness.to_f32(),
         ],
         limits,
     };

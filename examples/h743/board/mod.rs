@@ -1,6 +1,8 @@
-//! An STM32H743 as the monitor needs it: a clock, a serial port, a log, and a way out of a panic. What
+//! An STM32H743 as the monitor needs it: a clock, a beat, serial ports, a log, and a way out of a panic. What
 //! does not depend on the chip is the other board's.
 
+#[path = "../../board/beat.rs"]
+mod beat;
 mod clock;
 #[path = "../../board/faults.rs"]
 mod faults;
@@ -10,14 +12,32 @@ mod log;
 mod receiver;
 mod serial;
 
+pub use beat::{Cycles, Dog, start_timer, ticks};
 pub use clock::Clock;
 pub use receiver::Receiver;
-pub use serial::BAUD;
+pub use serial::{BAUD, is_free, received, send};
 
+use cortex_m::peripheral::SYST;
 use stm32h7::stm32h743 as pac;
 
-/// Starts caches, clock and serial port; `None` if they were started before.
-pub fn start() -> Option<(Clock, Receiver)> {
+/// The board once it is started.
+pub struct Board {
+    /// The clock that was reached.
+    pub clock: Clock,
+    /// What came in over the port.
+    pub receiver: Receiver,
+    /// Counts cycles.
+    pub cycles: Cycles,
+    /// The watchdog: not started yet.
+    pub iwdg: pac::IWDG,
+    /// The timer: not started yet.
+    pub timer: SYST,
+    /// PC0 is wired to ground: ticks are asked for over the port.
+    pub lock_step: bool,
+}
+
+/// Starts everything but timer and watchdog; `None` if it was started before.
+pub fn start() -> Option<Board> {
     let p = pac::Peripherals::take()?;
     let mut core = cortex_m::Peripherals::take()?;
     // Flash is several cycles away from this core. Nothing here uses DMA, which the data cache would
@@ -25,8 +45,23 @@ pub fn start() -> Option<(Clock, Receiver)> {
     core.SCB.enable_icache();
     core.SCB.enable_dcache(&mut core.CPUID);
     let clock = clock::start(&p.RCC, &p.PWR, &p.FLASH);
-    let receiver = serial::start(p.USART3, &p.RCC, &p.GPIOD, clock.usart_hz)?;
-    Some((clock, receiver))
+    let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
+    p.RCC.ahb4enr().modify(|_, w| w.gpiocen().enabled());
+    let _ = p.RCC.ahb4enr().read();
+    p.GPIOC.moder().modify(|_, w| w.moder0().input());
+    p.GPIOC.pupdr().modify(|_, w| w.pupdr0().pull_up());
+    // The pull-up takes a few microseconds to charge the pin.
+    cortex_m::asm::delay(clock.core_hz / 10_000);
+    let lock_step = p.GPIOC.idr().read().idr0().bit_is_clear();
+    let receiver = serial::start((p.USART3, p.USART2), &p.RCC, &p.GPIOD, &clock, lock_step)?;
+    Some(Board {
+        clock,
+        receiver,
+        cycles,
+        iwdg: p.IWDG,
+        timer: core.SYST,
+        lock_step,
+    })
 }
 
 /// Whether a condition comes true within `tries` looks at it. Every wait for hardware goes through

@@ -179,12 +179,22 @@ fn shipped(root: &Path, board: Board, example: &str, kinds: &[Unwanted]) -> Resu
     if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
         bail!("this check is blind: it does not see the panics of the firmware's main");
     }
-    let root = format!("{example}::application::estimate");
-    let is_root = |name: &str| name == root || is_library(name);
+    let roots = ["take", "tick"].map(|name| format!("{example}::application::{name}"));
+    let is_root = |name: &str| {
+        let is = |root: &String| {
+            let rest = name.strip_prefix(root.as_str());
+            // A generic one has its parameters behind it.
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with("::<"))
+        };
+        roots.iter().any(is) || is_library(name)
+    };
     let reach = program.graph.reach(is_root);
-    if !reach.names().any(|name| name == root) {
-        bail!("there is no {root} in the firmware to check");
+    for root in &roots {
+        if !reach.names().any(|name| name.starts_with(root.as_str())) {
+            bail!("there is no {root} in the firmware to check");
+        }
     }
+    let root = roots.join(" and ");
     let what = format!("{root} in the firmware");
     refuse(&what, &program, &reach, kinds)
 }

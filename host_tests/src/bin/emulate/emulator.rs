@@ -1,29 +1,24 @@
-//! The emulated board while it runs: bytes for its serial port in, lines of its log out.
+//! The emulated board while it runs: bytes into its port and out of it, and lines of its log.
 
 use crate::firmware::Firmware;
 use crate::toolchain;
 use anyhow::{Context, Result, anyhow, bail};
-use defmt_decoder::{DecodeError, StreamDecoder, Table};
+use defmt_decoder::{DecodeError, Table};
 use std::io::{Read, Write};
+use std::net::TcpListener;
 use std::process::{Child, ChildStdin, Stdio};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// A running board. Ends with its owner.
-pub struct Board<'t> {
+pub struct Board {
     child: Child,
-    port: ChildStdin,
+    port: Option<ChildStdin>,
     bytes: Receiver<Vec<u8>>,
+    log: Receiver<Vec<u8>>,
     complaints: Receiver<String>,
-    decoder: Box<dyn StreamDecoder + Send + Sync + 't>,
     patience: Duration,
-}
-
-/// The table that turns the firmware's log back into text.
-pub fn table(firmware: &Firmware) -> Result<Table> {
-    Table::parse(&firmware.elf)?
-        .with_context(|| format!("{} has no table of defmt messages", firmware.path.display()))
 }
 
 /// Hands on what `source` gives until it ends, from a thread of its own.
@@ -40,14 +35,20 @@ fn pump(mut source: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
     receiver
 }
 
-impl<'t> Board<'t> {
+impl Board {
     /// Switches the board on.
     pub fn start(
         emulator: &toolchain::Emulator,
         firmware: &Firmware,
-        table: &'t Table,
         patience: Duration,
     ) -> Result<Self> {
+        // The second port, which the emulator reaches by a socket of this machine.
+        let listener =
+            TcpListener::bind(("127.0.0.1", 0)).context("cannot listen to the emulator's log")?;
+        let log = format!(
+            "socket,id=log,host=127.0.0.1,port={},server=off,nodelay=on",
+            listener.local_addr()?.port()
+        );
         let mut child = emulator
             .command()
             .args(["-monitor", "none"])
@@ -55,6 +56,8 @@ impl<'t> Board<'t> {
             // standard input holds back what the firmware has not taken.
             .args(["-chardev", "stdio,id=port,signal=off"])
             .args(["-serial", "chardev:port"])
+            .args(["-chardev", &log])
+            .args(["-serial", "chardev:log"])
             .arg("-kernel")
             .arg(&firmware.path)
             .stdin(Stdio::piped())
@@ -73,47 +76,75 @@ impl<'t> Board<'t> {
             let all: Vec<u8> = errors.into_iter().flatten().collect();
             let _ = sender.send(String::from_utf8_lossy(&all).trim().to_owned());
         });
+        let (sender, log) = mpsc::channel();
+        thread::spawn(move || {
+            let Ok((socket, _)) = listener.accept() else {
+                return;
+            };
+            for bytes in pump(socket) {
+                if sender.send(bytes).is_err() {
+                    break;
+                }
+            }
+        });
         Ok(Self {
             child,
-            port,
+            port: Some(port),
             bytes: pump(output),
+            log,
             complaints,
-            decoder: table.new_stream_decoder(),
             patience,
         })
     }
 
-    /// Sends bytes to the serial port.
-    pub fn send(&mut self, bytes: &[u8]) -> Result<()> {
-        let sent = self.port.write_all(bytes).and_then(|()| self.port.flush());
-        sent.map_err(|error| self.post_mortem(&format!("cannot be sent to ({error})")))
+    /// Sends bytes to the port, once, as fast as the board takes them.
+    pub fn send(&mut self, input: Vec<u8>) {
+        let Some(mut port) = self.port.take() else {
+            return;
+        };
+        thread::spawn(move || {
+            // An emulator that has gone is told of by what it does not answer.
+            let sent = port.write_all(&input).and_then(|()| port.flush());
+            if sent.is_ok() {
+                // The end of its input must not become one of its output.
+                thread::sleep(Duration::MAX);
+            }
+        });
     }
 
-    /// The next line of the board's log.
-    pub fn line(&mut self) -> Result<String> {
+    /// The next bytes of the telemetry.
+    pub fn bytes(&mut self) -> Result<Vec<u8>> {
+        match self.bytes.recv_timeout(self.patience) {
+            Ok(bytes) => Ok(bytes),
+            Err(RecvTimeoutError::Timeout) => bail!(
+                "the board has been silent for {:.0} s: the firmware hangs, or this machine is very \
+                 busy (then try a longer --patience)",
+                self.patience.as_secs_f64()
+            ),
+            Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem("stopped")),
+        }
+    }
+
+    /// Waits for the first line of the log.
+    pub fn wait_for_log(&mut self, log: &mut Log<'_>) -> Result<()> {
         let deadline = Instant::now() + self.patience;
-        loop {
-            match self.decoder.decode() {
-                Ok(frame) => return Ok(frame.display_message().to_string()),
-                Err(DecodeError::Malformed) => bail!(
-                    "the board's log cannot be decoded: the firmware writes it wrongly, or is not \
-                     the one that was built"
-                ),
-                Err(DecodeError::UnexpectedEof) => {}
-            }
+        while log.lines.is_empty() {
             let left = deadline.saturating_duration_since(Instant::now());
-            match self.bytes.recv_timeout(left) {
-                Ok(bytes) => self.decoder.received(&bytes),
-                Err(RecvTimeoutError::Timeout) => bail!(
-                    "the board has been silent for {:.0} s: the firmware hangs, or this machine is \
-                     very busy (then try a longer --patience)",
-                    self.patience.as_secs_f64()
-                ),
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Err(self.post_mortem("stopped"));
-                }
+            match self.log.recv_timeout(left) {
+                Ok(bytes) => log.take(&bytes)?,
+                Err(RecvTimeoutError::Timeout) => bail!("the board has not said that it is ready"),
+                Err(RecvTimeoutError::Disconnected) => return Err(self.post_mortem("stopped")),
             }
         }
+        Ok(())
+    }
+
+    /// Takes what there is of the log.
+    pub fn read_log(&mut self, log: &mut Log<'_>) -> Result<()> {
+        while let Ok(bytes) = self.log.try_recv() {
+            log.take(&bytes)?;
+        }
+        Ok(())
     }
 
     /// What is to be said of an emulator that has gone.
@@ -135,9 +166,46 @@ impl<'t> Board<'t> {
     }
 }
 
-impl Drop for Board<'_> {
+impl Drop for Board {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// The board's log as text.
+pub struct Log<'t> {
+    decoder: Box<dyn defmt_decoder::StreamDecoder + Send + Sync + 't>,
+    /// Its lines so far.
+    pub lines: Vec<String>,
+}
+
+impl<'t> Log<'t> {
+    /// With the firmware's table of messages.
+    pub fn new(table: &'t Table) -> Self {
+        Self {
+            decoder: table.new_stream_decoder(),
+            lines: Vec::new(),
+        }
+    }
+
+    fn take(&mut self, bytes: &[u8]) -> Result<()> {
+        self.decoder.received(bytes);
+        loop {
+            match self.decoder.decode() {
+                Ok(frame) => self.lines.push(frame.display_message().to_string()),
+                Err(DecodeError::UnexpectedEof) => return Ok(()),
+                Err(DecodeError::Malformed) => bail!(
+                    "the board's log cannot be decoded: the firmware writes it wrongly, or is not \
+                     the one that was built"
+                ),
+            }
+        }
+    }
+}
+
+/// The table that turns the firmware's log back into text.
+pub fn table(firmware: &Firmware) -> Result<Table> {
+    Table::parse(&firmware.elf)?
+        .with_context(|| format!("{} has no table of defmt messages", firmware.path.display()))
 }

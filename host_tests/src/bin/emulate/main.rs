@@ -1,32 +1,54 @@
-//! `cargo emulate`: runs the firmware on an emulated STM32F405, feeds it recorded loads, and holds
-//! every estimate it sends back against the host's own.
+//! `cargo emulate`: runs the spindle monitor's firmware on an emulated STM32F405, feeds it recorded loads,
+//! and holds all of its telemetry against that of the host's own build of the same monitor.
+//!
+//! The board runs in lock-step: a tick is a command in the stream, and ticks are what time is. Neither the
+//! clock of this machine nor that of the emulator has a part in it, so that a run is the same every time.
 //!
 //! | module | does |
 //! | --- | --- |
 //! | `toolchain` | sees to it that there is an emulator |
 //! | `firmware` | builds the ELF and reads its sizes |
-//! | `loads` | reads the recorded loads |
-//! | `emulator` | the running board: bytes in, lines of its log out |
-//! | `report` | a line of the log as fields, and as a row of the table |
-//! | `exchange` | records out, answers back, and the comparison |
+//! | `loads` | reads the recorded loads, one record a tick |
+//! | `faults` | what goes wrong, and when |
+//! | `plan` | the bytes for the board, and what it must answer |
+//! | `emulator` | the running board: bytes in and out, lines of its log |
+//! | `exchange` | the run, and the comparison |
+//! | `rows` | an estimate as a row of the table |
+//! | `summary` | counts, budget, and the golden file |
 
+#[path = "../../../../examples/chain.rs"]
+mod chain;
 mod emulator;
 mod exchange;
+mod faults;
 mod firmware;
 mod loads;
 #[path = "../../../../examples/monitored.rs"]
 mod monitored;
-mod report;
+mod plan;
+mod rows;
+mod summary;
 mod toolchain;
 
-/// That of the emulated core.
-type Precision = f32;
-
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::Parser;
-use std::path::Path;
+use exchange::{Answer, Manner};
+use faults::Spoiler;
+use host_tests::telemetry::state::State;
+use host_tests::telemetry::view;
+use plan::Plan;
+use spindle_bearing::monitor::tick::CycleCost;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::mpsc;
+use std::thread;
 use std::time::Duration;
+
+/// What the solver works in, as on the board.
+type Precision = f32;
+/// The board's core, and what a tick costs there.
+const CORE_HZ: u32 = 168_000_000;
+const COST: CycleCost = CycleCost::CORTEX_M4F;
 
 /// Status when the run did not show what it should.
 const DISAGREEMENT: u8 = 1;
@@ -34,14 +56,16 @@ const DISAGREEMENT: u8 = 1;
 const NOT_STARTED: u8 = 2;
 
 /// Runs the spindle monitor's firmware on an emulated STM32F405, feeds it recorded loads over the
-/// emulated serial port, and compares each estimate with the host's, bit for bit.
+/// emulated serial port, and compares its telemetry with the host's own, bit for bit.
+///
+/// Time is counted in ticks of the stream, a millisecond each, so that every run is the same.
 #[derive(Parser, Debug)]
 #[command(
     name = "emulate",
     bin_name = "cargo emulate",
     after_help = "Exit status:\n  \
-        0  every record was answered, every answer equals the host's to the last bit\n  \
-        1  an answer differs or is missing, a record was lost, or the emulator stopped\n  \
+        0  the telemetry equals the host's to the last bit, and the summary the golden file\n  \
+        1  it does not, or the emulator stopped\n  \
         2  it could not start: arguments, input file, Rust target, emulator or build"
 )]
 struct Arguments {
@@ -54,17 +78,28 @@ struct Arguments {
     #[arg(long, value_name = "S", value_parser = positive)]
     seconds: Option<f64>,
 
-    /// Slip in a damaged frame after every so many records; 0 for none
-    #[arg(long, value_name = "RECORDS", default_value_t = 500)]
-    corrupt: usize,
+    /// Inject faults, and hold the summary against the golden file
+    #[arg(long)]
+    faults: bool,
 
-    /// Show every so many records [default: some 100 rows in all]; those without an answer, and
-    /// those that did not converge, are always shown
-    #[arg(long, value_name = "RECORDS", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Where the faults begin to be drawn from
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "faults")]
+    seed: u64,
+
+    /// Make the summary of this run the golden file
+    #[arg(long, requires = "faults", conflicts_with = "input")]
+    accept: bool,
+
+    /// Show the telemetry live; q leaves
+    #[arg(long)]
+    view: bool,
+
+    /// Show every so many estimates [default: some 100 rows in all]
+    #[arg(long, value_name = "ESTIMATES", value_parser = clap::value_parser!(u32).range(1..))]
     every: Option<u32>,
 
     /// Longest wait for an answer, s
-    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive)]
     patience: f64,
 }
 
@@ -78,11 +113,11 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let (plan, firmware, emulator) = match prepare(&arguments) {
+    let ready = match prepare(&arguments) {
         Ok(ready) => ready,
         Err(error) => return fail(&error, NOT_STARTED),
     };
-    match exchange::run(&plan, &firmware, &emulator) {
+    match run(&arguments, ready) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => fail(&error, DISAGREEMENT),
     }
@@ -93,31 +128,94 @@ fn fail(error: &anyhow::Error, status: u8) -> ExitCode {
     ExitCode::from(status)
 }
 
-fn prepare(
-    arguments: &Arguments,
-) -> Result<(exchange::Plan, firmware::Firmware, toolchain::Emulator)> {
+/// All that a run takes.
+struct Ready {
+    plan: Plan,
+    golden: Option<PathBuf>,
+    firmware: firmware::Firmware,
+    emulator: toolchain::Emulator,
+}
+
+fn prepare(arguments: &Arguments) -> Result<Ready> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .context("the project has no root folder")?;
-    let input = match &arguments.input {
-        Some(path) => path.clone(),
-        None => root
-            .join("host_tests/records/milling_cycle.csv")
-            .display()
-            .to_string(),
-    };
-    let records = loads::read(&input, arguments.seconds)?;
+    let shipped = || host_tests::milling_cycle::RECORD.to_owned();
+    let input = arguments.input.clone().unwrap_or_else(shipped);
+    let period_us = monitored::MONITOR.tick.period_us;
+    let records = loads::read(&input, arguments.seconds, period_us)?;
     host_tests::cross::add_target(root)?;
     let emulator = toolchain::find_emulator()?;
     let firmware = firmware::build(root)?;
+    let episodes = if arguments.faults {
+        faults::schedule(arguments.seed, &records)
+    } else {
+        Vec::new()
+    };
+    let plan = plan::plan(&records, Spoiler::new(arguments.seed, episodes))?;
+    let golden = (arguments.faults && arguments.input.is_none()).then(|| {
+        let length = arguments
+            .seconds
+            .map_or("whole".into(), |seconds| format!("{seconds}_s"));
+        let name = format!("faults_{length}_seed_{}.txt", arguments.seed);
+        root.join("host_tests/golden").join(name)
+    });
+    Ok(Ready {
+        plan,
+        golden,
+        firmware,
+        emulator,
+    })
+}
+
+fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
+    let Ready {
+        plan,
+        golden,
+        firmware,
+        emulator,
+    } = ready;
+    let sent = plan.health.ticks / 20;
     let every = arguments
         .every
-        .map_or_else(|| records.len().div_ceil(100), |n| n as usize);
-    let plan = exchange::Plan {
-        records,
-        corrupt: arguments.corrupt,
+        .map_or_else(|| sent.div_ceil(100).max(1) as usize, |n| n as usize);
+    let mut manner = Manner {
         every,
         patience: Duration::from_secs_f64(arguments.patience),
+        tee: None,
     };
-    Ok((plan, firmware, emulator))
+    let memory = firmware.memory;
+    let answer = if arguments.view {
+        // The view draws at the pace of the recording; the board may be ahead of it.
+        let (sender, chunks) = mpsc::sync_channel(usize::from(u16::MAX));
+        (manner.every, manner.tee) = (0, Some(sender));
+        thread::scope(|scope| -> Result<Answer> {
+            let running = scope.spawn(|| {
+                let answer = exchange::run(&plan, &manner, &firmware, &emulator);
+                drop(manner);
+                answer
+            });
+            view::view(&chunks, Some(1.0), &mut State::default(), |_| Ok(()))?;
+            drop(chunks);
+            running.join().map_err(|_| anyhow!("the run panicked"))?
+        })?
+    } else {
+        exchange::run(&plan, &manner, &firmware, &emulator)?
+    };
+    let text = summary::summary(&plan, &answer)?;
+    println!("\n{text}");
+    println!(
+        "{} frames in {} bytes of telemetry in {:.1} s, equal to the host's to the last bit; {} lines of log",
+        answer.frames.len(),
+        plan.expected.len(),
+        answer.took.as_secs_f64(),
+        answer.log.len(),
+    );
+    println!("{}", summary::budget());
+    println!("the emulator counts no cycles: overruns are those that its counter shows, none");
+    println!("firmware: {memory}");
+    match golden {
+        Some(path) => summary::check(&path, &text, arguments.accept),
+        None => Ok(()),
+    }
 }

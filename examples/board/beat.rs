@@ -1,0 +1,85 @@
+//! What gives the monitor its beat: SysTick, the core's cycle counter, and the independent watchdog. The
+//! same on every Cortex-M of this family.
+
+use super::pac::IWDG;
+use core::sync::atomic::{AtomicU32, Ordering};
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{DCB, DWT, SYST};
+use cortex_m_rt::exception;
+use spindle_bearing::monitor::tick::{CycleCounter, Watchdog};
+
+/// Ticks of the timer; wraps.
+static TICKS: AtomicU32 = AtomicU32::new(0);
+
+#[exception]
+fn SysTick() {
+    // No other writer, and no read-modify-write that could be lost.
+    TICKS.store(
+        TICKS.load(Ordering::Relaxed).wrapping_add(1),
+        Ordering::Relaxed,
+    );
+}
+
+/// Ticks of the timer so far, modulo 2^32.
+pub fn ticks() -> u32 {
+    TICKS.load(Ordering::Relaxed)
+}
+
+/// Starts the timer.
+pub fn start_timer(mut syst: SYST, core_hz: u32, period_us: u32) {
+    let cycles = (core_hz / 1_000_000).saturating_mul(period_us);
+    syst.set_clock_source(SystClkSource::Core);
+    syst.set_reload(cycles.saturating_sub(1));
+    syst.clear_current();
+    syst.enable_counter();
+    syst.enable_interrupt();
+}
+
+/// The core's cycles. An emulator without the counter shows 0.
+pub struct Cycles(());
+
+impl Cycles {
+    /// Starts the counter.
+    pub fn start(dcb: &mut DCB, dwt: &mut DWT) -> Self {
+        dcb.enable_trace();
+        DWT::unlock();
+        dwt.enable_cycle_counter();
+        Self(())
+    }
+}
+
+impl CycleCounter for Cycles {
+    fn cycles(&mut self) -> u32 {
+        DWT::cycle_count()
+    }
+}
+
+/// The independent watchdog, on an oscillator of its own: resets the board a second, some tens of per cent
+/// more or less, after it was fed last. A solve from nothing on the slowest clock takes less.
+pub struct Dog(Option<IWDG>);
+
+impl Dog {
+    /// One that never bites: for lock-step, where a tick comes when the other side asks for it.
+    pub const fn asleep() -> Self {
+        Self(None)
+    }
+
+    /// Starts it; nothing stops it again.
+    pub fn start(iwdg: IWDG) -> Self {
+        iwdg.kr().write(|w| w.key().start());
+        iwdg.kr().write(|w| w.key().unlock());
+        // 32 kHz by 32: 1000 counts are a second.
+        iwdg.pr().write(|w| w.pr().divide_by32());
+        iwdg.rlr().write(|w| w.rl().set(1000));
+        iwdg.kr().write(|w| w.key().feed());
+        Self(Some(iwdg))
+    }
+}
+
+impl Watchdog for Dog {
+    fn feed(&mut self) {
+        if let Some(iwdg) = &self.0 {
+            iwdg.kr().write(|w| w.key().feed());
+        }
+    }
+}
