@@ -189,7 +189,7 @@ fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
         // The view draws at the pace of the recording; the board may be ahead of it.
         let (sender, chunks) = mpsc::sync_channel(usize::from(u16::MAX));
         (manner.every, manner.tee) = (0, Some(sender));
-        thread::scope(|scope| -> Result<Answer> {
+        thread::scope(|scope| -> Result<Option<Answer>> {
             let running = scope.spawn(|| {
                 let answer = exchange::run(&plan, &manner, &firmware, &emulator);
                 drop(manner);
@@ -201,6 +201,10 @@ fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
         })?
     } else {
         exchange::run(&plan, &manner, &firmware, &emulator)?
+    };
+    let Some(answer) = answer else {
+        println!("the view was left before the run was over");
+        return Ok(());
     };
     let text = summary::summary(&plan, &answer)?;
     println!("\n{text}");
