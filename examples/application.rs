@@ -1,9 +1,9 @@
 //! The monitor's application, the same on every board: loads and speed in, alarms and telemetry out. The
-//! board is `super::board`, the spindle `super::monitored`, and all that needs no hardware `super::chain`.
+//! board is `super::board`, the spindle `super::monitored` and `super::monitor_settings`, and all that needs no hardware `super::chain`.
 
 use super::board::{self, Board, Cycles, Dog};
 use super::chain::Chain;
-use super::monitored::MONITOR;
+use super::monitor_settings::MONITOR;
 use spindle_bearing::monitor::Outcome;
 use spindle_bearing::monitor::tick::{Watchdog, Widened};
 

@@ -4,7 +4,6 @@
 #![cfg_attr(target_os = "none", no_main)]
 
 #[cfg(target_os = "none")]
-#[allow(dead_code, reason = "the other programs use the rest")]
 mod monitored;
 /// That of the smaller core.
 #[cfg(target_os = "none")]

@@ -110,8 +110,8 @@ mod bare {
 
     /// From bytes to an estimate.
     fn monitor() {
-        let mut solver = monitored::Monitor::new(&monitored::BEARING);
-        let settings = black_box(monitored::settings());
+        let mut solver = Solver::<f32, { monitored::BALLS }>::new(&monitored::BEARING);
+        let settings = black_box(Settings::default());
         let mut frames = FrameReader::<MESSAGE_LENGTH>::new();
         while black_box(true) {
             match frames.push(black_box(0)) {
@@ -121,7 +121,7 @@ mod bare {
                         &mut solver,
                         &record,
                         &settings,
-                        &monitored::LIMITS,
+                        &black_box(Limits::default()),
                     ));
                     black_box(encode(&record));
                 }

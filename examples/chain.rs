@@ -5,10 +5,11 @@
 //! shorter than any record.
 
 use super::Precision;
-use super::monitored::{BALLS, BEARING, IDLE, MONITOR};
+use super::monitor_settings::{IDLE, MONITOR};
+use super::monitored::{BALLS, BEARING};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-use spindle_bearing::AtSpeed;
+use spindle_bearing::Full;
 use spindle_bearing::framing::{self, CHECKSUM_LENGTH, DELIMITER, FrameReader};
 use spindle_bearing::monitor::loads::{FrameCounts, FramedLoads, LoadSource};
 use spindle_bearing::monitor::telemetry::{HealthReport, StatusCode};
@@ -83,7 +84,7 @@ const FRAMES: usize = 12;
 
 /// The monitor with its source of loads.
 pub struct Chain {
-    monitor: Monitor<BALLS, AtSpeed, FRAMES, Precision>,
+    monitor: Monitor<BALLS, Full, FRAMES, Precision>,
     loads: FramedLoads,
     sorter: Sorter,
     time_us: u64,

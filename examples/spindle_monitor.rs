@@ -20,6 +20,8 @@ mod board;
 #[cfg(target_os = "none")]
 mod chain;
 #[cfg(target_os = "none")]
+mod monitor_settings;
+#[cfg(target_os = "none")]
 mod monitored;
 
 #[cfg(target_os = "none")]

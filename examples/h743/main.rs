@@ -12,6 +12,8 @@ mod application;
 mod board;
 #[path = "../chain.rs"]
 mod chain;
+#[path = "../monitor_settings.rs"]
+mod monitor_settings;
 #[path = "../monitored.rs"]
 mod monitored;
 

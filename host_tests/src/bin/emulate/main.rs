@@ -23,6 +23,8 @@ mod exchange;
 mod faults;
 mod firmware;
 mod loads;
+#[path = "../../../../examples/monitor_settings.rs"]
+mod monitor_settings;
 #[path = "../../../../examples/monitored.rs"]
 mod monitored;
 mod plan;
@@ -142,7 +144,7 @@ fn prepare(arguments: &Arguments) -> Result<Ready> {
         .context("the project has no root folder")?;
     let shipped = || host_tests::milling_cycle::RECORD.to_owned();
     let input = arguments.input.clone().unwrap_or_else(shipped);
-    let period_us = monitored::MONITOR.tick.period_us;
+    let period_us = monitor_settings::MONITOR.tick.period_us;
     let records = loads::read(&input, arguments.seconds, period_us)?;
     host_tests::cross::add_target(root)?;
     let emulator = toolchain::find_emulator()?;

@@ -3,7 +3,7 @@
 
 use crate::chain::{self, Chain, Command};
 use crate::faults::{Episode, Spoiler};
-use crate::monitored::MONITOR;
+use crate::monitor_settings::MONITOR;
 use anyhow::{Result, ensure};
 use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::telemetry::HealthReport;

@@ -2,7 +2,8 @@
 //! every build of the solver that is right.
 
 use crate::exchange::Answer;
-use crate::monitored::{BALLS, MONITOR};
+use crate::monitor_settings::MONITOR;
+use crate::monitored::BALLS;
 use crate::plan::Plan;
 use anyhow::{Context, Result, bail, ensure};
 use spindle_bearing::monitor::judgement::AlarmChange;
