@@ -5,7 +5,7 @@
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use spindle_bearing::{
-    Full, Bearing, Design, FreeContact, InnerRaceControl, Material, Motion, OuterRaceControl,
+    Bearing, Design, FreeContact, Full, InnerRaceControl, Material, Motion, OuterRaceControl,
     RacewayControlFree, Real, Settings, Solution, Solver, Static, Status,
 };
 use std::f64::consts::PI;
