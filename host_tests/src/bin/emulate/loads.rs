@@ -40,20 +40,20 @@ pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Vec<Load
     for sequence in 0_u32.. {
         let us = u64::from(sequence) * u64::from(period_us);
         let time = us as f64 * 1e-6;
+        // In whole microseconds, so that a row that falls onto a tick is that tick's.
+        let at = |row: &LoadRow| ((row.time_s - start) * 1e6).round();
+        let now = us as f64;
         if sequence > 0 && time >= end {
             break;
         }
-        while rows
-            .get(row + 1)
-            .is_some_and(|next| next.time_s - start <= time)
-        {
+        while rows.get(row + 1).is_some_and(|next| at(next) <= now) {
             row += 1;
         }
         let before = &rows[row];
         let after = rows.get(row + 1).unwrap_or(before);
-        let span = after.time_s - before.time_s;
+        let span = at(after) - at(before);
         let part = if span > 0.0 {
-            (start + time - before.time_s) / span
+            (now - at(before)) / span
         } else {
             0.0
         };
