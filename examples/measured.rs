@@ -2,7 +2,7 @@
 //! its input and its output at fixed symbols.
 //!
 //! Precision, ball count and scene are the build's to say (`MEASURED_PRECISION`, `MEASURED_BALLS`,
-//! `MEASURED_MOTION`), so that a program has one solver, inlined as it would be in a firmware. It is
+//! `MEASURED_SCENE`), so that a program has one solver, inlined as it would be in a firmware. It is
 //! linked as a firmware is, but never started: who measures calls the entry points by their symbols.
 
 #![cfg_attr(target_os = "none", no_std)]
@@ -21,8 +21,9 @@ mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
     use spindle_bearing::{
-        Bearing, Design, FreeContact, Full, InnerRaceControl, Material, OuterRaceControl,
-        RacewayControlFree, Settings, Solver, Static, Status,
+        All, Axial, Balls, Bearing, Centrifugal, Conditions, Design, Displacements, FreeContact,
+        FreedomSet, Full, InnerRaceControl, Loads, Material, Motion, OuterRaceControl, Outputs,
+        RigidPreload, Settings, Solver, Static, Status, Stiffness, Translations,
     };
 
     struct Choice<const I: usize>;
@@ -36,19 +37,52 @@ mod measured {
         type T = f64;
     }
     trait Scene {
-        type M: spindle_bearing::Motion;
+        type Motion: Motion;
+        type Freedoms: FreedomSet;
+        type Given: Conditions<Self::Freedoms>;
+        type Output: Outputs;
     }
-    impl Scene for Choice<0> {
-        type M = Full<RacewayControlFree>;
+
+    macro_rules! scenes {
+        ($($number:literal $name:literal: $motion:ty, $freedoms:ty, $given:ty, $output:ty;)*) => {
+            $(impl Scene for Choice<$number> {
+                type Motion = $motion;
+                type Freedoms = $freedoms;
+                type Given = $given;
+                type Output = $output;
+            })*
+            const fn number(name: &[u8]) -> usize {
+                $(if same(name, $name.as_bytes()) {
+                    return $number;
+                })*
+                panic!("MEASURED_SCENE is the name of no scene")
+            }
+        };
     }
-    impl Scene for Choice<1> {
-        type M = Full<OuterRaceControl>;
+    scenes! {
+        0 "raceless": Full, All, Loads, Balls;
+        1 "outer": Full<OuterRaceControl>, All, Loads, Balls;
+        2 "inner": Full<InnerRaceControl>, All, Loads, Balls;
+        3 "static": Static, All, Loads, Balls;
+        4 "axial-static": Static, Axial, Loads, Stiffness;
+        5 "axial-centrifugal": Centrifugal, Axial, Loads, Stiffness;
+        6 "axial-full": Full, Axial, Loads, Stiffness;
+        7 "translations-static": Static, Translations, Loads, Stiffness;
+        8 "translations-full": Full, Translations, Loads, Stiffness;
+        9 "all-static": Static, All, Loads, Stiffness;
+        10 "all-centrifugal": Centrifugal, All, Loads, Stiffness;
+        11 "all-outer": Full<OuterRaceControl>, All, Loads, Stiffness;
+        12 "all-full": Full, All, Loads, Stiffness;
+        13 "all-displacements": Full, All, Loads, Displacements;
+        14 "all-preloaded": Full, All, RigidPreload, Stiffness;
     }
-    impl Scene for Choice<2> {
-        type M = Full<InnerRaceControl>;
-    }
-    impl Scene for Choice<3> {
-        type M = Static;
+
+    const fn same(a: &[u8], b: &[u8]) -> bool {
+        let mut i = 0;
+        while i < a.len() && i < b.len() && a[i] == b[i] {
+            i += 1;
+        }
+        i == a.len() && i == b.len()
     }
 
     const fn text(value: Option<&'static str>) -> &'static [u8] {
@@ -62,12 +96,9 @@ mod measured {
         b"f64" => 1,
         _ => panic!("MEASURED_PRECISION is f32 or f64"),
     };
-    const MOTION: usize = match text(option_env!("MEASURED_MOTION")) {
-        b"" | b"raceless" => 0,
-        b"outer" => 1,
-        b"inner" => 2,
-        b"static" => 3,
-        _ => panic!("MEASURED_MOTION is raceless, outer, inner or static"),
+    const SCENE: usize = match text(option_env!("MEASURED_SCENE")) {
+        b"" => 0,
+        name => number(name),
     };
     const BALLS: usize = match text(option_env!("MEASURED_BALLS")) {
         [] => 16,
@@ -79,7 +110,15 @@ mod measured {
     };
 
     type T = <Choice<PRECISION> as Precision>::T;
-    type Measured = Solver<'static, T, BALLS, <Choice<MOTION> as Scene>::M>;
+    type Chosen = Choice<SCENE>;
+    type Freedoms = <Chosen as Scene>::Freedoms;
+    type Given = <Chosen as Scene>::Given;
+    type Output = <Chosen as Scene>::Output;
+    type Measured = Solver<'static, T, BALLS, <Chosen as Scene>::Motion, Freedoms, Given, Output>;
+    /// One value for each freedom.
+    type Vector = <Freedoms as FreedomSet>::Vector<T>;
+    /// As many rows and columns as there are free freedoms; nothing if it is not put out.
+    type Matrix = <Output as Outputs>::Stiffness<<Given as Conditions<Freedoms>>::Stiffness<T>>;
 
     /// What to build: ball and pitch diameter, groove factors, free contact angle, azimuth of the first
     /// ball; modulus, Poisson's ratio and density of the rings and of the balls.
@@ -90,7 +129,7 @@ mod measured {
     #[derive(Clone, Copy)]
     #[repr(C)]
     struct Question {
-        load: [T; 5],
+        values: Vector,
         speed: T,
         tolerance: T,
         max_sweeps: u32,
@@ -102,8 +141,8 @@ mod measured {
     #[derive(Clone, Copy)]
     #[repr(C)]
     struct Answer {
-        displacement: [T; 5],
-        stiffness: [[T; 5]; 5],
+        displacement: Vector,
+        stiffness: Matrix,
         error: [T; 3],
         /// 0 if there is no answer, else 1, 2, 3: converged, precision limit, sweep limit.
         status: u32,
@@ -116,11 +155,15 @@ mod measured {
     #[unsafe(no_mangle)]
     static mut MEASURED_BLANK: MaybeUninit<Answer> = MaybeUninit::zeroed();
 
-    /// Bytes of a solver and of the bearing that it borrows.
+    /// Bytes of a solver, of the bearing that it borrows, of a number, and of the answer's displacement
+    /// and stiffness.
     #[unsafe(no_mangle)]
-    static MEASURED_SIZES: [u32; 2] = [
+    static MEASURED_SIZES: [u32; 5] = [
         size_of::<Measured>() as u32,
         size_of::<Bearing<T, BALLS>>() as u32,
+        size_of::<T>() as u32,
+        size_of::<Vector>() as u32,
+        size_of::<Matrix>() as u32,
     ];
 
     static mut BEARING: MaybeUninit<Bearing<T, BALLS>> = MaybeUninit::uninit();
@@ -191,7 +234,7 @@ mod measured {
                 tolerance: question.tolerance,
                 max_sweeps: question.max_sweeps as u16,
             };
-            let answer = match solver.solve(question.load, question.speed, &settings) {
+            let answer = match solver.solve(question.values, question.speed, &settings) {
                 Ok(solution) => Answer {
                     displacement: solution.displacement,
                     stiffness: solution.stiffness,
@@ -218,24 +261,19 @@ mod measured {
         }
     }
 
-    /// Everything that `measured_solve` does but solve.
+    /// Everything that `measured_solve` does but solve: reads the question and copies an answer that is
+    /// somewhere in memory.
     ///
     /// # Safety
     ///
     /// As for [`measured_build`].
     #[unsafe(no_mangle)]
     unsafe extern "C" fn measured_nothing() {
-        // SAFETY: every bit pattern is a question and an answer.
+        // SAFETY: the question is there, and nobody looks into this answer.
         unsafe {
-            black_box((&raw mut SOLVER).cast::<Measured>());
-            let question = (&raw const MEASURED_QUESTION).read_volatile().assume_init();
-            let settings = Settings {
-                tolerance: question.tolerance,
-                max_sweeps: question.max_sweeps as u16,
-            };
-            black_box((&question.load, question.speed, &settings));
-            let answer = (&raw const MEASURED_BLANK).read_volatile().assume_init();
-            (&raw mut MEASURED_ANSWER).write_volatile(MaybeUninit::new(answer));
+            let _ = (&raw const MEASURED_QUESTION).read_volatile();
+            let answer = black_box(MaybeUninit::<Answer>::uninit());
+            (&raw mut MEASURED_ANSWER).write_volatile(answer);
         }
     }
 

@@ -1,15 +1,17 @@
 //! A solver on the emulated core: questions in, answers and counts out.
 
-use crate::image::{Image, Variant};
+use crate::image::Image;
 use crate::machine::{Counts, Machine};
 use anyhow::{Context, Result, bail};
 use host_tests::dispatch::Precision;
+use host_tests::timing::Core;
 use spindle_bearing::{Design, FreeContact};
 
 /// What to solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Question {
-    /// `Fx, Fy, Fz, My, Mz`, N and N m.
+    /// `Fx, Fy, Fz, My, Mz`, N and N m, of which a scene takes as many as it has freedoms; the
+    /// displacement in the place of a load where that is given.
     pub load: [f64; 5],
     /// Shaft speed, rad/s.
     pub omega: f64,
@@ -22,9 +24,9 @@ pub struct Question {
 /// What the solver answered, widened.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
-    /// Displacement, m and rad.
+    /// Displacement, m and rad; 0 of freedoms that the scene has not.
     pub displacement: [f64; 5],
-    /// Stiffness, SI.
+    /// Stiffness, SI; 0 beyond that of the free freedoms.
     pub stiffness: [[f64; 5]; 5],
     /// The solver's own estimates of its errors.
     pub error: [f64; 3],
@@ -50,8 +52,9 @@ pub struct Solve {
 
 /// A program on the emulated core.
 pub struct Bench {
-    /// Which.
-    pub variant: Variant,
+    precision: Precision,
+    /// Bytes of a number, and numbers of displacement and stiffness.
+    shape: [usize; 3],
     /// The program.
     pub image: Image,
     /// The core.
@@ -61,14 +64,17 @@ pub struct Bench {
 
 impl Bench {
     /// Puts a program on the core.
-    pub fn new(image: Image, variant: Variant) -> Result<Self> {
-        let machine = Machine::new(variant.core, &image)?;
+    pub fn new(image: Image, core: Core, precision: Precision) -> Result<Self> {
+        let machine = Machine::new(core, &image)?;
         let mut bench = Self {
-            variant,
+            precision,
+            shape: [0; 3],
             image,
             machine,
             overhead: (0, 0),
         };
+        let [_, _, number, vector, matrix] = bench.words()?.map(|word| word as usize);
+        bench.shape = [number, vector / number, matrix / number];
         let (_, counts) = bench.call("measured_nothing")?;
         bench.overhead = (
             bench.machine.cycles(&counts),
@@ -85,7 +91,7 @@ impl Bench {
     }
 
     fn bytes(&self, values: &[f64]) -> Vec<u8> {
-        let of = |x: &f64| match self.variant.precision {
+        let of = |x: &f64| match self.precision {
             Precision::F32 => (*x as f32).to_le_bytes().to_vec(),
             Precision::F64 => x.to_le_bytes().to_vec(),
         };
@@ -93,7 +99,7 @@ impl Bench {
     }
 
     fn numbers(&self, bytes: &[u8]) -> Vec<f64> {
-        match self.variant.precision {
+        match self.precision {
             Precision::F32 => bytes
                 .as_chunks::<4>()
                 .0
@@ -144,8 +150,8 @@ impl Bench {
     }
 
     fn ask(&mut self, question: &Question) -> Result<()> {
-        let [a, b, c, d, e] = question.load;
-        let mut bytes = self.bytes(&[a, b, c, d, e, question.omega, question.tolerance]);
+        let mut bytes = self.bytes(&question.load[..self.shape[1]]);
+        bytes.extend(self.bytes(&[question.omega, question.tolerance]));
         bytes.extend(question.max_sweeps.to_le_bytes());
         let at = self.image.symbol("MEASURED_QUESTION")?;
         self.machine.write(at, &bytes)
@@ -168,23 +174,23 @@ impl Bench {
     }
 
     fn answer(&self) -> Result<Answer> {
-        let size = match self.variant.precision {
-            Precision::F32 => 4,
-            Precision::F64 => 8,
-        };
+        let [size, freedoms, elements] = self.shape;
+        let all = freedoms + elements + 3;
         let at = self.image.symbol("MEASURED_ANSWER")?;
-        let bytes = self.machine.read(at, 33 * size + 12)?;
-        let numbers = self.numbers(&bytes[..33 * size]);
-        let words: Vec<u32> = bytes[33 * size..]
+        let bytes = self.machine.read(at, all * size + 12)?;
+        let numbers = self.numbers(&bytes[..all * size]);
+        let (displacement, rest) = numbers.split_at(freedoms);
+        let (stiffness, error) = rest.split_at(elements);
+        let words: Vec<u32> = bytes[all * size..]
             .as_chunks::<4>()
             .0
             .iter()
             .map(|b| u32::from_le_bytes(*b))
             .collect();
         Ok(Answer {
-            displacement: std::array::from_fn(|i| numbers[i]),
-            stiffness: std::array::from_fn(|i| std::array::from_fn(|j| numbers[5 + 5 * i + j])),
-            error: std::array::from_fn(|i| numbers[30 + i]),
+            displacement: padded(displacement),
+            stiffness: square(stiffness),
+            error: std::array::from_fn(|i| error[i]),
             solved: matches!(words[0], 1 | 2),
             sweeps: if words[0] == 0 { 0 } else { words[1] },
             repeats: words[2],
@@ -203,9 +209,26 @@ impl Bench {
 
     /// Bytes of the solver and of the bearing's constants.
     pub fn sizes(&self) -> Result<[u32; 2]> {
-        let at = self.image.symbol("MEASURED_SIZES")?;
-        let bytes = self.machine.read(at, 8)?;
-        let word = |i: usize| u32::from_le_bytes(std::array::from_fn(|j| bytes[4 * i + j]));
-        Ok([word(0), word(1)])
+        let [solver, bearing, ..] = self.words()?;
+        Ok([solver, bearing])
     }
+
+    fn words(&self) -> Result<[u32; 5]> {
+        let at = self.image.symbol("MEASURED_SIZES")?;
+        let bytes = self.machine.read(at, 20)?;
+        Ok(std::array::from_fn(|i| {
+            u32::from_le_bytes(std::array::from_fn(|j| bytes[4 * i + j]))
+        }))
+    }
+}
+
+/// Zeros behind the numbers of a smaller scene.
+pub fn padded(numbers: &[f64]) -> [f64; 5] {
+    std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0))
+}
+
+/// The same of a square matrix, row by row.
+pub fn square(elements: &[f64]) -> [[f64; 5]; 5] {
+    let mut rows = elements.chunks(elements.len().isqrt().max(1));
+    std::array::from_fn(|_| padded(rows.next().unwrap_or(&[])))
 }

@@ -64,30 +64,50 @@ pub struct Image {
 impl Image {
     /// Builds it.
     pub fn build(root: &Path, variant: &Variant) -> Result<Self> {
-        let balls = variant.balls.to_string();
+        let Variant {
+            core,
+            precision,
+            balls,
+            motion,
+        } = *variant;
+        Self::of_scene(root, core, precision, balls, motion.name())
+    }
+
+    /// Builds the program with a scene of the example's.
+    pub fn of_scene(
+        root: &Path,
+        core: Core,
+        precision: Precision,
+        balls: usize,
+        scene: &str,
+    ) -> Result<Self> {
+        let balls = balls.to_string();
         let build = Build {
             board: host_tests::cross::Board::F405,
             example: "measured",
             link: &["--emit-relocs"],
-            processor: (variant.core != Core::M4f).then(|| variant.core.processor()),
+            processor: (core != Core::M4f).then(|| core.processor()),
             environment: &[
-                ("MEASURED_PRECISION", Some(name(variant.precision))),
+                ("MEASURED_PRECISION", Some(name(precision))),
                 ("MEASURED_BALLS", Some(&balls)),
-                ("MEASURED_MOTION", Some(variant.motion.name())),
+                ("MEASURED_SCENE", Some(scene)),
             ],
             quiet: true,
         };
-        let built = build
-            .run(root)
-            .with_context(|| format!("cannot build what to measure, {variant:?}"))?;
+        let built = build.run(root).with_context(|| {
+            format!(
+                "cannot build what to measure, {scene} with {balls} balls, {}, {}",
+                core.name(),
+                name(precision)
+            )
+        })?;
         let elf =
             std::fs::read(&built).with_context(|| format!("cannot read {}", built.display()))?;
         // The next variant's build replaces it.
         let path = built.with_file_name(format!(
-            "measured-{}-{}-{balls}-{}",
-            variant.core.processor(),
-            name(variant.precision),
-            variant.motion.name()
+            "measured-{}-{}-{balls}-{scene}",
+            core.processor(),
+            name(precision)
         ));
         std::fs::write(&path, &elf).with_context(|| format!("cannot write {}", path.display()))?;
         let file = object::File::parse(&*elf)?;

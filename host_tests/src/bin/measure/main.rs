@@ -13,6 +13,7 @@ mod page;
 mod plan;
 mod profile;
 mod rows;
+mod scenes;
 mod target;
 mod terminal;
 mod workload;
@@ -50,6 +51,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     }
     let cases = arguments.cases as usize;
     let (mut rows, works, truths) = plan::run(root, cases)?;
+    rows.append(scenes::run(root, &works)?);
     rows.append(clock::run(&works, &truths)?);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(rows.all())?;

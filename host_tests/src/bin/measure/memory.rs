@@ -18,17 +18,21 @@ impl Memory {
     /// Of the program on a bench.
     pub fn of(bench: &Bench) -> Result<Self> {
         let graph = Graph::read(&bench.image.elf)?;
+        let size = |wanted: &str| -> u64 {
+            let reach = graph.reach(|name| name == wanted);
+            let own = reach.symbols().filter(|(.., name)| *name == wanted);
+            own.map(|(_, size, _)| size).sum()
+        };
         // What copies question and answer is not the solver's.
-        let around: Vec<u64> = graph
-            .reach(|name| name == "measured_nothing")
-            .symbols()
-            .map(|(at, ..)| at)
-            .collect();
+        let around = size("measured_nothing");
         let reach = graph.reach(|name| name == "measured_solve");
         let mut symbols: Vec<(u64, String)> = reach
             .symbols()
-            .filter(|(at, size, _)| *size > 0 && !around.contains(at) && *at < 0x2000_0000)
-            .map(|(_, size, name)| (size, name.to_owned()))
+            .filter(|(at, size, _)| *size > 0 && *at < 0x2000_0000)
+            .map(|(_, size, name)| match name {
+                "measured_solve" => (size.saturating_sub(around), name.to_owned()),
+                _ => (size, name.to_owned()),
+            })
             .collect();
         symbols.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
         let [state, constants] = bench.sizes()?;

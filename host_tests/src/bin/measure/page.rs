@@ -5,6 +5,7 @@ use crate::image::{Motion, name};
 use crate::plan::{BALLS, BUDGETS, CORES, OTHERS, TOLERANCES, USUAL};
 use crate::profile::Part;
 use crate::rows::{At, Rows, Start};
+use crate::scenes::{self, SCENES, Scene, WHOLE};
 use crate::terminal::thousands;
 use host_tests::campaign::report::table;
 use host_tests::dispatch::Precision;
@@ -116,6 +117,7 @@ pub fn page(rows: &Rows, cases: usize) -> String {
     text += &breakdown(rows);
     text += &others(rows);
     text += &memory(rows);
+    text += &scenes(rows);
     text += &study(rows);
     text += "## Again\n\n`cargo reports` makes this page, its figures and [the times on a host](report_host.md) \
              anew; all but the times are the same figures every time. `cargo reports --json FILE` writes \
@@ -383,7 +385,7 @@ fn memory(rows: &Rows) -> String {
         .collect();
     symbols.truncate(20);
     format!(
-        "## Memory\n\nBytes. Flash is what a solve reaches, code and constants, soft arithmetic included; \
+        "## Memory\n\nBytes. Flash is what a solve reaches, code and constants, soft arithmetic included, less the call around it; \
          the bearing's constants are flash or RAM, as the program wants; state is the solver with its \
          balls; the stack is the deepest of a few dozen solves, cold and warm, beyond the caller's.\n\n{}\n\
          Flash by symbol, Cortex-M4F, f32; inlined functions are part of who called them, `Solver::solve` \
@@ -394,6 +396,215 @@ fn memory(rows: &Rows) -> String {
         ),
         table(&["symbol", "bytes"], &symbols)
     )
+}
+
+/// What is told of a scene.
+#[derive(Debug, Clone, Copy)]
+enum Figure {
+    Bytes(&'static str),
+    Cycles(Start),
+}
+
+const FLASH: Figure = Figure::Bytes("flash");
+const STATE: Figure = Figure::Bytes("state");
+const STACK: Figure = Figure::Bytes("worst stack");
+const WARM: Figure = Figure::Cycles(Start::Warm);
+const COLD: Figure = Figure::Cycles(Start::Cold);
+
+/// A figure of a scene; NaN if there is none.
+fn of_scene(rows: &Rows, scene: &Scene, precision: Precision, what: Figure) -> f64 {
+    match what {
+        Figure::Bytes(metric) => scene.figure(rows, precision, None, metric, "value"),
+        Figure::Cycles(start) => scene.figure(rows, precision, Some(start), "cycles", "median"),
+    }
+}
+
+fn scenes(rows: &Rows) -> String {
+    let doubles: Vec<&Scene> = SCENES.iter().filter(|scene| scene.double).collect();
+    let measured = SCENES
+        .iter()
+        .map(|scene| (scene, Precision::F32))
+        .chain(doubles.iter().map(|scene| (*scene, Precision::F64)));
+    let lines: Vec<Vec<String>> = measured
+        .map(|(scene, precision)| {
+            let get = |what| cell(of_scene(rows, scene, precision, what));
+            let solved =
+                |start| cell(scene.figure(rows, precision, Some(start), "answers solved", "value"));
+            let mut line = vec![format!("{}, {}", scene.name, name(precision))];
+            line.extend([FLASH, STATE, STACK, WARM, COLD].map(get));
+            line.push(format!("{} / {}", solved(Start::Warm), solved(Start::Cold)));
+            line
+        })
+        .collect();
+    let largest: Vec<Vec<String>> = SCENES
+        .iter()
+        .map(|scene| {
+            let symbols: Vec<String> = rows
+                .all()
+                .iter()
+                .filter(|r| r.scene == scene.name && r.precision == "f32")
+                .filter_map(|r| Some((r.metric.strip_prefix("flash of ")?, r.value)))
+                .take(4)
+                .map(|(symbol, value)| format!("`{}` {}", short(symbol), cell(value)))
+                .collect();
+            vec![scene.name.to_owned(), symbols.join(", ")]
+        })
+        .collect();
+    let doubles: Vec<String> = doubles.iter().map(|s| format!("`{}`", s.name)).collect();
+    format!(
+        "## Scenes\n\nA firmware with one scene alone has nothing of what the scene leaves out. {}, 16 balls; \
+         cycles are medians, {LABEL}. All scenes solve the same mixed cases, less the loads for which they \
+         have no freedom, and at rest less the speed; `all-preloaded` is given the axial displacement that \
+         `{WHOLE}` finds for the cold case. The last column says how many were solved, warm and cold; only \
+         these count. Doubles, in software here, are measured of {} only, and of the first {} cases, to keep \
+         the report short. Flash is code and constants that a solve reaches, without the call around it; \
+         not the bearing's constants.\n\n{}\n\
+         ### What leaving out saves\n\nAgainst `{WHOLE}`, f32; less than nothing is a cost.\n\n{}\n\
+         ### What was promised\n\nf32; cycles are medians.\n\n{}\n\
+         ### Largest symbols\n\nBytes of flash, f32; inlined functions are part of who called them, \
+         `Solver::solve` of `measured_solve`.\n\n{}\n",
+        scenes::CORE.name(),
+        doubles.join(", "),
+        scenes::DOUBLE_CASES,
+        table(
+            &[
+                "scene",
+                "flash / B",
+                "state / B",
+                "stack / B",
+                "warm tick / cycles",
+                "cold / cycles",
+                "solved"
+            ],
+            &lines
+        ),
+        savings(rows),
+        promises(rows),
+        table(&["scene", "symbols"], &largest)
+    )
+}
+
+fn savings(rows: &Rows) -> String {
+    let Some(whole) = scenes::scene(WHOLE) else {
+        return String::new();
+    };
+    let lines: Vec<Vec<String>> = SCENES
+        .iter()
+        .filter(|scene| scene.name != WHOLE)
+        .map(|scene| {
+            let mut line = vec![scene.name.to_owned(), scene.without.to_owned()];
+            for what in [FLASH, STATE, WARM, COLD] {
+                let get = |scene| of_scene(rows, scene, Precision::F32, what);
+                let saved = get(whole) - get(scene);
+                line.push(cell(saved));
+                line.push(format!("{:.0}", 100.0 * saved / get(whole)));
+            }
+            line
+        })
+        .collect();
+    table(
+        &[
+            "scene",
+            "without",
+            "flash / B",
+            "%",
+            "state / B",
+            "%",
+            "warm tick",
+            "%",
+            "cold",
+            "%",
+        ],
+        &lines,
+    )
+}
+
+/// What a scene was to take at most: so much, or this share of the whole solver's.
+#[derive(Debug, Clone, Copy)]
+enum Most {
+    Of(f64),
+    Share(f64),
+}
+
+const PROMISES: [(&str, Figure, Most); 7] = [
+    ("axial-static", FLASH, Most::Of(1024.0)),
+    ("axial-static", WARM, Most::Of(600.0)),
+    ("all-static", FLASH, Most::Of(4096.0)),
+    ("all-static", WARM, Most::Share(0.5)),
+    ("all-static", COLD, Most::Share(0.5)),
+    ("translations-full", WARM, Most::Share(0.75)),
+    ("translations-full", COLD, Most::Share(0.75)),
+];
+
+fn promises(rows: &Rows) -> String {
+    let get = |name, what| {
+        scenes::scene(name).map_or(f64::NAN, |scene| {
+            of_scene(rows, scene, Precision::F32, what)
+        })
+    };
+    let lines: Vec<Vec<String>> = PROMISES
+        .iter()
+        .map(|(name, what, most)| {
+            let value = get(name, *what);
+            let whole = get(WHOLE, *what);
+            let (limit, told) = match most {
+                Most::Of(limit) => (*limit, cell(*limit)),
+                Most::Share(share) => {
+                    let limit = share * whole;
+                    (limit, format!("{}: {} of `{WHOLE}`", cell(limit), share))
+                }
+            };
+            vec![
+                format!("{name}, {}", what.name()),
+                told,
+                match most {
+                    Most::Of(_) => cell(value),
+                    Most::Share(_) => format!("{}: {:.2}", cell(value), value / whole),
+                },
+                if value <= limit {
+                    "reached"
+                } else {
+                    "not reached"
+                }
+                .to_owned(),
+            ]
+        })
+        .collect();
+    table(&["what", "at most", "is", "so"], &lines)
+}
+
+impl Figure {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Bytes(metric) => metric,
+            Self::Cycles(Start::Warm) => "cycles of a warm tick",
+            Self::Cycles(Start::Cold) => "cycles from nothing",
+        }
+    }
+}
+
+/// A symbol without the modules of its parts: `a::b::C<T>::d` is `C<T>::d`.
+fn short(symbol: &str) -> String {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_';
+    let mut out = String::new();
+    let mut rest = symbol;
+    while let Some(c) = rest.chars().next() {
+        let word = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
+        let behind = &rest[word..];
+        let is_module = rest[..word].chars().all(|c| !c.is_uppercase());
+        // Modules are in front of another name.
+        if word > 0
+            && is_module
+            && let Some(next) = behind.strip_prefix("::")
+        {
+            rest = next;
+        } else {
+            let taken = if word > 0 { word } else { c.len_utf8() };
+            out.push_str(&rest[..taken]);
+            rest = &rest[taken..];
+        }
+    }
+    out
 }
 
 /// A figure of somebody on the host.
@@ -511,4 +722,23 @@ pub fn host_page(rows: &Rows) -> String {
             &lines
         )
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbols_lose_their_modules() {
+        for (symbol, expected) in [
+            ("measured_solve", "measured_solve"),
+            (
+                "<spindle_bearing::scene::Full<A> as spindle_bearing::scene::Motion>::linearise",
+                "<Full<A> as Motion>::linearise",
+            ),
+            ("libm::math::atan2f::atan2f", "atan2f"),
+        ] {
+            assert_eq!(short(symbol), expected);
+        }
+    }
 }

@@ -50,7 +50,7 @@ pub struct Row {
     pub core: &'static str,
     /// `f32`, `f64`, or what else computes.
     pub precision: &'static str,
-    /// `at speed` or `static`.
+    /// `at speed` or `static`; the name of one that leaves out more.
     pub scene: &'static str,
     /// The rule of attitude; none at rest.
     pub attitude: Option<&'static str>,

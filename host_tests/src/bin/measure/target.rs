@@ -32,7 +32,7 @@ pub fn measure(
     host: &[Vec<Option<Sample>>],
     bar: &ProgressBar,
 ) -> Result<Rows> {
-    let mut bench = Bench::new(image, variant)?;
+    let mut bench = Bench::new(image, variant.core, variant.precision)?;
     let mut profiler = Profiler::new(variant.core, &bench.image)?;
     let mut counts: Vec<Vec<Count>> = vec![Vec::new(); tasks.len()];
     let mut profiles = [Profile::default(), Profile::default()];

@@ -24,7 +24,11 @@ pub fn profile(root: &Path, choice: &Choice) -> Result<()> {
             Motion::AtSpeed(choice.attitude)
         },
     };
-    let mut bench = Bench::new(Image::build(root, &variant)?, variant)?;
+    let mut bench = Bench::new(
+        Image::build(root, &variant)?,
+        variant.core,
+        variant.precision,
+    )?;
     let mut profiler = Profiler::new(variant.core, &bench.image)?;
     println!(
         "{}, {}, {} balls, {}: modelled cycles, +-15 %, no wait states\n",
