@@ -26,7 +26,7 @@ type Precision = f64;
 const CORE_HZ: u32 = 400_000_000;
 const COST: CycleCost = CycleCost {
     fixed: 60_000,
-    sweep: 141_921,
+    sweep: 141_906,
 };
 
 #[cortex_m_rt::entry]
