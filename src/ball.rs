@@ -161,7 +161,8 @@ impl<T: Real> Ball<T> {
     /// Linearises the ball at the ring's offset `a`, keeps its Newton step and the step's slope, and
     /// returns what it hands to the ring, and how far the ball was from its own equilibrium: unbalanced
     /// force over its contact forces (or what is `negligible` beside the bearing's load), plus lag over
-    /// deformation. `speed_load` is `m dm omega^2 / 2`; `law` asks for the ball's law, too. A ring that
+    /// deformation. `speed_load` is `m dm omega^2 / 2`; where the ball is no further off than `law`, its
+    /// law is worked out, too. A ring that
     /// cannot tilt, with fewer than 5 freedoms `D`, takes no notice of the couple.
     ///
     /// Vectors and matrices are worked out along the inner contact's normal and tangent, where half of
@@ -173,11 +174,11 @@ impl<T: Real> Ball<T> {
         speed_load: T,
         negligible: T,
         a: Pair<T>,
-        law: bool,
+        law: T,
     ) -> (Share<T>, T) {
-        let (inner, outer) = self.contacts(c, a);
-        let inner = inner.led_by(self.inner_lead.q, c.ki);
-        let outer = outer.led_by(self.outer_lead.q, c.ko);
+        let (mut inner, mut outer) = self.contacts(c, a);
+        inner.lead_by(self.inner_lead.q, c.ki);
+        outer.lead_by(self.outer_lead.q, c.ko);
         self.inner_lead.remember(&inner);
         self.outer_lead.remember(&outer);
         let (m, l) = Self::loads::<A>(c, speed_load, &inner, &outer);
@@ -373,14 +374,6 @@ impl<T: Real> Ball<T> {
             share.couple = c.friction_arm * friction;
             share.couple_slope = scale(c.friction_arm, turned(couple_slope));
         }
-        if law {
-            self.spring = self.law(c, &inner, &outer, &l, &share);
-        }
-        // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
-        // pole, with equilibria that are of the equations only.
-        if inner.q > T::ZERO && cd < T::of(-0.5) {
-            return (share, T::ONE);
-        }
         let unbalanced = residual[0].abs() + residual[1].abs();
         let least = T::of(1e3) * negligible;
         let mut imbalance = if outer.q < least {
@@ -391,6 +384,14 @@ impl<T: Real> Ball<T> {
         let lag = inner.lag.abs() + outer.lag.abs();
         if lag > T::ZERO {
             imbalance += lag / outer.delta.or_larger(T::TINY);
+        }
+        // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
+        // pole, with equilibria that are of the equations only.
+        if inner.q > T::ZERO && cd < T::of(-0.5) {
+            imbalance = T::ONE;
+        }
+        if !(imbalance > law) {
+            self.spring = self.law(c, &inner, &outer, &l, &share);
         }
         (share, imbalance)
     }

@@ -120,20 +120,16 @@ impl<T: Real> Contact<T> {
         }
     }
 
-    /// The same, led by the force `lead` if that is positive and not near what geometry says.
+    /// Has the force `lead` lead, if that is positive and not near what geometry says.
     #[inline(always)]
-    pub fn led_by(self, lead: T, k: T) -> Self {
-        if !(lead > T::ZERO) || (self.q - lead).abs() <= T::of(0.1) * lead {
-            return self;
-        }
-        let root = (lead / k).cbrt();
-        let delta = root * root;
-        Self {
-            delta,
-            q: lead,
-            slope: T::of(1.5) * k * root,
-            lag: self.delta - delta,
-            ..self
+    pub fn lead_by(&mut self, lead: T, k: T) {
+        if lead > T::ZERO && (self.q - lead).abs() > T::of(0.1) * lead {
+            let root = (lead / k).cbrt();
+            let delta = root * root;
+            self.lag = self.delta - delta;
+            self.delta = delta;
+            self.q = lead;
+            self.slope = T::of(1.5) * k * root;
         }
     }
 

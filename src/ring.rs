@@ -309,13 +309,22 @@ pub struct Factors<T, const D: usize> {
 impl<T: Real, const D: usize> Factors<T, D> {
     /// Factorises. A pivot smaller than `least` of its diagonal element is replaced by that element,
     /// so that the step stays bounded, and reported.
-    #[inline]
+    #[inline(always)]
     pub fn of(tangent: &Tangent<T, D>, least: T) -> (Self, Definite) {
+        Self::damped(tangent, T::ZERO, least)
+    }
+
+    /// The same, with `damping` on the diagonal.
+    #[inline]
+    pub fn damped(tangent: &Tangent<T, D>, damping: T, least: T) -> (Self, Definite) {
         let mut lu = *tangent;
+        for (i, row) in lu.iter_mut().enumerate() {
+            row[i] += damping;
+        }
         let mut inverse_pivot = [T::ZERO; D];
         let mut definite = Definite::Positive;
         for k in 0..D {
-            let diagonal = tangent[k][k].abs();
+            let diagonal = (tangent[k][k] + damping).abs();
             let pivot = lu[k][k];
             if !(pivot.abs() > least * diagonal) || !(pivot.abs() > T::TINY) {
                 if definite == Definite::Positive {

@@ -175,15 +175,15 @@ pub trait Motion: sealed::Sealed + 'static {
     #[doc(hidden)]
     fn rebase<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, coarse: Pair<T>, fine: Pair<T>);
     /// Linearises the ball at the ring's offset `a`. The second value is how far it was from its own
-    /// equilibrium: unbalanced force over the largest, plus lag over deformation. `law` asks for the
-    /// ball's law, too.
+    /// equilibrium: unbalanced force over the largest, plus lag over deformation. If that is no
+    /// more than `law`, the ball's law is worked out, too.
     #[doc(hidden)]
     fn linearise<T: Real, const D: usize>(
         c: &Constants<T>,
         drive: &Drive<T>,
         ball: &mut Self::Ball<T>,
         a: Pair<T>,
-        law: bool,
+        law: T,
     ) -> (Share<T>, T);
     /// The ball's law in the last linearisation.
     #[doc(hidden)]
@@ -283,9 +283,10 @@ impl Motion for Static {
         _: &Drive<T>,
         ball: &mut Still<T>,
         a: Pair<T>,
-        _: bool,
+        _: T,
     ) -> (Share<T>, T) {
-        let k = Contact::at(&ball.centres, a, T::ONE, T::ONE).led_by(ball.force, T::ONE);
+        let mut k = Contact::at(&ball.centres, a, T::ONE, T::ONE);
+        k.lead_by(ball.force, T::ONE);
         ball.spring = Spring::at_rest(&k);
         if k.q <= T::ZERO {
             return (Share::NONE, T::ZERO);
@@ -521,7 +522,7 @@ impl<S: Turning> Motion for S {
         place(c, speed_load, ball, centre, length(centre) - T::ONE);
     }
 
-    #[inline]
+    #[inline(never)]
     fn rebase<T: Real>(c: &Constants<T>, ball: &mut Ball<T>, coarse: Pair<T>, fine: Pair<T>) {
         let old = ball.outer.vector;
         let new = [(old[0] + ball.x[0]).fine(), (old[1] + ball.x[1]).fine()];
@@ -537,7 +538,7 @@ impl<S: Turning> Motion for S {
         drive: &Drive<T>,
         ball: &mut Ball<T>,
         a: Pair<T>,
-        law: bool,
+        law: T,
     ) -> (Share<T>, T) {
         if ball.drops_out(c, drive, a) {
             return (Share::NONE, T::ZERO);

@@ -495,6 +495,8 @@ struct Iteration<'i, T: Real, M: Motion, B, O, const D: usize> {
     azimuths: &'i [Azimuth<T>],
     state: &'i mut State<T, D>,
     balls: &'i mut [M::Ball<T>],
+    /// All balls are in the same state, so that one is worked out for all.
+    alike: bool,
     scene: PhantomData<(B, O)>,
 }
 
@@ -508,33 +510,48 @@ where
     /// the largest imbalance that is left.
     fn sweep(&mut self, drive: &Drive<T>, laws: bool) -> (u16, T) {
         // Beyond this imbalance a ball repeats its own step, a few times at most.
-        let (bad, most) = (T::of(0.01), 8);
+        let (bad, most, never) = (T::of(0.01), 8, -T::ONE);
         let mut sums = Sums::about(self.state.mean);
         let mut total: u16 = 0;
         let mut worst = T::ZERO;
+        let mut share = Share::NONE;
+        let mut known = false;
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
             let mut repeats = 0;
-            let (share, left) = loop {
-                let (share, imbalance) = M::linearise::<T, D>(self.c, drive, ball, a, laws);
+            while !known {
+                // Only the last pass needs a law.
+                let law = match (laws, repeats < most) {
+                    (false, _) => never,
+                    (true, true) => bad,
+                    (true, false) => T::of(f64::INFINITY),
+                };
+                let (new, imbalance) = M::linearise::<T, D>(self.c, drive, ball, a, law);
                 if !(imbalance > bad) || repeats == most {
-                    break (share, imbalance);
+                    share = new;
+                    worst = worst.or_larger(imbalance);
+                    break;
                 }
                 M::settle(ball);
                 repeats += 1;
-            };
+            }
             sums.add(at, &share);
             total = total.saturating_add(repeats);
-            worst = worst.or_larger(left);
+            known = self.alike;
         }
+        if let (true, [first, others @ ..]) = (self.alike, &mut *self.balls) {
+            others.fill(*first);
+        }
+        self.alike = false;
         self.state.force = sums.force();
         self.state.mean = sums.mean(ring::sharing::<T, D>(self.c));
         self.state.tangent = sums.tangent();
         (total, worst)
     }
 
-    /// Moves the ring by `du` and every ball with it, by its linearisation, and the tangent with them.
-    fn advance(&mut self, du: &[T; D]) -> Change<T> {
+    /// Moves the ring by `du` and every ball with it, by its linearisation, and, where no sweep is sure to
+    /// follow (`last`), the tangent with them.
+    fn advance(&mut self, du: &[T; D], last: bool) -> Change<T> {
         let mut all = Change::<T>::default();
         let mut sums = Sums::<T, D>::about([T::ZERO; 2]);
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
@@ -543,7 +560,7 @@ where
                 step,
                 stiffness: [stiffness[0][0].abs(), stiffness[1][1].abs()],
             });
-            if O::STIFFNESS {
+            if O::STIFFNESS && last {
                 sums.add(
                     at,
                     &Share {
@@ -553,9 +570,11 @@ where
                 );
             }
         }
-        for (row, more) in self.state.tangent.iter_mut().zip(&sums.tangent()) {
-            for (element, more) in row.iter_mut().zip(more) {
-                *element += *more;
+        if O::STIFFNESS && last {
+            for (row, more) in self.state.tangent.iter_mut().zip(&sums.tangent()) {
+                for (element, more) in row.iter_mut().zip(more) {
+                    *element += *more;
+                }
             }
         }
         for (offset, step) in self.state.position.offset.iter_mut().zip(du) {
@@ -678,7 +697,7 @@ where
                 M::place(c, speed_load, &mut ball, centre);
                 for _ in 0..6 {
                     let (new, imbalance) =
-                        M::linearise::<T, D>(c, &drive, &mut ball, [offset, T::ZERO], false);
+                        M::linearise::<T, D>(c, &drive, &mut ball, [offset, T::ZERO], -T::ONE);
                     share = new;
                     if imbalance < T::of(0.02) {
                         break;
@@ -703,16 +722,18 @@ where
                 offset = new;
             }
             position.offset[0] = offset;
+            position.rebase();
+            let (coarse, fine) = curvature_centre(c, &position.reference, &top);
+            M::rebase(c, &mut ball, coarse, fine);
             self.state.position = position;
-            for other in self.balls.iter_mut() {
-                *other = ball;
-            }
-            self.rebase();
+            self.balls.fill(ball);
+            self.alike = true;
         } else {
             self.state.mean = [sign * q * c.n0[1].high / (s0 + x), sign * q];
             let mut u = [T::ZERO; D];
             u[0] = x;
             self.place(&u, speed_load);
+            self.alike = true;
         }
     }
 
@@ -752,7 +773,7 @@ where
             *step -= *back;
         }
         constrain::<T, B, D>(self.c, &by, &mut du);
-        self.advance(&du);
+        self.advance(&du, false);
     }
 
     /// Load less the forces that the balls' laws see after a step `du`, and the tangent there.
@@ -794,6 +815,7 @@ where
         mut b: [T; D],
         mut tangent: Tangent<T, D>,
         longest: T,
+        rung: &mut u8,
     ) -> ([T; D], bool) {
         let first = norm(&b);
         let small = T::of(1e-3) * norm(load);
@@ -802,7 +824,7 @@ where
         // At rest, balls are cheaper to react than to linearise.
         let (passes, enough) = if M::AT_SPEED { (12, 0.05) } else { (16, 0.02) };
         for pass in 0..passes {
-            let (d, semi) = self.descent(&b, &tangent, &du, longest, first <= small);
+            let (d, semi) = self.descent(&b, &tangent, &du, longest, first <= small, rung);
             singular |= semi && pass == 0;
             if first <= small {
                 // The laws are linear over so short a step.
@@ -831,7 +853,9 @@ where
 
     /// One Newton step from `du`, shortened where it would lead further than `longest` and turned
     /// downhill where the tangent is not positive definite: by adding to its diagonal. Close to the
-    /// solution (`close`) an indefinite tangent is taken as it is.
+    /// solution (`close`) an indefinite tangent is taken as it is. Of a ladder of such dampings it takes
+    /// the first that does; those above it mostly do, too, so that the search begins next to the last
+    /// one's `rung`.
     fn descent(
         &self,
         b: &[T; D],
@@ -839,36 +863,63 @@ where
         du: &[T; D],
         longest: T,
         close: bool,
+        rung: &mut u8,
     ) -> ([T; D], bool) {
-        let least = T::of(8.0) * T::EPSILON;
-        let mut damping = T::ZERO;
-        let mut singular = false;
-        let mut d = [T::ZERO; D];
-        // The damping grows to more than the step bound can need.
-        for attempt in 0..14 {
-            let mut damped = *tangent;
-            for (i, row) in damped.iter_mut().enumerate() {
-                row[i] += damping;
-            }
-            let (factors, definite) = Factors::of(&damped, least);
-            singular |= attempt == 0 && definite == Definite::Semi;
-            d = factors.solve(b);
-            constrain::<T, B, D>(self.c, &[T::ZERO; D], &mut d);
-            let mut to = *du;
-            for (sum, part) in to.iter_mut().zip(&d) {
-                *sum += *part;
-            }
-            let downhill = definite == Definite::Positive || (close && definite == Definite::No);
-            if downhill && span(&to) <= longest {
-                break;
-            }
-            damping = if attempt == 0 {
-                T::of(1e-4) * norm(b) / longest
-            } else {
-                damping * T::of(4.0)
-            };
+        // Higher than the step bound can need.
+        const HIGHEST: u8 = 13;
+        let on = |rung: u8| self.damped(b, tangent, du, longest, close, rung);
+        let (mut d, definite, mut holds) = on(0);
+        let singular = definite == Definite::Semi;
+        if holds {
+            return (d, singular);
         }
+        let mut at = (*rung).saturating_sub(2).max(1);
+        (d, _, holds) = on(at);
+        if holds {
+            while at > 1
+                && let (lower, _, true) = on(at - 1)
+            {
+                d = lower;
+                at -= 1;
+            }
+        }
+        while !holds && at < HIGHEST {
+            at += 1;
+            (d, _, holds) = on(at);
+        }
+        *rung = at;
         (d, singular)
+    }
+
+    /// The Newton step from `du` under the damping of a rung, none at 0 and four times as much on each as
+    /// on the last; whether the tangent is definite so, and whether the step leads downhill and no further
+    /// than `longest`.
+    #[inline(never)]
+    fn damped(
+        &self,
+        b: &[T; D],
+        tangent: &Tangent<T, D>,
+        du: &[T; D],
+        longest: T,
+        close: bool,
+        rung: u8,
+    ) -> ([T; D], Definite, bool) {
+        let mut damping = T::ZERO;
+        if rung > 0 {
+            damping = T::of(1e-4) * norm(b) / longest;
+            for _ in 1..rung {
+                damping = damping * T::of(4.0);
+            }
+        }
+        let (factors, definite) = Factors::damped(tangent, damping, T::of(8.0) * T::EPSILON);
+        let mut d = factors.solve(b);
+        constrain::<T, B, D>(self.c, &[T::ZERO; D], &mut d);
+        let mut to = *du;
+        for (sum, part) in to.iter_mut().zip(&d) {
+            *sum += *part;
+        }
+        let downhill = definite == Definite::Positive || (close && definite == Definite::No);
+        (d, definite, downhill && span(&to) <= longest)
     }
 
     /// Sweeps until converged, or until there were `until` of them.
@@ -897,6 +948,7 @@ where
         (outcome.change, outcome.step) = (T::ONE, T::ZERO);
         let mut last_residual = T::ONE / T::EPSILON;
         let mut stuck = false;
+        let mut rung = 0;
         // Balls round their forces, which are centrifugal ones where the load is light.
         let (some, few) = (T::of(256.0), T::of(2.0));
         let rounding = T::EPSILON * (some + few * speed_load / size.or_larger(T::TINY));
@@ -935,9 +987,9 @@ where
                 stuck = outcome.residual > T::of(0.5) * last_residual;
                 last_residual = outcome.residual;
                 (du, singular) = if laws {
-                    self.step(load, b, tangent, radius)
+                    self.step(load, b, tangent, radius, &mut rung)
                 } else {
-                    self.descent(&b, &tangent, &du, radius, true)
+                    self.descent(&b, &tangent, &du, radius, true, &mut rung)
                 };
             } else {
                 outcome.residual = T::ZERO;
@@ -950,7 +1002,7 @@ where
             let moved = if laws {
                 self.follow(&drive, &du)
             } else {
-                self.advance(&du)
+                self.advance(&du, true)
             };
             outcome.step = span(&du);
             outcome.imbalance = imbalance;
@@ -1238,6 +1290,7 @@ where
             azimuths: &self.bearing.azimuths,
             state: &mut self.state,
             balls: self.balls.as_mut(),
+            alike: false,
             scene: PhantomData,
         }
     }
@@ -1327,23 +1380,23 @@ where
         let mut w = Spring::root_at(s0, self.state.position.total()[0]);
         let mut spring = Spring::at(s0, w);
         let (mut status, mut sweeps) = (Status::SweepLimit, 0);
-        let left = loop {
+        let step = loop {
             let least = T::of(0.1) * w;
             let next = (w - spring.step(q)).or_larger(least).or_smaller(T::of(2.0));
-            let step = (next - w) / next;
+            let step = next - w;
             w = next;
             spring = Spring::at(s0, w);
             sweeps += 1;
             // Newton's steps leave what is of second order.
-            let left = step * step;
-            if left <= T::EPSILON {
+            if step * step <= T::EPSILON * (w * w) {
                 status = Status::Converged;
-                break left;
+                break step;
             }
             if sweeps >= settings.max_sweeps {
-                break left;
+                break step;
             }
         };
+        let left = (step / w) * (step / w);
         let sign = if reversed { -T::ONE } else { T::ONE };
         let force = spring.force();
         self.state.position = Position::UNLOADED;
