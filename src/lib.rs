@@ -67,7 +67,7 @@ pub use float::Real;
 pub use freedoms::{All, Axial, BallStore, FreedomSet, Freedoms, Translations};
 pub use hertz::{HertzContact, elliptic_integrals};
 pub use kinematics::{Attitude, InnerRaceControl, OuterRaceControl, RacewayControlFree};
-pub use limits::{Exceedance, Exceedances, Limit, LimitSet, Limits, Race};
+pub use limits::{Exceedance, Exceedances, Extreme, Extremes, Limit, LimitSet, Limits, Race};
 pub use outputs::{Balls, Displacements, NotPutOut, Outputs, PerBall, Stiffness};
 pub use scene::{Centrifugal, Full, Motion, NoAttitude, Static};
 pub use solver::{BallState, ErrorEstimate, Settings, Solution, Solver};

@@ -7,7 +7,7 @@
 use crate::ball::Pass;
 use crate::conditions::Conditions;
 use crate::constants::{Constants, Groove};
-use crate::contact::Contact;
+use crate::contact::{Contact, Pair};
 use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
 use crate::outputs::{Outputs, PerBall};
@@ -314,6 +314,33 @@ impl<T: Real> defmt::Format for Exceedances<T> {
     }
 }
 
+/// The worst contact in one respect, whether it passes a limit or not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Extreme<T> {
+    /// What it has, SI units.
+    pub value: T,
+    /// Its ball, in the order of [`Solution::balls`].
+    pub ball: u16,
+    /// Its race.
+    pub race: Race,
+}
+
+/// How near an equilibrium is to its limits: what a monitor follows. `None` where no contact carries.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Extremes<T> {
+    /// Highest peak contact pressure, Pa: see [`Limit::PeakPressure`].
+    pub pressure: Option<Extreme<T>>,
+    /// Contact angle less that of its shoulder, rad, of the contact that is nearest to its shoulder or
+    /// farthest past it: see [`Limit::Shoulder`].
+    pub shoulder: Option<Extreme<T>>,
+    /// Highest friction force over contact force: see [`Limit::Friction`].
+    pub friction: Option<Extreme<T>>,
+    /// Balls off the inner race, and one of them: see [`Limit::InnerContact`].
+    pub off: (u16, Option<u16>),
+}
+
 /// What is kept of the balls past a limit.
 #[derive(Clone, Copy)]
 struct Worst<T> {
@@ -366,13 +393,38 @@ fn grown<T: Real>(sin: T, cos: T) -> T {
     }
 }
 
-struct Survey<'s, T> {
+/// What one pass over the balls finds.
+pub(crate) struct Survey<'s, T> {
     c: &'s Constants<T>,
     limits: &'s Limits<T>,
     found: [Worst<T>; Limit::ALL.len()],
+    /// Largest over all contacts that carry: peak pressure, friction over contact force, and the measure
+    /// of the contact angle less the shoulder's, with sine and cosine of that angle.
+    pressure: Option<Extreme<T>>,
+    friction: Option<Extreme<T>>,
+    shoulder: Option<(Extreme<T>, Pair<T>)>,
 }
 
-impl<T: Real> Survey<'_, T> {
+/// Notes what is larger than all before.
+#[inline(always)]
+fn raise<T: Real>(most: &mut Option<Extreme<T>>, value: T, ball: u16, race: Race) {
+    if !most.is_some_and(|most| most.value >= value) {
+        *most = Some(Extreme { value, ball, race });
+    }
+}
+
+impl<'s, T: Real> Survey<'s, T> {
+    const fn new(c: &'s Constants<T>, limits: &'s Limits<T>) -> Self {
+        Self {
+            c,
+            limits,
+            found: [Worst::NONE; Limit::ALL.len()],
+            pressure: None,
+            friction: None,
+            shoulder: None,
+        }
+    }
+
     fn note(&mut self, limit: Limit, ball: u16, race: Race, rank: T, contact: [T; 3]) {
         self.found[limit as usize].note(ball, race, rank, contact);
     }
@@ -404,6 +456,7 @@ impl<T: Real> Survey<'_, T> {
         let groove = *self.groove(race);
         let root = k.delta.or_larger(T::ZERO).sqrt();
         let pressure = groove.pressure * root;
+        raise(&mut self.pressure, pressure, ball, race);
         if pressure > self.limits.peak_pressure {
             self.note(Limit::PeakPressure, ball, race, pressure, [T::ZERO; 3]);
         }
@@ -411,6 +464,7 @@ impl<T: Real> Survey<'_, T> {
         let friction = friction.abs();
         // A force that is nothing beside the friction must not make an infinity of the ratio.
         let demand = friction / k.q.or_larger(T::EPSILON * friction);
+        raise(&mut self.friction, demand, ball, race);
         if demand > self.limits.friction {
             self.note(Limit::Friction, ball, race, demand, [T::ZERO; 3]);
         }
@@ -426,6 +480,10 @@ impl<T: Real> Survey<'_, T> {
         // for the rest the sine means something else.
         if side > T::ZERO || cos > T::ZERO {
             let past = grown(sin, cos);
+            if !self.shoulder.is_some_and(|(most, _)| most.value >= past) {
+                let value = past;
+                self.shoulder = Some((Extreme { value, ball, race }, [sin, cos]));
+            }
             if past > T::ZERO {
                 self.note(Limit::Shoulder, ball, race, past, contact);
             }
@@ -439,6 +497,27 @@ impl<T: Real> Survey<'_, T> {
         let reversed = grown(-side, k.cos);
         if held && reversed > T::of(64.0) * T::EPSILON && side < T::ZERO {
             self.note(Limit::Reversal, ball, race, reversed, contact);
+        }
+    }
+
+    /// The limits that were passed.
+    pub(crate) fn limits(&self) -> LimitSet {
+        let passed = |limit: &Limit| self.found[*limit as usize].balls > 0;
+        let bits = Limit::ALL.into_iter().filter(passed);
+        LimitSet(bits.fold(0, |set, limit| set | 1 << limit as u8))
+    }
+
+    /// The worst contacts.
+    pub(crate) fn extremes(&self) -> Extremes<T> {
+        let off = &self.found[Limit::InnerContact as usize];
+        Extremes {
+            pressure: self.pressure,
+            shoulder: self.shoulder.map(|(most, [sin, cos])| Extreme {
+                value: sin.atan2(cos),
+                ..most
+            }),
+            friction: self.friction,
+            off: (off.balls, (off.balls > 0).then_some(off.ball)),
         }
     }
 
@@ -512,15 +591,60 @@ where
     where
         O: PerBall,
     {
-        let (c, passes) = self.passes();
-        let mut survey = Survey {
-            c,
-            limits,
-            found: [Worst::NONE; Limit::ALL.len()],
-        };
-        for (ball, pass) in (0..).zip(passes) {
-            survey.ball(ball, &pass);
-        }
+        let survey = self.survey(limits, |_, _| ());
         Exceedances(Limit::ALL.map(|limit| survey.exceedance(limit)))
+    }
+
+    /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
+    ///
+    /// ```
+    /// # use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings, Solver};
+    /// use spindle_bearing::{Limit, Limits};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::<f64, 16>::new(&bearing);
+    /// let solution = solver.solve([6000.0, 0.0, 0.0, 0.0, 0.0], 2000.0, &Settings::default())?;
+    /// let extremes = solution.extremes();
+    /// let [pressure, shoulder] = [extremes.pressure, extremes.shoulder].map(|e| e.unwrap().value);
+    /// assert!(pressure > 2e9 && shoulder < 0.0);
+    /// assert_eq!(extremes.off, (0, None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn extremes(&self) -> Extremes<T>
+    where
+        O: PerBall,
+    {
+        let none = Limits {
+            peak_pressure: T::of(f64::INFINITY),
+            friction: T::of(f64::INFINITY),
+        };
+        self.survey(&none, |_, _| ()).extremes()
+    }
+
+    /// Looks at every ball once, and hands each on: its number, then force (N) and sine and cosine of the
+    /// contact angle of its inner and of its outer contact.
+    pub(crate) fn survey<'s>(
+        &'s self,
+        limits: &'s Limits<T>,
+        mut each: impl FnMut(u16, [[T; 3]; 2]),
+    ) -> Survey<'s, T>
+    where
+        O: PerBall,
+    {
+        let (c, passes) = self.passes();
+        let mut survey = Survey::new(c, limits);
+        let mut ball = 0_u16;
+        passes.for_each(|pass| {
+            let seen = |k: &Contact<T>| [k.q * c.force, k.sin, k.cos];
+            each(ball, [seen(&pass.inner), seen(&pass.outer)]);
+            survey.ball(ball, &pass);
+            ball = ball.saturating_add(1);
+        });
+        survey
     }
 }

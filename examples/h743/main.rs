@@ -21,13 +21,9 @@ use spindle_bearing::monitor::tick::CycleCost;
 
 /// What the solver works in: this core has a unit for double precision.
 type Precision = f64;
-/// The core's frequency, and what a tick costs there: the fixed part is an allowance, a sweep that of
-/// `docs/report.md`.
+/// The core's frequency, and what a tick costs there.
 const CORE_HZ: u32 = 400_000_000;
-const COST: CycleCost = CycleCost {
-    fixed: 60_000,
-    sweep: 141_906,
-};
+const COST: CycleCost = CycleCost::CORTEX_M7;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {

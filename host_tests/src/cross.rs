@@ -51,7 +51,7 @@ impl Build<'_> {
     /// The features that the example requires.
     fn features(&self) -> &'static str {
         match self.example {
-            "bare_monitor" | "spindle_monitor" => "defmt,monitor",
+            "bare_monitor" | "measured_chain" | "spindle_monitor" => "defmt,monitor",
             _ => "defmt,record",
         }
     }

@@ -13,6 +13,7 @@ pub mod milling_cycle;
 pub mod reference;
 pub mod replay;
 pub mod report;
+pub mod stream;
 pub mod study;
 pub mod telemetry;
 pub mod timing;

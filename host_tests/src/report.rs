@@ -3,8 +3,10 @@
 
 use crate::dispatch::{Attitude, Precision};
 use crate::timing::Core;
+use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Measures the solver's cycles, memory and errors, and writes docs/report.md with its figures
 #[derive(Debug, Parser)]
@@ -33,6 +35,9 @@ pub struct Arguments {
 pub enum Command {
     /// Prints where the cycles of one solver go, part by part and function by function
     Profile(Choice),
+    /// Measures the monitor's ticks alone, and writes what rests on that: the section of docs/report.md, its
+    /// figures, and the constants of the deadline
+    Monitor,
     /// Known results reproduced: writes docs/validation.md and its figures
     Validation,
 }
@@ -71,4 +76,26 @@ impl Default for Choice {
             cases: 200,
         }
     }
+}
+
+/// Where the figures are that must not get worse unnoticed, from the project's root.
+pub const FIGURES: &str = "docs/report_figures.json";
+
+/// Figures by name.
+pub type Figures = BTreeMap<String, u64>;
+
+/// The committed figures.
+///
+/// # Errors
+///
+/// They are not there, or something else is.
+pub fn figures(root: &Path) -> Result<Figures> {
+    let path = root.join(FIGURES);
+    let text = std::fs::read_to_string(&path).with_context(|| {
+        format!(
+            "cannot read {}; `cargo reports --accept` writes it",
+            path.display()
+        )
+    })?;
+    serde_json::from_str(&text).with_context(|| format!("{FIGURES} is not a list of figures"))
 }

@@ -190,6 +190,59 @@ fn friction_demand_is_the_models_share_of_the_gyroscopic_moment() {
 }
 
 #[test]
+fn extremes_are_those_of_the_balls_and_of_limits_that_everything_passes() {
+    let deep_groove = Design {
+        free_contact: FreeContact::DiametralClearance(2e-5),
+        ..B7005C
+    };
+    let mut compared = 0;
+    for (seed, design) in (0..).zip([B7005C, HYBRID, deep_groove, B218]) {
+        let bearing = Bearing::<f64, 16>::build(&design).unwrap();
+        let mut solver = Solver::<f64, 16>::new(&bearing);
+        for (load, omega) in scenes(seed, 60) {
+            solver.forget();
+            let Ok(solution) = solver.solve(load, omega, &Settings::default()) else {
+                continue;
+            };
+            let extremes = solution.extremes();
+            let passed = solution.exceedances(&NOTHING);
+            for (extreme, limit) in [
+                (extremes.pressure, Limit::PeakPressure),
+                (extremes.friction, Limit::Friction),
+            ] {
+                let passed = passed.get(limit).map(|e| (e.value, e.ball, e.race));
+                let extreme = extreme.filter(|e| e.value > 0.0);
+                assert_eq!(extreme.map(|e| (e.value, e.ball, e.race)), passed);
+            }
+            let balls: Vec<_> = solution.balls().collect();
+            let off = balls.iter().filter(|ball| ball.q_i <= 0.0).count();
+            assert_eq!(usize::from(extremes.off.0), off);
+            assert!(
+                extremes
+                    .off
+                    .1
+                    .is_none_or(|ball| balls[usize::from(ball)].q_i <= 0.0)
+            );
+            let past = |(race, angle, force, _): (Race, f64, f64, f64)| {
+                let angle = if matches!(design.free_contact, FreeContact::DiametralClearance(_)) {
+                    angle.abs()
+                } else {
+                    angle
+                };
+                (force > 0.0).then(|| angle - shoulder(&design, race))
+            };
+            let most = balls.iter().flat_map(contacts).filter_map(past);
+            let most = most.fold(f64::NEG_INFINITY, f64::max);
+            if let Some(nearest) = extremes.shoulder {
+                assert!((nearest.value - most).abs() < 1e-12, "{nearest:?} {most}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 150, "{compared}");
+}
+
+#[test]
 fn a_bearing_at_rest_calls_for_no_friction() {
     for (load, omega) in scenes(3, 40) {
         for (scene, found) in [

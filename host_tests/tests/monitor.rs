@@ -142,6 +142,7 @@ impl Rig {
         );
         // What is doubted is not solved.
         assert!(!outcome.solved || outcome.marks.is_empty(), "{outcome:?}");
+        assert!(!outcome.solved || outcome.sweeps > 0, "{outcome:?}");
         // A sample may have waited for its solve, but not for longer than solves are apart.
         assert!(!outcome.solved || outcome.age.is_some_and(|age| age < 5));
         self.marks.push(outcome.marks);
@@ -1307,7 +1308,7 @@ fn a_day_passes_without_drift_or_overflow() {
             last_us = frame.time_us;
             // The same second of the cycle, once an hour.
             if let Payload::Estimate(report) = frame.payload
-                && i % 3_600_000 == 50_000
+                && i % 3_600_000 / 10_000 == 5
             {
                 seen.push(report.stiffness);
                 used.push(monitor.life().used());

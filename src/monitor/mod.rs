@@ -10,6 +10,7 @@
 //! | judgement | [`judgement`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | telemetry | [`telemetry`] | frames for a host |
+//! | commands | [`command`] | what the host says besides loads |
 //!
 //! Read [`Monitor::tick`] first, then [`settings`], which has all that is particular to a spindle. The
 //! whole of a firmware's loop:
@@ -121,6 +122,8 @@
 //! cycle: the firmware keeps [`Judgement::baseline`], [`Life::kept`] and
 //! [`StrainBridge::tare`](loads::StrainBridge::tare) where its board can.
 
+pub mod command;
+mod cost;
 pub mod judgement;
 pub mod life;
 pub mod loads;
@@ -130,6 +133,7 @@ pub mod speed;
 pub mod telemetry;
 pub mod tick;
 
+pub use command::Command;
 pub use judgement::{Alarm, AlarmState, Baseline, Changes, Judgement};
 pub use life::Life;
 pub use plausibility::{GoodSample, Mark, Marks, Readings};
@@ -138,7 +142,7 @@ pub use settings::{MonitorSettings, SettingsError};
 use crate::constants::Bearing;
 use crate::estimate::strongest_coupling;
 use crate::float::Real;
-use crate::limits::{Limit, Limits};
+use crate::limits::{Extreme, Limits};
 use crate::scene::{Full, Motion};
 use crate::solver::{Settings, Solution, Solver};
 use crate::status::Status;
@@ -158,6 +162,8 @@ pub struct Outcome {
     pub marks: Marks,
     /// Whether there is a new estimate.
     pub solved: bool,
+    /// Sweeps over the balls in this tick; 0 if there was nothing to solve.
+    pub sweeps: u16,
     /// Age of the estimate in ticks, if there is one.
     pub age: Option<u32>,
     /// Alarms that changed.
@@ -211,6 +217,8 @@ struct Tracker<T: Real + 'static, const N: usize, M: Motion> {
     /// Solves to leave out before the next one from nothing, and how many it were last.
     pause: u16,
     pauses: u16,
+    /// Of the last solve.
+    sweeps: u16,
 }
 
 /// The smallest part of the way that is tried.
@@ -232,6 +240,7 @@ impl<T: Real, const N: usize, M: Motion + Clone> Tracker<T, N, M> {
             part: 1.0,
             pause: 0,
             pauses: 0,
+            sweeps: 0,
         }
     }
 
@@ -243,6 +252,7 @@ impl<T: Real, const N: usize, M: Motion + Clone> Tracker<T, N, M> {
         settings: &MonitorSettings,
         see: impl FnOnce(&Solution<'_, T, N, M>) -> R,
     ) -> Result<R, StatusCode> {
+        self.sweeps = 0;
         let Some((from, from_speed)) = self.at else {
             return self.start(load, speed, settings, see);
         };
@@ -263,8 +273,14 @@ impl<T: Real, const N: usize, M: Motion + Clone> Tracker<T, N, M> {
             .solver
             .solve(to.map(T::from_f32), T::from_f32(to_speed), &effort)
         {
-            Ok(solution) if is_answer(&solution.status) => Ok(there.then(|| see(&solution))),
-            Ok(solution) => Err(solution.status),
+            Ok(solution) => {
+                self.sweeps = solution.sweeps;
+                if is_answer(&solution.status) {
+                    Ok(there.then(|| see(&solution)))
+                } else {
+                    Err(solution.status)
+                }
+            }
             Err(status) => Err(status),
         };
         let status = match seen {
@@ -312,8 +328,14 @@ impl<T: Real, const N: usize, M: Motion + Clone> Tracker<T, N, M> {
             .solver
             .solve(load.map(T::from_f32), T::from_f32(speed), &effort)
         {
-            Ok(solution) if is_answer(&solution.status) => Ok(see(&solution)),
-            Ok(solution) => Err(StatusCode::from(&solution.status)),
+            Ok(solution) => {
+                self.sweeps = solution.sweeps;
+                if is_answer(&solution.status) {
+                    Ok(see(&solution))
+                } else {
+                    Err(StatusCode::from(&solution.status))
+                }
+            }
             Err(status) => Err(StatusCode::from(&status)),
         };
         if seen.is_ok() {
@@ -374,6 +396,10 @@ impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N,
     /// A monitor at its beginning: no estimate, no alarm, a new bearing, no baseline.
     pub fn new(bearing: &'static Bearing<T, N>, settings: &'static MonitorSettings) -> Self {
         let now = Every { next_us: 0 };
+        // Apart, so that no tick has to report everything at once.
+        let part = |of: u32| Every {
+            next_us: u64::from(settings.telemetry.estimate_us) * u64::from(of) / 4,
+        };
         Self {
             settings,
             tracker: Tracker::new(bearing),
@@ -394,10 +420,10 @@ impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N,
             refusals: 0,
             marked: 0,
             doubts: Marks::NONE,
-            due_estimate: now,
-            due_balls: now,
+            due_estimate: part(1),
+            due_balls: part(2),
             due_health: now,
-            due_standing: now,
+            due_standing: part(3),
         }
     }
 
@@ -451,12 +477,13 @@ impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N,
             self.marked = self.marked.saturating_add(1);
         }
 
-        let mut solved = false;
+        let (mut solved, mut sweeps) = (false, 0);
         if self.countdown > 0 {
             self.countdown -= 1;
         } else if let Some((sample, at)) = self.waiting.take() {
             self.countdown = self.settings.tick.solve_every.saturating_sub(1);
             solved = self.solve(&sample, at, &mut changes);
+            sweeps = self.tracker.sweeps;
         }
 
         let mut marks = doubts;
@@ -488,6 +515,7 @@ impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N,
         Outcome {
             marks,
             solved,
+            sweeps,
             age: self.age(tick),
             changes,
             overrun,
@@ -649,85 +677,46 @@ fn observe<T: Real, const N: usize, M: Motion>(
     tick: u64,
     settings: &MonitorSettings,
 ) -> (Estimate<N>, Findings, f32) {
-    let contacts = &settings.contacts;
-    let [inner_shoulder, outer_shoulder] = contacts.shoulder;
     let mut balls = [BallReport {
         q_i: 0.0,
         q_o: 0.0,
         alpha_i: 0.0,
         alpha_o: 0.0,
     }; N];
-    // The largest force of either race and the largest angle past a shoulder, each with its ball.
-    let mut largest = [(0.0_f32, 0_u16); 2];
     let mut least = f32::INFINITY;
-    let (mut past, mut past_ball) = (f32::NEG_INFINITY, None);
-    let (mut unloaded, mut unloaded_ball) = (0_u16, None);
-    for ((index, to), ball) in (0_u16..).zip(&mut balls).zip(solution.balls()) {
-        let ball = BallReport {
-            q_i: ball.q_i.to_f32(),
-            q_o: ball.q_o.to_f32(),
-            alpha_i: ball.alpha_i.to_f32(),
-            alpha_o: ball.alpha_o.to_f32(),
-        };
-        *to = ball;
-        if ball.q_i < least {
-            least = ball.q_i;
-        }
-        if !(ball.q_i > 0.0) {
-            unloaded = unloaded.saturating_add(1);
-            unloaded_ball = Some(index);
-        }
-        for (largest, (force, angle, shoulder)) in largest.iter_mut().zip([
-            (ball.q_i, ball.alpha_i, inner_shoulder),
-            (ball.q_o, ball.alpha_o, outer_shoulder),
-        ]) {
-            if force > largest.0 {
-                *largest = (force, index);
-            }
-            let angle = if contacts.symmetric {
-                angle.abs()
-            } else {
-                angle
-            };
-            if force > 0.0 && angle - shoulder > past {
-                (past, past_ball) = (angle - shoulder, Some(index));
-            }
-        }
-    }
-    let [inner, outer] = largest;
-    let [of_inner, of_outer] = contacts.pressure;
-    let pressures = [
-        (of_inner * Real::cbrt(inner.0), inner.1),
-        (of_outer * Real::cbrt(outer.0), outer.1),
-    ];
-    let [inner_pressure, outer_pressure] = pressures;
-    let (pressure, pressure_ball) = if outer_pressure.0 > inner_pressure.0 {
-        outer_pressure
-    } else {
-        inner_pressure
-    };
-
-    // The friction is wanted from the level on at which its alarm clears.
-    let passed = solution.exceedances(&Limits {
+    let mut largest = 0.0_f32;
+    let limits = Limits {
         peak_pressure: T::from_f32(settings.limits.peak_pressure),
-        friction: T::from_f32(
-            settings
-                .judgement
-                .of(Alarm::Slip)
-                .clear
-                .min(settings.limits.friction),
-        ),
-    });
-    let slip = passed
-        .get(Limit::Friction)
-        .map_or(Level::of(0.0), |e| Level {
-            value: e.value.to_f32(),
-            ball: Some(e.ball),
+        friction: T::from_f32(settings.limits.friction),
+    };
+    let survey = solution.survey(&limits, |ball, contacts| {
+        let [(q_i, alpha_i), (q_o, alpha_o)] = contacts.map(|[force, sin, cos]| {
+            let (sin, cos) = (sin.to_f32(), cos.to_f32());
+            (force.to_f32(), Real::atan2(sin, cos))
         });
-    let mut limits = passed.limits().bits();
-    if !(slip.value > settings.limits.friction) {
-        limits &= !(1 << Limit::Friction as u8);
-    }
+        if q_i < least {
+            least = q_i;
+        }
+        if q_i > largest {
+            largest = q_i;
+        }
+        if let Some(to) = balls.get_mut(usize::from(ball)) {
+            *to = BallReport {
+                q_i,
+                q_o,
+                alpha_i,
+                alpha_o,
+            };
+        }
+    });
+    let extremes = survey.extremes();
+    let level = |extreme: Option<Extreme<T>>, none: f32| {
+        extreme.map_or(Level::of(none), |extreme| Level {
+            value: extreme.value.to_f32(),
+            ball: Some(extreme.ball),
+        })
+    };
+    let (off, off_ball) = extremes.off;
 
     let k = solution.stiffness.map(|row| row.map(T::to_f32));
     let (row, column) = strongest_coupling(&k);
@@ -743,7 +732,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
         coupling_row: row as u8,
         coupling_column: column as u8,
         least_force: least,
-        largest_force: inner.0,
+        largest_force: largest,
         status: StatusCode::from(&solution.status),
         sweeps: solution.sweeps,
         error: [
@@ -751,24 +740,18 @@ fn observe<T: Real, const N: usize, M: Motion>(
             solution.error.force.to_f32(),
             solution.error.stiffness.to_f32(),
         ],
-        limits,
+        limits: survey.limits().bits(),
     };
     let damage = settings
         .rating
         .damage(balls.iter().map(|ball| (ball.q_i, ball.q_o)));
     let findings = Findings {
-        pressure: Level {
-            value: pressure,
-            ball: Some(pressure_ball),
-        },
-        contact_angle: Level {
-            value: past,
-            ball: past_ball,
-        },
-        slip,
+        pressure: level(extremes.pressure, 0.0),
+        contact_angle: level(extremes.shoulder, f32::NEG_INFINITY),
+        slip: level(extremes.friction, 0.0),
         unloaded: Level {
-            value: f32::from(unloaded),
-            ball: unloaded_ball,
+            value: off.into(),
+            ball: off_ball,
         },
         load: sample.load,
         speed: sample.speed,

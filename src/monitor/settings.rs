@@ -7,44 +7,8 @@ use super::life::LifeRating;
 use super::plausibility::PlausibilitySettings;
 use super::tick::{CycleCost, TickSettings};
 use crate::design::Design;
-use crate::hertz::HertzContact;
 use crate::limits::Limits;
 use core::fmt;
-
-/// What judgement wants to know of the contacts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ContactConstants {
-    /// Peak pressure of the inner and the outer contact over the cube root of its force,
-    /// Pa/N^(1/3).
-    pub pressure: [f32; 2],
-    /// Angles of the inner and the outer shoulder, rad.
-    pub shoulder: [f32; 2],
-    /// Shoulders on both sides: a deep groove bearing.
-    pub symmetric: bool,
-}
-
-impl ContactConstants {
-    /// Of a design.
-    pub const fn new(design: &Design) -> Self {
-        let (d, dm) = (design.ball_diameter, design.pitch_diameter);
-        let gamma = d * design.free_contact_angle().1 / dm;
-        let (ring, ball) = (&design.ring, &design.ball);
-        let inner = HertzContact::of_groove(d, gamma, design.inner_groove_factor, ring, ball);
-        let outer = HertzContact::of_groove(d, -gamma, design.outer_groove_factor, ring, ball);
-        Self {
-            pressure: [
-                inner.peak_pressure(1.0) as f32,
-                outer.peak_pressure(1.0) as f32,
-            ],
-            shoulder: [
-                design.inner_shoulder_angle as f32,
-                design.outer_shoulder_angle as f32,
-            ],
-            symmetric: design.is_symmetric(),
-        }
-    }
-}
 
 /// How often telemetry goes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,8 +48,6 @@ pub struct TelemetrySettings {
 pub struct MonitorSettings {
     /// Azimuth of the first ball, rad.
     pub first_azimuth: f32,
-    /// The contacts.
-    pub contacts: ContactConstants,
     /// The contacts' dynamic load ratings.
     pub rating: LifeRating,
     /// Rate and deadline.
@@ -152,7 +114,6 @@ impl MonitorSettings {
         let dynamic = LifeRating::basic_dynamic_load_rating(design, balls);
         Self {
             first_azimuth: design.first_ball as f32,
-            contacts: ContactConstants::new(design),
             rating: LifeRating::new(design, balls, dynamic),
             tick: TickSettings {
                 period_us: 1000,
@@ -226,10 +187,6 @@ impl MonitorSettings {
     pub const fn check(&self) -> Result<(), SettingsError> {
         let t = &self.tick;
         demand!(self.first_azimuth.is_finite(), "first_azimuth", "a number");
-        let [i, o] = self.contacts.pressure;
-        demand!(positive(i) && positive(o), "contacts.pressure", "positive");
-        let [i, o] = self.contacts.shoulder;
-        demand!(positive(i) && positive(o), "contacts.shoulder", "positive");
         let rating = &self.rating;
         demand!(
             positive(rating.inner) && rating.inner.is_finite(),

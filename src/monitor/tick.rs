@@ -26,30 +26,18 @@ impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
 }
 
-/// What a tick costs on a core, in its cycles.
+/// What a tick costs on a core, in its cycles. Each of the two is the longest that is known, so that a bound
+/// made of them holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CycleCost {
-    /// Everything but sweeps: sampling, doubts, prediction, limits, judgement, life, telemetry.
+    /// Everything but the solve: bytes in, doubts, limits, judgement, life, telemetry, bytes out.
     pub fixed: u32,
-    /// One sweep over the balls.
+    /// A solve, for every sweep over the balls.
     pub sweep: u32,
 }
 
 impl CycleCost {
-    /// Cortex-M4F, single precision, 16 balls, raceway control free: a sweep as modelled in
-    /// `docs/report.md` (85,322 cycles); the fixed part is an allowance, to be replaced by what
-    /// [`Ticker::most_cycles`] shows on the board when samples are doubted and nothing is solved.
-    pub const CORTEX_M4F: Self = Self {
-        fixed: 30_000,
-        sweep: 85_322,
-    };
-    /// Cortex-M7, likewise (67,579 cycles).
-    pub const CORTEX_M7: Self = Self {
-        fixed: 24_000,
-        sweep: 67_579,
-    };
-
     /// Sweeps that fit into a deadline; at least 1, since less is no solve.
     pub const fn sweeps_within(&self, deadline: u32) -> u16 {
         if self.sweep == 0 {
@@ -129,6 +117,11 @@ impl TickSettings {
     /// Most sweeps of a solve in a tick.
     pub const fn max_sweeps(&self) -> u16 {
         self.cost.sweeps_within(self.deadline_cycles)
+    }
+
+    /// Cycles of the longest tick with a solve of that many sweeps.
+    pub const fn most_cycles(&self) -> u64 {
+        self.cost.fixed as u64 + self.max_sweeps() as u64 * self.cost.sweep as u64
     }
 }
 

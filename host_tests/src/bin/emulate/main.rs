@@ -8,8 +8,6 @@
 //! | --- | --- |
 //! | `toolchain` | sees to it that there is an emulator |
 //! | `firmware` | builds the ELF and reads its sizes |
-//! | `loads` | reads the recorded loads, one record a tick |
-//! | `faults` | what goes wrong, and when |
 //! | `plan` | the bytes for the board, and what it must answer |
 //! | `emulator` | the running board: bytes in and out, lines of its log |
 //! | `exchange` | the run, and the comparison |
@@ -20,9 +18,7 @@
 mod chain;
 mod emulator;
 mod exchange;
-mod faults;
 mod firmware;
-mod loads;
 #[path = "../../../../examples/monitor_settings.rs"]
 mod monitor_settings;
 #[path = "../../../../examples/monitored.rs"]
@@ -35,7 +31,9 @@ mod toolchain;
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;
 use exchange::{Answer, Manner};
-use faults::Spoiler;
+use host_tests::report::Figures;
+use host_tests::stream::faults::{self, Spoiler};
+use host_tests::stream::records;
 use host_tests::telemetry::state::State;
 use host_tests::telemetry::view;
 use plan::Plan;
@@ -136,6 +134,7 @@ struct Ready {
     golden: Option<PathBuf>,
     firmware: firmware::Firmware,
     emulator: toolchain::Emulator,
+    figures: Figures,
 }
 
 fn prepare(arguments: &Arguments) -> Result<Ready> {
@@ -145,7 +144,7 @@ fn prepare(arguments: &Arguments) -> Result<Ready> {
     let shipped = || host_tests::milling_cycle::RECORD.to_owned();
     let input = arguments.input.clone().unwrap_or_else(shipped);
     let period_us = monitor_settings::MONITOR.tick.period_us;
-    let records = loads::read(&input, arguments.seconds, period_us)?;
+    let records = records::read(&input, arguments.seconds, period_us)?;
     host_tests::cross::add_target(root)?;
     let emulator = toolchain::find_emulator()?;
     let firmware = firmware::build(root)?;
@@ -167,6 +166,7 @@ fn prepare(arguments: &Arguments) -> Result<Ready> {
         golden,
         firmware,
         emulator,
+        figures: host_tests::report::figures(root)?,
     })
 }
 
@@ -176,6 +176,7 @@ fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
         golden,
         firmware,
         emulator,
+        figures,
     } = ready;
     let sent = plan.health.ticks / 20;
     let every = arguments
@@ -217,7 +218,7 @@ fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
         answer.took.as_secs_f64(),
         answer.log.len(),
     );
-    println!("{}", summary::budget());
+    println!("{}", summary::budget(&figures)?);
     println!("the emulator counts no cycles: overruns are those that its counter shows, none");
     println!("firmware: {memory}");
     match golden {

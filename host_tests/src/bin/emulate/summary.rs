@@ -6,6 +6,7 @@ use crate::monitor_settings::MONITOR;
 use crate::monitored::BALLS;
 use crate::plan::Plan;
 use anyhow::{Context, Result, bail, ensure};
+use host_tests::report::{FIGURES, Figures};
 use spindle_bearing::monitor::judgement::AlarmChange;
 use spindle_bearing::monitor::telemetry::{HealthReport, Payload};
 use spindle_bearing::monitor::{Alarm, Mark};
@@ -123,25 +124,50 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     Ok(text)
 }
 
-/// Cycles of the longest tick that the settings allow, and what it leaves of the period.
-pub fn budget() -> String {
+/// What a tick takes of its period, as `cargo reports` has measured it on a modelled core, and what the
+/// bound on sweeps leaves.
+pub fn budget(figures: &Figures) -> Result<String> {
     let tick = &MONITOR.tick;
-    let sweeps = tick.max_sweeps();
-    let most = u64::from(tick.cost.fixed) + u64::from(sweeps) * u64::from(tick.cost.sweep);
     let deadline = u64::from(tick.deadline_cycles);
-    let percent = |cycles: u64| 100.0 * cycles as f64 / deadline as f64;
-    let left = deadline as f64 - most as f64;
-    format!(
-        "budget of a tick: {deadline} cycles in {} us. Longest solve that is allowed: {sweeps} sweep{} of {BALLS} balls.\n\
-         modelled: {} + {sweeps} x {} = {most} cycles, {:.1} %; margin {left:.0} cycles, {:.1} %",
-        tick.period_us,
-        if sweeps == 1 { "" } else { "s" },
+    let share = |cycles: u64| {
+        let left = deadline as f64 - cycles as f64;
+        let percent = |cycles: f64| 100.0 * cycles / deadline as f64;
+        format!(
+            "{cycles:>7} cycles, {:4.1} %, margin {left:>6.0} cycles, {:4.1} %",
+            percent(cycles as f64),
+            percent(left)
+        )
+    };
+    let mut text = format!(
+        "budget of a tick: {deadline} cycles in {} us (modelled, +-15 %, no wait states)",
+        tick.period_us
+    );
+    for stat in ["median", "99 %", "worst"] {
+        let name = format!("{MEASURED}: cycles of a tick with a warm solve, {stat}");
+        let cycles = figures.get(&name).with_context(|| {
+            format!("{FIGURES} has no `{name}`; `cargo reports monitor` adds it")
+        })?;
+        write!(
+            text,
+            "\n  a tick with a full warm solve, {stat:<6} {}",
+            share(*cycles)
+        )?;
+    }
+    let sweeps = tick.max_sweeps();
+    write!(
+        text,
+        "\n  bound, {sweeps} sweep{} of {BALLS} balls allowed   {}\n  \
+         which is the longest of everything but the solve, {}, and {sweeps} x the longest sweep, {}",
+        if sweeps == 1 { " " } else { "s" },
+        share(tick.most_cycles()),
         tick.cost.fixed,
         tick.cost.sweep,
-        percent(most),
-        100.0 - percent(most),
-    )
+    )?;
+    Ok(text)
 }
+
+/// The board's core and precision, as figures name them.
+const MEASURED: &str = "Cortex-M4F, f32, monitor";
 
 /// Holds a summary against the golden file, or makes that anew.
 ///
@@ -190,6 +216,7 @@ fn first_difference(golden: &str, text: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use spindle_bearing::monitor::tick::CycleCost;
 
     #[test]
     fn the_line_that_differs_is_shown() {
@@ -206,5 +233,21 @@ mod tests {
         let sweeps = u32::from(tick.max_sweeps());
         assert!(sweeps >= 1 && tick.cost.fixed + sweeps * tick.cost.sweep <= tick.deadline_cycles);
         assert_eq!((tick.period_us, tick.deadline_cycles), (1000, 168_000));
+    }
+
+    #[test]
+    fn the_deadline_rests_on_the_committed_figures() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let figures = host_tests::report::figures(root).unwrap();
+        for (cost, core) in [
+            (CycleCost::CORTEX_M4F, MEASURED),
+            (CycleCost::CORTEX_M7, "Cortex-M7, f64, monitor"),
+        ] {
+            let figure = |metric| figures[&format!("{core}: cycles of {metric}, worst")];
+            assert_eq!(u64::from(cost.fixed), figure("a tick but for its solve"));
+            assert_eq!(u64::from(cost.sweep), figure("a warm solve, by sweeps"));
+        }
+        let budget = budget(&figures).unwrap();
+        assert_eq!(budget.matches("margin").count(), 4, "{budget}");
     }
 }

@@ -6,21 +6,18 @@ use crate::image::{Image, Motion, name};
 use crate::memory::Memory;
 use crate::plan::{OTHERS, USUAL, bar};
 use crate::scenes;
+use crate::ticks;
 use crate::workload::{self, EVERYDAY_BALLS, Work};
 use anyhow::{Context, Result, bail};
 use host_tests::dispatch::Precision;
+use host_tests::report::{self, FIGURES, Figures};
 use host_tests::timing::Core;
-use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The committed figures.
-const FIGURES: &str = "docs/report_figures.json";
 /// Growth that is let pass.
 const LEEWAY: f64 = 0.02;
 /// Mixed cases whose instructions are summed up, besides the everyday one.
 const CASES: u64 = 12;
-
-type Figures = BTreeMap<String, u64>;
 
 /// Scenes whose figures were promised, but for those that are measured anyway.
 const SCENES: [&str; 2] = ["axial-static", "translations-full"];
@@ -77,26 +74,31 @@ fn measure(root: &Path) -> Result<Figures> {
 
 /// Takes the figures as they are now.
 pub fn accept(root: &Path) -> Result<()> {
-    let figures = measure(root)?;
-    let path = root.join(FIGURES);
-    let text = serde_json::to_string_pretty(&figures)? + "\n";
-    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    let mut figures = measure(root)?;
+    figures.extend(ticks::accept(root)?);
+    write(root, &figures)?;
     println!("{FIGURES}: {} figures; commit it", figures.len());
     Ok(())
 }
 
+/// Takes these figures in the place of those of the same names.
+pub fn replace(root: &Path, some: Figures) -> Result<()> {
+    let mut figures = report::figures(root)?;
+    figures.extend(some);
+    write(root, &figures)
+}
+
+fn write(root: &Path, figures: &Figures) -> Result<()> {
+    let path = root.join(FIGURES);
+    let text = serde_json::to_string_pretty(&figures)? + "\n";
+    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
 /// Fails if a figure has grown by more than the leeway.
 pub fn check(root: &Path) -> Result<()> {
-    let path = root.join(FIGURES);
-    let text = std::fs::read_to_string(&path).with_context(|| {
-        format!(
-            "cannot read {}; `cargo reports --accept` writes it",
-            path.display()
-        )
-    })?;
-    let accepted: Figures = serde_json::from_str(&text)
-        .with_context(|| format!("{FIGURES} is not a list of figures"))?;
-    let figures = measure(root)?;
+    let accepted = report::figures(root)?;
+    let mut figures = measure(root)?;
+    figures.extend(ticks::check(root, LEEWAY)?);
     let mut grown = Vec::new();
     let mut shrunk = false;
     for (what, now) in &figures {

@@ -82,32 +82,44 @@ impl Image {
         scene: &str,
     ) -> Result<Self> {
         let balls = balls.to_string();
+        let environment = [
+            ("MEASURED_PRECISION", Some(name(precision))),
+            ("MEASURED_BALLS", Some(&*balls)),
+            ("MEASURED_SCENE", Some(scene)),
+        ];
+        Self::of(root, core, "measured", &environment)
+    }
+
+    /// Builds an example for a core, with these environment variables.
+    pub fn of(
+        root: &Path,
+        core: Core,
+        example: &str,
+        environment: &[(&str, Option<&str>)],
+    ) -> Result<Self> {
         let build = Build {
             board: host_tests::cross::Board::F405,
-            example: "measured",
+            example,
             link: &["--emit-relocs"],
             processor: (core != Core::M4f).then(|| core.processor()),
-            environment: &[
-                ("MEASURED_PRECISION", Some(name(precision))),
-                ("MEASURED_BALLS", Some(&balls)),
-                ("MEASURED_SCENE", Some(scene)),
-            ],
+            environment,
             quiet: true,
         };
+        let values: Vec<&str> = environment.iter().filter_map(|(_, value)| *value).collect();
         let built = build.run(root).with_context(|| {
             format!(
-                "cannot build what to measure, {scene} with {balls} balls, {}, {}",
-                core.name(),
-                name(precision)
+                "cannot build what to measure, {example} of {} for {}",
+                values.join(", "),
+                core.name()
             )
         })?;
         let elf =
             std::fs::read(&built).with_context(|| format!("cannot read {}", built.display()))?;
         // The next variant's build replaces it.
         let path = built.with_file_name(format!(
-            "measured-{}-{}-{balls}-{scene}",
+            "{example}-{}-{}",
             core.processor(),
-            name(precision)
+            values.join("-")
         ));
         std::fs::write(&path, &elf).with_context(|| format!("cannot write {}", path.display()))?;
         let file = object::File::parse(&*elf)?;

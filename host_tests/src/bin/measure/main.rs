@@ -1,5 +1,10 @@
 //! The part of `cargo reports` that needs the emulator: see `cargo reports --help`.
 
+#![allow(
+    clippy::duplicate_mod,
+    reason = "the monitor's chain, once for each precision"
+)]
+
 mod bench;
 mod clock;
 mod decode;
@@ -16,6 +21,7 @@ mod rows;
 mod scenes;
 mod target;
 mod terminal;
+mod ticks;
 mod workload;
 
 use anyhow::{Context, Result};
@@ -43,6 +49,9 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Some(Command::Profile(choice)) = &arguments.command {
         return terminal::profile(root, choice);
     }
+    if let Some(Command::Monitor) = &arguments.command {
+        return ticks::alone(root);
+    }
     if arguments.check {
         return gate::check(root);
     }
@@ -52,6 +61,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     let cases = arguments.cases as usize;
     let (mut rows, works, truths) = plan::run(root, cases)?;
     rows.append(scenes::run(root, &works)?);
+    rows.append(ticks::run(root)?);
     rows.append(clock::run(&works, &truths)?);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(rows.all())?;

@@ -7,6 +7,7 @@ use crate::profile::Part;
 use crate::rows::{At, Rows, Start};
 use crate::scenes::{self, SCENES, Scene, WHOLE};
 use crate::terminal::thousands;
+use crate::ticks;
 use host_tests::campaign::report::table;
 use host_tests::dispatch::Precision;
 use host_tests::timing::{Class, Core};
@@ -118,6 +119,8 @@ pub fn page(rows: &Rows, cases: usize) -> String {
     text += &others(rows);
     text += &memory(rows);
     text += &scenes(rows);
+    text += &ticks::section(rows);
+    text += "\n";
     text += &study(rows);
     text += "## Again\n\n`cargo reports` makes this page, its figures and [the times on a host](report_host.md) \
              anew; all but the times are the same figures every time. `cargo reports --json FILE` writes \

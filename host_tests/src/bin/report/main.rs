@@ -16,7 +16,7 @@ use std::process::{Command as Process, ExitCode};
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match &arguments.command {
-        None | Some(Command::Profile(_)) => measure(),
+        None | Some(Command::Profile(_) | Command::Monitor) => measure(),
         Some(Command::Validation) => validation::run().map(|()| ExitCode::SUCCESS),
     };
     match result {

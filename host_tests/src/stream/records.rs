@@ -1,7 +1,7 @@
 //! A recording as the records that the board receives: one a tick.
 
+use crate::loads::{self, LoadRow};
 use anyhow::{Result, bail};
-use host_tests::loads::{self, LoadRow};
 use spindle_bearing::record::LoadRecord;
 
 /// Longest run: a day of ticks takes some gigabytes of frames.
@@ -76,7 +76,7 @@ pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Vec<Load
 #[cfg(test)]
 mod tests {
     use super::*;
-    use host_tests::milling_cycle::RECORD;
+    use crate::milling_cycle::RECORD;
 
     #[test]
     fn every_tick_has_a_record_and_every_row_its_own() {
