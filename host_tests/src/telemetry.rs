@@ -6,12 +6,14 @@
 //! | [`source`] | bytes of a port, a file or standard input |
 //! | [`decoder`] | bytes to frames; counts what was damaged and what is missing |
 //! | [`table`] | frames to CSV, and back |
+//! | [`operator`] | commands to the board |
 //! | [`state`] | what the frames so far say of the spindle |
 //! | [`view`] | that, drawn in a terminal |
 //! | [`picture`] | a terminal's content as SVG |
 //! | [`simulated`] | telemetry of a recording, made by the host's own solver |
 
 pub mod decoder;
+pub mod operator;
 pub mod picture;
 pub mod simulated;
 pub mod source;

@@ -5,9 +5,11 @@ use host_tests::design_file::{DesignFile, SHIPPED};
 use host_tests::loads;
 use host_tests::milling_cycle::RECORD;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap};
+use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::{HISTORY, State};
 use host_tests::telemetry::{picture, simulated, source, table, view};
 use proptest::prelude::*;
+use spindle_bearing::monitor::command::{Command, Sorter};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
@@ -483,7 +485,9 @@ fn a_stream_that_breaks_off_gives_what_came_and_then_its_error() {
     assert_eq!(chunks.len(), 2);
     assert_eq!(chunks[0].as_ref().unwrap(), &bytes);
     assert_eq!(chunks[1].as_ref().unwrap_err().to_string(), "unplugged");
-    let error = source::port("/dev/there_is_no_such_port", 460_800).unwrap_err();
+    let error = source::port("/dev/there_is_no_such_port", 460_800)
+        .err()
+        .unwrap();
     assert!(error.to_string().contains("there_is_no_such_port"));
 }
 
@@ -797,4 +801,97 @@ fn the_picture_has_every_word_of_the_screen_at_its_place() {
         screen.content().iter().filter(|cell| !drawn(cell)).count()
     );
     assert!(svg.contains(">slip<"));
+}
+
+// --- commands -----------------------------------------------------------------------------------
+
+/// The commands in a stream of bytes, as the board finds them.
+fn commands(bytes: &[u8]) -> Vec<Command> {
+    let mut sorter = Sorter::new();
+    let found = |byte: &u8| sorter.push(*byte, |other| panic!("{other} is no command's"));
+    bytes.iter().filter_map(found).collect()
+}
+
+#[test]
+fn only_alarms_that_nobody_has_acknowledged_are_acknowledged() {
+    let mut state = State::default();
+    let mut decoder = Decoder::new();
+    let reports = [
+        alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised),
+        alarm(Alarm::Sensor, AlarmChange::Cleared, AlarmState::Latched),
+        alarm(
+            Alarm::Deadline,
+            AlarmChange::Acknowledged,
+            AlarmState::Acknowledged,
+        ),
+        alarm(Alarm::LifeUsed, AlarmChange::Cleared, AlarmState::Clear),
+    ];
+    for (sequence, report) in (0..).zip(reports) {
+        for byte in encode(&frame(sequence, Payload::Alarm(report))) {
+            if let Some(event) = decoder.push(byte) {
+                state.note(&event, decoder.tally());
+            }
+        }
+    }
+    let mut operator = Operator::new(Vec::new());
+    let said = operator.press('a', &state).unwrap();
+    assert_eq!(said.as_deref(), Some("2 alarms acknowledged"));
+    assert_eq!(operator.press('x', &state).unwrap(), None);
+    let mut sent = commands(&operator.into_inner());
+    sent.sort_by_key(|command| format!("{command:?}"));
+    assert_eq!(sent, [Alarm::Sensor, Alarm::Slip].map(Command::Acknowledge));
+}
+
+#[test]
+fn learning_begins_and_ends_by_one_key_and_all_alarms_are_acknowledged_unseen() {
+    let state = State::default();
+    let mut operator = Operator::new(Vec::new());
+    let mut press = || operator.press('l', &state).unwrap().unwrap();
+    assert_eq!(
+        [press(), press()],
+        [
+            "learning of the baseline begun",
+            "learning of the baseline ended"
+        ]
+    );
+    operator.acknowledge_all().unwrap();
+    let mut expected = vec![Command::Learn(true), Command::Learn(false)];
+    expected.extend(Alarm::ALL.map(Command::Acknowledge));
+    assert_eq!(commands(&operator.into_inner()), expected);
+}
+
+#[test]
+fn a_port_that_takes_no_bytes_is_told_of() {
+    struct Gone;
+    impl std::io::Write for Gone {
+        fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+            Err(std::io::ErrorKind::BrokenPipe.into())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    let error = Operator::new(Gone)
+        .press('l', &State::default())
+        .unwrap_err();
+    assert_eq!(error.to_string(), "cannot send a command to the board");
+}
+
+#[test]
+fn what_was_said_to_the_board_is_in_the_view() {
+    let mut state = State {
+        said: Some("2 alarms acknowledged".into()),
+        ..State::default()
+    };
+    let shown = |state: &State| {
+        let screen = view::screen(state, 120, 40);
+        screen
+            .content()
+            .iter()
+            .map(|cell| cell.symbol())
+            .collect::<String>()
+    };
+    assert!(shown(&state).contains("2 alarms acknowledged"));
+    state.said = None;
+    assert!(!shown(&state).contains("acknowledged"));
 }

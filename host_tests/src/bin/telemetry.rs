@@ -2,10 +2,11 @@
 //! writes it as a table, or shows it live.
 
 use anyhow::{Context, Result};
-use clap::{ArgGroup, Parser};
+use clap::{ArgGroup, Parser, ValueEnum};
 use host_tests::design_file::SHIPPED;
 use host_tests::milling_cycle::RECORD;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap};
+use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::source::{self, Chunks};
 use host_tests::telemetry::state::State;
 use host_tests::telemetry::table::{Writer, change_name};
@@ -37,6 +38,15 @@ struct Arguments {
     #[arg(long, value_name = "PORT", group = "source")]
     port: Option<String>,
 
+    /// Acknowledge all alarms, then go on; with --view, the key a does it
+    #[arg(long, requires = "port")]
+    acknowledge: bool,
+
+    /// Have the board learn the baseline of the stiffness from now on, or no longer; with --view, the key l
+    /// does it
+    #[arg(long, value_name = "WHEN", requires = "port")]
+    learn: Option<Learning>,
+
     /// Baud rate of the port
     #[arg(long, value_name = "BAUD", default_value_t = 460_800)]
     baud: u32,
@@ -57,7 +67,7 @@ struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<String>,
 
-    /// Show the stream live; q leaves
+    /// Show the stream live; q leaves, and with a port, a acknowledges alarms and l learns the baseline
     #[arg(long)]
     view: bool,
 
@@ -75,6 +85,15 @@ struct Arguments {
     picture: Option<PathBuf>,
 }
 
+/// Whether the board is to learn the baseline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Learning {
+    /// From now on
+    On,
+    /// No longer
+    Off,
+}
+
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -86,7 +105,15 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<()> {
-    let chunks = open(arguments)?;
+    let (chunks, mut operator) = open(arguments)?;
+    if let Some(operator) = &mut operator {
+        if arguments.acknowledge {
+            operator.acknowledge_all()?;
+        }
+        if let Some(when) = arguments.learn {
+            operator.learn(when == Learning::On)?;
+        }
+    }
     let mut table = match &arguments.csv {
         None => None,
         Some(path) => Some(Writer::new(create(path)?)),
@@ -100,7 +127,11 @@ fn run(arguments: &Arguments) -> Result<()> {
     let mut state = State::default();
     let ended = if arguments.view {
         let pace = (arguments.port.is_none() && arguments.pace > 0.0).then_some(arguments.pace);
-        view::view(&chunks, pace, &mut state, write)
+        let press = |key, state: &State| match &mut operator {
+            Some(operator) => operator.press(key, state),
+            None => Ok(None),
+        };
+        view::view(&chunks, pace, &mut state, write, press)
     } else {
         read(&chunks, quiet, &mut state, write)
     };
@@ -118,12 +149,14 @@ fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn open(arguments: &Arguments) -> Result<Chunks> {
+/// Where the bytes come from, and for a port, who says something to it.
+fn open(arguments: &Arguments) -> Result<(Chunks, Option<Operator<Box<dyn Write + Send>>>)> {
     if let Some(port) = &arguments.port {
-        return source::port(port, arguments.baud);
+        let (chunks, operator) = source::port(port, arguments.baud)?;
+        return Ok((chunks, Some(operator)));
     }
     if let Some(path) = &arguments.file {
-        return source::file(path);
+        return Ok((source::file(path)?, None));
     }
     let design = design_file::DesignFile::read(Path::new(SHIPPED).join("b7005c.toml"))?;
     let mut rows = Vec::new();
@@ -135,7 +168,7 @@ fn open(arguments: &Arguments) -> Result<Chunks> {
         rows.push(row);
     }
     let bytes = simulated::stream(&design.design, &rows)?;
-    Ok(source::stream(Cursor::new(bytes)))
+    Ok((source::stream(Cursor::new(bytes)), None))
 }
 
 fn create(path: &str) -> Result<Box<dyn Write>> {

@@ -1,9 +1,10 @@
 //! Where the bytes come from. They are read by a thread of their own, so that a view goes on while
 //! nothing comes.
 
+use super::operator::Operator;
 use anyhow::{Context, Result};
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread;
 use std::time::Duration;
@@ -17,17 +18,19 @@ const PORT_TIMEOUT: Duration = Duration::from_millis(100);
 /// Chunks of a stream as they come; disconnected at its end. An error is the last that comes.
 pub type Chunks = Receiver<io::Result<Vec<u8>>>;
 
-/// Opens a serial port, 8N1.
+/// Opens a serial port, 8N1: what comes in, and who sends commands out.
 ///
 /// # Errors
 ///
 /// The port is not there, not free, or does not know the baud rate.
-pub fn port(name: &str, baud: u32) -> Result<Chunks> {
-    let port = serialport::new(name, baud)
-        .timeout(PORT_TIMEOUT)
-        .open()
-        .with_context(|| format!("cannot open the serial port {name} at {baud} baud"))?;
-    Ok(stream(port))
+pub fn port(name: &str, baud: u32) -> Result<(Chunks, Operator<Box<dyn Write + Send>>)> {
+    let open = || {
+        let port = serialport::new(name, baud).timeout(PORT_TIMEOUT).open()?;
+        Ok::<_, serialport::Error>((port.try_clone()?, port))
+    };
+    let (writer, reader) =
+        open().with_context(|| format!("cannot open the serial port {name} at {baud} baud"))?;
+    Ok((stream(reader), Operator::new(Box::new(writer))))
 }
 
 /// Opens a file; `-` is standard input, where an emulator's output can be led to.
@@ -78,14 +81,14 @@ fn pump(mut source: impl Read, sender: &SyncSender<io::Result<Vec<u8>>>) {
 mod tests {
     use super::*;
     use serialport::{SerialPort, TTYPort};
-    use std::io::Write;
+    use spindle_bearing::monitor::command::{self, Command};
 
     /// A pseudo-terminal is a port to whoever opens it.
     #[test]
     fn the_bytes_of_a_port_arrive_as_they_were_sent_silence_is_no_end_and_unplugging_is() {
         let (mut sender, port_side) = TTYPort::pair().unwrap();
         let name = port_side.name().unwrap();
-        let chunks = port(&name, 460_800).unwrap();
+        let (chunks, mut operator) = port(&name, 460_800).unwrap();
         let receive = |count: usize| -> Vec<u8> {
             let mut bytes = Vec::new();
             while bytes.len() < count {
@@ -101,6 +104,10 @@ mod tests {
             assert_eq!(receive(sent.len()), sent);
             thread::sleep(2 * PORT_TIMEOUT);
         }
+        operator.send(Command::Learn(true)).unwrap();
+        let mut command = vec![0; command::encode(Command::Learn(true)).len()];
+        sender.read_exact(&mut command).unwrap();
+        assert_eq!(command, *command::encode(Command::Learn(true)));
         drop((sender, port_side));
         let last = chunks.recv_timeout(Duration::from_secs(10));
         assert!(!matches!(last, Ok(Ok(_))), "{last:?}");

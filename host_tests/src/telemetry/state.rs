@@ -67,6 +67,8 @@ pub struct State {
     pub tally: Tally,
     /// The last damage.
     pub last_damage: Option<FrameError>,
+    /// What was last said to the board.
+    pub said: Option<String>,
 }
 
 impl State {
@@ -85,6 +87,7 @@ impl State {
             *self = Self {
                 tally,
                 last_damage: self.last_damage,
+                said: self.said.take(),
                 ..Self::default()
             };
         }

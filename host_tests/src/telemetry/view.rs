@@ -431,25 +431,30 @@ fn counters(state: &State) -> Paragraph<'_> {
         link,
         if hurt { warning() } else { Style::new() },
     ));
-    let block = Block::bordered()
+    let mut block = Block::bordered()
         .title(" health ")
         .border_style(Style::new().fg(FAINT));
+    if let Some(said) = &state.said {
+        block = block.title_bottom(format!(" {said} "));
+    }
     Paragraph::new(lines).block(block)
 }
 
 /// Shows a stream until its reader presses q, Esc or Ctrl-C. At the end of the stream the view stays.
 ///
 /// `pace` is how many times as fast as the monitor's own time the frames are shown; `None` shows them as
-/// they come. `each` is called for every event, and `state` is what they say, also if there is an error.
+/// they come. `each` is called for every event, and `state` is what they say, also if there is an error. `press`
+/// is told of keys, and returns what it did about one, for the view to show.
 ///
 /// # Errors
 ///
-/// The terminal cannot be used, the stream cannot be read, or `each` failed.
+/// The terminal cannot be used, the stream cannot be read, or `each` or `press` failed.
 pub fn view(
     chunks: &Chunks,
     pace: Option<f64>,
     state: &mut State,
     mut each: impl FnMut(&Event) -> Result<()>,
+    mut press: impl FnMut(char, &State) -> Result<Option<String>>,
 ) -> Result<()> {
     let mut terminal = ratatui::try_init()?;
     let shown = (|| {
@@ -495,13 +500,22 @@ pub fn view(
                 }
             }
             while event::poll(Duration::ZERO)? {
-                if let event::Event::Key(key) = event::read()?
-                    && key.kind == KeyEventKind::Press
-                    && (matches!(key.code, KeyCode::Char('q') | KeyCode::Esc)
-                        || key.code == KeyCode::Char('c')
-                            && key.modifiers.contains(KeyModifiers::CONTROL))
-                {
-                    return Ok(());
+                let event::Event::Key(key) = event::read()? else {
+                    continue;
+                };
+                if key.kind != KeyEventKind::Press {
+                    continue;
+                }
+                let control = key.modifiers.contains(KeyModifiers::CONTROL);
+                match key.code {
+                    KeyCode::Char('q') | KeyCode::Esc => return Ok(()),
+                    KeyCode::Char('c') if control => return Ok(()),
+                    KeyCode::Char(other) => {
+                        if let Some(said) = press(other, state)? {
+                            state.said = Some(said);
+                        }
+                    }
+                    _ => {}
                 }
             }
         }

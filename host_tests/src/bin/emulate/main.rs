@@ -198,7 +198,13 @@ fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
                 drop(manner);
                 answer
             });
-            view::view(&chunks, Some(1.0), &mut State::default(), |_| Ok(()))?;
+            view::view(
+                &chunks,
+                Some(1.0),
+                &mut State::default(),
+                |_| Ok(()),
+                |_, _| Ok(None),
+            )?;
             drop(chunks);
             running.join().map_err(|_| anyhow!("the run panicked"))?
         })?
