@@ -6,8 +6,7 @@ use clap::{ArgGroup, Parser, ValueEnum};
 use host_tests::design_file::SHIPPED;
 use host_tests::milling_cycle::RECORD;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap};
-use host_tests::telemetry::operator::Operator;
-use host_tests::telemetry::source::{self, Chunks};
+use host_tests::telemetry::source::{self, Chunks, PortOperator};
 use host_tests::telemetry::state::State;
 use host_tests::telemetry::table::{Writer, change_name};
 use host_tests::telemetry::{picture, simulated, view};
@@ -150,7 +149,7 @@ fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Where the bytes come from, and for a port, who says something to it.
-fn open(arguments: &Arguments) -> Result<(Chunks, Option<Operator<Box<dyn Write + Send>>>)> {
+fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
     if let Some(port) = &arguments.port {
         let (chunks, operator) = source::port(port, arguments.baud)?;
         return Ok((chunks, Some(operator)));

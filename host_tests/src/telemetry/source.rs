@@ -18,12 +18,15 @@ const PORT_TIMEOUT: Duration = Duration::from_millis(100);
 /// Chunks of a stream as they come; disconnected at its end. An error is the last that comes.
 pub type Chunks = Receiver<io::Result<Vec<u8>>>;
 
+/// Says something to a port.
+pub type PortOperator = Operator<Box<dyn Write + Send>>;
+
 /// Opens a serial port, 8N1: what comes in, and who sends commands out.
 ///
 /// # Errors
 ///
 /// The port is not there, not free, or does not know the baud rate.
-pub fn port(name: &str, baud: u32) -> Result<(Chunks, Operator<Box<dyn Write + Send>>)> {
+pub fn port(name: &str, baud: u32) -> Result<(Chunks, PortOperator)> {
     let open = || {
         let port = serialport::new(name, baud).timeout(PORT_TIMEOUT).open()?;
         Ok::<_, serialport::Error>((port.try_clone()?, port))

@@ -8,12 +8,40 @@ use std::io::{Read, Write};
 use std::net::TcpListener;
 use std::process::{Child, ChildStdin, Stdio};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+/// The emulator that runs, for whoever has to end it.
+static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
+
+/// Ends the emulator, if one runs; returns how it ended.
+fn end() -> Option<String> {
+    let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut child = running.take()?;
+    let _ = child.kill();
+    Some(
+        child
+            .wait()
+            .map_or_else(|error| error.to_string(), |status| status.to_string()),
+    )
+}
+
+/// Has signals that ask this program to end, end the emulator first, and leave the terminal as it was.
+pub fn end_on_signals() -> Result<()> {
+    ctrlc::set_handler(|| {
+        end();
+        if ratatui::crossterm::terminal::is_raw_mode_enabled().unwrap_or(false) {
+            ratatui::restore();
+        }
+        // As shells have it of a program that was interrupted.
+        std::process::exit(130)
+    })
+    .context("signals cannot be handled")
+}
+
 /// A running board. Ends with its owner.
 pub struct Board {
-    child: Child,
     port: Option<ChildStdin>,
     bytes: Receiver<Vec<u8>>,
     log: Receiver<Vec<u8>>,
@@ -87,8 +115,8 @@ impl Board {
                 }
             }
         });
+        *RUNNING.lock().unwrap_or_else(PoisonError::into_inner) = Some(child);
         Ok(Self {
-            child,
             port: Some(port),
             bytes: pump(output),
             log,
@@ -149,11 +177,7 @@ impl Board {
 
     /// What is to be said of an emulator that has gone.
     fn post_mortem(&mut self, how: &str) -> anyhow::Error {
-        let _ = self.child.kill();
-        let status = self
-            .child
-            .wait()
-            .map_or_else(|error| error.to_string(), |status| status.to_string());
+        let status = end().unwrap_or_else(|| "it was ended".to_owned());
         let complaint = self
             .complaints
             .recv_timeout(Duration::from_secs(1))
@@ -168,8 +192,7 @@ impl Board {
 
 impl Drop for Board {
     fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        end();
     }
 }
 

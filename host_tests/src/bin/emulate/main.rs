@@ -171,6 +171,7 @@ fn prepare(arguments: &Arguments) -> Result<Ready> {
 }
 
 fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
+    emulator::end_on_signals()?;
     let Ready {
         plan,
         golden,

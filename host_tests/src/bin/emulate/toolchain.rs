@@ -13,15 +13,29 @@ const MACHINES: [&str; 2] = ["netduinoplus2", "olimex-stm32-h405"];
 pub struct Emulator {
     /// Name of the machine.
     pub machine: &'static str,
+    /// There is a program that ties it to this one.
+    tied: bool,
 }
 
 impl Emulator {
     /// The command that starts it, still without firmware.
     pub fn command(&self) -> Command {
-        let mut command = Command::new(QEMU);
+        let mut command = if self.tied {
+            tied(QEMU)
+        } else {
+            Command::new(QEMU)
+        };
         command.args(["-machine", self.machine, "-display", "none"]);
         command
     }
+}
+
+/// A program that the system kills when the thread that has started it is gone, for whatever reason: Linux
+/// can do that, and its util-linux has a command for it.
+fn tied(program: &str) -> Command {
+    let mut command = Command::new("setpriv");
+    command.args(["--pdeathsig", "KILL", program]);
+    command
 }
 
 /// Finds the emulator, installing it first where it is missing and that is allowed.
@@ -40,7 +54,10 @@ pub fn find_emulator() -> Result<Emulator> {
             .any(|line| line.split_whitespace().next() == Some(name))
     });
     match machine {
-        Some(machine) => Ok(Emulator { machine }),
+        Some(machine) => Ok(Emulator {
+            machine,
+            tied: cfg!(target_os = "linux") && output(&mut tied("true")).is_some(),
+        }),
         None => bail!(
             "this {QEMU} knows none of the machines {}; install QEMU 5 or later",
             MACHINES.join(", ")
@@ -55,4 +72,33 @@ fn install_emulator() -> Result<()> {
         elsewhere: "Fedora: dnf install qemu-system-arm; Arch: pacman -S qemu-system-arm; \
                     macOS: brew install qemu",
     })
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use std::os::unix::process::ExitStatusExt;
+    use std::thread;
+    use std::time::{Duration, Instant};
+
+    #[test]
+    fn a_tied_program_does_not_outlive_who_has_started_it() {
+        if output(&mut tied("true")).is_none() {
+            eprintln!(
+                "no setpriv on this machine: only signals that can be caught end the emulator"
+            );
+            return;
+        }
+        let start = || tied("sleep").arg("60").spawn().unwrap();
+        let mut child = thread::spawn(start).join().unwrap();
+        let began = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                break status;
+            }
+            assert!(began.elapsed() < Duration::from_secs(10), "it still runs");
+            thread::sleep(Duration::from_millis(10));
+        };
+        assert_eq!(status.signal(), Some(9));
+    }
 }
