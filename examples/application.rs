@@ -1,18 +1,29 @@
 //! The monitor's application, the same on every board: loads and speed in, alarms and telemetry out. The
 //! board is `super::board`, the spindle `super::monitored` and `super::monitor_settings`, and all that needs no hardware `super::chain`.
 
-use super::board::{self, Board, Cycles, Dog};
-use super::chain::Chain;
-use super::monitor_settings::MONITOR;
+use super::board::{self, Board, Cycles, Dog, Measured};
+use super::chain::{Chain, Sensors};
+use super::monitor_settings::{BRIDGES, MONITOR};
 use spindle_bearing::monitor::Outcome;
 use spindle_bearing::monitor::tick::{Watchdog, Widened};
 
 /// Takes the board, and never gives it back.
 pub fn run() -> ! {
-    let Some(board) = board::start() else {
+    let Some(mut board) = board::start() else {
         unreachable!("main runs once, and takes the peripherals once");
     };
-    let Some(chain) = cortex_m::singleton!(: Chain = Chain::new()) else {
+    // The compiler leaves out what is not chosen.
+    if BRIDGES && let Some(sensors) = board.sensors.take() {
+        let chain = cortex_m::singleton!(: Chain<Measured> = Chain::with(sensors));
+        with(chain, board)
+    } else {
+        with(cortex_m::singleton!(: Chain = Chain::new()), board)
+    }
+}
+
+/// Runs a chain.
+fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board) -> ! {
+    let Some(chain) = chain else {
         unreachable!("main runs once, and makes one monitor");
     };
     defmt::info!(
@@ -37,7 +48,7 @@ pub fn run() -> ! {
 }
 
 /// Ticks by the timer. Between them, bytes come in and go out.
-fn by_the_timer(chain: &mut Chain, mut board: Board) -> ! {
+fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board) -> ! {
     board::start_timer(board.timer, board.clock.core_hz, MONITOR.tick.period_us);
     let mut dog = Dog::start(board.iwdg);
     let mut last = board::ticks();
@@ -69,7 +80,7 @@ fn by_the_timer(chain: &mut Chain, mut board: Board) -> ! {
 
 /// Ticks as they are asked for: what the monitor does is then a matter of the bytes alone, and can be held
 /// against another machine.
-fn in_lock_step(chain: &mut Chain, mut board: Board) -> ! {
+fn in_lock_step<S: Sensors>(chain: &mut Chain<S>, mut board: Board) -> ! {
     let mut dog = Dog::asleep();
     let mut time_us = 0_u64;
     loop {
@@ -104,13 +115,13 @@ fn tell(outcome: &Outcome) {
 // looks at what these two call.
 
 #[inline(never)]
-fn take(chain: &mut Chain, byte: u8) -> Option<u16> {
+fn take<S: Sensors>(chain: &mut Chain<S>, byte: u8) -> Option<u16> {
     chain.push(byte)
 }
 
 #[inline(never)]
-fn tick(
-    chain: &mut Chain,
+fn tick<S: Sensors>(
+    chain: &mut Chain<S>,
     time_us: u64,
     cycles: &mut Cycles,
     watchdog: &mut impl Watchdog,

@@ -16,20 +16,56 @@ use spindle_bearing::monitor::{Monitor, Outcome, Readings};
 /// Estimates and pictures of balls that wait for a slow link.
 const FRAMES: usize = 12;
 
-/// The monitor with its source of loads.
-pub struct Chain {
+/// Where loads and speed come from.
+pub trait Sensors {
+    /// A byte of the port that belongs to no command.
+    fn push(&mut self, _: u8) {}
+
+    /// What there is at a tick.
+    fn readings(&mut self, time_us: u64) -> Readings;
+}
+
+/// Records of the port, which carry the speed.
+impl Sensors for FramedLoads {
+    fn push(&mut self, byte: u8) {
+        Self::push(self, byte);
+    }
+
+    fn readings(&mut self, time_us: u64) -> Readings {
+        Readings {
+            loads: self.sample(time_us),
+            speed: None,
+        }
+    }
+}
+
+/// The monitor with its sensors.
+pub struct Chain<S = FramedLoads> {
     monitor: Monitor<BALLS, Full, FRAMES, Precision>,
-    loads: FramedLoads,
+    sensors: S,
     sorter: Sorter,
     time_us: u64,
 }
 
 impl Chain {
-    /// At the beginning.
+    /// At the beginning, with records of the port.
     pub fn new() -> Self {
+        Self::with(FramedLoads::new())
+    }
+
+    /// What came over the port.
+    #[allow(dead_code, reason = "the host's side")]
+    pub const fn counts(&self) -> FrameCounts {
+        self.sensors.counts()
+    }
+}
+
+impl<S: Sensors> Chain<S> {
+    /// At the beginning.
+    pub fn with(sensors: S) -> Self {
         Self {
             monitor: Monitor::new(&BEARING, &MONITOR),
-            loads: FramedLoads::new(),
+            sensors,
             sorter: Sorter::new(),
             time_us: 0,
         }
@@ -46,8 +82,8 @@ impl Chain {
 
     /// Takes a byte of the port. Returns how many bytes the link takes if it is a tick that is asked for.
     pub fn push(&mut self, byte: u8) -> Option<u16> {
-        let loads = &mut self.loads;
-        match self.sorter.push(byte, |byte| loads.push(byte))? {
+        let sensors = &mut self.sensors;
+        match self.sorter.push(byte, |byte| sensors.push(byte))? {
             Command::Tick(room) => return Some(room),
             Command::Acknowledge(alarm) => self.monitor.acknowledge(self.time_us, alarm),
             Command::Learn(true) => self.monitor.judgement().start_learning(),
@@ -64,11 +100,7 @@ impl Chain {
         watchdog: &mut impl Watchdog,
     ) -> Outcome {
         self.time_us = time_us;
-        let readings = Readings {
-            loads: self.loads.sample(time_us),
-            // The records carry it.
-            speed: None,
-        };
+        let readings = self.sensors.readings(time_us);
         self.monitor.tick(time_us, &readings, counter, watchdog)
     }
 
@@ -81,11 +113,5 @@ impl Chain {
     #[allow(dead_code, reason = "the host's side")]
     pub fn health(&self) -> HealthReport {
         self.monitor.health()
-    }
-
-    /// What came over the port.
-    #[allow(dead_code, reason = "the host's side")]
-    pub const fn counts(&self) -> FrameCounts {
-        self.loads.counts()
     }
 }

@@ -3,7 +3,9 @@
 
 use super::monitored::{BALLS, DESIGN};
 use super::{CORE_HZ, COST};
+use spindle_bearing::monitor::loads::Calibration;
 use spindle_bearing::monitor::settings::MonitorSettings;
+use spindle_bearing::monitor::speed::SpeedSettings;
 
 /// Loads of the idling spindle (N, N m), to start from: the preload.
 pub const IDLE: [f32; 5] = [420.0, 0.0, 0.0, 0.0, 0.0];
@@ -29,4 +31,46 @@ pub static MONITOR: MonitorSettings = {
 const _: () = match MONITOR.check() {
     Ok(()) => {}
     Err(error) => panic!("{}", error.field),
+};
+
+/// Whether loads come from strain bridges and speed from a tachometer at the board, and not as records over the
+/// port: set it here, or build with `SPINDLE_SENSORS=bridges` in the environment.
+#[allow(dead_code, reason = "the boards'")]
+pub const BRIDGES: bool = option_env!("SPINDLE_SENSORS").is_some();
+
+/// Counts of six bridges per N and N m, rows of the bridges: **to be replaced by those of your spindle**. These
+/// are of bridges that each see one load, the sixth one all forces.
+#[allow(dead_code, reason = "the boards'")]
+pub const CALIBRATION: Calibration<6> = match Calibration::from_counts([
+    [500.0, 0.0, 0.0, 0.0, 0.0],
+    [0.0, 500.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, 500.0, 0.0, 0.0],
+    [0.0, 0.0, 0.0, 2e4, 0.0],
+    [0.0, 0.0, 0.0, 0.0, 2e4],
+    [300.0, 300.0, 300.0, 0.0, 0.0],
+]) {
+    Ok(mut calibration) => {
+        // The springs' preload, which no bridge can tell from its zero.
+        calibration.standing = IDLE;
+        calibration
+    }
+    Err(_) => panic!("the bridges cannot tell five loads apart"),
+};
+
+/// Samples of a tare.
+#[allow(dead_code, reason = "the boards'")]
+pub const TARE_SAMPLES: u16 = 1000;
+
+/// The tachometer's pulses, at a timer of 1 MHz.
+#[allow(dead_code, reason = "the boards'")]
+pub const TACHOMETER: SpeedSettings = SpeedSettings {
+    pulses_per_revolution: 4,
+    timer_hz: 1_000_000,
+    timer_bits: 32,
+    counter_bits: 32,
+    count_above: 400.0,
+    period_below: 300.0,
+    gate_us: 5000,
+    standstill_us: 500_000,
+    deceleration: 1000.0,
 };

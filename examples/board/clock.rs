@@ -43,6 +43,8 @@ pub struct Clock {
     pub usart_hz: u32,
     /// The same of USART2.
     pub log_hz: u32,
+    /// Frequency that TIM2 counts from, Hz.
+    pub timer_hz: u32,
 }
 
 /// Goes as fast as the hardware lets it. Expects the chip as a reset leaves it: on the internal
@@ -54,6 +56,7 @@ pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
             core_hz: CORE_HZ,
             usart_hz: CORE_HZ / 2,
             log_hz: CORE_HZ / 4,
+            timer_hz: CORE_HZ / 2,
         };
     }
     rcc.cfgr().reset();
@@ -64,6 +67,7 @@ pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
         core_hz: INTERNAL_HZ,
         usart_hz: INTERNAL_HZ,
         log_hz: INTERNAL_HZ,
+        timer_hz: INTERNAL_HZ,
     }
 }
 

@@ -1,17 +1,22 @@
 //! An STM32F405 as the monitor needs it: a clock, a beat, serial ports, a log, and a way out of a panic.
 
 mod beat;
+mod bus;
 mod clock;
 mod faults;
 mod log;
 mod receiver;
+mod sensors;
 mod serial;
+mod spi;
 
 pub use beat::{Cycles, Dog, start_timer, ticks};
 pub use clock::Clock;
 pub use receiver::Receiver;
+pub use sensors::Measured;
 pub use serial::{BAUD, is_free, received, send};
 
+use crate::monitor_settings::BRIDGES;
 use cortex_m::peripheral::SYST;
 use stm32f4::stm32f405 as pac;
 
@@ -30,6 +35,8 @@ pub struct Board {
     /// PC0 is wired to ground: ticks are asked for over the port. On an emulated board, which has no pins,
     /// every input is low.
     pub lock_step: bool,
+    /// Strain bridges and tachometer, if they are chosen.
+    pub sensors: Option<Measured>,
 }
 
 /// Starts everything but timer and watchdog; `None` if it was started before.
@@ -45,6 +52,14 @@ pub fn start() -> Option<Board> {
     cortex_m::asm::delay(clock.core_hz / 10_000);
     let lock_step = p.GPIOC.idr().read().idr0().bit_is_clear();
     let receiver = serial::start((p.USART1, p.USART2), &p.RCC, &p.GPIOA, &clock, lock_step)?;
+    let sensors = BRIDGES.then(|| {
+        p.RCC.ahb1enr().modify(|_, w| w.gpioben().enabled());
+        p.RCC.apb1enr().modify(|_, w| w.tim2en().enabled());
+        p.RCC.apb2enr().modify(|_, w| w.spi1en().enabled());
+        let _ = p.RCC.apb2enr().read();
+        spi::start(p.SPI1);
+        sensors::start(p.GPIOA, p.GPIOB, p.TIM2, clock.timer_hz)
+    });
     Some(Board {
         clock,
         receiver,
@@ -52,6 +67,7 @@ pub fn start() -> Option<Board> {
         iwdg: p.IWDG,
         timer: core.SYST,
         lock_step,
+        sensors,
     })
 }
 

@@ -79,6 +79,8 @@ impl Build<'_> {
         command
             .env_remove("RUSTFLAGS")
             .env_remove("CARGO_ENCODED_RUSTFLAGS")
+            // Host programs speak to the firmware as it is shipped.
+            .env_remove("SPINDLE_SENSORS")
             .env("DEFMT_LOG", "info");
         if let Some(processor) = self.processor {
             // Takes the place of the configuration's flags, so that the linker scripts are named again.

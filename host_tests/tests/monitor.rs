@@ -1239,6 +1239,44 @@ fn a_speed_signal_lost_at_full_speed_stops_estimates_and_life_goes_on_in_doubt()
     rig.no_alarm_is_lost();
 }
 
+// --- the boards' bus ------------------------------------------------------------------------------
+
+#[path = "../../examples/board/bus.rs"]
+mod bus;
+
+#[test]
+fn a_bus_exchanges_byte_for_byte_and_one_that_is_dead_is_an_error() {
+    use embedded_hal::spi::{ErrorKind, Operation, SpiDevice};
+    let mut sent = Vec::new();
+    let exchange = |byte: u8| {
+        sent.push(byte);
+        Some(!byte)
+    };
+    let delay = embedded_hal_mock::eh1::delay::NoopDelay::new();
+    let mut bus = bus::Bus::new(exchange, delay);
+    let (mut read, mut long, mut place) = ([7; 2], [7; 3], [8, 9]);
+    let mut operations = [
+        Operation::Write(&[1, 2]),
+        Operation::Read(&mut read),
+        Operation::Transfer(&mut long, &[3]),
+        Operation::Transfer(&mut [], &[4, 5]),
+        Operation::DelayNs(100),
+        Operation::TransferInPlace(&mut place),
+    ];
+    assert_eq!(bus.transaction(&mut operations), Ok(()));
+    assert_eq!((read, long, place), ([!0; 2], [!3, !0, !0], [!8, !9]));
+    assert_eq!(sent, [1, 2, 0, 0, 3, 0, 0, 4, 5, 8, 9]);
+
+    let mut left = 3;
+    let dying = |byte| {
+        left -= 1;
+        (left > 0).then_some(byte)
+    };
+    let mut bus = bus::Bus::new(dying, embedded_hal_mock::eh1::delay::NoopDelay::new());
+    assert_eq!(bus.transfer_in_place(&mut [1, 2]), Ok(()));
+    assert_eq!(bus.transfer_in_place(&mut [3, 4]), Err(ErrorKind::Other));
+}
+
 // --- a day --------------------------------------------------------------------------------------
 
 /// Solved once a second; telemetry a little every minute.

@@ -46,6 +46,8 @@ pub struct Clock {
     pub core_hz: u32,
     /// Frequency that USART3 divides its baud rate from, Hz.
     pub usart_hz: u32,
+    /// Frequency that TIM2 counts from, Hz.
+    pub timer_hz: u32,
 }
 
 /// Goes as fast as the hardware lets it. Expects the chip as a reset leaves it: on the internal
@@ -61,6 +63,7 @@ pub fn start(rcc: &RCC, pwr: &PWR, flash: &FLASH) -> Clock {
             source,
             core_hz: CORE_HZ,
             usart_hz: CORE_HZ / 4,
+            timer_hz: CORE_HZ / 2,
         };
     }
     rcc.cfgr().reset();
@@ -73,6 +76,7 @@ pub fn start(rcc: &RCC, pwr: &PWR, flash: &FLASH) -> Clock {
         source: Source::InternalWithoutPll,
         core_hz: INTERNAL_HZ,
         usart_hz: INTERNAL_HZ,
+        timer_hz: INTERNAL_HZ,
     }
 }
 

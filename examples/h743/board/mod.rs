@@ -3,6 +3,8 @@
 
 #[path = "../../board/beat.rs"]
 mod beat;
+#[path = "../../board/bus.rs"]
+mod bus;
 mod clock;
 #[path = "../../board/faults.rs"]
 mod faults;
@@ -10,13 +12,18 @@ mod faults;
 mod log;
 #[path = "../../board/receiver.rs"]
 mod receiver;
+#[path = "../../board/sensors.rs"]
+mod sensors;
 mod serial;
+mod spi;
 
 pub use beat::{Cycles, Dog, start_timer, ticks};
 pub use clock::Clock;
 pub use receiver::Receiver;
+pub use sensors::Measured;
 pub use serial::{BAUD, is_free, received, send};
 
+use crate::monitor_settings::BRIDGES;
 use cortex_m::peripheral::SYST;
 use stm32h7::stm32h743 as pac;
 
@@ -34,6 +41,8 @@ pub struct Board {
     pub timer: SYST,
     /// PC0 is wired to ground: ticks are asked for over the port.
     pub lock_step: bool,
+    /// Strain bridges and tachometer, if they are chosen.
+    pub sensors: Option<Measured>,
 }
 
 /// Starts everything but timer and watchdog; `None` if it was started before.
@@ -54,6 +63,17 @@ pub fn start() -> Option<Board> {
     cortex_m::asm::delay(clock.core_hz / 10_000);
     let lock_step = p.GPIOC.idr().read().idr0().bit_is_clear();
     let receiver = serial::start((p.USART3, p.USART2), &p.RCC, &p.GPIOD, &clock, lock_step)?;
+    let sensors = BRIDGES.then(|| {
+        p.RCC
+            .ahb4enr()
+            .modify(|_, w| w.gpioaen().enabled().gpioben().enabled());
+        p.RCC.apb1lenr().modify(|_, w| w.tim2en().enabled());
+        p.RCC.d2ccip1r().modify(|_, w| w.spi123sel().per());
+        p.RCC.apb2enr().modify(|_, w| w.spi1en().enabled());
+        let _ = p.RCC.apb2enr().read();
+        spi::start(p.SPI1);
+        sensors::start(p.GPIOA, p.GPIOB, p.TIM2, clock.timer_hz)
+    });
     Some(Board {
         clock,
         receiver,
@@ -61,6 +81,7 @@ pub fn start() -> Option<Board> {
         iwdg: p.IWDG,
         timer: core.SYST,
         lock_step,
+        sensors,
     })
 }
 

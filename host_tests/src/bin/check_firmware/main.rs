@@ -51,13 +51,22 @@ fn check() -> Result<()> {
         &[Unwanted::Panic, Unwanted::Allocation],
     )?;
     bare(root, MONITOR, None, &Unwanted::ALL)?;
-    shipped(root, Board::F405, "spindle_monitor", &Unwanted::ALL)?;
-    shipped(
-        root,
-        Board::H743,
-        "spindle_monitor_h743",
-        &[Unwanted::Panic, Unwanted::Allocation],
-    )?;
+    for sensors in [None, Some("bridges")] {
+        shipped(
+            root,
+            Board::F405,
+            "spindle_monitor",
+            sensors,
+            &Unwanted::ALL,
+        )?;
+        shipped(
+            root,
+            Board::H743,
+            "spindle_monitor_h743",
+            sensors,
+            &[Unwanted::Panic, Unwanted::Allocation],
+        )?;
+    }
     scenes::check(root)
 }
 
@@ -168,11 +177,18 @@ fn bare(root: &Path, example: &str, variant: Option<&str>, kinds: &[Unwanted]) -
 }
 
 /// Checks the monitor's firmware for a board.
-fn shipped(root: &Path, board: Board, example: &str, kinds: &[Unwanted]) -> Result<()> {
+fn shipped(
+    root: &Path,
+    board: Board,
+    example: &str,
+    sensors: Option<&str>,
+    kinds: &[Unwanted],
+) -> Result<()> {
     let build = Build {
         board,
         example,
         link: &[RELOCATIONS],
+        environment: &[("SPINDLE_SENSORS", sensors)],
         ..Build::default()
     };
     let program = Program::build(&build, root)?;
@@ -195,7 +211,8 @@ fn shipped(root: &Path, board: Board, example: &str, kinds: &[Unwanted]) -> Resu
         }
     }
     let root = roots.join(" and ");
-    let what = format!("{root} in the firmware");
+    let with = sensors.map_or(String::new(), |sensors| format!(" with {sensors}"));
+    let what = format!("{root} in the firmware{with}");
     refuse(&what, &program, &reach, kinds)
 }
 
