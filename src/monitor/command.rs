@@ -1,5 +1,5 @@
 //! What a host says to the monitor besides loads: one command, one frame of
-//! [`framing`](crate::framing), over the port that load records come in by.
+//! [`framing`], over the port that load records come in by.
 //!
 //! [`encode`] is the host's side. [`Sorter`] is the board's: it takes commands out of the stream and hands
 //! on the rest, which is for [`FramedLoads`](super::loads::FramedLoads). Commands are told from load records
