@@ -519,21 +519,23 @@ where
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
             let mut repeats = 0;
-            while !known {
-                // Only the last pass needs a law.
-                let law = match (laws, repeats < most) {
-                    (false, _) => never,
-                    (true, true) => bad,
-                    (true, false) => T::of(f64::INFINITY),
+            if !known {
+                let left;
+                (share, left) = loop {
+                    // Only the last pass needs a law.
+                    let law = match (laws, repeats < most) {
+                        (false, _) => never,
+                        (true, true) => bad,
+                        (true, false) => T::of(f64::INFINITY),
+                    };
+                    let (share, imbalance) = M::linearise::<T, D>(self.c, drive, ball, a, law);
+                    if !(imbalance > bad) || repeats == most {
+                        break (share, imbalance);
+                    }
+                    M::settle(ball);
+                    repeats += 1;
                 };
-                let (new, imbalance) = M::linearise::<T, D>(self.c, drive, ball, a, law);
-                if !(imbalance > bad) || repeats == most {
-                    share = new;
-                    worst = worst.or_larger(imbalance);
-                    break;
-                }
-                M::settle(ball);
-                repeats += 1;
+                worst = worst.or_larger(left);
             }
             sums.add(at, &share);
             total = total.saturating_add(repeats);
