@@ -51,11 +51,13 @@ impl<T: Real> Spring<T> {
     /// How much less of the root Newton's method wants for the axial force `q`.
     #[inline(always)]
     pub fn step(&self, q: T) -> T {
-        let (a1, h) = (self.axial, self.per_length);
+        // Numerator and denominator times the sine of the contact angle, which saves a division.
+        let sine = self.axial * self.per_length;
         let w2 = self.root * self.root;
-        let value = w2 * self.root * a1 * h - q;
-        let slope = T::of(3.0) * w2 * a1 * h
-            + (w2 * w2 + w2 * w2) * (T::ONE / (a1 * h).or_larger(T::TINY) - a1 * h) * h;
+        let value = (w2 * self.root * sine - q) * sine;
+        let square = sine * sine;
+        let slope =
+            T::of(3.0) * w2 * square + (w2 * w2 + w2 * w2) * (T::ONE - square) * self.per_length;
         value / slope.or_larger(T::TINY)
     }
 
