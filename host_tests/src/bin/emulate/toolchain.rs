@@ -77,7 +77,9 @@ fn install_emulator() -> Result<()> {
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
+    use std::io::{BufRead, BufReader};
     use std::os::unix::process::ExitStatusExt;
+    use std::process::Stdio;
     use std::thread;
     use std::time::{Duration, Instant};
 
@@ -89,7 +91,19 @@ mod tests {
             );
             return;
         }
-        let start = || tied("sleep").arg("60").spawn().unwrap();
+        // The thread stays until the program has spoken: before, it may not be tied yet.
+        let start = || {
+            let mut child = tied("sh")
+                .args(["-c", "echo tied; exec sleep 60"])
+                .stdout(Stdio::piped())
+                .spawn()
+                .unwrap();
+            let mut spoken = String::new();
+            let mut said = BufReader::new(child.stdout.take().unwrap());
+            said.read_line(&mut spoken).unwrap();
+            assert_eq!(spoken, "tied\n");
+            child
+        };
         let mut child = thread::spawn(start).join().unwrap();
         let began = Instant::now();
         let status = loop {
