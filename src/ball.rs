@@ -57,11 +57,8 @@ pub struct Ball<T> {
     pub step: Pair<T>,
     /// Its derivative by `A`, likewise.
     pub slope: Square<T>,
-    /// Stiffness along the inner contact's normal, and its derivative by the contact's force.
-    pub stiff: T,
-    pub stiffening: T,
-    /// Change of the force on the ring by a change of speed.
-    pub carried: Pair<T>,
+    /// What moves the ball, by the force on it: the negative inverse of its tangent, likewise.
+    pub mobility: Square<T>,
     /// Centrifugal force.
     pub fling: T,
     /// Derivatives by the logarithm of the speed load: of the ball's position (along the inner contact's
@@ -272,14 +269,11 @@ impl<T: Real> Ball<T> {
         };
         let matrix = [row(0), row(1)];
         let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
-        // One division for two inverses. A ball off both races (at rest) drops out: no force, no step.
-        let force = if inner.q > T::ZERO { inner.q } else { T::ONE };
-        let product = determinant * force;
-        let (inverse, per_force) = if product.abs() > T::TINY {
-            let inverse = T::ONE / product;
-            (inverse * force, inverse * determinant)
+        // A ball off both races (at rest) drops out: no force, no step.
+        let inverse = if determinant.abs() > T::TINY {
+            T::ONE / determinant
         } else {
-            (T::ZERO, T::ZERO)
+            T::ZERO
         };
         let minus_inverse = [
             [-(matrix[1][1] * inverse), matrix[0][1] * inverse],
@@ -356,15 +350,7 @@ impl<T: Real> Ball<T> {
         self.step_by_speed = step_by_speed;
         self.step = step;
         self.slope = y;
-        // A Hertz contact's stiffness grows with the cube root of its force, that of a chain which inertia
-        // bends with the cube of its tension; `bent` is the chain's part in the flexibility.
-        let stiff = local[0][0];
-        let twice = two * m.per_forces;
-        let bent = (stiff * sd * sd * c.inner * c.outer * twice).or_smaller(T::ONE);
-        let third = T::of(1.0 / 3.0);
-        self.stiff = stiff;
-        self.stiffening =
-            stiff * (third + bent * (T::of(3.0) * twice * inner.q - third)) * per_force;
+        self.mobility = minus_inverse;
         let mut share = Share {
             force,
             stiffness,
@@ -417,6 +403,19 @@ impl<T: Real> Ball<T> {
             let gap = inner.delta - self.step[0];
             Spring::open(inner.normal(), c.ki, gap, T::of(0.5) * inner.inverse_radius)
         }
+    }
+
+    /// How the contacts move when the ring makes `da`, in the ball's own directions: the inner one along and
+    /// across itself; the outer one, likewise; and the outer one's direction.
+    #[inline(always)]
+    pub fn motions(&self, da: Pair<T>) -> (Pair<T>, Pair<T>, Pair<T>) {
+        let step = self.stepped(da);
+        let outer = self.inward(self.outer_lead.normal);
+        (
+            sub(da, step),
+            [dot(outer, step), outer[0] * step[1] - outer[1] * step[0]],
+            outer,
+        )
     }
 
     /// A vector of the ball's own directions, n_i and t_i of its last linearisation, in the axial and

@@ -35,6 +35,9 @@ pub struct Constants<T> {
     /// Groove centre distances `lo / L0` and `li / L0`; their sum is exactly 1.
     pub outer: T,
     pub inner: T,
+    /// One over each.
+    pub per_outer: T,
+    pub per_inner: T,
     /// Their squares.
     pub outer_squared: Split<T>,
     pub inner_squared: Split<T>,
@@ -191,6 +194,8 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         ],
         outer: lo / l0,
         inner: li / l0,
+        per_outer: l0 / lo,
+        per_inner: l0 / li,
         outer_squared: ZERO,
         inner_squared: ZERO,
         ko: ko / k,
@@ -263,6 +268,8 @@ macro_rules! bearing {
                     n0: [Split::<$t>::of(c.n0[0].high), Split::<$t>::of(c.n0[1].high)],
                     outer,
                     inner,
+                    per_outer: 1.0 / outer,
+                    per_inner: 1.0 / inner,
                     outer_squared: Split::<$t>::of(outer as f64 * outer as f64),
                     inner_squared: Split::<$t>::of(inner as f64 * inner as f64),
                     ko: c.ko as $t,

@@ -160,7 +160,7 @@ pub struct Lead<T> {
     /// What the last linearisation made of it: the force extrapolated to the geometry, its slope,
     /// its direction, and the deformation by geometry.
     linear: T,
-    slope: T,
+    pub slope: T,
     pub normal: Pair<T>,
     delta: T,
 }
@@ -196,6 +196,35 @@ impl<T: Real> Lead<T> {
     #[inline(always)]
     pub fn reach(&self, by: T) -> T {
         self.delta + by
+    }
+
+    /// Change of the force by a motion `by` along the normal.
+    #[inline(always)]
+    pub fn growth(&self, by: T) -> T {
+        self.linear - self.q + self.slope * by
+    }
+
+    /// Whether the contact opens by a motion `by` along the normal.
+    #[inline(always)]
+    pub fn lets_go(&self, by: T) -> bool {
+        self.linear + self.slope * by < T::of(0.1) * self.q && self.delta + by < T::ZERO
+    }
+
+    /// How the contact's stiffness changes when its centres, one over `per_length` apart, move by `v`, along
+    /// the contact and across it: the element along it, the mixed one, and the one across. The stiffness
+    /// grows with the root of the deformation, of which a third of `dQ/Q` is the linear part; a turn
+    /// mixes `k` along the contact with `Q / R` across. `per_force` is `1 / Q`.
+    #[inline(always)]
+    pub fn stiffening(&self, v: Pair<T>, per_length: T, per_force: T) -> [T; 3] {
+        let turn = (self.slope - self.q * per_length) * per_length;
+        let e = T::of(2.0 / 3.0) * self.growth(v[0]) * per_force;
+        let factor = if e.abs() < T::of(0.1) {
+            // Without the difference that loses digits.
+            e * (T::of(0.5) - e * (T::of(0.125) - T::of(0.0625) * e))
+        } else {
+            (T::ONE + e).or_larger(T::ZERO).sqrt() - T::ONE
+        };
+        [self.slope * factor, turn * v[1], turn * v[0]]
     }
 
     /// As [`Lead::follow`], for a motion `by` along the normal.

@@ -127,6 +127,8 @@ pub struct Change<T> {
     pub step: T,
     /// Change of stiffness, axial and radial, summed over the balls.
     pub stiffness: Pair<T>,
+    /// The part of it that a correction of the tangent does not know.
+    pub remainder: Pair<T>,
 }
 
 impl<T: Real> Change<T> {
@@ -135,6 +137,7 @@ impl<T: Real> Change<T> {
     pub fn merge(&mut self, other: Self) {
         self.step = self.step.or_larger(other.step);
         self.stiffness = add(self.stiffness, other.stiffness);
+        self.remainder = add(self.remainder, other.remainder);
     }
 
     /// A contact that reacted as `reaction`, and whose normal turned by `turn`.
@@ -143,12 +146,14 @@ impl<T: Real> Change<T> {
         let slope = spring.slope_change(reaction);
         let larger = spring.larger_slope(reaction);
         let turned = (larger + larger) * (turn * normal[0] * normal[1]).abs();
+        let stiffness = [
+            slope * normal[0] * normal[0] + turned,
+            slope * normal[1] * normal[1] + turned,
+        ];
         Self {
             step,
-            stiffness: [
-                slope * normal[0] * normal[0] + turned,
-                slope * normal[1] * normal[1] + turned,
-            ],
+            stiffness,
+            remainder: stiffness,
         }
     }
 }
@@ -199,11 +204,15 @@ pub trait Motion: sealed::Sealed + 'static {
     /// What the ball's force has beyond the linear one, to second order, after it was accelerated and
     /// the ring stepped by `da`.
     #[doc(hidden)]
-    fn second_order<T: Real>(ball: &Self::Ball<T>, da: Pair<T>) -> Pair<T>;
-    /// Follows a step `da` of the ring that is so short that linearisations hold. Returns the ball's
-    /// step, and what that of both changes of the ball's tangent.
+    fn second_order<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, da: Pair<T>) -> Pair<T>;
+    /// What a step `da` of the ring, and the ball's own, will change of the ball's tangent, as long as
+    /// linearisations hold; and how much of that is not known, relative to it.
     #[doc(hidden)]
-    fn advance<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, da: Pair<T>) -> (T, Square<T>);
+    fn stiffening<T: Real>(c: &Constants<T>, ball: &Self::Ball<T>, da: Pair<T>) -> (Square<T>, T);
+    /// Follows a step `da` of the ring that is so short that linearisations hold. Returns the ball's
+    /// step.
+    #[doc(hidden)]
+    fn advance<T: Real>(ball: &mut Self::Ball<T>, da: Pair<T>) -> T;
     /// Follows a step `da` of the ring from its offset `a` by the ball's law.
     #[doc(hidden)]
     fn follow<T: Real>(
@@ -322,16 +331,22 @@ impl Motion for Static {
     }
 
     #[inline(always)]
-    fn second_order<T: Real>(ball: &Still<T>, da: Pair<T>) -> Pair<T> {
+    fn second_order<T: Real>(_: &Constants<T>, ball: &mut Still<T>, da: Pair<T>) -> Pair<T> {
         ball.spring.beyond(&ball.spring.react(da, false)).0
     }
 
     #[inline(always)]
-    fn advance<T: Real>(_: &Constants<T>, ball: &mut Still<T>, da: Pair<T>) -> (T, Square<T>) {
-        let reaction = ball.spring.react(da, false);
-        ball.force = reaction.force;
-        let (_, tangent) = ball.spring.beyond(&reaction);
-        (T::ZERO, tangent)
+    fn stiffening<T: Real>(_: &Constants<T>, ball: &Still<T>, da: Pair<T>) -> (Square<T>, T) {
+        let (_, tangent) = ball.spring.beyond(&ball.spring.react(da, false));
+        // The law leaves out what is smaller by the step's length over the distance of the centres.
+        let unknown = T::of(8.0) * (da[0].abs() + da[1].abs());
+        (tangent, unknown.or_smaller(T::ONE))
+    }
+
+    #[inline(always)]
+    fn advance<T: Real>(ball: &mut Still<T>, da: Pair<T>) -> T {
+        ball.force = ball.spring.react(da, false).force;
+        T::ZERO
     }
 
     #[inline(always)]
@@ -585,7 +600,6 @@ impl<S: Turning> Motion for S {
     fn accelerate<T: Real>(ball: &mut Ball<T>, by: T) -> Share<T> {
         ball.step = scale(by, ball.step_by_speed);
         let force = scale(by, ball.force_by_speed);
-        ball.carried = force;
         Share {
             force,
             couple: by * ball.couple_by_speed,
@@ -594,60 +608,99 @@ impl<S: Turning> Motion for S {
     }
 
     #[inline(always)]
-    fn second_order<T: Real>(ball: &Ball<T>, da: Pair<T>) -> Pair<T> {
-        if !(ball.inner_lead.q > T::ZERO) {
+    fn second_order<T: Real>(c: &Constants<T>, ball: &mut Ball<T>, da: Pair<T>) -> Pair<T> {
+        let (qi, qo) = (ball.inner_lead.q, ball.outer_lead.q);
+        if !(qi > T::ZERO) {
             return [T::ZERO; 2];
         }
-        // The line of centres, of unit length, turns when the ring moves across it.
-        let [along, across] = ball.inward(da);
+        let (v, w, [cd, sd]) = ball.motions(ball.inward(da));
+        let per_both = T::ONE / (qi * qo).or_larger(T::TINY);
+        // Half of the change of stiffness by the motion, times the motion.
         let half = T::of(0.5);
-        let by = ball.stiff * along + ball.inward(ball.carried)[0];
+        let beyond = |[along, mixed, _]: [T; 3], v: Pair<T>| {
+            [half * (along * v[0] + mixed * v[1]), mixed * v[0]]
+        };
+        let inner = beyond(ball.inner_lead.stiffening(v, c.per_inner, per_both * qo), v);
+        let outer = beyond(ball.outer_lead.stiffening(w, c.per_outer, per_both * qi), w);
+        let on_ball = sub(
+            inner,
+            [cd * outer[0] - sd * outer[1], sd * outer[0] + cd * outer[1]],
+        );
+        let [m, y] = [&ball.mobility, &ball.slope];
+        ball.step = add(ball.step, [dot(m[0], on_ball), dot(m[1], on_ball)]);
         ball.outward([
-            half * (ball.stiffening * by * by + ball.stiff * across * across),
-            by * across,
+            inner[0] - y[0][0] * on_ball[0] - y[1][0] * on_ball[1],
+            inner[1] - y[0][1] * on_ball[0] - y[1][1] * on_ball[1],
         ])
     }
 
     #[inline]
-    fn advance<T: Real>(c: &Constants<T>, ball: &mut Ball<T>, da: Pair<T>) -> (T, Square<T>) {
+    fn stiffening<T: Real>(c: &Constants<T>, ball: &Ball<T>, da: Pair<T>) -> (Square<T>, T) {
+        let (v, w, [cd, sd]) = ball.motions(ball.inward(da));
+        let (inner, outer) = (&ball.inner_lead, &ball.outer_lead);
+        let [n0, n1] = inner.normal;
+        let abrupt = if !(inner.q > T::ZERO) {
+            let closed = inner.reach(v[0]).or_larger(T::ZERO);
+            Some(T::of(1.5) * c.ki * closed.sqrt())
+        } else if inner.lets_go(v[0]) {
+            Some(-inner.slope)
+        } else {
+            None
+        };
+        if let Some(slope) = abrupt {
+            let [along, across] = scale(slope, inner.normal);
+            let mixed = along * n1;
+            return ([[along * n0, mixed], [mixed, across * n1]], T::ONE);
+        }
+        // The ball settles where energy is least, so that its own change of place does not count to first
+        // order: a contact's change, at what the ring's motion is at the contact.
+        let y = &ball.slope;
+        let per_both = T::ONE / (inner.q * outer.q).or_larger(T::TINY);
+        let (per_i, per_o) = (per_both * outer.q, per_both * inner.q);
+        let mut s = [T::ZERO; 3];
+        let mut put = |[along, mixed, across]: [T; 3], n: Pair<T>, t: Pair<T>| {
+            let by_n = add(scale(along, n), scale(mixed, t));
+            let by_t = add(scale(mixed, n), scale(across, t));
+            s[0] += by_n[0] * n[0] + by_t[0] * t[0];
+            s[1] += by_n[0] * n[1] + by_t[0] * t[1];
+            s[2] += by_n[1] * n[1] + by_t[1] * t[1];
+        };
+        put(
+            inner.stiffening(v, c.per_inner, per_i),
+            [T::ONE - y[0][0], -y[0][1]],
+            [-y[1][0], T::ONE - y[1][1]],
+        );
+        put(
+            outer.stiffening(w, c.per_outer, per_o),
+            add(scale(cd, y[0]), scale(sd, y[1])),
+            sub(scale(cd, y[1]), scale(sd, y[0])),
+        );
+        let product = n0 * n1;
+        let mixed = (s[0] - s[2]) * product + s[1] * (n1 * n1 - n0 * n0);
+        let twice = (s[1] + s[1]) * product;
+        let stiffness = [
+            [s[0] * n0 * n0 + twice + s[2] * n1 * n1, mixed],
+            [mixed, s[0] * n1 * n1 - twice + s[2] * n0 * n0],
+        ];
+        // Not known: what is of second order in the forces, and how inertia and friction change. The
+        // factors make the estimate cover the campaign's errors.
+        let forces = (inner.growth(v[0]) * per_i).abs() + (outer.growth(w[0]) * per_o).abs();
+        let unknown = T::of(0.02) + T::of(0.4) * forces + T::of(0.04) * ball.fling * per_i;
+        (stiffness, unknown.or_smaller(T::ONE))
+    }
+
+    #[inline]
+    fn advance<T: Real>(ball: &mut Ball<T>, da: Pair<T>) -> T {
         let da = ball.inward(da);
         let local = ball.stepped(da);
-        let v = sub(da, local);
         let dx = ball.outward(local);
         ball.x = add(ball.x, dx);
         ball.outer_lead.follow(dx);
-        let step = dx[0].abs() + dx[1].abs();
-        // The stiffness along the normal grows with the force, and turns with the normal.
-        let before = ball.inner_lead.q;
-        let [n0, n1] = ball.inner_lead.normal;
-        let stiffened = if before > T::ZERO {
-            if ball.inner_lead.follow_by(v[0]) == Pull::Lets {
-                ball.inner_lead.q = T::ZERO;
-                -ball.stiff
-            } else {
-                let change = ball.inner_lead.q - before;
-                if change.abs() <= T::of(0.25) * before {
-                    ball.stiffening * change
-                } else {
-                    ball.stiff * ((ball.inner_lead.q / before).cbrt() - T::ONE)
-                }
-            }
-        } else {
-            let closed = ball.inner_lead.reach(v[0]);
-            if !(closed > T::ZERO) {
-                return (step, [[T::ZERO; 2]; 2]);
-            }
-            T::of(1.5) * c.ki * closed.sqrt()
-        };
-        let [s, c] = scale(T::ONE / c.inner, ball.inner_lead.normal);
-        let turned = ball.stiff * v[1];
-        let twice = turned + turned;
-        let mixed = stiffened * n0 * n1 + turned * (c * n1 - s * n0);
-        let along = [
-            stiffened * n0 * n0 + twice * s * n1,
-            stiffened * n1 * n1 - twice * s * n1,
-        ];
-        (step, [[along[0], mixed], [mixed, along[1]]])
+        if ball.inner_lead.q > T::ZERO && ball.inner_lead.follow_by(da[0] - local[0]) == Pull::Lets
+        {
+            ball.inner_lead.q = T::ZERO;
+        }
+        dx[0].abs() + dx[1].abs()
     }
 
     #[inline]

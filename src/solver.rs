@@ -4,8 +4,8 @@
 //! its own unknowns, and sums what the balls hand to the ring. Far from the solution the ring then looks
 //! for the load's balance among the balls' laws (the `spring` module), which agree with the
 //! linearisation in value and slope; near it, and after a warm start, it makes Newton's step. The tangent
-//! of the last sweep, corrected by what that step changes of the contacts' stiffness and direction, is the
-//! stiffness.
+//! of the last sweep, corrected to first order by what that step changes of both contacts' stiffness and
+//! direction, is the stiffness.
 //!
 //! Why it ends:
 //!
@@ -36,9 +36,11 @@
 //! state; the same with more preload. A start that has not led to a solution after some sweeps makes
 //! room for the next.
 //!
-//! An answer certifies itself. The last step changes the stiffness by an amount that is known ball by ball:
-//! a bound on the error of the stiffness, which is corrected for it. Displacements and forces are one
-//! Newton step further, where that error enters as a factor. What rounding leaves comes on top, in the
+//! An answer certifies itself. The last step changes the stiffness by an amount that is known ball by ball,
+//! and the stiffness is corrected for it. What the correction does not know is the error of the stiffness:
+//! a part of the change that grows with the step, with the share of inertia in the ball's forces, and with the
+//! part of the step that rounding may have made. Displacements and forces are one
+//! Newton step further, where the change enters as a factor. What rounding leaves comes on top, in the
 //! direction in which the ring gives way most. A ball whose contacts no longer oppose each other (120 degrees
 //! apart) is no answer: there the cage speed has a pole, and the equations have roots of no bearing.
 
@@ -46,7 +48,7 @@ use crate::axial::Spring;
 use crate::ball::{Pass, Share};
 use crate::conditions::{Conditions, Loads, constrain, hold, missing};
 use crate::constants::{Azimuth, Bearing, Constants};
-use crate::contact::dot;
+use crate::contact::{add, dot, scale};
 use crate::float::Real;
 use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
 use crate::outputs::{Balls, Outputs, PerBall};
@@ -62,8 +64,9 @@ use core::marker::PhantomData;
 pub struct Settings<T> {
     /// Most sweeps over the balls, at least 1.
     pub max_sweeps: u16,
-    /// Largest estimated error of the stiffness, relative to its diagonal, for a solve to count as
-    /// converged. Displacements and contact forces are then good to its square.
+    /// Largest expected error of the stiffness, relative to its diagonal, for a solve to count as
+    /// converged; the estimate that goes with the solution has a margin on it. Displacements and contact
+    /// forces are then good to less than that.
     pub tolerance: T,
 }
 
@@ -385,8 +388,10 @@ struct Outcome<T> {
     sweeps: u16,
     repeats: u16,
     residual: T,
-    /// Relative change of the stiffness by the last step, and that step's length.
+    /// Relative change of the stiffness by the last step, what of that the corrected tangent does not know,
+    /// and the step's length.
     change: T,
+    remainder: T,
     step: T,
     /// How far the worst ball was from its own equilibrium before that step.
     imbalance: T,
@@ -404,6 +409,7 @@ impl<T: Real> Outcome<T> {
             repeats: 0,
             residual: T::ONE,
             change: T::ONE,
+            remainder: T::ONE,
             step: T::ONE,
             imbalance: T::ONE,
             singular: 0,
@@ -418,21 +424,22 @@ impl<T: Real> Outcome<T> {
         // Contact angles are rounded, and a rounded angle moves the ring by half a unit in the last
         // place of `L0`.
         let per_largest = T::ONE / largest.or_larger(T::TINY);
-        let floor = rounding + (T::of(0.5) * T::EPSILON + self.slack) * per_largest;
+        let floor = rounding + T::of(1.5) * (T::of(0.5) * T::EPSILON + self.slack) * per_largest;
         let step = self.step * per_largest;
         // What a Newton step leaves is of second order; what does not shrink any more is an error in
         // full.
         let own = self.imbalance * self.imbalance;
+        let four = T::of(4.0);
         let (factor, force) = match self.status {
-            Status::Converged => (self.change, self.change * self.change),
+            Status::Converged => (self.change, four * self.change * self.change),
             _ => (T::ONE, self.change + self.residual),
         };
         let left = T::of(3.0) * own + force;
         ErrorEstimate {
-            displacement: floor + left + factor * step,
+            displacement: floor + left + four * factor * step,
             force: rounding + rounding + left,
             // The change is summed over the balls, and an element sees some of them only.
-            stiffness: rounding + T::of(18.0) * self.change,
+            stiffness: rounding + T::of(18.0) * self.remainder,
         }
     }
 }
@@ -552,30 +559,33 @@ where
     }
 
     /// Moves the ring by `du` and every ball with it, by its linearisation, and, where no sweep is sure to
-    /// follow (`last`), the tangent with them.
-    fn advance(&mut self, du: &[T; D], last: bool) -> Change<T> {
+    /// follow, the tangent with them: by `correction` of what the step changes of it.
+    fn advance(&mut self, du: &[T; D], correction: Option<T>) -> Change<T> {
         let mut all = Change::<T>::default();
         let mut sums = Sums::<T, D>::about([T::ZERO; 2]);
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
-            let (step, stiffness) = M::advance(self.c, ball, shift(du, at));
-            all.merge(Change {
-                step,
-                stiffness: [stiffness[0][0].abs(), stiffness[1][1].abs()],
-            });
-            if O::STIFFNESS && last {
-                sums.add(
-                    at,
-                    &Share {
-                        stiffness,
-                        ..Share::NONE
-                    },
-                );
+            let da = shift(du, at);
+            if correction.is_some() {
+                let (stiffness, unknown) = M::stiffening(self.c, ball, da);
+                let sizes = [stiffness[0][0].abs(), stiffness[1][1].abs()];
+                all.stiffness = add(all.stiffness, sizes);
+                all.remainder = add(all.remainder, scale(unknown, sizes));
+                if O::STIFFNESS {
+                    sums.add(
+                        at,
+                        &Share {
+                            stiffness,
+                            ..Share::NONE
+                        },
+                    );
+                }
             }
+            all.step = all.step.or_larger(M::advance(ball, da));
         }
-        if O::STIFFNESS && last {
+        if let (true, Some(part)) = (O::STIFFNESS, correction) {
             for (row, more) in self.state.tangent.iter_mut().zip(&sums.tangent()) {
                 for (element, more) in row.iter_mut().zip(more) {
-                    *element += *more;
+                    *element += part * *more;
                 }
             }
         }
@@ -762,11 +772,11 @@ where
         let (factors, _) = Factors::of(&tangent, T::of(8.0) * T::EPSILON);
         let mut du = factors.solve(&b);
         let mut sums = [T::ZERO; D];
-        for (ball, at) in self.balls.iter().zip(self.azimuths) {
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             ring::spread(
                 &mut sums,
                 at,
-                M::second_order(ball, shift(&du, at)),
+                M::second_order(self.c, ball, shift(&du, at)),
                 T::ZERO,
             );
         }
@@ -775,7 +785,7 @@ where
             *step -= *back;
         }
         constrain::<T, B, D>(self.c, &by, &mut du);
-        self.advance(&du, false);
+        self.advance(&du, None);
     }
 
     /// Load less the forces that the balls' laws see after a step `du`, and the tangent there.
@@ -858,6 +868,7 @@ where
     /// solution (`close`) an indefinite tangent is taken as it is. Of a ladder of such dampings it takes
     /// the first that does; those above it mostly do, too, so that the search begins next to the last
     /// one's `rung`.
+    #[inline(never)]
     fn descent(
         &self,
         b: &[T; D],
@@ -953,7 +964,9 @@ where
         let mut rung = 0;
         // Balls round their forces, which are centrifugal ones where the load is light.
         let (some, few) = (T::of(256.0), T::of(2.0));
-        let rounding = T::EPSILON * (some + few * speed_load / size.or_larger(T::TINY));
+        let inertia = few * speed_load / size.or_larger(T::TINY);
+        let rounding = T::EPSILON * (some + inertia);
+        let noise = T::EPSILON * (T::of(4.0) + inertia);
         loop {
             let (repeats, imbalance) = self.sweep(&drive, laws);
             outcome.sweeps += 1;
@@ -1001,10 +1014,17 @@ where
             } else {
                 0
             };
+            // The part of the step that rounding may have made.
+            let unbalanced = match given {
+                Given::Load(_) => outcome.residual,
+                Given::Displacement => imbalance,
+            };
+            let rounded_part = noise / unbalanced.or_larger(noise);
             let moved = if laws {
                 self.follow(&drive, &du)
             } else {
-                self.advance(&du, true)
+                // As far as rounding made the step, the states before and after it are equally good.
+                self.advance(&du, Some(T::ONE - T::of(0.5) * rounded_part))
             };
             outcome.step = span(&du);
             outcome.imbalance = imbalance;
@@ -1016,18 +1036,22 @@ where
             }
             let stiffness = &self.state.tangent;
             let last = outcome.change;
-            let mut change = moved.stiffness[0] / stiffness[0][0].or_larger(T::TINY);
-            if D >= 3 {
-                let radial = stiffness[1][1].or_smaller(stiffness[2][2]);
-                change = change.or_larger(moved.stiffness[1] / radial.or_larger(T::TINY));
-            }
-            // Not all that a step changes is summed: on the campaign's cases, half as much again makes the
-            // tolerance hold.
-            outcome.change = if change.is_finite() {
-                T::of(1.5) * change
-            } else {
-                T::ONE
+            let relative = |change: &[T; 2]| {
+                let mut part = change[0] / stiffness[0][0].or_larger(T::TINY);
+                if D >= 3 {
+                    let radial = stiffness[1][1].or_smaller(stiffness[2][2]);
+                    part = part.or_larger(change[1] / radial.or_larger(T::TINY));
+                }
+                // Not all that a step changes is summed: on the campaign's cases, half as much again makes the
+                // tolerance hold.
+                if part.is_finite() {
+                    T::of(1.5) * part
+                } else {
+                    T::ONE
+                }
             };
+            outcome.change = relative(&moved.stiffness);
+            outcome.remainder = relative(&moved.remainder) + outcome.change * rounded_part;
             // Rounding ends the solve where the change no longer shrinks; a pause of one sweep far
             // from the tolerance is not that yet.
             stalled = if outcome.change > T::of(0.25) * last {
@@ -1038,10 +1062,15 @@ where
             let near = outcome.change <= T::of(10.0) * tolerance;
             // A ball's step leaves the square of its imbalance.
             let settled = imbalance * imbalance <= T::of(0.1) * tolerance.or_larger(T::EPSILON);
-            let converged = settled && outcome.change <= tolerance;
+            // The corrected tangent is better than the change. Displacements and forces are good to the
+            // change's square.
+            let corrected = !singular
+                && T::of(4.0) * outcome.remainder <= tolerance
+                && T::of(10.0) * outcome.change * outcome.change <= tolerance;
+            let converged = settled && (corrected || outcome.change <= tolerance);
             // Under light loads deformations have few digits, and the balance tells that it is as good as
             // rounding allows.
-            let rounded = outcome.residual <= rounding && outcome.change < T::of(0.05);
+            let rounded = outcome.residual <= rounding && outcome.remainder < T::of(0.06);
             let exhausted = (outcome.change <= T::EPSILON.sqrt() || rounded)
                 && imbalance < T::of(0.03)
                 && stalled >= if near && settled { 1 } else { 3 }
