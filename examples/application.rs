@@ -1,28 +1,117 @@
 //! The monitor's application, the same on every board: loads and speed in, alarms and telemetry out. The
-//! board is `super::board`, the spindle `super::monitored` and `super::monitor_settings`, and all that needs no hardware `super::chain`.
+//! board is `super::board`, the spindle `super::monitored` and `super::monitor_settings`, and all that needs no
+//! hardware `super::chain`.
 
-use super::board::{self, Board, Cycles, Dog, Measured};
+use super::board::{self, Board, Cycles, Dog, Measured, Memory};
 use super::chain::{Chain, Sensors};
-use super::monitor_settings::{BRIDGES, MONITOR};
-use spindle_bearing::monitor::Outcome;
+use super::monitor_settings::{BRIDGES, IDENTITY, MONITOR};
+use spindle_bearing::monitor::retained::WriteError;
 use spindle_bearing::monitor::tick::{Watchdog, Widened};
+use spindle_bearing::monitor::{Outcome, Past, Store};
 
 /// Takes the board, and never gives it back.
 pub fn run() -> ! {
     let Some(mut board) = board::start() else {
         unreachable!("main runs once, and takes the peripherals once");
     };
+    let (keeper, past) = Keeper::start(board.memory.take(), board.clock.core_hz);
     // The compiler leaves out what is not chosen.
     if BRIDGES && let Some(sensors) = board.sensors.take() {
-        let chain = cortex_m::singleton!(: Chain<Measured> = Chain::with(sensors));
-        with(chain, board)
+        let chain = cortex_m::singleton!(: Chain<Measured> = Chain::with(sensors, &past));
+        with(chain, board, keeper)
     } else {
-        with(cortex_m::singleton!(: Chain = Chain::new()), board)
+        let chain = cortex_m::singleton!(: Chain = Chain::new(&past));
+        with(chain, board, keeper)
+    }
+}
+
+/// Keeps over a power cycle what is learnt, where the board has a memory for it.
+struct Keeper {
+    store: Option<Store<Memory>>,
+    /// Cycles of the core that a step may take.
+    step: u32,
+    /// Ticks since there was time for one.
+    waited: u16,
+    /// Failures that the log knows of.
+    told: u32,
+}
+
+/// Time for a step, us: that to encode the longest record, or to write a unit.
+const STEP_US: u32 = 300;
+/// A core that is always late takes the time for a step after so many ticks.
+const PATIENCE: u16 = 1000;
+
+impl Keeper {
+    /// Reads what was kept. May take some seconds, if there is something to erase.
+    fn start(memory: Option<Memory>, core_hz: u32) -> (Self, Past) {
+        let (store, past) = match memory {
+            None => {
+                defmt::warn!("no flash to write: what is learnt is lost with the power");
+                (None, Past::NONE)
+            }
+            Some(memory) => {
+                let (store, past) = Store::open(memory, IDENTITY);
+                let report = store.report();
+                defmt::info!(
+                    "kept over the power cycle: baseline {=str}, life {=str}, {=u16} damaged pieces",
+                    report.baseline.name(),
+                    report.life.name(),
+                    report.damaged
+                );
+                (Some(store), past)
+            }
+        };
+        let step = core_hz / 1_000_000 * STEP_US;
+        let mut keeper = Self {
+            store,
+            step,
+            waited: 0,
+            told: 0,
+        };
+        keeper.tell();
+        (keeper, past)
+    }
+
+    /// After a tick.
+    fn look<S: Sensors>(&mut self, chain: &mut Chain<S>) {
+        if let Some(store) = &mut self.store {
+            chain.retain(store);
+            self.waited = self.waited.saturating_add(1);
+            if self.waited >= PATIENCE {
+                self.step();
+            }
+        }
+    }
+
+    /// Between ticks, so many cycles before the next one.
+    fn step_within(&mut self, left: u32) {
+        if left > self.step {
+            self.step();
+        }
+    }
+
+    fn step(&mut self) {
+        self.waited = 0;
+        if self.store.as_mut().is_some_and(Store::step) {
+            self.tell();
+        }
+    }
+
+    fn tell(&mut self) {
+        let Some(store) = &self.store else {
+            return;
+        };
+        let failed = store.report().failed;
+        if failed != self.told {
+            self.told = failed;
+            let why = store.error().map_or("", WriteError::name);
+            defmt::error!("{=u32} records not kept: {=str}", failed, why);
+        }
     }
 }
 
 /// Runs a chain.
-fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board) -> ! {
+fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board, keeper: Keeper) -> ! {
     let Some(chain) = chain else {
         unreachable!("main runs once, and makes one monitor");
     };
@@ -41,14 +130,14 @@ fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board) -> ! {
         defmt::warn!("no equilibrium to start from: {=str}", status.name());
     }
     if board.lock_step {
-        in_lock_step(chain, board)
+        in_lock_step(chain, board, keeper)
     } else {
-        by_the_timer(chain, board)
+        by_the_timer(chain, board, keeper)
     }
 }
 
 /// Ticks by the timer. Between them, bytes come in and go out.
-fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board) -> ! {
+fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: Keeper) -> ! {
     board::start_timer(board.timer, board.clock.core_hz, MONITOR.tick.period_us);
     let mut dog = Dog::start(board.iwdg);
     let mut last = board::ticks();
@@ -63,14 +152,18 @@ fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board) -> ! {
         {
             board::send(byte);
         }
+        // First, so that after a tick that comes in between it is not the time until the next one.
+        let left = board::left();
         let now = board::ticks();
         if now == last {
+            keeper.step_within(left);
             continue;
         }
         last = now;
         let time_us = clock.at(now).saturating_mul(MONITOR.tick.period_us.into());
         let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
         tell(&outcome);
+        keeper.look(chain);
         if board.receiver.lost() != lost {
             lost = board.receiver.lost();
             defmt::warn!("receiver lost {=u32} bytes", lost);
@@ -80,11 +173,12 @@ fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board) -> ! {
 
 /// Ticks as they are asked for: what the monitor does is then a matter of the bytes alone, and can be held
 /// against another machine.
-fn in_lock_step<S: Sensors>(chain: &mut Chain<S>, mut board: Board) -> ! {
+fn in_lock_step<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: Keeper) -> ! {
     let mut dog = Dog::asleep();
     let mut time_us = 0_u64;
     loop {
         let Some(byte) = board::received() else {
+            keeper.step();
             // An emulator gets no further while its registers are looked at.
             cortex_m::asm::delay(4000);
             continue;
@@ -94,6 +188,7 @@ fn in_lock_step<S: Sensors>(chain: &mut Chain<S>, mut board: Board) -> ! {
         };
         let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
         tell(&outcome);
+        keeper.look(chain);
         time_us = time_us.saturating_add(MONITOR.tick.period_us.into());
         for _ in 0..room {
             let Some(byte) = chain.next_byte() else {

@@ -20,6 +20,7 @@ mod bare {
     use embedded_hal::delay::DelayNs;
     use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
     use embedded_hal::spi::{self, Operation, SpiDevice};
+    use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
     use spindle_bearing::monitor::loads::{
         Ads131m08, Ads131m08Bridges, Calibration, FramedLoads, LoadSource, StrainBridge,
     };
@@ -27,7 +28,7 @@ mod bare {
         Edges, PulseSpeed, SpeedMethod, SpeedSettings, SpeedSource,
     };
     use spindle_bearing::monitor::tick::{CycleCounter, Watchdog, Widened};
-    use spindle_bearing::monitor::{Alarm, Monitor, MonitorSettings, Readings};
+    use spindle_bearing::monitor::{Alarm, Identity, Monitor, MonitorSettings, Readings, Store};
 
     #[panic_handler]
     #[allow(unsafe_code, reason = "the function is declared, and there is none")]
@@ -79,6 +80,29 @@ mod bare {
     impl DelayNs for Unknown {
         fn delay_ns(&mut self, _: u32) {}
     }
+    impl nor_flash::ErrorType for Unknown {
+        type Error = NorFlashErrorKind;
+    }
+    impl ReadNorFlash for Unknown {
+        const READ_SIZE: usize = 4;
+        fn read(&mut self, _: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+            bytes.fill_with(|| black_box(0));
+            black_box(Ok(()))
+        }
+        fn capacity(&self) -> usize {
+            black_box(0)
+        }
+    }
+    impl NorFlash for Unknown {
+        const WRITE_SIZE: usize = 4;
+        const ERASE_SIZE: usize = 128 * 1024;
+        fn erase(&mut self, _: u32, _: u32) -> Result<(), NorFlashErrorKind> {
+            black_box(Ok(()))
+        }
+        fn write(&mut self, _: u32, _: &[u8]) -> Result<(), NorFlashErrorKind> {
+            black_box(Ok(()))
+        }
+    }
     impl CycleCounter for Unknown {
         fn cycles(&mut self) -> u32 {
             black_box(0)
@@ -96,8 +120,11 @@ mod bare {
     }
 
     fn run() {
+        let bands = &SETTINGS.judgement.baseline;
+        let identity = Identity::new(&monitored::DESIGN, monitored::BALLS, bands);
+        let (mut store, past) = Store::open(Unknown, black_box(identity));
         let mut monitor: Monitor<{ monitored::BALLS }> =
-            Monitor::new(&monitored::BEARING, &SETTINGS);
+            Monitor::new(&monitored::BEARING, &SETTINGS).with_past(&past);
         let _ = monitor.prepare(black_box([420.0; 5]), black_box(0.0));
         let mut frames = FramedLoads::new();
         let calibration: Calibration<6> = black_box(Calibration {
@@ -147,6 +174,11 @@ mod bare {
             } else {
                 monitor.judgement().stop_learning();
             }
+            if black_box(true) {
+                monitor.replace_bearing();
+            }
+            monitor.retain(time_us, &mut store);
+            black_box((store.step(), store.error()));
             black_box(monitor.life().kept());
             let mut buffer = [0; 64];
             black_box(monitor.outbox().fill(&mut buffer));

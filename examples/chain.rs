@@ -9,9 +9,10 @@ use super::monitored::{BALLS, BEARING};
 use spindle_bearing::Full;
 use spindle_bearing::monitor::command::{Command, Sorter};
 use spindle_bearing::monitor::loads::{FrameCounts, FramedLoads, LoadSource};
+use spindle_bearing::monitor::retained::NorFlash;
 use spindle_bearing::monitor::telemetry::{HealthReport, StatusCode};
 use spindle_bearing::monitor::tick::{CycleCounter, Watchdog};
-use spindle_bearing::monitor::{Monitor, Outcome, Readings};
+use spindle_bearing::monitor::{Monitor, Outcome, Past, Readings, Store};
 
 /// Estimates and pictures of balls that wait for a slow link.
 const FRAMES: usize = 12;
@@ -49,8 +50,8 @@ pub struct Chain<S = FramedLoads> {
 
 impl Chain {
     /// At the beginning, with records of the port.
-    pub fn new() -> Self {
-        Self::with(FramedLoads::new())
+    pub fn new(past: &Past) -> Self {
+        Self::with(FramedLoads::new(), past)
     }
 
     /// What came over the port.
@@ -61,10 +62,10 @@ impl Chain {
 }
 
 impl<S: Sensors> Chain<S> {
-    /// At the beginning.
-    pub fn with(sensors: S) -> Self {
+    /// At the beginning, with what was kept over a power cycle.
+    pub fn with(sensors: S, past: &Past) -> Self {
         Self {
-            monitor: Monitor::new(&BEARING, &MONITOR),
+            monitor: Monitor::new(&BEARING, &MONITOR).with_past(past),
             sensors,
             sorter: Sorter::new(),
             time_us: 0,
@@ -88,6 +89,7 @@ impl<S: Sensors> Chain<S> {
             Command::Acknowledge(alarm) => self.monitor.acknowledge(self.time_us, alarm),
             Command::Learn(true) => self.monitor.judgement().start_learning(),
             Command::Learn(false) => self.monitor.judgement().stop_learning(),
+            Command::ReplaceBearing => self.monitor.replace_bearing(),
         }
         None
     }
@@ -102,6 +104,12 @@ impl<S: Sensors> Chain<S> {
         self.time_us = time_us;
         let readings = self.sensors.readings(time_us);
         self.monitor.tick(time_us, &readings, counter, watchdog)
+    }
+
+    /// Has a store keep what is new. Between ticks.
+    #[allow(dead_code, reason = "the boards'")]
+    pub fn retain<F: NorFlash>(&mut self, store: &mut Store<F>) {
+        self.monitor.retain(self.time_us, store);
     }
 
     /// The next byte for the telemetry's link.

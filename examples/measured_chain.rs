@@ -32,6 +32,7 @@ mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
     use spindle_bearing::Real;
+    use spindle_bearing::monitor::Past;
     use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
 
     pub struct Choice<const I: usize>;
@@ -98,7 +99,7 @@ mod measured {
         // SAFETY: one thread, and no reference to it is left from before.
         let chain = unsafe {
             let chain = (&raw mut CHAIN).cast::<Chain>();
-            chain.write(Chain::new());
+            chain.write(Chain::new(&Past::NONE));
             &mut *chain
         };
         u32::from(chain.prepare().is_ok())

@@ -3,6 +3,7 @@
 
 use super::monitored::{BALLS, DESIGN};
 use super::{CORE_HZ, COST};
+use spindle_bearing::monitor::Identity;
 use spindle_bearing::monitor::loads::Calibration;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::speed::SpeedSettings;
@@ -32,6 +33,10 @@ const _: () = match MONITOR.check() {
     Ok(()) => {}
     Err(error) => panic!("{}", error.field),
 };
+
+/// Whose baseline and life are kept over a power cycle: another bearing, or other bands, do not take them.
+#[allow(dead_code, reason = "the boards'")]
+pub const IDENTITY: Identity = Identity::new(&DESIGN, BALLS, &MONITOR.judgement.baseline);
 
 /// Whether loads come from strain bridges and speed from a tachometer at the board, and not as records over the
 /// port: set it here, or build with `SPINDLE_SENSORS=bridges` in the environment.

@@ -25,6 +25,11 @@ pub fn ticks() -> u32 {
     TICKS.load(Ordering::Relaxed)
 }
 
+/// Cycles of the core until the timer's next tick.
+pub fn left() -> u32 {
+    SYST::get_current()
+}
+
 /// Starts the timer.
 pub fn start_timer(mut syst: SYST, core_hz: u32, period_us: u32) {
     let cycles = (core_hz / 1_000_000).saturating_mul(period_us);

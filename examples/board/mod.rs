@@ -2,19 +2,24 @@
 
 mod beat;
 mod bus;
+mod cells;
 mod clock;
 mod faults;
+mod flash;
 mod log;
 mod receiver;
 mod sensors;
 mod serial;
 mod spi;
 
-pub use beat::{Cycles, Dog, start_timer, ticks};
+pub use beat::{Cycles, Dog, left, start_timer, ticks};
 pub use clock::Clock;
 pub use receiver::Receiver;
 pub use sensors::Measured;
 pub use serial::{BAUD, is_free, received, send};
+
+/// Flash for what is kept over a power cycle.
+pub type Memory = flash::Flash<cells::Memory>;
 
 use crate::monitor_settings::BRIDGES;
 use cortex_m::peripheral::SYST;
@@ -37,6 +42,8 @@ pub struct Board {
     pub lock_step: bool,
     /// Strain bridges and tachometer, if they are chosen.
     pub sensors: Option<Measured>,
+    /// Flash for what is kept over a power cycle; none on an emulated board.
+    pub memory: Option<Memory>,
 }
 
 /// Starts everything but timer and watchdog; `None` if it was started before.
@@ -68,6 +75,7 @@ pub fn start() -> Option<Board> {
         timer: core.SYST,
         lock_step,
         sensors,
+        memory: cells::start(p.FLASH).map(flash::Flash),
     })
 }
 

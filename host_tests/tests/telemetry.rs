@@ -14,7 +14,7 @@ use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame,
-    HealthReport, Payload, StatusCode, VERSION, encode,
+    HealthReport, Payload, Recovery, RetentionReport, StatusCode, VERSION, encode,
 };
 use std::io::Cursor;
 
@@ -235,6 +235,7 @@ prop_compose! {
         most_cycles in any::<u32>(),
         life_used in number(),
         marks in prop::collection::vec(prop::sample::select(Mark::ALL.to_vec()), 0..5),
+        retention in any_retention(),
     ) -> HealthReport {
         HealthReport {
             ticks: counts[0],
@@ -250,7 +251,19 @@ prop_compose! {
             revolutions: counts[9],
             life_used,
             marks: marks.into_iter().fold(Marks::NONE, Marks::with),
+            retention,
         }
+    }
+}
+
+prop_compose! {
+    fn any_retention()(
+        baseline in prop::sample::select(Recovery::ALL.to_vec()),
+        life in prop::sample::select(Recovery::ALL.to_vec()),
+        damaged in any::<u16>(),
+        (written, failed) in any::<(u32, u32)>(),
+    ) -> RetentionReport {
+        RetentionReport { baseline, life, damaged, written, failed }
     }
 }
 
@@ -729,6 +742,13 @@ fn losses_and_counters_are_on_the_health_lines() {
         overruns: 3,
         marked_samples: 41,
         most_cycles: 120_345,
+        retention: RetentionReport {
+            baseline: Recovery::OtherSpindle,
+            life: Recovery::Recovered,
+            damaged: 1,
+            written: 12,
+            failed: 2,
+        },
         ..health()
     };
     let mut bytes = encode(&frame(0, Payload::Health(health()))).to_vec();
@@ -744,6 +764,7 @@ fn losses_and_counters_are_on_the_health_lines() {
         "1000 ticks, 3 overruns",
         "longest 120345 cycles",
         "41 doubted",
+        "baseline other-spindle, life recovered, 1 damaged pieces; 12 records written, 2 failed",
         "2 frames in",
         "4 lost, 1 damaged",
         "frame stuffing broken",

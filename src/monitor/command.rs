@@ -21,6 +21,8 @@ pub enum Command {
     /// In lock-step only, as `cargo emulate` has it: a tick, in which the telemetry's link takes so many
     /// bytes.
     Tick(u16),
+    /// The bearing was replaced by a new one of the same design: baseline and life used are forgotten.
+    ReplaceBearing,
 }
 
 /// Longest message of a command, checksum included: variant, and a varint of 16 bits.
@@ -97,6 +99,7 @@ mod tests {
     fn commands() -> Bytes<Command> {
         let mut all: Bytes<_> = Alarm::ALL.map(Command::Acknowledge).into();
         all.extend([Command::Learn(true), Command::Learn(false)]);
+        all.push(Command::ReplaceBearing);
         all.extend([0, 1, 127, 128, 46, u16::MAX].map(Command::Tick));
         all
     }

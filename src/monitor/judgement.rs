@@ -544,6 +544,7 @@ pub struct Judgement {
     alarms: [AlarmMachine; Alarm::COUNT],
     baseline: Baseline,
     learning: bool,
+    learnt: u32,
     trend: Trend,
     /// Alarms raised and cleared so far.
     raised: u64,
@@ -560,6 +561,7 @@ impl Judgement {
             alarms: [AlarmMachine::default(); Alarm::COUNT],
             baseline,
             learning: false,
+            learnt: 0,
             trend: Trend::EMPTY,
             raised: 0,
             cleared: 0,
@@ -593,7 +595,21 @@ impl Judgement {
 
     /// From now on stiffness is held against what was learnt.
     pub const fn stop_learning(&mut self) {
-        self.learning = false;
+        if self.learning {
+            self.learning = false;
+            self.learnt = self.learnt.wrapping_add(1);
+        }
+    }
+
+    /// Forgets the baseline, as that of another bearing, until the next one is learnt.
+    pub const fn forget_baseline(&mut self) {
+        self.start_learning();
+        self.stop_learning();
+    }
+
+    /// How often there was another baseline to be kept, learnt or forgotten; wraps.
+    pub const fn learnt(&self) -> u32 {
+        self.learnt
     }
 
     /// Holds a level against an alarm's threshold.

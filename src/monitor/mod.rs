@@ -11,6 +11,7 @@
 //! | life | [`life`] | rating life used up |
 //! | telemetry | [`telemetry`] | frames for a host |
 //! | commands | [`command`] | what the host says besides loads |
+//! | retention | [`retained`] | baseline and life used, over a power cycle |
 //!
 //! Read [`Monitor::tick`] first, then [`settings`], which has all that is particular to a spindle. The
 //! whole of a firmware's loop:
@@ -118,9 +119,7 @@
 //! # Left out on purpose
 //!
 //! Filters before the solver (an analogue one belongs before the converter), the spectrum of vibrations,
-//! lubrication, more than one bearing, and storing of baseline, tare and life over a power
-//! cycle: the firmware keeps [`Judgement::baseline`], [`Life::kept`] and
-//! [`StrainBridge::tare`](loads::StrainBridge::tare) where its board can.
+//! lubrication, and more than one bearing.
 
 pub mod command;
 mod cost;
@@ -128,6 +127,7 @@ pub mod judgement;
 pub mod life;
 pub mod loads;
 pub mod plausibility;
+pub mod retained;
 pub mod settings;
 pub mod speed;
 pub mod telemetry;
@@ -137,6 +137,7 @@ pub use command::Command;
 pub use judgement::{Alarm, AlarmState, Baseline, Changes, Judgement};
 pub use life::Life;
 pub use plausibility::{GoodSample, Mark, Marks, Readings};
+pub use retained::{Identity, Past, Store};
 pub use settings::{MonitorSettings, SettingsError};
 
 use crate::constants::Bearing;
@@ -146,11 +147,12 @@ use crate::limits::{Extreme, Limits};
 use crate::scene::{Full, Motion};
 use crate::solver::{Settings, Solution, Solver};
 use crate::status::Status;
+use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
 use plausibility::{Plausibility, seconds};
 use telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport, Outbox,
-    Payload, StatusCode,
+    Payload, RetentionReport, StatusCode,
 };
 use tick::{CycleCounter, Ticker, Watchdog};
 
@@ -386,6 +388,7 @@ pub struct Monitor<
     marked: u64,
     /// Doubts since the last health report.
     doubts: Marks,
+    retention: RetentionReport,
     due_estimate: Every,
     due_balls: Every,
     due_health: Every,
@@ -420,6 +423,7 @@ impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N,
             refusals: 0,
             marked: 0,
             doubts: Marks::NONE,
+            retention: RetentionReport::NO_MEMORY,
             due_estimate: part(1),
             due_balls: part(2),
             due_health: now,
@@ -427,13 +431,25 @@ impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N,
         }
     }
 
-    /// Goes on with what was kept over a power cycle: the baseline, and life used and revolutions
-    /// ([`Life::kept`]).
+    /// Goes on with what was kept over a power cycle ([`retained`]).
     #[must_use]
-    pub fn with_past(mut self, baseline: Baseline, life: (u128, u128)) -> Self {
-        self.judgement = Judgement::new(baseline);
-        self.life = Life::resume(life.0, life.1);
+    pub fn with_past(mut self, past: &Past) -> Self {
+        self.judgement = Judgement::new(past.baseline);
+        self.life = Life::resume(past.life.0, past.life.1);
         self
+    }
+
+    /// Has a store keep what is new. To be called between ticks, as often as it likes; it is the store that
+    /// writes, by [`Store::step`].
+    pub fn retain<F: NorFlash>(&mut self, time_us: u64, store: &mut Store<F>) {
+        store.look(time_us, &self.judgement, &self.life);
+        self.retention = store.report();
+    }
+
+    /// The spindle has a new bearing of the same design: without a baseline, and with all of its life before it.
+    pub const fn replace_bearing(&mut self) {
+        self.judgement.forget_baseline();
+        self.life = Life::NEW;
     }
 
     /// Solves a first equilibrium (loads in N, N m; speed in rad/s) to start from, before ticks begin: it may
@@ -651,6 +667,7 @@ impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N,
             revolutions: self.life.revolutions(),
             life_used: self.life.used(),
             marks: self.doubts,
+            retention: self.retention,
         }
     }
 

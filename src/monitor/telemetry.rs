@@ -29,10 +29,10 @@ use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
 use crate::limits::Limit;
 use crate::status::Status;
 use heapless::{Deque, Vec};
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::{Deserialize, Serialize};
 
 /// Version of the format.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 8;
@@ -54,7 +54,7 @@ pub type FrameReader = framing::FrameReader<Frame, MESSAGE_LENGTH>;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Frame {
     /// [`VERSION`]. A frame of another version is not read.
-    #[serde(deserialize_with = "this_version")]
+    #[serde(deserialize_with = "framing::version::<_, VERSION>")]
     pub version: u8,
     /// Counts the frames that went out; wraps to 0.
     pub sequence: u32,
@@ -62,16 +62,6 @@ pub struct Frame {
     pub time_us: u64,
     /// What it is about.
     pub payload: Payload,
-}
-
-fn this_version<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u8, D::Error> {
-    match u8::deserialize(deserializer)? {
-        VERSION => Ok(VERSION),
-        other => Err(de::Error::invalid_value(
-            de::Unexpected::Unsigned(other.into()),
-            &"the version of this receiver",
-        )),
-    }
 }
 
 /// What a [`Frame`] is about.
@@ -288,6 +278,78 @@ pub struct HealthReport {
     pub life_used: f32,
     /// Every doubt that there was since the last health report.
     pub marks: Marks,
+    /// What is kept over a power cycle.
+    pub retention: RetentionReport,
+}
+
+/// What became of something that was to be kept, when the monitor started.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Recovery {
+    /// There is no memory for it: what is learnt is lost with the power.
+    #[default]
+    NoMemory,
+    /// Nothing has been kept yet.
+    Blank,
+    /// It was found, and goes on.
+    Recovered,
+    /// It was learnt on another bearing, or the baseline with other bands of speed or bounds of idling.
+    OtherSpindle,
+    /// It was kept by another version of the monitor.
+    OtherVersion,
+    /// What there is cannot be read.
+    Damaged,
+}
+
+impl Recovery {
+    /// All of them, in the order of the format.
+    pub const ALL: [Self; 6] = [
+        Self::NoMemory,
+        Self::Blank,
+        Self::Recovered,
+        Self::OtherSpindle,
+        Self::OtherVersion,
+        Self::Damaged,
+    ];
+
+    /// Short name in lower case.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NoMemory => "no-memory",
+            Self::Blank => "blank",
+            Self::Recovered => "recovered",
+            Self::OtherSpindle => "other-spindle",
+            Self::OtherVersion => "other-version",
+            Self::Damaged => "damaged",
+        }
+    }
+}
+
+/// What is kept over a power cycle ([`retained`](super::retained)).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RetentionReport {
+    /// What became of the baseline.
+    pub baseline: Recovery,
+    /// What became of life used and revolutions.
+    pub life: Recovery,
+    /// Damaged pieces that were met at the start, such as a record that the power was lost in.
+    pub damaged: u16,
+    /// Records written since the start.
+    pub written: u32,
+    /// Records that could not be written, and sectors that could not be erased, since the start.
+    pub failed: u32,
+}
+
+impl RetentionReport {
+    /// Without a memory.
+    pub const NO_MEMORY: Self = Self {
+        baseline: Recovery::NoMemory,
+        life: Recovery::NoMemory,
+        damaged: 0,
+        written: 0,
+        failed: 0,
+    };
 }
 
 /// Alarm reports that wait in order.
@@ -560,6 +622,13 @@ mod tests {
             revolutions: u64::MAX,
             life_used: f32::MAX,
             marks: Marks::NONE,
+            retention: RetentionReport {
+                baseline: Recovery::Damaged,
+                life: Recovery::Damaged,
+                damaged: u16::MAX,
+                written: u32::MAX,
+                failed: u32::MAX,
+            },
         })
     }
 
@@ -602,9 +671,9 @@ mod tests {
 
     /// The bytes that a decoder in another language has to expect.
     #[test]
-    fn the_wire_format_is_that_of_version_1() {
+    fn the_wire_format_is_that_of_version_2() {
         let frame = Frame {
-            version: 1,
+            version: 2,
             sequence: 300,
             time_us: 5,
             payload: Payload::Alarm(AlarmReport {
@@ -621,7 +690,7 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            1, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+            2, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
         ];
         assert_eq!(bytes, expected);
     }

@@ -5,9 +5,12 @@
 mod beat;
 #[path = "../../board/bus.rs"]
 mod bus;
+mod cells;
 mod clock;
 #[path = "../../board/faults.rs"]
 mod faults;
+#[path = "../../board/flash.rs"]
+mod flash;
 #[path = "../../board/log.rs"]
 mod log;
 #[path = "../../board/receiver.rs"]
@@ -17,11 +20,14 @@ mod sensors;
 mod serial;
 mod spi;
 
-pub use beat::{Cycles, Dog, start_timer, ticks};
+pub use beat::{Cycles, Dog, left, start_timer, ticks};
 pub use clock::Clock;
 pub use receiver::Receiver;
 pub use sensors::Measured;
 pub use serial::{BAUD, is_free, received, send};
+
+/// Flash for what is kept over a power cycle.
+pub type Memory = flash::Flash<cells::Memory>;
 
 use crate::monitor_settings::BRIDGES;
 use cortex_m::peripheral::SYST;
@@ -43,6 +49,8 @@ pub struct Board {
     pub lock_step: bool,
     /// Strain bridges and tachometer, if they are chosen.
     pub sensors: Option<Measured>,
+    /// Flash for what is kept over a power cycle.
+    pub memory: Option<Memory>,
 }
 
 /// Starts everything but timer and watchdog; `None` if it was started before.
@@ -82,6 +90,7 @@ pub fn start() -> Option<Board> {
         timer: core.SYST,
         lock_step,
         sensors,
+        memory: cells::start(p.FLASH, core.SCB).map(flash::Flash),
     })
 }
 

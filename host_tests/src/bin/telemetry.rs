@@ -11,6 +11,7 @@ use host_tests::telemetry::state::State;
 use host_tests::telemetry::table::{Writer, change_name};
 use host_tests::telemetry::{picture, simulated, view};
 use host_tests::{design_file, loads};
+use spindle_bearing::monitor::command::Command;
 use spindle_bearing::monitor::telemetry::Payload;
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};
@@ -45,6 +46,10 @@ struct Arguments {
     /// does it
     #[arg(long, value_name = "WHEN", requires = "port")]
     learn: Option<Learning>,
+
+    /// Tell the board that the bearing was replaced by a new one: it forgets its baseline and the life used
+    #[arg(long, requires = "port")]
+    new_bearing: bool,
 
     /// Baud rate of the port
     #[arg(long, value_name = "BAUD", default_value_t = 460_800)]
@@ -108,6 +113,9 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Some(operator) = &mut operator {
         if arguments.acknowledge {
             operator.acknowledge_all()?;
+        }
+        if arguments.new_bearing {
+            operator.send(Command::ReplaceBearing)?;
         }
         if let Some(when) = arguments.learn {
             operator.learn(when == Learning::On)?;
@@ -258,12 +266,14 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
         )?,
         Payload::Health(report) => writeln!(
             out,
-            "health    {} ticks, {} overruns, {} missed, {} estimates, {} doubted",
+            "health    {} ticks, {} overruns, {} missed, {} estimates, {} doubted; baseline {}, life {}",
             report.ticks,
             report.overruns,
             report.missed_ticks,
             report.estimates,
-            report.marked_samples
+            report.marked_samples,
+            report.retention.baseline.name(),
+            report.retention.life.name()
         )?,
     }
     Ok(())

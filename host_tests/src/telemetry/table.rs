@@ -12,7 +12,7 @@ use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
-    Payload, StatusCode,
+    Payload, Recovery, RetentionReport, StatusCode,
 };
 use std::io::{Read, Write};
 
@@ -85,6 +85,11 @@ struct Row {
     most_cycles: Option<u32>,
     revolutions: Option<u64>,
     life_used: Option<f32>,
+    kept_baseline: Option<String>,
+    kept_life: Option<String>,
+    kept_damaged: Option<u16>,
+    kept_written: Option<u32>,
+    kept_failed: Option<u32>,
 }
 
 const STATUSES: [StatusCode; 9] = [
@@ -205,6 +210,11 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
             most_cycles: Some(report.most_cycles),
             revolutions: Some(report.revolutions),
             life_used: Some(report.life_used),
+            kept_baseline: Some(report.retention.baseline.name().into()),
+            kept_life: Some(report.retention.life.name().into()),
+            kept_damaged: Some(report.retention.damaged),
+            kept_written: Some(report.retention.written),
+            kept_failed: Some(report.retention.failed),
             marks: Some(report.marks.to_string()),
             ..head
         }],
@@ -424,5 +434,17 @@ fn health(row: &Row) -> Option<HealthReport> {
         revolutions: row.revolutions?,
         life_used: row.life_used?,
         marks: marks(&row.marks)?,
+        retention: RetentionReport {
+            baseline: recovery(&row.kept_baseline)?,
+            life: recovery(&row.kept_life)?,
+            damaged: row.kept_damaged?,
+            written: row.kept_written?,
+            failed: row.kept_failed?,
+        },
     })
+}
+
+fn recovery(name: &Option<String>) -> Option<Recovery> {
+    let name = name.as_deref()?;
+    Recovery::ALL.into_iter().find(|of| of.name() == name)
 }

@@ -14,6 +14,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle, Points};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph, Widget};
 use spindle_bearing::monitor::judgement::AlarmState;
+use spindle_bearing::monitor::telemetry::Recovery;
 use std::collections::VecDeque;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -61,7 +62,7 @@ fn render(state: &State, area: Rect, buffer: &mut Buffer) {
         Constraint::Length(2),
         Constraint::Min(8),
         Constraint::Length(alarms + 2),
-        Constraint::Length(5),
+        Constraint::Length(6),
     ])
     .areas(area);
     // Cells are about twice as high as wide.
@@ -420,6 +421,21 @@ fn counters(state: &State) -> Paragraph<'_> {
                 h.alarms_cleared,
                 h.frames_dropped
             )));
+            let r = &h.retention;
+            let refused = [r.baseline, r.life]
+                .iter()
+                .any(|of| !matches!(of, Recovery::Blank | Recovery::Recovered));
+            lines.push(Line::styled(
+                format!(
+                    " over a power cycle: baseline {}, life {}, {} damaged pieces; {} records written, {} failed",
+                    r.baseline.name(),
+                    r.life.name(),
+                    r.damaged,
+                    r.written,
+                    r.failed
+                ),
+                if refused || r.failed > 0 { warning() } else { Style::new() },
+            ));
         }
     }
     let hurt = state.tally.lost + state.tally.damaged > 0;

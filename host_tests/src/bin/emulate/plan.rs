@@ -8,11 +8,11 @@ use host_tests::stream::{
     self,
     faults::{Episode, Spoiler},
 };
-use spindle_bearing::monitor::Mark;
 use spindle_bearing::monitor::command::{self, Command};
 use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::telemetry::HealthReport;
 use spindle_bearing::monitor::tick::{CycleCounter, NoWatchdog};
+use spindle_bearing::monitor::{Mark, Past};
 use spindle_bearing::record::LoadRecord;
 
 /// A run.
@@ -46,7 +46,7 @@ pub fn plan(records: &[LoadRecord], mut spoiler: Spoiler) -> Result<Plan> {
     let mut input = Vec::new();
     let mut expected = Vec::new();
     let mut marks = [0; Mark::ALL.len()];
-    let mut chain = Chain::new();
+    let mut chain = Chain::new(&Past::NONE);
     let prepared = chain.prepare();
     ensure!(prepared.is_ok(), "no equilibrium to start from");
     let (mut done, mut told) = (0, 0);

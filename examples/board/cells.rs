@@ -1,0 +1,124 @@
+//! The last two sectors of this chip's flash.
+//!
+//! There is one bank, from which the core executes, too: while a word is written it may stand still for 16 us,
+//! 100 us at worst, and while a sector is erased for 1 s to 2 s.
+
+#![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
+
+use super::flash::{Cells, SECTOR};
+use super::{pac, within};
+use pac::FLASH;
+
+/// The first of them: `memory.x` holds its address against it.
+const FIRST: u8 = 10;
+
+/// Looks at the busy flag before a write counts as failed: 10 ms at least.
+const PATIENCE: u32 = 200_000;
+/// The same of erasing: 4 s at least, the core's caches holding this loop.
+const ERASE_PATIENCE: u32 = 80_000_000;
+
+unsafe extern "C" {
+    /// Where they begin, by `memory.x`.
+    static _retained: [u32; 2 * SECTOR as usize / 4];
+}
+
+/// The controller, unlocked.
+pub struct Memory(FLASH);
+
+/// Unlocks the controller; `None` if there is none, as on an emulator.
+pub fn start(flash: FLASH) -> Option<Memory> {
+    if flash.cr().read().lock().is_locked() {
+        flash.keyr().write(|w| w.key().set(0x4567_0123));
+        flash.keyr().write(|w| w.key().set(0xcdef_89ab));
+    }
+    // Words of 32 bits, for which a supply of 2.7 V is enough.
+    flash.cr().write(|w| w.psize().psize32());
+    let control = flash.cr().read();
+    let there = control.lock().is_unlocked() && control.psize().is_psize32();
+    there.then_some(Memory(flash))
+}
+
+impl Memory {
+    /// Waits for the end, and whether that was a good one.
+    fn ends(&self, patience: u32) -> bool {
+        let idle = within(patience, || self.0.sr().read().bsy().is_not_busy());
+        let status = self.0.sr().read();
+        let errors = status.wrperr().is_active()
+            || status.pgaerr().is_active()
+            || status.pgperr().is_active()
+            || status.pgserr().is_active();
+        idle && !errors
+    }
+
+    /// Clears errors from before.
+    fn clear(&self) {
+        self.0.sr().write(|w| {
+            w.eop().clear().operr().clear().wrperr().clear();
+            w.pgaerr().clear().pgperr().clear().pgserr().clear()
+        });
+    }
+
+    /// What the cache knows of these sectors is out of date.
+    fn forget_cached(&self) {
+        let acr = self.0.acr();
+        let on = acr.read().dcen().is_enabled();
+        acr.modify(|_, w| w.dcen().disabled());
+        acr.modify(|_, w| w.dcrst().reset());
+        acr.modify(|_, w| w.dcrst().no_reset());
+        acr.modify(|_, w| w.dcen().bit(on));
+    }
+}
+
+/// The address of a word.
+fn word(at: u32) -> *mut u32 {
+    // The caller has held it against the capacity.
+    (&raw const _retained)
+        .cast::<u32>()
+        .cast_mut()
+        .wrapping_byte_add(at as usize)
+}
+
+impl Cells for Memory {
+    const UNIT: usize = 4;
+
+    fn read(&mut self, at: u32, unit: &mut [u8]) -> bool {
+        // SAFETY: within the two sectors, and a multiple of four.
+        let content = unsafe { word(at).read_volatile() };
+        unit.copy_from_slice(&content.to_le_bytes());
+        true
+    }
+
+    fn program(&mut self, at: u32, unit: &[u8]) -> bool {
+        let Ok(bytes) = <[u8; 4]>::try_from(unit) else {
+            return false;
+        };
+        self.clear();
+        self.0.cr().write(|w| w.psize().psize32().pg().program());
+        // SAFETY: as above; the linker has put nothing there, and the controller takes it for a word to write.
+        unsafe { word(at).write_volatile(u32::from_le_bytes(bytes)) };
+        cortex_m::asm::dsb();
+        let good = self.ends(PATIENCE);
+        self.0.cr().write(|w| w.psize().psize32());
+        self.forget_cached();
+        good
+    }
+
+    fn erase(&mut self, sector: u32) -> bool {
+        self.clear();
+        let number = FIRST.saturating_add(sector as u8);
+        // SAFETY: sectors end at 11, and the caller has held this one against the capacity.
+        let with_number = |start: bool| {
+            self.0.cr().write(|w| unsafe {
+                w.psize().psize32().ser().sector_erase();
+                w.snb().bits(number).strt().bit(start)
+            });
+        };
+        with_number(false);
+        with_number(true);
+        cortex_m::asm::dsb();
+        let good = self.ends(ERASE_PATIENCE);
+        self.0.cr().write(|w| w.psize().psize32());
+        self.forget_cached();
+        good
+    }
+}

@@ -1,0 +1,81 @@
+//! Two sectors of the board's flash that the linker fills with nothing, for what is kept over a power cycle.
+//! Without any hardware, so that it is tested on the host; the registers are in `cells.rs`.
+
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
+};
+
+/// Length of a sector, bytes: that of the large ones on both chips.
+pub const SECTOR: u32 = 128 * 1024;
+/// Sectors.
+pub const SECTORS: u32 = 2;
+
+/// What does the work. Places are counted from the first of the sectors on, in bytes, and are those of whole
+/// units. All return whether it went well.
+pub trait Cells {
+    /// Bytes that are read or written at once.
+    const UNIT: usize;
+
+    /// Reads a unit.
+    fn read(&mut self, at: u32, unit: &mut [u8]) -> bool;
+
+    /// Writes a unit that is blank.
+    fn program(&mut self, at: u32, unit: &[u8]) -> bool;
+
+    /// Blanks a sector.
+    fn erase(&mut self, sector: u32) -> bool;
+}
+
+/// The sectors as a whole.
+pub struct Flash<C>(pub C);
+
+impl<C> ErrorType for Flash<C> {
+    type Error = NorFlashErrorKind;
+}
+
+const fn well(done: bool) -> Result<(), NorFlashErrorKind> {
+    if done {
+        Ok(())
+    } else {
+        Err(NorFlashErrorKind::Other)
+    }
+}
+
+impl<C: Cells> ReadNorFlash for Flash<C> {
+    const READ_SIZE: usize = C::UNIT;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        check_read(self, offset, bytes.len())?;
+        let units = bytes.chunks_exact_mut(C::UNIT);
+        for (at, unit) in (offset..).step_by(C::UNIT).zip(units) {
+            well(self.0.read(at, unit))?;
+        }
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        (SECTORS * SECTOR) as usize
+    }
+}
+
+impl<C: Cells> NorFlash for Flash<C> {
+    const WRITE_SIZE: usize = C::UNIT;
+    const ERASE_SIZE: usize = SECTOR as usize;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+        check_erase(self, from, to)?;
+        for sector in from / SECTOR..to / SECTOR {
+            well(self.0.erase(sector))?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        check_write(self, offset, bytes.len())?;
+        let units = bytes.chunks_exact(C::UNIT);
+        for (at, unit) in (offset..).step_by(C::UNIT).zip(units) {
+            well(self.0.program(at, unit))?;
+        }
+        Ok(())
+    }
+}

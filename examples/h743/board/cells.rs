@@ -1,0 +1,178 @@
+//! The last two sectors of this chip's flash, in its second bank.
+//!
+//! The core executes from the first bank, and goes on while the second one writes. Every 32 bytes have a code that
+//! corrects errors. Where the power is lost while they are written, that code is wrong, and whoever reads them
+//! takes a bus fault: [`Memory::read`] has the core ignore it, and asks the controller.
+
+#![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
+
+use super::flash::{Cells, SECTOR};
+use super::{pac, within};
+use core::arch::asm;
+use cortex_m::peripheral::SCB;
+use pac::FLASH;
+
+/// The first of them, of its bank: `memory.x` holds its address against it.
+const FIRST: u8 = 6;
+
+/// Looks at the busy flags before a write counts as failed: 10 ms at least.
+const PATIENCE: u32 = 500_000;
+/// The same of erasing: 4 s at least.
+const ERASE_PATIENCE: u32 = 200_000_000;
+
+/// Bytes that have one code.
+const WORD: usize = 32;
+/// Bus faults of reads are ignored where faults are masked (`SCB.CCR.BFHFNMIGN`), and the flags of those that were
+/// (`SCB.CFSR`, the part that is on the bus).
+const IGNORE_BUS_FAULTS: u32 = 1 << 8;
+const BUS_FAULTS: u32 = 0xff00;
+
+unsafe extern "C" {
+    /// Where they begin, by `memory.x`.
+    static _retained: [u32; 2 * SECTOR as usize / 4];
+}
+
+/// The controller, its second bank unlocked.
+pub struct Memory {
+    flash: FLASH,
+    scb: SCB,
+}
+
+/// Unlocks the second bank; `None` if that cannot be had.
+pub fn start(flash: FLASH, scb: SCB) -> Option<Memory> {
+    let bank = flash.bank2();
+    if bank.cr().read().lock().bit_is_set() {
+        // SAFETY: the two words that unlock it.
+        bank.keyr().write(|w| unsafe { w.bits(0x4567_0123) });
+        // SAFETY: likewise.
+        bank.keyr().write(|w| unsafe { w.bits(0xcdef_89ab) });
+    }
+    let there = bank.cr().read().lock().bit_is_clear();
+    there.then_some(Memory { flash, scb })
+}
+
+impl Memory {
+    /// Waits for the end, and whether that was a good one.
+    fn ends(&self, patience: u32) -> bool {
+        let bank = self.flash.bank2();
+        let idle = within(patience, || {
+            let status = bank.sr().read();
+            status.qw().bit_is_clear() && status.bsy().bit_is_clear()
+        });
+        let status = bank.sr().read();
+        let errors = status.wrperr().bit_is_set()
+            || status.pgserr().bit_is_set()
+            || status.strberr().bit_is_set()
+            || status.incerr().bit_is_set()
+            || status.operr().bit_is_set();
+        idle && !errors
+    }
+
+    /// Clears errors from before, which would keep the controller from work.
+    fn clear(&self) {
+        self.flash.bank2().ccr().write(|w| {
+            w.clr_eop().set_bit().clr_wrperr().set_bit();
+            w.clr_pgserr().set_bit().clr_strberr().set_bit();
+            w.clr_incerr().set_bit().clr_operr().set_bit();
+            w.clr_rdperr().set_bit().clr_rdserr().set_bit();
+            w.clr_sneccerr().set_bit().clr_dbeccerr().set_bit()
+        });
+    }
+
+    /// What the cache knows of this part is out of date.
+    fn forget_cached(&mut self, at: u32, length: u32) {
+        let address = word(at) as usize;
+        self.scb
+            .clean_invalidate_dcache_by_address(address, length as usize);
+    }
+}
+
+/// The address of a word of 32 bits.
+fn word(at: u32) -> *mut u32 {
+    // The caller has held it against the capacity.
+    (&raw const _retained)
+        .cast::<u32>()
+        .cast_mut()
+        .wrapping_byte_add(at as usize)
+}
+
+impl Cells for Memory {
+    const UNIT: usize = WORD;
+
+    fn read(&mut self, at: u32, unit: &mut [u8]) -> bool {
+        self.clear();
+        let from = word(at);
+        let mut content = [0_u32; WORD / 4];
+        // SAFETY: the register is changed back below, before anything else can fault.
+        unsafe { self.scb.ccr.modify(|bits| bits | IGNORE_BUS_FAULTS) };
+        // SAFETY: masks all faults and interrupts, for the time of eight reads.
+        unsafe { asm!("cpsid f", "dsb", "isb", options(nostack, preserves_flags)) };
+        for (i, to) in content.iter_mut().enumerate() {
+            // SAFETY: within the two sectors, and a multiple of four.
+            *to = unsafe { from.wrapping_add(i).read_volatile() };
+        }
+        // SAFETY: undoes the above, once the reads are over.
+        unsafe { asm!("dsb", "cpsie f", "isb", options(nostack, preserves_flags)) };
+        // SAFETY: likewise; writing ones clears the flags.
+        unsafe {
+            self.scb.ccr.modify(|bits| bits & !IGNORE_BUS_FAULTS);
+            self.scb.cfsr.write(BUS_FAULTS);
+        }
+        for (to, from) in unit.chunks_exact_mut(4).zip(content) {
+            to.copy_from_slice(&from.to_le_bytes());
+        }
+        let bank = self.flash.bank2();
+        // The core may have looked ahead: only an error of this very word counts.
+        let failed = u32::from(bank.far().read().fail_ecc_addr().bits());
+        let here = (from as u32 & 0xf_ffff) / WORD as u32;
+        !(bank.sr().read().dbeccerr().bit_is_set() && failed == here)
+    }
+
+    fn program(&mut self, at: u32, unit: &[u8]) -> bool {
+        self.clear();
+        let to = word(at);
+        // SAFETY: 3 is 64 bits at a time.
+        let control = |program: bool| {
+            self.flash
+                .bank2()
+                .cr()
+                .write(|w| unsafe { w.psize().bits(3).pg().bit(program) });
+        };
+        control(true);
+        cortex_m::asm::dsb();
+        for (i, bytes) in unit.chunks_exact(4).enumerate() {
+            let mut content = [0; 4];
+            content.copy_from_slice(bytes);
+            // SAFETY: within the two sectors; the linker has put nothing there, and the controller takes eight of
+            // these for a word to write.
+            unsafe {
+                to.wrapping_add(i)
+                    .write_volatile(u32::from_le_bytes(content));
+            }
+        }
+        cortex_m::asm::dsb();
+        let good = self.ends(PATIENCE);
+        control(false);
+        self.forget_cached(at, WORD as u32);
+        good
+    }
+
+    fn erase(&mut self, sector: u32) -> bool {
+        self.clear();
+        let number = FIRST.saturating_add(sector as u8);
+        // SAFETY: sectors end at 7, and the caller has held this one against the capacity; 3 is 64 bits at a time.
+        let control = |number: u8, erase: bool, start: bool| {
+            self.flash.bank2().cr().write(|w| unsafe {
+                w.psize().bits(3).snb().bits(number);
+                w.ser().bit(erase).start().bit(start)
+            });
+        };
+        control(number, true, false);
+        control(number, true, true);
+        cortex_m::asm::dsb();
+        let good = self.ends(ERASE_PATIENCE);
+        control(0, false, false);
+        self.forget_cached(sector * SECTOR, SECTOR);
+        good
+    }
+}
