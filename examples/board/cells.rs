@@ -32,10 +32,17 @@ pub fn start(flash: FLASH) -> Option<Memory> {
         flash.keyr().write(|w| w.key().set(0xcdef_89ab));
     }
     // Words of 32 bits, for which a supply of 2.7 V is enough.
-    flash.cr().write(|w| w.psize().psize32());
+    command(&flash, |w| w);
     let control = flash.cr().read();
     let there = control.lock().is_unlocked() && control.psize().is_psize32();
     there.then_some(Memory(flash))
+}
+
+/// What the controller is to do, and when. Its lock is set where it is not said to be open.
+fn command(flash: &FLASH, what: impl FnOnce(&mut pac::flash::cr::W) -> &mut pac::flash::cr::W) {
+    flash
+        .cr()
+        .write(|w| what(w.lock().unlocked().psize().psize32()));
 }
 
 impl Memory {
@@ -93,12 +100,12 @@ impl Cells for Memory {
             return false;
         };
         self.clear();
-        self.0.cr().write(|w| w.psize().psize32().pg().program());
+        command(&self.0, |w| w.pg().program());
         // SAFETY: as above; the linker has put nothing there, and the controller takes it for a word to write.
         unsafe { word(at).write_volatile(u32::from_le_bytes(bytes)) };
         cortex_m::asm::dsb();
         let good = self.ends(PATIENCE);
-        self.0.cr().write(|w| w.psize().psize32());
+        command(&self.0, |w| w);
         self.forget_cached();
         good
     }
@@ -106,18 +113,18 @@ impl Cells for Memory {
     fn erase(&mut self, sector: u32) -> bool {
         self.clear();
         let number = FIRST.saturating_add(sector as u8);
-        // SAFETY: sectors end at 11, and the caller has held this one against the capacity.
-        let with_number = |start: bool| {
-            self.0.cr().write(|w| unsafe {
-                w.psize().psize32().ser().sector_erase();
-                w.snb().bits(number).strt().bit(start)
+        let erase_command = |start: bool| {
+            command(&self.0, |w| {
+                // SAFETY: sectors end at 11, and the caller has held this one against the capacity.
+                let w = unsafe { w.snb().bits(number) };
+                w.ser().sector_erase().strt().bit(start)
             });
         };
-        with_number(false);
-        with_number(true);
+        erase_command(false);
+        erase_command(true);
         cortex_m::asm::dsb();
         let good = self.ends(ERASE_PATIENCE);
-        self.0.cr().write(|w| w.psize().psize32());
+        command(&self.0, |w| w);
         self.forget_cached();
         good
     }

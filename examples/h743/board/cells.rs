@@ -51,6 +51,17 @@ pub fn start(flash: FLASH, scb: SCB) -> Option<Memory> {
     there.then_some(Memory { flash, scb })
 }
 
+/// What the bank is to do. Its lock is set where it is not said to be open.
+fn command(
+    flash: &FLASH,
+    what: impl FnOnce(&mut pac::flash::bank::cr::W) -> &mut pac::flash::bank::cr::W,
+) {
+    flash.bank2().cr().write(|w| {
+        // SAFETY: 3 is 64 bits at a time.
+        what(unsafe { w.lock().clear_bit().psize().bits(3) })
+    });
+}
+
 impl Memory {
     /// Waits for the end, and whether that was a good one.
     fn ends(&self, patience: u32) -> bool {
@@ -131,14 +142,7 @@ impl Cells for Memory {
     fn program(&mut self, at: u32, unit: &[u8]) -> bool {
         self.clear();
         let to = word(at);
-        // SAFETY: 3 is 64 bits at a time.
-        let control = |program: bool| {
-            self.flash
-                .bank2()
-                .cr()
-                .write(|w| unsafe { w.psize().bits(3).pg().bit(program) });
-        };
-        control(true);
+        command(&self.flash, |w| w.pg().set_bit());
         cortex_m::asm::dsb();
         for (i, bytes) in unit.chunks_exact(4).enumerate() {
             let mut content = [0; 4];
@@ -152,7 +156,7 @@ impl Cells for Memory {
         }
         cortex_m::asm::dsb();
         let good = self.ends(PATIENCE);
-        control(false);
+        command(&self.flash, |w| w);
         self.forget_cached(at, WORD as u32);
         good
     }
@@ -160,18 +164,18 @@ impl Cells for Memory {
     fn erase(&mut self, sector: u32) -> bool {
         self.clear();
         let number = FIRST.saturating_add(sector as u8);
-        // SAFETY: sectors end at 7, and the caller has held this one against the capacity; 3 is 64 bits at a time.
-        let control = |number: u8, erase: bool, start: bool| {
-            self.flash.bank2().cr().write(|w| unsafe {
-                w.psize().bits(3).snb().bits(number);
-                w.ser().bit(erase).start().bit(start)
+        let erase_command = |start: bool| {
+            command(&self.flash, |w| {
+                // SAFETY: sectors end at 7, and the caller has held this one against the capacity.
+                let w = unsafe { w.snb().bits(number) };
+                w.ser().set_bit().start().bit(start)
             });
         };
-        control(number, true, false);
-        control(number, true, true);
+        erase_command(false);
+        erase_command(true);
         cortex_m::asm::dsb();
         let good = self.ends(ERASE_PATIENCE);
-        control(0, false, false);
+        command(&self.flash, |w| w);
         self.forget_cached(sector * SECTOR, SECTOR);
         good
     }

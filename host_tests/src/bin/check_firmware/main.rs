@@ -195,7 +195,8 @@ fn shipped(
     if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
         bail!("this check is blind: it does not see the panics of the firmware's main");
     }
-    let roots = ["take", "tick"].map(|name| format!("{example}::application::{name}"));
+    let roots =
+        ["recall", "take", "tick", "keep"].map(|name| format!("{example}::application::{name}"));
     let is_root = |name: &str| {
         let is = |root: &String| {
             let rest = name.strip_prefix(root.as_str());
@@ -210,7 +211,7 @@ fn shipped(
             bail!("there is no {root} in the firmware to check");
         }
     }
-    let root = roots.join(" and ");
+    let root = roots.join(", ");
     let with = sensors.map_or(String::new(), |sensors| format!(" with {sensors}"));
     let what = format!("{root} in the firmware{with}");
     refuse(&what, &program, &reach, kinds)
