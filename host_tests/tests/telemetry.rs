@@ -759,6 +759,8 @@ fn losses_and_counters_are_on_the_health_lines() {
             state.note(&event, decoder.tally());
         }
     }
+    let without = state_of([Payload::Health(health())]);
+    assert!(self::text(&without).contains("no memory: what is learnt is lost with the power"));
     let text = text(&state);
     for part in [
         "1000 ticks, 3 overruns",

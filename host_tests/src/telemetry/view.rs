@@ -14,7 +14,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle, Points};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph, Widget};
 use spindle_bearing::monitor::judgement::AlarmState;
-use spindle_bearing::monitor::telemetry::Recovery;
+use spindle_bearing::monitor::telemetry::{Recovery, RetentionReport};
 use std::collections::VecDeque;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -425,7 +425,9 @@ fn counters(state: &State) -> Paragraph<'_> {
             let refused = [r.baseline, r.life]
                 .iter()
                 .any(|of| !matches!(of, Recovery::Blank | Recovery::Recovered));
-            lines.push(Line::styled(
+            let kept = if *r == RetentionReport::NO_MEMORY {
+                " no memory: what is learnt is lost with the power".into()
+            } else {
                 format!(
                     " over a power cycle: baseline {}, life {}, {} damaged pieces; {} records written, {} failed",
                     r.baseline.name(),
@@ -433,8 +435,15 @@ fn counters(state: &State) -> Paragraph<'_> {
                     r.damaged,
                     r.written,
                     r.failed
-                ),
-                if refused || r.failed > 0 { warning() } else { Style::new() },
+                )
+            };
+            lines.push(Line::styled(
+                kept,
+                if refused || r.failed > 0 {
+                    warning()
+                } else {
+                    Style::new()
+                },
             ));
         }
     }
