@@ -15,8 +15,8 @@ use core::fmt;
 use core::marker::PhantomData;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
-use serde::de::{self, DeserializeOwned};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// With a table of a kilobyte: bit by bit, the checksums of a tick with telemetry would take a tenth of the
 /// period on a Cortex-M4F.
@@ -154,15 +154,17 @@ impl<T: DeserializeOwned, const CAP: usize> FrameReader<T, CAP> {
 }
 
 /// The version `V` of a message, for its first field: another one is not read.
-pub(crate) fn version<'de, D: Deserializer<'de>, const V: u8>(
+#[cfg(feature = "monitor")]
+pub(crate) fn version<'de, D: serde::Deserializer<'de>, const V: u8>(
     deserializer: D,
 ) -> Result<u8, D::Error> {
+    use serde::de::{Deserialize, Error, Unexpected};
     let version = u8::deserialize(deserializer)?;
     if version == V {
         return Ok(version);
     }
-    Err(de::Error::invalid_value(
-        de::Unexpected::Unsigned(version.into()),
+    Err(D::Error::invalid_value(
+        Unexpected::Unsigned(version.into()),
         &"the version of this receiver",
     ))
 }
