@@ -40,10 +40,11 @@
 //!
 //! # Why no library for this
 //!
-//! `sequential-storage` (8.0), `ekv` (1.0) and `tickv` (2.0) were looked at. All of them erase within a write, when
-//! they have to. `sequential-storage` gives a word that cannot be read back as an error of the flash, from every
-//! call from then on, and looks through a sector for each item it writes; it can panic. `ekv` knows units of up to four
-//! bytes, and erases for every transaction. Framing, checksum and encoding are the monitor's, by libraries.
+//! `sequential-storage` (8.0), `ekv` (1.0) and `tickv` (2.0) were looked at. The first two erase within a write, when
+//! they have to. `sequential-storage` gives up where a word cannot be read, looks through a sector for each
+//! item it writes, and can panic. `ekv` knows units of up to four bytes, and erases for every transaction. `tickv` wants
+//! a sector's worth of RAM, writes words twice, and can panic. Framing, checksum and encoding are by libraries, as
+//! everywhere in the monitor.
 
 use super::judgement::{BANDS, Baseline, BaselineSettings, Judgement};
 use super::life::Life;
