@@ -1052,8 +1052,8 @@ where
             };
             outcome.change = relative(&moved.stiffness);
             outcome.remainder = relative(&moved.remainder) + outcome.change * rounded_part;
-            // Rounding ends the solve where the change no longer shrinks; a pause of one sweep far
-            // from the tolerance is not that yet.
+            // Rounding ends the solve where the change no longer shrinks, or near the tolerance where it has
+            // made most of the step; a pause of one sweep far from the tolerance is not that yet.
             stalled = if outcome.change > T::of(0.25) * last {
                 stalled.saturating_add(1)
             } else {
@@ -1073,7 +1073,8 @@ where
             let rounded = outcome.residual <= rounding && outcome.remainder < T::of(0.06);
             let exhausted = (outcome.change <= T::EPSILON.sqrt() || rounded)
                 && imbalance < T::of(0.03)
-                && stalled >= if near && settled { 1 } else { 3 }
+                && (stalled >= if near && settled { 1 } else { 3 }
+                    || (near && settled && rounded_part > T::of(0.5)))
                 && outcome.sweeps > 1;
             let balanced = outcome.residual < T::of(1e-3);
             if balanced && (converged || exhausted) {
