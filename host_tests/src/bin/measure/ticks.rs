@@ -17,6 +17,7 @@ use host_tests::report::Figures;
 use host_tests::stream::{self, ROOM, Tick, faults, faults::Spoiler, records};
 use host_tests::timing::Core;
 use rayon::prelude::*;
+use spindle_bearing::monitor::Past;
 use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog, TickSettings};
 use std::collections::VecDeque;
 use std::path::Path;
@@ -106,7 +107,7 @@ impl CycleCounter for NoCycles {
 macro_rules! answers {
     ($name:ident, $board:ident) => {
         fn $name(ticks: &[Tick]) -> Result<Vec<Vec<u8>>> {
-            let mut chain = $board::chain::Chain::new();
+            let mut chain = $board::chain::Chain::new(&Past::NONE);
             ensure!(
                 chain.prepare().is_ok(),
                 "the host has no equilibrium to start from"
