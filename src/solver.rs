@@ -477,6 +477,7 @@ fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     sum
 }
 
+#[inline(never)]
 fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
     if D == 1 {
         return f[0].abs();
@@ -549,7 +550,11 @@ where
             known = self.alike;
         }
         if let (true, [first, others @ ..]) = (self.alike, &mut *self.balls) {
-            others.fill(*first);
+            // A ball at a time is a copy of memory; `fill` copies field by field, in many instructions.
+            let first = *first;
+            for other in others {
+                *other = first;
+            }
         }
         self.alike = false;
         self.state.force = sums.force();
@@ -738,7 +743,10 @@ where
             let (coarse, fine) = curvature_centre(c, &position.reference, &top);
             M::rebase(c, &mut ball, coarse, fine);
             self.state.position = position;
-            self.balls.fill(ball);
+            // The others follow in the first sweep.
+            if let Some(first) = self.balls.first_mut() {
+                *first = ball;
+            }
             self.alike = true;
         } else {
             self.state.mean = [sign * q * c.n0[1].high / (s0 + x), sign * q];
