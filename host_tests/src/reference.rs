@@ -1700,16 +1700,31 @@ impl Reference {
         omega: f64,
         attitude: Attitude,
     ) -> Result<Solution, Failure> {
-        check(&load, omega, &[0.0; 5])?;
+        self.search_with(load, omega, attitude, [true; 5], [0.0; 5])
+    }
+
+    /// Like [`Self::search`], with freedoms held as by [`Self::solve_with`].
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn search_with(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        free: [bool; 5],
+        held: [f64; 5],
+    ) -> Result<Solution, Failure> {
+        check(&load, omega, &held)?;
         let task = Task {
-            load,
+            load: from_fn(|k| if free[k] { load[k] } else { 0.0 }),
             omega,
             attitude,
-            free: [true; 5],
+            free,
             dense: false,
             thorough: false,
         };
-        self.cold(&task, &[0.0; 5])
+        self.cold(&task, &held)
     }
 
     /// A cold start, by one method after another.
