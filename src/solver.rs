@@ -19,7 +19,9 @@
 //!   a convex potential. A step is the solution of a system whose matrix is made positive definite
 //!   where it is not (Levenberg 1944), hence a descent direction, and is halved until the slope along
 //!   it has not turned over by more than half: such an iteration cannot be trapped short of the
-//!   minimum. It costs no linearisation of a ball.
+//!   minimum. It costs no linearisation of a ball. Halvings are four at most, so that a direction softer by
+//!   orders of magnitude can still send it round in a circle; the next start is for that, and the balance
+//!   of forces at the end tells.
 //! - At rest the laws are the bearing's own up to the third order of the step, which is bounded.
 //!   At speed inertia loads change with the step; a step that made the balance worse bounds the next
 //!   one to half of its length.
