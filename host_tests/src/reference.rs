@@ -1677,16 +1677,7 @@ impl Reference {
         free: [bool; 5],
         held: [f64; 5],
     ) -> Result<Solution, Failure> {
-        check(&load, omega, &held)?;
-        let task = Task {
-            load: from_fn(|k| if free[k] { load[k] } else { 0.0 }),
-            omega,
-            attitude,
-            free,
-            dense: true,
-            thorough: true,
-        };
-        self.cold(&task, &held)
+        self.solve_held(load, omega, attitude, free, held, true)
     }
 
     /// Like [`Self::solve`], but sooner done with a load that has no equilibrium, or one that is hard
@@ -1715,14 +1706,27 @@ impl Reference {
         free: [bool; 5],
         held: [f64; 5],
     ) -> Result<Solution, Failure> {
+        self.solve_held(load, omega, attitude, free, held, false)
+    }
+
+    /// A cold start under what is given, from the full matrix and with all patience or without either.
+    fn solve_held(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        free: [bool; 5],
+        held: [f64; 5],
+        thorough: bool,
+    ) -> Result<Solution, Failure> {
         check(&load, omega, &held)?;
         let task = Task {
             load: from_fn(|k| if free[k] { load[k] } else { 0.0 }),
             omega,
             attitude,
             free,
-            dense: false,
-            thorough: false,
+            dense: thorough,
+            thorough,
         };
         self.cold(&task, &held)
     }
