@@ -230,17 +230,52 @@ impl<T: Real> Lead<T> {
     /// As [`Lead::follow`], for a motion `by` along the normal.
     #[inline(always)]
     pub fn follow_by(&mut self, by: T) -> Pull {
+        let lets_go = self.lets_go(by);
         let q = self.linear + self.slope * by;
-        let least = T::of(0.1) * self.q;
-        if q >= least {
-            self.q = q;
-            return Pull::Holds;
-        }
-        self.q = least;
-        if self.delta + by < T::ZERO {
-            Pull::Lets
-        } else {
-            Pull::Holds
+        self.q = (T::of(0.1) * self.q).or_larger(q);
+        if lets_go { Pull::Lets } else { Pull::Holds }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stiffening_is_the_derivative_of_the_contacts_tangent() {
+        let (length, k) = (0.4, 1.3);
+        let (n, t) = ([0.6, 0.8], [0.8, -0.6]);
+        let vector = scale(length + 0.007, n);
+        let reference = Reference {
+            vector,
+            excess: dot(vector, vector) - length * length,
+        };
+        // Along `n` and `t`: the tangent is that of a spring that turns with its ends.
+        let tangent = |offset: Pair<f64>| {
+            let contact = Contact::at(&reference, offset, length, k);
+            let across = contact.q * contact.inverse_radius;
+            let element = |a: Pair<f64>, b: Pair<f64>| {
+                contact.slope * dot(contact.normal(), a) * dot(contact.normal(), b)
+                    + across * dot(contact.tangent(), a) * dot(contact.tangent(), b)
+            };
+            [element(n, n), element(n, t), element(t, t)]
+        };
+        let contact = Contact::at(&reference, [0.0; 2], length, k);
+        let mut lead = Lead::default();
+        lead.remember(&contact);
+        for v in [[1.0, 0.0], [0.0, 1.0], [-0.7, 0.4]] {
+            let v = scale(1e-6, v);
+            let offset = add(scale(v[0], n), scale(v[1], t));
+            let (after, before) = (tangent(offset), tangent(scale(-1.0, offset)));
+            let change = |v| lead.stiffening(v, contact.inverse_radius, 1.0 / contact.q);
+            let (more, less) = (change(v), change(scale(-1.0, v)));
+            for i in 0..3 {
+                let (found, expected) = (more[i] - less[i], after[i] - before[i]);
+                assert!(
+                    (found - expected).abs() < 1e-5 * 1e-6 * contact.slope,
+                    "{v:?}, element {i}: {found} for {expected}"
+                );
+            }
         }
     }
 }
