@@ -9,6 +9,7 @@ use crate::ball::Share;
 use crate::constants::{Azimuth, Constants};
 use crate::contact::Pair;
 use crate::float::Real;
+use crate::spring::Square;
 
 /// Matrix over the freedoms, by rows (force) and columns (displacement).
 pub type Tangent<T, const D: usize> = [[T; D]; D];
@@ -164,21 +165,100 @@ impl<T: Real, const D: usize> Sums<T, D> {
         let [rr_cc, rr_cs, rr_ss] = self.radial_radial;
         let [ma_c, ma_s, ma_cc, ma_cs, ma_ss] = self.moment_axial;
         let [mr_cc, mr_cs, mr_ss] = self.moment_radial;
-        let all = [
+        first(&[
             [aa, ar_c, ar_s, aa_s, -aa_c],
             [ra_c, rr_cc, rr_cs, ra_cs, -ra_cc],
             [ra_s, rr_cs, rr_ss, ra_ss, -ra_cs],
             [ma_s, mr_cs, mr_ss, ma_ss, -ma_cs],
             [-ma_c, -mr_cc, -mr_cs, -ma_cs, ma_cc],
-        ];
-        let mut tangent = [[T::ZERO; D]; D];
-        for (row, of_all) in tangent.iter_mut().zip(&all) {
-            for (element, of_all) in row.iter_mut().zip(of_all) {
-                *element = *of_all;
-            }
-        }
-        tangent
+        ])
     }
+}
+
+/// Sums over the azimuth of tangents that come without a couple, so that moments follow axial forces: 19
+/// of them, and 14 where the tangents are symmetric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TangentSums<T, const D: usize> {
+    /// The tangents are symmetric, to the last bit.
+    symmetric: bool,
+    axial_axial: [T; 6],
+    axial_radial: [T; 5],
+    radial_axial: [T; 5],
+    radial_radial: [T; 3],
+}
+
+impl<T: Real, const D: usize> TangentSums<T, D> {
+    /// No balls yet.
+    #[inline(always)]
+    pub fn of(symmetric: bool) -> Self {
+        Self {
+            symmetric,
+            axial_axial: [T::ZERO; 6],
+            axial_radial: [T::ZERO; 5],
+            radial_axial: [T::ZERO; 5],
+            radial_radial: [T::ZERO; 3],
+        }
+    }
+
+    /// Adds one ball.
+    #[inline(always)]
+    pub fn add(&mut self, at: &Azimuth<T>, ball: &Square<T>) {
+        let (c, s) = (at.cos, at.sin);
+        let weighted = |x: T| {
+            let (by_c, by_s) = (x * c, x * s);
+            [by_c, by_s, by_c * c, by_c * s, by_s * s]
+        };
+        let add = |sums: &mut [T], more: &[T]| {
+            for (sum, more) in sums.iter_mut().zip(more) {
+                *sum += *more;
+            }
+        };
+        let [[aa, ar], [ra, rr]] = *ball;
+        self.axial_axial[0] += aa;
+        if D >= 3 {
+            let needed = if D == 5 { 5 } else { 2 };
+            add(&mut self.axial_radial[..needed], &weighted(ar));
+            if !self.symmetric {
+                add(&mut self.radial_axial[..needed], &weighted(ra));
+            }
+            add(&mut self.radial_radial, &weighted(rr)[2..]);
+        }
+        if D == 5 {
+            add(&mut self.axial_axial[1..], &weighted(aa));
+        }
+    }
+
+    /// The tangent.
+    #[inline(always)]
+    pub fn tangent(&self) -> Tangent<T, D> {
+        let [aa, aa_c, aa_s, aa_cc, aa_cs, aa_ss] = self.axial_axial;
+        let [ar_c, ar_s, ar_cc, ar_cs, ar_ss] = self.axial_radial;
+        let [ra_c, ra_s, ra_cc, ra_cs, ra_ss] = if self.symmetric {
+            self.axial_radial
+        } else {
+            self.radial_axial
+        };
+        let [rr_cc, rr_cs, rr_ss] = self.radial_radial;
+        first(&[
+            [aa, ar_c, ar_s, aa_s, -aa_c],
+            [ra_c, rr_cc, rr_cs, ra_cs, -ra_cc],
+            [ra_s, rr_cs, rr_ss, ra_ss, -ra_cs],
+            [aa_s, ar_cs, ar_ss, aa_ss, -aa_cs],
+            [-aa_c, -ar_cc, -ar_cs, -aa_cs, aa_cc],
+        ])
+    }
+}
+
+/// The rows and columns that there are.
+#[inline(always)]
+fn first<T: Real, const D: usize>(all: &Tangent<T, 5>) -> Tangent<T, D> {
+    let mut tangent = [[T::ZERO; D]; D];
+    for (row, of_all) in tangent.iter_mut().zip(all) {
+        for (element, of_all) in row.iter_mut().zip(of_all) {
+            *element = *of_all;
+        }
+    }
+    tangent
 }
 
 /// Units of a freedom's displacement and force, SI.

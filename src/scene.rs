@@ -206,7 +206,8 @@ pub trait Motion: sealed::Sealed + 'static {
     #[doc(hidden)]
     fn second_order<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, da: Pair<T>) -> Pair<T>;
     /// What a step `da` of the ring, and the ball's own, will change of the ball's tangent, as long as
-    /// linearisations hold; and how much of that is not known, relative to it.
+    /// linearisations hold, at speed symmetric to the last bit; and how much of that is not known, relative
+    /// to it.
     #[doc(hidden)]
     fn stiffening<T: Real>(c: &Constants<T>, ball: &Self::Ball<T>, da: Pair<T>) -> (Square<T>, T);
     /// Follows a step `da` of the ring that is so short that linearisations hold. Returns the ball's

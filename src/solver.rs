@@ -54,7 +54,7 @@ use crate::contact::{add, dot, scale};
 use crate::float::Real;
 use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
 use crate::outputs::{Balls, Outputs, PerBall};
-use crate::ring::{self, Definite, Factors, Sums, Tangent, shift};
+use crate::ring::{self, Definite, Factors, Sums, Tangent, TangentSums, shift};
 use crate::scene::{Change, Drive, Full, Motion, Position, curvature_centre, free_ball};
 use crate::status::{Quantity, Status};
 use core::marker::PhantomData;
@@ -569,7 +569,7 @@ where
     /// follow, the tangent with them: by `correction` of what the step changes of it.
     fn advance(&mut self, du: &[T; D], correction: Option<T>) -> Change<T> {
         let mut all = Change::<T>::default();
-        let mut sums = Sums::<T, D>::about([T::ZERO; 2]);
+        let mut sums = TangentSums::<T, D>::of(M::AT_SPEED);
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let da = shift(du, at);
             if correction.is_some() {
@@ -578,13 +578,7 @@ where
                 all.stiffness = add(all.stiffness, sizes);
                 all.remainder = add(all.remainder, scale(unknown, sizes));
                 if O::STIFFNESS {
-                    sums.add(
-                        at,
-                        &Share {
-                            stiffness,
-                            ..Share::NONE
-                        },
-                    );
+                    sums.add(at, &stiffness);
                 }
             }
             all.step = all.step.or_larger(M::advance(ball, da));

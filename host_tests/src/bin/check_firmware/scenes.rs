@@ -78,6 +78,7 @@ impl Part {
             Self::Iteration => &[
                 "spindle_bearing::solver::Iteration<",
                 "spindle_bearing::ring::Sums<",
+                "spindle_bearing::ring::TangentSums<",
                 "spindle_bearing::ring::Factors<",
                 "spindle_bearing::spring::",
                 "::linearise",
