@@ -377,20 +377,21 @@ impl<T: Real> Ball<T> {
             imbalance = T::ONE;
         }
         if !(imbalance > law) {
-            self.spring = self.law(c, &inner, &outer, &l, &share);
+            self.spring = self.law(c, inner, outer, l, share);
         }
         (share, imbalance)
     }
 
-    /// The law that agrees with the linearisation.
+    /// The law that agrees with the linearisation. By value: what is referred to would be kept in memory
+    /// even where no law is wanted.
     #[inline(never)]
     fn law(
         &self,
         c: &Constants<T>,
-        inner: &Contact<T>,
-        outer: &Contact<T>,
-        l: &Loads<T>,
-        share: &Share<T>,
+        inner: Contact<T>,
+        outer: Contact<T>,
+        l: Loads<T>,
+        share: Share<T>,
     ) -> Spring<T> {
         if inner.q > T::ZERO {
             let carried = add(
@@ -398,7 +399,7 @@ impl<T: Real> Ball<T> {
                 scale(l.inner_friction, inner.tangent()),
             );
             let along = l.centrifugal * c.inner;
-            Spring::of(inner, outer, carried, share.force, &share.stiffness, along)
+            Spring::of(&inner, &outer, carried, share.force, &share.stiffness, along)
         } else {
             let gap = inner.delta - self.step[0];
             Spring::open(inner.normal(), c.ki, gap, T::of(0.5) * inner.inverse_radius)
