@@ -72,7 +72,7 @@ pub struct Reaction<T> {
 /// the left side there; -1 if that is larger even at `z = 0`. Newton between bounds, in differences from
 /// 1, so that small elongations keep their digits. Good to a part in some hundreds: the law only leads
 /// the way.
-#[inline]
+#[inline(never)]
 pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
     let one = T::ONE;
     let two = one + one;
