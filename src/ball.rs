@@ -259,6 +259,24 @@ impl<T: Real> Ball<T> {
             unbalanced[0] * ci - unbalanced[1] * si + (inner.lag * r_di[1] + outer.lag * r_do[1]),
         ];
 
+        // Here and not in the end, so that what it takes need not be kept in registers.
+        let unbalanced = residual[0].abs() + residual[1].abs();
+        let least = T::of(1e3) * negligible;
+        let mut imbalance = if outer.q < least {
+            unbalanced / least
+        } else {
+            unbalanced * m.per_forces
+        };
+        let lag = inner.lag.abs() + outer.lag.abs();
+        if lag > T::ZERO {
+            imbalance += lag / outer.delta.or_larger(T::TINY);
+        }
+        // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
+        // pole, with equilibria that are of the equations only.
+        if inner.q > T::ZERO && cd < T::of(-0.5) {
+            imbalance = T::ONE;
+        }
+
         // r_V and r_X - r_V = R, then the Newton step -R^-1 r, and its slope Y = -R^-1 r_V.
         let r_v = [[r_di[0], r_wi[0]], [r_di[1], r_wi[1]]];
         let row = |i: usize| {
@@ -283,7 +301,12 @@ impl<T: Real> Ball<T> {
             dot(minus_inverse[0], residual),
             dot(minus_inverse[1], residual),
         ];
+        // At a higher speed all inertia loads grow alike.
+        let step_by_speed = [dot(minus_inverse[0], loads), dot(minus_inverse[1], loads)];
         let y = multiply(&minus_inverse, &r_v);
+        (self.step, self.step_by_speed) = (step, step_by_speed);
+        (self.slope, self.mobility) = (y, minus_inverse);
+        self.fling = fc;
         let rest = [[T::ONE - y[0][0], -y[0][1]], [-y[1][0], T::ONE - y[1][1]]];
 
         // Force on the ring: elastic part by V, friction part along t_i by V and X.
@@ -336,9 +359,6 @@ impl<T: Real> Ball<T> {
         };
         let held = inner.q + inner.slope * inner.lag;
         let force = add(moved(step, friction), [held * si, held * ci]);
-        self.fling = fc;
-        // At a higher speed all inertia loads grow alike.
-        let step_by_speed = [dot(minus_inverse[0], loads), dot(minus_inverse[1], loads)];
         let mut friction_by_speed = T::ZERO;
         if A::FRICTION {
             friction_by_speed = ti + dot(by_x, step_by_speed);
@@ -347,10 +367,6 @@ impl<T: Real> Ball<T> {
             }
         }
         self.force_by_speed = moved(step_by_speed, friction_by_speed);
-        self.step_by_speed = step_by_speed;
-        self.step = step;
-        self.slope = y;
-        self.mobility = minus_inverse;
         let mut share = Share {
             force,
             stiffness,
@@ -359,22 +375,6 @@ impl<T: Real> Ball<T> {
         if A::FRICTION && D == 5 {
             share.couple = c.friction_arm * friction;
             share.couple_slope = scale(c.friction_arm, turned(couple_slope));
-        }
-        let unbalanced = residual[0].abs() + residual[1].abs();
-        let least = T::of(1e3) * negligible;
-        let mut imbalance = if outer.q < least {
-            unbalanced / least
-        } else {
-            unbalanced * m.per_forces
-        };
-        let lag = inner.lag.abs() + outer.lag.abs();
-        if lag > T::ZERO {
-            imbalance += lag / outer.delta.or_larger(T::TINY);
-        }
-        // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
-        // pole, with equilibria that are of the equations only.
-        if inner.q > T::ZERO && cd < T::of(-0.5) {
-            imbalance = T::ONE;
         }
         if !(imbalance > law) {
             self.spring = self.law(c, inner, outer, l, share);
@@ -399,7 +399,14 @@ impl<T: Real> Ball<T> {
                 scale(l.inner_friction, inner.tangent()),
             );
             let along = l.centrifugal * c.inner;
-            Spring::of(&inner, &outer, carried, share.force, &share.stiffness, along)
+            Spring::of(
+                &inner,
+                &outer,
+                carried,
+                share.force,
+                &share.stiffness,
+                along,
+            )
         } else {
             let gap = inner.delta - self.step[0];
             Spring::open(inner.normal(), c.ki, gap, T::of(0.5) * inner.inverse_radius)
