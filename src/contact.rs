@@ -104,8 +104,8 @@ impl<T: Real> Contact<T> {
         let twice = add(add(reference.vector, reference.vector), offset);
         let delta = (reference.excess + dot(twice, offset)) / (radius + length);
         let (mut q, mut slope) = (T::ZERO, T::ZERO);
+        let root = k * delta.sqrt();
         if delta > T::ZERO {
-            let root = k * delta.sqrt();
             q = root * delta;
             slope = T::of(1.5) * root;
         }

@@ -68,7 +68,7 @@ pub trait Real:
     fn to_f32(self) -> f32;
     /// Widens to a double (for reports and errors).
     fn to_f64(self) -> f64;
-    /// Square root; the hardware's own where there is one.
+    /// Square root of the magnitude; the hardware's own where there is one.
     fn sqrt(self) -> Self;
     /// Cube root of a normal positive number; 0 of anything smaller.
     fn cbrt(self) -> Self;

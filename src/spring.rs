@@ -283,8 +283,8 @@ impl<T: Real> Spring<T> {
         let three_halves = T::of(1.5);
         let (mut force, mut slope, mut excess) = (T::ZERO, T::ZERO, -self.reference);
         if !self.carries() {
+            let root = self.hertz * s.sqrt();
             if s > T::ZERO {
-                let root = self.hertz * s.sqrt();
                 force = root * s;
                 slope = three_halves * root;
                 excess = force;
@@ -292,8 +292,8 @@ impl<T: Real> Spring<T> {
         } else if !(bends && self.bend > T::ZERO) {
             let x = s / self.hertz;
             let y = T::ONE + x;
+            let root = y.sqrt();
             if y > T::ZERO {
-                let root = y.sqrt();
                 force = self.reference * root * y;
                 slope = three_halves * self.reference * root / self.hertz;
                 // y^(3/2) - 1 without a difference.
