@@ -471,6 +471,7 @@ impl Attempt {
     }
 }
 
+#[inline(never)]
 fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     let mut sum = T::ZERO;
     for (x, y) in a.iter().zip(b) {
@@ -485,6 +486,11 @@ fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
         return f[0].abs();
     }
     dot5(f, f).sqrt()
+}
+
+#[inline(never)]
+fn finite<T: Real>(values: &[T]) -> bool {
+    values.iter().all(|x| x.is_finite())
 }
 
 /// A bound on how far a displacement of the ring shifts any groove centre.
@@ -1392,8 +1398,7 @@ where
         } else {
             [[T::ZERO; D]; D]
         };
-        let finite = |values: &[T; D]| values.iter().all(|x| x.is_finite());
-        if !(finite(&displacement) && finite(&load) && stiffness.iter().all(finite)) {
+        if !(finite(&displacement) && finite(&load) && finite(stiffness.as_flattened())) {
             self.forget();
             return Err(Status::Diverged {
                 residual: outcome.residual,
