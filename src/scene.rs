@@ -457,7 +457,7 @@ impl<T: Real> Ball<T> {
 }
 
 /// Deformation of a contact under the force `q`.
-#[inline(always)]
+#[inline(never)]
 fn depth<T: Real>(q: T, k: T) -> T {
     let root = (q / k).cbrt();
     root * root
