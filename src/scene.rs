@@ -287,7 +287,7 @@ impl Motion for Static {
         ball.centres = Reference::at(coarse, fine, one());
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn linearise<T: Real, const D: usize>(
         _: &Constants<T>,
         _: &Drive<T>,
