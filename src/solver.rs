@@ -526,7 +526,8 @@ where
     /// the largest imbalance that is left.
     fn sweep(&mut self, drive: &Drive<T>, laws: bool) -> (u16, T) {
         // Beyond this imbalance a ball repeats its own step, a few times at most.
-        let (bad, most, never) = (T::of(0.01), 8, -T::ONE);
+        let (bad, most) = (T::of(0.01), 8);
+        let wanted = if laws { bad } else { -T::ONE };
         let mut sums = Sums::about(self.state.mean);
         let mut total: u16 = 0;
         let mut worst = T::ZERO;
@@ -537,19 +538,18 @@ where
             let mut repeats = 0;
             if !known {
                 let left;
+                // Only the last pass needs a law.
+                let mut law = wanted;
                 (share, left) = loop {
-                    // Only the last pass needs a law.
-                    let law = match (laws, repeats < most) {
-                        (false, _) => never,
-                        (true, true) => bad,
-                        (true, false) => T::of(f64::INFINITY),
-                    };
                     let (share, imbalance) = M::linearise::<T, D>(self.c, drive, ball, a, law);
                     if !(imbalance > bad) || repeats == most {
                         break (share, imbalance);
                     }
                     M::settle(ball);
                     repeats += 1;
+                    if laws && repeats == most {
+                        law = T::of(f64::INFINITY);
+                    }
                 };
                 worst = worst.or_larger(left);
             }
