@@ -105,6 +105,13 @@ fn multiply<T: Real>(a: &Square<T>, b: &Square<T>) -> Square<T> {
     m
 }
 
+/// A quotient that is rarely wanted: as a division it would be made always, and mostly thrown away.
+#[cold]
+#[inline(never)]
+fn quotient<T: Real>(a: T, b: T) -> T {
+    a / b
+}
+
 impl<T: Real> Ball<T> {
     /// Contacts for the ring's offset `a` from its reference.
     #[inline(always)]
@@ -263,13 +270,13 @@ impl<T: Real> Ball<T> {
         let unbalanced = residual[0].abs() + residual[1].abs();
         let least = T::of(1e3) * negligible;
         let mut imbalance = if outer.q < least {
-            unbalanced / least
+            quotient(unbalanced, least)
         } else {
             unbalanced * m.per_forces
         };
         let lag = inner.lag.abs() + outer.lag.abs();
         if lag > T::ZERO {
-            imbalance += lag / outer.delta.or_larger(T::TINY);
+            imbalance += quotient(lag, outer.delta.or_larger(T::TINY));
         }
         // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
         // pole, with equilibria that are of the equations only.
