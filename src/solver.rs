@@ -488,6 +488,15 @@ fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
     dot5(f, f).sqrt()
 }
 
+/// Makes all `others` equal to the `first`. As a function by itself, since the compiler then knows that none of
+/// them is that one, and copies memory straight away; `fill` copies field by field, in many instructions.
+#[inline(never)]
+fn equal<B: Copy>(others: &mut [B], first: &B) {
+    for other in others {
+        *other = *first;
+    }
+}
+
 #[inline(never)]
 fn finite<T: Real>(values: &[T]) -> bool {
     values.iter().all(|x| x.is_finite())
@@ -558,11 +567,7 @@ where
             known = self.alike;
         }
         if let (true, [first, others @ ..]) = (self.alike, &mut *self.balls) {
-            // A ball at a time is a copy of memory; `fill` copies field by field, in many instructions.
-            let first = *first;
-            for other in others {
-                *other = first;
-            }
+            equal(others, first);
         }
         self.alike = false;
         self.state.force = sums.force();
