@@ -658,24 +658,26 @@ impl<S: Turning> Motion for S {
         let y = &ball.slope;
         let per_both = T::ONE / (inner.q * outer.q).or_larger(T::TINY);
         let (per_i, per_o) = (per_both * outer.q, per_both * inner.q);
-        let mut s = [T::ZERO; 3];
-        let mut put = |[along, mixed, across]: [T; 3], n: Pair<T>, t: Pair<T>| {
+        let turned = |[along, mixed, across]: [T; 3], n: Pair<T>, t: Pair<T>| {
             let by_n = add(scale(along, n), scale(mixed, t));
             let by_t = add(scale(mixed, n), scale(across, t));
-            s[0] += by_n[0] * n[0] + by_t[0] * t[0];
-            s[1] += by_n[0] * n[1] + by_t[0] * t[1];
-            s[2] += by_n[1] * n[1] + by_t[1] * t[1];
+            [
+                by_n[0] * n[0] + by_t[0] * t[0],
+                by_n[0] * n[1] + by_t[0] * t[1],
+                by_n[1] * n[1] + by_t[1] * t[1],
+            ]
         };
-        put(
+        let of_inner = turned(
             inner.stiffening(v, c.per_inner, per_i),
             [T::ONE - y[0][0], -y[0][1]],
             [-y[1][0], T::ONE - y[1][1]],
         );
-        put(
+        let of_outer = turned(
             outer.stiffening(w, c.per_outer, per_o),
             add(scale(cd, y[0]), scale(sd, y[1])),
             sub(scale(cd, y[1]), scale(sd, y[0])),
         );
+        let s: [T; 3] = core::array::from_fn(|i| of_inner[i] + of_outer[i]);
         let product = n0 * n1;
         let mixed = (s[0] - s[2]) * product + s[1] * (n1 * n1 - n0 * n0);
         let twice = (s[1] + s[1]) * product;
