@@ -836,6 +836,7 @@ where
     /// The step of the ring to where the balls' laws balance the load, no longer than `longest`, from
     /// the unbalanced load `b` and the tangent before it; the second value tells whether that tangent
     /// left a direction undetermined.
+    #[inline(never)]
     fn step(
         &self,
         load: &[T; D],
