@@ -384,23 +384,23 @@ impl<T: Real> Ball<T> {
             share.couple_slope = scale(c.friction_arm, turned(couple_slope));
         }
         if !(imbalance > law) {
-            self.spring = self.law(c, inner, outer, l, share);
+            self.learn(c, inner, outer, l, share);
         }
         (share, imbalance)
     }
 
-    /// The law that agrees with the linearisation. By value: what is referred to would be kept in memory
-    /// even where no law is wanted.
+    /// Works out the law that agrees with the linearisation. By value: what is referred to would be kept in
+    /// memory even where no law is wanted.
     #[inline(never)]
-    fn law(
-        &self,
+    fn learn(
+        &mut self,
         c: &Constants<T>,
         inner: Contact<T>,
         outer: Contact<T>,
         l: Loads<T>,
         share: Share<T>,
-    ) -> Spring<T> {
-        if inner.q > T::ZERO {
+    ) {
+        self.spring = if inner.q > T::ZERO {
             let carried = add(
                 scale(inner.q, inner.normal()),
                 scale(l.inner_friction, inner.tangent()),
@@ -417,7 +417,7 @@ impl<T: Real> Ball<T> {
         } else {
             let gap = inner.delta - self.step[0];
             Spring::open(inner.normal(), c.ki, gap, T::of(0.5) * inner.inverse_radius)
-        }
+        };
     }
 
     /// How the contacts move when the ring makes `da`, in the ball's own directions: the inner one along and
