@@ -488,13 +488,11 @@ fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
     dot5(f, f).sqrt()
 }
 
-/// Makes all `others` equal to the `first`. As a function by itself, since the compiler then knows that none of
-/// them is that one, and copies memory straight away; `fill` copies field by field, in many instructions.
+/// Copies a ball. As a function by itself, since the compiler then knows that these are two, and copies
+/// memory straight away; one after the other, since it would copy many of them field by field.
 #[inline(never)]
-fn equal<B: Copy>(others: &mut [B], first: &B) {
-    for other in others {
-        *other = *first;
-    }
+fn copy<B: Copy>(from: &B, to: &mut B) {
+    *to = *from;
 }
 
 #[inline(never)]
@@ -567,7 +565,9 @@ where
             known = self.alike;
         }
         if let (true, [first, others @ ..]) = (self.alike, &mut *self.balls) {
-            equal(others, first);
+            for other in others {
+                copy(first, other);
+            }
         }
         self.alike = false;
         self.state.force = sums.force();
