@@ -836,7 +836,6 @@ where
     /// The step of the ring to where the balls' laws balance the load, no longer than `longest`, from
     /// the unbalanced load `b` and the tangent before it; the second value tells whether that tangent
     /// left a direction undetermined.
-    #[inline(never)]
     fn step(
         &self,
         load: &[T; D],
@@ -884,7 +883,7 @@ where
     /// solution (`close`) an indefinite tangent is taken as it is. Of a ladder of such dampings it takes
     /// the first that does; those above it mostly do, too, so that the search begins next to the last
     /// one's `rung`.
-    #[inline(never)]
+    #[inline(always)]
     fn descent(
         &self,
         b: &[T; D],
