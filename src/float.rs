@@ -137,7 +137,7 @@ macro_rules! real {
             fn sqrt(self) -> Self {
                 $sqrt(self)
             }
-            #[inline]
+            #[inline(never)]
             fn cbrt(self) -> Self {
                 if !(self >= Self::TINY) {
                     return 0.0;
