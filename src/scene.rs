@@ -399,7 +399,7 @@ impl Motion for Static {
 
 /// Radial position and centrifugal force of a ball that only the outer race holds, the inner
 /// groove's centre being at `centre`.
-#[inline]
+#[inline(never)]
 pub fn free_ball<T: Real>(c: &Constants<T>, speed_load: T, centre: Pair<T>) -> (T, T) {
     let v = [centre[0], centre[1] - c.outer];
     let cosine = v[1] / length(v);
@@ -457,7 +457,7 @@ impl<T: Real> Ball<T> {
 }
 
 /// Deformation of a contact under the force `q`.
-#[inline(never)]
+#[inline(always)]
 fn depth<T: Real>(q: T, k: T) -> T {
     let root = (q / k).cbrt();
     root * root
