@@ -480,7 +480,6 @@ fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     sum
 }
 
-#[inline(never)]
 fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
     if D == 1 {
         return f[0].abs();
