@@ -156,12 +156,24 @@ impl<T: Real, const N: usize> Bearing<T, N> {
     }
 }
 
+/// A unit vector whose components are rounded doubles: what each needs beyond that for a length of 1.
+/// The deformation of a contact is a small difference of lengths, in which half a unit in the last place
+/// counts. Products of the coarse parts are exact, and so is their sum.
+const fn beyond_unit([x, y]: [f64; 2]) -> [f64; 2] {
+    let (hx, hy) = (Split::<f64>::of(x, 0.0), Split::<f64>::of(y, 0.0));
+    let leading = (hx.high * hx.high - 1.0) + hy.high * hy.high;
+    let mixed = 2.0 * (hx.high * hx.low + hy.high * hy.low);
+    let excess = leading + mixed + (hx.low * hx.low + hy.low * hy.low);
+    [-0.5 * excess * x, -0.5 * excess * y]
+}
+
 /// The constants in doubles, before rounding to the working precision.
 const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, DesignError> {
     check!(design.check(balls));
     let (d, dm) = (design.ball_diameter, design.pitch_diameter);
     let (fi, fo) = (design.inner_groove_factor, design.outer_groove_factor);
     let (sin0, cos0) = design.free_contact_angle();
+    let [sin_beyond, cos_beyond] = beyond_unit([sin0, cos0]);
     let l0 = design.centre_distance();
     let (li, lo) = ((fi - 0.5) * d, (fo - 0.5) * d);
     let (rp, zp) = (0.5 * dm + li * cos0, li * sin0);
@@ -185,11 +197,11 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         n0: [
             Split {
                 high: sin0,
-                low: 0.0,
+                low: sin_beyond,
             },
             Split {
                 high: cos0,
-                low: 0.0,
+                low: cos_beyond,
             },
         ],
         outer: lo / l0,
@@ -228,11 +240,22 @@ const fn azimuth(first: (f64, f64), j: usize, balls: usize) -> (f64, f64) {
 macro_rules! bearing {
     ($t:ident) => {
         impl Split<$t> {
-            const fn of(x: f64) -> Self {
+            /// The double `x` and what is `beyond` it.
+            const fn of(x: f64, beyond: f64) -> Self {
                 let high = (x as $t + <$t as Real>::COARSE) - <$t as Real>::COARSE;
                 Self {
                     high,
-                    low: (x - high as f64) as $t,
+                    low: (x - high as f64 + beyond) as $t,
+                }
+            }
+
+            /// The square of `x`, to twice the working precision.
+            const fn square(x: $t) -> Self {
+                let x = Self::of(x as f64, 0.0);
+                let leading = Self::of((x.high * x.high) as f64, 0.0);
+                Self {
+                    high: leading.high,
+                    low: leading.low + (2.0 * x.high * x.low + x.low * x.low),
                 }
             }
         }
@@ -265,13 +288,16 @@ macro_rules! bearing {
                 let outer = if long { larger } else { 1.0 - larger };
                 let inner = if long { 1.0 - larger } else { larger };
                 let constants = Constants {
-                    n0: [Split::<$t>::of(c.n0[0].high), Split::<$t>::of(c.n0[1].high)],
+                    n0: [
+                        Split::<$t>::of(c.n0[0].high, c.n0[0].low),
+                        Split::<$t>::of(c.n0[1].high, c.n0[1].low),
+                    ],
                     outer,
                     inner,
                     per_outer: 1.0 / outer,
                     per_inner: 1.0 / inner,
-                    outer_squared: Split::<$t>::of(outer as f64 * outer as f64),
-                    inner_squared: Split::<$t>::of(inner as f64 * inner as f64),
+                    outer_squared: Split::<$t>::square(outer),
+                    inner_squared: Split::<$t>::square(inner),
                     ko: c.ko as $t,
                     ki: c.ki as $t,
                     outer_share: c.outer_share as $t,
@@ -303,8 +329,8 @@ macro_rules! bearing {
                     azimuths[j] = Azimuth {
                         cos: cos as $t,
                         sin: sin as $t,
-                        cos_low: Split::<$t>::of(cos).low,
-                        sin_low: Split::<$t>::of(sin).low,
+                        cos_low: Split::<$t>::of(cos, 0.0).low,
+                        sin_low: Split::<$t>::of(sin, 0.0).low,
                     };
                     j += 1;
                 }
@@ -333,3 +359,48 @@ macro_rules! bearing {
 
 bearing!(f32);
 bearing!(f64);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Reference;
+    use crate::{Design, FreeContact, Material};
+
+    #[test]
+    fn the_groove_centres_of_the_unloaded_bearing_are_one_apart_to_twice_the_precision() {
+        for i in 0..200 {
+            let free_contact = if i % 2 == 0 {
+                FreeContact::Angle(f64::from(i) * 3.9e-3)
+            } else {
+                FreeContact::DiametralClearance(f64::from(i) * 2.1e-7)
+            };
+            let design = Design {
+                ball_diameter: 7.938e-3,
+                pitch_diameter: 39.04e-3,
+                inner_groove_factor: 0.505 + 1.7e-4 * f64::from(i),
+                outer_groove_factor: 0.52,
+                free_contact,
+                first_ball: 0.0,
+                inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+                outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+                ring: Material::STEEL,
+                ball: Material::STEEL,
+            };
+            let c = Bearing::<f64, 9>::new(&design)
+                .expect("these can be built")
+                .constants;
+            let one = Split {
+                high: 1.0,
+                low: 0.0,
+            };
+            let [x, y] = c.n0;
+            let centres = Reference::at([x.high, y.high], [x.low, y.low], one);
+            assert!(centres.excess.abs() < 1e-24, "{:e}", centres.excess);
+            for (length, squared) in [(c.outer, c.outer_squared), (c.inner, c.inner_squared)] {
+                let high = length.coarse();
+                let alone = Reference::at([high, 0.0], [length - high, 0.0], squared);
+                assert!(alone.excess.abs() < 1e-24, "{:e}", alone.excess);
+            }
+        }
+    }
+}
