@@ -278,9 +278,9 @@ impl<T: Real> Ball<T> {
         if lag > T::ZERO {
             imbalance += quotient(lag, outer.delta.or_larger(T::TINY));
         }
-        // Two contacts that do not oppose each other hold no ball: near 180 degrees the cage speed has a
-        // pole, with equilibria that are of the equations only.
-        if inner.q > T::ZERO && cd < T::of(-0.5) {
+        // Two contacts that do not oppose each other hold no ball: at 180 degrees the cage speed has a
+        // pole, and next to it, from 150 degrees on, there are equilibria that are of the equations only.
+        if inner.q > T::ZERO && cd < T::of(-0.866) {
             imbalance = T::ONE;
         }
 

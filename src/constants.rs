@@ -395,11 +395,11 @@ mod tests {
             };
             let [x, y] = c.n0;
             let centres = Reference::at([x.high, y.high], [x.low, y.low], one);
-            assert!(centres.excess.abs() < 1e-24, "{:e}", centres.excess);
+            assert!(centres.excess.abs() < 1e-22, "{:e}", centres.excess);
             for (length, squared) in [(c.outer, c.outer_squared), (c.inner, c.inner_squared)] {
                 let high = length.coarse();
                 let alone = Reference::at([high, 0.0], [length - high, 0.0], squared);
-                assert!(alone.excess.abs() < 1e-24, "{:e}", alone.excess);
+                assert!(alone.excess.abs() < 1e-22, "{:e}", alone.excess);
             }
         }
     }

@@ -338,10 +338,16 @@ impl Motion for Static {
 
     #[inline(always)]
     fn stiffening<T: Real>(_: &Constants<T>, ball: &Still<T>, da: Pair<T>) -> (Square<T>, T) {
-        let (_, tangent) = ball.spring.beyond(&ball.spring.react(da, false));
-        // The law leaves out what is smaller by the step's length over the distance of the centres.
-        let unknown = T::of(8.0) * (da[0].abs() + da[1].abs());
-        (tangent, unknown.or_smaller(T::ONE))
+        let spring = &ball.spring;
+        let reaction = spring.react(da, false);
+        // Left out is what is smaller by the step's length over the distance of the centres; but where a
+        // contact opens or closes, the root of what rounding leaves of the deformation counts.
+        let unknown = if (reaction.force > T::ZERO) == spring.carries() {
+            T::of(8.0) * (da[0].abs() + da[1].abs())
+        } else {
+            T::ONE
+        };
+        (spring.stiffening(&reaction), unknown.or_smaller(T::ONE))
     }
 
     #[inline(always)]
@@ -763,5 +769,58 @@ impl<S: Turning> Motion for S {
     #[inline]
     fn observe<T: Real>(c: &Constants<T>, speed_load: T, ball: &Ball<T>, a: Pair<T>) -> Pass<T> {
         ball.observe::<S::Rule>(c, speed_load, a)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Bearing, Design, FreeContact, Material};
+
+    #[test]
+    fn a_ball_at_rest_stiffens_by_the_difference_of_its_tangents() {
+        let design = Design {
+            ball_diameter: 6.35e-3,
+            pitch_diameter: 36e-3,
+            inner_groove_factor: 0.515,
+            outer_groove_factor: 0.525,
+            free_contact: FreeContact::Angle(15f64.to_radians()),
+            first_ball: 0.0,
+            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+            ring: Material::STEEL,
+            ball: Material::STEEL,
+        };
+        let bearing = Bearing::<f64, 16>::new(&design).expect("a B7005C can be built");
+        let c = &bearing.constants;
+        let drive = Drive {
+            speed_load: 0.0,
+            negligible: 0.0,
+        };
+        let at = |a: Pair<f64>| {
+            let mut ball = Still::<f64>::default();
+            let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
+            Static::rebase(c, &mut ball, coarse, fine);
+            let (share, _) = Static::linearise::<f64, 5>(c, &drive, &mut ball, a, -1.0);
+            (ball, share.stiffness)
+        };
+        let a = [0.01, 0.004];
+        for da in [[1e-5, 0.0], [0.0, -2e-5], [-1e-4, 2e-4], [3e-4, 1e-4]] {
+            let (ball, before) = at(a);
+            let (_, after) = at(add(a, da));
+            let (change, unknown) = Static::stiffening(c, &ball, da);
+            let largest = (0..4)
+                .map(|i| change[i / 2][i % 2].abs())
+                .fold(0.0, f64::max);
+            for i in 0..2 {
+                for j in 0..2 {
+                    let missed = (after[i][j] - before[i][j] - change[i][j]).abs();
+                    assert!(
+                        missed < unknown * largest,
+                        "{da:?}: {missed:e}, {largest:e}"
+                    );
+                }
+            }
+        }
     }
 }

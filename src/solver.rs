@@ -34,16 +34,16 @@
 //!
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved by its
 //! tangent, its sensitivity to speed and the second-order part of both (contacts stiffen, lines of centres
-//! turn) to the new load and speed, if that is near; the axisymmetric
-//! state; the same with more preload. A start that has not led to a solution after some sweeps makes
-//! room for the next.
+//! turn) to the new load and speed, if that is near; the axisymmetric state; the same with more preload, in
+//! short steps. A start that has not led to a solution after some sweeps, or from which a ball was lost
+//! for good, makes room for the next.
 //!
 //! An answer certifies itself. The last step changes the stiffness by an amount that is known ball by ball,
 //! and the stiffness is corrected for it. What the correction does not know is the error of the stiffness:
 //! a part of the change that grows with the step, with the share of inertia in the ball's forces, and with the
 //! part of the step that rounding may have made. Displacements and forces are one
 //! Newton step further, where the change enters as a factor. What rounding leaves comes on top, in the
-//! direction in which the ring gives way most. A ball whose contacts no longer oppose each other (120 degrees
+//! direction in which the ring gives way most. A ball whose contacts no longer oppose each other (150 degrees
 //! apart) is no answer: there the cage speed has a pole, and the equations have roots of no bearing.
 
 use crate::axial::Spring;
@@ -440,11 +440,15 @@ impl<T: Real> Outcome<T> {
         ErrorEstimate {
             displacement: floor + left + four * factor * step,
             force: rounding + rounding + left,
-            // The change is summed over the balls, and an element sees some of them only.
-            stiffness: rounding + T::of(18.0) * self.remainder,
+            // The change is summed over the balls, and an element sees some of them only. Where the ring
+            // gives way to what rounding leaves, its stiffness goes with it.
+            stiffness: rounding + T::of(18.0) * self.remainder + self.slack * per_largest,
         }
     }
 }
+
+/// Longest step of the ring, in units of `L0`.
+const LONGEST_STEP: f64 = 0.3;
 
 /// Where a solve starts, in the order in which starts are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -465,9 +469,20 @@ impl Attempt {
     const fn sweeps(self) -> u16 {
         match self {
             Self::Warm => 10,
-            Self::Cold => 45,
+            Self::Cold => 30,
             Self::Preloaded => u16::MAX,
         }
+    }
+
+    /// Length of the first step at most, in units of `L0`; it grows while steps succeed. Short steps keep
+    /// balls on the branch of the equilibrium on which both races hold them, where a load that is
+    /// `light` beside the centrifugal forces easily loses them, or where the first start led nowhere.
+    fn first_step<T: Real>(self, light: bool) -> T {
+        T::of(match self {
+            Self::Warm => LONGEST_STEP,
+            Self::Cold if !light => 0.2,
+            Self::Cold | Self::Preloaded => 0.06,
+        })
     }
 }
 
@@ -957,7 +972,7 @@ where
         speed_load: T,
         tolerance: T,
         until: u16,
-        mut laws: bool,
+        attempt: Attempt,
     ) {
         let applied = match given {
             Given::Load(load) => norm(load),
@@ -968,9 +983,13 @@ where
             speed_load,
             negligible: T::EPSILON * size,
         };
-        let longest = T::of(0.3);
-        let mut radius = longest;
+        let longest = T::of(LONGEST_STEP);
+        // Balls that weigh more than their share of the load.
+        let light = speed_load * self.c.balls > T::of(10.0) * size;
+        let mut radius = attempt.first_step::<T>(light);
+        let mut laws = attempt != Attempt::Warm;
         let mut stalled = 0_u8;
+        let mut lost = 0_u8;
         outcome.status = Status::SweepLimit;
         // Nothing to compare the first sweep with.
         (outcome.change, outcome.step) = (T::ONE, T::ZERO);
@@ -1007,12 +1026,10 @@ where
                     laws = true;
                     continue;
                 }
-                if M::AT_SPEED {
-                    if outcome.residual > T::ONE.or_larger(last_residual + last_residual) {
-                        radius = T::of(0.5) * outcome.step;
-                    } else if outcome.residual < T::of(0.25) * last_residual {
-                        radius = longest.or_smaller(radius.or_larger(outcome.step + outcome.step));
-                    }
+                if outcome.residual > T::ONE.or_larger(last_residual + last_residual) {
+                    radius = T::of(0.5) * outcome.step;
+                } else if outcome.residual < T::of(0.25) * last_residual {
+                    radius = longest.or_smaller(radius.or_larger(outcome.step + outcome.step));
                 }
                 stuck = outcome.residual > T::of(0.5) * last_residual;
                 last_residual = outcome.residual;
@@ -1077,11 +1094,13 @@ where
             let near = outcome.change <= T::of(10.0) * tolerance;
             // A ball's step leaves the square of its imbalance.
             let settled = imbalance * imbalance <= T::of(0.1) * tolerance.or_larger(T::EPSILON);
-            // The corrected tangent is better than the change. Displacements and forces are good to the
-            // change's square.
+            // The corrected tangent is better than the change. Forces are good to the change's square,
+            // displacements to the change times the step.
+            let largest = span(&self.state.position.total());
             let corrected = !singular
                 && T::of(4.0) * outcome.remainder <= tolerance
-                && T::of(10.0) * outcome.change * outcome.change <= tolerance;
+                && T::of(10.0) * outcome.change * outcome.change <= tolerance
+                && T::of(10.0) * outcome.change * outcome.step <= tolerance * largest;
             let converged = settled && (corrected || outcome.change <= tolerance);
             // Under light loads deformations have few digits, and the balance tells that it is as good as
             // rounding allows.
@@ -1115,11 +1134,18 @@ where
                 };
                 return;
             }
-            if outcome.sweeps >= until {
+            // A ball that its own steps do not bring back is lost, and the start with it.
+            lost = if imbalance >= T::ONE {
+                lost.saturating_add(1)
+            } else {
+                0
+            };
+            let hopeless = lost >= 3 && attempt != Attempt::Preloaded;
+            if outcome.sweeps >= until || hopeless {
                 return;
             }
             // Short steps need no laws, unless they lead nowhere: a ball about to open is not linear.
-            laws = !M::AT_SPEED || outcome.residual > T::of(0.05) || (stuck && !settled);
+            laws = outcome.residual > T::of(0.05) || (stuck && !settled);
             // Offsets this large would cost digits of the deformations.
             let far = T::of(2e-3);
             if span(&self.state.position.offset) > far || !(moved.step <= far) || repeats > 0 {
@@ -1232,7 +1258,7 @@ where
                 speed_load,
                 settings.tolerance,
                 until.min(settings.max_sweeps.max(1)),
-                !M::AT_SPEED || attempt != Attempt::Warm,
+                attempt,
             );
             let failed = matches!(outcome.status, Status::SweepLimit | Status::Diverged { .. });
             if !failed || outcome.sweeps >= settings.max_sweeps {
@@ -1274,7 +1300,7 @@ where
             speed_load,
             settings.tolerance,
             settings.max_sweeps,
-            true,
+            Attempt::Cold,
         );
         let mut load = self.state.force;
         let size = norm(&load);

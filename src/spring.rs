@@ -337,6 +337,33 @@ impl<T: Real> Spring<T> {
         (add(scale(normal, n), scale(across, t)), [row(0), row(1)])
     }
 
+    /// By how much the reaction of a ball at rest is stiffer than it was: along its line of centres, which
+    /// has turned, by the contact's slope, and across it by the force over the distance `R`.
+    #[inline(always)]
+    pub fn stiffening(&self, r: &Reaction<T>) -> Square<T> {
+        // A deformation, or a gap of negative elongation.
+        let beyond = if self.carries() {
+            self.hertz
+        } else {
+            self.elongation
+        };
+        let (before, after) = (T::ONE + beyond, T::ONE + beyond + r.along);
+        let inverse = T::ONE / (before * after);
+        let turn = r.across * inverse * before;
+        let across = r.force * inverse * before;
+        let twist = (r.slope - across) * turn;
+        let along = r.slope - self.slope - twist * turn;
+        let across = across - self.reference * inverse * after + twist * turn;
+        let [s, c] = self.normal;
+        let (difference, product) = (along - across, s * c);
+        let turned = difference * product + twist * (c * c - s * s);
+        let twice = (twist + twist) * product;
+        [
+            [across + difference * s * s + twice, turned],
+            [turned, across + difference * c * c - twice],
+        ]
+    }
+
     /// Change of the contact's force by a shift `d`, and the shift that would have made it if the ball
     /// were linear: what moves the ball itself.
     #[inline(always)]
