@@ -35,11 +35,8 @@ impl<T: Real> Spring<T> {
     #[inline(always)]
     pub fn root_at(s0: T, x: T) -> T {
         let stretch = x * (s0 + s0 + x);
-        if stretch > T::ZERO {
-            (stretch / (T::ONE + (T::ONE + stretch).sqrt())).sqrt()
-        } else {
-            T::ONE
-        }
+        let root = (stretch / (T::ONE + (T::ONE + stretch).sqrt())).sqrt();
+        if stretch > T::ZERO { root } else { T::ONE }
     }
 
     /// Axial force.
