@@ -6,12 +6,12 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 55_439,
-        sweep: 64_190,
+        fixed: 55_327,
+        sweep: 64_515,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 54_855,
-        sweep: 134_030,
+        fixed: 53_243,
+        sweep: 129_427,
     };
 }
