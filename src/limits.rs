@@ -501,6 +501,7 @@ impl<'s, T: Real> Survey<'s, T> {
     }
 
     /// The limits that were passed.
+    #[cfg(feature = "monitor")]
     pub(crate) fn limits(&self) -> LimitSet {
         let passed = |limit: &Limit| self.found[*limit as usize].balls > 0;
         let bits = Limit::ALL.into_iter().filter(passed);

@@ -9,7 +9,6 @@ use crate::ball::Share;
 use crate::constants::{Azimuth, Constants};
 use crate::contact::Pair;
 use crate::float::Real;
-use crate::spring::Square;
 
 /// Matrix over the freedoms, by rows (force) and columns (displacement).
 pub type Tangent<T, const D: usize> = [[T; D]; D];
@@ -175,34 +174,29 @@ impl<T: Real, const D: usize> Sums<T, D> {
     }
 }
 
-/// Sums over the azimuth of tangents that come without a couple, so that moments follow axial forces: 19
-/// of them, and 14 where the tangents are symmetric.
+/// Sums over the azimuth of symmetric tangents that come without a couple, so that moments follow axial
+/// forces: 14 of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TangentSums<T, const D: usize> {
-    /// The tangents are symmetric, to the last bit.
-    symmetric: bool,
-    axial_axial: [T; 6],
-    axial_radial: [T; 5],
-    radial_axial: [T; 5],
-    radial_radial: [T; 3],
+    axial: [T; 6],
+    mixed: [T; 5],
+    radial: [T; 3],
 }
 
 impl<T: Real, const D: usize> TangentSums<T, D> {
     /// No balls yet.
     #[inline(always)]
-    pub fn of(symmetric: bool) -> Self {
+    pub fn new() -> Self {
         Self {
-            symmetric,
-            axial_axial: [T::ZERO; 6],
-            axial_radial: [T::ZERO; 5],
-            radial_axial: [T::ZERO; 5],
-            radial_radial: [T::ZERO; 3],
+            axial: [T::ZERO; 6],
+            mixed: [T::ZERO; 5],
+            radial: [T::ZERO; 3],
         }
     }
 
-    /// Adds one ball.
+    /// Adds one ball: the axial element of its tangent, the mixed one and the radial one.
     #[inline(always)]
-    pub fn add(&mut self, at: &Azimuth<T>, ball: &Square<T>) {
+    pub fn add(&mut self, at: &Azimuth<T>, [axial, mixed, radial]: &[T; 3]) {
         let (c, s) = (at.cos, at.sin);
         let weighted = |x: T| {
             let (by_c, by_s) = (x * c, x * s);
@@ -213,36 +207,27 @@ impl<T: Real, const D: usize> TangentSums<T, D> {
                 *sum += *more;
             }
         };
-        let [[aa, ar], [ra, rr]] = *ball;
-        self.axial_axial[0] += aa;
+        self.axial[0] += *axial;
         if D >= 3 {
             let needed = if D == 5 { 5 } else { 2 };
-            add(&mut self.axial_radial[..needed], &weighted(ar));
-            if !self.symmetric {
-                add(&mut self.radial_axial[..needed], &weighted(ra));
-            }
-            add(&mut self.radial_radial, &weighted(rr)[2..]);
+            add(&mut self.mixed[..needed], &weighted(*mixed));
+            add(&mut self.radial, &weighted(*radial)[2..]);
         }
         if D == 5 {
-            add(&mut self.axial_axial[1..], &weighted(aa));
+            add(&mut self.axial[1..], &weighted(*axial));
         }
     }
 
     /// The tangent.
     #[inline(always)]
     pub fn tangent(&self) -> Tangent<T, D> {
-        let [aa, aa_c, aa_s, aa_cc, aa_cs, aa_ss] = self.axial_axial;
-        let [ar_c, ar_s, ar_cc, ar_cs, ar_ss] = self.axial_radial;
-        let [ra_c, ra_s, ra_cc, ra_cs, ra_ss] = if self.symmetric {
-            self.axial_radial
-        } else {
-            self.radial_axial
-        };
-        let [rr_cc, rr_cs, rr_ss] = self.radial_radial;
+        let [aa, aa_c, aa_s, aa_cc, aa_cs, aa_ss] = self.axial;
+        let [ar_c, ar_s, ar_cc, ar_cs, ar_ss] = self.mixed;
+        let [rr_cc, rr_cs, rr_ss] = self.radial;
         first(&[
             [aa, ar_c, ar_s, aa_s, -aa_c],
-            [ra_c, rr_cc, rr_cs, ra_cs, -ra_cc],
-            [ra_s, rr_cs, rr_ss, ra_ss, -ra_cs],
+            [ar_c, rr_cc, rr_cs, ar_cs, -ar_cc],
+            [ar_s, rr_cs, rr_ss, ar_ss, -ar_cs],
             [aa_s, ar_cs, ar_ss, aa_ss, -aa_cs],
             [-aa_c, -ar_cc, -ar_cs, -aa_cs, aa_cc],
         ])

@@ -10,7 +10,7 @@ use crate::constants::{Azimuth, Constants, Split};
 use crate::contact::{Contact, Pair, Pull, Reference, add, dot, length, scale, sub};
 use crate::float::Real;
 use crate::kinematics::{Attitude, BallMotion, RacewayControlFree};
-use crate::spring::{Reaction, Spring, Square, tension};
+use crate::spring::{Reaction, Spring, tension};
 use core::marker::PhantomData;
 
 mod sealed {
@@ -206,10 +206,10 @@ pub trait Motion: sealed::Sealed + 'static {
     #[doc(hidden)]
     fn second_order<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, da: Pair<T>) -> Pair<T>;
     /// What a step `da` of the ring, and the ball's own, will change of the ball's tangent, as long as
-    /// linearisations hold, at speed symmetric to the last bit; and how much of that is not known, relative
-    /// to it.
+    /// linearisations hold: the axial element, the mixed one and the radial one; and how much of that is not
+    /// known, relative to it.
     #[doc(hidden)]
-    fn stiffening<T: Real>(c: &Constants<T>, ball: &Self::Ball<T>, da: Pair<T>) -> (Square<T>, T);
+    fn stiffening<T: Real>(c: &Constants<T>, ball: &Self::Ball<T>, da: Pair<T>) -> ([T; 3], T);
     /// Follows a step `da` of the ring that is so short that linearisations hold. Returns the ball's
     /// step.
     #[doc(hidden)]
@@ -337,7 +337,7 @@ impl Motion for Static {
     }
 
     #[inline(always)]
-    fn stiffening<T: Real>(_: &Constants<T>, ball: &Still<T>, da: Pair<T>) -> (Square<T>, T) {
+    fn stiffening<T: Real>(_: &Constants<T>, ball: &Still<T>, da: Pair<T>) -> ([T; 3], T) {
         let spring = &ball.spring;
         let reaction = spring.react(da, false);
         // Left out is what is smaller by the step's length over the distance of the centres; but where a
@@ -642,7 +642,7 @@ impl<S: Turning> Motion for S {
     }
 
     #[inline]
-    fn stiffening<T: Real>(c: &Constants<T>, ball: &Ball<T>, da: Pair<T>) -> (Square<T>, T) {
+    fn stiffening<T: Real>(c: &Constants<T>, ball: &Ball<T>, da: Pair<T>) -> ([T; 3], T) {
         let (v, w, [cd, sd]) = ball.motions(ball.inward(da));
         let (inner, outer) = (&ball.inner_lead, &ball.outer_lead);
         let [n0, n1] = inner.normal;
@@ -657,7 +657,7 @@ impl<S: Turning> Motion for S {
         if let Some(slope) = abrupt {
             let [along, across] = scale(slope, inner.normal);
             let mixed = along * n1;
-            return ([[along * n0, mixed], [mixed, across * n1]], T::ONE);
+            return ([along * n0, mixed, across * n1], T::ONE);
         }
         // The ball settles where energy is least, so that its own change of place does not count to first
         // order: a contact's change, at what the ring's motion is at the contact.
@@ -688,8 +688,9 @@ impl<S: Turning> Motion for S {
         let mixed = (s[0] - s[2]) * product + s[1] * (n1 * n1 - n0 * n0);
         let twice = (s[1] + s[1]) * product;
         let stiffness = [
-            [s[0] * n0 * n0 + twice + s[2] * n1 * n1, mixed],
-            [mixed, s[0] * n1 * n1 - twice + s[2] * n0 * n0],
+            s[0] * n0 * n0 + twice + s[2] * n1 * n1,
+            mixed,
+            s[0] * n1 * n1 - twice + s[2] * n0 * n0,
         ];
         // Not known: what is of second order in the forces, and how inertia and friction change. The
         // factors make the estimate cover the campaign's errors.
@@ -809,12 +810,10 @@ mod tests {
             let (ball, before) = at(a);
             let (_, after) = at(add(a, da));
             let (change, unknown) = Static::stiffening(c, &ball, da);
-            let largest = (0..4)
-                .map(|i| change[i / 2][i % 2].abs())
-                .fold(0.0, f64::max);
+            let largest = change.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
             for i in 0..2 {
                 for j in 0..2 {
-                    let missed = (after[i][j] - before[i][j] - change[i][j]).abs();
+                    let missed = (after[i][j] - before[i][j] - change[i + j]).abs();
                     assert!(
                         missed < unknown * largest,
                         "{da:?}: {missed:e}, {largest:e}"

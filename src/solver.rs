@@ -594,12 +594,12 @@ where
     /// follow, the tangent with them: by `correction` of what the step changes of it.
     fn advance(&mut self, du: &[T; D], correction: Option<T>) -> Change<T> {
         let mut all = Change::<T>::default();
-        let mut sums = TangentSums::<T, D>::of(M::AT_SPEED);
+        let mut sums = TangentSums::<T, D>::new();
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let da = shift(du, at);
             if correction.is_some() {
                 let (stiffness, unknown) = M::stiffening(self.c, ball, da);
-                let sizes = [stiffness[0][0].abs(), stiffness[1][1].abs()];
+                let sizes = [stiffness[0].abs(), stiffness[2].abs()];
                 all.stiffness = add(all.stiffness, sizes);
                 all.remainder = add(all.remainder, scale(unknown, sizes));
                 if O::STIFFNESS {

@@ -338,9 +338,10 @@ impl<T: Real> Spring<T> {
     }
 
     /// By how much the reaction of a ball at rest is stiffer than it was: along its line of centres, which
-    /// has turned, by the contact's slope, and across it by the force over the distance `R`.
+    /// has turned, by the contact's slope, and across it by the force over the distance `R`. The axial
+    /// element, the mixed one and the radial one.
     #[inline(always)]
-    pub fn stiffening(&self, r: &Reaction<T>) -> Square<T> {
+    pub fn stiffening(&self, r: &Reaction<T>) -> [T; 3] {
         // A deformation, or a gap of negative elongation.
         let beyond = if self.carries() {
             self.hertz
@@ -359,8 +360,9 @@ impl<T: Real> Spring<T> {
         let turned = difference * product + twist * (c * c - s * s);
         let twice = (twist + twist) * product;
         [
-            [across + difference * s * s + twice, turned],
-            [turned, across + difference * c * c - twice],
+            across + difference * s * s + twice,
+            turned,
+            across + difference * c * c - twice,
         ]
     }
 
