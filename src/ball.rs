@@ -165,8 +165,8 @@ impl<T: Real> Ball<T> {
     /// Linearises the ball at the ring's offset `a`, keeps its Newton step and the step's slope, and
     /// returns what it hands to the ring, and how far the ball was from its own equilibrium: unbalanced
     /// force over its contact forces (or what is `negligible` beside the bearing's load), plus lag over
-    /// deformation. `speed_load` is `m dm omega^2 / 2`; where the ball is no further off than `law`, its
-    /// law is worked out, too. A ring that
+    /// deformation. A ball further off than `bad` has its Newton step and nothing else. `speed_load` is
+    /// `m dm omega^2 / 2`; if `law` is set, the ball's law is worked out, too. A ring that
     /// cannot tilt, with fewer than 5 freedoms `D`, takes no notice of the couple.
     ///
     /// Vectors and matrices are worked out along the inner contact's normal and tangent, where half of
@@ -178,7 +178,8 @@ impl<T: Real> Ball<T> {
         speed_load: T,
         negligible: T,
         a: Pair<T>,
-        law: T,
+        bad: T,
+        law: bool,
     ) -> (Share<T>, T) {
         let (mut inner, mut outer) = self.contacts(c, a);
         inner.lead_by(self.inner_lead.q, c.ki);
@@ -308,10 +309,14 @@ impl<T: Real> Ball<T> {
             dot(minus_inverse[0], residual),
             dot(minus_inverse[1], residual),
         ];
+        self.step = step;
+        if imbalance > bad {
+            return (Share::NONE, imbalance);
+        }
         // At a higher speed all inertia loads grow alike.
         let step_by_speed = [dot(minus_inverse[0], loads), dot(minus_inverse[1], loads)];
         let y = multiply(&minus_inverse, &r_v);
-        (self.step, self.step_by_speed) = (step, step_by_speed);
+        self.step_by_speed = step_by_speed;
         (self.slope, self.mobility) = (y, minus_inverse);
         self.fling = fc;
         let rest = [[T::ONE - y[0][0], -y[0][1]], [-y[1][0], T::ONE - y[1][1]]];
@@ -383,7 +388,7 @@ impl<T: Real> Ball<T> {
             share.couple = c.friction_arm * friction;
             share.couple_slope = scale(c.friction_arm, turned(couple_slope));
         }
-        if !(imbalance > law) {
+        if law {
             self.learn(c, inner, outer, l, share);
         }
         (share, imbalance)

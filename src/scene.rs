@@ -180,16 +180,42 @@ pub trait Motion: sealed::Sealed + 'static {
     #[doc(hidden)]
     fn rebase<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, coarse: Pair<T>, fine: Pair<T>);
     /// Linearises the ball at the ring's offset `a`. The second value is how far it was from its own
-    /// equilibrium: unbalanced force over the largest, plus lag over deformation. If that is no
-    /// more than `law`, the ball's law is worked out, too.
+    /// equilibrium: unbalanced force over the largest, plus lag over deformation. If that is more than
+    /// `bad`, nothing is worked out but the ball's own step; otherwise, with `law`, its law is, too.
     #[doc(hidden)]
     fn linearise<T: Real, const D: usize>(
         c: &Constants<T>,
         drive: &Drive<T>,
         ball: &mut Self::Ball<T>,
         a: Pair<T>,
-        law: T,
+        bad: T,
+        law: bool,
     ) -> (Share<T>, T);
+    /// Linearises the ball; beyond the imbalance `bad` it makes its own step first, `most` times at most.
+    /// Returns how often it did, too.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn settled<T: Real, const D: usize>(
+        c: &Constants<T>,
+        drive: &Drive<T>,
+        ball: &mut Self::Ball<T>,
+        a: Pair<T>,
+        (mut bad, most): (T, u16),
+        law: bool,
+    ) -> (Share<T>, T, u16) {
+        let mut repeats = 0;
+        loop {
+            if repeats == most {
+                bad = T::of(f64::INFINITY);
+            }
+            let (share, imbalance) = Self::linearise::<T, D>(c, drive, ball, a, bad, law);
+            if !(imbalance > bad) {
+                return (share, imbalance, repeats);
+            }
+            Self::settle(ball);
+            repeats += 1;
+        }
+    }
     /// The ball's law in the last linearisation.
     #[doc(hidden)]
     fn spring<T: Real>(ball: &Self::Ball<T>) -> &Spring<T>;
@@ -294,6 +320,7 @@ impl Motion for Static {
         ball: &mut Still<T>,
         a: Pair<T>,
         _: T,
+        _: bool,
     ) -> (Share<T>, T) {
         let mut k = Contact::at(&ball.centres, a, T::ONE, T::ONE);
         k.lead_by(ball.force, T::ONE);
@@ -560,12 +587,13 @@ impl<S: Turning> Motion for S {
         drive: &Drive<T>,
         ball: &mut Ball<T>,
         a: Pair<T>,
-        law: T,
+        bad: T,
+        law: bool,
     ) -> (Share<T>, T) {
         if ball.drops_out(c, drive, a) {
             return (Share::NONE, T::ZERO);
         }
-        ball.linearise::<S::Rule, D>(c, drive.speed_load, drive.negligible, a, law)
+        ball.linearise::<S::Rule, D>(c, drive.speed_load, drive.negligible, a, bad, law)
     }
 
     #[inline(always)]
@@ -802,7 +830,7 @@ mod tests {
             let mut ball = Still::<f64>::default();
             let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
             Static::rebase(c, &mut ball, coarse, fine);
-            let (share, _) = Static::linearise::<f64, 5>(c, &drive, &mut ball, a, -1.0);
+            let (share, _) = Static::linearise::<f64, 5>(c, &drive, &mut ball, a, 0.0, false);
             (ball, share.stiffness)
         };
         let a = [0.01, 0.004];

@@ -546,9 +546,6 @@ where
     /// Linearises all balls at the present position; returns how many steps of their own they made, and
     /// the largest imbalance that is left.
     fn sweep(&mut self, drive: &Drive<T>, laws: bool) -> (u16, T) {
-        // Beyond this imbalance a ball repeats its own step, a few times at most.
-        let (bad, most) = (T::of(0.01), 8);
-        let wanted = if laws { bad } else { -T::ONE };
         let mut sums = Sums::about(self.state.mean);
         let mut total: u16 = 0;
         let mut worst = T::ZERO;
@@ -556,26 +553,14 @@ where
         let mut known = false;
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
-            let mut repeats = 0;
             if !known {
-                let left;
-                // Only the last pass needs a law.
-                let mut law = wanted;
-                (share, left) = loop {
-                    let (share, imbalance) = M::linearise::<T, D>(self.c, drive, ball, a, law);
-                    if !(imbalance > bad) || repeats == most {
-                        break (share, imbalance);
-                    }
-                    M::settle(ball);
-                    repeats += 1;
-                    if laws && repeats == most {
-                        law = T::of(f64::INFINITY);
-                    }
-                };
-                worst = worst.or_larger(left);
+                let (imbalance, repeats);
+                (share, imbalance, repeats) =
+                    M::settled::<T, D>(self.c, drive, ball, a, (T::of(0.01), 8), laws);
+                worst = worst.or_larger(imbalance);
+                total = total.saturating_add(repeats);
             }
             sums.add(at, &share);
-            total = total.saturating_add(repeats);
             known = self.alike;
         }
         if let (true, [first, others @ ..]) = (self.alike, &mut *self.balls) {
@@ -731,17 +716,15 @@ where
             let bracket = low < high && reach > T::ZERO;
             for _ in 0..20 {
                 let centre = [coarse[0] + fine[0] + offset, coarse[1] + fine[1]];
-                let mut share = Share::NONE;
                 M::place(c, speed_load, &mut ball, centre);
-                for _ in 0..6 {
-                    let (new, imbalance) =
-                        M::linearise::<T, D>(c, &drive, &mut ball, [offset, T::ZERO], -T::ONE);
-                    share = new;
-                    if imbalance < T::of(0.02) {
-                        break;
-                    }
-                    M::settle(&mut ball);
-                }
+                let (share, _, _) = M::settled::<T, D>(
+                    c,
+                    &drive,
+                    &mut ball,
+                    [offset, T::ZERO],
+                    (T::of(0.02), 5),
+                    false,
+                );
                 self.state.mean = [share.force[1], share.force[0] - share.couple];
                 let b = sign * q - share.force[0];
                 if b.abs() < T::of(0.1) * q {
