@@ -175,6 +175,16 @@ pub enum Pull {
 }
 
 impl<T: Real> Lead<T> {
+    /// A contact without force, across the gap `-delta`.
+    #[inline(always)]
+    pub fn open(normal: Pair<T>, delta: T) -> Self {
+        Self {
+            normal,
+            delta,
+            ..Self::default()
+        }
+    }
+
     /// Remembers a linearised contact.
     #[inline(always)]
     pub fn remember(&mut self, contact: &Contact<T>) {

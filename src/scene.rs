@@ -7,7 +7,7 @@
 
 use crate::ball::{Ball, Loads, Pass, Share};
 use crate::constants::{Azimuth, Constants, Split};
-use crate::contact::{Contact, Pair, Pull, Reference, add, dot, length, scale, sub};
+use crate::contact::{Contact, Lead, Pair, Pull, Reference, add, dot, length, scale, sub};
 use crate::float::Real;
 use crate::kinematics::{Attitude, BallMotion, RacewayControlFree};
 use crate::spring::{Reaction, Spring, tension};
@@ -472,11 +472,15 @@ impl<T: Real> Ball<T> {
             let centre = self.centre(a);
             let squeeze = self.squeeze(a);
             if squeeze <= T::ZERO {
+                // It sees its gap, or a step could close it unnoticed.
+                let normal = scale(T::ONE / length(centre), centre);
                 *self = Self {
                     outer: self.outer,
                     inner: self.inner,
                     excess: self.excess,
-                    x: sub(scale(c.outer / length(centre), centre), self.outer.vector),
+                    x: sub(scale(c.outer, normal), self.outer.vector),
+                    spring: Spring::open(normal, T::ONE, squeeze, T::of(0.5)),
+                    inner_lead: Lead::open(normal, squeeze),
                     ..Self::default()
                 };
                 return true;
@@ -806,8 +810,7 @@ mod tests {
     use super::*;
     use crate::{Bearing, Design, FreeContact, Material};
 
-    #[test]
-    fn a_ball_at_rest_stiffens_by_the_difference_of_its_tangents() {
+    fn spindle() -> Bearing<f64, 16> {
         let design = Design {
             ball_diameter: 6.35e-3,
             pitch_diameter: 36e-3,
@@ -820,7 +823,41 @@ mod tests {
             ring: Material::STEEL,
             ball: Material::STEEL,
         };
-        let bearing = Bearing::<f64, 16>::new(&design).expect("a B7005C can be built");
+        Bearing::<f64, 16>::new(&design).expect("a B7005C can be built")
+    }
+
+    #[test]
+    fn a_ball_that_dropped_out_sees_a_step_close_its_gap() {
+        let bearing = spindle();
+        let c = &bearing.constants;
+        let drive = Drive {
+            speed_load: 0.0,
+            negligible: 0.0,
+        };
+        let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
+        let mut ball = Ball::<f64>::default();
+        <Full>::rebase(c, &mut ball, coarse, fine);
+        let (share, _) = <Full>::linearise::<f64, 5>(c, &drive, &mut ball, [-0.01, 0.0], 0.0, true);
+        assert_eq!(share, Share::NONE);
+        let (closed, unknown) = <Full>::stiffening(c, &ball, [0.02, 0.0]);
+        assert!(closed[0] > 0.0 && closed[2] > 0.0 && unknown == 1.0);
+        let (open, _) = <Full>::stiffening(c, &ball, [-0.02, 0.0]);
+        assert_eq!(open, [0.0; 3]);
+        // Under the law alone, the bearing at rest: the same contact.
+        let still = {
+            let mut still = Still::<f64>::default();
+            Static::rebase(c, &mut still, coarse, fine);
+            Static::linearise::<f64, 5>(c, &drive, &mut still, [-0.01, 0.0], 0.0, true);
+            still
+        };
+        let force = |spring: &Spring<f64>| spring.react([0.02, 0.0], false).force;
+        let (of_ball, of_still) = (force(&ball.spring), force(&still.spring));
+        assert!(of_ball > 0.0 && (of_ball / of_still - 1.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_ball_at_rest_stiffens_by_the_difference_of_its_tangents() {
+        let bearing = spindle();
         let c = &bearing.constants;
         let drive = Drive {
             speed_load: 0.0,
