@@ -750,7 +750,7 @@ where
             self.state.position = position;
             // The others follow in the first sweep.
             if let Some(first) = self.balls.first_mut() {
-                *first = ball;
+                copy(&ball, first);
             }
             self.alike = true;
         } else {
