@@ -104,6 +104,11 @@ pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
             low = x;
         }
         let newton = x - value / slope;
+        // Open, if it is too long even without tension: the equation's left side at `z = 0`, times `r^2`.
+        if !(newton > -one) && (s + s1) * r * r * per_sum + s2 * (two - per_sum) < T::ZERO {
+            x = -one;
+            break;
+        }
         let done = (newton - x).abs() <= T::of(0.02) * newton.abs();
         x = if done || (newton > low && newton < high) {
             newton
