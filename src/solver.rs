@@ -948,7 +948,8 @@ where
         (d, definite, downhill && span(&to) <= longest)
     }
 
-    /// Sweeps until converged, or until there were `until` of them.
+    /// Sweeps until converged, or until there were `until` of them. Of what decides how a start goes on, numbers
+    /// with two digits are those of their neighbourhood with which the campaign's cases went best.
     fn run(
         &mut self,
         outcome: &mut Outcome<T>,
@@ -991,7 +992,7 @@ where
                 size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
             }
 
-            let (mut du, mut singular) = ([T::ZERO; D], false);
+            let (mut du, mut singular, mut far) = ([T::ZERO; D], false, false);
             if let Given::Load(load) = given {
                 let (mut b, mut tangent) = (*load, self.state.tangent);
                 // Balls next to their own equilibrium have laws that agree with the linearisation here.
@@ -1013,6 +1014,11 @@ where
                 } else if outcome.residual < T::of(0.42) * last_residual {
                     radius = longest.or_smaller(radius.or_larger(outcome.step + outcome.step));
                 }
+                // Another sweep is sure to follow, and no answer can be the tangent that this step leaves.
+                far = !laws
+                    && outcome.residual > rounding.or_larger(T::of(100.0) * tolerance)
+                    && outcome.residual < T::of(0.3) * last_residual
+                    && outcome.sweeps < until;
                 stuck = outcome.residual > T::of(0.5) * last_residual;
                 last_residual = outcome.residual;
                 (du, singular) = if laws {
@@ -1038,7 +1044,7 @@ where
                 self.follow(&drive, &du)
             } else {
                 // As far as rounding made the step, the states before and after it are equally good.
-                self.advance(&du, Some(T::ONE - T::of(0.5) * rounded_part))
+                self.advance(&du, (!far).then_some(T::ONE - T::of(0.5) * rounded_part))
             };
             outcome.step = span(&du);
             outcome.imbalance = imbalance;
@@ -1064,8 +1070,11 @@ where
                     T::ONE
                 }
             };
-            outcome.change = relative(&moved.stiffness);
-            outcome.remainder = relative(&moved.remainder) + outcome.change * rounded_part;
+            (outcome.change, outcome.remainder) = (T::ONE, T::ONE);
+            if !far {
+                outcome.change = relative(&moved.stiffness);
+                outcome.remainder = relative(&moved.remainder) + outcome.change * rounded_part;
+            }
             // Rounding ends the solve where the change no longer shrinks, or near the tolerance where it has
             // made most of the step; a pause of one sweep far from the tolerance is not that yet.
             stalled = if outcome.change > T::of(0.25) * last {
