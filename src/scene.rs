@@ -464,29 +464,30 @@ impl<T: Real> Ball<T> {
         self.outer_lead.q = outer;
     }
 
-    /// True for a ball that is off both races, and has no centrifugal force that counts: it drops out, as at
-    /// rest. By itself, since hardly any solve comes here.
-    #[cold]
-    #[inline(never)]
-    fn drops_out(&mut self, c: &Constants<T>, a: Pair<T>) -> bool {
-        let centre = self.centre(a);
-        let squeeze = self.squeeze(a);
-        if squeeze <= T::ZERO {
-            // It sees its gap, or a step could close it unnoticed.
-            let normal = scale(T::ONE / length(centre), centre);
-            *self = Self {
-                outer: self.outer,
-                inner: self.inner,
-                excess: self.excess,
-                x: sub(scale(c.outer, normal), self.outer.vector),
-                spring: Spring::open(normal, T::ONE, squeeze, T::of(0.5)),
-                inner_lead: Lead::open(normal, squeeze),
-                ..Self::default()
-            };
-            return true;
-        }
-        if self.inner_lead.q <= T::ZERO {
-            place(c, T::ZERO, self, centre, squeeze);
+    /// True for a ball that is off both races and too slow for its centrifugal force to count: it drops
+    /// out, as at rest.
+    #[inline]
+    fn drops_out(&mut self, c: &Constants<T>, drive: &Drive<T>, a: Pair<T>) -> bool {
+        if drive.speed_load <= drive.negligible {
+            let centre = self.centre(a);
+            let squeeze = self.squeeze(a);
+            if squeeze <= T::ZERO {
+                // It sees its gap, or a step could close it unnoticed.
+                let normal = scale(T::ONE / length(centre), centre);
+                *self = Self {
+                    outer: self.outer,
+                    inner: self.inner,
+                    excess: self.excess,
+                    x: sub(scale(c.outer, normal), self.outer.vector),
+                    spring: Spring::open(normal, T::ONE, squeeze, T::of(0.5)),
+                    inner_lead: Lead::open(normal, squeeze),
+                    ..Self::default()
+                };
+                return true;
+            }
+            if self.inner_lead.q <= T::ZERO {
+                place(c, T::ZERO, self, centre, squeeze);
+            }
         }
         false
     }
@@ -593,7 +594,7 @@ impl<S: Turning> Motion for S {
         bad: T,
         law: bool,
     ) -> (Share<T>, T) {
-        if drive.speed_load <= drive.negligible && ball.drops_out(c, a) {
+        if ball.drops_out(c, drive, a) {
             return (Share::NONE, T::ZERO);
         }
         ball.linearise::<S::Rule, D>(c, drive.speed_load, drive.negligible, a, bad, law)

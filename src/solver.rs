@@ -833,7 +833,8 @@ where
 
     /// The step of the ring to where the balls' laws balance the load, no longer than `longest`, from
     /// the unbalanced load `b` and the tangent before it; the second value tells whether that tangent
-    /// left a direction undetermined.
+    /// left a direction undetermined. By itself, so that sweeps of warm solves have the registers.
+    #[inline(never)]
     fn step(
         &self,
         load: &[T; D],

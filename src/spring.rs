@@ -88,6 +88,8 @@ pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
             two * (s1 * z + bend * inverse * growth),
         )
     };
+    // A thousandth of the cube root is a thousand-millionth of the force: open.
+    let closed = T::of(-0.999);
     let (mut low, mut high) = (-one, T::of(1e4));
     // Newton's first step, from 0.
     let mut slope = two * s1 + T::of(6.0) * s2 * per_sum;
@@ -104,23 +106,17 @@ pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
             low = x;
         }
         let newton = x - value / slope;
-        // Open, if it is too long even without tension: the equation's left side at `z = 0`, times `r^2`.
-        if !(newton > -one) && (s + s1) * r * r * per_sum + s2 * (two - per_sum) < T::ZERO {
-            x = -one;
-            break;
-        }
         let done = (newton - x).abs() <= T::of(0.02) * newton.abs();
         x = if done || (newton > low && newton < high) {
             newton
         } else {
             T::of(0.5) * (low + high.or_smaller(T::of(4.0) * (low + one) + x))
         };
-        if done {
+        if done || high < closed {
             break;
         }
     }
-    // A thousandth of the cube root is a thousand-millionth of the force: open.
-    if x < T::of(-0.999) {
+    if x < closed {
         x = -one;
     }
     (x, slope)
