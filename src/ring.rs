@@ -58,7 +58,8 @@ pub fn spread<T: Real, const D: usize>(
 
 /// Sums over the azimuth. The tangent needs 21 of them: each element of a ball's `H` is weighted by
 /// 1, the cosine and sine, or their products, and the tilts use the same sums as axial and radial
-/// motion. Without tilts 8 are left, of axial motion alone 1.
+/// motion. Without tilts 8 are left, of axial motion alone 1. Where all tangents are `symmetric` (at rest),
+/// those of [`TangentSums`] do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sums<T, const D: usize> {
     force: [T; D],
@@ -71,6 +72,7 @@ pub struct Sums<T, const D: usize> {
     radial_radial: [T; 3],
     moment_axial: [T; 5],
     moment_radial: [T; 3],
+    symmetric: TangentSums<T, D>,
 }
 
 impl<T: Real, const D: usize> Sums<T, D> {
@@ -89,22 +91,35 @@ impl<T: Real, const D: usize> Sums<T, D> {
             radial_radial: [T::ZERO; 3],
             moment_axial: [T::ZERO; 5],
             moment_radial: [T::ZERO; 3],
+            symmetric: TangentSums::new(),
         }
     }
 
     /// Adds one ball.
     #[inline(always)]
-    pub fn add(&mut self, at: &Azimuth<T>, ball: &Share<T>) {
+    pub fn add(&mut self, at: &Azimuth<T>, ball: &Share<T>, symmetric: bool) {
         let (c, s) = (at.cos, at.sin);
         let [fa, fr] = ball.force;
         let [[aa, ar], [ra, rr]] = ball.stiffness;
         self.force[0] += fa;
-        self.axial_axial[0] += aa;
         if D >= 3 {
             let fr = fr - self.common[0];
             self.beyond[0] += fr;
             self.force[1] += fr * c;
             self.force[2] += fr * s;
+        }
+        if D == 5 {
+            let moment = fa - ball.couple - self.common[1];
+            self.beyond[1] += moment;
+            self.force[3] += moment * s;
+            self.force[4] -= moment * c;
+        }
+        if symmetric {
+            self.symmetric.add(at, &[aa, ar, rr]);
+            return;
+        }
+        self.axial_axial[0] += aa;
+        if D >= 3 {
             self.axial_radial[0] += ar * c;
             self.axial_radial[1] += ar * s;
             let (ra_c, ra_s) = (ra * c, ra * s);
@@ -115,10 +130,6 @@ impl<T: Real, const D: usize> Sums<T, D> {
             self.radial_radial[1] += rr_c * s;
             self.radial_radial[2] += rr_s * s;
             if D == 5 {
-                let moment = fa - ball.couple - self.common[1];
-                self.beyond[1] += moment;
-                self.force[3] += moment * s;
-                self.force[4] -= moment * c;
                 let ma = aa - ball.couple_slope[0];
                 let mr = ar - ball.couple_slope[1];
                 self.axial_axial[1] += aa * c;
@@ -157,7 +168,10 @@ impl<T: Real, const D: usize> Sums<T, D> {
 
     /// The tangent.
     #[inline]
-    pub fn tangent(&self) -> Tangent<T, D> {
+    pub fn tangent(&self, symmetric: bool) -> Tangent<T, D> {
+        if symmetric {
+            return self.symmetric.tangent();
+        }
         let [aa, aa_c, aa_s] = self.axial_axial;
         let [ar_c, ar_s] = self.axial_radial;
         let [ra_c, ra_s, ra_cc, ra_cs, ra_ss] = self.radial_axial;
@@ -441,5 +455,43 @@ impl<T: Real, const D: usize> Factors<T, D> {
             x[i] = x[i] * self.inverse_pivot[i];
         }
         x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symmetric_sums_are_the_sums_of_symmetric_tangents() {
+        let mut all = [(); 2].map(|()| Sums::<f64, 5>::about([0.3, -0.2]));
+        for j in 0..7 {
+            let phi = 0.1 + f64::from(j) * core::f64::consts::TAU / 7.0;
+            let at = Azimuth {
+                cos: phi.cos(),
+                sin: phi.sin(),
+                cos_low: 0.0,
+                sin_low: 0.0,
+            };
+            let j = f64::from(j);
+            let ball = Share {
+                force: [1.0 + j, 2.0 - 0.3 * j],
+                stiffness: [[3.0 + j * j, 0.7 - j], [0.7 - j, 1.0 + 2.0 * j]],
+                ..Share::NONE
+            };
+            for (sums, symmetric) in all.iter_mut().zip([false, true]) {
+                sums.add(&at, &ball, symmetric);
+            }
+        }
+        let [general, symmetric] = all;
+        assert_eq!(general.force(), symmetric.force());
+        assert_eq!(general.mean(7.0), symmetric.mean(7.0));
+        let tangent = symmetric.tangent(true);
+        assert_eq!(general.tangent(false), tangent);
+        for i in 0..5 {
+            for j in 0..5 {
+                assert_eq!(tangent[i][j], tangent[j][i]);
+            }
+        }
     }
 }

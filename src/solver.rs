@@ -561,7 +561,7 @@ where
                 worst = worst.or_larger(imbalance);
                 total = total.saturating_add(repeats);
             }
-            sums.add(at, &share);
+            sums.add(at, &share, !M::AT_SPEED);
             known = self.alike;
         }
         if let (true, [first, others @ ..]) = (self.alike, &mut *self.balls) {
@@ -572,7 +572,7 @@ where
         self.alike = false;
         self.state.force = sums.force();
         self.state.mean = sums.mean(ring::sharing::<T, D>(self.c));
-        self.state.tangent = sums.tangent();
+        self.state.tangent = sums.tangent(!M::AT_SPEED);
         (total, worst)
     }
 
@@ -814,10 +814,11 @@ where
                     stiffness,
                     ..Share::NONE
                 },
+                !M::AT_SPEED,
             );
         }
         let force = beyond.force();
-        let mut tangent = beyond.tangent();
+        let mut tangent = beyond.tangent(!M::AT_SPEED);
         let mut b = *load;
         for i in 0..D {
             b[i] -= self.state.force[i] + force[i];
