@@ -399,7 +399,9 @@ struct Outcome<T> {
     imbalance: T,
     /// Last sweeps in a row whose tangent left a direction undetermined.
     singular: u8,
-    /// How far the ring gives way where it is weakest, to what rounding leaves of the balance.
+    /// How far the ring gives way where it is weakest to a unit of load, as the last step saw it.
+    weakest: T,
+    /// The same to what rounding leaves of the balance.
     slack: T,
 }
 
@@ -415,6 +417,7 @@ impl<T: Real> Outcome<T> {
             step: T::ONE,
             imbalance: T::ONE,
             singular: 0,
+            weakest: T::ZERO,
             slack: T::ZERO,
         }
     }
@@ -447,6 +450,23 @@ impl<T: Real> Outcome<T> {
             stiffness: rounding + T::of(18.0) * self.remainder + self.slack * per_largest,
         }
     }
+}
+
+/// How a tangent resists where it does so least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Weakness<T> {
+    /// A direction is undetermined.
+    singular: bool,
+    /// Flexibility along the direction of the smallest pivot.
+    flexibility: T,
+}
+
+impl<T: Real> Weakness<T> {
+    /// Nothing gives way.
+    const NONE: Self = Self {
+        singular: false,
+        flexibility: T::ZERO,
+    };
 }
 
 /// Longest step of the ring, in units of `L0`.
@@ -833,8 +853,8 @@ where
     }
 
     /// The step of the ring to where the balls' laws balance the load, no longer than `longest`, from
-    /// the unbalanced load `b` and the tangent before it; the second value tells whether that tangent
-    /// left a direction undetermined. By itself, so that sweeps of warm solves have the registers.
+    /// the unbalanced load `b` and the tangent before it; and how that tangent resists where it does so
+    /// least. By itself, so that sweeps of warm solves have the registers.
     #[inline(never)]
     fn step(
         &self,
@@ -843,19 +863,21 @@ where
         mut tangent: Tangent<T, D>,
         longest: T,
         rung: &mut u8,
-    ) -> ([T; D], bool) {
+    ) -> ([T; D], Weakness<T>) {
         let first = norm(&b);
         let small = T::of(1e-3) * norm(load);
         let mut du = [T::ZERO; D];
-        let mut singular = false;
+        let mut weakness = Weakness::NONE;
         // At rest, balls are cheaper to react than to linearise.
         let (passes, enough) = if M::AT_SPEED { (12, 0.045) } else { (16, 0.02) };
         for pass in 0..passes {
-            let (d, semi) = self.descent(&b, &tangent, &du, longest, first <= small, rung);
-            singular |= semi && pass == 0;
+            let (d, of_pass) = self.descent(&b, &tangent, &du, longest, first <= small, rung);
+            if pass == 0 {
+                weakness = of_pass;
+            }
             if first <= small {
                 // The laws are linear over so short a step.
-                return (d, singular);
+                return (d, weakness);
             }
             let slope = dot5(&b, &d);
             let mut fraction = T::ONE;
@@ -875,7 +897,7 @@ where
                 break;
             }
         }
-        (du, singular)
+        (du, weakness)
     }
 
     /// One Newton step from `du`, shortened where it would lead further than `longest` and turned
@@ -892,14 +914,13 @@ where
         longest: T,
         close: bool,
         rung: &mut u8,
-    ) -> ([T; D], bool) {
+    ) -> ([T; D], Weakness<T>) {
         // Higher than the step bound can need.
         const HIGHEST: u8 = 13;
         let on = |rung: u8| self.damped(b, tangent, du, longest, close, rung);
-        let (mut d, definite, mut holds) = on(0);
-        let singular = definite == Definite::Semi;
+        let (mut d, weakness, mut holds) = on(0);
         if holds {
-            return (d, singular);
+            return (d, weakness);
         }
         let mut at = (*rung).saturating_sub(2).max(1);
         (d, _, holds) = on(at);
@@ -916,12 +937,12 @@ where
             (d, _, holds) = on(at);
         }
         *rung = at;
-        (d, singular)
+        (d, weakness)
     }
 
     /// The Newton step from `du` under the damping of a rung, none at 0 and four times as much on each as
-    /// on the last; whether the tangent is definite so, and whether the step leads downhill and no further
-    /// than `longest`.
+    /// on the last; what the damped tangent has of weak directions, and whether the step leads downhill and no
+    /// further than `longest`.
     #[inline(never)]
     fn damped(
         &self,
@@ -931,7 +952,7 @@ where
         longest: T,
         close: bool,
         rung: u8,
-    ) -> ([T; D], Definite, bool) {
+    ) -> ([T; D], Weakness<T>, bool) {
         let mut damping = T::ZERO;
         if rung > 0 {
             damping = T::of(1e-4) * norm(b) / longest;
@@ -947,7 +968,11 @@ where
             *sum += *part;
         }
         let downhill = definite == Definite::Positive || (close && definite == Definite::No);
-        (d, definite, downhill && span(&to) <= longest)
+        let weakness = Weakness {
+            singular: definite == Definite::Semi,
+            flexibility: factors.weakest(),
+        };
+        (d, weakness, downhill && span(&to) <= longest)
     }
 
     /// Sweeps until converged, or until there were `until` of them. Of what decides how a start goes on, numbers
@@ -994,7 +1019,7 @@ where
                 size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
             }
 
-            let (mut du, mut singular, mut far) = ([T::ZERO; D], false, false);
+            let (mut du, mut weakness, mut far) = ([T::ZERO; D], Weakness::NONE, false);
             if let Given::Load(load) = given {
                 let (mut b, mut tangent) = (*load, self.state.tangent);
                 // Balls next to their own equilibrium have laws that agree with the linearisation here.
@@ -1023,7 +1048,7 @@ where
                     && outcome.sweeps < until;
                 stuck = outcome.residual > T::of(0.5) * last_residual;
                 last_residual = outcome.residual;
-                (du, singular) = if laws {
+                (du, weakness) = if laws {
                     self.step(load, b, tangent, radius, &mut rung)
                 } else {
                     self.descent(&b, &tangent, &du, radius, true, &mut rung)
@@ -1031,6 +1056,8 @@ where
             } else {
                 outcome.residual = T::ZERO;
             }
+            let singular = weakness.singular;
+            outcome.weakest = weakness.flexibility;
             outcome.singular = if singular {
                 outcome.singular.saturating_add(1)
             } else {
@@ -1298,6 +1325,8 @@ where
             settings.max_sweeps,
             Attempt::Cold,
         );
+        let (factors, _) = Factors::of(&self.state.tangent, T::of(8.0) * T::EPSILON);
+        outcome.weakest = factors.weakest();
         let mut load = self.state.force;
         let size = norm(&load);
         for (i, load) in load.iter_mut().enumerate() {
@@ -1413,11 +1442,7 @@ where
             Status::PrecisionLimit => T::EPSILON.or_larger(outcome.residual),
             _ => T::EPSILON,
         };
-        outcome.slack = unbalanced
-            * size
-            * Factors::of(&self.state.tangent, T::of(8.0) * T::EPSILON)
-                .0
-                .weakest();
+        outcome.slack = unbalanced * size * outcome.weakest;
         let error = outcome.error(span(&total));
         let mut displacement = ring::displacement_out(c, &total);
         for (i, displacement) in displacement.iter_mut().enumerate() {
