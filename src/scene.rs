@@ -488,6 +488,9 @@ impl<T: Real> Ball<T> {
             if self.inner_lead.q <= T::ZERO {
                 place(c, T::ZERO, self, centre, squeeze);
             }
+        } else if self.outer_lead.q <= T::ZERO {
+            // Dropped out at a standstill: without forces it would have no cage speed, and stay so.
+            place(c, drive.speed_load, self, self.centre(a), self.squeeze(a));
         }
         false
     }
@@ -853,6 +856,31 @@ mod tests {
         let force = |spring: &Spring<f64>| spring.react([0.02, 0.0], false).force;
         let (of_ball, of_still) = (force(&ball.spring), force(&still.spring));
         assert!(of_ball > 0.0 && (of_ball / of_still - 1.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn a_ball_that_dropped_out_at_a_standstill_is_flung_out_at_speed() {
+        let bearing = spindle();
+        let c = &bearing.constants;
+        let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
+        let mut ball = Ball::<f64>::default();
+        <Full>::rebase(c, &mut ball, coarse, fine);
+        let a = [-0.2, 0.0];
+        for speed_load in [0.0, 1e-6] {
+            let drive = Drive {
+                speed_load,
+                negligible: 1e-12,
+            };
+            for _ in 0..6 {
+                <Full>::linearise::<f64, 5>(c, &drive, &mut ball, a, 0.0, false);
+                <Full>::settle(&mut ball);
+            }
+            let pass = <Full>::observe(c, speed_load, &ball, a);
+            assert_eq!(pass.inner.q, 0.0);
+            let missed = (pass.outer.q - pass.loads.centrifugal).abs();
+            assert!(missed <= 1e-9 * speed_load, "{pass:?}");
+            assert_eq!(pass.loads.centrifugal > 0.0, speed_load > 0.0);
+        }
     }
 
     #[test]

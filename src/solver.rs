@@ -436,9 +436,17 @@ impl<T: Real> Outcome<T> {
         let own = self.imbalance * self.imbalance;
         let four = T::of(4.0);
         let (factor, force, stiffness) = match self.status {
-            Status::Converged => (four * self.change, four * self.change * self.change, T::ZERO),
+            Status::Converged => (
+                four * self.change,
+                four * self.change * self.change,
+                T::ZERO,
+            ),
             // Steps that rounding stops can be a small part of the way, and change the stiffness on it.
-            _ => (T::of(256.0), self.change + self.residual, four * self.change),
+            _ => (
+                T::of(256.0),
+                self.change + self.residual,
+                four * self.change,
+            ),
         };
         let left = T::of(3.0) * own + force;
         ErrorEstimate {
@@ -447,7 +455,10 @@ impl<T: Real> Outcome<T> {
             force: T::of(2.4) * rounding + left + four * self.slack,
             // The change is summed over the balls, and an element sees some of them only. Where the ring
             // gives way to what rounding leaves, its stiffness goes with it.
-            stiffness: rounding + T::of(18.0) * self.remainder + stiffness + self.slack * per_largest,
+            stiffness: rounding
+                + T::of(18.0) * self.remainder
+                + stiffness
+                + self.slack * per_largest,
         }
     }
 }

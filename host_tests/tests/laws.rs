@@ -483,6 +483,21 @@ proptest! {
         let e = apart(&warm, &cold, &B7005C);
         prop_assert!(e < 1e-9, "{e:.1e}");
     }
+
+    #[test]
+    fn a_start_from_a_standstill_ends_where_a_cold_start_does(
+        load in loads(), rpm in 0.0..40_000.0f64, more in 0.9..1.1f64,
+    ) {
+        // At a standstill, balls off their races have dropped out.
+        let bearing = build::<f64, 16>(&B7005C);
+        let mut solver = Solver::<_, 16, Free>::new(&bearing);
+        solve(&mut solver, load, 0.0);
+        let omega = rad_per_s(rpm);
+        let warm = solve(&mut solver, load.map(|load| more * load), omega);
+        let cold = cold::<16, Free>(&B7005C, load.map(|load| more * load), omega);
+        let e = apart(&warm, &cold, &B7005C);
+        prop_assert!(e < 1e-9, "{e:.1e}");
+    }
 }
 
 // ---------------------------------------------------------------------------------------------
