@@ -310,6 +310,11 @@ impl<T: Real> Ball<T> {
             dot(minus_inverse[1], residual),
         ];
         self.step = step;
+        // Forces that do not count say nothing of a ball that has far to go, and a long step along the race
+        // leads off it.
+        if outer.q < least {
+            imbalance += step[0].abs() + step[1].abs();
+        }
         if imbalance > bad {
             return (Share::NONE, imbalance);
         }

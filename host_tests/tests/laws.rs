@@ -500,6 +500,70 @@ proptest! {
     }
 }
 
+#[test]
+fn a_ball_off_the_inner_race_is_held_by_its_centrifugal_force_however_small() {
+    // Of some 300,000 random loads, those at which a ball still swung on the outer race when all else had settled.
+    let cases = [
+        (
+            [
+                3.220003089897029,
+                -10.648358708824667,
+                1.715549648150182,
+                0.030708690211477967,
+                0.01501682306965175,
+            ],
+            0.4538570183943911,
+        ),
+        (
+            [
+                10.594193206089821,
+                -23.19546130927257,
+                24.992286579775016,
+                -0.10028633063705758,
+                0.08824837601646605,
+            ],
+            1.2830719864596363,
+        ),
+        (
+            [
+                82.95456935021434,
+                238.40333888785344,
+                207.86248649951796,
+                0.7824873663034885,
+                0.7953368358613754,
+            ],
+            1.721906818198178,
+        ),
+        (
+            [
+                5.28966515520123,
+                6.279224538940268,
+                -10.144649449287122,
+                -0.05121659648884388,
+                0.05207260260960266,
+            ],
+            0.4926053759485524,
+        ),
+    ];
+    for (load, exponent) in cases {
+        let bearing = build::<f32, 16>(&B7005C);
+        let mut solver = Solver::<_, 16, Free>::new(&bearing);
+        let omega = rad_per_s(10f64.powf(exponent)) as f32;
+        let load = load.map(|x: f64| x as f32);
+        let found = solver.solve(load, omega, &Settings::default()).unwrap();
+        let largest = found
+            .balls()
+            .fold(0.0, |most: f32, ball| most.max(ball.q_o));
+        let mut off = 0;
+        for ball in found.balls().filter(|ball| ball.q_i == 0.0) {
+            let missed = (ball.q_o - ball.centrifugal_force).abs() / largest;
+            assert!(missed < 1e-6, "{missed:e} of the largest force, {ball:?}");
+            off += 1;
+        }
+        assert!(off > 0, "{load:?}");
+    }
+}
+
 // ---------------------------------------------------------------------------------------------
 // Balance of forces, and the single ball
 
