@@ -401,6 +401,8 @@ impl Draft {
                 tick.load = [fx, fy, fz, my, mz];
             }
             2 => tick.load = self.moderate().load,
+            // As of a spindle that starts, or stops.
+            3 => {}
             _ => {
                 let factor = self.r.log_between(0.01, 100.0);
                 tick.load = tick.load.map(|f| f * factor);
