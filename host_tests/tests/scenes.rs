@@ -242,6 +242,8 @@ fn carried(case: &Case, rule: Attitude, balls: &[BallState<f64>]) -> [f64; 5] {
     for j in 0..case.balls {
         let ball = &balls[j.min(balls.len() - 1)];
         let share = match rule {
+            // A ball that has dropped out has no contact forces.
+            Attitude::Raceless if ball.q_i <= 0.0 => 0.0,
             Attitude::Raceless => 2.0 * ball.q_i / (ball.q_i + ball.q_o),
             Attitude::Outer => 0.0,
             Attitude::Inner => f64::from(u8::from(ball.q_i > 0.0)),
