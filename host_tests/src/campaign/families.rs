@@ -119,8 +119,8 @@ impl Family {
                  tick before; the cold solve is not counted"
             }
             Self::WarmJumps => {
-                "ten ticks from a cold solve: load times 0.01 to 100, reversed or turned, speed to 0, \
-                 to full speed or to anything between; the cold solve is not counted"
+                "ten ticks from a cold solve: load kept, times 0.01 to 100, reversed or turned, speed kept, to \
+                 0, to full speed or to anything between; the cold solve is not counted"
             }
             Self::AnyBits => {
                 "inputs replaced by not-a-number, infinities, subnormals, largest numbers, random bits"
