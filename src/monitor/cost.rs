@@ -6,12 +6,12 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 55_308,
-        sweep: 64_831,
+        fixed: 55_280,
+        sweep: 64_866,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 53_142,
-        sweep: 124_929,
+        fixed: 52_751,
+        sweep: 124_892,
     };
 }
