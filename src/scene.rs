@@ -129,6 +129,21 @@ pub struct Change<T> {
     pub stiffness: Pair<T>,
     /// The part of it that a correction of the tangent does not know.
     pub remainder: Pair<T>,
+    /// `Q'^2 / Q` of the inner contacts, summed over the balls: three times the growth of their stiffness with
+    /// their deformation. Not known of a ball at speed that follows its law, whose step is hardly ever the
+    /// last.
+    pub hardening: T,
+}
+
+/// What a step changes of a ball's tangent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stiffening<T> {
+    /// Axial, mixed and radial element.
+    pub tangent: [T; 3],
+    /// How much of that is not known, relative to it.
+    pub unknown: T,
+    /// As in [`Change`].
+    pub hardening: T,
 }
 
 impl<T: Real> Change<T> {
@@ -138,6 +153,7 @@ impl<T: Real> Change<T> {
         self.step = self.step.or_larger(other.step);
         self.stiffness = add(self.stiffness, other.stiffness);
         self.remainder = add(self.remainder, other.remainder);
+        self.hardening += other.hardening;
     }
 
     /// A contact that reacted as `reaction`, and whose normal turned by `turn`.
@@ -154,6 +170,7 @@ impl<T: Real> Change<T> {
             step,
             stiffness,
             remainder: stiffness,
+            hardening: T::ZERO,
         }
     }
 }
@@ -232,10 +249,9 @@ pub trait Motion: sealed::Sealed + 'static {
     #[doc(hidden)]
     fn second_order<T: Real>(c: &Constants<T>, ball: &mut Self::Ball<T>, da: Pair<T>) -> Pair<T>;
     /// What a step `da` of the ring, and the ball's own, will change of the ball's tangent, as long as
-    /// linearisations hold: the axial element, the mixed one and the radial one; and how much of that is not
-    /// known, relative to it.
+    /// linearisations hold.
     #[doc(hidden)]
-    fn stiffening<T: Real>(c: &Constants<T>, ball: &Self::Ball<T>, da: Pair<T>) -> ([T; 3], T);
+    fn stiffening<T: Real>(c: &Constants<T>, ball: &Self::Ball<T>, da: Pair<T>) -> Stiffening<T>;
     /// Follows a step `da` of the ring that is so short that linearisations hold. Returns the ball's
     /// step.
     #[doc(hidden)]
@@ -364,7 +380,7 @@ impl Motion for Static {
     }
 
     #[inline(always)]
-    fn stiffening<T: Real>(_: &Constants<T>, ball: &Still<T>, da: Pair<T>) -> ([T; 3], T) {
+    fn stiffening<T: Real>(_: &Constants<T>, ball: &Still<T>, da: Pair<T>) -> Stiffening<T> {
         let spring = &ball.spring;
         let reaction = spring.react(da, false);
         // Left out is what is smaller by the step's length over the distance of the centres; but where a
@@ -374,7 +390,11 @@ impl Motion for Static {
         } else {
             T::ONE
         };
-        (spring.stiffening(&reaction), unknown.or_smaller(T::ONE))
+        Stiffening {
+            tangent: spring.stiffening(&reaction),
+            unknown: unknown.or_smaller(T::ONE),
+            hardening: reaction.hardening(),
+        }
     }
 
     #[inline(always)]
@@ -395,7 +415,10 @@ impl Motion for Static {
         let reaction = ball.spring.react(da, false);
         ball.force = reaction.force;
         let turn = normal[1] * da[0] - normal[0] * da[1];
-        Change::of(T::ZERO, normal, &ball.spring, &reaction, turn)
+        Change {
+            hardening: reaction.hardening(),
+            ..Change::of(T::ZERO, normal, &ball.spring, &reaction, turn)
+        }
     }
 
     #[inline(always)]
@@ -677,7 +700,7 @@ impl<S: Turning> Motion for S {
     }
 
     #[inline]
-    fn stiffening<T: Real>(c: &Constants<T>, ball: &Ball<T>, da: Pair<T>) -> ([T; 3], T) {
+    fn stiffening<T: Real>(c: &Constants<T>, ball: &Ball<T>, da: Pair<T>) -> Stiffening<T> {
         let (v, w, [cd, sd]) = ball.motions(ball.inward(da));
         let (inner, outer) = (&ball.inner_lead, &ball.outer_lead);
         let [n0, n1] = inner.normal;
@@ -692,7 +715,11 @@ impl<S: Turning> Motion for S {
         if let Some(slope) = abrupt {
             let [along, across] = scale(slope, inner.normal);
             let mixed = along * n1;
-            return ([along * n0, mixed, across * n1], T::ONE);
+            return Stiffening {
+                tangent: [along * n0, mixed, across * n1],
+                unknown: T::ONE,
+                hardening: T::ZERO,
+            };
         }
         // The ball settles where energy is least, so that its own change of place does not count to first
         // order: a contact's change, at what the ring's motion is at the contact.
@@ -722,7 +749,7 @@ impl<S: Turning> Motion for S {
         let product = n0 * n1;
         let mixed = (s[0] - s[2]) * product + s[1] * (n1 * n1 - n0 * n0);
         let twice = (s[1] + s[1]) * product;
-        let stiffness = [
+        let tangent = [
             s[0] * n0 * n0 + twice + s[2] * n1 * n1,
             mixed,
             s[0] * n1 * n1 - twice + s[2] * n0 * n0,
@@ -731,7 +758,11 @@ impl<S: Turning> Motion for S {
         // factors make the estimate cover the campaign's errors.
         let forces = (inner.growth(v[0]) * per_i).abs() + (outer.growth(w[0]) * per_o).abs();
         let unknown = T::of(0.02) + T::of(0.4) * forces + T::of(0.04) * ball.fling * per_i;
-        (stiffness, unknown.or_smaller(T::ONE))
+        Stiffening {
+            tangent,
+            unknown: unknown.or_smaller(T::ONE),
+            hardening: inner.slope * inner.slope * per_i,
+        }
     }
 
     #[inline]
@@ -842,10 +873,10 @@ mod tests {
         <Full>::rebase(c, &mut ball, coarse, fine);
         let (share, _) = <Full>::linearise::<f64, 5>(c, &drive, &mut ball, [-0.01, 0.0], 0.0, true);
         assert_eq!(share, Share::NONE);
-        let (closed, unknown) = <Full>::stiffening(c, &ball, [0.02, 0.0]);
-        assert!(closed[0] > 0.0 && closed[2] > 0.0 && unknown == 1.0);
-        let (open, _) = <Full>::stiffening(c, &ball, [-0.02, 0.0]);
-        assert_eq!(open, [0.0; 3]);
+        let closed = <Full>::stiffening(c, &ball, [0.02, 0.0]);
+        assert!(closed.tangent[0] > 0.0 && closed.tangent[2] > 0.0 && closed.unknown == 1.0);
+        let open = <Full>::stiffening(c, &ball, [-0.02, 0.0]);
+        assert_eq!(open.tangent, [0.0; 3]);
         // Under the law alone, the bearing at rest: the same contact.
         let still = {
             let mut still = Still::<f64>::default();
@@ -902,17 +933,54 @@ mod tests {
         for da in [[1e-5, 0.0], [0.0, -2e-5], [-1e-4, 2e-4], [3e-4, 1e-4]] {
             let (ball, before) = at(a);
             let (_, after) = at(add(a, da));
-            let (change, unknown) = Static::stiffening(c, &ball, da);
-            let largest = change.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+            let change = Static::stiffening(c, &ball, da);
+            let largest = change.tangent.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
             for i in 0..2 {
                 for j in 0..2 {
-                    let missed = (after[i][j] - before[i][j] - change[i + j]).abs();
+                    let missed = (after[i][j] - before[i][j] - change.tangent[i + j]).abs();
                     assert!(
-                        missed < unknown * largest,
+                        missed < change.unknown * largest,
                         "{da:?}: {missed:e}, {largest:e}"
                     );
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_hardening_is_three_times_the_growth_of_an_inner_contacts_slope() {
+        let bearing = spindle();
+        let c = &bearing.constants;
+        let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
+        let drive = Drive {
+            speed_load: 0.0,
+            negligible: 0.0,
+        };
+        let a = [0.01, 0.0];
+        let mut still = Still::<f64>::default();
+        Static::rebase(c, &mut still, coarse, fine);
+        Static::linearise::<f64, 5>(c, &drive, &mut still, a, 0.0, false);
+        let mut ball = Ball::<f64>::default();
+        <Full>::rebase(c, &mut ball, coarse, fine);
+        let centre = add(add(coarse, fine), a);
+        <Full>::place(c, 0.0, &mut ball, centre);
+        <Full>::rebase(c, &mut ball, coarse, fine);
+        for _ in 0..4 {
+            <Full>::linearise::<f64, 5>(c, &drive, &mut ball, a, 0.0, false);
+            <Full>::settle(&mut ball);
+        }
+        <Full>::linearise::<f64, 5>(c, &drive, &mut ball, a, 1.0, false);
+        let pass = <Full>::observe(c, 0.0, &ball, a);
+        let slope = |delta: f64| 1.5 * c.ki * delta.sqrt();
+        let (delta, step) = (pass.inner.delta, 1e-4 * pass.inner.delta);
+        let growth = (slope(delta + step) - slope(delta - step)) / (2.0 * step);
+        let of_ball = <Full>::stiffening(c, &ball, [0.0; 2]).hardening;
+        assert!((of_ball / (3.0 * growth) - 1.0).abs() < 1e-6, "{of_ball}");
+        // Of two contacts that are about alike.
+        let of_still = Static::stiffening(c, &still, [0.0; 2]).hardening;
+        assert!(
+            (of_still / of_ball - 1.0).abs() < 0.3,
+            "{of_still} for {of_ball}"
+        );
     }
 }

@@ -122,6 +122,14 @@ pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
     (x, slope)
 }
 
+impl<T: Real> Reaction<T> {
+    /// `Q'^2 / Q` of a contact. Of two in series, each is about twice as stiff as both.
+    #[inline(always)]
+    pub fn hardening(&self) -> T {
+        T::of(4.0) * self.slope * (self.slope / self.force.or_larger(T::TINY))
+    }
+}
+
 impl<T: Real> Spring<T> {
     /// A ball at rest; `contact` has both deformations in one.
     #[inline(always)]
