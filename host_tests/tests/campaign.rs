@@ -15,6 +15,7 @@ fn every_family_holds_its_contract() {
     let broken: Vec<String> = report::summaries(&records)
         .iter()
         .flat_map(contract::broken)
+        .chain(contract::broken_estimates(&records))
         .collect();
     assert!(
         broken.is_empty(),

@@ -49,6 +49,25 @@ pub struct Coverage {
     pub ratio: f64,
 }
 
+/// How well the estimates of displacement, force and stiffness hold in these records; none where no errors or
+/// no estimates are known.
+pub fn coverage<'r>(records: impl Iterator<Item = &'r Record>) -> Option<[Coverage; 3]> {
+    let both: Vec<([f64; 3], [f64; 3])> = records
+        .filter_map(|r| Some((r.errors?, r.estimate?)))
+        .collect();
+    let of = |i: usize| Coverage {
+        share: both.iter().filter(|(e, of)| e[i] <= of[i]).count() as f64 / both.len() as f64,
+        ratio: Spread::of(
+            both.iter()
+                .filter(|(e, _)| e[i] > 0.0)
+                .map(|(e, of)| of[i] / e[i])
+                .filter(|ratio| !ratio.is_nan()),
+        )
+        .median,
+    };
+    (!both.is_empty()).then(|| [0, 1, 2].map(of))
+}
+
 /// A family in a precision.
 #[derive(Debug, Clone)]
 pub struct Summary {
@@ -88,21 +107,7 @@ impl Summary {
             *endings.entry(record.status).or_default() += 1;
         }
         let errors: Vec<[f64; 3]> = records.iter().filter_map(|r| r.errors).collect();
-        let both: Vec<([f64; 3], [f64; 3])> = records
-            .iter()
-            .filter_map(|r| Some((r.errors?, r.estimate?)))
-            .collect();
         let solved = || records.iter().filter(|r| r.is_solved());
-        let coverage = |i: usize| Coverage {
-            share: both.iter().filter(|(e, of)| e[i] <= of[i]).count() as f64 / both.len() as f64,
-            ratio: Spread::of(
-                both.iter()
-                    .filter(|(e, _)| e[i] > 0.0)
-                    .map(|(e, of)| of[i] / e[i])
-                    .filter(|ratio| !ratio.is_nan()),
-            )
-            .median,
-        };
         Self {
             family,
             precision,
@@ -119,7 +124,7 @@ impl Summary {
                 verdict(Verdict::Unjudged),
             ],
             errors: [0, 1, 2].map(|i| Spread::of(errors.iter().map(|e| e[i]))),
-            coverage: (!both.is_empty()).then(|| [0, 1, 2].map(coverage)),
+            coverage: coverage(records.iter().copied()),
         }
     }
 
@@ -289,21 +294,24 @@ fn errors(all: &[Summary], precision: Precision) -> String {
     )
 }
 
-fn coverage(all: &[Summary]) -> String {
-    let rows: Vec<Vec<String>> = all
+fn estimates(all: &[Summary], records: &[Record]) -> String {
+    let row = |family: &str, precision, coverage: [Coverage; 3]| {
+        let mut row = vec![family.to_owned(), name(precision).to_owned()];
+        row.extend(coverage.map(|c| format!("{}, {}", percent(c.share), short(c.ratio))));
+        row
+    };
+    let mut rows: Vec<Vec<String>> = all
         .iter()
-        .filter_map(|s| {
-            let mut row = vec![s.family.name().to_owned(), name(s.precision).to_owned()];
-            row.extend(
-                s.coverage?
-                    .map(|c| format!("{}, {}", percent(c.share), short(c.ratio))),
-            );
-            Some(row)
-        })
+        .filter_map(|s| Some(row(s.family.name(), s.precision, s.coverage?)))
         .collect();
-    if rows.is_empty() {
-        return "The solver makes none yet.\n".to_owned();
-    }
+    rows.extend(
+        [Precision::F32, Precision::F64]
+            .into_iter()
+            .filter_map(|p| {
+                let of_all = coverage(records.iter().filter(|r| r.precision == p))?;
+                Some(row("all", p, of_all))
+            }),
+    );
     table(&["family", "", "u", "Q", "K"], &rows)
 }
 
@@ -357,7 +365,7 @@ Share of answers whose error is within the estimate, and the median of estimate 
         outcomes(&all),
         errors(&all, Precision::F32),
         errors(&all, Precision::F64),
-        coverage(&all).trim_end_matches('\n').to_owned() + "\n",
+        estimates(&all, records).trim_end_matches('\n').to_owned() + "\n",
     )
 }
 
