@@ -161,7 +161,9 @@ impl<T: Real> Change<T> {
     fn of(step: T, normal: Pair<T>, spring: &Spring<T>, reaction: &Reaction<T>, turn: T) -> Self {
         let slope = spring.slope_change(reaction);
         let larger = spring.larger_slope(reaction);
-        let turned = (larger + larger) * (turn * normal[0] * normal[1]).abs();
+        // An element of a contact across it grows with the square of the turn.
+        let mixed = normal[0] * normal[1];
+        let turned = larger * turn.abs() * ((mixed + mixed).abs() + turn.abs());
         let stiffness = [
             slope * normal[0] * normal[0] + turned,
             slope * normal[1] * normal[1] + turned,
