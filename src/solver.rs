@@ -1170,7 +1170,9 @@ where
                 size
             };
             let balanced = outcome.residual * size <= T::of(1e-3) * scale;
-            if balanced && (converged || exhausted) {
+            // A ring that rocks on two balls does not stiffen them, which says nothing of where it comes to rest.
+            let short = outcome.step <= T::of(0.035);
+            if balanced && (short || singular) && (converged || exhausted) {
                 // The forces, too, are those after the step.
                 for (force, row) in self.state.force.iter_mut().zip(&self.state.tangent) {
                     *force += dot5(row, &du);
@@ -1198,9 +1200,7 @@ where
             }
             // Short steps need no laws, unless they lead nowhere: a ball about to open is not linear. A bearing
             // that gives way in some direction can be in balance and yet far from the solution.
-            laws = outcome.residual > T::of(0.055)
-                || outcome.step > T::of(0.035)
-                || (stuck && !settled);
+            laws = outcome.residual > T::of(0.055) || !short || (stuck && !settled);
             // Offsets this large would cost digits of the deformations.
             let far = T::of(2e-3);
             if span(&self.state.position.offset) > far || !(moved.step <= far) || repeats > 0 {
