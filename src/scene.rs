@@ -985,4 +985,31 @@ mod tests {
             "{of_still} for {of_ball}"
         );
     }
+
+    #[test]
+    fn a_radial_contact_that_turns_stiffens_the_axial_direction() {
+        let bearing = spindle();
+        let c = &bearing.constants;
+        let drive = Drive {
+            speed_load: 0.0,
+            negligible: 0.0,
+        };
+        let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
+        let [axial, radial] = add(coarse, fine);
+        let at = |a: Pair<f64>| {
+            let mut ball = Still::<f64>::default();
+            Static::rebase(c, &mut ball, coarse, fine);
+            let (share, _) = Static::linearise::<f64, 5>(c, &drive, &mut ball, a, 0.0, true);
+            (ball, share.stiffness[0][0])
+        };
+        // The line of centres is radial, and squeezed by a hundredth.
+        let a = [-axial, 1.01 - radial];
+        for da in [[0.02, 0.0], [-0.05, 0.0]] {
+            let (mut ball, before) = at(a);
+            let (_, after) = at(add(a, da));
+            let change = Static::follow(c, &drive, &mut ball, a, da);
+            let seen = change.stiffness[0] / (after - before);
+            assert!((0.5..2.0).contains(&seen), "{da:?}: {seen}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::Plan;
 use super::families::Family;
-use super::judge::{Record, Verdict};
+use super::judge::{PRECISIONS, Record, Verdict};
 use crate::dispatch::Precision;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -138,7 +138,7 @@ impl Summary {
 pub fn summaries(records: &[Record]) -> Vec<Summary> {
     let mut all = Vec::new();
     for family in Family::ALL {
-        for precision in [Precision::F32, Precision::F64] {
+        for precision in PRECISIONS {
             let of: Vec<&Record> = records
                 .iter()
                 .filter(|r| r.family == family && r.precision == precision)
@@ -304,14 +304,10 @@ fn estimates(all: &[Summary], records: &[Record]) -> String {
         .iter()
         .filter_map(|s| Some(row(s.family.name(), s.precision, s.coverage?)))
         .collect();
-    rows.extend(
-        [Precision::F32, Precision::F64]
-            .into_iter()
-            .filter_map(|p| {
-                let of_all = coverage(records.iter().filter(|r| r.precision == p))?;
-                Some(row("all", p, of_all))
-            }),
-    );
+    rows.extend(PRECISIONS.into_iter().filter_map(|precision| {
+        let of = coverage(records.iter().filter(|r| r.precision == precision))?;
+        Some(row("all", precision, of))
+    }));
     table(&["family", "", "u", "Q", "K"], &rows)
 }
 
