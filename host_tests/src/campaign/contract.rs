@@ -93,7 +93,7 @@ pub fn of(family: Family, precision: Precision) -> Bounds {
 
 /// Of all families together: least share of errors within the solver's own estimates, in percent, and largest
 /// median of estimate over error. The share is to be 99.9; of 20,000 solves, those beyond are a count of some
-/// 15, which other seeds make 10 or 20. The report's 100,000 tell more.
+/// 15, which other seeds make 10 or 20. The report's million tell more.
 pub const ESTIMATES: (f64, f64) = (99.85, 30.0);
 
 /// What the estimates of a campaign over all families do not hold, in words.

@@ -108,7 +108,11 @@ pub enum Verdict {
     /// No answer, and there is none: not that the reference build knew of.
     RightlyRefused,
     /// No answer, though there is an equilibrium.
-    Missed,
+    Missed {
+        /// The contacts of every ball that carries there are within 90 degrees of each other: the races
+        /// hold the balls between them.
+        opposed: bool,
+    },
     /// No answer, and it takes the reference build's own search to know whether there is one.
     Undecided,
     /// What must never be.
@@ -309,7 +313,10 @@ fn refused_though(truth: &Solution, trial: &Trial, status: &str, precision: Prec
     if status == "indeterminate" && is_indeterminate(truth, trial.case.pitch_radius(), precision) {
         Verdict::RightlyRefused
     } else {
-        Verdict::Missed
+        let mut carrying = truth.balls.iter().filter(|ball| ball.q_i > 0.0);
+        Verdict::Missed {
+            opposed: carrying.all(|ball| (ball.alpha_i - ball.alpha_o).cos() >= 0.0),
+        }
     }
 }
 

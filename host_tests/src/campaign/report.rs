@@ -87,6 +87,8 @@ pub struct Summary {
     pub passes: Spread,
     /// Solves without an answer that were looked into: right, and wrong to have none.
     pub refused: [usize; 2],
+    /// Of the latter, those where contacts oppose each other.
+    pub missed_opposed: usize,
     /// Those that were not.
     pub undecided: usize,
     /// Answers whose errors are known; of those, of another equilibrium; answers of which they are not.
@@ -116,7 +118,11 @@ impl Summary {
             failed: count(&|r| matches!(r.verdict, Verdict::Failed(_))),
             sweeps: Spread::of(solved().filter_map(|r| r.sweeps).map(f64::from)),
             passes: Spread::of(solved().filter_map(|r| r.passes).map(f64::from)),
-            refused: [verdict(Verdict::RightlyRefused), verdict(Verdict::Missed)],
+            refused: [
+                verdict(Verdict::RightlyRefused),
+                count(&|r| is_missed(r, false)),
+            ],
+            missed_opposed: count(&|r| is_missed(r, true)),
             undecided: verdict(Verdict::Undecided),
             answers: [
                 errors.len(),
@@ -149,6 +155,11 @@ pub fn summaries(records: &[Record]) -> Vec<Summary> {
         }
     }
     all
+}
+
+/// Whether there is no answer though there is an equilibrium; or only one where contacts oppose each other.
+fn is_missed(record: &Record, opposed_only: bool) -> bool {
+    matches!(record.verdict, Verdict::Missed { opposed } if opposed || !opposed_only)
 }
 
 fn name(precision: Precision) -> &'static str {
@@ -246,7 +257,7 @@ fn outcomes(all: &[Summary]) -> String {
                 s.ended("converged").to_string(),
                 s.ended("precision-limit").to_string(),
                 refusals(s),
-                s.refused[1].to_string(),
+                format!("{} ({})", s.refused[1], s.missed_opposed),
                 s.undecided.to_string(),
                 s.failed.to_string(),
                 [s.sweeps.median, s.sweeps.most, s.sweeps.worst]
@@ -333,11 +344,12 @@ load and speed, rounded to single precision; a warm family counts ten solves a c
 
 *No answer*: what the solver said instead. The reference build looks into those, by itself into {searches}:
 *missed* are those where it knows an equilibrium (for `indeterminate`: one that three balls or more carry
-and whose stiffness can be inverted), *open* are those that were not looked into. *Failed* is what must
-never be: a panic, a figure that is not a finite number, more than 100 sweeps, a refusal for a reason
-that does not hold. *Sweeps* over the balls, of solves that ended with an answer: median / 99 % / worst,
-warm ones in warm families, cold ones elsewhere; *passes* per ball count what single balls repeated, too:
-median / 99 %.
+and whose stiffness can be inverted), in brackets those of them where the contacts of every ball that
+carries are within 90 degrees of each other: beyond that, the races no longer hold the ball between them.
+*Open* are those that were not looked into. *Failed* is what must never be: a panic, a figure that is not
+a finite number, more than 100 sweeps, a refusal for a reason that does not hold. *Sweeps* over the balls,
+of solves that ended with an answer: median / 99 % / worst, warm ones in warm families, cold ones
+elsewhere; *passes* per ball count what single balls repeated, too: median / 99 %.
 
 {}
 ## Errors in single precision
@@ -404,7 +416,7 @@ pub fn worst(records: &[Record]) -> String {
             }
         };
         text += &first("failed", &|r| matches!(r.verdict, Verdict::Failed(_)));
-        text += &first("missed", &|r| r.verdict == Verdict::Missed);
+        text += &first("missed", &|r| is_missed(r, false));
         text += &first("unjudged", &|r| r.verdict == Verdict::Unjudged);
     }
     text
@@ -463,7 +475,7 @@ pub fn list_failures(records: &[Record], out: impl io::Write) -> Result<(), csv:
             Verdict::OtherBranch => "other equilibrium",
             Verdict::Unjudged => "unjudged",
             Verdict::RightlyRefused => "rightly refused",
-            Verdict::Missed => "missed",
+            Verdict::Missed { .. } => "missed",
             Verdict::Undecided => "open",
             Verdict::Failed(why) => why,
         };
