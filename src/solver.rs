@@ -51,7 +51,7 @@ use crate::axial::Spring;
 use crate::ball::{Pass, Share};
 use crate::conditions::{Conditions, Loads, constrain, hold, missing};
 use crate::constants::{Azimuth, Bearing, Constants};
-use crate::contact::{add, dot, scale};
+use crate::contact::{Pair, add, dot, scale};
 use crate::float::Real;
 use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
 use crate::outputs::{Balls, Outputs, PerBall};
@@ -396,7 +396,7 @@ struct Outcome<T> {
     change: T,
     remainder: T,
     step: T,
-    /// Relative change of the stiffness by a unit of deformation at the inner contacts.
+    /// The balls' hardening in the last step, as in [`Change`].
     hardening: T,
     /// How far the worst ball was from its own equilibrium before that step.
     imbalance: T,
@@ -426,10 +426,88 @@ impl<T: Real> Outcome<T> {
         }
     }
 
+    /// Notes how the tangent resists where it does so least.
+    #[inline(always)]
+    fn weaken(&mut self, weakness: &Weakness<T>) {
+        self.weakest = weakness.flexibility;
+        self.singular = if weakness.singular {
+            self.singular.saturating_add(1)
+        } else {
+            0
+        };
+    }
+
+    /// Whether every ball is as near to its own equilibrium as the tolerance wants: its step leaves the
+    /// square of its imbalance.
+    #[inline(always)]
+    fn is_settled(&self, tolerance: T) -> bool {
+        self.imbalance * self.imbalance <= T::of(0.1) * tolerance.or_larger(T::EPSILON)
+    }
+
+    /// Whether the last step is so short that linearisations hold.
+    #[inline(always)]
+    fn is_short(&self) -> bool {
+        self.step <= T::of(thresholds::SHORT_STEP)
+    }
+
+    /// How a solve ends with the last sweep, if the forces are in balance and it does. `rounded_part` is the
+    /// part of the step that rounding may have made, `largest` the largest displacement.
+    #[inline(always)]
+    fn ending(
+        &self,
+        course: &Course<T>,
+        rounding: &Rounding<T>,
+        rounded_part: T,
+        tolerance: T,
+        largest: T,
+    ) -> Option<Status<T>> {
+        let singular = self.singular > 0;
+        let ten = T::of(10.0);
+        let near = self.change <= ten * tolerance;
+        let settled = self.is_settled(tolerance);
+        // The corrected tangent is better than the change. Forces are good to the change's square,
+        // displacements to the change times the step.
+        let corrected = !singular
+            && T::of(4.0) * self.remainder <= tolerance
+            && ten * self.change * self.change <= tolerance
+            && ten * self.change * self.step <= tolerance * largest;
+        let converged = settled && (corrected || self.change <= tolerance);
+        // Under light loads deformations have few digits, and the balance tells that it is as good as
+        // rounding allows.
+        let rounded =
+            self.residual <= rounding.balance && self.remainder < T::of(thresholds::UNKNOWN);
+        // Rounding ends the solve where the change no longer shrinks, or near the tolerance where it has
+        // made most of the step; a pause of one sweep far from the tolerance is not that yet.
+        let exhausted = (self.change <= T::EPSILON.sqrt() || rounded)
+            && self.imbalance < T::of(thresholds::AT_ODDS)
+            && (course.stalled >= if near && settled { 1 } else { 3 }
+                || (near && settled && rounded_part > T::of(0.5)))
+            && self.sweeps > 1;
+        // A ring that rocks on two balls does not stiffen them, which says nothing of where it comes to rest.
+        if !(self.is_short() || singular) {
+            return None;
+        }
+        if converged {
+            Some(Status::Converged)
+        } else {
+            exhausted.then_some(Status::PrecisionLimit)
+        }
+    }
+
+    /// Whether the next sweep takes the balls' laws. Short steps need none, unless they lead nowhere: a ball
+    /// about to open is not linear. A bearing that gives way in some direction can be in balance and yet far
+    /// from the solution.
+    #[inline(always)]
+    fn needs_laws(&self, course: &Course<T>, tolerance: T) -> bool {
+        self.residual > T::of(thresholds::NEEDS_LAWS)
+            || !self.is_short()
+            || (course.stuck && !self.is_settled(tolerance))
+    }
+
     /// Errors of a solution whose largest displacement is `largest`; `inertia` is about the share that inertia
     /// has in the balls' forces. The numbers are regressions on the campaign's cases, of single and double
     /// precision together: quantiles of 99.9 % of the error's logarithm.
-    fn error(&self, largest: T, inertia: T) -> ErrorEstimate<T> {
+    fn error(&self, largest: T, inertia: T, growth: T) -> ErrorEstimate<T> {
         // Rounding of what the solver works out, and of the bearing's constants, which are worked out in
         // doubles: at speed there are more of them.
         let rounding = |own: f64, constants: f64, at_speed: f64| {
@@ -439,7 +517,7 @@ impl<T: Real> Outcome<T> {
         };
         // Where the ring gives way to what rounding leaves of the balance, deformations go with it, and
         // with them the stiffness of contacts that carry little.
-        let gives = self.slack * self.hardening;
+        let gives = self.slack * growth;
         // Where that moves the ring by a hundredth of its way, or a step that rounding stops changes the stiffness
         // by a hundredth, nothing is known of the displacement.
         let per_largest = T::ONE / largest.or_larger(T::TINY);
@@ -494,8 +572,44 @@ impl<T: Real> Weakness<T> {
     };
 }
 
-/// Longest step of the ring, in units of `L0`.
-const LONGEST_STEP: f64 = 0.3;
+/// What decides how a start goes on. Steps of the ring are in units of `L0`, residuals relative to the load;
+/// numbers with two digits are those of their neighbourhood with which the campaign's cases went best.
+mod thresholds {
+    /// Longest step of the ring.
+    pub const LONGEST_STEP: f64 = 0.3;
+    /// Longest step over which linearisations hold: after a longer one there is another sweep.
+    pub const SHORT_STEP: f64 = 0.035;
+    /// Residual beyond which the next sweep takes laws; and that of a sweep without them beyond which it is
+    /// repeated with them.
+    pub const NEEDS_LAWS: f64 = 0.055;
+    pub const MISSES_LAWS: f64 = 0.1;
+    /// Imbalance of a ball beyond which its law and its linearisation do not agree, and rounding alone does
+    /// not end a solve.
+    pub const AT_ODDS: f64 = 0.03;
+    /// Residual over the last one: below it steps may grow, and above it a sweep led nowhere.
+    pub const WENT_WELL: f64 = 0.42;
+    pub const LED_NOWHERE: f64 = 0.5;
+    /// Residual over the last one, at most, and residual in tolerances, at least, of a sweep that another is
+    /// sure to follow.
+    pub const GOES_ON: (f64, f64) = (0.3, 100.0);
+    /// Change of the stiffness over the last one above which a sweep made no progress.
+    pub const NO_PROGRESS: f64 = 0.25;
+    /// What rounding may have left unknown of the stiffness where the balance alone ends a solve.
+    pub const UNKNOWN: f64 = 0.035;
+    /// Residual of an answer, at most.
+    pub const BALANCED: f64 = 1e-3;
+    /// Part of the load that the laws' balance may leave of it, at speed and at rest, where balls are cheaper
+    /// to react than to linearise; and the steps it takes for that, at most.
+    pub const LAWS_LEAVE: (f64, f64) = (0.045, 0.02);
+    pub const LAWS_STEPS: (u8, u8) = (12, 16);
+    /// Unbalanced load, of all of it, so small that laws are linear over the step.
+    pub const LINEAR: f64 = 1e-3;
+    /// Offset from a reference, or step of a ball, that would cost digits of the deformations.
+    pub const FAR_FROM_REFERENCE: f64 = 2e-3;
+    /// Sweeps in a row that a ball may be lost in, for all its own steps, before the start is.
+    pub const LOST: u8 = 3;
+}
+use thresholds::LONGEST_STEP;
 
 /// Where a solve starts, in the order in which starts are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -529,6 +643,125 @@ impl Attempt {
             Self::Warm | Self::Cold => LONGEST_STEP,
             Self::Preloaded => 0.06,
         }
+    }
+}
+
+/// What rounding leaves, relative to the load: of the balance at most, and of it what makes steps. Balls round
+/// their forces, which are centrifugal ones where the load is light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Rounding<T> {
+    balance: T,
+    step: T,
+}
+
+impl<T: Real> Rounding<T> {
+    #[inline(always)]
+    fn of(speed_load: T, size: T) -> Self {
+        let inertia = T::of(2.0) * speed_load / size.or_larger(T::TINY);
+        Self {
+            balance: T::EPSILON * (T::of(256.0) + inertia),
+            step: T::EPSILON * (T::of(4.0) + inertia),
+        }
+    }
+}
+
+/// How a start has gone so far, and what that means for the next sweep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Course<T> {
+    /// Longest step of the ring.
+    radius: T,
+    /// Balls hand over their laws.
+    laws: bool,
+    last_residual: T,
+    /// The last step led nowhere.
+    stuck: bool,
+    /// Sweeps in a row without progress of the stiffness.
+    stalled: u8,
+    /// Sweeps in a row in which a ball was lost.
+    lost: u8,
+    /// Of the last damping.
+    rung: u8,
+}
+
+impl<T: Real> Course<T> {
+    #[inline(always)]
+    fn new(attempt: Attempt) -> Self {
+        Self {
+            radius: T::of(attempt.first_step()),
+            laws: attempt != Attempt::Warm,
+            last_residual: T::ONE / T::EPSILON,
+            stuck: false,
+            stalled: 0,
+            lost: 0,
+            rung: 0,
+        }
+    }
+
+    /// Judges what the last `step` led to: a residual, which is `enough` for an answer. Returns whether another
+    /// sweep is sure to follow if there may be one, since no answer can be the tangent that this one leaves.
+    #[inline(always)]
+    fn judge(&mut self, residual: T, step: T, enough: T) -> bool {
+        let last = self.last_residual;
+        if residual > T::ONE.or_larger(last + last) {
+            self.radius = T::of(0.5) * step;
+        } else if residual < T::of(thresholds::WENT_WELL) * last {
+            self.radius = T::of(LONGEST_STEP).or_smaller(self.radius.or_larger(step + step));
+        }
+        self.stuck = residual > T::of(thresholds::LED_NOWHERE) * last;
+        self.last_residual = residual;
+        !self.laws && residual > enough && residual < T::of(thresholds::GOES_ON.0) * last
+    }
+
+    /// Compares the change of the stiffness with the last one.
+    #[inline(always)]
+    fn compare(&mut self, change: T, last: T) {
+        self.stalled = if change > T::of(thresholds::NO_PROGRESS) * last {
+            self.stalled.saturating_add(1)
+        } else {
+            0
+        };
+    }
+
+    /// Whether the start leads nowhere: a ball that its own steps do not bring back is lost, and the start
+    /// with it, unless it is the last one.
+    #[inline(always)]
+    fn is_hopeless(&mut self, imbalance: T, attempt: Attempt) -> bool {
+        self.lost = if imbalance >= T::ONE {
+            self.lost.saturating_add(1)
+        } else {
+            0
+        };
+        self.lost >= thresholds::LOST && attempt != Attempt::Preloaded
+    }
+}
+
+/// Relative change of the stiffness by a unit of deformation at the inner contacts, from the balls' hardening
+/// as in [`Change`].
+#[inline(always)]
+fn growth<T: Real, const D: usize>(hardening: T, tangent: &Tangent<T, D>) -> T {
+    if D < 3 {
+        return T::ZERO;
+    }
+    // Balls' stiffnesses along their contacts add up to this.
+    let sum = tangent[0][0] + tangent[1][1] + tangent[2][2];
+    let growth = T::of(1.0 / 3.0) * hardening / sum.or_larger(T::TINY);
+    growth.or_smaller(T::ONE / T::EPSILON)
+}
+
+/// A change of stiffness, axial and radial and summed over the balls, relative to the tangent.
+#[inline(always)]
+fn relative<T: Real, const D: usize>(change: &Pair<T>, tangent: &Tangent<T, D>) -> T {
+    let mut part = change[0] / tangent[0][0].or_larger(T::TINY);
+    if D >= 3 {
+        let radial = tangent[1][1].or_smaller(tangent[2][2]);
+        part = part.or_larger(change[1] / radial.or_larger(T::TINY));
+    }
+    // Not all that a step changes is summed: on the campaign's cases, half as much again makes the tolerance
+    // hold.
+    if part.is_finite() {
+        T::of(1.5) * part
+    } else {
+        T::ONE
     }
 }
 
@@ -891,11 +1124,14 @@ where
         rung: &mut u8,
     ) -> ([T; D], Weakness<T>) {
         let first = norm(&b);
-        let small = T::of(1e-3) * norm(load);
+        let small = T::of(thresholds::LINEAR) * norm(load);
         let mut du = [T::ZERO; D];
         let mut weakness = Weakness::NONE;
-        // At rest, balls are cheaper to react than to linearise.
-        let (passes, enough) = if M::AT_SPEED { (12, 0.045) } else { (16, 0.02) };
+        let (passes, enough) = if M::AT_SPEED {
+            (thresholds::LAWS_STEPS.0, thresholds::LAWS_LEAVE.0)
+        } else {
+            (thresholds::LAWS_STEPS.1, thresholds::LAWS_LEAVE.1)
+        };
         for pass in 0..passes {
             let (d, of_pass) = self.descent(&b, &tangent, &du, longest, first <= small, rung);
             if pass == 0 {
@@ -1001,8 +1237,7 @@ where
         (d, weakness, downhill && span(&to) <= longest)
     }
 
-    /// Sweeps until converged, or until there were `until` of them. Of what decides how a start goes on, numbers
-    /// with two digits are those of their neighbourhood with which the campaign's cases went best.
+    /// Sweeps until converged, or until there were `until` of them.
     fn run(
         &mut self,
         outcome: &mut Outcome<T>,
@@ -1021,24 +1256,13 @@ where
             speed_load,
             negligible: T::EPSILON * size,
         };
-        let longest = T::of(LONGEST_STEP);
-        let mut radius = T::of(attempt.first_step());
-        let mut laws = attempt != Attempt::Warm;
-        let mut stalled = 0_u8;
-        let mut lost = 0_u8;
+        let rounding = Rounding::of(speed_load, size);
+        let mut course = Course::new(attempt);
         outcome.status = Status::SweepLimit;
         // Nothing to compare the first sweep with.
         (outcome.change, outcome.step) = (T::ONE, T::ZERO);
-        let mut last_residual = T::ONE / T::EPSILON;
-        let mut stuck = false;
-        let mut rung = 0;
-        // Balls round their forces, which are centrifugal ones where the load is light.
-        let (some, few) = (T::of(256.0), T::of(2.0));
-        let inertia = few * speed_load / size.or_larger(T::TINY);
-        let rounding = T::EPSILON * (some + inertia);
-        let noise = T::EPSILON * (T::of(4.0) + inertia);
         loop {
-            let (repeats, imbalance) = self.sweep(&drive, laws);
+            let (repeats, imbalance) = self.sweep(&drive, course.laws);
             outcome.sweeps += 1;
             outcome.repeats = outcome.repeats.saturating_add(repeats);
             if B::HOLDS {
@@ -1047,55 +1271,33 @@ where
 
             let (mut du, mut weakness, mut far) = ([T::ZERO; D], Weakness::NONE, false);
             if let Given::Load(load) = given {
-                let (mut b, mut tangent) = (*load, self.state.tangent);
-                // Balls next to their own equilibrium have laws that agree with the linearisation here.
-                if laws && (imbalance > T::of(0.03) || !M::AT_SPEED) {
-                    (b, tangent) = self.unbalanced(load, &du);
-                } else {
-                    for (b, force) in b.iter_mut().zip(&self.state.force) {
-                        *b -= *force;
-                    }
-                    hold::<T, B, D>(self.c, &[T::ZERO; D], &mut b, &mut tangent);
-                }
+                let (b, tangent) = self.balance_at(load, course.laws, imbalance);
                 outcome.residual = norm(&b) / size;
-                if !laws && outcome.residual > T::of(0.1) && outcome.sweeps < until {
-                    laws = true;
+                let follows = outcome.sweeps < until;
+                if !course.laws && outcome.residual > T::of(thresholds::MISSES_LAWS) && follows {
+                    course.laws = true;
                     continue;
                 }
-                if outcome.residual > T::ONE.or_larger(last_residual + last_residual) {
-                    radius = T::of(0.5) * outcome.step;
-                } else if outcome.residual < T::of(0.42) * last_residual {
-                    radius = longest.or_smaller(radius.or_larger(outcome.step + outcome.step));
-                }
-                // Another sweep is sure to follow, and no answer can be the tangent that this step leaves.
-                far = !laws
-                    && outcome.residual > rounding.or_larger(T::of(100.0) * tolerance)
-                    && outcome.residual < T::of(0.3) * last_residual
-                    && outcome.sweeps < until;
-                stuck = outcome.residual > T::of(0.5) * last_residual;
-                last_residual = outcome.residual;
-                (du, weakness) = if laws {
-                    self.step(load, b, tangent, radius, &mut rung)
+                let enough = rounding
+                    .balance
+                    .or_larger(T::of(thresholds::GOES_ON.1) * tolerance);
+                far = course.judge(outcome.residual, outcome.step, enough) && follows;
+                (du, weakness) = if course.laws {
+                    self.step(load, b, tangent, course.radius, &mut course.rung)
                 } else {
-                    self.descent(&b, &tangent, &du, radius, true, &mut rung)
+                    self.descent(&b, &tangent, &du, course.radius, true, &mut course.rung)
                 };
             } else {
                 outcome.residual = T::ZERO;
             }
-            let singular = weakness.singular;
-            outcome.weakest = weakness.flexibility;
-            outcome.singular = if singular {
-                outcome.singular.saturating_add(1)
-            } else {
-                0
-            };
+            outcome.weaken(&weakness);
             // The part of the step that rounding may have made.
             let unbalanced = match given {
                 Given::Load(_) => outcome.residual,
                 Given::Displacement => imbalance,
             };
-            let rounded_part = noise / unbalanced.or_larger(noise);
-            let moved = if laws {
+            let rounded_part = rounding.step / unbalanced.or_larger(rounding.step);
+            let moved = if course.laws {
                 self.follow(&drive, &du)
             } else {
                 // As far as rounding made the step, the states before and after it are equally good.
@@ -1109,59 +1311,15 @@ where
                 };
                 return;
             }
-            let stiffness = &self.state.tangent;
             let last = outcome.change;
-            let relative = |change: &[T; 2]| {
-                let mut part = change[0] / stiffness[0][0].or_larger(T::TINY);
-                if D >= 3 {
-                    let radial = stiffness[1][1].or_smaller(stiffness[2][2]);
-                    part = part.or_larger(change[1] / radial.or_larger(T::TINY));
-                }
-                // Not all that a step changes is summed: on the campaign's cases, half as much again makes the
-                // tolerance hold.
-                if part.is_finite() {
-                    T::of(1.5) * part
-                } else {
-                    T::ONE
-                }
-            };
             (outcome.change, outcome.remainder) = (T::ONE, T::ONE);
             if !far {
-                outcome.change = relative(&moved.stiffness);
-                outcome.remainder = relative(&moved.remainder) + outcome.change * rounded_part;
+                outcome.change = relative(&moved.stiffness, &self.state.tangent);
+                outcome.remainder =
+                    relative(&moved.remainder, &self.state.tangent) + outcome.change * rounded_part;
             }
-            if D >= 3 {
-                // Balls' stiffnesses along their contacts add up to this.
-                let sum = stiffness[0][0] + stiffness[1][1] + stiffness[2][2];
-                let growth = T::of(1.0 / 3.0) * moved.hardening / sum.or_larger(T::TINY);
-                outcome.hardening = growth.or_smaller(T::ONE / T::EPSILON);
-            }
-            // Rounding ends the solve where the change no longer shrinks, or near the tolerance where it has
-            // made most of the step; a pause of one sweep far from the tolerance is not that yet.
-            stalled = if outcome.change > T::of(0.25) * last {
-                stalled.saturating_add(1)
-            } else {
-                0
-            };
-            let near = outcome.change <= T::of(10.0) * tolerance;
-            // A ball's step leaves the square of its imbalance.
-            let settled = imbalance * imbalance <= T::of(0.1) * tolerance.or_larger(T::EPSILON);
-            // The corrected tangent is better than the change. Forces are good to the change's square,
-            // displacements to the change times the step.
-            let largest = span(&self.state.position.total());
-            let corrected = !singular
-                && T::of(4.0) * outcome.remainder <= tolerance
-                && T::of(10.0) * outcome.change * outcome.change <= tolerance
-                && T::of(10.0) * outcome.change * outcome.step <= tolerance * largest;
-            let converged = settled && (corrected || outcome.change <= tolerance);
-            // Under light loads deformations have few digits, and the balance tells that it is as good as
-            // rounding allows.
-            let rounded = outcome.residual <= rounding && outcome.remainder < T::of(0.035);
-            let exhausted = (outcome.change <= T::EPSILON.sqrt() || rounded)
-                && imbalance < T::of(0.03)
-                && (stalled >= if near && settled { 1 } else { 3 }
-                    || (near && settled && rounded_part > T::of(0.5)))
-                && outcome.sweeps > 1;
+            outcome.hardening = moved.hardening;
+            course.compare(outcome.change, last);
             // Progress of held scenes is measured by the largest forces seen; what is left must be small beside
             // the forces as they are.
             let scale = if B::HOLDS {
@@ -1169,44 +1327,49 @@ where
             } else {
                 size
             };
-            let balanced = outcome.residual * size <= T::of(1e-3) * scale;
-            // A ring that rocks on two balls does not stiffen them, which says nothing of where it comes to rest.
-            let short = outcome.step <= T::of(0.035);
-            if balanced && (short || singular) && (converged || exhausted) {
+            let balanced = outcome.residual * size <= T::of(thresholds::BALANCED) * scale;
+            let largest = span(&self.state.position.total());
+            let ending = outcome.ending(&course, &rounding, rounded_part, tolerance, largest);
+            if let (true, Some(status)) = (balanced, ending) {
                 // The forces, too, are those after the step.
                 for (force, row) in self.state.force.iter_mut().zip(&self.state.tangent) {
                     *force += dot5(row, &du);
                 }
-                outcome.status = if singular {
+                outcome.status = if weakness.singular {
                     Status::Indeterminate {
                         loaded_balls: self.loaded_balls(speed_load),
                     }
-                } else if converged {
-                    Status::Converged
                 } else {
-                    Status::PrecisionLimit
+                    status
                 };
                 return;
             }
-            // A ball that its own steps do not bring back is lost, and the start with it.
-            lost = if imbalance >= T::ONE {
-                lost.saturating_add(1)
-            } else {
-                0
-            };
-            let hopeless = lost >= 3 && attempt != Attempt::Preloaded;
-            if outcome.sweeps >= until || hopeless {
+            if outcome.sweeps >= until || course.is_hopeless(imbalance, attempt) {
                 return;
             }
-            // Short steps need no laws, unless they lead nowhere: a ball about to open is not linear. A bearing
-            // that gives way in some direction can be in balance and yet far from the solution.
-            laws = outcome.residual > T::of(0.055) || !short || (stuck && !settled);
+            course.laws = outcome.needs_laws(&course, tolerance);
             // Offsets this large would cost digits of the deformations.
-            let far = T::of(2e-3);
+            let far = T::of(thresholds::FAR_FROM_REFERENCE);
             if span(&self.state.position.offset) > far || !(moved.step <= far) || repeats > 0 {
                 self.rebase();
             }
         }
+    }
+
+    /// Load that is not balanced at the present position, and the tangent there: by the laws, where there are
+    /// any, or by the linearisation.
+    #[inline(always)]
+    fn balance_at(&self, load: &[T; D], laws: bool, imbalance: T) -> ([T; D], Tangent<T, D>) {
+        // Balls next to their own equilibrium have laws that agree with the linearisation here.
+        if laws && (imbalance > T::of(thresholds::AT_ODDS) || !M::AT_SPEED) {
+            return self.unbalanced(load, &[T::ZERO; D]);
+        }
+        let (mut b, mut tangent) = (*load, self.state.tangent);
+        for (b, force) in b.iter_mut().zip(&self.state.force) {
+            *b -= *force;
+        }
+        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut b, &mut tangent);
+        (b, tangent)
     }
 
     fn loaded_balls(&self, speed_load: T) -> u16 {
@@ -1477,7 +1640,11 @@ where
         outcome.slack = (unbalanced * size * outcome.weakest).or_smaller(T::ONE);
         let inertia = ring::sharing::<T, D>(c) * speed_load;
         let forces = inertia + T::of(10.0) * size;
-        let error = outcome.error(span(&total), inertia / forces.or_larger(T::TINY));
+        let error = outcome.error(
+            span(&total),
+            inertia / forces.or_larger(T::TINY),
+            growth(outcome.hardening, &self.state.tangent),
+        );
         let mut displacement = ring::displacement_out(c, &total);
         for (i, displacement) in displacement.iter_mut().enumerate() {
             *displacement = held(i).unwrap_or(*displacement);
