@@ -17,7 +17,7 @@
 use crate::constants::Constants;
 use crate::contact::{Contact, Lead, Pair, Reference, add, dot, scale, sub};
 use crate::float::Real;
-use crate::kinematics::{Attitude, BallMotion};
+use crate::kinematics::{Attitude, BallMotion, NEAREST_POLE};
 use crate::spring::{Spring, Square};
 
 /// What one ball hands to the ring for the present displacement, elimination done.
@@ -281,7 +281,10 @@ impl<T: Real> Ball<T> {
         }
         // Two contacts that do not oppose each other hold no ball: at 180 degrees the cage speed has a
         // pole, and next to it, from 150 degrees on, there are equilibria that are of the equations only.
-        if inner.q > T::ZERO && cd < T::of(-0.866) {
+        // A ball off the inner race is not held there by what the pole makes of its centrifugal force.
+        let carries = inner.q > T::ZERO;
+        let at_pole = outer.q >= least && cd < T::of(NEAREST_POLE - 1.0);
+        if (carries && cd < T::of(-0.866)) || at_pole {
             imbalance = T::ONE;
         }
 

@@ -94,6 +94,10 @@ pub struct BallMotion<T> {
     pub per_forces: T,
 }
 
+/// Least `1 + cos d` that speeds are worked out for: where the contacts are opposite, the cage speed has a
+/// pole. On the way to an equilibrium the bound keeps the numbers finite; what it changes is none.
+pub const NEAREST_POLE: f64 = 0.01;
+
 /// Angles between the contacts, common to all rules.
 struct Angles<T> {
     a: T,
@@ -111,9 +115,7 @@ impl<T: Real> Angles<T> {
     #[inline(always)]
     fn of(k: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> Self {
         let cos_d = inner.cos * outer.cos + inner.sin * outer.sin;
-        // Opposite contact angles do not occur in an equilibrium; on the way to one, the
-        // bound keeps the numbers finite.
-        let apart = (T::ONE + cos_d).or_larger(T::of(0.01));
+        let apart = (T::ONE + cos_d).or_larger(T::of(NEAREST_POLE));
         let forces = (inner.q + outer.q).or_larger(T::of(1e-30));
         // One division for both.
         let inverse = T::ONE / (apart * forces);

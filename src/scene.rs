@@ -917,6 +917,29 @@ mod tests {
     }
 
     #[test]
+    fn a_ball_off_the_inner_race_is_not_held_at_the_pole_of_its_cage_speed() {
+        let bearing = spindle();
+        let c = &bearing.constants;
+        let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
+        // The inner groove's centre is between the outer one's and the ball that is flung out.
+        let [axial, radial] = add(coarse, fine);
+        let a = [1e-3 - axial, 0.4 - radial];
+        let imbalance = |negligible: f64| {
+            let drive = Drive {
+                speed_load: 1e-6,
+                negligible,
+            };
+            let mut ball = Ball::<f64>::default();
+            <Full>::rebase(c, &mut ball, coarse, fine);
+            <Full>::place(c, drive.speed_load, &mut ball, add(add(coarse, fine), a));
+            <Full>::settled::<f64, 5>(c, &drive, &mut ball, a, (0.01, 8), false).1
+        };
+        assert!(imbalance(1e-12) >= 1.0);
+        // Unless its force makes no difference.
+        assert!(imbalance(1.0) < 0.01);
+    }
+
+    #[test]
     fn a_ball_at_rest_stiffens_by_the_difference_of_its_tangents() {
         let bearing = spindle();
         let c = &bearing.constants;

@@ -54,6 +54,7 @@ use crate::constants::{Azimuth, Bearing, Constants};
 use crate::contact::{Pair, add, dot, scale};
 use crate::float::Real;
 use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
+use crate::kinematics::NEAREST_POLE;
 use crate::outputs::{Balls, Outputs, PerBall};
 use crate::ring::{self, Definite, Factors, Sums, Tangent, TangentSums, shift};
 use crate::scene::{Change, Drive, Full, Motion, Position, curvature_centre, free_ball};
@@ -1382,14 +1383,18 @@ where
         count
     }
 
-    /// The carrying ball whose contacts are furthest apart, if those are past opposing each other.
-    fn unseated(&self, speed_load: T) -> Option<Status<T>> {
+    /// The carrying ball whose contacts are furthest apart, if those are past opposing each other; or one off
+    /// the inner race whose centrifugal force, at the pole of the cage speed, is more than rounding leaves of the
+    /// load's norm `size`.
+    fn unseated(&self, speed_load: T, size: T) -> Option<Status<T>> {
         let (mut least, mut worst) = (T::ZERO, None);
         for (index, (ball, at)) in (0..).zip(self.balls.iter().zip(self.azimuths)) {
             let a = shift(&self.state.position.offset, at);
             let Pass { inner, outer, .. } = M::observe(self.c, speed_load, ball, a);
             let opposed = dot(inner.normal(), outer.normal());
-            if inner.q > T::ZERO && opposed < least {
+            let at_pole =
+                outer.q > T::of(1e3) * T::EPSILON * size && opposed < T::of(NEAREST_POLE - 1.0);
+            if (inner.q > T::ZERO || at_pole) && opposed < least {
                 let across = dot(inner.normal(), outer.tangent());
                 let apart = across.abs().atan2(opposed);
                 (least, worst) = (opposed, Some(Status::Unseated { ball: index, apart }));
@@ -1620,7 +1625,7 @@ where
                 self.state.load = [T::ZERO; D];
                 self.state.size = T::ZERO;
                 if M::AT_SPEED
-                    && let Some(unseated) = self.iteration().unseated(speed_load)
+                    && let Some(unseated) = self.iteration().unseated(speed_load, size)
                 {
                     outcome.status = unseated;
                 }

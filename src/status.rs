@@ -129,8 +129,9 @@ pub enum Status<T> {
     /// residual is given.
     SweepLimit,
     /// The same, and centrifugal force has driven a ball past where the inner groove holds it: its
-    /// contacts are more than 90 degrees apart. The load is too small for the speed. There, the model
-    /// has several equilibria or none, and the iteration found none.
+    /// contacts are more than 90 degrees apart, or it has lost the inner one and is where that would be
+    /// opposite to the outer one. The load is too small for the speed. There, the model has several
+    /// equilibria or none, and the iteration found none.
     Unseated {
         /// Index of the worst ball.
         ball: u16,
