@@ -282,9 +282,9 @@ impl<T: Real> Ball<T> {
         // Two contacts that do not oppose each other hold no ball: at 180 degrees the cage speed has a
         // pole, and next to it, from 150 degrees on, there are equilibria that are of the equations only.
         // A ball off the inner race is not held there by what the pole makes of its centrifugal force.
-        let carries = inner.q > T::ZERO;
-        let at_pole = outer.q >= least && cd < T::of(NEAREST_POLE - 1.0);
-        if (carries && cd < T::of(-0.866)) || at_pole {
+        if cd < T::of(-0.866)
+            && (inner.q > T::ZERO || (cd < T::of(NEAREST_POLE - 1.0) && outer.q >= least))
+        {
             imbalance = T::ONE;
         }
 

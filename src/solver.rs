@@ -45,7 +45,8 @@
 //! Newton step further, where the change enters as a factor. What rounding leaves comes on top: a displacement
 //! in the direction in which the ring gives way most, and what that changes of the stiffness of contacts
 //! that carry little. A ball whose contacts no longer oppose each other (150 degrees
-//! apart) is no answer: there the cage speed has a pole, and the equations have roots of no bearing.
+//! apart), or that is off the inner race where they would be opposite, is no answer: there the cage speed has a
+//! pole, and the equations have roots of no bearing.
 
 use crate::axial::Spring;
 use crate::ball::{Pass, Share};
