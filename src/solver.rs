@@ -1273,7 +1273,7 @@ where
 
             let (mut du, mut weakness, mut far) = ([T::ZERO; D], Weakness::NONE, false);
             if let Given::Load(load) = given {
-                let (b, tangent) = self.balance_at(load, course.laws, imbalance);
+                let (b, tangent) = self.unbalanced_here(load, course.laws, imbalance);
                 outcome.residual = norm(&b) / size;
                 let follows = outcome.sweeps < until;
                 if !course.laws && outcome.residual > T::of(thresholds::MISSES_LAWS) && follows {
@@ -1361,7 +1361,7 @@ where
     /// Load that is not balanced at the present position, and the tangent there: by the laws, where there are
     /// any, or by the linearisation.
     #[inline(always)]
-    fn balance_at(&self, load: &[T; D], laws: bool, imbalance: T) -> ([T; D], Tangent<T, D>) {
+    fn unbalanced_here(&self, load: &[T; D], laws: bool, imbalance: T) -> ([T; D], Tangent<T, D>) {
         // Balls next to their own equilibrium have laws that agree with the linearisation here.
         if laws && (imbalance > T::of(thresholds::AT_ODDS) || !M::AT_SPEED) {
             return self.unbalanced(load, &[T::ZERO; D]);
