@@ -105,6 +105,9 @@ fn multiply<T: Real>(a: &Square<T>, b: &Square<T>) -> Square<T> {
     m
 }
 
+/// How many times what is negligible beside the bearing's load a ball's force must be to count.
+pub const COUNTS: f64 = 1e3;
+
 /// A quotient that is rarely wanted: as a division it would be made always, and mostly thrown away.
 #[cold]
 #[inline(never)]
@@ -269,7 +272,7 @@ impl<T: Real> Ball<T> {
 
         // Here and not in the end, so that what it takes need not be kept in registers.
         let unbalanced = residual[0].abs() + residual[1].abs();
-        let least = T::of(1e3) * negligible;
+        let least = T::of(COUNTS) * negligible;
         let mut imbalance = if outer.q < least {
             quotient(unbalanced, least)
         } else {

@@ -846,6 +846,11 @@ mod tests {
     use super::*;
     use crate::{Bearing, Design, FreeContact, Material};
 
+    const AT_REST: Drive<f64> = Drive {
+        speed_load: 0.0,
+        negligible: 0.0,
+    };
+
     fn spindle() -> Bearing<f64, 16> {
         let design = Design {
             ball_diameter: 6.35e-3,
@@ -862,30 +867,32 @@ mod tests {
         Bearing::<f64, 16>::new(&design).expect("a B7005C can be built")
     }
 
+    /// The first ball at rest, linearised with its law, and what it hands to the ring.
+    fn still(bearing: &Bearing<f64, 16>, a: Pair<f64>) -> (Still<f64>, Share<f64>) {
+        let c = &bearing.constants;
+        let mut ball = Still::<f64>::default();
+        let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
+        Static::rebase(c, &mut ball, coarse, fine);
+        let (share, _) = Static::linearise::<f64, 5>(c, &AT_REST, &mut ball, a, 0.0, true);
+        (ball, share)
+    }
+
     #[test]
     fn a_ball_that_dropped_out_sees_a_step_close_its_gap() {
         let bearing = spindle();
         let c = &bearing.constants;
-        let drive = Drive {
-            speed_load: 0.0,
-            negligible: 0.0,
-        };
         let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
         let mut ball = Ball::<f64>::default();
         <Full>::rebase(c, &mut ball, coarse, fine);
-        let (share, _) = <Full>::linearise::<f64, 5>(c, &drive, &mut ball, [-0.01, 0.0], 0.0, true);
+        let (share, _) =
+            <Full>::linearise::<f64, 5>(c, &AT_REST, &mut ball, [-0.01, 0.0], 0.0, true);
         assert_eq!(share, Share::NONE);
         let closed = <Full>::stiffening(c, &ball, [0.02, 0.0]);
         assert!(closed.tangent[0] > 0.0 && closed.tangent[2] > 0.0 && closed.unknown == 1.0);
         let open = <Full>::stiffening(c, &ball, [-0.02, 0.0]);
         assert_eq!(open.tangent, [0.0; 3]);
         // Under the law alone, the bearing at rest: the same contact.
-        let still = {
-            let mut still = Still::<f64>::default();
-            Static::rebase(c, &mut still, coarse, fine);
-            Static::linearise::<f64, 5>(c, &drive, &mut still, [-0.01, 0.0], 0.0, true);
-            still
-        };
+        let (still, _) = still(&bearing, [-0.01, 0.0]);
         let force = |spring: &Spring<f64>| spring.react([0.02, 0.0], false).force;
         let (of_ball, of_still) = (force(&ball.spring), force(&still.spring));
         assert!(of_ball > 0.0 && (of_ball / of_still - 1.0).abs() < 1e-2);
@@ -943,26 +950,17 @@ mod tests {
     fn a_ball_at_rest_stiffens_by_the_difference_of_its_tangents() {
         let bearing = spindle();
         let c = &bearing.constants;
-        let drive = Drive {
-            speed_load: 0.0,
-            negligible: 0.0,
-        };
-        let at = |a: Pair<f64>| {
-            let mut ball = Still::<f64>::default();
-            let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
-            Static::rebase(c, &mut ball, coarse, fine);
-            let (share, _) = Static::linearise::<f64, 5>(c, &drive, &mut ball, a, 0.0, false);
-            (ball, share.stiffness)
-        };
         let a = [0.01, 0.004];
         for da in [[1e-5, 0.0], [0.0, -2e-5], [-1e-4, 2e-4], [3e-4, 1e-4]] {
-            let (ball, before) = at(a);
-            let (_, after) = at(add(a, da));
+            let (ball, before) = still(&bearing, a);
+            let (_, after) = still(&bearing, add(a, da));
             let change = Static::stiffening(c, &ball, da);
             let largest = change.tangent.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
             for i in 0..2 {
                 for j in 0..2 {
-                    let missed = (after[i][j] - before[i][j] - change.tangent[i + j]).abs();
+                    let missed =
+                        (after.stiffness[i][j] - before.stiffness[i][j] - change.tangent[i + j])
+                            .abs();
                     assert!(
                         missed < change.unknown * largest,
                         "{da:?}: {missed:e}, {largest:e}"
@@ -977,24 +975,18 @@ mod tests {
         let bearing = spindle();
         let c = &bearing.constants;
         let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
-        let drive = Drive {
-            speed_load: 0.0,
-            negligible: 0.0,
-        };
         let a = [0.01, 0.0];
-        let mut still = Still::<f64>::default();
-        Static::rebase(c, &mut still, coarse, fine);
-        Static::linearise::<f64, 5>(c, &drive, &mut still, a, 0.0, false);
+        let (still, _) = still(&bearing, a);
         let mut ball = Ball::<f64>::default();
         <Full>::rebase(c, &mut ball, coarse, fine);
         let centre = add(add(coarse, fine), a);
         <Full>::place(c, 0.0, &mut ball, centre);
         <Full>::rebase(c, &mut ball, coarse, fine);
         for _ in 0..4 {
-            <Full>::linearise::<f64, 5>(c, &drive, &mut ball, a, 0.0, false);
+            <Full>::linearise::<f64, 5>(c, &AT_REST, &mut ball, a, 0.0, false);
             <Full>::settle(&mut ball);
         }
-        <Full>::linearise::<f64, 5>(c, &drive, &mut ball, a, 1.0, false);
+        <Full>::linearise::<f64, 5>(c, &AT_REST, &mut ball, a, 1.0, false);
         let pass = <Full>::observe(c, 0.0, &ball, a);
         let slope = |delta: f64| 1.5 * c.ki * delta.sqrt();
         let (delta, step) = (pass.inner.delta, 1e-4 * pass.inner.delta);
@@ -1013,25 +1005,15 @@ mod tests {
     fn a_radial_contact_that_turns_stiffens_the_axial_direction() {
         let bearing = spindle();
         let c = &bearing.constants;
-        let drive = Drive {
-            speed_load: 0.0,
-            negligible: 0.0,
-        };
         let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
         let [axial, radial] = add(coarse, fine);
-        let at = |a: Pair<f64>| {
-            let mut ball = Still::<f64>::default();
-            Static::rebase(c, &mut ball, coarse, fine);
-            let (share, _) = Static::linearise::<f64, 5>(c, &drive, &mut ball, a, 0.0, true);
-            (ball, share.stiffness[0][0])
-        };
         // The line of centres is radial, and squeezed by a hundredth.
         let a = [-axial, 1.01 - radial];
         for da in [[0.02, 0.0], [-0.05, 0.0]] {
-            let (mut ball, before) = at(a);
-            let (_, after) = at(add(a, da));
-            let change = Static::follow(c, &drive, &mut ball, a, da);
-            let seen = change.stiffness[0] / (after - before);
+            let (mut ball, before) = still(&bearing, a);
+            let (_, after) = still(&bearing, add(a, da));
+            let change = Static::follow(c, &AT_REST, &mut ball, a, da);
+            let seen = change.stiffness[0] / (after.stiffness[0][0] - before.stiffness[0][0]);
             assert!((0.5..2.0).contains(&seen), "{da:?}: {seen}");
         }
     }

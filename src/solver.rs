@@ -49,7 +49,7 @@
 //! pole, and the equations have roots of no bearing.
 
 use crate::axial::Spring;
-use crate::ball::{Pass, Share};
+use crate::ball::{COUNTS, Pass, Share};
 use crate::conditions::{Conditions, Loads, constrain, hold, missing};
 use crate::constants::{Azimuth, Bearing, Constants};
 use crate::contact::{Pair, add, dot, scale};
@@ -1385,16 +1385,16 @@ where
     }
 
     /// The carrying ball whose contacts are furthest apart, if those are past opposing each other; or one off
-    /// the inner race whose centrifugal force, at the pole of the cage speed, is more than rounding leaves of the
-    /// load's norm `size`.
+    /// the inner race whose centrifugal force, at the pole of the cage speed, counts beside the load's norm
+    /// `size`.
     fn unseated(&self, speed_load: T, size: T) -> Option<Status<T>> {
+        let least_force = T::of(COUNTS) * T::EPSILON * size;
         let (mut least, mut worst) = (T::ZERO, None);
         for (index, (ball, at)) in (0..).zip(self.balls.iter().zip(self.azimuths)) {
             let a = shift(&self.state.position.offset, at);
             let Pass { inner, outer, .. } = M::observe(self.c, speed_load, ball, a);
             let opposed = dot(inner.normal(), outer.normal());
-            let at_pole =
-                outer.q > T::of(1e3) * T::EPSILON * size && opposed < T::of(NEAREST_POLE - 1.0);
+            let at_pole = outer.q > least_force && opposed < T::of(NEAREST_POLE - 1.0);
             if (inner.q > T::ZERO || at_pole) && opposed < least {
                 let across = dot(inner.normal(), outer.tangent());
                 let apart = across.abs().atan2(opposed);

@@ -1,6 +1,7 @@
 //! A small campaign, held to its contract.
 
-use host_tests::campaign::{Plan, contract, families::Family, report, run_quietly};
+use host_tests::campaign::families::{Family, Trial};
+use host_tests::campaign::{Plan, contract, judge, report, run_quietly};
 
 #[test]
 fn every_family_holds_its_contract() {
@@ -23,4 +24,17 @@ fn every_family_holds_its_contract() {
         broken.join("\n"),
         report::worst(&records)
     );
+}
+
+/// Beyond the contract's cases: balls off the inner race whose cage speed is next to its pole, where a bound
+/// on it balances loads that the model does not.
+#[test]
+fn what_only_the_pole_of_the_cage_speed_balances_is_refused() {
+    for (family, index) in [(Family::ZeroLoads, 42_932), (Family::Radial, 38_764)] {
+        let judged = judge::judge(&Trial::new(Plan::SEED, family, index));
+        for record in judged.ticks[0].records {
+            let (name, precision) = (family.name(), record.precision);
+            assert_eq!(record.status, "unseated", "{name} {index}, {precision:?}");
+        }
+    }
 }

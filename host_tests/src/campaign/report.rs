@@ -120,9 +120,9 @@ impl Summary {
             passes: Spread::of(solved().filter_map(|r| r.passes).map(f64::from)),
             refused: [
                 verdict(Verdict::RightlyRefused),
-                count(&|r| is_missed(r, false)),
+                count(&|r| missed(r).is_some()),
             ],
-            missed_opposed: count(&|r| is_missed(r, true)),
+            missed_opposed: count(&|r| missed(r) == Some(true)),
             undecided: verdict(Verdict::Undecided),
             answers: [
                 errors.len(),
@@ -157,9 +157,12 @@ pub fn summaries(records: &[Record]) -> Vec<Summary> {
     all
 }
 
-/// Whether there is no answer though there is an equilibrium; or only one where contacts oppose each other.
-fn is_missed(record: &Record, opposed_only: bool) -> bool {
-    matches!(record.verdict, Verdict::Missed { opposed } if opposed || !opposed_only)
+/// Of an equilibrium that was missed, whether contacts oppose each other there.
+fn missed(record: &Record) -> Option<bool> {
+    match record.verdict {
+        Verdict::Missed { opposed } => Some(opposed),
+        _ => None,
+    }
 }
 
 fn name(precision: Precision) -> &'static str {
@@ -416,7 +419,7 @@ pub fn worst(records: &[Record]) -> String {
             }
         };
         text += &first("failed", &|r| matches!(r.verdict, Verdict::Failed(_)));
-        text += &first("missed", &|r| is_missed(r, false));
+        text += &first("missed", &|r| missed(r).is_some());
         text += &first("unjudged", &|r| r.verdict == Verdict::Unjudged);
     }
     text
