@@ -260,6 +260,27 @@ pub fn hold<T: Real, B: Conditions<Freedoms<D>>, const D: usize>(
     }
 }
 
+/// As [`hold`], of a tangent that stays what it is: where freedoms are held, their equations go in a `copy`,
+/// and nothing is copied elsewhere.
+#[inline(always)]
+pub fn held<'t, T: Real, B: Conditions<Freedoms<D>>, const D: usize>(
+    c: &Constants<T>,
+    by: &[T; D],
+    b: &mut [T; D],
+    tangent: &'t Tangent<T, D>,
+    copy: &'t mut Tangent<T, D>,
+) -> &'t Tangent<T, D>
+where
+    Freedoms<D>: BallStore,
+{
+    if !B::HOLDS {
+        return tangent;
+    }
+    *copy = *tangent;
+    hold::<T, B, D>(c, by, b, copy);
+    copy
+}
+
 /// Makes the held freedoms' part of the step `d` of the groove plane exactly the steps `by` of the
 /// bearing centre.
 #[inline(always)]

@@ -50,7 +50,7 @@
 
 use crate::axial::Spring;
 use crate::ball::{COUNTS, Pass, Share};
-use crate::conditions::{Conditions, Loads, constrain, hold, missing};
+use crate::conditions::{Conditions, Loads, constrain, held, hold, missing};
 use crate::constants::{Azimuth, Bearing, Constants};
 use crate::contact::{Pair, add, dot, scale};
 use crate::float::Real;
@@ -1060,10 +1060,10 @@ where
         for i in 0..D {
             b[i] -= self.state.load[i] + sums[i];
         }
-        let mut tangent = self.state.tangent;
+        let mut own = [[T::ZERO; D]; D];
         let by = missing::<T, B, D>(self.c, wanted, &self.state.position.total());
-        hold::<T, B, D>(self.c, &by, &mut b, &mut tangent);
-        let (factors, _) = Factors::of(&tangent, T::of(8.0) * T::EPSILON);
+        let tangent = held::<T, B, D>(self.c, &by, &mut b, &self.state.tangent, &mut own);
+        let (factors, _) = Factors::of(tangent, T::of(8.0) * T::EPSILON);
         let mut du = factors.solve(&b);
         let mut sums = [T::ZERO; D];
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
@@ -1074,7 +1074,7 @@ where
                 T::ZERO,
             );
         }
-        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut sums, &mut tangent);
+        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut sums, &mut own);
         for (step, back) in du.iter_mut().zip(&factors.solve(&sums)) {
             *step -= *back;
         }
@@ -1082,8 +1082,8 @@ where
         self.advance(&du, None);
     }
 
-    /// Load less the forces that the balls' laws see after a step `du`, and the tangent there.
-    fn unbalanced(&self, load: &[T; D], du: &[T; D]) -> ([T; D], Tangent<T, D>) {
+    /// What the balls' laws see after a step `du`: load less their forces, put in `b`, and the tangent there.
+    fn unbalanced(&self, load: &[T; D], du: &[T; D], b: &mut [T; D], tangent: &mut Tangent<T, D>) {
         let mut beyond = Sums::about([T::ZERO; 2]);
         for (ball, at) in self.balls.iter().zip(self.azimuths) {
             let spring = M::spring(ball);
@@ -1099,18 +1099,16 @@ where
             );
         }
         let force = beyond.force();
-        let mut tangent = beyond.tangent(!M::AT_SPEED);
-        let mut b = *load;
+        *tangent = beyond.tangent(!M::AT_SPEED);
         for i in 0..D {
-            b[i] -= self.state.force[i] + force[i];
+            b[i] = load[i] - (self.state.force[i] + force[i]);
             for j in 0..D {
                 let linear = self.state.tangent[i][j];
                 b[i] -= linear * du[j];
                 tangent[i][j] += linear;
             }
         }
-        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut b, &mut tangent);
-        (b, tangent)
+        hold::<T, B, D>(self.c, &[T::ZERO; D], b, tangent);
     }
 
     /// The step of the ring to where the balls' laws balance the load, no longer than `longest`, from
@@ -1121,10 +1119,11 @@ where
         &self,
         load: &[T; D],
         mut b: [T; D],
-        mut tangent: Tangent<T, D>,
+        tangent: &Tangent<T, D>,
         longest: T,
         rung: &mut u8,
     ) -> ([T; D], Weakness<T>) {
+        let mut tangent = *tangent;
         let first = norm(&b);
         let small = T::of(thresholds::LINEAR) * norm(load);
         let mut du = [T::ZERO; D];
@@ -1144,15 +1143,13 @@ where
                 return (d, weakness);
             }
             let slope = dot5(&b, &d);
-            let mut fraction = T::ONE;
+            let (from, mut fraction) = (du, T::ONE);
             loop {
-                let mut to = du;
-                for (sum, part) in to.iter_mut().zip(&d) {
-                    *sum += fraction * *part;
+                for ((to, from), part) in du.iter_mut().zip(&from).zip(&d) {
+                    *to = *from + fraction * *part;
                 }
-                let (left, there) = self.unbalanced(load, &to);
-                if dot5(&left, &d) >= T::of(-0.5) * slope || fraction < T::of(0.1) {
-                    (du, b, tangent) = (to, left, there);
+                self.unbalanced(load, &du, &mut b, &mut tangent);
+                if dot5(&b, &d) >= T::of(-0.5) * slope || fraction < T::of(0.1) {
                     break;
                 }
                 fraction = fraction * T::of(0.5);
@@ -1273,7 +1270,18 @@ where
 
             let (mut du, mut weakness, mut far) = ([T::ZERO; D], Weakness::NONE, false);
             if let Given::Load(load) = given {
-                let (b, tangent) = self.unbalanced_here(load, course.laws, imbalance);
+                let mut b = *load;
+                for (b, force) in b.iter_mut().zip(&self.state.force) {
+                    *b -= *force;
+                }
+                let (none, mut own) = ([T::ZERO; D], [[T::ZERO; D]; D]);
+                let mut tangent =
+                    held::<T, B, D>(self.c, &none, &mut b, &self.state.tangent, &mut own);
+                // Balls next to their own equilibrium have laws that agree with the linearisation here.
+                if course.laws && (imbalance > T::of(thresholds::AT_ODDS) || !M::AT_SPEED) {
+                    self.unbalanced(load, &none, &mut b, &mut own);
+                    tangent = &own;
+                }
                 outcome.residual = norm(&b) / size;
                 let follows = outcome.sweeps < until;
                 if !course.laws && outcome.residual > T::of(thresholds::MISSES_LAWS) && follows {
@@ -1287,7 +1295,7 @@ where
                 (du, weakness) = if course.laws {
                     self.step(load, b, tangent, course.radius, &mut course.rung)
                 } else {
-                    self.descent(&b, &tangent, &du, course.radius, true, &mut course.rung)
+                    self.descent(&b, tangent, &du, course.radius, true, &mut course.rung)
                 };
             } else {
                 outcome.residual = T::ZERO;
@@ -1356,22 +1364,6 @@ where
                 self.rebase();
             }
         }
-    }
-
-    /// Load that is not balanced at the present position, and the tangent there: by the laws, where there are
-    /// any, or by the linearisation.
-    #[inline(always)]
-    fn unbalanced_here(&self, load: &[T; D], laws: bool, imbalance: T) -> ([T; D], Tangent<T, D>) {
-        // Balls next to their own equilibrium have laws that agree with the linearisation here.
-        if laws && (imbalance > T::of(thresholds::AT_ODDS) || !M::AT_SPEED) {
-            return self.unbalanced(load, &[T::ZERO; D]);
-        }
-        let (mut b, mut tangent) = (*load, self.state.tangent);
-        for (b, force) in b.iter_mut().zip(&self.state.force) {
-            *b -= *force;
-        }
-        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut b, &mut tangent);
-        (b, tangent)
     }
 
     fn loaded_balls(&self, speed_load: T) -> u16 {
