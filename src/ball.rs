@@ -18,7 +18,7 @@ use crate::constants::Constants;
 use crate::contact::{Contact, Lead, Pair, Reference, add, dot, scale, sub};
 use crate::float::Real;
 use crate::kinematics::{Attitude, BallMotion, NEAREST_POLE};
-use crate::spring::{Spring, Square};
+use crate::spring::{Spring, Square, Stretch};
 
 /// What one ball hands to the ring for the present displacement, elimination done.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,8 +66,9 @@ pub struct Ball<T> {
     pub step_by_speed: Pair<T>,
     pub force_by_speed: Pair<T>,
     pub couple_by_speed: T,
-    /// What the ring knows of the ball between linearisations.
+    /// What the ring knows of the ball between linearisations, and its last look at that.
     pub spring: Spring<T>,
+    pub stretch: Stretch<T>,
     /// Forces of the inner and the outer contact, as unknowns of their own.
     pub inner_lead: Lead<T>,
     pub outer_lead: Lead<T>,
@@ -416,6 +417,7 @@ impl<T: Real> Ball<T> {
         l: Loads<T>,
         share: Share<T>,
     ) {
+        self.stretch = Stretch::none();
         self.spring = if inner.q > T::ZERO {
             let carried = add(
                 scale(inner.q, inner.normal()),

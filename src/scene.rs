@@ -10,7 +10,7 @@ use crate::constants::{Azimuth, Constants, Split};
 use crate::contact::{Contact, Lead, Pair, Pull, Reference, add, dot, length, scale, sub};
 use crate::float::Real;
 use crate::kinematics::{Attitude, BallMotion, RacewayControlFree};
-use crate::spring::{Reaction, Spring, tension};
+use crate::spring::{Reaction, Spring, Square, tension};
 use core::marker::PhantomData;
 
 mod sealed {
@@ -235,9 +235,10 @@ pub trait Motion: sealed::Sealed + 'static {
             repeats += 1;
         }
     }
-    /// The ball's law in the last linearisation.
+    /// What the law of the last linearisation has beyond the linear force and tangent when the ring steps by
+    /// `da`.
     #[doc(hidden)]
-    fn spring<T: Real>(ball: &Self::Ball<T>) -> &Spring<T>;
+    fn beyond<T: Real>(ball: &mut Self::Ball<T>, da: Pair<T>) -> (Pair<T>, Square<T>);
     /// Makes the ball's own Newton step, the ring at rest.
     #[doc(hidden)]
     fn settle<T: Real>(ball: &mut Self::Ball<T>);
@@ -363,8 +364,8 @@ impl Motion for Static {
     }
 
     #[inline(always)]
-    fn spring<T: Real>(ball: &Still<T>) -> &Spring<T> {
-        &ball.spring
+    fn beyond<T: Real>(ball: &mut Still<T>, da: Pair<T>) -> (Pair<T>, Square<T>) {
+        ball.spring.beyond(&ball.spring.react(da, None))
     }
 
     #[inline(always)]
@@ -378,13 +379,13 @@ impl Motion for Static {
 
     #[inline(always)]
     fn second_order<T: Real>(_: &Constants<T>, ball: &mut Still<T>, da: Pair<T>) -> Pair<T> {
-        ball.spring.beyond(&ball.spring.react(da, false)).0
+        ball.spring.beyond(&ball.spring.react(da, None)).0
     }
 
     #[inline(always)]
     fn stiffening<T: Real>(_: &Constants<T>, ball: &Still<T>, da: Pair<T>) -> Stiffening<T> {
         let spring = &ball.spring;
-        let reaction = spring.react(da, false);
+        let reaction = spring.react(da, None);
         // Left out is what is smaller by the step's length over the distance of the centres; but where a
         // contact opens or closes, the root of what rounding leaves of the deformation counts.
         let unknown = if (reaction.force > T::ZERO) == spring.carries() {
@@ -401,7 +402,7 @@ impl Motion for Static {
 
     #[inline(always)]
     fn advance<T: Real>(ball: &mut Still<T>, da: Pair<T>) -> T {
-        ball.force = ball.spring.react(da, false).force;
+        ball.force = ball.spring.react(da, None).force;
         T::ZERO
     }
 
@@ -414,7 +415,7 @@ impl Motion for Static {
         da: Pair<T>,
     ) -> Change<T> {
         let normal = ball.spring.normal;
-        let reaction = ball.spring.react(da, false);
+        let reaction = ball.spring.react(da, None);
         ball.force = reaction.force;
         let turn = normal[1] * da[0] - normal[0] * da[1];
         Change {
@@ -562,7 +563,8 @@ fn place<T: Real>(
         let order = r + squeeze * squeeze.or_larger(T::ZERO).sqrt();
         let (hertz, bend) = (depth(order, T::ONE), slack / ((order + r) * (order + r)));
         let start = hertz - bend + depth(along, c.ko);
-        let (z, _) = tension(hertz, bend, r / order, squeeze - start);
+        let per_sum = T::ONE / (T::ONE + r / order);
+        let (z, _) = tension(hertz, bend, per_sum, squeeze - start);
         let z = T::ONE + z;
         let q = order * z * z * z;
         let y = across * h / (q + r).or_larger(T::TINY);
@@ -629,8 +631,9 @@ impl<S: Turning> Motion for S {
     }
 
     #[inline(always)]
-    fn spring<T: Real>(ball: &Ball<T>) -> &Spring<T> {
-        &ball.spring
+    fn beyond<T: Real>(ball: &mut Ball<T>, da: Pair<T>) -> (Pair<T>, Square<T>) {
+        let reaction = ball.spring.react(da, Some(&mut ball.stretch));
+        ball.spring.beyond(&reaction)
     }
 
     #[inline]
@@ -789,7 +792,7 @@ impl<S: Turning> Motion for S {
         a: Pair<T>,
         da: Pair<T>,
     ) -> Change<T> {
-        let reaction = ball.spring.react(da, true);
+        let reaction = ball.spring.react(da, Some(&mut ball.stretch));
         let (force, effective) = ball.spring.follow(da, &reaction);
         let dx = ball.outward(ball.stepped(ball.inward(effective)));
         let step = dx[0].abs() + dx[1].abs();
@@ -893,7 +896,7 @@ mod tests {
         assert_eq!(open.tangent, [0.0; 3]);
         // Under the law alone, the bearing at rest: the same contact.
         let (still, _) = still(&bearing, [-0.01, 0.0]);
-        let force = |spring: &Spring<f64>| spring.react([0.02, 0.0], false).force;
+        let force = |spring: &Spring<f64>| spring.react([0.02, 0.0], None).force;
         let (of_ball, of_still) = (force(&ball.spring), force(&still.spring));
         assert!(of_ball > 0.0 && (of_ball / of_still - 1.0).abs() < 1e-2);
     }

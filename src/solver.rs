@@ -1083,11 +1083,16 @@ where
     }
 
     /// What the balls' laws see after a step `du`: load less their forces, put in `b`, and the tangent there.
-    fn unbalanced(&self, load: &[T; D], du: &[T; D], b: &mut [T; D], tangent: &mut Tangent<T, D>) {
+    fn unbalanced(
+        &mut self,
+        load: &[T; D],
+        du: &[T; D],
+        b: &mut [T; D],
+        tangent: &mut Tangent<T, D>,
+    ) {
         let mut beyond = Sums::about([T::ZERO; 2]);
-        for (ball, at) in self.balls.iter().zip(self.azimuths) {
-            let spring = M::spring(ball);
-            let (force, stiffness) = spring.beyond(&spring.react(shift(du, at), M::AT_SPEED));
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            let (force, stiffness) = M::beyond(ball, shift(du, at));
             beyond.add(
                 at,
                 &Share {
@@ -1116,14 +1121,13 @@ where
     /// least. By itself, so that sweeps of warm solves have the registers.
     #[inline(never)]
     fn step(
-        &self,
+        &mut self,
         load: &[T; D],
         mut b: [T; D],
-        tangent: &Tangent<T, D>,
+        mut tangent: Tangent<T, D>,
         longest: T,
         rung: &mut u8,
     ) -> ([T; D], Weakness<T>) {
-        let mut tangent = *tangent;
         let first = norm(&b);
         let small = T::of(thresholds::LINEAR) * norm(load);
         let mut du = [T::ZERO; D];
@@ -1293,6 +1297,7 @@ where
                     .or_larger(T::of(thresholds::GOES_ON.1) * tolerance);
                 far = course.judge(outcome.residual, outcome.step, enough) && follows;
                 (du, weakness) = if course.laws {
+                    let tangent = *tangent;
                     self.step(load, b, tangent, course.radius, &mut course.rung)
                 } else {
                     self.descent(&b, tangent, &du, course.radius, true, &mut course.rung)

@@ -39,8 +39,8 @@ pub struct Spring<T> {
     hertz: T,
     /// `S2`
     bend: T,
-    /// `r / R`
-    along: T,
+    /// `1 / (1 + r / R)`
+    per_sum: T,
     /// Elongation at `d = 0` beyond that of the reference.
     elongation: T,
     /// Half the curvature across the direction.
@@ -69,14 +69,13 @@ pub struct Reaction<T> {
 }
 
 /// `z - 1` for the elongation `s`, `S1 (z^2 - 1) + S2 (1 - ((1 + r) / (z^3 + r))^2) = s`, and the slope of
-/// the left side there; -1 if that is larger even at `z = 0`. Newton between bounds, in differences from
-/// 1, so that small elongations keep their digits. Good to a part in some hundreds: the law only leads
-/// the way.
+/// the left side there; -1 if that is larger even at `z = 0`. `per_sum` is `1 / (1 + r)`. Newton between
+/// bounds, in differences from 1, so that small elongations keep their digits. Good to a part in some
+/// hundreds: the law only leads the way.
 #[inline(never)]
-pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
+pub fn tension<T: Real>(s1: T, s2: T, per_sum: T, s: T) -> (T, T) {
     let one = T::ONE;
     let two = one + one;
-    let per_sum = one / (one + r);
     let at = |x: T| {
         let z = one + x;
         let g = x * (z * z + z + one) * per_sum;
@@ -122,6 +121,25 @@ pub fn tension<T: Real>(s1: T, s2: T, r: T, s: T) -> (T, T) {
     (x, slope)
 }
 
+/// The last tension that was worked out of a law: an elongation, and what [`tension`] makes of it. Where the
+/// ring has found its step, every ball follows by the law that was looked at last.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stretch<T> {
+    elongation: T,
+    result: (T, T),
+}
+
+impl<T: Real> Stretch<T> {
+    /// Of a law that was not looked at yet: across an endless gap any contact is open.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Self {
+            elongation: T::of(f64::NEG_INFINITY),
+            result: (-T::ONE, T::ONE),
+        }
+    }
+}
+
 impl<T: Real> Reaction<T> {
     /// `Q'^2 / Q` of a contact. Of two in series, each is about twice as stiff as both.
     #[inline(always)]
@@ -146,7 +164,7 @@ impl<T: Real> Spring<T> {
             reference: contact.q,
             hertz: contact.delta,
             bend: T::ZERO,
-            along: T::ZERO,
+            per_sum: T::ONE,
             elongation: contact.lag,
             half_curvature: half,
             extra,
@@ -231,7 +249,7 @@ impl<T: Real> Spring<T> {
             reference,
             hertz,
             bend,
-            along,
+            per_sum: T::ONE / (T::ONE + along),
             elongation: extra / slope,
             // Inertia can make a ball unstable across; its contacts still are round.
             half_curvature: (half * across / reference)
@@ -282,10 +300,10 @@ impl<T: Real> Spring<T> {
         self.change = change;
     }
 
-    /// The law after a shift `d` of the ring; `bends` is false where no inertia load bends the line of
-    /// centres.
+    /// The law after a shift `d` of the ring; `last` is its last tension, and none where no inertia load bends
+    /// the line of centres.
     #[inline(always)]
-    pub fn react(&self, d: Pair<T>, bends: bool) -> Reaction<T> {
+    pub fn react(&self, d: Pair<T>, last: Option<&mut Stretch<T>>) -> Reaction<T> {
         let w = self.sense;
         let (along, across) = (dot(w, d), w[1] * d[0] - w[0] * d[1]);
         let s = self.elongation + along + self.half_curvature * across * across;
@@ -298,7 +316,24 @@ impl<T: Real> Spring<T> {
                 slope = three_halves * root;
                 excess = force;
             }
-        } else if !(bends && self.bend > T::ZERO) {
+        } else if let Some(last) = last
+            && self.bend > T::ZERO
+        {
+            if s != last.elongation {
+                *last = Stretch {
+                    elongation: s,
+                    result: tension(self.hertz, self.bend, self.per_sum, s),
+                };
+            }
+            let (x, rise) = last.result;
+            if x > -T::ONE {
+                let z = T::ONE + x;
+                let square = self.reference * z * z;
+                force = square * z;
+                slope = T::of(3.0) * square / rise;
+                excess = self.reference * x * (z * z + z + T::ONE);
+            }
+        } else {
             let x = s / self.hertz;
             let y = T::ONE + x;
             let root = y.sqrt();
@@ -307,15 +342,6 @@ impl<T: Real> Spring<T> {
                 slope = three_halves * self.reference * root / self.hertz;
                 // y^(3/2) - 1 without a difference.
                 excess = self.reference * x * (y + root + T::ONE) / (root + T::ONE);
-            }
-        } else {
-            let (x, rise) = tension(self.hertz, self.bend, self.along, s);
-            if x > -T::ONE {
-                let z = T::ONE + x;
-                let square = self.reference * z * z;
-                force = square * z;
-                slope = T::of(3.0) * square / rise;
-                excess = self.reference * x * (z * z + z + T::ONE);
             }
         }
         Reaction {
@@ -410,7 +436,7 @@ mod tests {
             reference: 2e-3,
             hertz: 0.016,
             bend: 0.01,
-            along: 0.3,
+            per_sum: 1.0 / 1.3,
             elongation: 0.0,
             half_curvature: 0.4,
             extra: 0.0,
@@ -422,7 +448,7 @@ mod tests {
     #[test]
     fn the_law_agrees_with_the_linear_one_in_value_and_slope() {
         let spring = bent();
-        let r = spring.react([0.0, 0.0], true);
+        let r = spring.react([0.0, 0.0], Some(&mut Stretch::none()));
         assert!((r.force / spring.reference - 1.0).abs() < 1e-14);
         assert!((r.slope / spring.slope - 1.0).abs() < 1e-14);
         let (f, h) = spring.beyond(&r);
@@ -435,12 +461,14 @@ mod tests {
         let spring = bent();
         let step = 1e-7;
         for d in [[0.0, 0.0], [3e-3, -2e-3], [-4e-3, 1e-2], [0.02, 0.01]] {
-            let (_, h) = spring.beyond(&spring.react(d, true));
+            let (_, h) = spring.beyond(&spring.react(d, Some(&mut Stretch::none())));
             for j in 0..2 {
                 let force = |sign: f64| {
                     let mut d = d;
                     d[j] += sign * step;
-                    spring.beyond(&spring.react(d, true)).0
+                    spring
+                        .beyond(&spring.react(d, Some(&mut Stretch::none())))
+                        .0
                 };
                 let (more, less) = (force(1.0), force(-1.0));
                 for i in 0..2 {
@@ -462,10 +490,25 @@ mod tests {
         let spring = bent();
         let forces: Vec<f64> = (-400..=400)
             .map(|i| f64::from(i) * 1e-3)
-            .map(|s| spring.react([0.6 * s, 0.8 * s], true).force)
+            .map(|s| {
+                spring
+                    .react([0.6 * s, 0.8 * s], Some(&mut Stretch::none()))
+                    .force
+            })
             .collect();
         assert!(forces.windows(2).all(|w| w[1] >= w[0]));
         assert!(forces[0] >= 0.0 && forces[800] > forces[400]);
+    }
+
+    #[test]
+    fn a_law_that_was_looked_at_reacts_as_one_that_was_not() {
+        let spring = bent();
+        let mut last = Stretch::none();
+        for d in [0.0, 3e-2, 3e-2, -0.2, 3e-2, -10.0, -10.0, 0.0] {
+            let again = spring.react([0.6 * d, 0.8 * d], Some(&mut last));
+            let fresh = spring.react([0.6 * d, 0.8 * d], Some(&mut Stretch::none()));
+            assert_eq!(again, fresh, "{d}");
+        }
     }
 
     #[test]
@@ -476,7 +519,7 @@ mod tests {
             (1e-4, 3.0, 1e3, 2e-6),
             (0.5, 0.0, 0.0, 0.1),
         ] {
-            let (x, slope) = tension(s1, s2, r, s);
+            let (x, slope) = tension(s1, s2, 1.0 / (1.0 + r), s);
             let z: f64 = 1.0 + x;
             let bent: f64 = (1.0 + r) / (z * z * z + r);
             let left = s1 * (z * z - 1.0) + s2 * (1.0 - bent * bent);
@@ -486,6 +529,6 @@ mod tests {
             );
             assert!(slope > 0.0);
         }
-        assert_eq!(tension(1.0, 1e-3, 0.2, -2.0).0, -1.0);
+        assert_eq!(tension(1.0, 1e-3, 1.0 / 1.2, -2.0).0, -1.0);
     }
 }
