@@ -581,6 +581,8 @@ mod thresholds {
     pub const LONGEST_STEP: f64 = 0.3;
     /// Longest step over which linearisations hold: after a longer one there is another sweep.
     pub const SHORT_STEP: f64 = 0.035;
+    /// Step that rounding may have made, at most, in roundings of `L0`.
+    pub const ROUNDED_STEP: f64 = 100.0;
     /// Residual beyond which the next sweep takes laws; and that of a sweep without them beyond which it is
     /// repeated with them.
     pub const NEEDS_LAWS: f64 = 0.055;
@@ -704,7 +706,10 @@ impl<T: Real> Course<T> {
     #[inline(always)]
     fn judge(&mut self, residual: T, step: T, enough: T) -> bool {
         let last = self.last_residual;
-        if residual > T::ONE.or_larger(last + last) {
+        // Where rounding made the step, a ball made the balance worse; and under so small a bound any step would
+        // pass for the last one.
+        let moved = step > T::of(thresholds::ROUNDED_STEP) * T::EPSILON;
+        if moved && residual > T::ONE.or_larger(last + last) {
             self.radius = T::of(0.5) * step;
         } else if residual < T::of(thresholds::WENT_WELL) * last {
             self.radius = T::of(LONGEST_STEP).or_smaller(self.radius.or_larger(step + step));

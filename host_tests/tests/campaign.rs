@@ -38,3 +38,25 @@ fn what_only_the_pole_of_the_cage_speed_balances_is_refused() {
         }
     }
 }
+
+/// Beyond the contract's cases: a ball's force goes out of all proportion when the ring is already there, which
+/// says nothing of the ring's steps. What is no equilibrium is then refused, and not an answer.
+#[test]
+fn a_ball_that_blows_up_does_not_make_an_unbalanced_ring_converge() {
+    let judged = judge::judge(&Trial::new(Plan::SEED, Family::Random, 2_282));
+    for record in judged.ticks[0].records {
+        let precision = record.precision;
+        if !record.is_solved() {
+            assert_eq!(record.status, "unseated", "{precision:?}");
+            continue;
+        }
+        let errors = record.errors.expect("an answer was judged");
+        let estimate = record.estimate.expect("an answer has an estimate");
+        for (error, estimate) in errors.iter().zip(estimate) {
+            assert!(
+                *error <= estimate,
+                "{precision:?}: {error:e} beyond {estimate:e}"
+            );
+        }
+    }
+}
