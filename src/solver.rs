@@ -24,7 +24,7 @@
 //!   of forces at the end tells.
 //! - At rest the laws are the bearing's own up to the third order of the step, which is bounded.
 //!   At speed inertia loads change with the step; a step that made the balance worse bounds the next
-//!   one to half of its length.
+//!   one to half of its length, unless rounding made it: then a ball did.
 //! - A ball whose force changes by more than a factor is placed anew by what holds it, and a ball that
 //!   is badly off by itself repeats its own Newton step a few times within the sweep.
 //!
