@@ -1,6 +1,7 @@
 //! The equilibrium under given loads, and the bearing's own law under given displacements.
 //!
-//! One damped Newton on the arrow-shaped system. Each sweep linearises every ball, which eliminates
+//! One damped Newton on the arrow-shaped system; at rest, where balls have no unknowns, the `rest` module's
+//! part of it. Each sweep linearises every ball, which eliminates
 //! its own unknowns, and sums what the balls hand to the ring. Far from the solution the ring then looks
 //! for the load's balance among the balls' laws (the `spring` module), which agree with the
 //! linearisation in value and slope; near it, and after a warm start, it makes Newton's step. The tangent
@@ -22,9 +23,8 @@
 //!   minimum. It costs no linearisation of a ball. Halvings are four at most, so that a direction softer by
 //!   orders of magnitude can still send it round in a circle; the next start is for that, and the balance
 //!   of forces at the end tells.
-//! - At rest the laws are the bearing's own up to the third order of the step, which is bounded.
-//!   At speed inertia loads change with the step; a step that made the balance worse bounds the next
-//!   one to half of its length, unless rounding made it: then a ball did.
+//! - Inertia loads change with the step; a step that made the balance worse bounds the next one to half of its
+//!   length, unless rounding made it: then a ball did.
 //! - A ball whose force changes by more than a factor is placed anew by what holds it, and a ball that
 //!   is badly off by itself repeats its own Newton step a few times within the sweep.
 //!
@@ -49,7 +49,7 @@
 //! pole, and the equations have roots of no bearing.
 
 use crate::axial::Spring;
-use crate::ball::{COUNTS, Pass, Share};
+use crate::ball::{Ball, COUNTS, Pass, Share};
 use crate::conditions::{Conditions, Loads, constrain, held, hold, missing};
 use crate::constants::{Azimuth, Bearing, Constants};
 use crate::contact::{Pair, add, dot, scale};
@@ -58,7 +58,7 @@ use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
 use crate::kinematics::NEAREST_POLE;
 use crate::outputs::{Balls, Outputs, PerBall};
 use crate::ring::{self, Definite, Factors, Sums, Tangent, TangentSums, shift};
-use crate::scene::{Change, Drive, Full, Motion, Position, curvature_centre, free_ball};
+use crate::scene::{Change, Drive, Full, Motion, Position, Turning, curvature_centre, free_ball};
 use crate::status::{Quantity, Status};
 use core::marker::PhantomData;
 
@@ -67,7 +67,8 @@ use core::marker::PhantomData;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings<T> {
-    /// Most sweeps over the balls, at least 1.
+    /// Most sweeps over the balls, at least 1. At rest a sweep is up to 16 passes, each of which is worked out in
+    /// closed form.
     pub max_sweeps: u16,
     /// Largest expected error of the stiffness, relative to its diagonal, for a solve to count as
     /// converged; the estimate that goes with the solution has a margin on it. Displacements and contact
@@ -138,7 +139,7 @@ pub struct Solution<
     pub status: Status<T>,
     /// Sweeps over the balls.
     pub sweeps: u16,
-    /// Ball passes beyond one a ball and sweep, for balls that were badly off by themselves.
+    /// Ball passes beyond one a ball and sweep: of balls that were badly off by themselves, and at rest of all.
     pub repeats: u16,
     /// Load less the balls' forces in the last sweep, relative to the load (moments over `Rp`).
     pub residual: T,
@@ -356,11 +357,11 @@ pub struct Solver<
 /// What is kept between solves besides the balls, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<T, const D: usize> {
-    position: Position<T, D>,
-    tangent: Tangent<T, D>,
-    force: [T; D],
+    pub position: Position<T, D>,
+    pub tangent: Tangent<T, D>,
+    pub force: [T; D],
     /// Mean radial force and moment of the balls.
-    mean: [T; 2],
+    pub mean: [T; 2],
     speed_load: T,
     /// Load of the last solve, 0 of held freedoms.
     load: [T; D],
@@ -382,32 +383,44 @@ impl<T: Real, const D: usize> State<T, D> {
 
 /// What is given: the load on the ring, or its displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Given<T, const D: usize> {
+pub enum Given<T, const D: usize> {
     Load([T; D]),
-    Displacement,
+    Displacement([T; D]),
+}
+
+/// What is to be solved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Task<T, const D: usize> {
+    pub given: Given<T, D>,
+    /// Displacements of held freedoms.
+    pub wanted: [T; D],
+    pub speed_load: T,
+    pub tolerance: T,
 }
 
 /// How sweeps ended.
-struct Outcome<T> {
-    status: Status<T>,
-    sweeps: u16,
-    repeats: u16,
-    residual: T,
+pub struct Outcome<T> {
+    pub status: Status<T>,
+    pub sweeps: u16,
+    pub repeats: u16,
+    pub residual: T,
     /// Relative change of the stiffness by the last step, what of that the corrected tangent does not know,
     /// and the step's length.
-    change: T,
-    remainder: T,
-    step: T,
+    pub change: T,
+    pub remainder: T,
+    pub step: T,
     /// The balls' hardening in the last step, as in [`Change`].
-    hardening: T,
+    pub hardening: T,
     /// How far the worst ball was from its own equilibrium before that step.
-    imbalance: T,
+    pub imbalance: T,
     /// Last sweeps in a row whose tangent left a direction undetermined.
     singular: u8,
     /// How far the ring gives way where it is weakest to a unit of load, as the last step saw it.
     weakest: T,
     /// The same to what rounding leaves of the balance.
     slack: T,
+    /// What rounding may hide of the balance where it ends a solve, relative to the load.
+    pub unknown: T,
 }
 
 impl<T: Real> Outcome<T> {
@@ -425,12 +438,13 @@ impl<T: Real> Outcome<T> {
             singular: 0,
             weakest: T::ZERO,
             slack: T::ZERO,
+            unknown: T::EPSILON,
         }
     }
 
     /// Notes how the tangent resists where it does so least.
     #[inline(always)]
-    fn weaken(&mut self, weakness: &Weakness<T>) {
+    pub fn weaken(&mut self, weakness: &Weakness<T>) {
         self.weakest = weakness.flexibility;
         self.singular = if weakness.singular {
             self.singular.saturating_add(1)
@@ -455,7 +469,7 @@ impl<T: Real> Outcome<T> {
     /// How a solve ends with the last sweep, if the forces are in balance and it does. `rounded_part` is the
     /// part of the step that rounding may have made, `largest` the largest displacement.
     #[inline(always)]
-    fn ending(
+    pub fn ending(
         &self,
         course: &Course<T>,
         rounding: &Rounding<T>,
@@ -559,16 +573,16 @@ impl<T: Real> Outcome<T> {
 
 /// How a tangent resists where it does so least.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Weakness<T> {
+pub struct Weakness<T> {
     /// A direction is undetermined.
-    singular: bool,
+    pub singular: bool,
     /// Flexibility along the direction of the smallest pivot.
     flexibility: T,
 }
 
 impl<T: Real> Weakness<T> {
     /// Nothing gives way.
-    const NONE: Self = Self {
+    pub const NONE: Self = Self {
         singular: false,
         flexibility: T::ZERO,
     };
@@ -576,7 +590,7 @@ impl<T: Real> Weakness<T> {
 
 /// What decides how a start goes on. Steps of the ring are in units of `L0`, residuals relative to the load;
 /// numbers with two digits are those of their neighbourhood with which the campaign's cases went best.
-mod thresholds {
+pub mod thresholds {
     /// Longest step of the ring.
     pub const LONGEST_STEP: f64 = 0.3;
     /// Longest step over which linearisations hold: after a longer one there is another sweep.
@@ -602,10 +616,9 @@ mod thresholds {
     pub const UNKNOWN: f64 = 0.035;
     /// Residual of an answer, at most.
     pub const BALANCED: f64 = 1e-3;
-    /// Part of the load that the laws' balance may leave of it, at speed and at rest, where balls are cheaper
-    /// to react than to linearise; and the steps it takes for that, at most.
-    pub const LAWS_LEAVE: (f64, f64) = (0.045, 0.02);
-    pub const LAWS_STEPS: (u8, u8) = (12, 16);
+    /// Part of the load that the laws' balance may leave of it, and the steps it takes for that, at most.
+    pub const LAWS_LEAVE: f64 = 0.045;
+    pub const LAWS_STEPS: u8 = 12;
     /// Unbalanced load, of all of it, so small that laws are linear over the step.
     pub const LINEAR: f64 = 1e-3;
     /// Offset from a reference, or step of a ball, that would cost digits of the deformations.
@@ -617,7 +630,7 @@ use thresholds::LONGEST_STEP;
 
 /// Where a solve starts, in the order in which starts are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Attempt {
+pub enum Attempt {
     /// From the last solution.
     Warm,
     /// From the axisymmetric state.
@@ -631,7 +644,7 @@ impl Attempt {
 
     /// Sweeps after which the next start is worth more than going on. From a start that is any good
     /// most solves take fewer than 10.
-    const fn sweeps(self) -> u16 {
+    pub const fn sweeps(self) -> u16 {
         match self {
             Self::Warm => 10,
             Self::Cold => 40,
@@ -653,14 +666,14 @@ impl Attempt {
 /// What rounding leaves, relative to the load: of the balance at most, and of it what makes steps. Balls round
 /// their forces, which are centrifugal ones where the load is light.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Rounding<T> {
+pub struct Rounding<T> {
     balance: T,
-    step: T,
+    pub step: T,
 }
 
 impl<T: Real> Rounding<T> {
     #[inline(always)]
-    fn of(speed_load: T, size: T) -> Self {
+    pub fn of(speed_load: T, size: T) -> Self {
         let inertia = T::of(2.0) * speed_load / size.or_larger(T::TINY);
         Self {
             balance: T::EPSILON * (T::of(256.0) + inertia),
@@ -671,7 +684,7 @@ impl<T: Real> Rounding<T> {
 
 /// How a start has gone so far, and what that means for the next sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Course<T> {
+pub struct Course<T> {
     /// Longest step of the ring.
     radius: T,
     /// Balls hand over their laws.
@@ -684,12 +697,12 @@ struct Course<T> {
     /// Sweeps in a row in which a ball was lost.
     lost: u8,
     /// Of the last damping.
-    rung: u8,
+    pub rung: u8,
 }
 
 impl<T: Real> Course<T> {
     #[inline(always)]
-    fn new(attempt: Attempt) -> Self {
+    pub fn new(attempt: Attempt) -> Self {
         Self {
             radius: T::of(attempt.first_step()),
             laws: attempt != Attempt::Warm,
@@ -721,7 +734,7 @@ impl<T: Real> Course<T> {
 
     /// Compares the change of the stiffness with the last one.
     #[inline(always)]
-    fn compare(&mut self, change: T, last: T) {
+    pub fn compare(&mut self, change: T, last: T) {
         self.stalled = if change > T::of(thresholds::NO_PROGRESS) * last {
             self.stalled.saturating_add(1)
         } else {
@@ -757,7 +770,7 @@ fn growth<T: Real, const D: usize>(hardening: T, tangent: &Tangent<T, D>) -> T {
 
 /// A change of stiffness, axial and radial and summed over the balls, relative to the tangent.
 #[inline(always)]
-fn relative<T: Real, const D: usize>(change: &Pair<T>, tangent: &Tangent<T, D>) -> T {
+pub fn relative<T: Real, const D: usize>(change: &Pair<T>, tangent: &Tangent<T, D>) -> T {
     let mut part = change[0] / tangent[0][0].or_larger(T::TINY);
     if D >= 3 {
         let radial = tangent[1][1].or_smaller(tangent[2][2]);
@@ -773,7 +786,7 @@ fn relative<T: Real, const D: usize>(change: &Pair<T>, tangent: &Tangent<T, D>) 
 }
 
 #[inline(never)]
-fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+pub fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     let mut sum = T::ZERO;
     for (x, y) in a.iter().zip(b) {
         sum += *x * *y;
@@ -781,11 +794,16 @@ fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     sum
 }
 
-fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
+pub fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
     if D == 1 {
         return f[0].abs();
     }
     dot5(f, f).sqrt()
+}
+
+/// The side of the grooves on which an axial load presses the balls: 1 for that of the free contact angle.
+pub fn side<T: Real, const D: usize>(load: &[T; D]) -> T {
+    if load[0] < T::ZERO { -T::ONE } else { T::ONE }
 }
 
 /// Copies a ball. As a function by itself, since the compiler then knows that these are two, and copies
@@ -801,7 +819,7 @@ fn finite<T: Real>(values: &[T]) -> bool {
 }
 
 /// A bound on how far a displacement of the ring shifts any groove centre.
-fn span<T: Real, const D: usize>(u: &[T; D]) -> T {
+pub fn span<T: Real, const D: usize>(u: &[T; D]) -> T {
     let mut axial = u[0].abs();
     if D == 5 {
         axial += (u[3] * u[3] + u[4] * u[4]).sqrt();
@@ -813,17 +831,17 @@ fn span<T: Real, const D: usize>(u: &[T; D]) -> T {
 }
 
 /// One bearing's iteration: constants, azimuths, and the state it works on.
-struct Iteration<'i, T: Real, M: Motion, B, O, const D: usize> {
-    c: &'i Constants<T>,
-    azimuths: &'i [Azimuth<T>],
-    state: &'i mut State<T, D>,
-    balls: &'i mut [M::Ball<T>],
+pub struct Iteration<'i, T: Real, M: Motion, B, O, const D: usize> {
+    pub c: &'i Constants<T>,
+    pub azimuths: &'i [Azimuth<T>],
+    pub state: &'i mut State<T, D>,
+    pub balls: &'i mut [M::Ball<T>],
     /// All balls are in the same state, so that one is worked out for all.
     alike: bool,
     scene: PhantomData<(B, O)>,
 }
 
-impl<T: Real, M: Motion, B, O, const D: usize> Iteration<'_, T, M, B, O, D>
+impl<T: Real, M: Turning, B, O, const D: usize> Iteration<'_, T, M, B, O, D>
 where
     Freedoms<D>: BallStore,
     B: Conditions<Freedoms<D>>,
@@ -846,7 +864,7 @@ where
                 worst = worst.or_larger(imbalance);
                 total = total.saturating_add(repeats);
             }
-            sums.add(at, &share, !M::AT_SPEED);
+            sums.add(at, &share, false);
             known = self.alike;
         }
         if let (true, [first, others @ ..]) = (self.alike, &mut *self.balls) {
@@ -857,7 +875,7 @@ where
         self.alike = false;
         self.state.force = sums.force();
         self.state.mean = sums.mean(ring::sharing::<T, D>(self.c));
-        self.state.tangent = sums.tangent(!M::AT_SPEED);
+        self.state.tangent = sums.tangent(false);
         (total, worst)
     }
 
@@ -923,7 +941,7 @@ where
         };
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(u, at);
-            *ball = M::Ball::<T>::default();
+            *ball = Ball::<T>::default();
             let centre = [self.c.n0[0].high + a[0], self.c.n0[1].high + a[1]];
             M::place(self.c, speed_load, ball, centre);
         }
@@ -935,117 +953,83 @@ where
     /// does not overshoot. `preload` multiplies it. Held freedoms start where they are `wanted`.
     fn start(&mut self, load: &[T; D], wanted: &[T; D], speed_load: T, preload: T) {
         let c = self.c;
-        let mut pressing = load[0].abs();
-        if D >= 3 {
-            pressing += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt();
-        }
-        if D == 5 {
-            pressing += (load[3] * load[3] + load[4] * load[4]).sqrt();
-        }
-        let balls = ring::sharing::<T, D>(c);
-        let q = preload * pressing / balls;
-        let sign = if load[0] < T::ZERO { -T::ONE } else { T::ONE };
-        let (s0, mut w) = (c.n0[0].high, T::ONE);
-        for _ in 0..24 {
-            let step = Spring::at(s0, w).step(q);
-            w = (w - step).or_larger(T::of(0.1) * w);
-            if step.abs() <= T::of(0.01) * w {
-                break;
-            }
-        }
-        let x = sign * Spring::at(s0, w).axial - s0;
-
+        let (q, x) = self.pressed(load, preload);
+        let (sign, balls) = (side(load), ring::sharing::<T, D>(c));
         if B::HOLDS {
-            let mut u = [T::ZERO; D];
-            u[0] = x;
-            let missing = missing::<T, B, D>(c, wanted, &u);
-            let mut step = [T::ZERO; D];
-            constrain::<T, B, D>(c, &missing, &mut step);
-            for (u, step) in u.iter_mut().zip(&step) {
-                *u += *step;
-            }
             self.state.mean = [T::ZERO; 2];
-            self.place(&u, speed_load);
+            self.place(&self.displaced(x, wanted), speed_load);
             return;
         }
 
-        // At speed: one ball stands for all.
-        if M::AT_SPEED {
-            let drive = Drive {
-                speed_load,
-                negligible: T::EPSILON * q * balls,
-            };
-            let mut position = Position::UNLOADED;
-            position.offset[0] = x;
-            position.rebase();
-            let top = Azimuth {
-                cos: T::ONE,
-                sin: T::ZERO,
-                cos_low: T::ZERO,
-                sin_low: T::ZERO,
-            };
-            let (coarse, fine) = curvature_centre(c, &position.reference, &top);
-            let mut ball = M::Ball::<T>::default();
-            let mut offset = position.offset[0];
+        // One ball stands for all.
+        let drive = Drive {
+            speed_load,
+            negligible: T::EPSILON * q * balls,
+        };
+        let mut position = Position::UNLOADED;
+        position.offset[0] = x;
+        position.rebase();
+        let top = Azimuth {
+            cos: T::ONE,
+            sin: T::ZERO,
+            cos_low: T::ZERO,
+            sin_low: T::ZERO,
+        };
+        let (coarse, fine) = curvature_centre(c, &position.reference, &top);
+        let mut ball = Ball::<T>::default();
+        let mut offset = position.offset[0];
+        let centre = [coarse[0] + fine[0] + offset, coarse[1] + fine[1]];
+        M::place(c, speed_load, &mut ball, centre);
+        M::rebase(c, &mut ball, coarse, fine);
+        // The ball alone on the outer race, just touched by the inner one, bounds the
+        // equilibrium from the one side, the ball at rest from the other.
+        let (free, _) = free_ball(c, speed_load, centre);
+        let reach = c.inner * c.inner - (centre[1] - free) * (centre[1] - free);
+        let touch = sign * reach.or_larger(T::ZERO).sqrt() - coarse[0] - fine[0];
+        let (mut low, mut high) = if sign > T::ZERO {
+            (touch, offset)
+        } else {
+            (offset, touch)
+        };
+        let bracket = low < high && reach > T::ZERO;
+        for _ in 0..20 {
             let centre = [coarse[0] + fine[0] + offset, coarse[1] + fine[1]];
             M::place(c, speed_load, &mut ball, centre);
-            M::rebase(c, &mut ball, coarse, fine);
-            // The ball alone on the outer race, just touched by the inner one, bounds the
-            // equilibrium from the one side, the ball at rest from the other.
-            let (free, _) = free_ball(c, speed_load, centre);
-            let reach = c.inner * c.inner - (centre[1] - free) * (centre[1] - free);
-            let touch = sign * reach.or_larger(T::ZERO).sqrt() - coarse[0] - fine[0];
-            let (mut low, mut high) = if sign > T::ZERO {
-                (touch, offset)
+            let (share, _, _) = M::settled::<T, D>(
+                c,
+                &drive,
+                &mut ball,
+                [offset, T::ZERO],
+                (T::of(0.02), 5),
+                false,
+            );
+            self.state.mean = [share.force[1], share.force[0] - share.couple];
+            let b = sign * q - share.force[0];
+            if b.abs() < T::of(0.1) * q {
+                break;
+            }
+            if b > T::ZERO {
+                low = offset;
             } else {
-                (offset, touch)
-            };
-            let bracket = low < high && reach > T::ZERO;
-            for _ in 0..20 {
-                let centre = [coarse[0] + fine[0] + offset, coarse[1] + fine[1]];
-                M::place(c, speed_load, &mut ball, centre);
-                let (share, _, _) = M::settled::<T, D>(
-                    c,
-                    &drive,
-                    &mut ball,
-                    [offset, T::ZERO],
-                    (T::of(0.02), 5),
-                    false,
-                );
-                self.state.mean = [share.force[1], share.force[0] - share.couple];
-                let b = sign * q - share.force[0];
-                if b.abs() < T::of(0.1) * q {
-                    break;
-                }
-                if b > T::ZERO {
-                    low = offset;
-                } else {
-                    high = offset;
-                }
-                let step = b / share.stiffness[0][0].or_larger(T::of(1e-6));
-                let mut new = offset + step.or_smaller(T::of(0.2)).or_larger(T::of(-0.2));
-                if bracket && !(new > low && new < high) {
-                    new = T::of(0.5) * (low + high);
-                }
-                offset = new;
+                high = offset;
             }
-            position.offset[0] = offset;
-            position.rebase();
-            let (coarse, fine) = curvature_centre(c, &position.reference, &top);
-            M::rebase(c, &mut ball, coarse, fine);
-            self.state.position = position;
-            // The others follow in the first sweep.
-            if let Some(first) = self.balls.first_mut() {
-                copy(&ball, first);
+            let step = b / share.stiffness[0][0].or_larger(T::of(1e-6));
+            let mut new = offset + step.or_smaller(T::of(0.2)).or_larger(T::of(-0.2));
+            if bracket && !(new > low && new < high) {
+                new = T::of(0.5) * (low + high);
             }
-            self.alike = true;
-        } else {
-            self.state.mean = [sign * q * c.n0[1].high / (s0 + x), sign * q];
-            let mut u = [T::ZERO; D];
-            u[0] = x;
-            self.place(&u, speed_load);
-            self.alike = true;
+            offset = new;
         }
+        position.offset[0] = offset;
+        position.rebase();
+        let (coarse, fine) = curvature_centre(c, &position.reference, &top);
+        M::rebase(c, &mut ball, coarse, fine);
+        self.state.position = position;
+        // The others follow in the first sweep.
+        if let Some(first) = self.balls.first_mut() {
+            copy(&ball, first);
+        }
+        self.alike = true;
     }
 
     /// Moves a solved bearing to where its last linearisation, and what of the second order matters,
@@ -1105,11 +1089,11 @@ where
                     stiffness,
                     ..Share::NONE
                 },
-                !M::AT_SPEED,
+                false,
             );
         }
         let force = beyond.force();
-        *tangent = beyond.tangent(!M::AT_SPEED);
+        *tangent = beyond.tangent(false);
         for i in 0..D {
             b[i] = load[i] - (self.state.force[i] + force[i]);
             for j in 0..D {
@@ -1137,12 +1121,7 @@ where
         let small = T::of(thresholds::LINEAR) * norm(load);
         let mut du = [T::ZERO; D];
         let mut weakness = Weakness::NONE;
-        let (passes, enough) = if M::AT_SPEED {
-            (thresholds::LAWS_STEPS.0, thresholds::LAWS_LEAVE.0)
-        } else {
-            (thresholds::LAWS_STEPS.1, thresholds::LAWS_LEAVE.1)
-        };
-        for pass in 0..passes {
+        for pass in 0..thresholds::LAWS_STEPS {
             let (d, of_pass) = self.descent(&b, &tangent, &du, longest, first <= small, rung);
             if pass == 0 {
                 weakness = of_pass;
@@ -1163,11 +1142,55 @@ where
                 }
                 fraction = fraction * T::of(0.5);
             }
-            if !(norm(&b) > T::of(enough) * first) {
+            if !(norm(&b) > T::of(thresholds::LAWS_LEAVE) * first) {
                 break;
             }
         }
         (du, weakness)
+    }
+}
+
+impl<T: Real, M: Motion, B, O, const D: usize> Iteration<'_, T, M, B, O, D>
+where
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
+    /// A start from nothing: what each ball carries under the axial load and so much preload that radial load
+    /// and moment do not unload balls at first sight, and the axial displacement that belongs to it at rest.
+    /// From above, Newton on a 3/2 law does not overshoot. `preload` multiplies it.
+    pub fn pressed(&self, load: &[T; D], preload: T) -> (T, T) {
+        let c = self.c;
+        let mut pressing = load[0].abs();
+        if D >= 3 {
+            pressing += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt();
+        }
+        if D == 5 {
+            pressing += (load[3] * load[3] + load[4] * load[4]).sqrt();
+        }
+        let q = preload * pressing / ring::sharing::<T, D>(c);
+        let (s0, mut w) = (c.n0[0].high, T::ONE);
+        for _ in 0..24 {
+            let step = Spring::at(s0, w).step(q);
+            w = (w - step).or_larger(T::of(0.1) * w);
+            if step.abs() <= T::of(0.01) * w {
+                break;
+            }
+        }
+        (q, side(load) * Spring::at(s0, w).axial - s0)
+    }
+
+    /// The axial displacement `x`, and what held freedoms are `wanted` to have.
+    pub fn displaced(&self, x: T, wanted: &[T; D]) -> [T; D] {
+        let mut u = [T::ZERO; D];
+        u[0] = x;
+        let missing = missing::<T, B, D>(self.c, wanted, &u);
+        let mut step = [T::ZERO; D];
+        constrain::<T, B, D>(self.c, &missing, &mut step);
+        for (u, step) in u.iter_mut().zip(&step) {
+            *u += *step;
+        }
+        u
     }
 
     /// One Newton step from `du`, shortened where it would lead further than `longest` and turned
@@ -1176,7 +1199,7 @@ where
     /// the first that does; those above it mostly do, too, so that the search begins next to the last
     /// one's `rung`.
     #[inline(always)]
-    fn descent(
+    pub fn descent(
         &self,
         b: &[T; D],
         tangent: &Tangent<T, D>,
@@ -1244,20 +1267,57 @@ where
         };
         (d, weakness, downhill && span(&to) <= longest)
     }
+}
 
-    /// Sweeps until converged, or until there were `until` of them.
-    fn run(
+impl<T: Real, M: Turning, B, O, const D: usize> Iteration<'_, T, M, B, O, D>
+where
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
+    /// Starts as an `attempt` does, and sweeps until converged, or until there were as many sweeps as the
+    /// attempt is worth, and `until` at most.
+    #[inline(always)]
+    pub fn seek(
         &mut self,
         outcome: &mut Outcome<T>,
-        given: &Given<T, D>,
-        speed_load: T,
-        tolerance: T,
-        until: u16,
+        task: &Task<T, D>,
         attempt: Attempt,
+        until: u16,
     ) {
+        let Task {
+            given,
+            wanted,
+            speed_load,
+            ..
+        } = task;
+        let worth = outcome.sweeps.saturating_add(attempt.sweeps());
+        match (given, attempt) {
+            (Given::Displacement(u), _) => {
+                self.place(u, *speed_load);
+                return self.run(outcome, task, attempt, until);
+            }
+            (Given::Load(load), Attempt::Warm) => self.predict(load, wanted, *speed_load),
+            (Given::Load(load), Attempt::Cold) => self.start(load, wanted, *speed_load, T::ONE),
+            (Given::Load(load), Attempt::Preloaded) => {
+                self.start(load, wanted, *speed_load, T::of(4.0));
+            }
+        }
+        self.run(outcome, task, attempt, worth.min(until));
+    }
+
+    /// Sweeps until converged, or until there were `until` of them.
+    fn run(&mut self, outcome: &mut Outcome<T>, task: &Task<T, D>, attempt: Attempt, until: u16) {
+        let Task {
+            given,
+            speed_load,
+            tolerance,
+            ..
+        } = *task;
+        let given = &given;
         let applied = match given {
             Given::Load(load) => norm(load),
-            Given::Displacement => T::ZERO,
+            Given::Displacement(_) => T::ZERO,
         };
         let mut size = applied;
         let drive = Drive {
@@ -1287,7 +1347,7 @@ where
                 let mut tangent =
                     held::<T, B, D>(self.c, &none, &mut b, &self.state.tangent, &mut own);
                 // Balls next to their own equilibrium have laws that agree with the linearisation here.
-                if course.laws && (imbalance > T::of(thresholds::AT_ODDS) || !M::AT_SPEED) {
+                if course.laws && imbalance > T::of(thresholds::AT_ODDS) {
                     self.unbalanced(load, &none, &mut b, &mut own);
                     tangent = &own;
                 }
@@ -1314,7 +1374,7 @@ where
             // The part of the step that rounding may have made.
             let unbalanced = match given {
                 Given::Load(_) => outcome.residual,
-                Given::Displacement => imbalance,
+                Given::Displacement(_) => imbalance,
             };
             let rounded_part = rounding.step / unbalanced.or_larger(rounding.step);
             let moved = if course.laws {
@@ -1375,7 +1435,14 @@ where
             }
         }
     }
+}
 
+impl<T: Real, M: Motion, B, O, const D: usize> Iteration<'_, T, M, B, O, D>
+where
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
     fn loaded_balls(&self, speed_load: T) -> u16 {
         let mut count = 0;
         for (ball, at) in self.balls.iter().zip(self.azimuths) {
@@ -1467,24 +1534,24 @@ where
         }
 
         let warm = self.is_near(&load, &wanted, speed_load);
-        let given = Given::Load(load);
+        let task = Task {
+            given: Given::Load(load),
+            wanted,
+            speed_load,
+            tolerance: settings.tolerance,
+        };
         let mut run = self.iteration();
         let mut outcome = Outcome::new();
         for attempt in Attempt::ALL {
-            match attempt {
-                Attempt::Warm if !warm => continue,
-                Attempt::Warm => run.predict(&load, &wanted, speed_load),
-                Attempt::Cold => run.start(&load, &wanted, speed_load, T::ONE),
-                Attempt::Preloaded => run.start(&load, &wanted, speed_load, T::of(4.0)),
+            if attempt == Attempt::Warm && !warm {
+                continue;
             }
-            let until = outcome.sweeps.saturating_add(attempt.sweeps());
-            run.run(
+            M::seek(
+                &mut run,
                 &mut outcome,
-                &given,
-                speed_load,
-                settings.tolerance,
-                until.min(settings.max_sweeps.max(1)),
+                &task,
                 attempt,
+                settings.max_sweeps.max(1),
             );
             let failed = matches!(outcome.status, Status::SweepLimit | Status::Diverged { .. });
             if !failed || outcome.sweeps >= settings.max_sweeps {
@@ -1518,15 +1585,19 @@ where
         let speed_load = self.speed_load(speed)?;
         let u = ring::displacement_in(c, &displacement);
         let mut run = self.iteration();
-        run.place(&u, speed_load);
-        let mut outcome = Outcome::new();
-        run.run(
-            &mut outcome,
-            &Given::Displacement,
+        let task = Task {
+            given: Given::Displacement(u),
+            wanted: u,
             speed_load,
-            settings.tolerance,
-            settings.max_sweeps,
+            tolerance: settings.tolerance,
+        };
+        let mut outcome = Outcome::new();
+        M::seek(
+            &mut run,
+            &mut outcome,
+            &task,
             Attempt::Cold,
+            settings.max_sweeps,
         );
         let (factors, _) = Factors::of(&self.state.tangent, T::of(8.0) * T::EPSILON);
         outcome.weakest = factors.weakest();
@@ -1592,7 +1663,7 @@ where
             && (speed_load - last.speed_load).abs() <= half * last.speed_load + half * last.size
     }
 
-    fn iteration(&mut self) -> Iteration<'_, T, M, B, O, D> {
+    pub(crate) fn iteration(&mut self) -> Iteration<'_, T, M, B, O, D> {
         Iteration {
             c: &self.bearing.constants,
             azimuths: &self.bearing.azimuths,
@@ -1642,7 +1713,7 @@ where
         let total = self.state.position.total();
         // What is left of the balance when rounding ends the solve is not only rounding of the load.
         let unbalanced = match outcome.status {
-            Status::PrecisionLimit => T::EPSILON.or_larger(outcome.residual),
+            Status::PrecisionLimit => outcome.unknown.or_larger(outcome.residual),
             _ => T::EPSILON,
         };
         outcome.slack = (unbalanced * size * outcome.weakest).or_smaller(T::ONE);
@@ -1718,7 +1789,6 @@ where
         M::rest(
             self.balls.as_mut(),
             spring.centres(c.n0[1].high + c.n0[1].low, reversed),
-            q,
         );
         let error = T::of(6.0) * (T::EPSILON + left);
         let mut stiffness = [[T::ZERO; D]; D];

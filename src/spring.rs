@@ -17,8 +17,7 @@
 //! - a shift `t` across the direction elongates the spring by `t^2 / 2` over the radius of curvature,
 //!   which is what `H` says across the direction.
 //!
-//! All three are convex potentials of `d`. At rest nothing else is left of the bearing, and the ring's
-//! problem is the bearing's own up to the third order in `d`.
+//! All three are convex potentials of `d`.
 
 use crate::contact::{Contact, Pair, add, dot, scale, sub};
 use crate::float::Real;
@@ -140,41 +139,7 @@ impl<T: Real> Stretch<T> {
     }
 }
 
-impl<T: Real> Reaction<T> {
-    /// `Q'^2 / Q` of a contact. Of two in series, each is about twice as stiff as both.
-    #[inline(always)]
-    pub fn hardening(&self) -> T {
-        T::of(4.0) * self.slope * (self.slope / self.force.or_larger(T::TINY))
-    }
-}
-
 impl<T: Real> Spring<T> {
-    /// A ball at rest; `contact` has both deformations in one.
-    #[inline(always)]
-    pub fn at_rest(contact: &Contact<T>) -> Self {
-        let normal = contact.normal();
-        let half = T::of(0.5);
-        if contact.q <= T::ZERO {
-            return Self::open(normal, T::ONE, contact.delta, half);
-        }
-        let extra = contact.slope * contact.lag;
-        Self {
-            normal,
-            sense: normal,
-            reference: contact.q,
-            hertz: contact.delta,
-            bend: T::ZERO,
-            per_sum: T::ONE,
-            elongation: contact.lag,
-            half_curvature: half,
-            extra,
-            settling: T::ZERO,
-            slope: contact.slope,
-            change: scale(extra, normal),
-            stiffness: [[T::ZERO; 2]; 2],
-        }
-    }
-
     /// A contact of the constant `k` across a gap, which is `-elongation`.
     #[inline(always)]
     pub fn open(normal: Pair<T>, k: T, elongation: T, half_curvature: T) -> Self {
@@ -288,22 +253,9 @@ impl<T: Real> Spring<T> {
         r.slope.or_larger(self.slope)
     }
 
-    /// Forgets what the last linearisation extrapolated, but for the force `change` and the
-    /// elongation that belongs to it.
+    /// The law after a shift `d` of the ring; `last` is its last tension.
     #[inline(always)]
-    pub fn rest(&mut self, change: Pair<T>) {
-        let extra = dot(change, self.normal);
-        if self.carries() {
-            self.elongation = extra / self.slope;
-        }
-        self.extra = extra;
-        self.change = change;
-    }
-
-    /// The law after a shift `d` of the ring; `last` is its last tension, and none where no inertia load bends
-    /// the line of centres.
-    #[inline(always)]
-    pub fn react(&self, d: Pair<T>, last: Option<&mut Stretch<T>>) -> Reaction<T> {
+    pub fn react(&self, d: Pair<T>, last: &mut Stretch<T>) -> Reaction<T> {
         let w = self.sense;
         let (along, across) = (dot(w, d), w[1] * d[0] - w[0] * d[1]);
         let s = self.elongation + along + self.half_curvature * across * across;
@@ -316,9 +268,7 @@ impl<T: Real> Spring<T> {
                 slope = three_halves * root;
                 excess = force;
             }
-        } else if let Some(last) = last
-            && self.bend > T::ZERO
-        {
+        } else if self.bend > T::ZERO {
             if s != last.elongation {
                 *last = Stretch {
                     elongation: s,
@@ -372,35 +322,6 @@ impl<T: Real> Spring<T> {
         (add(scale(normal, n), scale(across, t)), [row(0), row(1)])
     }
 
-    /// By how much the reaction of a ball at rest is stiffer than it was: along its line of centres, which
-    /// has turned, by the contact's slope, and across it by the force over the distance `R`. The axial
-    /// element, the mixed one and the radial one.
-    #[inline(always)]
-    pub fn stiffening(&self, r: &Reaction<T>) -> [T; 3] {
-        // A deformation, or a gap of negative elongation.
-        let beyond = if self.carries() {
-            self.hertz
-        } else {
-            self.elongation
-        };
-        let (before, after) = (T::ONE + beyond, T::ONE + beyond + r.along);
-        let inverse = T::ONE / (before * after);
-        let turn = r.across * inverse * before;
-        let across = r.force * inverse * before;
-        let twist = (r.slope - across) * turn;
-        let along = r.slope - self.slope - twist * turn;
-        let across = across - self.reference * inverse * after + twist * turn;
-        let [s, c] = self.normal;
-        let (difference, product) = (along - across, s * c);
-        let turned = difference * product + twist * (c * c - s * s);
-        let twice = (twist + twist) * product;
-        [
-            across + difference * s * s + twice,
-            turned,
-            across + difference * c * c - twice,
-        ]
-    }
-
     /// Change of the contact's force by a shift `d`, and the shift that would have made it if the ball
     /// were linear: what moves the ball itself.
     #[inline(always)]
@@ -448,7 +369,7 @@ mod tests {
     #[test]
     fn the_law_agrees_with_the_linear_one_in_value_and_slope() {
         let spring = bent();
-        let r = spring.react([0.0, 0.0], Some(&mut Stretch::none()));
+        let r = spring.react([0.0, 0.0], &mut Stretch::none());
         assert!((r.force / spring.reference - 1.0).abs() < 1e-14);
         assert!((r.slope / spring.slope - 1.0).abs() < 1e-14);
         let (f, h) = spring.beyond(&r);
@@ -461,14 +382,12 @@ mod tests {
         let spring = bent();
         let step = 1e-7;
         for d in [[0.0, 0.0], [3e-3, -2e-3], [-4e-3, 1e-2], [0.02, 0.01]] {
-            let (_, h) = spring.beyond(&spring.react(d, Some(&mut Stretch::none())));
+            let (_, h) = spring.beyond(&spring.react(d, &mut Stretch::none()));
             for j in 0..2 {
                 let force = |sign: f64| {
                     let mut d = d;
                     d[j] += sign * step;
-                    spring
-                        .beyond(&spring.react(d, Some(&mut Stretch::none())))
-                        .0
+                    spring.beyond(&spring.react(d, &mut Stretch::none())).0
                 };
                 let (more, less) = (force(1.0), force(-1.0));
                 for i in 0..2 {
@@ -490,11 +409,7 @@ mod tests {
         let spring = bent();
         let forces: Vec<f64> = (-400..=400)
             .map(|i| f64::from(i) * 1e-3)
-            .map(|s| {
-                spring
-                    .react([0.6 * s, 0.8 * s], Some(&mut Stretch::none()))
-                    .force
-            })
+            .map(|s| spring.react([0.6 * s, 0.8 * s], &mut Stretch::none()).force)
             .collect();
         assert!(forces.windows(2).all(|w| w[1] >= w[0]));
         assert!(forces[0] >= 0.0 && forces[800] > forces[400]);
@@ -505,8 +420,8 @@ mod tests {
         let spring = bent();
         let mut last = Stretch::none();
         for d in [0.0, 3e-2, 3e-2, -0.2, 3e-2, -10.0, -10.0, 0.0] {
-            let again = spring.react([0.6 * d, 0.8 * d], Some(&mut last));
-            let fresh = spring.react([0.6 * d, 0.8 * d], Some(&mut Stretch::none()));
+            let again = spring.react([0.6 * d, 0.8 * d], &mut last);
+            let fresh = spring.react([0.6 * d, 0.8 * d], &mut Stretch::none());
             assert_eq!(again, fresh, "{d}");
         }
     }

@@ -24,6 +24,8 @@ enum Part {
     RaceControl,
     /// The rule without race control.
     RacewayControlFree,
+    /// Balls at rest that are more than one.
+    Rest,
     /// Linearised balls, their laws, sums and elimination.
     Iteration,
     /// A ball in closed form.
@@ -43,11 +45,12 @@ enum Part {
 }
 
 impl Part {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::Speed,
         Self::Friction,
         Self::RaceControl,
         Self::RacewayControlFree,
+        Self::Rest,
         Self::Iteration,
         Self::ClosedForm,
         Self::Radial,
@@ -67,7 +70,7 @@ impl Part {
                 "spindle_bearing::scene::place",
                 "spindle_bearing::scene::free_ball",
                 "spindle_bearing::scene::Turning",
-                "spindle_bearing::spring::tension",
+                "spindle_bearing::spring::",
                 "spindle_bearing::contact::Lead<",
                 "::unseated",
                 "atan",
@@ -75,6 +78,7 @@ impl Part {
             Self::Friction | Self::Radial | Self::Tilts => &[],
             Self::RaceControl => &["OuterRaceControl", "InnerRaceControl"],
             Self::RacewayControlFree => &["RacewayControlFree as"],
+            Self::Rest => &["spindle_bearing::rest::"],
             Self::Iteration => &[
                 "spindle_bearing::solver::Iteration<",
                 "spindle_bearing::ring::Sums<",
@@ -122,8 +126,8 @@ impl Part {
 /// The scenes, and what each leaves out besides states of balls and designs, which all do.
 const SCENES: [(&str, &[Part]); 11] = {
     use Part::{
-        ClosedForm, Friction, Held, Iteration, RaceControl, RacewayControlFree, Radial, Speed,
-        Stiffness, Tilts,
+        ClosedForm, Friction, Held, Iteration, RaceControl, RacewayControlFree, Radial, Rest,
+        Speed, Stiffness, Tilts,
     };
     [
         (
@@ -133,6 +137,7 @@ const SCENES: [(&str, &[Part]); 11] = {
                 Friction,
                 RaceControl,
                 RacewayControlFree,
+                Rest,
                 Iteration,
                 Radial,
                 Tilts,
@@ -141,11 +146,11 @@ const SCENES: [(&str, &[Part]); 11] = {
         ),
         (
             "axial-centrifugal",
-            &[Friction, RaceControl, ClosedForm, Radial, Tilts, Held],
+            &[Friction, RaceControl, Rest, ClosedForm, Radial, Tilts, Held],
         ),
         (
             "axial-full",
-            &[RaceControl, ClosedForm, Radial, Tilts, Held],
+            &[RaceControl, Rest, ClosedForm, Radial, Tilts, Held],
         ),
         (
             "translations-static",
@@ -159,7 +164,10 @@ const SCENES: [(&str, &[Part]); 11] = {
                 Held,
             ],
         ),
-        ("translations-full", &[RaceControl, ClosedForm, Tilts, Held]),
+        (
+            "translations-full",
+            &[RaceControl, Rest, ClosedForm, Tilts, Held],
+        ),
         (
             "all-static",
             &[
@@ -173,15 +181,15 @@ const SCENES: [(&str, &[Part]); 11] = {
         ),
         (
             "all-centrifugal",
-            &[Friction, RaceControl, ClosedForm, Held],
+            &[Friction, RaceControl, Rest, ClosedForm, Held],
         ),
-        ("all-outer", &[RacewayControlFree, ClosedForm, Held]),
-        ("all-full", &[RaceControl, ClosedForm, Held]),
+        ("all-outer", &[RacewayControlFree, Rest, ClosedForm, Held]),
+        ("all-full", &[RaceControl, Rest, ClosedForm, Held]),
         (
             "all-displacements",
-            &[RaceControl, ClosedForm, Held, Stiffness],
+            &[RaceControl, Rest, ClosedForm, Held, Stiffness],
         ),
-        ("all-preloaded", &[RaceControl, ClosedForm]),
+        ("all-preloaded", &[RaceControl, Rest, ClosedForm]),
     ]
 };
 

@@ -63,7 +63,7 @@ impl Part {
 
 /// What belongs to which part: the first row whose functions are all on the way to an instruction.
 #[rustfmt::skip]
-const PARTS: [(&[&str], Part); 15] = [
+const PARTS: [(&[&str], Part); 23] = [
     (&["Iteration::start"], Part::Start),
     (&["Iteration::predict"], Part::Start),
     (&["Iteration::place"], Part::Start),
@@ -79,6 +79,14 @@ const PARTS: [(&[&str], Part); 15] = [
     (&["Iteration::follow"], Part::Moving),
     (&["Iteration::advance"], Part::Moving),
     (&["Iteration::rebase"], Part::Moving),
+    (&["Iteration::pressed"], Part::Start),
+    (&["evaluate", "Sums::add"], Part::Assembly),
+    (&["evaluate", "Sums::force"], Part::Assembly),
+    (&["evaluate", "Sums::tangent"], Part::Assembly),
+    (&["evaluate"], Part::BallPass),
+    (&["displace"], Part::Moving),
+    (&["room"], Part::Moving),
+    (&["refer"], Part::Moving),
 ];
 
 /// Modules and functions that only help: what they cost is their callers'.

@@ -1,0 +1,485 @@
+//! The bearing at rest: every ball is one spring, and the ring's displacement decides everything.
+//!
+//! The line of the two grooves' centres is as long as the undeformed one and the deformation `delta` of
+//! both contacts, and the ball's force `Q = delta^(3/2)` (in units of the constants) is along it. The energy
+//! `sum 2/5 delta+^(5/2) - F.u` is convex in the ring's displacement and its tangent the sum of the balls':
+//! Newton's method on five numbers.
+//!
+//! A pass looks at all balls and makes one such step; a sweep is as many passes as leave next to nothing of
+//! the load's balance that it began with, 16 at most, as at speed the ring balances the balls' laws within a
+//! sweep. The bound on sweeps bounds them all.
+//!
+//! Two things make Newton's steps slow, or fail. Under a light load the deformation is much less than what a
+//! step of the ring along the grooves adds to it, the square of the step: forces explode, and a search for
+//! a step that does not explode them crawls. So deformations are unknowns of their own first: they *lead*,
+//! and what geometry says beyond them, the lag, is taken out by the next step. And a contact that a step
+//! closes has had no part in that step: it ends where the first one touches.
+//!
+//! Where that has led nowhere after some sweeps, geometry leads, the load is made so heavy that a step along
+//! the grooves counts little, and is lightened whenever most of it is balanced; a step that turns the force
+//! along it over, to many times what it was, is halved. As a function of the ring alone the energy is convex,
+//! so that no other minimum stops this.
+//!
+//! The stiffness is the last tangent. By how much the step after it changes every ball's is known, and is what
+//! is said of its error.
+
+use crate::ball::Share;
+use crate::conditions::{Conditions, constrain, held, missing};
+use crate::contact::{Contact, Pair, Reference, add, scale};
+use crate::float::Real;
+use crate::freedoms::{BallStore, Freedoms};
+use crate::outputs::Outputs;
+use crate::ring::{self, Factors, Sums, shift};
+use crate::scene::{Change, Position, Static, curvature_centre, one};
+use crate::solver::{
+    Attempt, Course, Given, Iteration, Outcome, Rounding, Task, dot5, norm, relative, side, span,
+    thresholds,
+};
+use crate::status::Status;
+use core::array::from_fn;
+
+/// A ball at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Still<T> {
+    /// The inner groove's curvature centre as seen from the outer one's, at the ring's reference.
+    pub centres: Reference<T>,
+    /// Direction of the line of centres.
+    normal: Pair<T>,
+    /// Deformation, where it leads; 0 lets geometry lead.
+    delta: T,
+    /// Deformation by geometry beyond that.
+    lag: T,
+    /// Slope of the force.
+    slope: T,
+}
+
+/// What decides how a search at rest goes on. Chosen by solves of the campaign's cases.
+mod limits {
+    /// Part of the load's balance at the beginning of a sweep that ends it, and its passes over the balls, at
+    /// most.
+    pub const LEFT: f64 = 0.02;
+    pub const PASSES: u8 = 16;
+    /// Sweeps in which deformations may lead.
+    pub const LEADING: u16 = 8;
+    /// Part of a deformation by which geometry differs from it, at most, to lead.
+    pub const AGREES: f64 = 0.067;
+    /// Part of the load that a contact may carry at once that a step closes.
+    pub const CLOSES: f64 = 0.1;
+    /// Force of each ball from which a step along the grooves counts little.
+    pub const HEAVY: f64 = 0.01;
+    /// Part of a heavier load that may be left unbalanced when it is lightened, and what is left of it then.
+    pub const BALANCED: f64 = 0.3;
+    pub const LIGHTENED: f64 = 0.2;
+    /// How many times larger the force along a step may be behind it, the other way round; and how often
+    /// a step is halved for it.
+    pub const TURNED: f64 = 20.0;
+    pub const HALVED: u8 = 4;
+    /// Residual over the last one below which a pass made progress, and residual in roundings below which
+    /// that says nothing.
+    pub const FALLS: f64 = 0.3;
+    pub const NOISE: f64 = 8.0;
+    /// Part of the load that a ball must carry to hold the ring.
+    pub const NOTHING: f64 = 1e-12;
+    /// Roundings of the balance that light contacts may hide.
+    pub const HIDDEN: f64 = 128.0;
+}
+
+impl<T: Real, B, O, const D: usize> Iteration<'_, T, Static, B, O, D>
+where
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
+    /// How many freedoms are not held.
+    const FREE: usize = {
+        let (mut free, mut i) = (0, 0);
+        while i < D {
+            free += !B::HELD[i] as usize;
+            i += 1;
+        }
+        free
+    };
+
+    /// Force and tangent of all balls at the present position; `leading` lets deformations lead. Returns how many
+    /// carry more than `least`.
+    fn evaluate(&mut self, leading: bool, least: T) -> u16 {
+        let mut loaded: u16 = 0;
+        let mut sums = Sums::about(self.state.mean);
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            let a = shift(&self.state.position.offset, at);
+            let mut contact = Contact::at(&ball.centres, a, T::ONE, T::ONE);
+            let lead = ball.delta;
+            let lag = contact.delta - lead;
+            if leading && lead > T::ZERO && lag.abs() > T::of(limits::AGREES) * lead {
+                let root = lead.sqrt();
+                (contact.delta, contact.lag) = (lead, lag);
+                (contact.q, contact.slope) = (root * lead, T::of(1.5) * root);
+            }
+            *ball = Still {
+                centres: ball.centres,
+                normal: contact.normal(),
+                delta: contact.delta,
+                lag: contact.lag,
+                slope: contact.slope,
+            };
+            loaded += u16::from(contact.q > least);
+            // H = dQ/d delta n n + Q/|A| t t.
+            let across = contact.q * contact.inverse_radius;
+            let twist = contact.slope - across;
+            let mixed = twist * contact.sin * contact.cos;
+            let share = Share {
+                force: scale(contact.q + contact.slope * contact.lag, contact.normal()),
+                stiffness: [
+                    [across + twist * contact.sin * contact.sin, mixed],
+                    [mixed, across + twist * contact.cos * contact.cos],
+                ],
+                ..Share::NONE
+            };
+            sums.add(at, &share, true);
+        }
+        self.state.force = sums.force();
+        self.state.mean = sums.mean(ring::sharing::<T, D>(self.c));
+        self.state.tangent = sums.tangent(true);
+        loaded
+    }
+
+    /// Moves the ring by `du`, and deformations with it.
+    fn displace(&mut self, du: &[T; D]) -> Change<T> {
+        let mut all = Change::<T>::default();
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            let da = shift(du, at);
+            let [s, c] = ball.normal;
+            let along = ball.lag + s * da[0] + c * da[1];
+            let turn = c * da[0] - s * da[1];
+            let to = ball.delta + along;
+            let slope = T::of(1.5) * to.or_larger(T::ZERO).sqrt();
+            let mut led = to;
+            if ball.delta > T::ZERO {
+                let inverse = T::ONE / ball.delta;
+                all.hardening += T::of(6.0) * ball.slope * inverse;
+                let more = along * inverse;
+                if more > T::ZERO {
+                    // The force, not the deformation, grows as the linearisation says: a Pade approximant
+                    // of (1 + 3/2 more)^(2/3).
+                    led =
+                        ball.delta * (T::ONE + T::of(1.25) * more) / (T::ONE + T::of(0.25) * more);
+                }
+            }
+            // A contact's stiffness along it changes by its slope, and what turns by the square of the turn.
+            let change = (slope - ball.slope).abs();
+            let mixed = s * c;
+            let turned =
+                slope.or_larger(ball.slope) * turn.abs() * ((mixed + mixed).abs() + turn.abs());
+            all.stiffness = add(
+                all.stiffness,
+                [change * s * s + turned, change * c * c + turned],
+            );
+            (ball.delta, ball.lag) = (led, T::ZERO);
+        }
+        for (offset, step) in self.state.position.offset.iter_mut().zip(du) {
+            *offset += *step;
+        }
+        all
+    }
+
+    /// The part of the step `du` after which the first contact that it closes carries no more than belongs to
+    /// the deformation `most`.
+    fn room(&self, du: &[T; D], most: T) -> T {
+        let mut part = T::ONE;
+        for (ball, at) in self.balls.iter().zip(self.azimuths) {
+            let da = shift(du, at);
+            let [s, c] = ball.normal;
+            let along = s * da[0] + c * da[1];
+            let turn = c * da[0] - s * da[1];
+            let squared = turn * turn;
+            let room = most - ball.delta;
+            let closes = part * (along + T::of(0.5) * part * squared) > room;
+            if closes && !(ball.delta > T::ZERO) {
+                let root = (along * along + (squared + squared) * room).sqrt();
+                part = (room + room) / (along + root);
+            }
+        }
+        part
+    }
+
+    /// Moves the reference next to the present position.
+    fn refer(&mut self) {
+        self.state.position.rebase();
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            let (coarse, fine) = curvature_centre(self.c, &self.state.position.reference, at);
+            ball.centres = Reference::at(coarse, fine, one());
+        }
+    }
+
+    /// Starts as an `attempt` does, and sweeps until converged, or until there were `until` sweeps.
+    pub fn equilibrate(
+        &mut self,
+        outcome: &mut Outcome<T>,
+        task: &Task<T, D>,
+        attempt: Attempt,
+        mut until: u16,
+    ) {
+        let c = self.c;
+        let last = attempt == Attempt::Preloaded;
+        // After a start geometry leads: as balls were left by the last solve, they would not know of it.
+        let mut leading = false;
+        let mut load = [T::ZERO; D];
+        let mut u = task.wanted;
+        if let Given::Load(given) = &task.given {
+            load = *given;
+            if !last {
+                until = until.min(outcome.sweeps.saturating_add(limits::LEADING));
+            }
+        }
+        if let (Given::Load(_), Attempt::Warm) = (&task.given, attempt) {
+            let by = missing::<T, B, D>(c, &task.wanted, &self.state.position.total());
+            let (mut b, mut own) = (load, [[T::ZERO; D]; D]);
+            for (b, force) in b.iter_mut().zip(&self.state.force) {
+                *b -= *force;
+            }
+            let tangent = held::<T, B, D>(c, &by, &mut b, &self.state.tangent, &mut own);
+            let (factors, _) = Factors::of(tangent, T::of(8.0) * T::EPSILON);
+            let mut du = factors.solve(&b);
+            constrain::<T, B, D>(c, &by, &mut du);
+            for (offset, step) in self.state.position.offset.iter_mut().zip(&du) {
+                *offset += *step;
+            }
+        } else {
+            if let Given::Load(_) = &task.given {
+                let (q, x) = self.pressed(&load, if last { T::of(4.0) } else { T::ONE });
+                let s0 = c.n0[0].high;
+                self.state.mean = scale(side(&load) * q, [c.n0[1].high / (s0 + x), T::ONE]);
+                u = self.displaced(x, &task.wanted);
+            }
+            self.state.position = Position {
+                reference: [T::ZERO; D],
+                offset: u,
+            };
+            self.refer();
+        }
+
+        if let Given::Displacement(_) = task.given {
+            self.evaluate(false, T::ZERO);
+            outcome.sweeps = 1;
+            let moved = self.displace(&[T::ZERO; D]);
+            outcome.hardening = moved.hardening;
+            (outcome.change, outcome.remainder, outcome.residual) = (T::ZERO, T::ZERO, T::ZERO);
+            outcome.status = Status::Converged;
+            return;
+        }
+        let applied = norm(&load);
+        let mut size = applied;
+        let rounding = Rounding::of(T::ZERO, size);
+        let mut course = Course::<T>::new(attempt);
+        outcome.status = Status::SweepLimit;
+        outcome.change = T::ONE;
+        let mut heavier = T::ONE;
+        if last {
+            let heavy = T::of(limits::HEAVY) * ring::sharing::<T, D>(c);
+            heavier = heavier.or_larger(heavy / size.or_larger(T::TINY));
+        }
+        // The last step, and the force along it.
+        let (mut du, mut driven, mut halved) = ([T::ZERO; D], T::ZERO, 0);
+        // What the sweep began with, and its passes.
+        let (mut began, mut passes) = (T::ZERO, limits::PASSES);
+        loop {
+            let loaded = self.evaluate(leading, T::of(limits::NOTHING) * size);
+            leading = !last;
+            if B::HOLDS {
+                size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
+            }
+            let force = self.state.force;
+            let (none, mut own) = ([T::ZERO; D], [[T::ZERO; D]; D]);
+            let mut b: [T; D] = from_fn(|i| heavier * load[i] - force[i]);
+            if heavier > T::ONE && norm(&b) < T::of(limits::BALANCED) * heavier * size {
+                heavier = T::ONE.or_larger(T::of(limits::LIGHTENED) * heavier);
+                b = from_fn(|i| heavier * load[i] - force[i]);
+                driven = T::ONE / T::TINY;
+            }
+            let tangent = held::<T, B, D>(c, &none, &mut b, &self.state.tangent, &mut own);
+            let turned = -dot5(&b, &du) > T::of(limits::TURNED) * driven;
+            let unbalanced = norm(&b);
+            if unbalanced <= T::of(limits::LEFT) * began || passes >= limits::PASSES {
+                if outcome.sweeps >= until {
+                    return;
+                }
+                outcome.sweeps += 1;
+                (began, passes) = (unbalanced, 0);
+            } else {
+                outcome.repeats = outcome.repeats.saturating_add(self.balls.len() as u16);
+            }
+            passes += 1;
+            if last && turned && halved < limits::HALVED {
+                for (offset, step) in self.state.position.offset.iter_mut().zip(&mut du) {
+                    *step = T::of(0.5) * *step;
+                    *offset -= *step;
+                }
+                driven = T::of(0.5) * driven;
+                halved += 1;
+                continue;
+            }
+            let (residual, change) = (outcome.residual, outcome.change);
+            outcome.residual = unbalanced / size;
+            let longest = T::of(thresholds::LONGEST_STEP);
+            let mut weakness;
+            (du, weakness) = self.descent(&b, tangent, &none, longest, true, &mut course.rung);
+            if !last {
+                let root = (T::of(limits::CLOSES) * size).cbrt();
+                let part = self.room(&du, root * root);
+                for step in &mut du {
+                    *step = part * *step;
+                }
+            }
+            (driven, halved) = (dot5(&b, &du), 0);
+            // A ball resists in its plane, in two directions; of more, rounding shows what is not there.
+            weakness.singular |= usize::from(loaded) * 2 < Self::FREE;
+            outcome.weaken(&weakness);
+            let rounded_part = rounding.step / outcome.residual.or_larger(rounding.step);
+            let moved = self.displace(&du);
+            (outcome.step, outcome.imbalance) = (span(&du), T::ZERO);
+            if !(outcome.step + outcome.residual).is_finite() {
+                outcome.status = Status::Diverged {
+                    residual: outcome.residual,
+                };
+                return;
+            }
+            outcome.change = relative(&moved.stiffness, &self.state.tangent);
+            // The tangent is that before the step, of which the change is known ball by ball.
+            outcome.remainder = T::of(0.5) * outcome.change;
+            outcome.hardening = moved.hardening;
+            let noise = T::of(limits::NOISE) * T::EPSILON;
+            let falls =
+                outcome.residual > noise && outcome.residual < T::of(limits::FALLS) * residual;
+            course.compare(if falls { T::ZERO } else { outcome.change }, change);
+            let now = applied.or_larger(norm(&self.state.force));
+            let scale = if B::HOLDS { now } else { size };
+            let balanced = outcome.residual * size <= T::of(thresholds::BALANCED) * scale
+                && heavier <= T::ONE
+                && (last || !weakness.singular);
+            let largest = span(&self.state.position.total());
+            let ending = outcome.ending(&course, &rounding, rounded_part, task.tolerance, largest);
+            if let (true, Some(status)) = (balanced, ending) {
+                // The forces, too, are those after the step.
+                for (force, row) in self.state.force.iter_mut().zip(&self.state.tangent) {
+                    *force += dot5(row, &du);
+                }
+                outcome.unknown = T::of(limits::HIDDEN) * T::EPSILON;
+                outcome.status = if weakness.singular {
+                    Status::Indeterminate {
+                        loaded_balls: loaded,
+                    }
+                } else {
+                    status
+                };
+                return;
+            }
+            // Offsets this large would cost digits of the deformations.
+            if span(&self.state.position.offset) > T::of(thresholds::FAR_FROM_REFERENCE) {
+                self.refer();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{All, Bearing, Design, FreeContact, Loads, Material, Solver};
+    use std::vec::Vec;
+
+    type Resting<'i> = Iteration<'i, f64, Static, Loads, crate::Balls, 5>;
+
+    /// A B7005C at rest, its ring at `u`.
+    fn at<R>(u: [f64; 5], look: impl FnOnce(&mut Resting<'_>) -> R) -> R {
+        let design = Design {
+            ball_diameter: 6.35e-3,
+            pitch_diameter: 36e-3,
+            inner_groove_factor: 0.515,
+            outer_groove_factor: 0.525,
+            free_contact: FreeContact::Angle(15f64.to_radians()),
+            first_ball: 0.0,
+            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+            ring: Material::STEEL,
+            ball: Material::STEEL,
+        };
+        let bearing = Bearing::<f64, 16>::new(&design).expect("a B7005C can be built");
+        let mut solver = Solver::<f64, 16, Static, All>::new(&bearing);
+        let mut run = solver.iteration();
+        run.state.position.offset = u;
+        run.refer();
+        run.evaluate(false, 0.0);
+        look(&mut run)
+    }
+
+    #[test]
+    fn a_step_changes_the_tangent_as_it_says() {
+        // Under load along the grooves and on a radial contact, which stiffens the axial direction by turning.
+        for (u, du) in [
+            ([0.02, 0.0, 0.0, 0.0, 0.0], [1e-4, 0.0, 0.0, 0.0, 0.0]),
+            ([0.02, 0.001, 0.0, 0.0, 0.0], [-1e-3, 1e-4, 2e-4, 0.0, 0.0]),
+            (
+                [-0.258_819, 0.05, 0.0, 0.0, 0.0],
+                [0.02, 0.0, 0.0, 0.0, 0.0],
+            ),
+        ] {
+            at(u, |run| {
+                let before = run.state.tangent[0][0];
+                let change = run.displace(&du).stiffness[0];
+                run.evaluate(false, 0.0);
+                let seen = change / (run.state.tangent[0][0] - before).abs();
+                assert!((0.5..2.0).contains(&seen), "{u:?}, {du:?}: {seen}");
+            });
+        }
+    }
+
+    #[test]
+    fn the_hardening_is_that_of_a_contact_twice_as_stiff_as_both() {
+        at([0.02, 0.001, 0.0, 0.0, 0.0], |run| {
+            let balls: Vec<(f64, f64)> = run.balls.iter().map(|b| (b.delta, b.slope)).collect();
+            let expected: f64 = balls
+                .iter()
+                .filter(|(delta, _)| *delta > 0.0)
+                .map(|(delta, slope)| (2.0 * slope) * (2.0 * slope) / delta.powf(1.5))
+                .sum();
+            let hardening = run.displace(&[0.0; 5]).hardening;
+            assert!((hardening / expected - 1.0).abs() < 1e-12);
+        });
+    }
+
+    #[test]
+    fn a_step_is_cut_where_the_first_contact_closes() {
+        let du = [0.03, 0.002, 0.0, 0.0, 0.0];
+        at([-0.01, 0.0, 0.0, 0.0, 0.0], |run| {
+            assert!(run.balls.iter().all(|ball| ball.delta < 0.0));
+            let most = 1e-4;
+            let part = run.room(&du, most);
+            assert!(part > 0.1 && part < 0.9, "{part}");
+            run.displace(&du.map(|step| part * step));
+            run.evaluate(false, 0.0);
+            let deepest = run.balls.iter().map(|b| b.delta).fold(-1.0, f64::max);
+            assert!((deepest / most - 1.0).abs() < 0.1, "{deepest}");
+        });
+    }
+
+    #[test]
+    fn a_deformation_leads_where_geometry_is_far_from_it() {
+        // A step along the grooves changes geometry by its square, many deformations.
+        at([2e-4, 0.0, 0.0, 0.0, 0.0], |run| {
+            let expected: Vec<f64> = run.balls.iter().map(|ball| ball.delta).collect();
+            let du = [0.1 * 15f64.to_radians().cos(), 0.0, 0.0, 0.0, 0.0];
+            let slide = |ball: &Still<f64>| dot5(&[ball.normal[0]], &[du[0]]);
+            let along: Vec<f64> = run.balls.iter().map(slide).collect();
+            run.displace(&du);
+            let led: Vec<f64> = run.balls.iter().map(|ball| ball.delta).collect();
+            run.evaluate(true, 0.0);
+            for (j, ball) in run.balls.iter().enumerate() {
+                assert_eq!(ball.delta, led[j]);
+                // No more than five times at once.
+                assert!(led[j] > expected[j] && led[j] < 5.0 * expected[j]);
+                let geometry = expected[j] + along[j];
+                assert!((ball.delta + ball.lag) / geometry > 1.0);
+            }
+        });
+    }
+}
