@@ -274,9 +274,9 @@ where
         outcome.status = Status::SweepLimit;
         outcome.change = T::ONE;
         let mut heavier = T::ONE;
-        if last {
+        if last && applied > T::ZERO {
             let heavy = T::of(limits::HEAVY) * ring::sharing::<T, D>(c);
-            heavier = heavier.or_larger(heavy / size.or_larger(T::TINY));
+            heavier = heavier.or_larger(heavy / applied.or_larger(T::TINY));
         }
         // The last step, and the force along it.
         let (mut du, mut driven, mut halved) = ([T::ZERO; D], T::ZERO, 0);
@@ -384,26 +384,15 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{All, Bearing, Design, FreeContact, Loads, Material, Solver};
+    use crate::scene::tests::spindle;
+    use crate::{All, Loads, Solver};
     use std::vec::Vec;
 
     type Resting<'i> = Iteration<'i, f64, Static, Loads, crate::Balls, 5>;
 
     /// A B7005C at rest, its ring at `u`.
     fn at<R>(u: [f64; 5], look: impl FnOnce(&mut Resting<'_>) -> R) -> R {
-        let design = Design {
-            ball_diameter: 6.35e-3,
-            pitch_diameter: 36e-3,
-            inner_groove_factor: 0.515,
-            outer_groove_factor: 0.525,
-            free_contact: FreeContact::Angle(15f64.to_radians()),
-            first_ball: 0.0,
-            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-            ring: Material::STEEL,
-            ball: Material::STEEL,
-        };
-        let bearing = Bearing::<f64, 16>::new(&design).expect("a B7005C can be built");
+        let bearing = spindle();
         let mut solver = Solver::<f64, 16, Static, All>::new(&bearing);
         let mut run = solver.iteration();
         run.state.position.offset = u;

@@ -761,7 +761,7 @@ impl<S: Turning> Motion for S {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::spring::Stretch;
     use crate::{Bearing, Design, FreeContact, Material};
@@ -771,7 +771,8 @@ mod tests {
         negligible: 0.0,
     };
 
-    fn spindle() -> Bearing<f64, 16> {
+    /// A B7005C.
+    pub fn spindle() -> Bearing<f64, 16> {
         let design = Design {
             ball_diameter: 6.35e-3,
             pitch_diameter: 36e-3,

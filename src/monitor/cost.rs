@@ -6,12 +6,12 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 56_300,
-        sweep: 60_656,
+        fixed: 55_483,
+        sweep: 60_657,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 54_083,
-        sweep: 118_343,
+        fixed: 53_883,
+        sweep: 118_063,
     };
 }
