@@ -534,8 +534,8 @@ impl<T: Real> Outcome<T> {
         // Where the ring gives way to what rounding leaves of the balance, deformations go with it, and
         // with them the stiffness of contacts that carry little.
         let gives = self.slack * growth;
-        // Where that moves the ring by a hundredth of its way, or a step that rounding stops changes the stiffness
-        // by a hundredth, nothing is known of the displacement.
+        // Where that moves the ring by a hundredth of its way, or contacts by many deformations, or a step that
+        // rounding stops changes the stiffness by a hundredth, nothing is known of the displacement.
         let per_largest = T::ONE / largest.or_larger(T::TINY);
         let slack = self.slack * per_largest;
         let unknown = T::of(1e4);
@@ -561,6 +561,7 @@ impl<T: Real> Outcome<T> {
             displacement: rounding(3.0, 27.0, 98.0)
                 + T::of(3.7) * slack
                 + unknown * slack * slack
+                + T::of(2e-3) * gives * gives
                 + displacement,
             force: rounding(10.0, 12.0, 360.0) + T::of(6.0) * own + force,
             stiffness: rounding(2.4, 28.0, 300.0)
