@@ -33,7 +33,7 @@ use crate::ring::{self, Factors, Sums, shift};
 use crate::scene::{Change, Position, Static, curvature_centre, one};
 use crate::solver::{
     Attempt, Course, Given, Iteration, Outcome, Rounding, Task, dot5, norm, relative, side, span,
-    thresholds,
+    thresholds, thresholds::at_rest,
 };
 use crate::status::Status;
 use core::array::from_fn;
@@ -51,37 +51,6 @@ pub struct Still<T> {
     lag: T,
     /// Slope of the force.
     slope: T,
-}
-
-/// What decides how a search at rest goes on. Chosen by solves of the campaign's cases.
-mod limits {
-    /// Part of the load's balance at the beginning of a sweep that ends it, and its passes over the balls, at
-    /// most.
-    pub const LEFT: f64 = 0.02;
-    pub const PASSES: u8 = 16;
-    /// Sweeps in which deformations may lead.
-    pub const LEADING: u16 = 8;
-    /// Part of a deformation by which geometry differs from it, at most, to lead.
-    pub const AGREES: f64 = 0.067;
-    /// Part of the load that a contact may carry at once that a step closes.
-    pub const CLOSES: f64 = 0.1;
-    /// Force of each ball from which a step along the grooves counts little.
-    pub const HEAVY: f64 = 0.01;
-    /// Part of a heavier load that may be left unbalanced when it is lightened, and what is left of it then.
-    pub const BALANCED: f64 = 0.3;
-    pub const LIGHTENED: f64 = 0.2;
-    /// How many times larger the force along a step may be behind it, the other way round; and how often
-    /// a step is halved for it.
-    pub const TURNED: f64 = 20.0;
-    pub const HALVED: u8 = 4;
-    /// Residual over the last one below which a pass made progress, and residual in roundings below which
-    /// that says nothing.
-    pub const FALLS: f64 = 0.3;
-    pub const NOISE: f64 = 8.0;
-    /// Part of the load that a ball must carry to hold the ring.
-    pub const NOTHING: f64 = 1e-12;
-    /// Roundings of the balance that light contacts may hide.
-    pub const HIDDEN: f64 = 128.0;
 }
 
 impl<T: Real, B, O, const D: usize> Iteration<'_, T, Static, B, O, D>
@@ -110,7 +79,7 @@ where
             let mut contact = Contact::at(&ball.centres, a, T::ONE, T::ONE);
             let lead = ball.delta;
             let lag = contact.delta - lead;
-            if leading && lead > T::ZERO && lag.abs() > T::of(limits::AGREES) * lead {
+            if leading && lead > T::ZERO && lag.abs() > T::of(at_rest::AGREES) * lead {
                 let root = lead.sqrt();
                 (contact.delta, contact.lag) = (lead, lag);
                 (contact.q, contact.slope) = (root * lead, T::of(1.5) * root);
@@ -211,63 +180,83 @@ where
         }
     }
 
+    /// Puts the ring at `u`.
+    fn put(&mut self, u: &[T; D]) {
+        self.state.position = Position {
+            reference: [T::ZERO; D],
+            offset: *u,
+        };
+        self.refer();
+    }
+
+    /// Starts from nothing; `preload` multiplies what each ball carries.
+    fn begin(&mut self, load: &[T; D], wanted: &[T; D], preload: T) {
+        let n0 = &self.c.n0;
+        let (q, x) = self.pressed(load, preload);
+        self.state.mean = scale(side(load) * q, [n0[1].high / (n0[0].high + x), T::ONE]);
+        self.put(&self.displaced(x, wanted));
+    }
+
+    /// Moves a solved bearing to where its tangent sees it under a new load.
+    fn extrapolate(&mut self, load: &[T; D], wanted: &[T; D]) {
+        let by = missing::<T, B, D>(self.c, wanted, &self.state.position.total());
+        let (mut b, mut own) = (*load, [[T::ZERO; D]; D]);
+        for (b, force) in b.iter_mut().zip(&self.state.force) {
+            *b -= *force;
+        }
+        let tangent = held::<T, B, D>(self.c, &by, &mut b, &self.state.tangent, &mut own);
+        let (factors, _) = Factors::of(tangent, T::of(8.0) * T::EPSILON);
+        let mut du = factors.solve(&b);
+        constrain::<T, B, D>(self.c, &by, &mut du);
+        for (offset, step) in self.state.position.offset.iter_mut().zip(&du) {
+            *offset += *step;
+        }
+    }
+
     /// Starts as an `attempt` does, and sweeps until converged, or until there were `until` sweeps.
     pub fn equilibrate(
         &mut self,
         outcome: &mut Outcome<T>,
         task: &Task<T, D>,
         attempt: Attempt,
+        until: u16,
+    ) {
+        match &task.given {
+            Given::Displacement(u) => {
+                self.put(u);
+                self.evaluate(false, T::ZERO);
+                outcome.sweeps = 1;
+                outcome.hardening = self.displace(&[T::ZERO; D]).hardening;
+                (outcome.change, outcome.remainder, outcome.residual) = (T::ZERO, T::ZERO, T::ZERO);
+                outcome.status = Status::Converged;
+            }
+            Given::Load(load) => {
+                if attempt == Attempt::Warm {
+                    self.extrapolate(load, &task.wanted);
+                } else {
+                    self.begin(load, &task.wanted, T::of(attempt.preload()));
+                }
+                self.run(outcome, load, task.tolerance, attempt, until);
+            }
+        }
+    }
+
+    /// Sweeps until `load` is balanced, or until there were `until` sweeps.
+    fn run(
+        &mut self,
+        outcome: &mut Outcome<T>,
+        load: &[T; D],
+        tolerance: T,
+        attempt: Attempt,
         mut until: u16,
     ) {
-        let c = self.c;
         let last = attempt == Attempt::Preloaded;
+        if !last {
+            until = until.min(outcome.sweeps.saturating_add(at_rest::LEADING));
+        }
         // After a start geometry leads: as balls were left by the last solve, they would not know of it.
         let mut leading = false;
-        let mut load = [T::ZERO; D];
-        let mut u = task.wanted;
-        if let Given::Load(given) = &task.given {
-            load = *given;
-            if !last {
-                until = until.min(outcome.sweeps.saturating_add(limits::LEADING));
-            }
-        }
-        if let (Given::Load(_), Attempt::Warm) = (&task.given, attempt) {
-            let by = missing::<T, B, D>(c, &task.wanted, &self.state.position.total());
-            let (mut b, mut own) = (load, [[T::ZERO; D]; D]);
-            for (b, force) in b.iter_mut().zip(&self.state.force) {
-                *b -= *force;
-            }
-            let tangent = held::<T, B, D>(c, &by, &mut b, &self.state.tangent, &mut own);
-            let (factors, _) = Factors::of(tangent, T::of(8.0) * T::EPSILON);
-            let mut du = factors.solve(&b);
-            constrain::<T, B, D>(c, &by, &mut du);
-            for (offset, step) in self.state.position.offset.iter_mut().zip(&du) {
-                *offset += *step;
-            }
-        } else {
-            if let Given::Load(_) = &task.given {
-                let (q, x) = self.pressed(&load, if last { T::of(4.0) } else { T::ONE });
-                let s0 = c.n0[0].high;
-                self.state.mean = scale(side(&load) * q, [c.n0[1].high / (s0 + x), T::ONE]);
-                u = self.displaced(x, &task.wanted);
-            }
-            self.state.position = Position {
-                reference: [T::ZERO; D],
-                offset: u,
-            };
-            self.refer();
-        }
-
-        if let Given::Displacement(_) = task.given {
-            self.evaluate(false, T::ZERO);
-            outcome.sweeps = 1;
-            let moved = self.displace(&[T::ZERO; D]);
-            outcome.hardening = moved.hardening;
-            (outcome.change, outcome.remainder, outcome.residual) = (T::ZERO, T::ZERO, T::ZERO);
-            outcome.status = Status::Converged;
-            return;
-        }
-        let applied = norm(&load);
+        let applied = norm(load);
         let mut size = applied;
         let rounding = Rounding::of(T::ZERO, size);
         let mut course = Course::<T>::new(attempt);
@@ -275,15 +264,15 @@ where
         outcome.change = T::ONE;
         let mut heavier = T::ONE;
         if last && applied > T::ZERO {
-            let heavy = T::of(limits::HEAVY) * ring::sharing::<T, D>(c);
+            let heavy = T::of(at_rest::HEAVY) * ring::sharing::<T, D>(self.c);
             heavier = heavier.or_larger(heavy / applied.or_larger(T::TINY));
         }
         // The last step, and the force along it.
         let (mut du, mut driven, mut halved) = ([T::ZERO; D], T::ZERO, 0);
         // What the sweep began with, and its passes.
-        let (mut began, mut passes) = (T::ZERO, limits::PASSES);
+        let (mut began, mut passes) = (T::ZERO, at_rest::PASSES);
         loop {
-            let loaded = self.evaluate(leading, T::of(limits::NOTHING) * size);
+            let loaded = self.evaluate(leading, T::of(at_rest::NOTHING) * size);
             leading = !last;
             if B::HOLDS {
                 size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
@@ -291,15 +280,15 @@ where
             let force = self.state.force;
             let (none, mut own) = ([T::ZERO; D], [[T::ZERO; D]; D]);
             let mut b: [T; D] = from_fn(|i| heavier * load[i] - force[i]);
-            if heavier > T::ONE && norm(&b) < T::of(limits::BALANCED) * heavier * size {
-                heavier = T::ONE.or_larger(T::of(limits::LIGHTENED) * heavier);
+            if heavier > T::ONE && norm(&b) < T::of(at_rest::LIGHTENS_AT) * heavier * size {
+                heavier = T::ONE.or_larger(T::of(at_rest::LIGHTENED) * heavier);
                 b = from_fn(|i| heavier * load[i] - force[i]);
                 driven = T::ONE / T::TINY;
             }
-            let tangent = held::<T, B, D>(c, &none, &mut b, &self.state.tangent, &mut own);
-            let turned = -dot5(&b, &du) > T::of(limits::TURNED) * driven;
+            let tangent = held::<T, B, D>(self.c, &none, &mut b, &self.state.tangent, &mut own);
+            let turned = -dot5(&b, &du) > T::of(at_rest::TURNED) * driven;
             let unbalanced = norm(&b);
-            if unbalanced <= T::of(limits::LEFT) * began || passes >= limits::PASSES {
+            if unbalanced <= T::of(at_rest::LEFT) * began || passes >= at_rest::PASSES {
                 if outcome.sweeps >= until {
                     return;
                 }
@@ -309,7 +298,7 @@ where
                 outcome.repeats = outcome.repeats.saturating_add(self.balls.len() as u16);
             }
             passes += 1;
-            if last && turned && halved < limits::HALVED {
+            if last && turned && halved < at_rest::HALVED {
                 for (offset, step) in self.state.position.offset.iter_mut().zip(&mut du) {
                     *step = T::of(0.5) * *step;
                     *offset -= *step;
@@ -324,7 +313,7 @@ where
             let mut weakness;
             (du, weakness) = self.descent(&b, tangent, &none, longest, true, &mut course.rung);
             if !last {
-                let root = (T::of(limits::CLOSES) * size).cbrt();
+                let root = (T::of(at_rest::CLOSES) * size).cbrt();
                 let part = self.room(&du, root * root);
                 for step in &mut du {
                     *step = part * *step;
@@ -347,9 +336,9 @@ where
             // The tangent is that before the step, of which the change is known ball by ball.
             outcome.remainder = T::of(0.5) * outcome.change;
             outcome.hardening = moved.hardening;
-            let noise = T::of(limits::NOISE) * T::EPSILON;
+            let noise = T::of(at_rest::NOISE) * T::EPSILON;
             let falls =
-                outcome.residual > noise && outcome.residual < T::of(limits::FALLS) * residual;
+                outcome.residual > noise && outcome.residual < T::of(at_rest::FALLS) * residual;
             course.compare(if falls { T::ZERO } else { outcome.change }, change);
             let now = applied.or_larger(norm(&self.state.force));
             let scale = if B::HOLDS { now } else { size };
@@ -357,13 +346,13 @@ where
                 && heavier <= T::ONE
                 && (last || !weakness.singular);
             let largest = span(&self.state.position.total());
-            let ending = outcome.ending(&course, &rounding, rounded_part, task.tolerance, largest);
+            let ending = outcome.ending(&course, &rounding, rounded_part, tolerance, largest);
             if let (true, Some(status)) = (balanced, ending) {
                 // The forces, too, are those after the step.
                 for (force, row) in self.state.force.iter_mut().zip(&self.state.tangent) {
                     *force += dot5(row, &du);
                 }
-                outcome.unknown = T::of(limits::HIDDEN) * T::EPSILON;
+                outcome.unknown = T::of(at_rest::HIDDEN) * T::EPSILON;
                 outcome.status = if weakness.singular {
                     Status::Indeterminate {
                         loaded_balls: loaded,

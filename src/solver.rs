@@ -626,6 +626,37 @@ pub mod thresholds {
     pub const FAR_FROM_REFERENCE: f64 = 2e-3;
     /// Sweeps in a row that a ball may be lost in, for all its own steps, before the start is.
     pub const LOST: u8 = 3;
+
+    /// Those of a search at rest.
+    pub mod at_rest {
+        /// Part of the load's balance at the beginning of a sweep that ends it, and its passes over the balls, at
+        /// most.
+        pub const LEFT: f64 = 0.02;
+        pub const PASSES: u8 = 16;
+        /// Sweeps in which deformations may lead.
+        pub const LEADING: u16 = 8;
+        /// Part of a deformation by which geometry differs from it, at most, to lead.
+        pub const AGREES: f64 = 0.067;
+        /// Part of the load that a contact may carry at once that a step closes.
+        pub const CLOSES: f64 = 0.1;
+        /// Force of each ball from which a step along the grooves counts little.
+        pub const HEAVY: f64 = 0.01;
+        /// Part of a heavier load that may be left unbalanced when it is lightened, and what is left of it then.
+        pub const LIGHTENS_AT: f64 = 0.3;
+        pub const LIGHTENED: f64 = 0.2;
+        /// How many times larger the force along a step may be behind it, the other way round; and how often
+        /// a step is halved for it.
+        pub const TURNED: f64 = 20.0;
+        pub const HALVED: u8 = 4;
+        /// Residual over the last one below which a pass made progress, and residual in roundings below which
+        /// that says nothing.
+        pub const FALLS: f64 = 0.3;
+        pub const NOISE: f64 = 8.0;
+        /// Part of the load that a ball must carry to hold the ring.
+        pub const NOTHING: f64 = 1e-12;
+        /// Roundings of the balance that light contacts may hide.
+        pub const HIDDEN: f64 = 128.0;
+    }
 }
 use thresholds::LONGEST_STEP;
 
@@ -645,11 +676,19 @@ impl Attempt {
 
     /// Sweeps after which the next start is worth more than going on. From a start that is any good
     /// most solves take fewer than 10.
-    pub const fn sweeps(self) -> u16 {
+    const fn sweeps(self) -> u16 {
         match self {
             Self::Warm => 10,
             Self::Cold => 40,
             Self::Preloaded => u16::MAX,
+        }
+    }
+
+    /// Preload of a start from nothing, in units of what keeps balls loaded at first sight.
+    pub const fn preload(self) -> f64 {
+        match self {
+            Self::Warm | Self::Cold => 1.0,
+            Self::Preloaded => 4.0,
         }
     }
 
@@ -949,9 +988,8 @@ where
         self.rebase();
     }
 
-    /// A start from nothing: the axisymmetric state under the axial load, plus so much preload that
-    /// radial load and moment do not unload balls at first sight. From above, Newton on a 3/2 law
-    /// does not overshoot. `preload` multiplies it. Held freedoms start where they are `wanted`.
+    /// A start from nothing: the axisymmetric state at speed in which balls are pressed as at rest. Held
+    /// freedoms start where they are `wanted`, with balls as their centrifugal force has them.
     fn start(&mut self, load: &[T; D], wanted: &[T; D], speed_load: T, preload: T) {
         let c = self.c;
         let (q, x) = self.pressed(load, preload);
@@ -1157,9 +1195,9 @@ where
     B: Conditions<Freedoms<D>>,
     O: Outputs,
 {
-    /// A start from nothing: what each ball carries under the axial load and so much preload that radial load
-    /// and moment do not unload balls at first sight, and the axial displacement that belongs to it at rest.
-    /// From above, Newton on a 3/2 law does not overshoot. `preload` multiplies it.
+    /// What each ball carries under the axial load and so much preload that radial load and moment do not unload
+    /// balls at first sight, and the axial displacement that belongs to it at rest. From above, Newton on a 3/2
+    /// law does not overshoot. `preload` multiplies all of it.
     pub fn pressed(&self, load: &[T; D], preload: T) -> (T, T) {
         let c = self.c;
         let mut pressing = load[0].abs();
@@ -1299,9 +1337,8 @@ where
                 return self.run(outcome, task, attempt, until);
             }
             (Given::Load(load), Attempt::Warm) => self.predict(load, wanted, *speed_load),
-            (Given::Load(load), Attempt::Cold) => self.start(load, wanted, *speed_load, T::ONE),
-            (Given::Load(load), Attempt::Preloaded) => {
-                self.start(load, wanted, *speed_load, T::of(4.0));
+            (Given::Load(load), _) => {
+                self.start(load, wanted, *speed_load, T::of(attempt.preload()));
             }
         }
         self.run(outcome, task, attempt, worth.min(until));

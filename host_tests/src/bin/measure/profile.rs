@@ -63,10 +63,12 @@ impl Part {
 
 /// What belongs to which part: the first row whose functions are all on the way to an instruction.
 #[rustfmt::skip]
-const PARTS: [(&[&str], Part); 23] = [
+const PARTS: [(&[&str], Part); 25] = [
     (&["Iteration::start"], Part::Start),
     (&["Iteration::predict"], Part::Start),
     (&["Iteration::place"], Part::Start),
+    (&["begin"], Part::Start),
+    (&["extrapolate"], Part::Start),
     (&["Factors::of"], Part::Ring),
     (&["Factors::solve"], Part::Ring),
     (&["Iteration::descent"], Part::Ring),
