@@ -97,26 +97,38 @@ impl<T: Real> Contact<T> {
     /// its reference; geometry leads.
     #[inline(always)]
     pub fn at(reference: &Reference<T>, offset: Pair<T>, length: T, k: T) -> Self {
+        let mut contact = Self::between(reference, offset, length);
+        contact.press(k);
+        contact
+    }
+
+    /// The same as yet without its force.
+    #[inline(always)]
+    pub fn between(reference: &Reference<T>, offset: Pair<T>, length: T) -> Self {
         let v = add(reference.vector, offset);
         // Total: a ball on the curvature centre itself gets a direction and a radius.
         let radius = dot(v, v).or_larger(T::TINY).sqrt();
         let inverse_radius = T::ONE / radius;
         let twice = add(add(reference.vector, reference.vector), offset);
         let delta = (reference.excess + dot(twice, offset)) / (radius + length);
-        let (mut q, mut slope) = (T::ZERO, T::ZERO);
-        let root = k * delta.sqrt();
-        if delta > T::ZERO {
-            q = root * delta;
-            slope = T::of(1.5) * root;
-        }
         Self {
             sin: v[0] * inverse_radius,
             cos: v[1] * inverse_radius,
             inverse_radius,
             delta,
-            q,
-            slope,
+            q: T::ZERO,
+            slope: T::ZERO,
             lag: T::ZERO,
+        }
+    }
+
+    /// Gives the contact the force that belongs to its deformation.
+    #[inline(always)]
+    pub fn press(&mut self, k: T) {
+        let root = k * self.delta.sqrt();
+        if self.delta > T::ZERO {
+            self.q = root * self.delta;
+            self.slope = T::of(1.5) * root;
         }
     }
 

@@ -20,16 +20,19 @@
 //! along it over, to many times what it was, is halved. As a function of the ring alone the energy is convex,
 //! so that no other minimum stops this.
 //!
+//! After a solve the ring starts where the last tangent sees it under the new load, less what the balls' forces do
+//! beyond that tangent on the way there: what is left is of the third order, and one pass is enough.
+//!
 //! The stiffness is the last tangent. By how much the step after it changes every ball's is known, and is what
 //! is said of its error.
 
 use crate::ball::Share;
-use crate::conditions::{Conditions, constrain, held, missing};
+use crate::conditions::{Conditions, held};
 use crate::contact::{Contact, Pair, Reference, add, scale};
 use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
 use crate::outputs::Outputs;
-use crate::ring::{self, Factors, Sums, shift};
+use crate::ring::{self, Sums, shift};
 use crate::scene::{Change, Position, Static, curvature_centre, one};
 use crate::solver::{
     Attempt, Course, Given, Iteration, Outcome, Rounding, Task, dot5, norm, relative, side, span,
@@ -51,6 +54,28 @@ pub struct Still<T> {
     lag: T,
     /// Slope of the force.
     slope: T,
+}
+
+impl<T: Real> Still<T> {
+    /// By how much the force after a motion `da` of the inner groove is more than its linearisation says: along
+    /// the line of centres by the law, for no more than the deformation; across it by the second-order terms.
+    #[inline(always)]
+    fn beyond(&self, da: Pair<T>) -> Pair<T> {
+        if !(self.delta > T::ZERO) {
+            return [T::ZERO; 2];
+        }
+        let [s, c] = self.normal;
+        let along = s * da[0] + c * da[1];
+        let turn = c * da[0] - s * da[1];
+        let squared = T::of(0.5) * turn * turn;
+        let most = self.delta;
+        let more = (along + squared).or_smaller(most).or_larger(-most);
+        let to = self.delta + more;
+        let (before, after) = (T::of(1.0 / 1.5) * self.slope * self.delta, to * to.sqrt());
+        let along = after - before - self.slope * along - before * squared;
+        let across = (after - before - before * more) * turn;
+        [s * along + c * across, c * along - s * across]
+    }
 }
 
 impl<T: Real, B, O, const D: usize> Iteration<'_, T, Static, B, O, D>
@@ -76,14 +101,13 @@ where
         let mut sums = Sums::about(self.state.mean);
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let a = shift(&self.state.position.offset, at);
-            let mut contact = Contact::at(&ball.centres, a, T::ONE, T::ONE);
+            let mut contact = Contact::between(&ball.centres, a, T::ONE);
             let lead = ball.delta;
             let lag = contact.delta - lead;
             if leading && lead > T::ZERO && lag.abs() > T::of(at_rest::AGREES) * lead {
-                let root = lead.sqrt();
                 (contact.delta, contact.lag) = (lead, lag);
-                (contact.q, contact.slope) = (root * lead, T::of(1.5) * root);
             }
+            contact.press(T::ONE);
             *ball = Still {
                 centres: ball.centres,
                 normal: contact.normal(),
@@ -122,27 +146,25 @@ where
             let turn = c * da[0] - s * da[1];
             let to = ball.delta + along;
             let slope = T::of(1.5) * to.or_larger(T::ZERO).sqrt();
-            let mut led = to;
-            if ball.delta > T::ZERO {
-                let inverse = T::ONE / ball.delta;
-                all.hardening += T::of(6.0) * ball.slope * inverse;
-                let more = along * inverse;
-                if more > T::ZERO {
-                    // The force, not the deformation, grows as the linearisation says: a Pade approximant
-                    // of (1 + 3/2 more)^(2/3).
-                    led =
-                        ball.delta * (T::ONE + T::of(1.25) * more) / (T::ONE + T::of(0.25) * more);
-                }
-            }
             // A contact's stiffness along it changes by its slope, and what turns by the square of the turn.
-            let change = (slope - ball.slope).abs();
+            let steeper = (slope - ball.slope).abs();
             let mixed = s * c;
             let turned =
                 slope.or_larger(ball.slope) * turn.abs() * ((mixed + mixed).abs() + turn.abs());
             all.stiffness = add(
                 all.stiffness,
-                [change * s * s + turned, change * c * c + turned],
+                [steeper * s * s + turned, steeper * c * c + turned],
             );
+            let mut led = to;
+            if ball.delta > T::ZERO {
+                all.hardening += T::of(6.0) * ball.slope / ball.delta;
+                if along > T::of(at_rest::AGREES) * ball.delta {
+                    // The force, not the deformation, grows as the linearisation says: a Pade approximant of
+                    // (1 + 3/2 x)^(2/3), x the part by which the deformation grows.
+                    led = ball.delta * (ball.delta + T::of(1.25) * along)
+                        / (ball.delta + T::of(0.25) * along);
+                }
+            }
             (ball.delta, ball.lag) = (led, T::ZERO);
         }
         for (offset, step) in self.state.position.offset.iter_mut().zip(du) {
@@ -197,17 +219,10 @@ where
         self.put(&self.displaced(x, wanted));
     }
 
-    /// Moves a solved bearing to where its tangent sees it under a new load.
+    /// Moves a solved bearing to where its tangent, and what of the second order matters, see it under a new load.
     fn extrapolate(&mut self, load: &[T; D], wanted: &[T; D]) {
-        let by = missing::<T, B, D>(self.c, wanted, &self.state.position.total());
-        let (mut b, mut own) = (*load, [[T::ZERO; D]; D]);
-        for (b, force) in b.iter_mut().zip(&self.state.force) {
-            *b -= *force;
-        }
-        let tangent = held::<T, B, D>(self.c, &by, &mut b, &self.state.tangent, &mut own);
-        let (factors, _) = Factors::of(tangent, T::of(8.0) * T::EPSILON);
-        let mut du = factors.solve(&b);
-        constrain::<T, B, D>(self.c, &by, &mut du);
+        let b = from_fn(|i| load[i] - self.state.force[i]);
+        let du = self.extrapolation(b, wanted, |_, ball, da| ball.beyond(da));
         for (offset, step) in self.state.position.offset.iter_mut().zip(&du) {
             *offset += *step;
         }
@@ -258,6 +273,12 @@ where
         let mut leading = false;
         let applied = norm(load);
         let mut size = applied;
+        // The deformation up to which a step may close a contact at once.
+        let touch = |size: T| {
+            let root = (T::of(at_rest::CLOSES) * size).cbrt();
+            root * root
+        };
+        let mut touching = touch(size);
         let rounding = Rounding::of(T::ZERO, size);
         let mut course = Course::<T>::new(attempt);
         outcome.status = Status::SweepLimit;
@@ -276,6 +297,7 @@ where
             leading = !last;
             if B::HOLDS {
                 size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
+                touching = touch(size);
             }
             let force = self.state.force;
             let (none, mut own) = ([T::ZERO; D], [[T::ZERO; D]; D]);
@@ -312,9 +334,8 @@ where
             let longest = T::of(thresholds::LONGEST_STEP);
             let mut weakness;
             (du, weakness) = self.descent(&b, tangent, &none, longest, true, &mut course.rung);
-            if !last {
-                let root = (T::of(at_rest::CLOSES) * size).cbrt();
-                let part = self.room(&du, root * root);
+            if !last && usize::from(loaded) < self.balls.len() {
+                let part = self.room(&du, touching);
                 for step in &mut du {
                     *step = part * *step;
                 }
@@ -333,9 +354,9 @@ where
                 return;
             }
             outcome.change = relative(&moved.stiffness, &self.state.tangent);
+            outcome.hardening = moved.hardening;
             // The tangent is that before the step, of which the change is known ball by ball.
             outcome.remainder = T::of(0.5) * outcome.change;
-            outcome.hardening = moved.hardening;
             let noise = T::of(at_rest::NOISE) * T::EPSILON;
             let falls =
                 outcome.residual > noise && outcome.residual < T::of(at_rest::FALLS) * residual;
@@ -362,8 +383,12 @@ where
                 };
                 return;
             }
-            // Offsets this large would cost digits of the deformations.
-            if span(&self.state.position.offset) > T::of(thresholds::FAR_FROM_REFERENCE) {
+            // Offsets this large would cost digits of the deformations; of large ones they may, as long as steps
+            // are long.
+            let offset = span(&self.state.position.offset);
+            let serves =
+                outcome.step > T::of(0.5) * offset && touching > T::of(at_rest::SERVES) * offset;
+            if offset > T::of(thresholds::FAR_FROM_REFERENCE) && !serves {
                 self.refer();
             }
         }
@@ -374,7 +399,7 @@ where
 mod tests {
     use super::*;
     use crate::scene::tests::spindle;
-    use crate::{All, Loads, Solver};
+    use crate::{All, Loads, Settings, Solver};
     use std::vec::Vec;
 
     type Resting<'i> = Iteration<'i, f64, Static, Loads, crate::Balls, 5>;
@@ -409,6 +434,62 @@ mod tests {
                 assert!((0.5..2.0).contains(&seen), "{u:?}, {du:?}: {seen}");
             });
         }
+    }
+
+    #[test]
+    fn what_forces_do_beyond_the_tangent_is_known_to_second_order() {
+        let u = [0.02, 0.001, -0.002, 1e-3, 2e-3];
+        let du = [3e-4, -2e-4, 1e-4, 2e-4, -1e-4];
+        at(u, |run| {
+            let (before, tangent) = (run.state.force, run.state.tangent);
+            let mut beyond = [0.0; 5];
+            for (ball, at) in run.balls.iter().zip(run.azimuths) {
+                ring::spread(&mut beyond, at, ball.beyond(shift(&du, at)), 0.0);
+            }
+            for (offset, step) in run.state.position.offset.iter_mut().zip(&du) {
+                *offset += *step;
+            }
+            run.evaluate(false, 0.0);
+            for i in 0..5 {
+                let linear = before[i] + dot5(&tangent[i], &du);
+                let left = run.state.force[i] - linear - beyond[i];
+                let second = (run.state.force[i] - linear).abs();
+                assert!(left.abs() < 0.05 * second, "{i}: {left:e} of {second:e}");
+            }
+        });
+    }
+
+    #[test]
+    fn a_drifting_load_takes_one_pass() {
+        let bearing = spindle();
+        let settings = Settings::default();
+        let mut solver = Solver::<f32, 16, Static, All>::new(&bearing);
+        let load = [1000.0, 200.0, -50.0, 1.0, 3.0];
+        solver.solve(load, 0.0, &settings).unwrap();
+        let drifted = [1010.0, 198.0, -50.5, 1.01, 2.97];
+        let warm = solver.solve(drifted, 0.0, &settings).unwrap();
+        assert_eq!((warm.sweeps, warm.repeats), (1, 0));
+        let k = warm.stiffness;
+        let mut other = Solver::<f32, 16, Static, All>::new(&bearing);
+        let cold = other.solve(drifted, 0.0, &settings).unwrap();
+        for (i, (row, of_cold)) in k.iter().zip(&cold.stiffness).enumerate() {
+            for (j, (x, y)) in row.iter().zip(of_cold).enumerate() {
+                assert!((x - y).abs() < 2e-5 * (k[i][i] * k[j][j]).sqrt());
+            }
+        }
+    }
+
+    #[test]
+    fn no_force_is_taken_beyond_twice_the_deformation() {
+        at([0.02, 0.0, 0.0, 0.0, 0.0], |run| {
+            let ball = run.balls[0];
+            let force = ball.delta * ball.delta.sqrt();
+            let [s, c] = ball.normal;
+            let far = 100.0 * ball.delta;
+            let beyond = dot5(&ball.normal, &ball.beyond([s * far, c * far]));
+            let linear = force + ball.slope * far;
+            assert!((linear + beyond - 2f64.powf(1.5) * force).abs() < 1e-9 * linear);
+        });
     }
 
     #[test]

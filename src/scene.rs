@@ -772,7 +772,7 @@ pub mod tests {
     };
 
     /// A B7005C.
-    pub fn spindle() -> Bearing<f64, 16> {
+    pub fn spindle<T: Real>() -> Bearing<T, 16> {
         let design = Design {
             ball_diameter: 6.35e-3,
             pitch_diameter: 36e-3,
@@ -785,7 +785,7 @@ pub mod tests {
             ring: Material::STEEL,
             ball: Material::STEEL,
         };
-        Bearing::<f64, 16>::new(&design).expect("a B7005C can be built")
+        Bearing::build(&design).expect("a B7005C can be built")
     }
 
     #[test]

@@ -639,6 +639,9 @@ pub mod thresholds {
         pub const AGREES: f64 = 0.067;
         /// Part of the load that a contact may carry at once that a step closes.
         pub const CLOSES: f64 = 0.1;
+        /// That contact's deformation over the ring's offset from its reference, from which on this serves as long
+        /// as steps are long.
+        pub const SERVES: f64 = 0.03;
         /// Force of each ball from which a step along the grooves counts little.
         pub const HEAVY: f64 = 0.01;
         /// Part of a heavier load that may be left unbalanced when it is lightened, and what is left of it then.
@@ -988,8 +991,8 @@ where
         self.rebase();
     }
 
-    /// A start from nothing: the axisymmetric state at speed in which balls are pressed as at rest. Held
-    /// freedoms start where they are `wanted`, with balls as their centrifugal force has them.
+    /// A start from nothing: the axisymmetric state at speed in which balls are pressed as at rest. Where freedoms
+    /// are held, these start where they are `wanted`, and every ball where it belongs without further knowledge.
     fn start(&mut self, load: &[T; D], wanted: &[T; D], speed_load: T, preload: T) {
         let c = self.c;
         let (q, x) = self.pressed(load, preload);
@@ -1088,25 +1091,7 @@ where
         for i in 0..D {
             b[i] -= self.state.load[i] + sums[i];
         }
-        let mut own = [[T::ZERO; D]; D];
-        let by = missing::<T, B, D>(self.c, wanted, &self.state.position.total());
-        let tangent = held::<T, B, D>(self.c, &by, &mut b, &self.state.tangent, &mut own);
-        let (factors, _) = Factors::of(tangent, T::of(8.0) * T::EPSILON);
-        let mut du = factors.solve(&b);
-        let mut sums = [T::ZERO; D];
-        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
-            ring::spread(
-                &mut sums,
-                at,
-                M::second_order(self.c, ball, shift(&du, at)),
-                T::ZERO,
-            );
-        }
-        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut sums, &mut own);
-        for (step, back) in du.iter_mut().zip(&factors.solve(&sums)) {
-            *step -= *back;
-        }
-        constrain::<T, B, D>(self.c, &by, &mut du);
+        let du = self.extrapolation(b, wanted, |c, ball, da| M::second_order(c, ball, da));
         self.advance(&du, None);
     }
 
@@ -1217,6 +1202,33 @@ where
             }
         }
         (q, side(load) * Spring::at(s0, w).axial - s0)
+    }
+
+    /// The step to where the last tangent sees the ring under a load that is larger by `b`, and what each ball's
+    /// force does `beyond` that tangent on the way there takes back.
+    #[inline(always)]
+    pub fn extrapolation(
+        &mut self,
+        mut b: [T; D],
+        wanted: &[T; D],
+        beyond: impl Fn(&Constants<T>, &mut M::Ball<T>, Pair<T>) -> Pair<T>,
+    ) -> [T; D] {
+        let mut own = [[T::ZERO; D]; D];
+        let by = missing::<T, B, D>(self.c, wanted, &self.state.position.total());
+        let tangent = held::<T, B, D>(self.c, &by, &mut b, &self.state.tangent, &mut own);
+        let (factors, _) = Factors::of(tangent, T::of(8.0) * T::EPSILON);
+        let mut du = factors.solve(&b);
+        let mut sums = [T::ZERO; D];
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            let force = beyond(self.c, ball, shift(&du, at));
+            ring::spread(&mut sums, at, force, T::ZERO);
+        }
+        hold::<T, B, D>(self.c, &[T::ZERO; D], &mut sums, &mut own);
+        for (step, back) in du.iter_mut().zip(&factors.solve(&sums)) {
+            *step -= *back;
+        }
+        constrain::<T, B, D>(self.c, &by, &mut du);
+        du
     }
 
     /// The axial displacement `x`, and what held freedoms are `wanted` to have.

@@ -352,7 +352,8 @@ carries are within 90 degrees of each other: beyond that, the races no longer ho
 *Open* are those that were not looked into. *Failed* is what must never be: a panic, a figure that is not
 a finite number, more than 100 sweeps, a refusal for a reason that does not hold. *Sweeps* over the balls,
 of solves that ended with an answer: median / 99 % / worst, warm ones in warm families, cold ones
-elsewhere; *passes* per ball count what single balls repeated, too: median / 99 %.
+elsewhere; *passes* per ball count what single balls repeated, too, and at rest every pass
+of a sweep: median / 99 %.
 
 {}
 ## Errors in single precision
