@@ -1349,8 +1349,14 @@ where
                 return self.run(outcome, task, attempt, until);
             }
             (Given::Load(load), Attempt::Warm) => self.predict(load, wanted, *speed_load),
-            (Given::Load(load), _) => {
-                self.start(load, wanted, *speed_load, T::of(attempt.preload()));
+            // Each with its constant in line, which leaves warm solves more registers.
+            (Given::Load(load), Attempt::Cold) => {
+                let preload = T::of(Attempt::Cold.preload());
+                self.start(load, wanted, *speed_load, preload);
+            }
+            (Given::Load(load), Attempt::Preloaded) => {
+                let preload = T::of(Attempt::Preloaded.preload());
+                self.start(load, wanted, *speed_load, preload);
             }
         }
         self.run(outcome, task, attempt, worth.min(until));
