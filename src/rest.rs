@@ -160,7 +160,8 @@ where
                 all.hardening += T::of(6.0) * ball.slope / ball.delta;
                 if along > T::of(at_rest::AGREES) * ball.delta {
                     // The force, not the deformation, grows as the linearisation says: a Pade approximant of
-                    // (1 + 3/2 x)^(2/3), x the part by which the deformation grows.
+                    // (1 + 3/2 x)^(2/3), x the part by which the deformation grows. Where it grows by less,
+                    // geometry leads.
                     led = ball.delta * (ball.delta + T::of(1.25) * along)
                         / (ball.delta + T::of(0.25) * along);
                 }
