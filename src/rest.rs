@@ -309,7 +309,7 @@ where
                 driven = T::ONE / T::TINY;
             }
             let tangent = held::<T, B, D>(self.c, &none, &mut b, &self.state.tangent, &mut own);
-            let turned = -dot5(&b, &du) > T::of(at_rest::TURNED) * driven;
+            let turned = || -dot5(&b, &du) > T::of(at_rest::TURNED) * driven;
             let unbalanced = norm(&b);
             if unbalanced <= T::of(at_rest::LEFT) * began || passes >= at_rest::PASSES {
                 if outcome.sweeps >= until {
@@ -321,7 +321,7 @@ where
                 outcome.repeats = outcome.repeats.saturating_add(self.balls.len() as u16);
             }
             passes += 1;
-            if last && turned && halved < at_rest::HALVED {
+            if last && halved < at_rest::HALVED && turned() {
                 for (offset, step) in self.state.position.offset.iter_mut().zip(&mut du) {
                     *step = T::of(0.5) * *step;
                     *offset -= *step;
@@ -341,7 +341,9 @@ where
                     *step = part * *step;
                 }
             }
-            (driven, halved) = (dot5(&b, &du), 0);
+            if last {
+                (driven, halved) = (dot5(&b, &du), 0);
+            }
             // A ball resists in its plane, in two directions; of more, rounding shows what is not there.
             weakness.singular |= usize::from(loaded) * 2 < Self::FREE;
             outcome.weaken(&weakness);
