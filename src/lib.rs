@@ -35,8 +35,6 @@ mod limits;
 #[forbid(unsafe_code)]
 mod outputs;
 #[forbid(unsafe_code)]
-mod rest;
-#[forbid(unsafe_code)]
 mod ring;
 #[forbid(unsafe_code)]
 mod scene;

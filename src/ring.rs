@@ -35,6 +35,39 @@ pub fn shift<T: Real, const D: usize>(u: &[T; D], at: &Azimuth<T>) -> Pair<T> {
     [axial, radial]
 }
 
+#[inline(never)]
+pub fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    let mut sum = T::ZERO;
+    for (x, y) in a.iter().zip(b) {
+        sum += *x * *y;
+    }
+    sum
+}
+
+pub fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
+    if D == 1 {
+        return f[0].abs();
+    }
+    dot5(f, f).sqrt()
+}
+
+/// A bound on how far a displacement of the ring shifts any groove centre.
+pub fn span<T: Real, const D: usize>(u: &[T; D]) -> T {
+    let mut axial = u[0].abs();
+    if D == 5 {
+        axial += (u[3] * u[3] + u[4] * u[4]).sqrt();
+    }
+    if D >= 3 {
+        return axial.or_larger((u[1] * u[1] + u[2] * u[2]).sqrt());
+    }
+    axial
+}
+
+/// The side of the grooves on which an axial load presses the balls: 1 for that of the free contact angle.
+pub fn side<T: Real, const D: usize>(load: &[T; D]) -> T {
+    if load[0] < T::ZERO { -T::ONE } else { T::ONE }
+}
+
 /// Adds one ball's force and couple to those on the ring.
 #[inline(always)]
 pub fn spread<T: Real, const D: usize>(

@@ -13,8 +13,7 @@ use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
 use crate::kinematics::{Attitude, BallMotion, RacewayControlFree};
 use crate::outputs::Outputs;
-use crate::rest::Still;
-use crate::solver::{Attempt, Iteration, Outcome, Task};
+use crate::solver::{Attempt, Iteration, Outcome, Still, Task};
 use crate::spring::{Reaction, Spring, Square, tension};
 use core::marker::PhantomData;
 

@@ -70,6 +70,7 @@ impl Part {
                 "spindle_bearing::scene::place",
                 "spindle_bearing::scene::free_ball",
                 "spindle_bearing::scene::Turning",
+                "spindle_bearing::solver::speed::",
                 "spindle_bearing::spring::",
                 "spindle_bearing::contact::Lead<",
                 "::unseated",
@@ -78,9 +79,9 @@ impl Part {
             Self::Friction | Self::Radial | Self::Tilts => &[],
             Self::RaceControl => &["OuterRaceControl", "InnerRaceControl"],
             Self::RacewayControlFree => &["RacewayControlFree as"],
-            Self::Rest => &["spindle_bearing::rest::"],
+            Self::Rest => &["spindle_bearing::solver::rest::"],
             Self::Iteration => &[
-                "spindle_bearing::solver::Iteration<",
+                "spindle_bearing::solver::iteration::Iteration<",
                 "spindle_bearing::ring::Sums<",
                 "spindle_bearing::ring::TangentSums<",
                 "spindle_bearing::ring::Factors<",
@@ -96,7 +97,7 @@ impl Part {
             ],
             Self::Stiffness => &["spindle_bearing::ring::stiffness_out"],
             Self::Balls => &[
-                "spindle_bearing::solver::Solution<T,_,_,M,spindle_bearing::freedoms::Freedoms<_>,B,O>::",
+                "spindle_bearing::solver::solution::Solution<T,_,_,M,spindle_bearing::freedoms::Freedoms<_>,B,O>::",
                 "spindle_bearing::limits::",
             ],
             Self::Design => &[
@@ -193,7 +194,7 @@ const SCENES: [(&str, &[Part]); 11] = {
     ]
 };
 
-/// Source lines of the library that stand behind a condition, by file.
+/// Source lines of the solver that stand behind a condition, by file under `src`.
 struct Guarded {
     /// The condition's line, and the block's.
     blocks: BTreeMap<String, Vec<(String, std::ops::Range<u32>)>>,
@@ -202,16 +203,23 @@ struct Guarded {
 impl Guarded {
     fn read(root: &Path) -> Result<Self> {
         let mut blocks = BTreeMap::new();
-        for entry in fs::read_dir(root.join("src"))? {
-            let path = entry?.path();
-            // The monitor is beside every scene.
-            if path.is_dir() {
-                continue;
+        let root = root.join("src");
+        let mut folders = vec![root.clone()];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder)? {
+                let path = entry?.path();
+                let name = path.strip_prefix(&root)?.to_string_lossy().into_owned();
+                if path.is_dir() {
+                    // The monitor is beside every scene.
+                    if name != "monitor" {
+                        folders.push(path);
+                    }
+                    continue;
+                }
+                let text = fs::read_to_string(&path)
+                    .with_context(|| format!("cannot read {}", path.display()))?;
+                blocks.insert(name, Self::blocks(&text));
             }
-            let name = path.file_name().unwrap_or_default();
-            let text = fs::read_to_string(&path)
-                .with_context(|| format!("cannot read {}", path.display()))?;
-            blocks.insert(name.to_string_lossy().into_owned(), Self::blocks(&text));
         }
         Ok(Self { blocks })
     }
@@ -289,8 +297,7 @@ impl Origins {
                         continue;
                     };
                     if let (Some(file), Some(line)) = (place.file, place.line)
-                        && let Some((folder, file)) = file.rsplit_once('/')
-                        && folder.ends_with("src")
+                        && let Some((folder, file)) = file.rsplit_once("/src/")
                         && !folder.contains("registry")
                         && !folder.contains("rustc")
                     {

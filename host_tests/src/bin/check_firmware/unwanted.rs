@@ -153,7 +153,7 @@ mod tests {
             "__aeabi_uidiv",
             "__addsf3",
             "compiler_builtins::mem::memcpy",
-            "spindle_bearing::solver::Iteration<T,M>::run",
+            "spindle_bearing::solver::iteration::Iteration<T,M>::run",
             "spindle_bearing::record::round",
             "__defmt_default_timestamp",
         ] {

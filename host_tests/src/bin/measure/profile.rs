@@ -67,8 +67,8 @@ const PARTS: [(&[&str], Part); 25] = [
     (&["Iteration::start"], Part::Start),
     (&["Iteration::predict"], Part::Start),
     (&["Iteration::place"], Part::Start),
-    (&["begin"], Part::Start),
-    (&["extrapolate"], Part::Start),
+    (&["Iteration::begin"], Part::Start),
+    (&["Iteration::extrapolate"], Part::Start),
     (&["Factors::of"], Part::Ring),
     (&["Factors::solve"], Part::Ring),
     (&["Iteration::descent"], Part::Ring),
@@ -82,13 +82,13 @@ const PARTS: [(&[&str], Part); 25] = [
     (&["Iteration::advance"], Part::Moving),
     (&["Iteration::rebase"], Part::Moving),
     (&["Iteration::pressed"], Part::Start),
-    (&["evaluate", "Sums::add"], Part::Assembly),
-    (&["evaluate", "Sums::force"], Part::Assembly),
-    (&["evaluate", "Sums::tangent"], Part::Assembly),
-    (&["evaluate"], Part::BallPass),
-    (&["displace"], Part::Moving),
-    (&["room"], Part::Moving),
-    (&["refer"], Part::Moving),
+    (&["Iteration::evaluate", "Sums::add"], Part::Assembly),
+    (&["Iteration::evaluate", "Sums::force"], Part::Assembly),
+    (&["Iteration::evaluate", "Sums::tangent"], Part::Assembly),
+    (&["Iteration::evaluate"], Part::BallPass),
+    (&["Iteration::displace"], Part::Moving),
+    (&["Iteration::room"], Part::Moving),
+    (&["Iteration::refer"], Part::Moving),
 ];
 
 /// Modules and functions that only help: what they cost is their callers'.
@@ -96,13 +96,13 @@ const HELPERS: [&str; 10] = [
     "float::",
     "sqrt::",
     "contact::add",
-    "solver::dot5",
-    "solver::norm",
+    "ring::dot5",
+    "ring::norm",
     "contact::scale",
     "contact::sub",
     "contact::dot",
     "ring::shift",
-    "solver::span",
+    "ring::span",
 ];
 
 /// Functions from the outermost to the innermost.
@@ -343,10 +343,15 @@ fn is_counted(name: &str) -> bool {
         .is_some_and(|name| !HELPERS.iter().any(|helper| name.starts_with(helper)))
 }
 
-/// A name without crate and module.
+/// A name without crate and modules.
 fn short(name: &str) -> &str {
-    let name = name.strip_prefix("spindle_bearing::").unwrap_or(name);
-    name.split_once("::").map_or(name, |(_, name)| name)
+    let mut rest = name;
+    while let Some((module, inside)) = rest.split_once("::")
+        && !module.starts_with(char::is_uppercase)
+    {
+        rest = inside;
+    }
+    rest
 }
 
 fn part(names: &[Rc<str>]) -> Part {
@@ -357,14 +362,19 @@ fn part(names: &[Rc<str>]) -> Part {
         .map_or(Part::Rest, |(_, part)| *part)
 }
 
-/// A demangled name without generic arguments, closures and disambiguators; of a trait's method the
-/// type's.
+/// A demangled name without generic arguments, closures and disambiguators; of a trait's method, or of one in
+/// another module than its type, the type's.
 fn plain(name: &str) -> String {
     let name = format!("{:#}", rustc_demangle::demangle(name));
-    let name = match name
+    let of_trait = name
         .strip_prefix('<')
-        .and_then(|rest| rest.split_once(" as "))
-    {
+        .and_then(|rest| rest.split_once(" as "));
+    let elsewhere = name
+        .split_once("::<impl ")
+        .map(|(_, rest)| rest)
+        .filter(|rest| !rest.contains(" for "))
+        .and_then(|rest| rest.split_once('<'));
+    let name = match of_trait.or(elsewhere) {
         Some((implementor, rest)) if implementor.starts_with("spindle_bearing::") => {
             // The method is behind the bracket that closes the type.
             let method = rest.rsplit_once(">::").map_or("", |(_, method)| method);
@@ -401,7 +411,11 @@ mod tests {
     fn names_lose_what_does_not_tell_functions_apart() {
         for (name, expected) in [
             (
-                "spindle_bearing::solver::Iteration<T,M>::step",
+                "spindle_bearing::solver::iteration::Iteration<T,M>::descent",
+                "Iteration::descent",
+            ),
+            (
+                "spindle_bearing::solver::speed::<impl spindle_bearing::solver::iteration::Iteration<T,M>>::step",
                 "Iteration::step",
             ),
             (
@@ -421,7 +435,7 @@ mod tests {
     fn the_first_row_that_fits_tells_the_part() {
         let names = |all: &[&str]| -> Vec<Rc<str>> {
             all.iter()
-                .map(|name| format!("spindle_bearing::solver::{name}").into())
+                .map(|name| format!("spindle_bearing::solver::speed::{name}").into())
                 .collect()
         };
         let sweep = ["Solver::solve", "Iteration::sweep", "Sums::add"];

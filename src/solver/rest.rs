@@ -26,18 +26,17 @@
 //! The stiffness is the last tangent. By how much the step after it changes every ball's is known, and is what
 //! is said of its error.
 
+use super::course::{Attempt, Course, Outcome, Rounding, relative};
+use super::iteration::{Given, Iteration, Task};
+use super::thresholds::{self, at_rest};
 use crate::ball::Share;
 use crate::conditions::{Conditions, held};
 use crate::contact::{Contact, Pair, Reference, add, scale};
 use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
 use crate::outputs::Outputs;
-use crate::ring::{self, Sums, shift};
+use crate::ring::{self, Sums, dot5, norm, shift, side, span};
 use crate::scene::{Change, Position, Static, curvature_centre, one};
-use crate::solver::{
-    Attempt, Course, Given, Iteration, Outcome, Rounding, Task, dot5, norm, relative, side, span,
-    thresholds, thresholds::at_rest,
-};
 use crate::status::Status;
 use core::array::from_fn;
 
