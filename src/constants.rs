@@ -26,6 +26,14 @@ pub struct Split<T> {
     pub low: T,
 }
 
+impl<T: Real> Split<T> {
+    /// 1, nothing lost.
+    pub const ONE: Self = Self {
+        high: T::ONE,
+        low: T::ZERO,
+    };
+}
+
 /// Constants of a bearing that do not depend on its balls' azimuths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

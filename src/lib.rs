@@ -46,6 +46,8 @@ mod spring;
 mod sqrt;
 #[forbid(unsafe_code)]
 mod status;
+#[forbid(unsafe_code)]
+mod turning;
 
 #[cfg(feature = "record")]
 #[forbid(unsafe_code)]

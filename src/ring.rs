@@ -7,7 +7,7 @@
 
 use crate::ball::Share;
 use crate::constants::{Azimuth, Constants};
-use crate::contact::Pair;
+use crate::contact::{Pair, add};
 use crate::float::Real;
 
 /// Matrix over the freedoms, by rows (force) and columns (displacement).
@@ -17,6 +17,63 @@ pub type Tangent<T, const D: usize> = [[T; D]; D];
 #[inline(always)]
 pub fn sharing<T: Real, const D: usize>(c: &Constants<T>) -> T {
     if D == 1 { T::ONE } else { c.balls }
+}
+
+/// Position of the ring: a coarse reference, exactly known to every ball, and an offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Position<T, const D: usize> {
+    pub reference: [T; D],
+    pub offset: [T; D],
+}
+
+impl<T: Real, const D: usize> Position<T, D> {
+    /// Of the unloaded bearing.
+    pub const UNLOADED: Self = Self {
+        reference: [T::ZERO; D],
+        offset: [T::ZERO; D],
+    };
+
+    /// Their sum.
+    #[inline]
+    pub fn total(&self) -> [T; D] {
+        let mut total = self.reference;
+        for (sum, offset) in total.iter_mut().zip(&self.offset) {
+            *sum += *offset;
+        }
+        total
+    }
+
+    /// Moves the reference next to the position.
+    #[inline]
+    pub fn rebase(&mut self) {
+        for (reference, offset) in self.reference.iter_mut().zip(&mut self.offset) {
+            let new = (*reference + *offset).coarse();
+            *offset += *reference - new;
+            *reference = new;
+        }
+    }
+}
+
+/// Position of the inner groove's curvature centre at the ring's reference: a part that is exact
+/// (products of coarse numbers), and a small rest.
+#[inline]
+pub fn curvature_centre<T: Real, const D: usize>(
+    c: &Constants<T>,
+    u: &[T; D],
+    at: &Azimuth<T>,
+) -> (Pair<T>, Pair<T>) {
+    let (cos, sin) = (at.cos.coarse(), at.sin.coarse());
+    let mut high = [c.n0[0].high + u[0], c.n0[1].high];
+    let mut low = [c.n0[0].low, c.n0[1].low];
+    if D >= 3 {
+        high[1] = high[1] + u[1] * cos + u[2] * sin;
+        low[1] = low[1] + u[1] * at.cos_low + u[2] * at.sin_low;
+    }
+    if D == 5 {
+        high[0] = high[0] + u[3] * sin - u[4] * cos;
+        low[0] = low[0] + u[3] * at.sin_low - u[4] * at.cos_low;
+    }
+    (high, low)
 }
 
 /// Shift of the inner groove's centre at an azimuth due to a ring displacement.
@@ -86,6 +143,32 @@ pub fn spread<T: Real, const D: usize>(
         let moment = fa - couple;
         sum[3] += moment * at.sin;
         sum[4] -= moment * at.cos;
+    }
+}
+
+/// What a step of ring and balls changes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Change<T> {
+    /// Largest step of a ball.
+    pub step: T,
+    /// Change of stiffness, axial and radial, summed over the balls.
+    pub stiffness: Pair<T>,
+    /// The part of it that a correction of the tangent does not know.
+    pub remainder: Pair<T>,
+    /// `Q'^2 / Q` of the inner contacts, summed over the balls: three times the growth of their stiffness with
+    /// their deformation. Not known of a ball at speed that follows its law, whose step is hardly ever the
+    /// last.
+    pub hardening: T,
+}
+
+impl<T: Real> Change<T> {
+    /// Adds another ball's.
+    #[inline(always)]
+    pub fn merge(&mut self, other: Self) {
+        self.step = self.step.or_larger(other.step);
+        self.stiffness = add(self.stiffness, other.stiffness);
+        self.remainder = add(self.remainder, other.remainder);
+        self.hardening += other.hardening;
     }
 }
 

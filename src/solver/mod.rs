@@ -35,8 +35,8 @@ use crate::constants::Bearing;
 use crate::float::Real;
 use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
 use crate::outputs::{Balls, Outputs};
-use crate::ring::{self, Factors, Tangent, dot5, norm, span};
-use crate::scene::{Full, Motion, Position};
+use crate::ring::{self, Factors, Position, Tangent, dot5, norm, span};
+use crate::scene::{Full, Motion};
 use crate::status::{Quantity, Status};
 use core::marker::PhantomData;
 

@@ -31,12 +31,13 @@ use super::iteration::{Given, Iteration, Task};
 use super::thresholds::{self, at_rest};
 use crate::ball::Share;
 use crate::conditions::{Conditions, held};
+use crate::constants::Split;
 use crate::contact::{Contact, Pair, Reference, add, scale};
 use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
 use crate::outputs::Outputs;
-use crate::ring::{self, Sums, dot5, norm, shift, side, span};
-use crate::scene::{Change, Position, Static, curvature_centre, one};
+use crate::ring::{self, Change, Position, Sums, curvature_centre, dot5, norm, shift, side, span};
+use crate::scene::Static;
 use crate::status::Status;
 use core::array::from_fn;
 
@@ -198,7 +199,7 @@ where
         self.state.position.rebase();
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
             let (coarse, fine) = curvature_centre(self.c, &self.state.position.reference, at);
-            ball.centres = Reference::at(coarse, fine, one());
+            ball.centres = Reference::at(coarse, fine, Split::ONE);
         }
     }
 
@@ -400,7 +401,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::tests::spindle;
+    use crate::turning::tests::spindle;
     use crate::{All, Loads, Settings, Solver};
     use std::vec::Vec;
 

@@ -33,9 +33,12 @@ use crate::contact::{add, scale};
 use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
 use crate::outputs::Outputs;
-use crate::ring::{self, Sums, Tangent, TangentSums, dot5, norm, shift, side, span};
-use crate::scene::{Change, Drive, Position, Turning, curvature_centre, free_ball};
+use crate::ring::{
+    self, Change, Position, Sums, Tangent, TangentSums, curvature_centre, dot5, norm, shift, side,
+    span,
+};
 use crate::status::Status;
+use crate::turning::{Drive, Turning, free_ball};
 
 /// Copies a ball. As a function by itself, since the compiler then knows that these are two, and copies
 /// memory straight away; one after the other, since it would copy many of them field by field.

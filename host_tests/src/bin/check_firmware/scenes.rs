@@ -67,9 +67,9 @@ impl Part {
             Self::Speed => &[
                 "spindle_bearing::kinematics::",
                 "spindle_bearing::ball::Ball<",
-                "spindle_bearing::scene::place",
-                "spindle_bearing::scene::free_ball",
-                "spindle_bearing::scene::Turning",
+                "spindle_bearing::turning::place",
+                "spindle_bearing::turning::free_ball",
+                "spindle_bearing::turning::Turning",
                 "spindle_bearing::solver::speed::",
                 "spindle_bearing::spring::",
                 "spindle_bearing::contact::Lead<",
