@@ -1,0 +1,754 @@
+//! Reference build: the full `4 N + 5` equations of a ball bearing at speed, written the textbook way.
+//!
+//! Unknowns are the five ring displacements and, per ball, both contact angles and both contact
+//! deformations. Every formula is written once, generic over the number type: f64 for values, dual
+//! numbers for the exact Jacobian, double-double for the residual. Newton runs in two stages. The
+//! first, in f64 and damped, keeps the ball centres as what is stepped so that geometry always
+//! closes. The second refines all `4 N + 5` unknowns, held as double-double, until the
+//! residual vanishes to about 20 digits: a deformation is 1e-3 to 1e-7 of the lengths it is the
+//! difference of, and f64 alone would lose that many digits.
+//!
+//! Physics: Jones (1960) and Harris, "Rolling Bearing Analysis"; the raceway-control-free attitude is
+//! that of Ding (2001) and of Wang et al., Mech. Mach. Theory 82 (2014).
+//! It is slow, allocates, and is meant for judging other solvers.
+
+mod ball;
+mod hertz;
+mod linear;
+mod newton;
+mod number;
+
+use super::double_double::Dd;
+use ball::{Linear, Station, Terms, Unknowns};
+use core::array::from_fn;
+use core::fmt;
+use hertz::Hertz;
+pub(crate) use linear::{masked_solve, small_solve};
+use newton::{Stage, Task};
+use number::Scalar;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Attitude {
+    /// Raceway-control-free, by d'Alembert's principle (Ding 2001; Wang et al. 2014).
+    Raceless,
+    /// Outer race control (Jones 1960).
+    Outer,
+    /// Inner race control (Jones 1960). A ball without inner contact follows outer control.
+    Inner,
+}
+
+/// Elastic constants and density of a ring or of the balls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus in Pa.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// Density in kg/m^3; only that of the balls is used.
+    pub density: f64,
+}
+
+/// Design of one angular contact ball bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing {
+    /// Number of balls.
+    pub balls: usize,
+    /// Ball diameter `D` in m.
+    pub ball_diameter: f64,
+    /// Pitch diameter `dm` in m.
+    pub pitch_diameter: f64,
+    /// Inner groove radius over ball diameter.
+    pub inner_groove_factor: f64,
+    /// Outer groove radius over ball diameter.
+    pub outer_groove_factor: f64,
+    /// Cosine of the free contact angle. The pair is scaled to length one in double-double.
+    pub cos_alpha0: f64,
+    /// Sine of the free contact angle.
+    pub sin_alpha0: f64,
+    /// Azimuth of ball 0 in rad, from +y towards +z.
+    pub first_ball: f64,
+    /// Rings.
+    pub ring: Material,
+    /// Balls.
+    pub ball: Material,
+}
+
+/// State of one ball in equilibrium.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BallState {
+    /// Azimuth in rad.
+    pub azimuth: f64,
+    /// Inner contact angle in rad.
+    pub alpha_i: f64,
+    /// Outer contact angle in rad.
+    pub alpha_o: f64,
+    /// Inner contact force in N.
+    pub q_i: f64,
+    /// Outer contact force in N.
+    pub q_o: f64,
+    /// Inner contact deformation in m, negative without contact.
+    pub delta_i: f64,
+    /// Outer contact deformation in m, negative without contact.
+    pub delta_o: f64,
+    /// Centrifugal force in N.
+    pub fc: f64,
+    /// Gyroscopic moment in N m.
+    pub mg: f64,
+}
+
+/// Equilibrium under a load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// Ring displacements `dx, dy, dz` in m and `ty, tz` in rad.
+    pub u: [f64; 5],
+    /// Stiffness `dF/du`, rows are forces (N, N m); always of all five freedoms.
+    pub k: [[f64; 5]; 5],
+    /// The balls.
+    pub balls: Vec<BallState>,
+    /// Largest remaining imbalance over the largest force, load or contact.
+    pub residual: f64,
+    /// Newton steps over the whole system, both stages.
+    pub iterations: usize,
+    /// Inner Hertz constant in N/m^1.5.
+    pub ki: f64,
+    /// Outer Hertz constant in N/m^1.5.
+    pub ko: f64,
+}
+
+/// Forces, stiffness and balls at prescribed displacements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Law {
+    /// Load on the inner ring that holds it there: `Fx, Fy, Fz` in N, `My, Mz` in N m.
+    pub force: [f64; 5],
+    /// Stiffness `dF/du`, rows are forces.
+    pub k: [[f64; 5]; 5],
+    /// The balls.
+    pub balls: Vec<BallState>,
+}
+
+/// How a solve ended without a solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Failure {
+    /// An input is not finite or out of range; says which.
+    Input(&'static str),
+    /// No equilibrium was found for this ball.
+    Ball {
+        /// Index of the ball.
+        index: usize,
+    },
+    /// A Newton matrix could not be inverted.
+    Singular,
+    /// Newton stopped short.
+    Stalled {
+        /// Relative imbalance where it stopped.
+        residual: f64,
+        /// Newton steps taken.
+        iterations: usize,
+    },
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Input(what) => write!(f, "invalid input: {what}"),
+            Failure::Ball { index } => write!(f, "no equilibrium found for ball {index}"),
+            Failure::Singular => write!(f, "singular Newton matrix"),
+            Failure::Stalled {
+                residual,
+                iterations,
+            } => write!(
+                f,
+                "Newton stopped at relative imbalance {residual:e} after {iterations} steps"
+            ),
+        }
+    }
+}
+
+impl core::error::Error for Failure {}
+
+/// A bearing prepared for solving: Hertz constants, lengths, ball places.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    inner: Hertz,
+    outer: Hertz,
+    /// Distances of the groove curvature centres from the ball centre, unloaded.
+    li: Dd,
+    lo: Dd,
+    /// Inner curvature centre from the outer one, unloaded.
+    a0: [Dd; 2],
+    tau: Dd,
+    diameter: Dd,
+    pitch: Dd,
+    inner_groove: Dd,
+    mass: Dd,
+    inertia: Dd,
+    /// Derivatives leave out those of the inertia loads and of the friction forces.
+    frozen: bool,
+    pub(crate) stations: Vec<Station>,
+}
+
+impl Reference {
+    /// Prepares a bearing.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] names the parameter that is out of range.
+    pub fn new(b: &Bearing) -> Result<Reference, Failure> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let need = |ok: bool, what| {
+            if ok {
+                Ok(())
+            } else {
+                Err(Failure::Input(what))
+            }
+        };
+        need(b.balls > 0, "balls")?;
+        need(positive(b.ball_diameter), "ball_diameter")?;
+        need(
+            positive(b.pitch_diameter) && b.pitch_diameter > b.ball_diameter,
+            "pitch_diameter",
+        )?;
+        need(
+            positive(b.inner_groove_factor) && b.inner_groove_factor > 0.5,
+            "inner_groove_factor",
+        )?;
+        need(
+            positive(b.outer_groove_factor) && b.outer_groove_factor > 0.5,
+            "outer_groove_factor",
+        )?;
+        need(positive(b.cos_alpha0), "cos_alpha0")?;
+        need(b.sin_alpha0.is_finite(), "sin_alpha0")?;
+        need(b.first_ball.is_finite(), "first_ball")?;
+        for m in [b.ring, b.ball] {
+            need(positive(m.youngs_modulus), "youngs_modulus")?;
+            need(m.poissons_ratio.abs() < 1.0, "poissons_ratio")?;
+        }
+        need(positive(b.ball.density), "density")?;
+
+        let one = Dd::ONE;
+        let (two, half) = (Dd::of(2.0), Dd::of(0.5));
+        let d = Dd::of(b.ball_diameter);
+        let dm = Dd::of(b.pitch_diameter);
+        let (fi, fo) = (Dd::of(b.inner_groove_factor), Dd::of(b.outer_groove_factor));
+        let (c, s) = (Dd::of(b.cos_alpha0), Dd::of(b.sin_alpha0));
+        let norm = (c * c + s * s).sqrt();
+        let (c, s) = (c / norm, s / norm);
+        let (li, lo) = ((fi - half) * d, (fo - half) * d);
+        let l0 = li + lo;
+
+        let soft = |m: &Material| {
+            let nu = Dd::of(m.poissons_ratio);
+            (one - nu * nu) / Dd::of(m.youngs_modulus)
+        };
+        let compliance = soft(&b.ball) + soft(&b.ring);
+        let gamma = d * c / dm;
+        let rx_i = two / d + two * gamma / (d * (one - gamma));
+        let rx_o = two / d - two * gamma / (d * (one + gamma));
+        let contact = |rx: Dd, f: Dd| {
+            Hertz::new(rx, two / d - one / (f * d), compliance)
+                .ok_or(Failure::Input("groove factor"))
+        };
+
+        let mass = Dd::of(b.ball.density) * Dd::PI * d * d * d / Dd::of(6.0);
+        let rp = (dm * half + li * c).value();
+        let zp = (li * s).value();
+        let stations = (0..b.balls)
+            .map(|j| {
+                let turn = two * Dd::PI * Dd::of(j as f64) / Dd::of(b.balls as f64);
+                // The double-double series wants |x| <= pi, hence the half turn and the remainder.
+                let first = b.first_ball.rem_euclid(core::f64::consts::TAU);
+                let (sf, cf) = if b.first_ball.abs() <= 3.0 {
+                    Dd::of(b.first_ball).sin_cos()
+                } else {
+                    (Dd::of(first) - Dd::PI).sin_cos()
+                };
+                let sign = Dd::of(if b.first_ball.abs() <= 3.0 { -1.0 } else { 1.0 });
+                let (st, ct) = (turn - Dd::PI).sin_cos();
+                let (sn, cs) = (sign * (sf * ct + cf * st), sign * (cf * ct - sf * st));
+                let (sn, cs) = (sn.value(), cs.value());
+                Station {
+                    azimuth: (Dd::of(b.first_ball) + turn).value(),
+                    lever: [
+                        [1.0, 0.0, 0.0, rp * sn, -rp * cs],
+                        [0.0, cs, sn, -zp * sn, zp * cs],
+                        [0.0, 0.0, 0.0, -sn, cs],
+                    ],
+                }
+            })
+            .collect();
+        Ok(Reference {
+            inner: contact(rx_i, fi)?,
+            outer: contact(rx_o, fo)?,
+            li,
+            lo,
+            a0: [l0 * s, l0 * c],
+            tau: d / dm,
+            diameter: d,
+            pitch: dm,
+            inner_groove: fi * d,
+            mass,
+            inertia: mass * d * d / Dd::of(10.0),
+            frozen: false,
+            stations,
+        })
+    }
+
+    /// The bearing as a program sees it that gives the gyroscopic moment the wrong sign; for showing
+    /// what that does. `Mg` of its balls is negative.
+    #[must_use]
+    pub fn with_gyroscopic_moment_reversed(mut self) -> Reference {
+        self.inertia = -self.inertia;
+        self
+    }
+
+    /// The bearing under centrifugal force alone: no gyroscopic moment, hence no friction.
+    #[must_use]
+    pub fn without_gyroscopic_moment(mut self) -> Reference {
+        self.inertia = Dd::ZERO;
+        self
+    }
+
+    /// The bearing as a program sees it that leaves the friction moment `mt` out of the ring's balance;
+    /// for showing what that does.
+    #[must_use]
+    pub fn without_friction_moment(mut self) -> Reference {
+        self.inner_groove = Dd::ZERO;
+        self
+    }
+
+    /// The bearing as a program sees it that takes its contact constants from the fits of Brewe and
+    /// Hamrock (1977); for showing what they do.
+    #[must_use]
+    pub fn with_fitted_contacts(mut self) -> Reference {
+        self.inner = self.inner.fitted();
+        self.outer = self.outer.fitted();
+        self
+    }
+
+    /// The stiffness at an equilibrium without the derivatives of centrifugal forces, gyroscopic
+    /// moments and friction shares; for showing what leaving them out does.
+    ///
+    /// # Errors
+    /// [`Failure::Singular`] if a ball's equations cannot be inverted.
+    pub fn frozen_stiffness(
+        &self,
+        balls: &[BallState],
+        omega: f64,
+        attitude: Attitude,
+    ) -> Result<[[f64; 5]; 5], Failure> {
+        let frozen = Reference {
+            frozen: true,
+            ..self.clone()
+        };
+        let linear: Vec<Linear> = balls
+            .iter()
+            .map(|b| {
+                let w = [b.alpha_i, b.alpha_o, b.delta_i, b.delta_o];
+                frozen.linearise(&w, &[0.0; 2], omega, attitude)
+            })
+            .collect();
+        frozen.stiffness(&linear, false).ok_or(Failure::Singular)
+    }
+
+    /// Number of balls.
+    pub fn balls(&self) -> usize {
+        self.stations.len()
+    }
+
+    /// Inner and outer Hertz constants in N/m^1.5.
+    pub fn hertz_constants(&self) -> (f64, f64) {
+        (self.inner.k.value(), self.outer.k.value())
+    }
+
+    /// Position in m (axial, radial) of ball `j`'s inner curvature centre, from the outer one.
+    pub(crate) fn inner_centre<T: Scalar>(&self, j: usize, u: &[T; 5]) -> [T; 2] {
+        from_fn(|i| {
+            let row = &self.stations[j].lever[i];
+            let mut a = T::of(Dd::ZERO);
+            for (l, u) in row.iter().zip(u) {
+                if *l != 0.0 {
+                    a = a + T::of(Dd::of(*l)) * *u;
+                }
+            }
+            T::of(self.a0[i]) + a
+        })
+    }
+
+    /// Half the pitch diameter in m, the length that makes tilts comparable.
+    pub(crate) fn pitch_radius(&self) -> f64 {
+        0.5 * self.pitch.hi
+    }
+
+    /// Displacements at rest under an axial force that keeps every ball loaded.
+    pub(crate) fn static_guess(&self, load: [f64; 5]) -> Result<[f64; 5], Failure> {
+        check(&load, 0.0, &[0.0; 5])?;
+        let task = Task {
+            load,
+            omega: 0.0,
+            attitude: Attitude::Outer,
+            free: [true; 5],
+            dense: false,
+            thorough: true,
+        };
+        Ok(self.preloaded(self.preload(&load, 1.0), &task)?.u)
+    }
+
+    /// An axial force at least `factor` times the radial load and tilting moments.
+    fn preload(&self, load: &[f64; 5], factor: f64) -> f64 {
+        let [fx, fy, fz, my, mz] = *load;
+        let least = 1e-9 * self.inner.k.hi * self.li.hi.powf(1.5);
+        let other = fy.hypot(fz) + my.hypot(mz) / self.pitch_radius();
+        fx.max(factor * other).max(least)
+    }
+
+    /// States of balls whose unknowns are known to f64 only.
+    pub(crate) fn report_plain(
+        &self,
+        ws: &[Unknowns<f64>],
+        omega: f64,
+        attitude: Attitude,
+    ) -> Vec<BallState> {
+        let wide: Vec<_> = ws.iter().map(|w| w.map(Dd::of)).collect();
+        let terms: Vec<_> = wide
+            .iter()
+            .map(|w| self.evaluate(w, &[Dd::ZERO; 2], omega, attitude))
+            .collect();
+        self.report(&wide, &terms)
+    }
+
+    fn report(&self, ws: &[Unknowns<Dd>], terms: &[Terms<Dd>]) -> Vec<BallState> {
+        let row = |((w, t), st): ((&Unknowns<Dd>, &Terms<Dd>), &Station)| BallState {
+            azimuth: st.azimuth,
+            alpha_i: w[0].value(),
+            alpha_o: w[1].value(),
+            q_i: t.q[0].value(),
+            q_o: t.q[1].value(),
+            delta_i: w[2].value(),
+            delta_o: w[3].value(),
+            fc: t.fc.value(),
+            mg: t.mg.value(),
+        };
+        ws.iter().zip(terms).zip(&self.stations).map(row).collect()
+    }
+
+    /// Equilibrium under `load` at `omega` rad/s from a cold start, with the full matrix.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn solve(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+    ) -> Result<Solution, Failure> {
+        self.solve_with(load, omega, attitude, [true; 5], [0.0; 5])
+    }
+
+    /// Like [`Self::solve`]; a freedom that is not `free` keeps the displacement `held` (m, rad) and its
+    /// load is ignored. The stiffness is still that of all five.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn solve_with(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        free: [bool; 5],
+        held: [f64; 5],
+    ) -> Result<Solution, Failure> {
+        self.solve_held(load, omega, attitude, free, held, true)
+    }
+
+    /// Like [`Self::solve`], but sooner done with a load that has no equilibrium, or one that is hard
+    /// to find.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn search(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+    ) -> Result<Solution, Failure> {
+        self.search_with(load, omega, attitude, [true; 5], [0.0; 5])
+    }
+
+    /// Like [`Self::search`], with freedoms held as by [`Self::solve_with`].
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn search_with(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        free: [bool; 5],
+        held: [f64; 5],
+    ) -> Result<Solution, Failure> {
+        self.solve_held(load, omega, attitude, free, held, false)
+    }
+
+    /// A cold start under what is given, from the full matrix and with all patience or without either.
+    fn solve_held(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        free: [bool; 5],
+        held: [f64; 5],
+        thorough: bool,
+    ) -> Result<Solution, Failure> {
+        check(&load, omega, &held)?;
+        let task = Task {
+            load: from_fn(|k| if free[k] { load[k] } else { 0.0 }),
+            omega,
+            attitude,
+            free,
+            dense: thorough,
+            thorough,
+        };
+        self.cold(&task, &held)
+    }
+
+    /// A cold start, by one method after another.
+    fn cold(&self, task: &Task, held: &[f64; 5]) -> Result<Solution, Failure> {
+        let hold = |s: &mut Stage| {
+            for (u, (free, held)) in s.u.iter_mut().zip(task.free.iter().zip(held)) {
+                if !free {
+                    *u = *held;
+                }
+            }
+        };
+        let mut steps = 0;
+        let finish = |mut s: Stage, steps: &mut usize| {
+            self.newton(&mut s, task, 60, steps)?;
+            self.refine(&s, task, steps)
+        };
+        let mut outcome = Err(Failure::Singular);
+        // Plain Newton from a preload that keeps every ball loaded, then with balls in equilibrium
+        // throughout, then along the load, then along the speed; each from milder to heavier preload.
+        for method in 0..4 {
+            for factor in [1.0, 4.0] {
+                let preload = self.preload(&task.load, factor);
+                let start = Task {
+                    load: [preload, 0.0, 0.0, 0.0, 0.0],
+                    omega: if method == 3 { 0.0 } else { task.omega },
+                    ..*task
+                };
+                let Ok(mut s) = self.preloaded(preload, &start) else {
+                    continue;
+                };
+                hold(&mut s);
+                outcome = match method {
+                    0 => Ok(()),
+                    1 => self.nested(&mut s, task, 60),
+                    2 => self.follow(&mut s, &start, task),
+                    _ => {
+                        let rest = Task {
+                            omega: 0.0,
+                            ..*task
+                        };
+                        self.follow(&mut s, &start, &rest)
+                            .and_then(|()| self.follow(&mut s, &rest, task))
+                    }
+                }
+                .and_then(|()| finish(s, &mut steps));
+                if outcome.is_ok() {
+                    return outcome;
+                }
+            }
+        }
+        outcome
+    }
+
+    /// Newton from a given start, without continuation, eliminating the balls one by one: the fast
+    /// way to judge a solution of another program. `centres` holds each ball's centre
+    /// `(X1, X2)` in m, axial and radial from the outer groove's curvature centre.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn polish(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        u0: [f64; 5],
+        centres: &[(f64, f64)],
+    ) -> Result<Solution, Failure> {
+        self.polish_with(load, omega, attitude, u0, centres, [true; 5])
+    }
+
+    /// Like [`Self::polish`], but gives up unless the start is near an equilibrium.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn polish_near(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        u0: [f64; 5],
+        centres: &[(f64, f64)],
+    ) -> Result<Solution, Failure> {
+        check(&load, omega, &u0)?;
+        if centres.len() != self.stations.len() {
+            return Err(Failure::Input("number of ball centres"));
+        }
+        let task = Task {
+            load,
+            omega,
+            attitude,
+            free: [true; 5],
+            dense: false,
+            thorough: false,
+        };
+        let mut s = Stage {
+            u: u0,
+            x: centres.iter().map(|&(a, r)| [a, r]).collect(),
+        };
+        let mut steps = 0;
+        self.newton(&mut s, &task, 12, &mut steps)?;
+        self.refine(&s, &task, &mut steps)
+    }
+
+    /// Like [`Self::polish`]; a freedom that is not `free` keeps its displacement of `u0`.
+    ///
+    /// # Errors
+    /// See [`Failure`].
+    pub fn polish_with(
+        &self,
+        load: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        u0: [f64; 5],
+        centres: &[(f64, f64)],
+        free: [bool; 5],
+    ) -> Result<Solution, Failure> {
+        check(&load, omega, &u0)?;
+        if centres.len() != self.stations.len() {
+            return Err(Failure::Input("number of ball centres"));
+        }
+        let task = Task {
+            load: from_fn(|k| if free[k] { load[k] } else { 0.0 }),
+            omega,
+            attitude,
+            free,
+            dense: false,
+            thorough: true,
+        };
+        let mut s = Stage {
+            u: u0,
+            x: centres.iter().map(|&(a, r)| [a, r]).collect(),
+        };
+        let mut steps = 0;
+        let start = s.clone();
+        self.newton(&mut s, &task, 40, &mut steps)
+            .and_then(|()| self.refine(&s, &task, &mut steps))
+            .or_else(|_| {
+                // The centres did not belong to the displacements; give every ball its place first.
+                let mut s = start;
+                self.nested(&mut s, &task, 40)?;
+                self.newton(&mut s, &task, 40, &mut steps)?;
+                self.refine(&s, &task, &mut steps)
+            })
+    }
+
+    /// Like [`Self::law`], in f64 throughout and without the stiffness: the force on the ring and the
+    /// inner deformation of every ball, good for constructing cases. `centres` of balls, if there are
+    /// as many as balls, are where it starts, and become those it finds.
+    ///
+    /// # Errors
+    /// [`Failure::Ball`] if a ball finds no equilibrium.
+    pub fn rough_law(
+        &self,
+        u: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+        centres: &mut Vec<[f64; 2]>,
+    ) -> Result<([f64; 5], Vec<f64>), Failure> {
+        check(&[0.0; 5], omega, &u)?;
+        let known = centres.len() == self.stations.len();
+        let mut found = Vec::with_capacity(self.stations.len());
+        let mut depths = Vec::with_capacity(self.stations.len());
+        let mut force = [0.0; 5];
+        for (index, station) in self.stations.iter().enumerate() {
+            let centre = self.inner_centre(index, &u);
+            let guess = known.then(|| centres[index]);
+            let x = self
+                .ball_at(&centre, omega, attitude, guess)
+                .ok_or(Failure::Ball { index })?;
+            let w = self.unknowns(&x, &centre);
+            let terms = self.evaluate(&w, &centre, omega, attitude);
+            station.collect(&terms.ring, &mut force);
+            found.push(x);
+            depths.push(w[2]);
+        }
+        *centres = found;
+        Ok((force, depths))
+    }
+
+    /// Inner deformation of ball `index` alone at the displacements `u`, in f64.
+    ///
+    /// # Errors
+    /// [`Failure::Ball`] if it finds no equilibrium.
+    pub fn depth(
+        &self,
+        index: usize,
+        u: [f64; 5],
+        omega: f64,
+        attitude: Attitude,
+    ) -> Result<f64, Failure> {
+        check(&[0.0; 5], omega, &u)?;
+        let centre = self.inner_centre(index, &u);
+        let x = self
+            .ball_at(&centre, omega, attitude, None)
+            .ok_or(Failure::Ball { index })?;
+        Ok(self.unknowns(&x, &centre)[2])
+    }
+
+    /// Forces and stiffness at the displacements `u`.
+    ///
+    /// # Errors
+    /// [`Failure::Ball`] if a ball finds no equilibrium.
+    pub fn law(&self, u: [f64; 5], omega: f64, attitude: Attitude) -> Result<Law, Failure> {
+        check(&[0.0; 5], omega, &u)?;
+        let task = Task {
+            load: [0.0; 5],
+            omega,
+            attitude,
+            free: [false; 5],
+            dense: false,
+            thorough: true,
+        };
+        let mut s = Stage {
+            u,
+            x: vec![[0.0, 0.0]; self.stations.len()],
+        };
+        self.place(&u, &task, &mut s.x, false)?;
+        let sol = self.refine(&s, &task, &mut 0)?;
+        let mut force = [0.0; 5];
+        for (b, st) in sol.balls.iter().zip(&self.stations) {
+            let w = [b.alpha_i, b.alpha_o, b.delta_i, b.delta_o];
+            let t = self.evaluate(&w, &[0.0; 2], omega, attitude);
+            st.collect(&t.ring, &mut force);
+        }
+        Ok(Law {
+            force,
+            k: sol.k,
+            balls: sol.balls,
+        })
+    }
+}
+
+fn check(load: &[f64; 5], omega: f64, u: &[f64; 5]) -> Result<(), Failure> {
+    if !load.iter().all(|x| x.is_finite()) {
+        return Err(Failure::Input("load"));
+    }
+    if !omega.is_finite() {
+        return Err(Failure::Input("omega"));
+    }
+    if !u.iter().all(|x| x.is_finite()) {
+        return Err(Failure::Input("displacement"));
+    }
+    Ok(())
+}
