@@ -37,7 +37,7 @@ mod sealed {
 )]
 pub trait BallStore: sealed::Sealed + 'static {
     #[doc(hidden)]
-    type Balls<B: Copy + Debug, const N: usize>: Clone + Debug + AsRef<[B]> + AsMut<[B]>;
+    type Balls<B: Copy + Debug, const N: usize>: Copy + Debug + AsRef<[B]> + AsMut<[B]>;
     #[doc(hidden)]
     fn balls<B: Copy + Debug, const N: usize>(each: B) -> Self::Balls<B, N>;
 }
@@ -75,7 +75,7 @@ pub trait FreedomSet: BallStore {
     /// Derivatives of loads (rows) by displacements (columns).
     type Matrix<T: Real>: Copy + Debug + PartialEq + Print;
     #[doc(hidden)]
-    type State<T: Real>: Clone + Debug;
+    type State<T: Real>: Copy + Debug;
 }
 
 impl<const D: usize> FreedomSet for Freedoms<D>

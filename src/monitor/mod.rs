@@ -233,7 +233,7 @@ fn is_answer<T>(status: &Status<T>) -> bool {
     matches!(status, Status::Converged | Status::PrecisionLimit)
 }
 
-impl<T: Real, const N: usize, M: Motion + Clone> Tracker<T, N, M> {
+impl<T: Real, const N: usize, M: Motion> Tracker<T, N, M> {
     fn new(bearing: &'static Bearing<T, N>) -> Self {
         Self {
             solver: Solver::new(bearing),
@@ -395,7 +395,7 @@ pub struct Monitor<
     due_standing: Every,
 }
 
-impl<const N: usize, M: Motion + Clone, const FRAMES: usize, T: Real> Monitor<N, M, FRAMES, T> {
+impl<const N: usize, M: Motion, const FRAMES: usize, T: Real> Monitor<N, M, FRAMES, T> {
     /// A monitor at its beginning: no estimate, no alarm, a new bearing, no baseline.
     pub fn new(bearing: &'static Bearing<T, N>, settings: &'static MonitorSettings) -> Self {
         let now = Every { next_us: 0 };

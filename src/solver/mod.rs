@@ -117,7 +117,7 @@ impl<T: Real> Default for Settings<T> {
 /// assert!(preload > 100.0 && stiffness[0][0] > 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Solver<
     'b,
     T: Real,
@@ -163,6 +163,26 @@ impl<T: Real, const D: usize> State<T, D> {
 #[inline(never)]
 fn finite<T: Real>(values: &[T]) -> bool {
     values.iter().all(|x| x.is_finite())
+}
+
+// Not derived: that would clone balls field by field, through a copy on the stack.
+impl<T, const N: usize, const D: usize, M, B, O> Clone for Solver<'_, T, N, M, Freedoms<D>, B, O>
+where
+    T: Real,
+    M: Motion,
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
+    fn clone(&self) -> Self {
+        Self { ..*self }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.bearing = source.bearing;
+        self.state = source.state;
+        self.balls = source.balls;
+    }
 }
 
 impl<'b, T, const N: usize, const D: usize, M, B, O> Solver<'b, T, N, M, Freedoms<D>, B, O>

@@ -218,7 +218,7 @@ fn scaled<T: Real>(values: &[f64; 5], scale: &[f64; 5]) -> [T; 5] {
     std::array::from_fn(|i| T::of(values[i] * scale[i]))
 }
 
-fn solve<T: Real, const N: usize, M: Motion + Clone + Debug>(run: &Run, bearing: &Bearing<T, N>) {
+fn solve<T: Real, const N: usize, M: Motion + Debug>(run: &Run, bearing: &Bearing<T, N>) {
     let scale = Scale::of(&run.design.0, N);
     let settings = run.settings.0.map_or_else(Settings::default, |s| Settings {
         max_sweeps: s.max_sweeps,
