@@ -425,11 +425,13 @@ impl<'s, T: Real> Survey<'s, T> {
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn note(&mut self, limit: Limit, ball: u16, race: Race, rank: T, contact: [T; 3]) {
         self.found[limit as usize].note(ball, race, rank, contact);
     }
 
-    fn groove(&self, race: Race) -> &Groove<T> {
+    fn groove(&self, race: Race) -> &'s Groove<T> {
         match race {
             Race::Inner => &self.c.inner_groove,
             Race::Outer => &self.c.outer_groove,
@@ -449,11 +451,13 @@ impl<'s, T: Real> Survey<'s, T> {
         self.contact(ball, Race::Outer, outer, loads.outer_friction, held);
     }
 
+    // In line, so that the groove is known.
+    #[inline(always)]
     fn contact(&mut self, ball: u16, race: Race, k: &Contact<T>, friction: T, held: bool) {
         if !(k.q > T::ZERO) {
             return;
         }
-        let groove = *self.groove(race);
+        let groove = self.groove(race);
         let root = k.delta.or_larger(T::ZERO).sqrt();
         let pressure = groove.pressure * root;
         raise(&mut self.pressure, pressure, ball, race);

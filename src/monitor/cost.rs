@@ -6,12 +6,12 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 56_073,
-        sweep: 60_646,
+        fixed: 44_928,
+        sweep: 65_323,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 53_403,
-        sweep: 117_768,
+        fixed: 39_258,
+        sweep: 98_138,
     };
 }

@@ -177,8 +177,12 @@ impl LifeRating {
     /// `1 / L10` under these inner and outer contact forces (N), per million revolutions.
     pub fn damage(&self, forces: impl Iterator<Item = (f32, f32)>) -> f32 {
         let (mut inner, mut outer, mut balls) = (0.0_f32, 0.0_f32, 0.0_f32);
+        let (per_inner, per_outer) = (1.0 / self.inner, 1.0 / self.outer);
         for (q_i, q_o) in forces {
-            let (i, o) = (q_i.max(0.0) / self.inner, q_o.max(0.0) / self.outer);
+            let (i, o) = (
+                q_i.or_larger(0.0) * per_inner,
+                q_o.or_larger(0.0) * per_outer,
+            );
             inner += i * i * i;
             outer += o * o * o * Real::cbrt(o);
             balls += 1.0;

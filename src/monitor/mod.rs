@@ -181,7 +181,19 @@ struct Estimate<const N: usize> {
     report: EstimateReport,
     time_us: u64,
     tick: u64,
-    balls: [BallReport; N],
+    /// Force and sine and cosine of the contact angle, of every ball's inner and outer contact: angles are worked
+    /// out where they are reported.
+    balls: [[[f32; 3]; 2]; N],
+}
+
+/// A ball as the telemetry has it.
+fn ball_report([[q_i, sin_i, cos_i], [q_o, sin_o, cos_o]]: &[[f32; 3]; 2]) -> BallReport {
+    BallReport {
+        q_i: *q_i,
+        q_o: *q_o,
+        alpha_i: Real::atan2(*sin_i, *cos_i),
+        alpha_o: Real::atan2(*sin_o, *cos_o),
+    }
 }
 
 /// Something that is due now and then.
@@ -605,7 +617,7 @@ impl<const N: usize, M: Motion, const FRAMES: usize, T: Real> Monitor<N, M, FRAM
                     first,
                     count: N as u16,
                     first_azimuth: self.settings.first_azimuth,
-                    balls: balls.iter().copied().collect(),
+                    balls: balls.iter().map(ball_report).collect(),
                 };
                 self.outbox.post(time_us, Payload::Balls(report));
             }
@@ -694,12 +706,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
     tick: u64,
     settings: &MonitorSettings,
 ) -> (Estimate<N>, Findings, f32) {
-    let mut balls = [BallReport {
-        q_i: 0.0,
-        q_o: 0.0,
-        alpha_i: 0.0,
-        alpha_o: 0.0,
-    }; N];
+    let mut balls = [[[0.0; 3]; 2]; N];
     let mut least = f32::INFINITY;
     let mut largest = 0.0_f32;
     let limits = Limits {
@@ -707,10 +714,8 @@ fn observe<T: Real, const N: usize, M: Motion>(
         friction: T::from_f32(settings.limits.friction),
     };
     let survey = solution.survey(&limits, |ball, contacts| {
-        let [(q_i, alpha_i), (q_o, alpha_o)] = contacts.map(|[force, sin, cos]| {
-            let (sin, cos) = (sin.to_f32(), cos.to_f32());
-            (force.to_f32(), Real::atan2(sin, cos))
-        });
+        let contacts = contacts.map(|contact| contact.map(T::to_f32));
+        let [[q_i, ..], _] = contacts;
         if q_i < least {
             least = q_i;
         }
@@ -718,12 +723,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
             largest = q_i;
         }
         if let Some(to) = balls.get_mut(usize::from(ball)) {
-            *to = BallReport {
-                q_i,
-                q_o,
-                alpha_i,
-                alpha_o,
-            };
+            *to = contacts;
         }
     });
     let extremes = survey.extremes();
@@ -761,7 +761,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
     };
     let damage = settings
         .rating
-        .damage(balls.iter().map(|ball| (ball.q_i, ball.q_o)));
+        .damage(balls.iter().map(|[[q_i, ..], [q_o, ..]]| (*q_i, *q_o)));
     let findings = Findings {
         pressure: level(extremes.pressure, 0.0),
         contact_angle: level(extremes.shoulder, f32::NEG_INFINITY),

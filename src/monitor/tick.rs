@@ -52,6 +52,18 @@ impl CycleCost {
             sweeps as u16
         }
     }
+
+    /// The same with sweeps so cheap that as many as `sweeps` fit into a deadline: to measure what more of them
+    /// would take than do fit.
+    #[must_use]
+    pub const fn allowing(self, sweeps: u16, deadline: u32) -> Self {
+        let left = deadline.saturating_sub(self.fixed);
+        let sweeps = if sweeps == 0 { 1 } else { sweeps as u32 };
+        Self {
+            sweep: left / sweeps,
+            ..self
+        }
+    }
 }
 
 /// Widens a counter of 32 bits or fewer to 64 bits. It must be read more often than it wraps.
@@ -247,6 +259,11 @@ mod tests {
             (u32::MAX, u16::MAX),
         ] {
             assert_eq!(cost.sweeps_within(deadline), sweeps, "{deadline}");
+        }
+        for sweeps in 1..9 {
+            let more = CycleCost::CORTEX_M4F.allowing(sweeps, 168_000);
+            assert_eq!(more.fixed, CycleCost::CORTEX_M4F.fixed);
+            assert_eq!(more.sweeps_within(168_000), sweeps);
         }
         let free = CycleCost { fixed: 0, sweep: 0 };
         assert_eq!(free.sweeps_within(0), u16::MAX);

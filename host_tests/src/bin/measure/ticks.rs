@@ -33,13 +33,18 @@ const CONSTANTS: &str = "src/monitor/cost.rs";
 /// The function whose cycles are the solve's.
 const SOLVE: &str = "Solver::solve";
 
+/// The cost by which one sweep more is allowed than by this one, as `examples/measured_chain.rs` has it.
+const fn one_more(cost: CycleCost, deadline: u32) -> CycleCost {
+    cost.allowing(cost.sweeps_within(deadline) + 1, deadline)
+}
+
 /// The host's own build of what is measured.
 #[path = "."]
 mod f405 {
     use spindle_bearing::monitor::tick::CycleCost;
     pub type Precision = f32;
     pub const CORE_HZ: u32 = 168_000_000;
-    pub const COST: CycleCost = CycleCost::CORTEX_M4F;
+    pub const COST: CycleCost = super::one_more(CycleCost::CORTEX_M4F, CORE_HZ / 1000);
     #[path = "../../../../examples/chain.rs"]
     pub mod chain;
     #[path = "../../../../examples/monitor_settings.rs"]
@@ -54,7 +59,7 @@ mod h743 {
     use spindle_bearing::monitor::tick::CycleCost;
     pub type Precision = f64;
     pub const CORE_HZ: u32 = 400_000_000;
-    pub const COST: CycleCost = CycleCost::CORTEX_M7;
+    pub const COST: CycleCost = super::one_more(CycleCost::CORTEX_M7, CORE_HZ / 1000);
     #[path = "../../../../examples/chain.rs"]
     pub mod chain;
     #[path = "../../../../examples/monitor_settings.rs"]
@@ -68,8 +73,10 @@ struct Board {
     core: Core,
     precision: Precision,
     core_hz: u32,
+    /// By which it is measured, with one sweep more than the firmware allows.
     settings: &'static TickSettings,
-    /// Its constant's name, and what is said of it.
+    /// The firmware's constant, its name, and what is said of it.
+    cost: CycleCost,
     constant: &'static str,
     about: &'static str,
     host: fn(&[Tick]) -> Result<Vec<Vec<u8>>>,
@@ -81,6 +88,7 @@ const BOARDS: [Board; 2] = [
         precision: Precision::F32,
         core_hz: f405::CORE_HZ,
         settings: &f405::monitor_settings::MONITOR.tick,
+        cost: CycleCost::CORTEX_M4F,
         constant: "CORTEX_M4F",
         about: "Cortex-M4F, single precision, 16 balls, raceway control free: modelled.",
         host: f405_answers,
@@ -90,6 +98,7 @@ const BOARDS: [Board; 2] = [
         precision: Precision::F64,
         core_hz: h743::CORE_HZ,
         settings: &h743::monitor_settings::MONITOR.tick,
+        cost: CycleCost::CORTEX_M7,
         constant: "CORTEX_M7",
         about: "Cortex-M7, double precision, likewise.",
         host: h743_answers,
@@ -209,12 +218,23 @@ impl Board {
 }
 
 impl Costs {
-    /// Solves within the bound on sweeps; what starts from nothing may pass it.
-    fn warm(&self) -> impl Iterator<Item = &Cost> {
-        let most = u32::from(self.board.settings.max_sweeps());
+    /// Solves within a bound on sweeps; what starts from nothing may pass it.
+    fn within(&self, sweeps: u16) -> impl Iterator<Item = &Cost> {
+        let most = u32::from(sweeps);
         self.all
             .iter()
             .filter(move |cost| cost.sweeps > 0 && cost.sweeps <= most)
+    }
+
+    /// Solves within the sweeps of the measurement, one more than the firmware's.
+    fn warm(&self) -> impl Iterator<Item = &Cost> {
+        self.within(self.board.settings.max_sweeps())
+    }
+
+    /// Solves within those of the firmware.
+    fn allowed(&self) -> impl Iterator<Item = &Cost> {
+        let deadline = self.board.settings.deadline_cycles;
+        self.within(self.board.cost.sweeps_within(deadline))
     }
 
     /// What the constant of the board should be.
@@ -254,14 +274,14 @@ impl Costs {
                 rows.push(row(metric, start, stat, value, "cycles"));
             }
         };
-        spread(TICK, warm, self.warm().map(|c| c.all as f64).collect());
+        spread(TICK, warm, self.allowed().map(|c| c.all as f64).collect());
         spread(REST, None, self.all.iter().map(Cost::rest).collect());
         spread(SWEEP, warm, self.warm().map(Cost::sweep).collect());
         let deadline = u64::from(board.settings.deadline_cycles);
         let beyond = self.all.iter().filter(|cost| cost.all > deadline).count();
         for (metric, count) in [
             (TICKS, self.all.len()),
-            (SOLVED, self.warm().count()),
+            (SOLVED, self.allowed().count()),
             (BEYOND, beyond),
         ] {
             rows.push(row(metric, None, "value", count as f64, "1"));
@@ -379,7 +399,8 @@ pub fn section(rows: &Rows) -> String {
          interrupts, the log and waiting for the port are not in it. All telemetry of the emulated cores was \
          the host's to the last bit.\n\n{}\n\
          The firmware allows as many sweeps as fit: the worst of *all but the solve* and that many times the \
-         worst of *a warm solve, by sweeps* are within the period. A solve from nothing, after one that went \
+         worst of *a warm solve, by sweeps* are within the period. Solves of one sweep more count for the latter, too: \
+         what they take decides whether they fit. A solve from nothing, after one that went \
          astray, may take longer, and is counted as an overrun.\n\n{}\n\
          `cargo reports monitor` makes this section and the constants of `CycleCost` anew.\n\n{}\n",
         MARKS[0],
@@ -427,7 +448,7 @@ fn hold(measured: &[Costs], leeway: f64) -> Result<()> {
     let grown: Vec<String> = measured
         .iter()
         .flat_map(|costs| {
-            let (is, said) = (costs.constant(), costs.board.settings.cost);
+            let (is, said) = (costs.constant(), costs.board.cost);
             [
                 ("fixed", is.fixed, said.fixed),
                 ("sweep", is.sweep, said.sweep),
@@ -477,20 +498,21 @@ pub fn alone(root: &Path) -> Result<()> {
     let text = std::fs::read_to_string(&path)
         .with_context(|| format!("cannot read {}", path.display()))?;
     let text = match (text.split_once(MARKS[0]), text.split_once(MARKS[1])) {
-        (Some((before, _)), Some((_, after))) => format!("{before}{section}{after}"),
+        (Some((before, _)), Some((_, after))) => {
+            format!("{before}{section}{}", after.trim_start())
+        }
         // A page from before there was a section: at the end.
         _ => format!("{}\n\n{section}", text.trim_end()),
     };
     std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
     println!("written: {}, {CONSTANTS}", path.display());
     for costs in &measured {
-        let (before, now) = (costs.board.settings, costs.constant());
-        let sweeps = now.sweeps_within(before.deadline_cycles);
-        if sweeps != before.max_sweeps() {
+        let [before, now] = [costs.board.cost, costs.constant()]
+            .map(|cost| cost.sweeps_within(costs.board.settings.deadline_cycles));
+        if now != before {
             println!(
-                "{}: {sweeps} sweeps are allowed from now on, {} so far: measure once more",
-                costs.board.name(),
-                before.max_sweeps()
+                "{}: {now} sweeps are allowed from now on, {before} so far: measure once more",
+                costs.board.name()
             );
         }
     }
