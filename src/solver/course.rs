@@ -1,12 +1,12 @@
-//! How a search goes: where it starts, when the next start is worth more, when it ends, and how good the answer is.
+//! How a search goes: where it starts, when the next start is worth more, when it ends, and how good the answer
+//! is.
 //!
-//! An answer certifies itself. The last step changes the stiffness by an amount that is known ball by ball,
-//! and the stiffness is corrected for it. What the correction does not know is the error of the stiffness:
-//! a part of the change that grows with the step, with the share of inertia in the ball's forces, and with the
-//! part of the step that rounding may have made. Displacements and forces are one
-//! Newton step further, where the change enters as a factor. What rounding leaves comes on top: a displacement
-//! in the direction in which the ring gives way most, and what that changes of the stiffness of contacts
-//! that carry little.
+//! An answer certifies itself. The last step changes the stiffness by an amount that is known ball by ball, and
+//! the stiffness is corrected for it. What the correction does not know is the error of the stiffness: a part of
+//! the change that grows with the step, with the share of inertia in the ball's forces, and with the part of the
+//! step that rounding may have made. Displacements and forces are one Newton step further, where the change
+//! enters as a factor. What rounding leaves comes on top: a displacement in the direction in which the ring gives
+//! way most, and what that changes of the stiffness of contacts that carry little.
 
 use super::ErrorEstimate;
 use super::thresholds::{self, LONGEST_STEP};

@@ -1,26 +1,25 @@
 //! The equilibrium under given loads, and the bearing's own law under given displacements.
 //!
 //! One damped Newton on the arrow-shaped system. `iteration` is what it works on and what every search has in
-//! common, `rest` the search where balls have no unknowns, `speed` the one where they have; `course` decides how a
-//! search goes on and says how good its answer is, by the table of `thresholds`.
+//! common, `rest` the search where balls have no unknowns, `speed` the one where they have; `course` decides how
+//! a search goes on and says how good its answer is, by the table of `thresholds`.
 //!
 //! Why it ends: with inertia and friction forces frozen, the equilibrium minimises a convex function of ring and
-//! ball positions jointly: contact energies are convex and increasing functions of distances, and
-//! the groove centres move affinely with the ring. Every position of the ring has one equilibrium of
-//! each ball, and with the balls eliminated what is left is convex in the ring's displacement. It
-//! grows without bound in every direction in which three or more balls resist, so that it has a
-//! minimum, and one only. The speed-dependent part is a perturbation that the exact tangent takes in. Where it is
-//! not small (contact angles near 90 degrees), there need not be an equilibrium, and the bound on sweeps ends
-//! the search.
+//! ball positions jointly: contact energies are convex and increasing functions of distances, and the groove
+//! centres move affinely with the ring. Every position of the ring has one equilibrium of each ball, and with the
+//! balls eliminated what is left is convex in the ring's displacement. It grows without bound in every direction
+//! in which three or more balls resist, so that it has a minimum, and one only. The speed-dependent part is a
+//! perturbation that the exact tangent takes in. Where it is not small (contact angles near 90 degrees), there
+//! need not be an equilibrium, and the bound on sweeps ends the search.
 //!
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved to the new load and
-//! speed, if that is near; the state that an axial load would make; the same with more preload, in
-//! short steps. A start that has not led to a solution after some sweeps, or from which a ball was lost
-//! for good, makes room for the next.
+//! speed, if that is near; the state that an axial load would make; the same with more preload, in short steps. A
+//! start that has not led to a solution after some sweeps, or from which a ball was lost for good, makes room for
+//! the next.
 //!
-//! A ball whose contacts no longer oppose each other (150 degrees
-//! apart), or that is off the inner race where they would be opposite, is no answer: there the cage speed has a
-//! pole, and the equations have roots of no bearing.
+//! A ball whose contacts no longer oppose each other (150 degrees apart), or that is off the inner race where
+//! they would be opposite, is no answer: there the cage speed has a pole, and the equations have roots of no
+//! bearing.
 
 mod course;
 mod iteration;

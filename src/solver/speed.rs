@@ -1,26 +1,24 @@
 //! The search at speed, where every ball has an equilibrium of its own.
 //!
-//! Each sweep linearises every ball, which eliminates
-//! its own unknowns, and sums what the balls hand to the ring. Far from the solution the ring then looks
-//! for the load's balance among the balls' laws (the `spring` module), which agree with the
-//! linearisation in value and slope; near it, and after a warm start, it makes Newton's step. The tangent
-//! of the last sweep, corrected to first order by what that step changes of both contacts' stiffness and
-//! direction, is the stiffness.
+//! Each sweep linearises every ball, which eliminates its own unknowns, and sums what the balls hand to the ring.
+//! Far from the solution the ring then looks for the load's balance among the balls' laws (the `spring` module),
+//! which agree with the linearisation in value and slope; near it, and after a warm start, it makes Newton's
+//! step. The tangent of the last sweep, corrected to first order by what that step changes of both contacts'
+//! stiffness and direction, is the stiffness.
 //!
-//! - The ring's own iteration works on the sum of the balls' laws, each of which is the derivative of
-//!   a convex potential. A step is the solution of a system whose matrix is made positive definite
-//!   where it is not (Levenberg 1944), hence a descent direction, and is halved until the slope along
-//!   it has not turned over by more than half: such an iteration cannot be trapped short of the
-//!   minimum. It costs no linearisation of a ball. Halvings are four at most, so that a direction softer by
-//!   orders of magnitude can still send it round in a circle; the next start is for that, and the balance
-//!   of forces at the end tells.
+//! - The ring's own iteration works on the sum of the balls' laws, each of which is the derivative of a convex
+//!   potential. A step is the solution of a system whose matrix is made positive definite where it is not
+//!   (Levenberg 1944), hence a descent direction, and is halved until the slope along it has not turned over by
+//!   more than half: such an iteration cannot be trapped short of the minimum. It costs no linearisation of a
+//!   ball. Halvings are four at most, so that a direction softer by orders of magnitude can still send it round
+//!   in a circle; the next start is for that, and the balance of forces at the end tells.
 //! - Inertia loads change with the step; a step that made the balance worse bounds the next one to half of its
 //!   length, unless rounding made it: then a ball did.
-//! - A ball whose force changes by more than a factor is placed anew by what holds it, and a ball that
-//!   is badly off by itself repeats its own Newton step a few times within the sweep.
+//! - A ball whose force changes by more than a factor is placed anew by what holds it, and a ball that is badly
+//!   off by itself repeats its own Newton step a few times within the sweep.
 //!
-//! A warm solve starts where the last solution's tangent, its sensitivity to speed and the second-order part of both
-//! (contacts stiffen, lines of centres turn) see it under the new load and speed; one from nothing at the
+//! A warm solve starts where the last solution's tangent, its sensitivity to speed and the second-order part of
+//! both (contacts stiffen, lines of centres turn) see it under the new load and speed; one from nothing at the
 //! axisymmetric state.
 
 use super::course::{Attempt, Course, Outcome, Rounding, Weakness, relative};
