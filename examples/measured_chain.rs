@@ -61,11 +61,9 @@ mod measured {
     };
     pub type Precision = <Choice<PRECISION> as Board>::T;
     pub const CORE_HZ: u32 = <Choice<PRECISION> as Board>::CORE_HZ;
-    /// One sweep more than the firmware allows: what that takes decides whether it fits.
-    pub const COST: CycleCost = {
-        let (cost, deadline) = (<Choice<PRECISION> as Board>::COST, CORE_HZ / 1000);
-        cost.allowing(cost.sweeps_within(deadline) + 1, deadline)
-    };
+    /// One sweep more than the firmware allows: what that takes decides whether it fits. A period is 1 ms.
+    pub const COST: CycleCost =
+        <Choice<PRECISION> as Board>::COST.with_a_sweep_more(CORE_HZ / 1000);
 
     /// Bytes that come in before a tick, at most.
     const INPUT: usize = 1024;

@@ -53,14 +53,13 @@ impl CycleCost {
         }
     }
 
-    /// The same with sweeps so cheap that as many as `sweeps` fit into a deadline: to measure what more of them
-    /// would take than do fit.
+    /// The same with sweeps so cheap that one more of them fits into a deadline: to measure what the first would
+    /// take that does not fit.
     #[must_use]
-    pub const fn allowing(self, sweeps: u16, deadline: u32) -> Self {
+    pub const fn with_a_sweep_more(self, deadline: u32) -> Self {
         let left = deadline.saturating_sub(self.fixed);
-        let sweeps = if sweeps == 0 { 1 } else { sweeps as u32 };
         Self {
-            sweep: left / sweeps,
+            sweep: left / (self.sweeps_within(deadline) as u32 + 1),
             ..self
         }
     }
@@ -260,10 +259,11 @@ mod tests {
         ] {
             assert_eq!(cost.sweeps_within(deadline), sweeps, "{deadline}");
         }
-        for sweeps in 1..9 {
-            let more = CycleCost::CORTEX_M4F.allowing(sweeps, 168_000);
-            assert_eq!(more.fixed, CycleCost::CORTEX_M4F.fixed);
-            assert_eq!(more.sweeps_within(168_000), sweeps);
+        let mut cost = CycleCost::CORTEX_M4F;
+        for sweeps in 2..9 {
+            cost = cost.with_a_sweep_more(168_000);
+            assert_eq!(cost.fixed, CycleCost::CORTEX_M4F.fixed);
+            assert_eq!(cost.sweeps_within(168_000), sweeps);
         }
         let free = CycleCost { fixed: 0, sweep: 0 };
         assert_eq!(free.sweeps_within(0), u16::MAX);

@@ -116,29 +116,23 @@ where
     where
         O: PerBall,
     {
-        let solver = O::solver(&self.solver);
-        let c = &solver.bearing.constants;
-        let state = &solver.state;
-        let balls = solver.balls.as_ref().iter();
-        balls.zip(&solver.bearing.azimuths).map(move |(ball, at)| {
-            let a = shift(&state.position.offset, at);
-            let pass = M::observe(c, state.speed_load, ball, a);
-            BallState {
-                azimuth: at.sin.atan2(at.cos),
-                alpha_i: pass.inner.sin.atan2(pass.inner.cos),
-                alpha_o: pass.outer.sin.atan2(pass.outer.cos),
-                q_i: pass.inner.q * c.force,
-                q_o: pass.outer.q * c.force,
-                delta_i: pass.inner.delta * c.length,
-                delta_o: pass.outer.delta * c.length,
-                centrifugal_force: pass.loads.centrifugal * c.force,
-                gyroscopic_moment: pass.loads.friction * c.force * c.ball_radius,
-            }
+        let azimuths = &O::solver(&self.solver).bearing.azimuths;
+        let (c, passes) = self.passes();
+        passes.zip(azimuths).map(move |(pass, at)| BallState {
+            azimuth: at.sin.atan2(at.cos),
+            alpha_i: pass.inner.sin.atan2(pass.inner.cos),
+            alpha_o: pass.outer.sin.atan2(pass.outer.cos),
+            q_i: pass.inner.q * c.force,
+            q_o: pass.outer.q * c.force,
+            delta_i: pass.inner.delta * c.length,
+            delta_o: pass.outer.delta * c.length,
+            centrifugal_force: pass.loads.centrifugal * c.force,
+            gyroscopic_moment: pass.loads.friction * c.force * c.ball_radius,
         })
     }
 
     /// The bearing's constants, and the contacts and loads of every ball in their units.
-    pub(crate) fn passes(&self) -> (&Constants<T>, impl Iterator<Item = Pass<T>> + '_)
+    pub(crate) fn passes(&self) -> (&Constants<T>, impl ExactSizeIterator<Item = Pass<T>> + '_)
     where
         O: PerBall,
     {
@@ -159,14 +153,8 @@ where
     where
         O: PerBall,
     {
-        let solver = O::solver(&self.solver);
-        let c = &solver.bearing.constants;
-        let state = &solver.state;
-        let balls = solver.balls.as_ref().iter();
-        balls.zip(&solver.bearing.azimuths).map(move |(ball, at)| {
-            let a = shift(&state.position.offset, at);
-            M::observe(c, state.speed_load, ball, a).inner.q * c.force
-        })
+        let (c, passes) = self.passes();
+        passes.map(|pass| pass.inner.q * c.force)
     }
 }
 

@@ -33,18 +33,13 @@ const CONSTANTS: &str = "src/monitor/cost.rs";
 /// The function whose cycles are the solve's.
 const SOLVE: &str = "Solver::solve";
 
-/// The cost by which one sweep more is allowed than by this one, as `examples/measured_chain.rs` has it.
-const fn one_more(cost: CycleCost, deadline: u32) -> CycleCost {
-    cost.allowing(cost.sweeps_within(deadline) + 1, deadline)
-}
-
 /// The host's own build of what is measured.
 #[path = "."]
 mod f405 {
     use spindle_bearing::monitor::tick::CycleCost;
     pub type Precision = f32;
     pub const CORE_HZ: u32 = 168_000_000;
-    pub const COST: CycleCost = super::one_more(CycleCost::CORTEX_M4F, CORE_HZ / 1000);
+    pub const COST: CycleCost = CycleCost::CORTEX_M4F.with_a_sweep_more(CORE_HZ / 1000);
     #[path = "../../../../examples/chain.rs"]
     pub mod chain;
     #[path = "../../../../examples/monitor_settings.rs"]
@@ -59,7 +54,7 @@ mod h743 {
     use spindle_bearing::monitor::tick::CycleCost;
     pub type Precision = f64;
     pub const CORE_HZ: u32 = 400_000_000;
-    pub const COST: CycleCost = super::one_more(CycleCost::CORTEX_M7, CORE_HZ / 1000);
+    pub const COST: CycleCost = CycleCost::CORTEX_M7.with_a_sweep_more(CORE_HZ / 1000);
     #[path = "../../../../examples/chain.rs"]
     pub mod chain;
     #[path = "../../../../examples/monitor_settings.rs"]
