@@ -15,7 +15,7 @@ use spindle_bearing::monitor::loads::{
 };
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::speed::{Edges, PulseSpeed, SpeedError, SpeedSettings, SpeedSource};
-use spindle_bearing::monitor::telemetry::{FrameReader, Payload};
+use spindle_bearing::monitor::telemetry::{BallReport, FrameReader, Payload};
 use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
 use spindle_bearing::monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Outcome, Readings};
 use spindle_bearing::record::{self, LoadRecord};
@@ -105,6 +105,8 @@ struct Rig {
     /// Counts in the last report of each alarm.
     counts: [(u32, u32); Alarm::COUNT],
     stiffness: Vec<(u64, [f32; 5])>,
+    /// The last report of every ball.
+    balls: Vec<BallReport>,
     jitter: f32,
 }
 
@@ -125,6 +127,7 @@ impl Rig {
             arrived: Vec::new(),
             counts: [(0, 0); Alarm::COUNT],
             stiffness: Vec::new(),
+            balls: Vec::new(),
             jitter: 0.0,
         }
     }
@@ -176,7 +179,11 @@ impl Rig {
                         self.arrived.push((report.alarm, report.change));
                     }
                 }
-                Payload::Balls(_) | Payload::Health(_) => {}
+                Payload::Balls(report) => {
+                    self.balls.truncate(report.first.into());
+                    self.balls.extend(report.balls);
+                }
+                Payload::Health(_) => {}
             }
         }
     }
@@ -238,7 +245,7 @@ impl Rig {
 fn the_estimate_is_the_solvers_own() {
     let mut rig = Rig::new(&SETTINGS);
     rig.run_up();
-    for _ in 0..40 {
+    for _ in 0..300 {
         let outcome = rig.good(IDLE, SPEED);
         assert!(outcome.solved && outcome.age == Some(0));
     }
@@ -249,6 +256,23 @@ fn the_estimate_is_the_solvers_own() {
     let own = solver.solve(IDLE, SPEED, &Settings::default()).unwrap();
     for (i, k) in stiffness.iter().enumerate() {
         assert!((k / own.stiffness[i][i] - 1.0).abs() < 1e-3, "K{i}{i}");
+    }
+    assert_eq!(rig.balls.len(), 16);
+    for (j, (report, ball)) in rig.balls.iter().zip(own.balls()).enumerate() {
+        for (what, reported, own) in [
+            ("Qi", report.q_i, ball.q_i),
+            ("Qo", report.q_o, ball.q_o),
+            ("alpha_i", report.alpha_i, ball.alpha_i),
+            ("alpha_o", report.alpha_o, ball.alpha_o),
+        ] {
+            let off = (reported / own - 1.0).abs();
+            assert!(off < 5e-3, "{what} of ball {j}: {reported} for {own}");
+        }
+        // One contact would not pass for the other.
+        assert!(
+            ball.alpha_i > 1.01 * ball.alpha_o && ball.q_o > 1.01 * ball.q_i,
+            "{ball:?}"
+        );
     }
     rig.no_alarm_is_lost();
     assert!(rig.happened.is_empty(), "{:?}", rig.happened);

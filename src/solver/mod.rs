@@ -545,3 +545,38 @@ fn check<T: Real, const L: usize>(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::turning::tests::spindle;
+
+    #[test]
+    fn a_solver_that_takes_over_another_goes_on_as_that_one_would() {
+        let bearing = spindle();
+        let settings = Settings::default();
+        let mut solver = Solver::<f32, 16>::new(&bearing);
+        solver
+            .solve([900.0, 180.0, -40.0, 1.0, 2.5], 2000.0, &settings)
+            .unwrap();
+        let mut behind = Solver::<f32, 16>::new(&bearing);
+        behind
+            .solve([300.0, -60.0, 90.0, -0.5, 0.0], 700.0, &settings)
+            .unwrap();
+        behind.clone_from(&solver);
+        let mut copy = solver.clone();
+        // One sweep, which the start decides.
+        let settings = Settings {
+            max_sweeps: 1,
+            ..settings
+        };
+        let [next, taken, copied] = [&mut solver, &mut behind, &mut copy].map(|solver| {
+            let solution = solver.solve([910.0, 178.0, -41.0, 1.0, 2.6], 2010.0, &settings);
+            let solution = solution.unwrap();
+            assert_eq!((solution.status, solution.sweeps), (Status::Converged, 1));
+            (solution.displacement, solution.stiffness)
+        });
+        assert_eq!(next, taken);
+        assert_eq!(next, copied);
+    }
+}
