@@ -6,12 +6,12 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 44_928,
-        sweep: 65_323,
+        fixed: 44_863,
+        sweep: 65_341,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 39_258,
-        sweep: 98_138,
+        fixed: 38_834,
+        sweep: 98_154,
     };
 }
