@@ -66,7 +66,7 @@ pub struct Solution<
     pub sweeps: u16,
     /// Ball passes beyond one a ball and sweep: of balls that were badly off by themselves, and at rest of all.
     pub repeats: u16,
-    /// Load less the balls' forces in the last sweep, relative to the load (moments over `Rp`).
+    /// Load less the balls' forces before the ring's last step, relative to the load (moments over `Rp`).
     pub residual: T,
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,

@@ -4,7 +4,8 @@
 //! Far from the solution the ring then looks for the load's balance among the balls' laws (the `spring` module),
 //! which agree with the linearisation in value and slope; near it, and after a warm start, it makes Newton's
 //! step. The tangent of the last sweep, corrected to first order by what that step changes of both contacts'
-//! stiffness and direction, is the stiffness.
+//! stiffness and direction, is the stiffness. Where rounding ends a solve, that step can be too long for the
+//! correction of a contact about to open, and another sweep takes the tangent after it.
 //!
 //! - The ring's own iteration works on the sum of the balls' laws, each of which is the derivative of a convex
 //!   potential. A step is the solution of a system whose matrix is made positive definite where it is not
@@ -110,10 +111,14 @@ where
         outcome.status = Status::SweepLimit;
         // Nothing to compare the first sweep with.
         (outcome.change, outcome.step) = (T::ONE, T::ZERO);
+        let mut ended = false;
         loop {
             let (repeats, imbalance) = self.sweep(&drive, course.laws);
             outcome.sweeps += 1;
             outcome.repeats = outcome.repeats.saturating_add(repeats);
+            if ended {
+                return;
+            }
             if B::HOLDS {
                 size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
             }
@@ -203,12 +208,18 @@ where
                 } else {
                     status
                 };
+                // A step that is all rounding leads nowhere better.
+                let real = outcome.residual > T::of(thresholds::ALL_ROUNDING) * rounding.step;
+                ended = outcome.status == Status::PrecisionLimit && real && outcome.sweeps < until;
+                if !ended {
+                    return;
+                }
+                // The next sweep leaves nothing to correct.
+                outcome.remainder = T::ZERO;
+            } else if outcome.sweeps >= until || course.is_hopeless(imbalance, attempt) {
                 return;
             }
-            if outcome.sweeps >= until || course.is_hopeless(imbalance, attempt) {
-                return;
-            }
-            course.laws = outcome.needs_laws(&course, tolerance);
+            course.laws = !ended && outcome.needs_laws(&course, tolerance);
             // Offsets this large would cost digits of the deformations.
             let far = T::of(thresholds::FAR_FROM_REFERENCE);
             if span(&self.state.position.offset) > far || !(moved.step <= far) || repeats > 0 {

@@ -24,6 +24,8 @@ pub const GOES_ON: (f64, f64) = (0.3, 100.0);
 pub const NO_PROGRESS: f64 = 0.25;
 /// What rounding may have left unknown of the stiffness where the balance alone ends a solve.
 pub const UNKNOWN: f64 = 0.035;
+/// Residual, over what rounding makes steps of, below which the last step is all rounding.
+pub const ALL_ROUNDING: f64 = 1.0 / 16.0;
 /// Residual of an answer, at most.
 pub const BALANCED: f64 = 1e-3;
 /// Part of the load that the laws' balance may leave of it, and the steps it takes for that, at most.
