@@ -872,6 +872,43 @@ fn single_and_double_precision_agree() {
     }
 }
 
+/// Of solves in single precision that rounding ends, under 400 loads along a direction: how many, and the
+/// largest error of their stiffness. None takes more sweeps than it may.
+fn ended_by_rounding<M: Motion>(direction: [f32; 5], smallest: f32, omega: f32) -> (usize, f64) {
+    let bearing = build::<f32, 16>(&B7005C);
+    let (mut ended, mut worst) = (0, 0.0);
+    for i in 0..400_u16 {
+        let size = smallest * 10f32.powf(f32::from(i) / 100.0);
+        let load = direction.map(|part| part * size);
+        let narrow = |max_sweeps: u16| {
+            let settings = Settings {
+                max_sweeps,
+                ..Settings::default()
+            };
+            let mut solver = Solver::<f32, 16, M>::new(&bearing);
+            Found::of(&solver.solve(load, omega, &settings).unwrap())
+        };
+        let found = narrow(100);
+        if found.status != Status::<f32>::PrecisionLimit.name() {
+            continue;
+        }
+        ended += 1;
+        let truth = cold::<16, M>(&B7005C, load.map(f64::from), f64::from(omega));
+        worst = worse(worst, stiffness_error(&found.k, &truth.k));
+        assert!(narrow(found.sweeps - 1).sweeps < found.sweeps, "{load:?}");
+    }
+    (ended, worst)
+}
+
+#[test]
+fn where_rounding_ends_a_solve_the_stiffness_is_that_after_the_last_step() {
+    // Those before it are off by ten times as much.
+    let (ended, worst) = ended_by_rounding::<Static>([0.0, 1.0, 0.3, 0.0, 0.0], 0.01, 0.0);
+    assert!(ended > 100 && worst < 4e-5, "{ended}, {worst:e}");
+    let (ended, worst) = ended_by_rounding::<Free>([0.2, 1.0, 0.3, 0.0, 0.0], 0.1, 2000.0);
+    assert!(ended > 50 && worst < 2e-5, "{ended}, {worst:e}");
+}
+
 #[test]
 fn a_moment_turned_over_turns_over_the_contact_angles() {
     let angles = |mz: f64| -> Vec<f64> {

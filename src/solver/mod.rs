@@ -579,48 +579,4 @@ mod tests {
         assert_eq!(next, taken);
         assert_eq!(next, copied);
     }
-
-    /// Of solves in single precision that rounding ends, under 400 loads along a direction: how many, and the
-    /// largest error of their stiffness.
-    fn ended_by_rounding<M: Motion>(
-        direction: [f32; 5],
-        smallest: f32,
-        speed: f32,
-    ) -> (usize, f32) {
-        let (of_single, of_double) = (spindle(), spindle());
-        let (mut ended, mut worst) = (0, 0.0_f32);
-        for i in 0..400_u16 {
-            let size = smallest * 10f32.powf(f32::from(i) / 100.0);
-            let load = direction.map(|part| part * size);
-            let mut single = Solver::<f32, 16, M>::new(&of_single);
-            let solution = single.solve(load, speed, &Settings::default()).unwrap();
-            if solution.status != Status::PrecisionLimit {
-                continue;
-            }
-            ended += 1;
-            let k = solution.stiffness;
-            let mut double = Solver::<f64, 16, M>::new(&of_double);
-            let exact = double
-                .solve(load.map(f64::from), speed.into(), &Settings::default())
-                .unwrap();
-            for (i, row) in exact.stiffness.iter().enumerate() {
-                for (j, exact) in row.iter().enumerate() {
-                    let off = (k[i][j] - *exact as f32).abs();
-                    worst = worst.max(off / (k[i][i] * k[j][j]).sqrt());
-                }
-            }
-        }
-        (ended, worst)
-    }
-
-    #[test]
-    fn where_rounding_ends_a_solve_the_tangent_is_that_after_the_last_step() {
-        // The tangents before it are off by ten times as much.
-        let radial = [0.0, 1.0, 0.3, 0.0, 0.0];
-        let (ended, worst) = ended_by_rounding::<crate::Static>(radial, 0.01, 0.0);
-        assert!(ended > 100 && worst < 4e-5, "{ended}, {worst}");
-        let oblique = [0.2, 1.0, 0.3, 0.0, 0.0];
-        let (ended, worst) = ended_by_rounding::<Full>(oblique, 0.1, 2000.0);
-        assert!(ended > 50 && worst < 2e-5, "{ended}, {worst}");
-    }
 }
