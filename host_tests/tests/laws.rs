@@ -9,7 +9,7 @@ use spindle_bearing::{
     BallState, Bearing, Design, FreeContact, Full, InnerRaceControl, Motion, OuterRaceControl,
     RacewayControlFree, Real, Settings, Solution, Solver, Static, Status,
 };
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 type Free = Full<RacewayControlFree>;
 type Outer = Full<OuterRaceControl>;
@@ -829,6 +829,47 @@ fn the_bound_on_sweeps_is_kept_and_its_answer_is_finite() {
                     .iter()
                     .all(|x| x.is_finite())
             );
+        }
+    }
+}
+
+/// Of 200 loads on a bearing with clearance that turns so slowly that its balls' centrifugal forces add up to
+/// `inertia` of the load: the most sweeps from nothing, and how many more they are on average than at a standstill.
+fn sweeps_next_to_a_standstill<T: Real>(inertia: f64) -> (u16, f64) {
+    let bearing = build::<T, 9>(&SKF6205);
+    let ball_mass = SKF6205.ball.density * PI / 6.0 * SKF6205.ball_diameter.powi(3);
+    let (mut most, mut more) = (0, 0.0);
+    for i in 0..200_u16 {
+        let (sin, cos) = (0.1 * f64::from(i)).sin_cos();
+        let size = 10f64.powf(f64::from(i % 50) / 25.0);
+        let load = [0.02 * size * sin, size * cos, size * sin, 0.0, 1e-3 * size];
+        let centrifugal = 0.5 * ball_mass * SKF6205.pitch_diameter;
+        let omega = (inertia * size / (9.0 * centrifugal)).sqrt();
+        let [still, turning] = [0.0, omega].map(|omega| {
+            let mut solver = Solver::<T, 9, Free>::new(&bearing);
+            let solution = solver.solve(load.map(T::of), T::of(omega), &Settings::default());
+            let solution = solution.unwrap();
+            let solved = matches!(solution.status, Status::Converged | Status::PrecisionLimit);
+            assert!(solved, "{load:?} at {omega} rad/s: {}", solution.status);
+            solution.sweeps
+        });
+        most = most.max(turning);
+        more += (f64::from(turning) - f64::from(still)) / 200.0;
+    }
+    (most, more)
+}
+
+#[test]
+fn a_bearing_that_hardly_turns_is_solved_as_easily_as_one_that_stands() {
+    // Balls that carry nothing else are caught between the races by next to nothing. Where those were to find
+    // their places while the ring was still looking for its own, it took 2.5 sweeps more, and up to 60.
+    for exponent in 4..15 {
+        let inertia = 10f64.powi(-exponent);
+        for (most, more) in [
+            sweeps_next_to_a_standstill::<f32>(inertia),
+            sweeps_next_to_a_standstill::<f64>(inertia),
+        ] {
+            assert!(most <= 12 && more < 1.5, "{inertia:e}: {most}, {more:.2}");
         }
     }
 }

@@ -22,19 +22,23 @@ pub enum Attempt {
     Warm,
     /// From the axisymmetric state.
     Cold,
-    /// From there with more preload.
+    /// From the solution at a standstill. Where inertia is next to nothing, balls that carry nothing else are
+    /// caught between the races by forces so small that any step of the ring throws them out: it had better be in
+    /// its place before.
+    Standstill,
+    /// From the axisymmetric state with more preload.
     Preloaded,
 }
 
 impl Attempt {
-    pub const ALL: [Self; 3] = [Self::Warm, Self::Cold, Self::Preloaded];
+    pub const ALL: [Self; 4] = [Self::Warm, Self::Cold, Self::Standstill, Self::Preloaded];
 
     /// Sweeps after which the next start is worth more than going on. From a start that is any good
     /// most solves take fewer than 10.
     pub const fn sweeps(self) -> u16 {
         match self {
             Self::Warm => 10,
-            Self::Cold => 40,
+            Self::Cold | Self::Standstill => 40,
             Self::Preloaded => u16::MAX,
         }
     }
@@ -42,7 +46,7 @@ impl Attempt {
     /// Preload of a start from nothing, in units of what keeps balls loaded at first sight.
     pub const fn preload(self) -> f64 {
         match self {
-            Self::Warm | Self::Cold => 1.0,
+            Self::Warm | Self::Cold | Self::Standstill => 1.0,
             Self::Preloaded => 4.0,
         }
     }
@@ -52,7 +56,7 @@ impl Attempt {
     /// them.
     const fn first_step(self) -> f64 {
         match self {
-            Self::Warm | Self::Cold => LONGEST_STEP,
+            Self::Warm | Self::Cold | Self::Standstill => LONGEST_STEP,
             Self::Preloaded => 0.06,
         }
     }

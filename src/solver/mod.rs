@@ -13,9 +13,10 @@
 //! need not be an equilibrium, and the bound on sweeps ends the search.
 //!
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved to the new load and
-//! speed, if that is near; the state that an axial load would make; the same with more preload, in short steps. A
-//! start that has not led to a solution after some sweeps, or from which a ball was lost for good, makes room for
-//! the next.
+//! speed, if that is near; the state that an axial load would make; where inertia does not outweigh the load, the
+//! solution at a standstill, which comes first where inertia is next to nothing; the state that an axial load
+//! would make with more preload, in short steps. A start that has not led to a solution after some sweeps, or from
+//! which a ball was lost for good, makes room for the next.
 //!
 //! A ball whose contacts no longer oppose each other (150 degrees apart), or that is off the inner race where
 //! they would be opposite, is no answer: there the cage speed has a pole, and the equations have roots of no
@@ -250,25 +251,36 @@ where
             speed_load,
             tolerance: settings.tolerance,
         };
+        let mut size = norm(&load);
+        let until = settings.max_sweeps.max(1);
         let mut run = self.iteration();
         let mut outcome = Outcome::new();
         for attempt in Attempt::ALL {
-            if attempt == Attempt::Warm && !warm {
+            let standstill = |below: f64| {
+                let inertia = ring::sharing::<T, D>(c) * speed_load;
+                // A way there that the bound cuts off has nothing to show.
+                let room = until - outcome.sweeps >= Attempt::Standstill.sweeps();
+                M::AT_SPEED
+                    && !B::HOLDS
+                    && room
+                    && speed_load > T::EPSILON * size
+                    && inertia < T::of(below) * size
+            };
+            let serves = match attempt {
+                Attempt::Warm => warm,
+                Attempt::Cold => !standstill(thresholds::LIGHT),
+                Attempt::Standstill => standstill(thresholds::HEAVY),
+                Attempt::Preloaded => true,
+            };
+            if !serves {
                 continue;
             }
-            M::seek(
-                &mut run,
-                &mut outcome,
-                &task,
-                attempt,
-                settings.max_sweeps.max(1),
-            );
+            M::seek(&mut run, &mut outcome, &task, attempt, until);
             let failed = matches!(outcome.status, Status::SweepLimit | Status::Diverged { .. });
-            if !failed || outcome.sweeps >= settings.max_sweeps {
+            if !failed || outcome.sweeps >= until {
                 break;
             }
         }
-        let mut size = norm(&load);
         if B::HOLDS {
             size = size.or_larger(norm(&self.state.force));
         }

@@ -84,6 +84,17 @@ where
                 let preload = T::of(Attempt::Preloaded.preload());
                 self.start(load, wanted, *speed_load, preload);
             }
+            (Given::Load(load), Attempt::Standstill) => {
+                let still = Task {
+                    speed_load: T::ZERO,
+                    tolerance: T::of(thresholds::STANDSTILL),
+                    ..*task
+                };
+                self.start(load, wanted, T::ZERO, T::ONE);
+                self.run(outcome, &still, attempt, worth.min(until) - 1);
+                // Balls that have dropped out there take their places in the first sweep of what follows.
+                return self.run(outcome, task, attempt, worth.min(until));
+            }
         }
         self.run(outcome, task, attempt, worth.min(until));
     }

@@ -37,6 +37,12 @@ pub const LINEAR: f64 = 1e-3;
 pub const FAR_FROM_REFERENCE: f64 = 2e-3;
 /// Sweeps in a row that a ball may be lost in, for all its own steps, before the start is.
 pub const LOST: u8 = 3;
+/// Centrifugal forces of all balls, over the load, below which a bearing from nothing is first put where it is at
+/// a standstill; and below which that is tried where the first start led nowhere.
+pub const LIGHT: f64 = 1e-3;
+pub const HEAVY: f64 = 1.0;
+/// Tolerance of that.
+pub const STANDSTILL: f64 = 0.1;
 
 /// Those of a search at rest.
 pub mod at_rest {
