@@ -23,8 +23,8 @@ pub enum Attempt {
     /// From the axisymmetric state.
     Cold,
     /// From the solution at a standstill. Where inertia is next to nothing, balls that carry nothing else are
-    /// caught between the races by forces so small that any step of the ring throws them out: it had better be in
-    /// its place before.
+    /// caught between the races by forces so small that any step of the ring throws them out: the ring had better
+    /// have found its place before.
     Standstill,
     /// From the axisymmetric state with more preload.
     Preloaded,

@@ -13,10 +13,10 @@
 //! need not be an equilibrium, and the bound on sweeps ends the search.
 //!
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved to the new load and
-//! speed, if that is near; the state that an axial load would make; where inertia does not outweigh the load, the
-//! solution at a standstill, which comes first where inertia is next to nothing; the state that an axial load
-//! would make with more preload, in short steps. A start that has not led to a solution after some sweeps, or from
-//! which a ball was lost for good, makes room for the next.
+//! speed, if that is near; the state that an axial load would make; the solution at a standstill, where inertia
+//! does not outweigh the load, and instead of that state where it is next to nothing; that state with more
+//! preload, in short steps. A start that has not led to a solution after some sweeps, or from which a ball was lost
+//! for good, makes room for the next.
 //!
 //! A ball whose contacts no longer oppose each other (150 degrees apart), or that is off the inner race where
 //! they would be opposite, is no answer: there the cage speed has a pole, and the equations have roots of no
