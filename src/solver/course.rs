@@ -31,7 +31,8 @@ pub enum Attempt {
 }
 
 impl Attempt {
-    pub const ALL: [Self; 4] = [Self::Warm, Self::Cold, Self::Standstill, Self::Preloaded];
+    pub const AT_SPEED: &[Self] = &[Self::Warm, Self::Cold, Self::Standstill, Self::Preloaded];
+    pub const AT_REST: &[Self] = &[Self::Warm, Self::Cold, Self::Preloaded];
 
     /// Sweeps after which the next start is worth more than going on. From a start that is any good
     /// most solves take fewer than 10.

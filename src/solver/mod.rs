@@ -255,24 +255,26 @@ where
         let until = settings.max_sweeps.max(1);
         let mut run = self.iteration();
         let mut outcome = Outcome::new();
-        for attempt in Attempt::ALL {
+        let attempts = if M::AT_SPEED {
+            Attempt::AT_SPEED
+        } else {
+            Attempt::AT_REST
+        };
+        for &attempt in attempts {
             let standstill = |below: f64| {
                 let inertia = ring::sharing::<T, D>(c) * speed_load;
                 // A way there that the bound cuts off has nothing to show.
                 let room = until - outcome.sweeps >= Attempt::Standstill.sweeps();
-                M::AT_SPEED
-                    && !B::HOLDS
-                    && room
-                    && speed_load > T::EPSILON * size
-                    && inertia < T::of(below) * size
+                let counts = speed_load > T::EPSILON * size;
+                M::AT_SPEED && !B::HOLDS && room && counts && inertia < T::of(below) * size
             };
-            let serves = match attempt {
-                Attempt::Warm => warm,
-                Attempt::Cold => !standstill(thresholds::LIGHT),
-                Attempt::Standstill => standstill(thresholds::HEAVY),
-                Attempt::Preloaded => true,
+            let useless = match attempt {
+                Attempt::Warm => !warm,
+                Attempt::Cold => standstill(thresholds::LIGHT),
+                Attempt::Standstill => !standstill(thresholds::HEAVY),
+                Attempt::Preloaded => false,
             };
-            if !serves {
+            if useless {
                 continue;
             }
             M::seek(&mut run, &mut outcome, &task, attempt, until);
