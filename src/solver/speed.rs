@@ -90,7 +90,8 @@ where
                     tolerance: T::of(thresholds::STANDSTILL),
                     ..*task
                 };
-                self.start(load, wanted, T::ZERO, T::ONE);
+                let preload = T::of(Attempt::Standstill.preload());
+                self.start(load, wanted, T::ZERO, preload);
                 self.run(outcome, &still, attempt, worth.min(until) - 1);
                 // Balls that have dropped out there take their places in the first sweep of what follows.
                 return self.run(outcome, task, attempt, worth.min(until));
