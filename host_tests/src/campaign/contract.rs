@@ -36,18 +36,17 @@ const fn row(
     }
 }
 
-/// Seeds of the campaigns that are held to it, all together, and solves of each. What is missed is a few cases in
-/// a thousand, and which ones rounding decides: of one seed it is the luck of the draw.
+/// Seeds of the campaigns that are held to the table, all together. What is missed is a few cases in a thousand, and
+/// rounding decides which: a single seed would tell of its luck.
 pub const SEEDS: [u64; 4] = [1, 2, 3, 4];
-/// See there.
+
+/// Solves of each.
 pub const SOLVES: usize = 20_000;
 
-/// The table, in the order of [`Family::ALL`]: single precision, double precision. Bounds on errors are
-/// about twice what the seeds show together, and those on counts what they or the report's million show and some
-/// two standard deviations of such a count; none is wider than what one seed has held.
-/// Exceptions are the rows of `few-balls`, `opening` and `moduli`, and what of `random` double precision misses
-/// and `any-bits` single precision sweeps, of which one seed had been lucky. Of `few-balls` in single precision,
-/// the 99th percentile of the forces' errors is between two kinds of answers, and moves with the draw: 2e-4 to 4e-3.
+/// The table, in the order of [`Family::ALL`]: single precision, double precision. Bounds on errors are about twice
+/// what the seeds show together. Those on counts are what they or the report's million show, and at most two standard
+/// deviations of such a count. Of `few-balls` in single precision, the 99th percentile of the forces' errors lies
+/// between two kinds of answers, 1e-4 and 1e-2, and moves with the draw.
 #[rustfmt::skip]
 pub const CONTRACT: [[Bounds; 2]; 14] = [
     // random
@@ -100,8 +99,8 @@ pub fn of(family: Family, precision: Precision) -> Bounds {
 }
 
 /// Of all families together: least share of errors within the solver's own estimates, in percent, and largest
-/// median of estimate over error. The share is to be 99.9; of the solves that count, those beyond are some 60, which
-/// other seeds make 50 or 70. The report's million tell more.
+/// median of estimate over error. The share is to be 99.9; the errors beyond are a count of some 60, which other seeds
+/// make 50 or 70. The report's million tell more.
 pub const ESTIMATES: (f64, f64) = (99.88, 30.0);
 
 /// What the estimates of a campaign over all families do not hold, in words.
