@@ -103,6 +103,25 @@ pub fn of(family: Family, precision: Precision) -> Bounds {
 /// make 50 or 70. The report's million tell more.
 pub const ESTIMATES: (f64, f64) = (99.88, 30.0);
 
+/// An answer deceives whose error is larger than the first of these and than so many times its own estimate; and
+/// largest share of the answers that do, in percent.
+pub const DECEIVES: (f64, f64, f64) = (1e-3, 30.0, 0.01);
+
+/// Whether an answer deceives.
+fn deceives(record: &Record) -> bool {
+    let (least, times, _) = DECEIVES;
+    record
+        .errors
+        .iter()
+        .zip(&record.estimate)
+        .any(|(errors, estimate)| {
+            errors
+                .iter()
+                .zip(estimate)
+                .any(|(error, of)| *error > least && *error > times * of)
+        })
+}
+
 /// What the estimates of a campaign over all families do not hold, in words.
 pub fn broken_estimates(records: &[Record]) -> Vec<String> {
     let mut broken = Vec::new();
@@ -121,6 +140,22 @@ pub fn broken_estimates(records: &[Record]) -> Vec<String> {
         }
         if of.is_none() {
             broken.push(format!("no errors in {precision:?}"));
+        }
+        let answers = records
+            .iter()
+            .filter(|r| r.precision == precision && r.errors.is_some());
+        let deceive: Vec<&Record> = answers.clone().filter(|r| deceives(r)).collect();
+        if 100.0 * deceive.len() as f64 > DECEIVES.2 * answers.count() as f64 {
+            let places: Vec<String> = deceive
+                .iter()
+                .map(|r| format!("{} {}", r.family.name(), r.index))
+                .collect();
+            broken.push(format!(
+                "all families in {precision:?}: {} answers are off by far more than they say, allowed {} %: {}",
+                deceive.len(),
+                DECEIVES.2,
+                places.join(", ")
+            ));
         }
     }
     broken
