@@ -3,33 +3,40 @@
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::campaign::{Plan, contract, judge, report, run_quietly};
 
+fn small_campaign(seed: u64) -> Vec<judge::Record> {
+    run_quietly(&Plan {
+        seed,
+        solves: 20_000,
+        families: Family::ALL.to_vec(),
+        // They take seconds.
+        searches: Some(0),
+    })
+}
+
 #[test]
 fn every_family_holds_its_contract() {
-    let campaigns = contract::SEEDS.map(|seed| {
-        run_quietly(&Plan {
-            seed,
-            solves: contract::SOLVES,
-            families: Family::ALL.to_vec(),
-            // They take seconds.
-            searches: Some(0),
-        })
-    });
-    let records = campaigns.concat();
-    let broken: Vec<String> = report::summaries(&records)
+    let mut records = small_campaign(Plan::SEED);
+    let mut broken: Vec<String> = report::summaries(&records)
         .iter()
         .flat_map(contract::broken)
         .chain(contract::broken_estimates(&records))
         .collect();
-    let worst = || -> String {
-        let of_seed =
-            |(seed, records): (u64, &Vec<_>)| format!("\nseed {seed}\n{}", report::worst(records));
-        contract::SEEDS
-            .into_iter()
-            .zip(&campaigns)
-            .map(of_seed)
-            .collect()
-    };
-    assert!(broken.is_empty(), "\n{}\n{}", broken.join("\n"), worst());
+    let mut look_at = report::worst(&records);
+    // Answers that are not what they say are so few that it takes more seeds to count them.
+    for seed in 2..=4 {
+        let more = small_campaign(seed);
+        for record in more.iter().filter(|r| contract::deceives(r)) {
+            let (family, precision) = (record.family.name(), record.precision);
+            look_at += &format!(
+                "seed {seed}, deceives: {family} {} in {precision:?}\n",
+                record.index
+            );
+        }
+        records.extend(more);
+    }
+    let of_all = contract::broken_estimates(&records);
+    broken.extend(of_all.iter().map(|what| format!("four seeds, {what}")));
+    assert!(broken.is_empty(), "\n{}\n{look_at}", broken.join("\n"));
 }
 
 /// Beyond the contract's cases: balls off the inner race whose cage speed is next to its pole, where a bound

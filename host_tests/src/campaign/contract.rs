@@ -36,61 +36,54 @@ const fn row(
     }
 }
 
-/// Seeds of the campaigns that are held to the table, all together. What is missed is a few cases in a thousand, and
-/// rounding decides which: a single seed would tell of its luck.
-pub const SEEDS: [u64; 4] = [1, 2, 3, 4];
-
-/// Solves of each.
-pub const SOLVES: usize = 20_000;
-
-/// The table, in the order of [`Family::ALL`]: single precision, double precision. Bounds on errors are about twice
-/// what the seeds show together. Those on counts are what they or the report's million show, and at most two standard
-/// deviations of such a count. Of `few-balls` in single precision, the 99th percentile of the forces' errors lies
-/// between two kinds of answers, 1e-4 and 1e-2, and moves with the draw.
+/// The table, in the order of [`Family::ALL`]: single precision, double precision. Bounds on errors are
+/// about twice what 20,000 solves of the default seed show, which are always the same. Those on sweeps and
+/// on what is missed or unjudged, counts of a few cases, have little margin or none: where a change of the
+/// solver passes one by a case or two, look whether other seeds say the same.
 #[rustfmt::skip]
 pub const CONTRACT: [[Bounds; 2]; 14] = [
     // random
-    [row(27, 0.3, 0.4, [2e-6, 4e-6, 6e-5], [99.7, 99.7, 99.7]),
-     row(29, 0.2, 0.4, [2e-14, 3e-14, 3e-13], [99.7, 99.7, 99.7])],
+    [row(30, 0.4, 0.4, [2e-6, 4e-6, 6e-5], [99.5, 99.5, 99.5]),
+     row(30, 0.1, 0.5, [2e-14, 3e-14, 3e-13], [99.5, 99.5, 99.5])],
     // moderate
-    [row(15, 0.2, 0.1, [2e-6, 2e-6, 2e-5], [99.7, 99.7, 99.7]),
-     row(18, 0.16, 0.1, [3e-14, 3e-14, 2e-13], [99.7, 99.7, 99.7])],
+    [row(15, 0.3, 0.1, [2e-6, 2e-6, 2e-5], [99.5, 99.5, 99.5]),
+     row(18, 0.3, 0.1, [3e-14, 3e-14, 2e-13], [99.5, 99.5, 99.5])],
     // radial
-    [row(28, 0.3, 0.2, [1e-6, 3e-6, 8e-5], [99.7, 99.7, 99.7]),
-     row(29, 0.2, 0.2, [2e-14, 3e-14, 4e-13], [99.7, 99.7, 99.7])],
+    [row(30, 0.5, 0.2, [1e-6, 3e-6, 8e-5], [99.5, 99.5, 99.5]),
+     row(33, 0.2, 0.2, [2e-14, 3e-14, 4e-13], [99.5, 99.5, 99.5])],
     // few-balls
-    [row(39, 1.6, 4.5, [2e0, 4e-3, 9e-2], [99.2, 99.5, 99.7]),
-     row(87, 0.1, 13.0, [4e-11, 3e-13, 2e-9], [99.7, 99.7, 99.5])],
+    [row(28, 1.2, 6.0, [2e0, 2e-4, 9e-2], [99.0, 99.5, 99.0]),
+     row(87, 0.1, 14.7, [4e-11, 3e-13, 2e-9], [99.5, 99.5, 99.0])],
     // opening
-    [row(20, 0.23, 0.3, [1e-2, 5e-6, 3e-3], [99.7, 99.7, 99.7]),
-     row(22, 0.1, 0.1, [2e-11, 3e-14, 3e-12], [99.7, 99.7, 99.7])],
+    [row(20, 0.1, 0.3, [1e-2, 5e-6, 4e-3], [99.5, 99.5, 99.5]),
+     row(22, 0.1, 0.1, [2e-11, 3e-14, 3e-12], [99.5, 99.5, 99.5])],
     // extreme-angles
-    [row(9, 0.05, 0.1, [7e-7, 2e-6, 3e-5], [99.7, 99.7, 99.7]),
-     row(10, 0.05, 0.1, [2e-14, 4e-15, 2e-13], [99.7, 99.7, 99.7])],
+    [row(9, 0.1, 0.1, [7e-7, 2e-6, 3e-5], [99.5, 99.5, 99.5]),
+     row(11, 0.1, 0.1, [2e-14, 1e-14, 2e-13], [99.5, 99.5, 99.5])],
     // reversed
-    [row(15, 0.2, 0.1, [2e-7, 2e-6, 2e-5], [99.7, 99.7, 99.7]),
-     row(17, 0.2, 0.1, [2e-14, 4e-14, 2e-13], [99.7, 99.7, 99.7])],
+    [row(15, 0.2, 0.1, [2e-7, 2e-6, 2e-5], [99.5, 99.5, 99.5]),
+     row(17, 0.2, 0.1, [2e-14, 4e-14, 2e-13], [99.5, 99.5, 99.5])],
     // deep-groove
-    [row(12, 0.1, 0.1, [3e-6, 6e-6, 4e-5], [99.7, 99.7, 99.5]),
-     row(14, 0.05, 0.1, [2e-14, 5e-15, 2e-13], [99.7, 99.7, 99.7])],
+    [row(14, 0.1, 0.1, [3e-6, 6e-6, 4e-5], [99.5, 99.5, 99.5]),
+     row(14, 0.1, 0.1, [2e-14, 8e-15, 2e-13], [99.5, 99.5, 99.5])],
     // moduli
-    [row(16, 0.1, 0.1, [2e-6, 2e-6, 7e-5], [99.7, 99.7, 99.7]),
-     row(18, 0.17, 0.1, [3e-14, 3e-14, 2e-13], [99.7, 99.7, 99.7])],
+    [row(14, 0.1, 0.1, [2e-6, 2e-6, 7e-5], [99.5, 99.5, 99.5]),
+     row(15, 0.2, 0.1, [3e-14, 3e-14, 2e-13], [99.5, 99.5, 99.5])],
     // inner-control
-    [row(6, 0.06, 0.1, [2e-6, 2e-6, 8e-6], [99.7, 99.7, 99.7]),
-     row(8, 0.06, 0.1, [2e-14, 4e-15, 4e-14], [99.7, 99.7, 99.7])],
+    [row(6, 0.1, 0.1, [2e-6, 2e-6, 8e-6], [99.5, 99.5, 99.5]),
+     row(9, 0.1, 0.1, [2e-14, 4e-15, 4e-14], [99.5, 99.5, 99.5])],
     // zero-loads
-    [row(35, 0.4, 0.2, [3e-6, 2e-6, 7e-5], [99.7, 99.7, 99.7]),
-     row(36, 0.3, 0.2, [3e-14, 3e-14, 3e-13], [99.7, 99.7, 99.7])],
+    [row(36, 0.4, 0.2, [3e-6, 2e-6, 7e-5], [99.5, 99.5, 99.5]),
+     row(36, 0.3, 0.2, [3e-14, 3e-14, 3e-13], [99.5, 99.5, 99.5])],
     // warm-drift
-    [row(3, 0.1, 0.1, [2e-6, 2e-6, 2e-5], [99.7, 99.7, 99.7]),
-     row(5, 0.25, 0.1, [2e-14, 2e-14, 2e-13], [99.7, 99.7, 99.7])],
+    [row(3, 0.1, 0.1, [2e-6, 2e-6, 2e-5], [99.5, 99.5, 99.5]),
+     row(5, 0.7, 0.1, [3e-14, 2e-14, 2e-13], [99.5, 99.5, 99.5])],
     // warm-jumps
-    [row(15, 0.2, 0.1, [2e-6, 3e-6, 2e-5], [99.7, 99.7, 99.7]),
-     row(18, 0.1, 0.1, [2e-14, 3e-14, 2e-13], [99.7, 99.7, 99.7])],
+    [row(15, 0.4, 0.1, [2e-6, 3e-6, 2e-5], [99.5, 99.5, 99.5]),
+     row(19, 0.1, 0.1, [2e-14, 4e-14, 2e-13], [99.5, 99.5, 99.5])],
     // any-bits
-    [row(25, 0.1, 0.15, [2e-6, 2e-6, 3e-5], [99.7, 99.7, 99.7]),
-     row(25, 0.1, 0.15, [2e-14, 9e-15, 2e-13], [99.7, 99.7, 99.7])],
+    [row(22, 0.1, 0.2, [2e-6, 2e-6, 4e-5], [99.5, 99.5, 99.5]),
+     row(27, 0.1, 0.2, [2e-14, 9e-15, 2e-13], [99.5, 99.5, 99.5])],
 ];
 
 /// What a family must hold in a precision.
@@ -99,16 +92,16 @@ pub fn of(family: Family, precision: Precision) -> Bounds {
 }
 
 /// Of all families together: least share of errors within the solver's own estimates, in percent, and largest
-/// median of estimate over error. The share is to be 99.9; the errors beyond are a count of some 60, which other seeds
-/// make 50 or 70. The report's million tell more.
-pub const ESTIMATES: (f64, f64) = (99.88, 30.0);
+/// median of estimate over error. The share is to be 99.9; of 20,000 solves, those beyond are a count of some
+/// 15, which other seeds make 10 or 20. The report's million tell more.
+pub const ESTIMATES: (f64, f64) = (99.85, 30.0);
 
 /// An answer deceives whose error is larger than the first of these and than so many times its own estimate; and
 /// largest share of the answers that do, in percent.
 pub const DECEIVES: (f64, f64, f64) = (1e-3, 30.0, 0.01);
 
 /// Whether an answer deceives.
-fn deceives(record: &Record) -> bool {
+pub fn deceives(record: &Record) -> bool {
     let (least, times, _) = DECEIVES;
     record
         .errors
@@ -144,17 +137,11 @@ pub fn broken_estimates(records: &[Record]) -> Vec<String> {
         let answers = records
             .iter()
             .filter(|r| r.precision == precision && r.errors.is_some());
-        let deceive: Vec<&Record> = answers.clone().filter(|r| deceives(r)).collect();
-        if 100.0 * deceive.len() as f64 > DECEIVES.2 * answers.count() as f64 {
-            let places: Vec<String> = deceive
-                .iter()
-                .map(|r| format!("{} {}", r.family.name(), r.index))
-                .collect();
+        let deceiving = answers.clone().filter(|r| deceives(r)).count();
+        if 100.0 * deceiving as f64 > DECEIVES.2 * answers.count() as f64 {
             broken.push(format!(
-                "all families in {precision:?}: {} answers are off by far more than they say, allowed {} %: {}",
-                deceive.len(),
-                DECEIVES.2,
-                places.join(", ")
+                "all families in {precision:?}: {deceiving} answers are off by far more than they say, allowed {} %",
+                DECEIVES.2
             ));
         }
     }
