@@ -86,6 +86,27 @@ impl<T: Real> Ball<T> {
         self.outer_lead.q = outer;
     }
 
+    /// Puts a lost ball where it belongs without further knowledge, and returns how it `was`; or, where that has led
+    /// nowhere either, back to how it was, which tells what it was lost to. Out of line, since hardly any ball is
+    /// lost.
+    #[cold]
+    #[inline(never)]
+    fn put_anew(
+        &mut self,
+        c: &Constants<T>,
+        drive: &Drive<T>,
+        a: Pair<T>,
+        was: Option<(Pair<T>, T, T)>,
+    ) -> Option<(Pair<T>, T, T)> {
+        if let Some(was) = was {
+            (self.x, self.inner_lead.q, self.outer_lead.q) = was;
+            return None;
+        }
+        let was = (self.x, self.inner_lead.q, self.outer_lead.q);
+        place(c, drive.speed_load, self, self.centre(a), self.squeeze(a));
+        Some(was)
+    }
+
     /// True for a ball that is off both races and too slow for its centrifugal force to count: it drops
     /// out, as at rest.
     #[inline]
@@ -243,7 +264,9 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
     }
 
     /// Linearises the ball; beyond the imbalance `bad` it makes its own step first, `most` times at most.
-    /// Returns how often it did, too.
+    /// Returns how often it did, too. Such steps have no bound, and forces that have lost touch with the geometry do
+    /// not come back to it: a ball that they have lost is put where it belongs without further knowledge,
+    /// makes `anew` steps from there, and is left as it was where that leads nowhere either.
     #[doc(hidden)]
     #[inline(always)]
     fn settled<T: Real, const D: usize>(
@@ -251,20 +274,28 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
         drive: &Drive<T>,
         ball: &mut Ball<T>,
         a: Pair<T>,
-        (mut bad, most): (T, u16),
+        (bad, most): (T, u16),
         law: bool,
+        mut anew: Option<u16>,
     ) -> (Share<T>, T, u16) {
-        let mut repeats = 0;
+        let (mut repeats, mut until, mut was) = (0, most, None);
         loop {
-            if repeats == most {
-                bad = T::of(f64::INFINITY);
-            }
+            let bad = if repeats == until {
+                T::of(f64::INFINITY)
+            } else {
+                bad
+            };
             let (share, imbalance) = Self::linearise::<T, D>(c, drive, ball, a, bad, law);
-            if !(imbalance > bad) {
+            if imbalance > bad {
+                Self::settle(ball);
+                repeats += 1;
+            } else if let (Some(more), false) = (anew, imbalance < T::ONE) {
+                was = ball.put_anew(c, drive, a, was);
+                anew = was.and(Some(0));
+                until = repeats + more;
+            } else {
                 return (share, imbalance, repeats);
             }
-            Self::settle(ball);
-            repeats += 1;
         }
     }
 
@@ -575,6 +606,33 @@ pub mod tests {
     }
 
     #[test]
+    fn a_ball_that_its_own_steps_have_lost_comes_back_to_the_ring() {
+        let bearing = spindle();
+        let c = &bearing.constants;
+        let (coarse, fine) = curvature_centre(c, &[0.0; 5], &bearing.azimuths[0]);
+        let drive = Drive {
+            speed_load: 1e-3,
+            negligible: 1e-12,
+        };
+        let a = [0.01, 0.0];
+        let mut placed = Ball::<f64>::default();
+        <Full>::rebase(c, &mut placed, coarse, fine);
+        <Full>::place(c, drive.speed_load, &mut placed, add(add(coarse, fine), a));
+        let mut lost = placed;
+        lost.x = add(lost.x, [0.4, -0.3]);
+        (lost.inner_lead.q, lost.outer_lead.q) = (1e20, 1e20);
+        let settled = |mut ball: Ball<f64>, anew| {
+            <Full>::settled::<f64, 5>(c, &drive, &mut ball, a, (1e-9, 12), false, anew)
+        };
+        let (_, imbalance, _) = settled(lost, None);
+        assert!(imbalance >= 1.0, "it is not lost: {imbalance:e}");
+        let (share, _, repeats) = settled(lost, Some(12));
+        let (expected, _, own) = settled(placed, None);
+        assert_eq!((share, repeats), (expected, 12 + own));
+        assert!(expected.force[0] > 0.0);
+    }
+
+    #[test]
     fn a_ball_off_the_inner_race_is_not_held_at_the_pole_of_its_cage_speed() {
         let bearing = spindle();
         let c = &bearing.constants;
@@ -590,7 +648,7 @@ pub mod tests {
             let mut ball = Ball::<f64>::default();
             <Full>::rebase(c, &mut ball, coarse, fine);
             <Full>::place(c, drive.speed_load, &mut ball, add(add(coarse, fine), a));
-            <Full>::settled::<f64, 5>(c, &drive, &mut ball, a, (0.01, 8), false).1
+            <Full>::settled::<f64, 5>(c, &drive, &mut ball, a, (0.01, 8), false, None).1
         };
         assert!(imbalance(1e-12) >= 1.0);
         // Unless its force makes no difference.

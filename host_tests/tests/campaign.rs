@@ -2,6 +2,7 @@
 
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::campaign::{Plan, contract, judge, report, run_quietly};
+use host_tests::dispatch::Precision;
 
 fn small_campaign(seed: u64) -> Vec<judge::Record> {
     run_quietly(&Plan {
@@ -37,6 +38,27 @@ fn every_family_holds_its_contract() {
     let of_all = contract::broken_estimates(&records);
     broken.extend(of_all.iter().map(|what| format!("four seeds, {what}")));
     assert!(broken.is_empty(), "\n{}\n{look_at}", broken.join("\n"));
+}
+
+/// A ball that its own steps have lost throws the ring out, too, unless it is put anew: without that, these solves
+/// end without an answer.
+#[test]
+fn a_ball_that_is_lost_does_not_cost_the_solve() {
+    for (family, index, precision) in [
+        (Family::Moderate, 407, Precision::F32),
+        (Family::Moderate, 630, Precision::F32),
+        (Family::Moderate, 1073, Precision::F64),
+        (Family::Reversed, 967, Precision::F64),
+        (Family::ZeroLoads, 156, Precision::F64),
+    ] {
+        let judged = judge::judge(&Trial::new(Plan::SEED, family, index));
+        let record = judged.ticks[0].records[precision as usize];
+        let place = format!("{} {index}, {precision:?}", family.name());
+        assert_eq!(record.status, "converged", "{place}");
+        let errors = record.errors.expect("an answer was judged");
+        let tolerance = [2e-5, 3e-13][precision as usize];
+        assert!(errors[2] <= tolerance, "{place}: K off by {:e}", errors[2]);
+    }
 }
 
 /// Beyond the contract's cases: balls off the inner race whose cage speed is next to its pole, where a bound

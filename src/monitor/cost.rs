@@ -6,12 +6,12 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 44_862,
-        sweep: 65_354,
+        fixed: 44_866,
+        sweep: 65_667,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 39_230,
-        sweep: 97_973,
+        fixed: 39_288,
+        sweep: 97_785,
     };
 }

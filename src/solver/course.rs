@@ -338,7 +338,7 @@ impl<T: Real> Outcome<T> {
                 + T::of(2e-3) * gives * gives
                 + displacement,
             force: rounding(10.0, 12.0, 360.0) + T::of(6.0) * own + force,
-            stiffness: rounding(2.4, 28.0, 300.0)
+            stiffness: rounding(2.4, 31.0, 350.0)
                 + T::of(0.022) * gives
                 + T::of(300.0) * own
                 + stiffness,

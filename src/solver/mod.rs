@@ -15,8 +15,9 @@
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved to the new load and
 //! speed, if that is near; the state that an axial load would make; the solution at a standstill, where inertia
 //! does not outweigh the load, and instead of that state where it is next to nothing; that state with more
-//! preload, in short steps. A start that has not led to a solution after some sweeps, or from which a ball was lost
-//! for good, makes room for the next.
+//! preload, in short steps. A ball that its own steps have lost is put where the ring's position alone has it; a
+//! start that has not led to a solution after some sweeps, or that loses a ball for all that, makes room for the
+//! next.
 //!
 //! A ball whose contacts no longer oppose each other (150 degrees apart), or that is off the inner race where
 //! they would be opposite, is no answer: there the cage speed has a pole, and the equations have roots of no

@@ -252,8 +252,15 @@ where
             let a = shift(&self.state.position.offset, at);
             if !known {
                 let (imbalance, repeats);
-                (share, imbalance, repeats) =
-                    M::settled::<T, D>(self.c, drive, ball, a, (T::of(0.01), 8), laws);
+                (share, imbalance, repeats) = M::settled::<T, D>(
+                    self.c,
+                    drive,
+                    ball,
+                    a,
+                    (T::of(0.01), thresholds::OWN_STEPS),
+                    laws,
+                    Some(thresholds::STEPS_ANEW),
+                );
                 worst = worst.or_larger(imbalance);
                 total = total.saturating_add(repeats);
             }
@@ -394,6 +401,7 @@ where
                 [offset, T::ZERO],
                 (T::of(0.02), 5),
                 false,
+                None,
             );
             self.state.mean = [share.force[1], share.force[0] - share.couple];
             let b = sign * q - share.force[0];

@@ -35,6 +35,9 @@ pub const LAWS_STEPS: u8 = 12;
 pub const LINEAR: f64 = 1e-3;
 /// Offset from a reference, or step of a ball, that would cost digits of the deformations.
 pub const FAR_FROM_REFERENCE: f64 = 2e-3;
+/// Steps of its own, at most, in which a ball follows the ring; and in which one that they have lost comes back.
+pub const OWN_STEPS: u16 = 8;
+pub const STEPS_ANEW: u16 = 11;
 /// Sweeps in a row that a ball may be lost in, for all its own steps, before the start is.
 pub const LOST: u8 = 3;
 /// Centrifugal forces of all balls, over the load, below which a bearing from nothing is first put where it is at
