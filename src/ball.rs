@@ -423,18 +423,27 @@ impl<T: Real> Ball<T> {
                 scale(inner.q, inner.normal()),
                 scale(l.inner_friction, inner.tangent()),
             );
-            let along = l.centrifugal * c.inner;
             Spring::of(
+                c,
                 &inner,
                 &outer,
                 carried,
                 share.force,
                 &share.stiffness,
-                along,
+                l.centrifugal,
             )
         } else {
             let gap = inner.delta - self.step[0];
-            Spring::open(inner.normal(), c.ki, gap, T::of(0.5) * inner.inverse_radius)
+            let across = dot(inner.normal(), outer.tangent());
+            let climbs = c.ki * c.outer * across * across;
+            let gives = climbs / l.centrifugal.or_larger(T::TINY);
+            Spring::open(
+                inner.normal(),
+                c.ki,
+                gives.or_smaller(T::ONE / T::EPSILON),
+                gap,
+                T::of(0.5) * inner.inverse_radius,
+            )
         };
     }
 

@@ -13,13 +13,22 @@
 //! - the centrifugal force bends the line inner groove - ball - outer groove, and tension straightens
 //!   it: a chain of two links `li`, `lo` under a tension `Q` and a force `Fc sin a` across is
 //!   shorter than straight by `h (Fc sin a)^2 / (2 (Q + r)^2)` with `h = li lo / L0` and
-//!   `r = Fc cos a li / L0`, hence `s = S2 (1 - ((1 + r) / (z^3 + r))^2)` with `r` over `R`;
+//!   `r = Fc cos a li / L0`, hence `s = S2 (1 - ((1 + r) / (z^3 + r))^2)` with `r` over `R`. That is for a
+//!   small bend. Of any other, geometry has what is left until both contacts are in line: that is `S2` then,
+//!   and `r` what makes the slope the same, so that a ball that is far off the line gives way as linearly as it
+//!   does while it climbs the outer race;
 //! - a shift `t` across the direction elongates the spring by `t^2 / 2` over the radius of curvature,
 //!   which is what `H` says across the direction.
 //!
 //! All three are convex potentials of `d`.
+//!
+//! A ball off the inner race gives way on the outer one, too, once it is touched: to push it by `s` along the
+//! contact takes `k s`, `k = Fc / (lo sin^2 d)`, beside what the contact takes, in series (nearly:
+//! `1 / Q = 1 / (K s^(3/2)) + 1 / (k s)`). And where the ring draws both contacts in line, the ball resists as at
+//! rest, whatever it did before.
 
-use crate::contact::{Contact, Pair, add, dot, scale, sub};
+use crate::constants::Constants;
+use crate::contact::{Contact, Pair, add, dot, length, scale, sub};
 use crate::float::Real;
 
 /// 2x2 matrix, by rows.
@@ -34,9 +43,10 @@ pub struct Spring<T> {
     sense: Pair<T>,
     /// Force `R` at `z = 1`; 0 of a ball without inner contact.
     reference: T,
-    /// `S1`; of a ball without inner contact, the constant `K` of the law `Q = K s^(3/2)`.
+    /// `S1`; of a ball without inner contact, the constant `K` of the law
+    /// `Q = K s^(3/2) / (1 + s^(1/2) K / k)`.
     hertz: T,
-    /// `S2`
+    /// `S2`; of a ball without inner contact, `K / k`.
     bend: T,
     /// `1 / (1 + r / R)`
     per_sum: T,
@@ -139,14 +149,32 @@ impl<T: Real> Stretch<T> {
     }
 }
 
+/// How far the inner groove's centre moves along `sense` until both contacts are in line.
+#[inline(always)]
+fn room<T: Real>(c: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>, sense: Pair<T>) -> T {
+    let (ni, no) = (inner.normal(), outer.normal());
+    let along = c.inner * dot(ni, sense) + c.outer * dot(no, sense);
+    // The square of the length in line, 1, less that of the distance of the centres.
+    let apart = sub(ni, no);
+    let less = c.inner * c.outer * dot(apart, apart);
+    let root = (along * along + less).sqrt();
+    if along > T::ZERO {
+        less / (along + root)
+    } else {
+        root - along
+    }
+}
+
 impl<T: Real> Spring<T> {
-    /// A contact of the constant `k` across a gap, which is `-elongation`.
+    /// A contact of the constant `k` across a gap, which is `-elongation`; `gives` is what the ball gives way
+    /// behind it, `K / k`.
     #[inline(always)]
-    pub fn open(normal: Pair<T>, k: T, elongation: T, half_curvature: T) -> Self {
+    pub fn open(normal: Pair<T>, k: T, gives: T, elongation: T, half_curvature: T) -> Self {
         Self {
             normal,
             sense: normal,
             hertz: k,
+            bend: gives,
             elongation,
             half_curvature,
             ..Self::default()
@@ -154,15 +182,16 @@ impl<T: Real> Spring<T> {
     }
 
     /// A ball at speed whose contacts are `inner` and `outer`. `carried` is the force it hands to the
-    /// ring as it is, `force` and `stiffness` the linear law; `along` is `Fc li / L0`.
+    /// ring as it is, `force` and `stiffness` the linear law; `fling` is `Fc`.
     #[inline(always)]
     pub fn of(
+        c: &Constants<T>,
         inner: &Contact<T>,
         outer: &Contact<T>,
         carried: Pair<T>,
         force: Pair<T>,
         stiffness: &Square<T>,
-        along: T,
+        fling: T,
     ) -> Self {
         let half = T::of(0.5);
         let [[h00, h01], [h10, h11]] = *stiffness;
@@ -199,14 +228,17 @@ impl<T: Real> Spring<T> {
         let three_halves = T::of(1.5);
         let flexibility = T::ONE / inner.slope + T::ONE / outer.slope;
         let bent = T::ONE / slope - flexibility;
-        let along = along * normal[1].or_larger(T::ZERO) / reference;
-        let (hertz, bend) = if bent > T::ZERO {
+        let (hertz, bend, per_sum) = if bent > T::ZERO {
+            let along = fling * c.inner * normal[1].or_larger(T::ZERO);
+            let least = half * bent;
+            let bend = (least * (reference + along)).or_larger(room(c, inner, outer, sense));
             (
                 three_halves * flexibility * reference,
-                half * bent * reference * (T::ONE + along),
+                bend,
+                least * reference / bend.or_larger(T::TINY),
             )
         } else {
-            (three_halves * reference / slope, T::ZERO)
+            (three_halves * reference / slope, T::ZERO, T::ONE)
         };
         Self {
             normal,
@@ -214,7 +246,7 @@ impl<T: Real> Spring<T> {
             reference,
             hertz,
             bend,
-            per_sum: T::ONE / (T::ONE + along),
+            per_sum,
             elongation: extra / slope,
             // Inertia can make a ball unstable across; its contacts still are round.
             half_curvature: (half * across / reference)
@@ -262,10 +294,12 @@ impl<T: Real> Spring<T> {
         let three_halves = T::of(1.5);
         let (mut force, mut slope, mut excess) = (T::ZERO, T::ZERO, -self.reference);
         if !self.carries() {
-            let root = self.hertz * s.sqrt();
+            let root = s.sqrt();
             if s > T::ZERO {
-                force = root * s;
-                slope = three_halves * root;
+                let gives = T::ONE / (T::ONE + self.bend * root);
+                let secant = self.hertz * root * gives;
+                force = secant * s;
+                slope = secant * gives * (three_halves + self.bend * root);
                 excess = force;
             }
         } else if self.bend > T::ZERO {
@@ -320,6 +354,37 @@ impl<T: Real> Spring<T> {
         );
         let row = |i: usize| add(scale(by_along[i], w), scale(by_across[i], v));
         (add(scale(normal, n), scale(across, t)), [row(0), row(1)])
+    }
+
+    /// The same for a ball that is squeezed by `squeeze` between contacts in line, the inner groove's centre being
+    /// at `centre`: if what it resists with then is more than the reaction `r`.
+    #[inline(always)]
+    pub fn beyond_in_line(
+        &self,
+        r: &Reaction<T>,
+        d: Pair<T>,
+        squeeze: T,
+        centre: Pair<T>,
+    ) -> Option<(Pair<T>, Square<T>)> {
+        let root = squeeze.or_larger(T::ZERO).sqrt();
+        let q = root * squeeze;
+        if !(q > r.force) {
+            return None;
+        }
+        let n = scale(T::ONE / length(centre), centre);
+        let [h0, h1] = self.stiffness;
+        let linear = self.reference + self.extra;
+        let force = [
+            q * n[0] - (linear * self.normal[0] + dot(h0, d)),
+            q * n[1] - (linear * self.normal[1] + dot(h1, d)),
+        ];
+        let twist = T::of(1.5) * root - q;
+        let mixed = twist * n[0] * n[1];
+        let stiffness = [
+            [q + twist * n[0] * n[0] - h0[0], mixed - h0[1]],
+            [mixed - h1[0], q + twist * n[1] * n[1] - h1[1]],
+        ];
+        Some((force, stiffness))
     }
 
     /// Change of the contact's force by a shift `d`, and the shift that would have made it if the ball

@@ -122,7 +122,7 @@ impl<T: Real> Ball<T> {
                     inner: self.inner,
                     excess: self.excess,
                     x: sub(scale(c.outer, normal), self.outer.vector),
-                    spring: Spring::open(normal, T::ONE, squeeze, T::of(0.5)),
+                    spring: Spring::open(normal, T::ONE, T::ZERO, squeeze, T::of(0.5)),
                     inner_lead: Lead::open(normal, squeeze),
                     ..Self::default()
                 };
@@ -300,11 +300,20 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
     }
 
     /// What the law of the last linearisation has beyond the linear force and tangent when the ring steps by
-    /// `da`.
+    /// `da` from its offset `a`.
     #[doc(hidden)]
     #[inline(always)]
-    fn beyond<T: Real>(ball: &mut Ball<T>, da: Pair<T>) -> (Pair<T>, Square<T>) {
+    fn beyond<T: Real>(ball: &mut Ball<T>, a: Pair<T>, da: Pair<T>) -> (Pair<T>, Square<T>) {
         let reaction = ball.spring.react(da, &mut ball.stretch);
+        // What the outer contact has given way already is not the ring's to squeeze.
+        let to = add(a, da);
+        let squeeze = ball.squeeze(to) - ball.outer_lead.reach(T::ZERO);
+        if squeeze > T::ZERO {
+            let centre = ball.centre(to);
+            if let Some(in_line) = ball.spring.beyond_in_line(&reaction, da, squeeze, centre) {
+                return in_line;
+            }
+        }
         ball.spring.beyond(&reaction)
     }
 
@@ -529,9 +538,9 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
 }
 
 #[cfg(test)]
-#[cfg(test)]
 pub mod tests {
     use super::*;
+    use crate::constants::Azimuth;
     use crate::ring::curvature_centre;
     use crate::spring::Stretch;
     use crate::{Bearing, Design, FreeContact, Full, Material, Motion};
@@ -630,6 +639,77 @@ pub mod tests {
         let (expected, _, own) = settled(placed, None);
         assert_eq!((share, repeats), (expected, 12 + own));
         assert!(expected.force[0] > 0.0);
+    }
+
+    /// A ball in its own equilibrium with the inner groove's centre at `centre`, its law worked out; the ring's offset
+    /// there; and the force on the ring.
+    fn at_equilibrium(
+        c: &Constants<f64>,
+        at: &Azimuth<f64>,
+        drive: &Drive<f64>,
+        centre: Pair<f64>,
+    ) -> (Ball<f64>, Pair<f64>, Pair<f64>) {
+        let (coarse, fine) = curvature_centre(c, &[0.0; 5], at);
+        let mut ball = Ball::default();
+        <Full>::rebase(c, &mut ball, coarse, fine);
+        <Full>::place(c, drive.speed_load, &mut ball, centre);
+        let a = sub(centre, add(coarse, fine));
+        let (share, imbalance, _) =
+            <Full>::settled::<f64, 5>(c, drive, &mut ball, a, (1e-9, 40), true, None);
+        assert!(imbalance < 1e-9, "{centre:?}: {imbalance:e}");
+        (ball, a, share.force)
+    }
+
+    /// Force on the ring that the law of a ball at `from` says of it at `to`, and the force that it is.
+    fn by_law_and_by_ball(from: Pair<f64>, to: Pair<f64>) -> (f64, f64) {
+        let bearing = spindle();
+        let (c, at) = (&bearing.constants, &bearing.azimuths[0]);
+        let drive = Drive {
+            speed_load: 1e-3,
+            negligible: 1e-12,
+        };
+        let (mut ball, a, force) = at_equilibrium(c, at, &drive, from);
+        let da = sub(to, from);
+        let (beyond, _) = <Full>::beyond(&mut ball, a, da);
+        let (h, _) = <Full>::linearise::<f64, 5>(c, &drive, &mut ball, a, 1.0, false);
+        let linear = h.stiffness.map(|row| dot(row, da));
+        let (_, _, expected) = at_equilibrium(c, at, &drive, to);
+        (length(add(add(force, linear), beyond)), length(expected))
+    }
+
+    #[test]
+    fn a_ball_far_off_the_line_gives_way_as_its_law_says() {
+        // Its contacts are next to 90 degrees apart, and it carries a hundredth of its centrifugal force.
+        for step in [0.01, 0.02, 0.03] {
+            let (by_law, by_ball) = by_law_and_by_ball([0.38, 0.66], [0.38 + step, 0.66]);
+            assert!(
+                (by_law / by_ball - 1.0).abs() < 0.25,
+                "{step}: {by_law} for {by_ball}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_ball_off_the_inner_race_gives_way_once_it_is_touched() {
+        for step in [0.02, 0.04, 0.1] {
+            let (by_law, by_ball) = by_law_and_by_ball([0.365, 0.66], [0.365 + step, 0.66]);
+            assert!(
+                by_law > 0.5 * by_ball && by_law < 2.0 * by_ball,
+                "{step}: {by_law} for {by_ball}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_ball_that_the_ring_draws_in_line_is_squeezed_as_at_rest() {
+        let to = scale(1.02, [0.6, 0.8]);
+        for from in [[0.36, 0.66], [0.45, 0.66]] {
+            let (by_law, by_ball) = by_law_and_by_ball(from, to);
+            assert!(
+                by_law > 0.5 * by_ball && by_law < 2.0 * by_ball,
+                "{from:?}: {by_law} for {by_ball}"
+            );
+        }
     }
 
     #[test]

@@ -52,6 +52,14 @@ impl Attempt {
         }
     }
 
+    /// Whether a start from nothing may have the ring face a radial load.
+    pub const fn faces(self) -> bool {
+        match self {
+            Self::Warm | Self::Cold | Self::Standstill => true,
+            Self::Preloaded => false,
+        }
+    }
+
     /// Length of the first step at most, in units of `L0`; it grows while steps succeed. Where the first
     /// start led nowhere, short steps keep balls on the branch of the equilibrium on which both races hold
     /// them.
@@ -96,6 +104,8 @@ pub struct Course<T> {
     stalled: u8,
     /// Sweeps in a row in which a ball was lost.
     lost: u8,
+    /// What rounding may leave unknown of the stiffness.
+    unknown: T,
     /// Of the last damping.
     pub rung: u8,
 }
@@ -110,6 +120,7 @@ impl<T: Real> Course<T> {
             stuck: false,
             stalled: 0,
             lost: 0,
+            unknown: T::of(thresholds::UNKNOWN),
             rung: 0,
         }
     }
@@ -132,9 +143,15 @@ impl<T: Real> Course<T> {
         !self.laws && residual > enough && residual < T::of(thresholds::GOES_ON.0) * last
     }
 
-    /// Compares the change of the stiffness with the last one.
+    /// Compares the change of the stiffness with the last one, of a sweep that was `balanced` as far as rounding
+    /// allows. There, steps go to and fro as rounding has it, and with them the stiffness of contacts that carry
+    /// next to nothing: to wait for one that happens to change little takes dozens of sweeps, and says nothing of
+    /// the answer.
     #[inline(always)]
-    pub fn compare(&mut self, change: T, last: T) {
+    pub fn compare(&mut self, change: T, last: T, balanced: bool) {
+        if balanced {
+            self.unknown = self.unknown * T::of(thresholds::UNKNOWN_GROWS);
+        }
         self.stalled = if change > T::of(thresholds::NO_PROGRESS) * last {
             self.stalled.saturating_add(1)
         } else {
@@ -264,8 +281,7 @@ impl<T: Real> Outcome<T> {
         let converged = settled && (corrected || self.change <= tolerance);
         // Under light loads deformations have few digits, and the balance tells that it is as good as
         // rounding allows.
-        let rounded =
-            self.residual <= rounding.balance && self.remainder < T::of(thresholds::UNKNOWN);
+        let rounded = self.residual <= rounding.balance && self.remainder < course.unknown;
         // Rounding ends the solve where the change no longer shrinks, or near the tolerance where it has
         // made most of the step; a pause of one sweep far from the tolerance is not that yet.
         let exhausted = (self.change <= T::EPSILON.sqrt() || rounded)
@@ -338,7 +354,7 @@ impl<T: Real> Outcome<T> {
                 + T::of(2e-3) * gives * gives
                 + displacement,
             force: rounding(10.0, 12.0, 360.0) + T::of(6.0) * own + force,
-            stiffness: rounding(2.4, 31.0, 350.0)
+            stiffness: rounding(2.4, 33.0, 370.0)
                 + T::of(0.022) * gives
                 + T::of(300.0) * own
                 + stiffness,

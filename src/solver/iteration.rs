@@ -2,7 +2,8 @@
 //! what they have found.
 
 use super::State;
-use super::course::Weakness;
+use super::course::{Attempt, Weakness};
+use super::thresholds;
 use crate::axial::Spring;
 use crate::ball::{COUNTS, Pass};
 use crate::conditions::{Conditions, constrain, held, hold, missing};
@@ -100,6 +101,39 @@ where
         }
         constrain::<T, B, D>(self.c, &by, &mut du);
         du
+    }
+
+    /// Where the ring is, about, under a load that is nearly radial: it gives way along its axis until the contact
+    /// angles are those of the load, far below the free one, so that only balls on the loaded side carry. The ball
+    /// that faces the load is then in line with it. Nothing where the axial load presses all balls, as
+    /// [`Iteration::pressed`] has it, and where those on the other side would have no room under the inner ring.
+    pub fn facing(&self, load: &[T; D], attempt: Attempt) -> Option<[T; D]> {
+        if D < 3 || B::HOLDS || !attempt.faces() {
+            return None;
+        }
+        let c = self.c;
+        let [s0, c0] = [c.n0[0].high, c.n0[1].high];
+        let radial = (load[1] * load[1] + load[2] * load[2]).sqrt();
+        let mut pressing = load[0].abs();
+        if D == 5 {
+            pressing += (load[3] * load[3] + load[4] * load[4]).sqrt();
+        }
+        if !(pressing * c0 < radial * s0) {
+            return None;
+        }
+        let size = (load[0] * load[0] + radial * radial).sqrt();
+        let q = T::of(thresholds::STRIBECK) * size / ring::sharing::<T, D>(c);
+        let root = q.cbrt();
+        let per_load = (T::ONE + root * root) / size;
+        let offset = per_load * radial - c0;
+        if c0 - offset < c.outer {
+            return None;
+        }
+        let mut u = [T::ZERO; D];
+        u[0] = per_load * load[0] - s0;
+        u[1] = offset * load[1] / radial;
+        u[2] = offset * load[2] / radial;
+        Some(u)
     }
 
     /// The axial displacement `x`, and what held freedoms are `wanted` to have.

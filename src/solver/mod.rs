@@ -13,9 +13,9 @@
 //! need not be an equilibrium, and the bound on sweeps ends the search.
 //!
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved to the new load and
-//! speed, if that is near; the state that an axial load would make; the solution at a standstill, where inertia
-//! does not outweigh the load, and instead of that state where it is next to nothing; that state with more
-//! preload, in short steps. A ball that its own steps have lost is put where the ring's position alone has it; a
+//! speed, if that is near; the state that an axial load would make, or, where the load is nearly radial, the ring
+//! that faces it; the solution at a standstill, where inertia does not outweigh the load, and instead of that state
+//! where it is next to nothing; the state that an axial load would make with more preload, in short steps. A ball that its own steps have lost is put where the ring's position alone has it; a
 //! start that has not led to a solution after some sweeps, or that loses a ball for all that, makes room for the
 //! next.
 //!

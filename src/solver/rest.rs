@@ -9,6 +9,9 @@
 //! the load's balance that it began with, 16 at most, as at speed the ring balances the balls' laws within a
 //! sweep. The bound on sweeps bounds them all.
 //!
+//! From nothing the ring starts where the balls carry the load and some preload, or, under a load that is nearly
+//! radial, where it faces that.
+//!
 //! Two things make Newton's steps slow, or fail. Under a light load the deformation is much less than what a
 //! step of the ring along the grooves adds to it, the square of the step: forces explode, and a search for
 //! a step that does not explode them crawls. So deformations are unknowns of their own first: they *lead*,
@@ -213,10 +216,14 @@ where
         self.refer();
     }
 
-    /// Starts from nothing; `preload` multiplies what each ball carries.
-    fn begin(&mut self, load: &[T; D], wanted: &[T; D], preload: T) {
+    /// Starts from nothing.
+    fn begin(&mut self, load: &[T; D], wanted: &[T; D], attempt: Attempt) {
+        if let Some(u) = self.facing(load, attempt) {
+            self.state.mean = [T::ZERO; 2];
+            return self.put(&u);
+        }
         let n0 = &self.c.n0;
-        let (q, x) = self.pressed(load, preload);
+        let (q, x) = self.pressed(load, T::of(attempt.preload()));
         self.state.mean = scale(side(load) * q, [n0[1].high / (n0[0].high + x), T::ONE]);
         self.put(&self.displaced(x, wanted));
     }
@@ -251,7 +258,7 @@ where
                 if attempt == Attempt::Warm {
                     self.extrapolate(load, &task.wanted);
                 } else {
-                    self.begin(load, &task.wanted, T::of(attempt.preload()));
+                    self.begin(load, &task.wanted, attempt);
                 }
                 self.run(outcome, load, task.tolerance, attempt, until);
             }
@@ -338,7 +345,7 @@ where
             }
             let (residual, change) = (outcome.residual, outcome.change);
             outcome.residual = unbalanced / size;
-            let longest = T::of(thresholds::LONGEST_STEP);
+            let longest = T::of(at_rest::LONGEST_STEP);
             let mut weakness;
             (du, weakness) = self.descent(&b, tangent, &none, longest, true, &mut course.rung);
             if !last && usize::from(loaded) < self.balls.len() {
@@ -369,7 +376,7 @@ where
             let noise = T::of(at_rest::NOISE) * T::EPSILON;
             let falls =
                 outcome.residual > noise && outcome.residual < T::of(at_rest::FALLS) * residual;
-            course.compare(if falls { T::ZERO } else { outcome.change }, change);
+            course.compare(if falls { T::ZERO } else { outcome.change }, change, false);
             let now = applied.or_larger(norm(&self.state.force));
             let scale = if B::HOLDS { now } else { size };
             let balanced = outcome.residual * size <= T::of(thresholds::BALANCED) * scale

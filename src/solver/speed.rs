@@ -20,7 +20,7 @@
 //!
 //! A warm solve starts where the last solution's tangent, its sensitivity to speed and the second-order part of
 //! both (contacts stiffen, lines of centres turn) see it under the new load and speed; one from nothing at the
-//! axisymmetric state.
+//! axisymmetric state, or where the ring faces a load that is nearly radial.
 
 use super::course::{Attempt, Course, Outcome, Rounding, Weakness, relative};
 use super::iteration::{Given, Iteration, Task};
@@ -77,12 +77,10 @@ where
             (Given::Load(load), Attempt::Warm) => self.predict(load, wanted, *speed_load),
             // Each with its constant in line, which leaves warm solves more registers.
             (Given::Load(load), Attempt::Cold) => {
-                let preload = T::of(Attempt::Cold.preload());
-                self.start(load, wanted, *speed_load, preload);
+                self.start(load, wanted, *speed_load, Attempt::Cold);
             }
             (Given::Load(load), Attempt::Preloaded) => {
-                let preload = T::of(Attempt::Preloaded.preload());
-                self.start(load, wanted, *speed_load, preload);
+                self.start(load, wanted, *speed_load, Attempt::Preloaded);
             }
             (Given::Load(load), Attempt::Standstill) => {
                 let still = Task {
@@ -90,8 +88,7 @@ where
                     tolerance: T::of(thresholds::STANDSTILL),
                     ..*task
                 };
-                let preload = T::of(Attempt::Standstill.preload());
-                self.start(load, wanted, T::ZERO, preload);
+                self.start(load, wanted, T::ZERO, Attempt::Standstill);
                 self.run(outcome, &still, attempt, worth.min(until) - 1);
                 // Balls that have dropped out there take their places in the first sweep of what follows.
                 return self.run(outcome, task, attempt, worth.min(until));
@@ -136,6 +133,7 @@ where
             }
 
             let (mut du, mut weakness, mut far) = ([T::ZERO; D], Weakness::NONE, false);
+            let follows = outcome.sweeps < until;
             if let Given::Load(load) = given {
                 let mut b = *load;
                 for (b, force) in b.iter_mut().zip(&self.state.force) {
@@ -150,7 +148,6 @@ where
                     tangent = &own;
                 }
                 outcome.residual = norm(&b) / size;
-                let follows = outcome.sweeps < until;
                 if !course.laws && outcome.residual > T::of(thresholds::MISSES_LAWS) && follows {
                     course.laws = true;
                     continue;
@@ -165,6 +162,10 @@ where
                 } else {
                     self.descent(&b, tangent, &du, course.radius, true, &mut course.rung)
                 };
+                if !course.laws && span(&du) > T::of(thresholds::SHORT_STEP) && follows {
+                    course.laws = true;
+                    continue;
+                }
             } else {
                 outcome.residual = T::ZERO;
             }
@@ -197,7 +198,7 @@ where
                     relative(&moved.remainder, &self.state.tangent) + outcome.change * rounded_part;
             }
             outcome.hardening = moved.hardening;
-            course.compare(outcome.change, last);
+            course.compare(outcome.change, last, outcome.residual <= rounding.balance);
             // Progress of held scenes is measured by the largest forces seen; what is left must be small beside
             // the forces as they are.
             let scale = if B::HOLDS {
@@ -222,13 +223,13 @@ where
                 };
                 // A step that is all rounding leads nowhere better.
                 let real = outcome.residual > T::of(thresholds::ALL_ROUNDING) * rounding.step;
-                ended = outcome.status == Status::PrecisionLimit && real && outcome.sweeps < until;
+                ended = outcome.status == Status::PrecisionLimit && real && follows;
                 if !ended {
                     return;
                 }
                 // The next sweep leaves nothing to correct.
                 outcome.remainder = T::ZERO;
-            } else if outcome.sweeps >= until || course.is_hopeless(imbalance, attempt) {
+            } else if !follows || course.is_hopeless(imbalance, attempt) {
                 return;
             }
             course.laws = !ended && outcome.needs_laws(&course, tolerance);
@@ -349,15 +350,19 @@ where
     }
 
     /// A start from nothing: the axisymmetric state at speed in which balls are pressed as at rest. Where freedoms
-    /// are held, these start where they are `wanted`, and every ball where it belongs without further knowledge.
-    fn start(&mut self, load: &[T; D], wanted: &[T; D], speed_load: T, preload: T) {
+    /// are held, these start where they are `wanted`, and every ball where it belongs without further knowledge; so
+    /// does a ring that faces its load.
+    fn start(&mut self, load: &[T; D], wanted: &[T; D], speed_load: T, attempt: Attempt) {
         let c = self.c;
-        let (q, x) = self.pressed(load, preload);
+        if let Some(u) = self.facing(load, attempt) {
+            self.state.mean = [T::ZERO; 2];
+            return self.place(&u, speed_load);
+        }
+        let (q, x) = self.pressed(load, T::of(attempt.preload()));
         let (sign, balls) = (side(load), ring::sharing::<T, D>(c));
         if B::HOLDS {
             self.state.mean = [T::ZERO; 2];
-            self.place(&self.displaced(x, wanted), speed_load);
-            return;
+            return self.place(&self.displaced(x, wanted), speed_load);
         }
 
         // One ball stands for all.
@@ -463,7 +468,8 @@ where
     ) {
         let mut beyond = Sums::about([T::ZERO; 2]);
         for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
-            let (force, stiffness) = M::beyond(ball, shift(du, at));
+            let a = shift(&self.state.position.offset, at);
+            let (force, stiffness) = M::beyond(ball, a, shift(du, at));
             beyond.add(
                 at,
                 &Share {

@@ -2,42 +2,45 @@
 //! numbers with two digits are those of their neighbourhood with which the campaign's cases went best.
 
 /// Longest step of the ring.
-pub const LONGEST_STEP: f64 = 0.3;
-/// Longest step over which linearisations hold: after a longer one there is another sweep.
-pub const SHORT_STEP: f64 = 0.035;
+pub const LONGEST_STEP: f64 = 0.5;
+/// Longest step over which linearisations hold: after a longer one there is another sweep, and with laws there is
+/// none.
+pub const SHORT_STEP: f64 = 0.03;
 /// Step that rounding may have made, at most, in roundings of `L0`.
 pub const ROUNDED_STEP: f64 = 100.0;
 /// Residual beyond which the next sweep takes laws; and that of a sweep without them beyond which it is
 /// repeated with them.
-pub const NEEDS_LAWS: f64 = 0.055;
-pub const MISSES_LAWS: f64 = 0.1;
+pub const NEEDS_LAWS: f64 = 0.06;
+pub const MISSES_LAWS: f64 = 0.12;
 /// Imbalance of a ball beyond which its law and its linearisation do not agree, and rounding alone does
 /// not end a solve.
-pub const AT_ODDS: f64 = 0.03;
+pub const AT_ODDS: f64 = 0.035;
 /// Residual over the last one: below it steps may grow, and above it a sweep led nowhere.
-pub const WENT_WELL: f64 = 0.42;
-pub const LED_NOWHERE: f64 = 0.5;
+pub const WENT_WELL: f64 = 0.4;
+pub const LED_NOWHERE: f64 = 0.55;
 /// Residual over the last one, at most, and residual in tolerances, at least, of a sweep that another is
 /// sure to follow.
 pub const GOES_ON: (f64, f64) = (0.3, 100.0);
 /// Change of the stiffness over the last one above which a sweep made no progress.
 pub const NO_PROGRESS: f64 = 0.25;
-/// What rounding may have left unknown of the stiffness where the balance alone ends a solve.
-pub const UNKNOWN: f64 = 0.035;
+/// What rounding may have left unknown of the stiffness where the balance alone ends a solve; and how many times
+/// as much every further sweep may that begins and ends there.
+pub const UNKNOWN: f64 = 0.04;
+pub const UNKNOWN_GROWS: f64 = 1.05;
 /// Residual, over what rounding makes steps of, below which the last step is all rounding.
 pub const ALL_ROUNDING: f64 = 1.0 / 16.0;
 /// Residual of an answer, at most.
 pub const BALANCED: f64 = 1e-3;
 /// Part of the load that the laws' balance may leave of it, and the steps it takes for that, at most.
-pub const LAWS_LEAVE: f64 = 0.045;
+pub const LAWS_LEAVE: f64 = 0.03;
 pub const LAWS_STEPS: u8 = 12;
 /// Unbalanced load, of all of it, so small that laws are linear over the step.
 pub const LINEAR: f64 = 1e-3;
 /// Offset from a reference, or step of a ball, that would cost digits of the deformations.
 pub const FAR_FROM_REFERENCE: f64 = 2e-3;
 /// Steps of its own, at most, in which a ball follows the ring; and in which one that they have lost comes back.
-pub const OWN_STEPS: u16 = 8;
-pub const STEPS_ANEW: u16 = 11;
+pub const OWN_STEPS: u16 = 9;
+pub const STEPS_ANEW: u16 = 10;
 /// Sweeps in a row that a ball may be lost in, for all its own steps, before the start is.
 pub const LOST: u8 = 3;
 /// Centrifugal forces of all balls, over the load, below which a bearing from nothing is first put where it is at
@@ -46,9 +49,13 @@ pub const LIGHT: f64 = 1e-3;
 pub const HEAVY: f64 = 1.0;
 /// Tolerance of that.
 pub const STANDSTILL: f64 = 0.1;
+/// Force of the ball that faces a load that is nearly radial, in mean loads of a ball: that of Stribeck (1901) for a bearing with clearance.
+pub const STRIBECK: f64 = 5.0;
 
 /// Those of a search at rest.
 pub mod at_rest {
+    /// Longest step of the ring.
+    pub const LONGEST_STEP: f64 = 0.3;
     /// Part of the load's balance at the beginning of a sweep that ends it, and its passes over the balls, at
     /// most.
     pub const LEFT: f64 = 0.02;
