@@ -7,11 +7,11 @@ impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
         fixed: 44_866,
-        sweep: 65_667,
+        sweep: 69_739,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 39_288,
-        sweep: 97_785,
+        fixed: 39_266,
+        sweep: 100_743,
     };
 }
