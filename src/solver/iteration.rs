@@ -236,13 +236,22 @@ where
 
     /// The carrying ball whose contacts are furthest apart, if those are past opposing each other; or one off
     /// the inner race whose centrifugal force, at the pole of the cage speed, counts beside the load's norm
-    /// `size`.
-    pub fn unseated(&self, speed_load: T, size: T) -> Option<Status<T>> {
+    /// `size`. Where a ball is lost so far out that its figures are no numbers, the search went astray, and has
+    /// diverged with this `residual`.
+    pub fn unseated(&self, speed_load: T, size: T, residual: T) -> Option<Status<T>> {
         let least_force = T::of(COUNTS) * T::EPSILON * size;
         let (mut least, mut worst) = (T::ZERO, None);
         for (index, (ball, at)) in (0..).zip(self.balls.iter().zip(self.azimuths)) {
             let a = shift(&self.state.position.offset, at);
-            let Pass { inner, outer, .. } = M::observe(self.c, speed_load, ball, a);
+            let Pass {
+                inner,
+                outer,
+                loads,
+            } = M::observe(self.c, speed_load, ball, a);
+            let forces = inner.q + outer.q + loads.centrifugal + loads.friction.abs();
+            if !((inner.delta + outer.delta + forces) * self.c.force).is_finite() {
+                return Some(Status::Diverged { residual });
+            }
             let opposed = dot(inner.normal(), outer.normal());
             let at_pole = outer.q > least_force && opposed < T::of(NEAREST_POLE - 1.0);
             if (inner.q > T::ZERO || at_pole) && opposed < least {

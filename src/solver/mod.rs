@@ -15,9 +15,9 @@
 //! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved to the new load and
 //! speed, if that is near; the state that an axial load would make, or, where the load is nearly radial, the ring
 //! that faces it; the solution at a standstill, where inertia does not outweigh the load, and instead of that state
-//! where it is next to nothing; the state that an axial load would make with more preload, in short steps. A ball that its own steps have lost is put where the ring's position alone has it; a
-//! start that has not led to a solution after some sweeps, or that loses a ball for all that, makes room for the
-//! next.
+//! where it is next to nothing; the state that an axial load would make with more preload, in short steps. A ball
+//! that its own steps have lost is put where the ring's position alone has it; a start that has not led to a
+//! solution after some sweeps, or that loses a ball for all that, makes room for the next.
 //!
 //! A ball whose contacts no longer oppose each other (150 degrees apart), or that is off the inner race where
 //! they would be opposite, is no answer: there the cage speed has a pole, and the equations have roots of no
@@ -423,10 +423,15 @@ where
             Status::SweepLimit => {
                 self.state.load = [T::ZERO; D];
                 self.state.size = T::ZERO;
+                let residual = outcome.residual;
                 if M::AT_SPEED
-                    && let Some(unseated) = self.iteration().unseated(speed_load, size)
+                    && let Some(why) = self.iteration().unseated(speed_load, size, residual)
                 {
-                    outcome.status = unseated;
+                    if let Status::Diverged { .. } = why {
+                        self.forget();
+                        return Err(why);
+                    }
+                    outcome.status = why;
                 }
             }
             refusal => {
@@ -593,5 +598,29 @@ mod tests {
         });
         assert_eq!(next, taken);
         assert_eq!(next, copied);
+    }
+
+    #[test]
+    fn a_ball_lost_beyond_all_numbers_is_no_figure() {
+        let bearing = spindle();
+        let mut solver = Solver::<f32, 16>::new(&bearing);
+        solver
+            .solve(
+                [900.0, 180.0, -40.0, 1.0, 2.5],
+                2000.0,
+                &Settings::default(),
+            )
+            .unwrap();
+        let concluded = |solver: &mut Solver<'_, f32, 16>| {
+            let (size, speed_load) = (solver.state.size, solver.state.speed_load);
+            let solution = solver.conclude(Outcome::new(), [0.0; 5], size, speed_load, |_| None);
+            solution.map(|solution| solution.balls().all(|ball| ball.delta_o.is_finite()))
+        };
+        assert_eq!(concluded(&mut solver.clone()), Ok(true));
+        // Its distance squared overflows.
+        solver.balls[3].x = [1e25, 0.0];
+        let residual = Outcome::<f32>::new().residual;
+        assert_eq!(concluded(&mut solver), Err(Status::Diverged { residual }));
+        assert_eq!(solver.state.size, 0.0, "a start for the next solve");
     }
 }

@@ -49,7 +49,8 @@ pub const LIGHT: f64 = 1e-3;
 pub const HEAVY: f64 = 1.0;
 /// Tolerance of that.
 pub const STANDSTILL: f64 = 0.1;
-/// Force of the ball that faces a load that is nearly radial, in mean loads of a ball: that of Stribeck (1901) for a bearing with clearance.
+/// Force of the ball that faces a load that is nearly radial, in mean loads of a ball: that of Stribeck (1901) for a
+/// bearing with clearance.
 pub const STRIBECK: f64 = 5.0;
 
 /// Those of a search at rest.
