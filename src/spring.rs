@@ -366,7 +366,7 @@ impl<T: Real> Spring<T> {
         squeeze: T,
         centre: Pair<T>,
     ) -> Option<(Pair<T>, Square<T>)> {
-        let root = squeeze.or_larger(T::ZERO).sqrt();
+        let root = squeeze.sqrt();
         let q = root * squeeze;
         if !(q > r.force) {
             return None;

@@ -305,12 +305,16 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
     #[inline(always)]
     fn beyond<T: Real>(ball: &mut Ball<T>, a: Pair<T>, da: Pair<T>) -> (Pair<T>, Square<T>) {
         let reaction = ball.spring.react(da, &mut ball.stretch);
-        // What the outer contact has given way already is not the ring's to squeeze.
+        // What the outer contact has given way already is not the ring's to squeeze. Two numbers are compared, not
+        // their difference with 0, for the sake of its square root: see `sqrt`.
         let to = add(a, da);
-        let squeeze = ball.squeeze(to) - ball.outer_lead.reach(T::ZERO);
-        if squeeze > T::ZERO {
+        let (drawn, given) = (ball.squeeze(to), ball.outer_lead.reach(T::ZERO));
+        if drawn > given {
             let centre = ball.centre(to);
-            if let Some(in_line) = ball.spring.beyond_in_line(&reaction, da, squeeze, centre) {
+            if let Some(in_line) = ball
+                .spring
+                .beyond_in_line(&reaction, da, drawn - given, centre)
+            {
                 return in_line;
             }
         }
