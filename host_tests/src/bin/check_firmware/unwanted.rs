@@ -9,11 +9,15 @@ pub enum Unwanted {
     Double,
     /// Memory from a heap.
     Allocation,
+    /// The routine for square roots, beside the FPU's instruction.
+    Root,
 }
 
 impl Unwanted {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Panic, Self::Double, Self::Allocation];
+    pub const ALL: [Self; 4] = [Self::Panic, Self::Double, Self::Allocation, Self::Root];
+    /// Those of the monitor: a power takes a root in software.
+    pub const BUT_ROOTS: [Self; 3] = [Self::Panic, Self::Double, Self::Allocation];
 
     /// What code that contains it does.
     pub fn verb(self) -> &'static str {
@@ -21,6 +25,7 @@ impl Unwanted {
             Self::Panic => "can panic",
             Self::Double => "computes in double precision",
             Self::Allocation => "allocates memory",
+            Self::Root => "takes square roots in software",
         }
     }
 
@@ -38,6 +43,11 @@ impl Unwanted {
                  where it is inlined."
             }
             Self::Allocation => "Use arrays whose length is known, or `heapless`.",
+            Self::Root => {
+                "Look in the last function of the library for a root behind a branch for positive \
+                 numbers, where the compiler drops the magnitude that it is taken of: `src/sqrt.rs` \
+                 says how to take it."
+            }
         }
     }
 
@@ -60,6 +70,7 @@ impl Unwanted {
                     || last.starts_with("__") && last.contains("df")
                     || (last == name || name.contains("libm")) && C_DOUBLE.contains(&last)
             }
+            Self::Root => (last == name || name.contains("libm")) && last == "sqrtf",
             Self::Allocation => {
                 name.starts_with("alloc::")
                     || name.starts_with("<alloc::")
@@ -134,6 +145,14 @@ mod tests {
                     "malloc",
                 ],
             ),
+            (
+                Unwanted::Root,
+                &[
+                    "sqrtf",
+                    "compiler_builtins::math::libm_math::sqrt::sqrtf",
+                    "libm::math::sqrtf::sqrtf",
+                ],
+            ),
         ] {
             for name in names {
                 assert_eq!(kind(name), Some(expected), "{name}");
@@ -145,8 +164,7 @@ mod tests {
     fn what_a_single_precision_solver_is_made_of_is_not_unwanted() {
         for name in [
             "main",
-            "sqrtf",
-            "compiler_builtins::math::libm_math::sqrt::sqrtf",
+            "spindle_bearing::sqrt::sqrt_f32",
             "libm::math::atan2f::atan2f",
             "__aeabi_memcpy4",
             "__aeabi_fadd",
