@@ -6,12 +6,12 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 44_861,
-        sweep: 69_950,
+        fixed: 44_858,
+        sweep: 70_021,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 39_295,
-        sweep: 99_947,
+        fixed: 39_289,
+        sweep: 100_630,
     };
 }
