@@ -60,6 +60,7 @@ pub struct RacewayControlFree;
 pub struct OuterRaceControl;
 
 /// Inner race control: no spin on the inner race; both races share the gyroscopic moment evenly.
+///
 /// A ball without inner contact takes outer control's rule. That is a jump, so this rule is not for
 /// scenes that unload balls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,8 +7,8 @@ pub mod families;
 pub mod judge;
 pub mod report;
 
+use crate::progress::Progress;
 use families::{Family, Trial};
-use indicatif::ProgressBar;
 use judge::{Record, Verdict};
 use rayon::prelude::*;
 
@@ -44,35 +44,30 @@ impl Plan {
 
 /// Runs a campaign; the records are in the order of families, cases, ticks and precisions, whatever
 /// the order of work was.
-pub fn run(plan: &Plan, bar: &ProgressBar) -> Vec<Record> {
+pub fn run(plan: &Plan, progress: &dyn Progress) -> Vec<Record> {
     let mut records = Vec::new();
     let total: usize = plan
         .families
         .iter()
         .map(|f| plan.cases(*f) * f.ticks())
         .sum();
-    bar.set_length(total as u64);
+    progress.expect(total);
     for &family in &plan.families {
-        bar.set_message(family.name());
+        progress.stage(family.name());
         let of_family: Vec<Vec<Record>> = (0..plan.cases(family))
             .into_par_iter()
             .map(|index| {
                 let trial = Trial::new(plan.seed, family, index);
                 let judged = judge::judge(&trial);
-                bar.inc(family.ticks() as u64);
+                progress.done(family.ticks());
                 judged.ticks.iter().flat_map(|t| t.records).collect()
             })
             .collect();
         records.extend(of_family.into_iter().flatten());
     }
-    bar.set_message("refusals");
+    progress.stage("refusals");
     search(plan, &mut records);
     records
-}
-
-/// Runs a campaign without a word.
-pub fn run_quietly(plan: &Plan) -> Vec<Record> {
-    run(plan, &ProgressBar::hidden())
 }
 
 /// Has the reference build look for equilibria where the solver found none and nothing else decides.

@@ -16,7 +16,7 @@ use std::ops::RangeInclusive;
 pub const BALL_COUNTS: RangeInclusive<usize> = 3..=64;
 
 /// The working precision of a solve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Precision {
     /// Single precision, as the firmware computes
     F32,
@@ -58,7 +58,7 @@ impl fmt::Display for Shown {
 }
 
 /// The rule for the axis about which a ball turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Attitude {
     /// Raceway-control-free: from d'Alembert's principle, no race presumed to be in control
     Raceless,

@@ -5,7 +5,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The unevaluated sum `hi + lo` with `|lo| <= ulp(hi) / 2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Dd {
+pub struct Dd {
     pub(crate) hi: f64,
     pub(crate) lo: f64,
 }
@@ -30,14 +30,18 @@ fn two_prod(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl Dd {
-    pub(crate) const ZERO: Dd = Dd { hi: 0.0, lo: 0.0 };
-    pub(crate) const ONE: Dd = Dd { hi: 1.0, lo: 0.0 };
-    pub(crate) const PI: Dd = Dd {
+    /// Nought.
+    pub const ZERO: Dd = Dd { hi: 0.0, lo: 0.0 };
+    /// One.
+    pub const ONE: Dd = Dd { hi: 1.0, lo: 0.0 };
+    /// Pi, to 31 digits.
+    pub const PI: Dd = Dd {
         hi: core::f64::consts::PI,
         lo: 1.224_646_799_147_353_2e-16,
     };
 
-    pub(crate) const fn of(x: f64) -> Dd {
+    /// A number that f64 holds.
+    pub const fn of(x: f64) -> Dd {
         Dd { hi: x, lo: 0.0 }
     }
 
@@ -51,12 +55,13 @@ impl Dd {
         Dd { hi, lo: rest / n }
     }
 
-    pub(crate) fn value(self) -> f64 {
+    /// The nearest f64.
+    pub fn value(self) -> f64 {
         self.hi + self.lo
     }
 
     /// Exact scaling: `s` is a power of two.
-    fn ldexp(self, s: f64) -> Dd {
+    pub fn ldexp(self, s: f64) -> Dd {
         Dd {
             hi: self.hi * s,
             lo: self.lo * s,
@@ -64,7 +69,7 @@ impl Dd {
     }
 
     /// The f64 root with one Newton step whose residual is formed exactly.
-    pub(crate) fn sqrt(self) -> Dd {
+    pub fn sqrt(self) -> Dd {
         if self.hi <= 0.0 {
             return Dd::ZERO;
         }
@@ -76,7 +81,7 @@ impl Dd {
     }
 
     /// Cube root: Newton from the f64 root.
-    pub(crate) fn cbrt(self) -> Dd {
+    pub fn cbrt(self) -> Dd {
         let r = Dd::of(self.hi.cbrt());
         let slope = 3.0 * r.hi * r.hi;
         let rest = self - r * r * r;
@@ -85,7 +90,7 @@ impl Dd {
 
     /// Sine and cosine of `|x| <= pi`: Taylor series of `x / 64`, then six doublings of
     /// `(sin, 1 - cos)`, the pair that does not cancel.
-    pub(crate) fn sin_cos(self) -> (Dd, Dd) {
+    pub fn sin_cos(self) -> (Dd, Dd) {
         let r = self.ldexp(1.0 / 64.0);
         let r2 = r * r;
         // Terms past `WIDE` weigh less than 1e-16 of the sum, so f64 carries them.
@@ -171,53 +176,5 @@ impl Div for Dd {
         let r = r - o * Dd::of(q2);
         let (s, e) = quick_two_sum(q1, q2);
         Dd { hi: s, lo: e } + Dd::of(r.hi / o.hi)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn near(a: Dd, b: Dd, scale: f64) {
-        assert!((a - b).value().abs() <= 2e-30 * scale, "{a:?} {b:?}");
-    }
-
-    #[test]
-    fn roots_and_quotients_invert_products() {
-        for k in 1..200 {
-            let x = Dd::of(f64::from(k)) / Dd::of(7.3);
-            near(x.sqrt() * x.sqrt(), x, x.hi);
-            let c = x.cbrt();
-            near(c * c * c, x, 10.0 * x.hi);
-            near(x / c * c, x, x.hi);
-        }
-    }
-
-    #[test]
-    fn sine_and_cosine_of_known_angles() {
-        let half = Dd::of(0.5);
-        let (s, c) = (Dd::PI / Dd::of(6.0)).sin_cos();
-        near(s, half, 1.0);
-        near(c, Dd::of(0.75).sqrt(), 1.0);
-        let (s, c) = (Dd::PI / Dd::of(4.0)).sin_cos();
-        near(s, half.sqrt(), 1.0);
-        near(c, half.sqrt(), 1.0);
-        let (s, c) = Dd::PI.sin_cos();
-        near(s, Dd::ZERO, 4.0);
-        near(c, -Dd::ONE, 4.0);
-        near(s * s + c * c, Dd::ONE, 1.0);
-        for k in -30..=30 {
-            let x = Dd::of(f64::from(k) * 0.1) / Dd::of(1.0 / 1.03);
-            let (s, c) = x.sin_cos();
-            near(s * s + c * c, Dd::ONE, 2.0);
-            let (s2, c2) = (x + x).ldexp(0.5).sin_cos();
-            near(s2, s, 1.0);
-            near(c2, c, 1.0);
-            // Addition theorem ties the angles together.
-            let (sa, ca) = (x.ldexp(0.5) + Dd::of(0.01)).sin_cos();
-            let (sb, cb) = (x.ldexp(0.5) - Dd::of(0.01)).sin_cos();
-            near(sa * cb + ca * sb, s, 4.0);
-            near(ca * cb - sa * sb, c, 4.0);
-        }
     }
 }

@@ -48,8 +48,9 @@ pub fn allowed(precision: Precision) -> Errors {
     }
 }
 
-/// What single precision resolves of a displacement, relative to `L0`: half a unit in the last place
-/// of 1. A contact angle that is rounded in its last digit moves the ring by as much, however light the
+/// What single precision resolves of a displacement, relative to `L0`: half a unit in the last place of 1.
+///
+/// A contact angle that is rounded in its last digit moves the ring by as much, however light the
 /// load; on a B7005C it is 15 picometres.
 pub const SINGLE_RESOLUTION: f64 = 6e-8;
 

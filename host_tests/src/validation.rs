@@ -2,7 +2,7 @@
 //!
 //! Every statement of the page is a [`Statement`]: a sentence, the numbers that
 //! decide about it, and where they must lie. The page is printed from the same values that
-//! `tests/validation.rs` asserts. Prose around them says how things were done and claims nothing.
+//! `tests/all/validation.rs` asserts. Prose around them says how things were done and claims nothing.
 
 pub mod around;
 pub mod clearance;
@@ -18,8 +18,8 @@ pub mod statement;
 pub mod stiffness;
 pub mod tangent;
 
+pub use crate::progress::Progress;
 use figure::Figure;
-use indicatif::ProgressBar;
 use scene::Solved;
 use statement::{Measure, Statement};
 
@@ -81,34 +81,8 @@ impl Chapter {
     }
 }
 
-/// How far the book has got.
-#[derive(Debug, Clone)]
-pub struct Progress(ProgressBar);
-
-impl Progress {
-    /// Shown by `bar`.
-    pub fn on(bar: ProgressBar) -> Self {
-        Self(bar)
-    }
-
-    /// Shown nowhere.
-    pub fn hidden() -> Self {
-        Self(ProgressBar::hidden())
-    }
-
-    /// There are `count` more computations to do.
-    pub fn expect(&self, count: usize) {
-        self.0.inc_length(count as u64);
-    }
-
-    /// One is done.
-    pub fn done(&self) {
-        self.0.inc(1);
-    }
-}
-
 /// Makes a chapter.
-pub type Make = fn(&Progress) -> anyhow::Result<Chapter>;
+pub type Make = fn(&dyn Progress) -> anyhow::Result<Chapter>;
 
 /// The chapters of the book.
 pub const CHAPTERS: [Make; 9] = [
@@ -128,7 +102,7 @@ pub const CHAPTERS: [Make; 9] = [
 /// # Errors
 ///
 /// A point of the page that has no solution any more, or a file of values that cannot be read.
-pub fn book(progress: &Progress) -> anyhow::Result<Vec<Chapter>> {
+pub fn book(progress: &dyn Progress) -> anyhow::Result<Vec<Chapter>> {
     use rayon::prelude::*;
     CHAPTERS.par_iter().map(|make| make(progress)).collect()
 }

@@ -364,8 +364,9 @@ impl<T: Real, const N: usize, M: Motion> Tracker<T, N, M> {
     }
 }
 
-/// The monitor of one spindle bearing of `N` balls. Fixed in size, without a heap; `FRAMES` estimates and
-/// pictures of balls wait for a slow link. The solver works in `T`; what is measured and reported is in
+/// The monitor of one spindle bearing of `N` balls.
+///
+/// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. The solver works in `T`; what is measured and reported is in
 /// single precision.
 #[derive(Debug)]
 pub struct Monitor<

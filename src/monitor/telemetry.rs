@@ -37,9 +37,10 @@ pub const VERSION: u8 = 2;
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 8;
 
-/// Length of the longest message that a frame can become, checksum included: version, sequence, time
-/// and variant (17 bytes), then index, count and first azimuth (11 bytes with the length) and as many
-/// balls as a frame takes.
+/// Length of the longest message that a frame can become, checksum included.
+///
+/// Version, sequence, time and variant (17 bytes), then index, count and first azimuth (11 bytes with the
+/// length) and as many balls as a frame takes.
 pub const MESSAGE_LENGTH: usize =
     17 + 11 + BALLS_PER_FRAME * 4 * size_of::<f32>() + CHECKSUM_LENGTH;
 

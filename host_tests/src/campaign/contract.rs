@@ -36,9 +36,10 @@ const fn row(
     }
 }
 
-/// The table, in the order of [`Family::ALL`]: single precision, double precision. Bounds on errors are
-/// about twice what 20,000 solves of the default seed show, which are always the same. Those on sweeps and
-/// on what is missed or unjudged, counts of a few cases, have little margin or none: where a change of the
+/// The table, in the order of [`Family::ALL`]: single precision, double precision.
+///
+/// Bounds on errors are about twice what 20,000 solves of the default seed show, which are always the same. Those on sweeps, which
+/// [`slow`] holds, and on what is missed or unjudged, counts of a few cases, have little margin or none: where a change of the
 /// solver passes one by a case or two, look whether other seeds say the same.
 #[rustfmt::skip]
 pub const CONTRACT: [[Bounds; 2]; 14] = [
@@ -92,7 +93,9 @@ pub fn of(family: Family, precision: Precision) -> Bounds {
 }
 
 /// Of all families together: least share of errors within the solver's own estimates, in percent, and largest
-/// median of estimate over error. The share is to be 99.9; of 20,000 solves, those beyond are a count of some
+/// median of estimate over error.
+///
+/// The share is to be 99.9; of 20,000 solves, those beyond are a count of some
 /// 15, which other seeds make 10 or 20. The report's million tell more.
 pub const ESTIMATES: (f64, f64) = (99.85, 30.0);
 
@@ -172,10 +175,6 @@ pub fn broken(summary: &Summary) -> Vec<String> {
         );
     }
     // A family without an answer has no spreads, which are not numbers then, and is broken, too.
-    need(
-        summary.sweeps.most <= f64::from(bounds.sweeps),
-        format!("{} sweeps, allowed {}", summary.sweeps.most, bounds.sweeps),
-    );
     for (what, (errors, bound)) in ["u", "Q", "K"]
         .into_iter()
         .zip(summary.errors.iter().zip(bounds.errors))
@@ -200,4 +199,19 @@ pub fn broken(summary: &Summary) -> Vec<String> {
         );
     }
     broken
+}
+
+/// How much slower than the contract a family is, in words, if it is.
+pub fn slow(summary: &Summary) -> Option<String> {
+    let (most, bound) = (
+        summary.sweeps.most,
+        of(summary.family, summary.precision).sweeps,
+    );
+    (most > f64::from(bound)).then(|| {
+        format!(
+            "{} in {:?}: {most} sweeps, allowed {bound}",
+            summary.family.name(),
+            summary.precision
+        )
+    })
 }

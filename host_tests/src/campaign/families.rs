@@ -11,7 +11,7 @@ use spindle_bearing::{Design, FreeContact, Material};
 use std::f64::consts::{PI, TAU};
 
 /// A kind of cases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Family {
     /// Random bearings, loads and speeds
     Random,

@@ -27,6 +27,7 @@ pub(crate) use linear::{masked_solve, small_solve};
 use newton::{Stage, Task};
 use number::Scalar;
 
+/// The rule for the axis about which a ball turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Attitude {
     /// Raceway-control-free, by d'Alembert's principle (Ding 2001; Wang et al. 2014).

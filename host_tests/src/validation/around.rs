@@ -195,7 +195,7 @@ const PENS: [Pen; 5] = [
     Pen(VERMILION, Dash::Solid, Marker::Triangle),
 ];
 
-fn family(tilt: Tilt, rpm: f64, progress: &Progress) -> anyhow::Result<Family> {
+fn family(tilt: Tilt, rpm: f64, progress: &dyn Progress) -> anyhow::Result<Family> {
     let scenes = MOMENTS.map(|moment| Scene {
         name: "B7005C",
         design: B7005C,
@@ -213,7 +213,7 @@ fn family(tilt: Tilt, rpm: f64, progress: &Progress) -> anyhow::Result<Family> {
 }
 
 /// Those of every tilt, in their order.
-fn families(rpm: f64, progress: &Progress) -> anyhow::Result<[Family; 3]> {
+fn families(rpm: f64, progress: &dyn Progress) -> anyhow::Result<[Family; 3]> {
     let [mz, my, both] = Tilt::ALL.map(|tilt| family(tilt, rpm, progress));
     Ok([mz?, my?, both?])
 }
@@ -560,7 +560,7 @@ fn at_speed(rest: &[Family], fast: &[Family]) -> Vec<Statement> {
 /// # Errors
 ///
 /// A load without a solution.
-pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let rest = families(0.0, progress)?;
     let fast = families(FAST, progress)?;
     let solved = || {

@@ -206,7 +206,7 @@ fn wider(runs: &[Vec<Solved>]) -> Statement {
     )
 }
 
-fn runs(clearances: &[f64], progress: &Progress) -> anyhow::Result<Vec<Vec<Solved>>> {
+fn runs(clearances: &[f64], progress: &dyn Progress) -> anyhow::Result<Vec<Vec<Solved>>> {
     clearances
         .iter()
         .map(|clearance| {
@@ -232,7 +232,7 @@ fn runs(clearances: &[f64], progress: &Progress) -> anyhow::Result<Vec<Vec<Solve
 /// # Errors
 ///
 /// A clearance or speed without a solution.
-pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let wide = runs(&WIDER, progress)?;
     let runs = runs(&CLEARANCES, progress)?;
     let mut statements = statements(&runs);

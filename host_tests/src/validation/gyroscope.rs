@@ -339,7 +339,7 @@ const RULES: [(&str, Attitude); 3] = [
 /// # Errors
 ///
 /// A rule without a solution.
-pub fn checks(progress: &Progress) -> anyhow::Result<Vec<Check>> {
+pub fn checks(progress: &dyn Progress) -> anyhow::Result<Vec<Check>> {
     let wanted: Vec<_> = RULES
         .iter()
         .flat_map(|&(name, attitude)| SPEEDS.map(|rpm| (name, attitude, rpm)))
@@ -359,7 +359,7 @@ pub fn checks(progress: &Progress) -> anyhow::Result<Vec<Check>> {
         .zip(solved)
         .map(|((name, attitude, rpm), solved)| {
             let check = Check::of(name, &B218, attitude, rpm, solved.balls[0]);
-            progress.done();
+            progress.done(1);
             check
         });
     Ok(checks.collect())
@@ -524,7 +524,7 @@ fn figure(check: &Check) -> Figure {
 /// # Errors
 ///
 /// A rule without a solution.
-pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let checks = checks(progress)?;
     let rows = checks.iter().map(|c| {
         let [x, y, _] = c.rolling.rotation;

@@ -505,7 +505,7 @@ fn brewe_hamrock() -> anyhow::Result<Vec<Block>> {
 /// # Errors
 ///
 /// The committed values cannot be read.
-pub fn chapter(_progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(_progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let (table, closed) = closed_forms();
     let mut blocks = vec![
         Block::Text(

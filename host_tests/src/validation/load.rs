@@ -213,7 +213,7 @@ fn statements(runs: &[Vec<Solved>]) -> Vec<Statement> {
 /// # Errors
 ///
 /// A load without a solution.
-pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let runs: Vec<Vec<Solved>> = SPEEDS
         .iter()
         .map(|&rpm| {

@@ -1,17 +1,14 @@
 //! The book as a page: `docs/validation.md` and the figures beside it.
 
 use super::statement::{Statement, Verdict};
-use super::{Block, COMMAND, Chapter, FIGURES, PAGE, Table};
-use anyhow::Context;
+use super::{Block, COMMAND, Chapter, Table};
 use std::fmt::Write;
-use std::path::Path;
 
 const OPENING: &str = "What is known of angular contact ball bearings at speed, against what this solver computes: the \
 results of a published study of spindle bearings under tilting moments, a third party's program, closed forms, \
 and a check of the physics that shares no algebra with the solver. `docs/model.md` has the equations and symbols.
 
-Every row of the tables of statements is tested: `cargo test --test validation` fails if a number leaves the range in \
-parentheses, or if this page is not the one that the program makes. Where a claim of the study does not hold in \
+Every row of the tables of statements is tested: `cargo test` fails if a number leaves the range in parentheses. Where a claim of the study does not hold in \
 this model, its row says so and by how much. A number that is rounding and nothing else is given as a bound.
 
 Unless a line says otherwise, figures and numbers are the solver's in double precision. Each chapter holds every \
@@ -132,20 +129,4 @@ fn markdown(page: &mut String, table: &Table) {
         page.push_str(&line(row));
     }
     page.push('\n');
-}
-
-/// Writes the page and its figures to their places.
-///
-/// # Errors
-///
-/// They cannot be drawn or written.
-pub fn write(chapters: &[Chapter]) -> anyhow::Result<()> {
-    let folder = Path::new(FIGURES);
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make {}; is docs/ writable?", folder.display()))?;
-    for figure in chapters.iter().flat_map(Chapter::figures) {
-        figure.draw(folder)?;
-    }
-    std::fs::write(PAGE, page(chapters))
-        .with_context(|| format!("cannot write {PAGE}; is docs/ writable?"))
 }

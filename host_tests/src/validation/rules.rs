@@ -81,7 +81,7 @@ fn by_variant(
 /// The table's rows as a rule gives them.
 pub fn rows_of_table(
     attitude: Attitude,
-    progress: &Progress,
+    progress: &dyn Progress,
 ) -> anyhow::Result<Vec<(Row, Solved)>> {
     let scenes = TABLE.map(|(rpm, _)| scene(attitude, rpm));
     let solved = solve_all(scenes.into(), progress)?;
@@ -109,7 +109,7 @@ pub fn reproduces_the_table(rows: &[Row]) -> Statement {
     )
 }
 
-fn third_party(progress: &Progress) -> anyhow::Result<Vec<Block>> {
+fn third_party(progress: &dyn Progress) -> anyhow::Result<Vec<Block>> {
     let ours = rows_of_table(Attitude::Outer, progress)?;
     let fitted = cases::reference(&B218, 16).with_fitted_contacts();
     let fitted: Vec<Row> = TABLE
@@ -229,7 +229,7 @@ const INNER: usize = 2;
 const WRONG_OUTER: usize = 3;
 const WRONG_FREE: usize = 4;
 
-fn runs(progress: &Progress) -> anyhow::Result<(Vec<Run>, Vec<Solved>)> {
+fn runs(progress: &dyn Progress) -> anyhow::Result<(Vec<Run>, Vec<Solved>)> {
     let speeds = evenly(0.0, TOP, STEPS);
     let pens = |colour, marker| {
         (
@@ -286,7 +286,7 @@ fn runs(progress: &Progress) -> anyhow::Result<(Vec<Run>, Vec<Solved>)> {
             .par_iter()
             .map(|&rpm| {
                 let s = by_variant(&reversed, attitude, rpm)?;
-                progress.done();
+                progress.done(1);
                 Ok(point(rpm, &(&s.balls[0]).into(), s.k[0][0]))
             })
             .collect::<anyhow::Result<_>>()?;
@@ -299,7 +299,7 @@ fn runs(progress: &Progress) -> anyhow::Result<(Vec<Run>, Vec<Solved>)> {
     Ok((runs, all))
 }
 
-fn side_by_side(progress: &Progress) -> anyhow::Result<Vec<Block>> {
+fn side_by_side(progress: &dyn Progress) -> anyhow::Result<Vec<Block>> {
     let (runs, solved) = runs(progress)?;
     let panel = |title: &str, y: &str, column: usize| Panel {
         title: title.to_owned(),
@@ -477,7 +477,7 @@ fn side_by_side(progress: &Progress) -> anyhow::Result<Vec<Block>> {
 /// # Errors
 ///
 /// A rule without a solution.
-pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let mut blocks = vec![Block::Text(
         "16 balls, 17,800 N of axial load; one ball stands for all. The third party's program uses outer race \
          control and takes its contact constants from fits after Brewe and Hamrock; which version of them is \

@@ -55,7 +55,7 @@ impl Scene {
         );
         let figures = answer.figures.map_err(|why| anyhow!("{why}"))?;
         if !matches!(answer.status, "converged" | "precision-limit") {
-            return Err(anyhow!("{} after {} sweeps", answer.status, figures.sweeps));
+            return Err(anyhow!("{}", answer.status));
         }
         let equilibrium = Equilibrium {
             displacement: figures.displacement,
@@ -126,13 +126,13 @@ impl Solved {
 /// # Errors
 ///
 /// The first scene without a solution.
-pub fn solve_all(scenes: Vec<Scene>, progress: &Progress) -> anyhow::Result<Vec<Solved>> {
+pub fn solve_all(scenes: Vec<Scene>, progress: &dyn Progress) -> anyhow::Result<Vec<Solved>> {
     progress.expect(scenes.len());
     scenes
         .into_par_iter()
         .map(|scene| {
             let solved = scene.solve();
-            progress.done();
+            progress.done(1);
             solved
         })
         .collect()

@@ -53,7 +53,7 @@ fn run(tilt: Tilt, moment: f64, rpm: f64) -> anyhow::Result<Run> {
 /// # Errors
 ///
 /// A load without an equilibrium.
-pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let points: Vec<_> = CASES
         .iter()
         .flat_map(|&(t, m)| SPEEDS.map(|rpm| (t, m, rpm)))
@@ -63,7 +63,7 @@ pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
         .into_par_iter()
         .map(|(tilt, moment, rpm)| {
             let run = run(tilt, moment, rpm);
-            progress.done();
+            progress.done(1);
             run
         })
         .collect::<Result<_, _>>()?;

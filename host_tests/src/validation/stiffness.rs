@@ -415,7 +415,7 @@ fn skewness(run: &Run) -> f64 {
 
 /// `Kxy` under `Mz` = -3 N m over the speeds, by a reference build without the friction moment on the
 /// ring.
-fn without_friction_moment(progress: &Progress) -> anyhow::Result<Vec<f64>> {
+fn without_friction_moment(progress: &dyn Progress) -> anyhow::Result<Vec<f64>> {
     let reference = cases::reference(&B7005C, 16).without_friction_moment();
     let speeds = evenly(0.0, TOP, STEPS);
     progress.expect(speeds.len());
@@ -426,7 +426,7 @@ fn without_friction_moment(progress: &Progress) -> anyhow::Result<Vec<f64>> {
             let found = reference
                 .search(load, rad_per_s(rpm), Attitude::Raceless.into())
                 .with_context(|| format!("reference build without `mt`, {load:?} at {rpm} rpm"))?;
-            progress.done();
+            progress.done(1);
             Ok(found.k[KXY.1][KXY.2])
         })
         .collect()
@@ -437,7 +437,7 @@ fn without_friction_moment(progress: &Progress) -> anyhow::Result<Vec<f64>> {
 /// # Errors
 ///
 /// A load without a solution.
-pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let [a, b, c, d, e, f] = CASES.map(|(tilt, moment)| {
         let speeds = evenly(0.0, TOP, STEPS);
         solve_all(scenes(16, tilt.load(moment), speeds), progress)

@@ -135,7 +135,7 @@ fn differenced(scene: &Scene) -> anyhow::Result<f64> {
 /// # Errors
 ///
 /// A speed without a solution.
-pub fn chapter(progress: &Progress) -> anyhow::Result<Chapter> {
+pub fn chapter(progress: &dyn Progress) -> anyhow::Result<Chapter> {
     let mut all: Vec<Vec<Pair>> = Vec::new();
     for series in &SERIES {
         let scenes = evenly(0.0, series.top, STEPS).into_iter().map(|rpm| Scene {

@@ -1,0 +1,206 @@
+//! The monitor and nothing else, as `cargo check-firmware` wants it: see `bare_solver.rs`.
+
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(target_os = "none", no_main)]
+
+#[cfg(target_os = "none")]
+#[path = "../../../../examples/monitored.rs"]
+mod monitored;
+/// That of the smaller core.
+#[cfg(target_os = "none")]
+type Precision = f32;
+// For the interrupt vectors, which the linker script asks for.
+#[cfg(target_os = "none")]
+extern crate stm32f4;
+
+#[cfg(target_os = "none")]
+mod bare {
+    use super::monitored;
+    use core::convert::Infallible;
+    use core::hint::black_box;
+    use embedded_hal::delay::DelayNs;
+    use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
+    use embedded_hal::spi::{self, Operation, SpiDevice};
+    use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
+    use spindle_bearing::monitor::loads::{
+        Ads131m08, Ads131m08Bridges, Calibration, FramedLoads, LoadSource, StrainBridge,
+    };
+    use spindle_bearing::monitor::speed::{
+        Edges, PulseSpeed, SpeedMethod, SpeedSettings, SpeedSource,
+    };
+    use spindle_bearing::monitor::tick::{CycleCounter, Watchdog, Widened};
+    use spindle_bearing::monitor::{Alarm, Identity, Monitor, MonitorSettings, Readings, Store};
+
+    #[panic_handler]
+    #[allow(unsafe_code, reason = "the function is declared, and there is none")]
+    fn panic(_: &core::panic::PanicInfo) -> ! {
+        unsafe extern "C" {
+            safe fn the_solver_can_panic() -> !;
+        }
+        the_solver_can_panic()
+    }
+
+    static SETTINGS: MonitorSettings = MonitorSettings::new(&monitored::DESIGN, monitored::BALLS);
+    const _: () = assert!(SETTINGS.check().is_ok());
+
+    /// Pins, bus, cycles and watchdog that the compiler knows nothing of.
+    struct Unknown;
+
+    impl ErrorType for Unknown {
+        type Error = Infallible;
+    }
+    impl InputPin for Unknown {
+        fn is_high(&mut self) -> Result<bool, Infallible> {
+            Ok(black_box(true))
+        }
+        fn is_low(&mut self) -> Result<bool, Infallible> {
+            Ok(black_box(true))
+        }
+    }
+    impl OutputPin for Unknown {
+        fn set_low(&mut self) -> Result<(), Infallible> {
+            Ok(())
+        }
+        fn set_high(&mut self) -> Result<(), Infallible> {
+            Ok(())
+        }
+    }
+    impl spi::ErrorType for Unknown {
+        type Error = spi::ErrorKind;
+    }
+    impl SpiDevice for Unknown {
+        fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Self::Error> {
+            for operation in operations {
+                if let Operation::TransferInPlace(bytes) | Operation::Read(bytes) = operation {
+                    bytes.fill_with(|| black_box(0));
+                }
+            }
+            black_box(Ok(()))
+        }
+    }
+    impl DelayNs for Unknown {
+        fn delay_ns(&mut self, _: u32) {}
+    }
+    impl nor_flash::ErrorType for Unknown {
+        type Error = NorFlashErrorKind;
+    }
+    impl ReadNorFlash for Unknown {
+        const READ_SIZE: usize = 4;
+        fn read(&mut self, _: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+            bytes.fill_with(|| black_box(0));
+            black_box(Ok(()))
+        }
+        fn capacity(&self) -> usize {
+            black_box(0)
+        }
+    }
+    impl NorFlash for Unknown {
+        const WRITE_SIZE: usize = 4;
+        const ERASE_SIZE: usize = 128 * 1024;
+        fn erase(&mut self, _: u32, _: u32) -> Result<(), NorFlashErrorKind> {
+            black_box(Ok(()))
+        }
+        fn write(&mut self, _: u32, _: &[u8]) -> Result<(), NorFlashErrorKind> {
+            black_box(Ok(()))
+        }
+    }
+    impl CycleCounter for Unknown {
+        fn cycles(&mut self) -> u32 {
+            black_box(0)
+        }
+    }
+    impl Watchdog for Unknown {
+        fn feed(&mut self) {}
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        loop {
+            run();
+        }
+    }
+
+    fn run() {
+        let bands = &SETTINGS.judgement.baseline;
+        let identity = Identity::new(&monitored::DESIGN, monitored::BALLS, bands);
+        let (mut store, past) = Store::open(Unknown, black_box(identity));
+        let mut monitor: Monitor<{ monitored::BALLS }> =
+            Monitor::new(&monitored::BEARING, &SETTINGS).with_past(&past);
+        let _ = monitor.prepare(black_box([420.0; 5]), black_box(0.0));
+        let mut frames = FramedLoads::new();
+        let calibration: Calibration<6> = black_box(Calibration {
+            loads: [[0.0; 6]; 5],
+            counts: [[0.0; 5]; 6],
+            zero_slope: [0.0; 6],
+            gain_slope: [0.0; 6],
+            temperature: 0.0,
+            temperatures: [0.0; 2],
+            standing: [0.0; 5],
+        });
+        let _ = black_box(calibration.check());
+        let device = Ads131m08::new(Unknown, Unknown, Unknown, Unknown, Unknown);
+        let Ok(adc) = Ads131m08Bridges::<_, 6>::start(device, &black_box(Default::default()))
+        else {
+            return;
+        };
+        let mut bridges = StrainBridge::new(adc, calibration, black_box(20));
+        let mut tachometer = PulseSpeed::new(Edges::default(), black_box(TACHOMETER));
+        let mut clock = Widened::new(black_box(32), 0);
+        while black_box(true) {
+            let now = black_box(0);
+            let time_us = clock.at(now);
+            frames.push(black_box(0));
+            tachometer.input().edge(black_box(0), black_box(true));
+            let speed = tachometer.speed(now);
+            let standing = speed.is_ok_and(|speed| speed.method == SpeedMethod::Standstill);
+            bridges.set_turning(!standing);
+            bridges.set_temperature(black_box(20.0));
+            if black_box(true) {
+                let _ = bridges.take_tare(black_box(9));
+            }
+            let loads = if black_box(true) {
+                bridges.sample(time_us)
+            } else {
+                frames.sample(time_us)
+            };
+            let readings = Readings {
+                loads,
+                speed: black_box(Some(speed.ok().map(|speed| speed.omega))),
+            };
+            let outcome = monitor.tick(time_us, &readings, &mut Unknown, &mut Unknown);
+            black_box(outcome);
+            monitor.acknowledge(time_us, black_box(Alarm::Slip));
+            if black_box(true) {
+                monitor.judgement().start_learning();
+            } else {
+                monitor.judgement().stop_learning();
+            }
+            if black_box(true) {
+                monitor.replace_bearing();
+            }
+            monitor.retain(time_us, &mut store);
+            black_box((store.step(), store.error()));
+            black_box(monitor.life().kept());
+            let mut buffer = [0; 64];
+            black_box(monitor.outbox().fill(&mut buffer));
+            black_box((monitor.outbox().next_byte(), buffer, bridges.tare()));
+        }
+    }
+
+    const TACHOMETER: SpeedSettings = SpeedSettings {
+        pulses_per_revolution: 4,
+        timer_hz: 1_000_000,
+        timer_bits: 32,
+        counter_bits: 16,
+        count_above: 400.0,
+        period_below: 300.0,
+        gate_us: 5000,
+        standstill_us: 500_000,
+        deceleration: 1000.0,
+    };
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This is for a microcontroller; `cargo check-firmware` links it.");
+}

@@ -1,0 +1,140 @@
+//! The solver and nothing else, as `cargo check-firmware` wants it: whatever a firmware calls of the
+//! library, on input that the compiler does not know.
+//!
+//! Its panic handler calls a function that does not exist. So the program links only if the compiler
+//! has proved every panic out of it, and that it links at all is the proof.
+
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(target_os = "none", no_main)]
+
+#[cfg(target_os = "none")]
+#[path = "../../../../examples/monitored.rs"]
+mod monitored;
+/// That of the smaller core.
+#[cfg(target_os = "none")]
+type Precision = f32;
+// For the interrupt vectors, which the linker script asks for.
+#[cfg(target_os = "none")]
+extern crate stm32f4;
+
+#[cfg(target_os = "none")]
+mod bare {
+    use super::monitored;
+    use core::hint::black_box;
+    use spindle_bearing::estimate::Estimate;
+    use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH, encode};
+    use spindle_bearing::{
+        Bearing, Full, InnerRaceControl, Limits, Motion, OuterRaceControl, RacewayControlFree,
+        Real, Settings, Solver, Static, elliptic_integrals,
+    };
+    #[panic_handler]
+    #[allow(unsafe_code, reason = "the function is declared, and there is none")]
+    fn panic(_: &core::panic::PanicInfo) -> ! {
+        unsafe extern "C" {
+            safe fn the_solver_can_panic() -> !;
+        }
+        the_solver_can_panic()
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        loop {
+            // The check builds all of these, the last one to see itself fail.
+            match option_env!("BARE_SOLVER") {
+                None => single(),
+                Some("double") => double(),
+                Some(_) => spoiled(),
+            }
+        }
+    }
+
+    /// What firmware in single precision uses, for a design that the compiler works out.
+    fn single() {
+        every_scene(&monitored::BEARING);
+        monitor();
+    }
+
+    /// Double precision, and bearings of designs that only turn up at run time.
+    fn double() {
+        let design = black_box(monitored::DESIGN);
+        if let Ok(bearing) = Bearing::<f32, 16>::new(&design) {
+            every_scene(&bearing);
+        }
+        if let Ok(bearing) = Bearing::<f64, 16>::new(&design) {
+            every_scene(&bearing);
+        }
+        black_box(elliptic_integrals(black_box(0.5)));
+    }
+
+    /// What must not be there.
+    fn spoiled() {
+        let numbers = black_box([1.0_f64; 4]);
+        black_box(numbers[black_box(3)] * 3.0);
+    }
+
+    fn every_scene<T: Real, const N: usize>(bearing: &Bearing<T, N>) {
+        scene::<T, N, Static>(bearing);
+        scene::<T, N, Full<RacewayControlFree>>(bearing);
+        scene::<T, N, Full<OuterRaceControl>>(bearing);
+        scene::<T, N, Full<InnerRaceControl>>(bearing);
+    }
+
+    fn scene<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>) {
+        let mut solver = Solver::<T, N, M>::new(bearing);
+        while black_box(true) {
+            let (load, speed) = black_box(([T::ONE; 5], T::ONE));
+            let settings = black_box(Settings::default());
+            for given_load in [true, false] {
+                let solution = if given_load {
+                    solver.solve(load, speed, &settings)
+                } else {
+                    solver.law(load, speed, &settings)
+                };
+                match solution {
+                    Ok(solution) => {
+                        for (ball, force) in solution.balls().zip(solution.inner_forces()) {
+                            black_box((ball, force));
+                        }
+                        black_box(solution.exceedances(&Limits::default()).iter().count());
+                        black_box(solution);
+                    }
+                    Err(status) => {
+                        black_box(status);
+                    }
+                }
+            }
+            if black_box(true) {
+                solver.forget();
+            }
+        }
+    }
+
+    /// From bytes to an estimate.
+    fn monitor() {
+        let mut solver = Solver::<f32, { monitored::BALLS }>::new(&monitored::BEARING);
+        let settings = black_box(Settings::default());
+        let mut frames = FrameReader::<MESSAGE_LENGTH>::new();
+        while black_box(true) {
+            match frames.push(black_box(0)) {
+                None => {}
+                Some(Ok(record)) => {
+                    let _ = black_box(Estimate::of(
+                        &mut solver,
+                        &record,
+                        &settings,
+                        &black_box(Limits::default()),
+                    ));
+                    black_box(encode(&record));
+                }
+                Some(Err(error)) => {
+                    black_box(error.name());
+                }
+            }
+        }
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This is for `cargo check-firmware`, which links it and looks at what is in it.");
+}

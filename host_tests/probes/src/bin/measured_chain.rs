@@ -1,0 +1,168 @@
+//! The monitor's chain, as `cargo reports` wants it: an entry point that an emulator calls tick by tick,
+//! with the bytes of the port at fixed symbols. See `measured.rs`, which has the solver alone.
+//!
+//! `MEASURED_PRECISION` says which of the two boards' chains it is: `f32` that of the STM32F405, `f64` that
+//! of the STM32H743.
+
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(target_os = "none", no_main)]
+
+// For the interrupt vectors, which the linker script asks for.
+#[cfg(target_os = "none")]
+extern crate stm32f4;
+
+#[cfg(target_os = "none")]
+#[path = "../../../../examples/chain.rs"]
+mod chain;
+#[cfg(target_os = "none")]
+#[path = "../../../../examples/monitor_settings.rs"]
+mod monitor_settings;
+#[cfg(target_os = "none")]
+#[path = "../../../../examples/monitored.rs"]
+mod monitored;
+
+#[cfg(target_os = "none")]
+use measured::{CORE_HZ, COST, Precision};
+
+#[cfg(target_os = "none")]
+#[allow(
+    unsafe_code,
+    reason = "symbols that a debugger finds, in memory that it writes"
+)]
+mod measured {
+    use super::chain::Chain;
+    use super::monitor_settings::MONITOR;
+    use core::hint::black_box;
+    use core::mem::MaybeUninit;
+    use spindle_bearing::Real;
+    use spindle_bearing::monitor::Past;
+    use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
+
+    pub struct Choice<const I: usize>;
+    pub trait Board {
+        type T: Real;
+        const CORE_HZ: u32;
+        const COST: CycleCost;
+    }
+    impl Board for Choice<0> {
+        type T = f32;
+        const CORE_HZ: u32 = 168_000_000;
+        const COST: CycleCost = CycleCost::CORTEX_M4F;
+    }
+    impl Board for Choice<1> {
+        type T = f64;
+        const CORE_HZ: u32 = 400_000_000;
+        const COST: CycleCost = CycleCost::CORTEX_M7;
+    }
+    const PRECISION: usize = match option_env!("MEASURED_PRECISION") {
+        None => 0,
+        Some(name) => match name.as_bytes() {
+            b"f32" => 0,
+            b"f64" => 1,
+            _ => panic!("MEASURED_PRECISION is f32 or f64"),
+        },
+    };
+    pub type Precision = <Choice<PRECISION> as Board>::T;
+    pub const CORE_HZ: u32 = <Choice<PRECISION> as Board>::CORE_HZ;
+    /// One sweep more than the firmware allows: what that takes decides whether it fits. A period is 1 ms.
+    pub const COST: CycleCost =
+        <Choice<PRECISION> as Board>::COST.with_a_sweep_more(CORE_HZ / 1000);
+
+    /// Bytes that come in before a tick, at most.
+    const INPUT: usize = 1024;
+    /// Bytes that go out after it, at most.
+    const OUTPUT: usize = 8192;
+
+    #[unsafe(no_mangle)]
+    static mut MEASURED_INPUT: [u8; INPUT] = [0; INPUT];
+    #[unsafe(no_mangle)]
+    static mut MEASURED_OUTPUT: [u8; OUTPUT] = [0; OUTPUT];
+    /// Bytes that come in, and bytes that the link takes; then what came of it: bytes that went out, and
+    /// sweeps over the balls.
+    #[unsafe(no_mangle)]
+    static mut MEASURED_TICK: [u32; 4] = [0; 4];
+
+    static mut CHAIN: MaybeUninit<Chain> = MaybeUninit::uninit();
+    static mut TIME_US: u64 = 0;
+
+    /// The counter of cycles is a register that is read; the emulator counts by itself.
+    struct Cycles;
+
+    impl CycleCounter for Cycles {
+        fn cycles(&mut self) -> u32 {
+            black_box(0)
+        }
+    }
+
+    /// Builds the chain and solves a first equilibrium; 1 if there is one.
+    ///
+    /// # Safety
+    ///
+    /// Of both entry points: one thread, this one first.
+    #[unsafe(no_mangle)]
+    unsafe extern "C" fn measured_prepare() -> u32 {
+        // SAFETY: one thread, and no reference to it is left from before.
+        let chain = unsafe {
+            let chain = (&raw mut CHAIN).cast::<Chain>();
+            chain.write(Chain::new(&Past::NONE));
+            &mut *chain
+        };
+        u32::from(chain.prepare().is_ok())
+    }
+
+    /// What the firmware does in a period of its timer: bytes in, a tick, bytes out.
+    ///
+    /// # Safety
+    ///
+    /// As for [`measured_prepare`].
+    #[unsafe(no_mangle)]
+    unsafe extern "C" fn measured_tick() {
+        // SAFETY: the chain was built, nobody else looks at any of this meanwhile, and every bit pattern
+        // is one of theirs.
+        let (chain, input, output, tick, time_us) = unsafe {
+            (
+                &mut *(&raw mut CHAIN).cast::<Chain>(),
+                &*(&raw const MEASURED_INPUT).cast::<[u8; INPUT]>(),
+                &mut *(&raw mut MEASURED_OUTPUT).cast::<[u8; OUTPUT]>(),
+                &mut *(&raw mut MEASURED_TICK).cast::<[u32; 4]>(),
+                &mut *(&raw mut TIME_US).cast::<u64>(),
+            )
+        };
+        let [length, room, _, _] = *black_box(&mut *tick);
+        for byte in black_box(input).iter().take(length as usize) {
+            let _ = chain.push(*byte);
+        }
+        let outcome = chain.tick(*time_us, &mut Cycles, &mut NoWatchdog);
+        *time_us = time_us.saturating_add(MONITOR.tick.period_us.into());
+        let mut sent = 0;
+        for to in black_box(&mut *output).iter_mut().take(room as usize) {
+            let Some(byte) = chain.next_byte() else {
+                break;
+            };
+            *to = byte;
+            sent += 1;
+        }
+        *black_box(tick) = [length, room, sent, outcome.sweeps.into()];
+    }
+
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo) -> ! {
+        loop {}
+    }
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        loop {
+            // Takes their addresses, so that the linker keeps them, each a function by itself.
+            black_box(measured_tick as unsafe extern "C" fn());
+            black_box(measured_prepare as unsafe extern "C" fn() -> u32);
+        }
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!(
+        "This is for `cargo reports`, which calls what is in it on an emulated microcontroller."
+    );
+}

@@ -1,0 +1,101 @@
+//! Frames of telemetry to test with, and what they amount to.
+
+use host_tests::telemetry::decoder::Decoder;
+use host_tests::telemetry::state::State;
+use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::plausibility::Marks;
+use spindle_bearing::monitor::telemetry::{
+    AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame,
+    HealthReport, Payload, StatusCode, VERSION, encode,
+};
+
+pub fn estimate(stiffness: f32) -> EstimateReport {
+    EstimateReport {
+        age: 0,
+        marks: Marks::NONE,
+        load: [250.0, 120.0, -40.0, 0.2, 0.1],
+        speed: 1256.6,
+        displacement: [1e-5, 2e-6, -1e-6, 1e-5, -2e-5],
+        stiffness: [stiffness, 4.0 * stiffness, 4.5 * stiffness, 8e3, 9e3],
+        coupling: 1e6,
+        coupling_row: 0,
+        coupling_column: 1,
+        least_force: 10.0,
+        largest_force: 90.0,
+        status: StatusCode::Converged,
+        sweeps: 2,
+        error: [1e-6, 1e-6, 1e-5],
+        limits: 0,
+    }
+}
+
+pub fn health() -> HealthReport {
+    HealthReport {
+        ticks: 1000,
+        estimates: 990,
+        ..HealthReport::default()
+    }
+}
+
+pub fn alarm(alarm: Alarm, change: AlarmChange, state: AlarmState) -> AlarmReport {
+    AlarmReport {
+        alarm,
+        change,
+        state,
+        value: 0.25,
+        limit: 0.2,
+        ball: None,
+        raised: 1,
+        cleared: 0,
+    }
+}
+
+pub fn frame(sequence: u32, payload: Payload) -> Frame {
+    Frame {
+        version: VERSION,
+        sequence,
+        time_us: u64::from(sequence) * 1000,
+        payload,
+    }
+}
+
+pub fn stream(frames: &[Frame]) -> Vec<u8> {
+    frames.iter().flat_map(encode).collect()
+}
+
+pub fn state_of(payloads: impl IntoIterator<Item = Payload>) -> State {
+    let frames: Vec<_> = (0..)
+        .zip(payloads)
+        .map(|(i, payload)| frame(i, payload))
+        .collect();
+    let mut decoder = Decoder::new();
+    let mut state = State::default();
+    for byte in stream(&frames) {
+        if let Some(event) = decoder.push(byte) {
+            state.note(&event, decoder.tally());
+        }
+    }
+    assert_eq!(state.tally.frames, frames.len() as u64);
+    state
+}
+
+pub fn balls(forces: &[f32]) -> Vec<Payload> {
+    let chunks = forces.chunks(BALLS_PER_FRAME).enumerate();
+    let payloads = chunks.map(|(i, some)| {
+        Payload::Balls(BallsReport {
+            first: (i * BALLS_PER_FRAME) as u16,
+            count: forces.len() as u16,
+            first_azimuth: 0.0,
+            balls: some
+                .iter()
+                .map(|q_i| BallReport {
+                    q_i: *q_i,
+                    q_o: *q_i,
+                    alpha_i: 0.3,
+                    alpha_o: 0.25,
+                })
+                .collect(),
+        })
+    });
+    payloads.collect()
+}

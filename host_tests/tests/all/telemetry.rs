@@ -1,0 +1,540 @@
+//! Telemetry on the host: nothing undamaged is lost, nothing missing goes unnoticed, and the table holds all
+//! of it.
+
+use crate::frames::{alarm, balls, estimate, frame, health, state_of, stream};
+use host_tests::design_file::{DesignFile, SHIPPED};
+use host_tests::loads;
+use host_tests::milling_cycle::RECORD;
+use host_tests::telemetry::decoder::{Decoder, Event, Gap};
+use host_tests::telemetry::operator::Operator;
+use host_tests::telemetry::state::{HISTORY, State};
+use host_tests::telemetry::{simulated, table};
+use proptest::prelude::*;
+use spindle_bearing::monitor::command::{Command, Sorter};
+use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::plausibility::{Mark, Marks};
+use spindle_bearing::monitor::telemetry::{
+    AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame,
+    HealthReport, Payload, Recovery, RetentionReport, StatusCode, VERSION, encode,
+};
+
+fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
+    let mut decoder = Decoder::new();
+    let events = decoder.push_all(bytes).collect();
+    (events, decoder)
+}
+
+fn frames_of(events: &[Event]) -> Vec<&Frame> {
+    let frames = events.iter().filter_map(|event| match event {
+        Event::Frame { frame, .. } => Some(frame),
+        Event::Damaged(_) => None,
+    });
+    frames.collect()
+}
+
+fn cycle(seconds: f64) -> Vec<u8> {
+    let design = DesignFile::read(format!("{SHIPPED}/b7005c.toml")).unwrap();
+    let rows: Result<Vec<_>, _> = loads::read(RECORD)
+        .unwrap()
+        .take_while(|row| row.as_ref().is_ok_and(|row| row.time_s < seconds))
+        .collect();
+    simulated::stream(&design.design, &rows.unwrap()).unwrap()
+}
+
+// Numbers that are none are the same in the table whatever their bits, so that they are left out where
+// frames are compared.
+prop_compose! {
+    fn any_estimate()(
+        (age, sweeps) in any::<(u32, u16)>(),
+        marks in prop::collection::vec(prop::sample::select(Mark::ALL.to_vec()), 0..5),
+        floats in prop::array::uniform24(number()),
+        (coupling_row, coupling_column) in any::<(u8, u8)>(),
+        status in prop::sample::select(vec![
+            StatusCode::Converged,
+            StatusCode::PrecisionLimit,
+            StatusCode::Unseated,
+            StatusCode::Diverged,
+        ]),
+        limits in 0..64_u8,
+    ) -> EstimateReport {
+        let five = |at: usize| core::array::from_fn(|i| floats[at + i]);
+        EstimateReport {
+            age,
+            marks: marks.into_iter().fold(Marks::NONE, Marks::with),
+            load: five(0),
+            speed: floats[5],
+            displacement: five(6),
+            stiffness: five(11),
+            coupling: floats[16],
+            coupling_row,
+            coupling_column,
+            least_force: floats[17],
+            largest_force: floats[18],
+            status,
+            sweeps,
+            error: [floats[19], floats[20], floats[21]],
+            limits,
+        }
+    }
+}
+
+fn number() -> impl Strategy<Value = f32> {
+    prop::num::f32::NORMAL
+        | prop::num::f32::SUBNORMAL
+        | prop::num::f32::ZERO
+        | prop::num::f32::INFINITE
+}
+
+prop_compose! {
+    fn any_balls()(
+        (first, count) in any::<(u16, u16)>(),
+        first_azimuth in number(),
+        balls in prop::collection::vec(prop::array::uniform4(number()), 0..=BALLS_PER_FRAME),
+    ) -> BallsReport {
+        let ball = |[q_i, q_o, alpha_i, alpha_o]: [f32; 4]| BallReport { q_i, q_o, alpha_i, alpha_o };
+        BallsReport {
+            first,
+            count,
+            first_azimuth,
+            balls: balls.into_iter().map(ball).collect(),
+        }
+    }
+}
+
+prop_compose! {
+    fn any_alarm()(
+        alarm in prop::sample::select(Alarm::ALL.to_vec()),
+        change in prop::sample::select(vec![
+            AlarmChange::Raised,
+            AlarmChange::Cleared,
+            AlarmChange::Acknowledged,
+            AlarmChange::Standing,
+        ]),
+        state in prop::sample::select(vec![
+            AlarmState::Clear,
+            AlarmState::Pending,
+            AlarmState::Raised,
+            AlarmState::Acknowledged,
+            AlarmState::Latched,
+        ]),
+        (value, limit) in (number(), number()),
+        ball in any::<Option<u16>>(),
+        (raised, cleared) in any::<(u32, u32)>(),
+    ) -> AlarmReport {
+        AlarmReport { alarm, change, state, value, limit, ball, raised, cleared }
+    }
+}
+
+prop_compose! {
+    fn any_health()(
+        counts in prop::array::uniform10(any::<u64>()),
+        most_cycles in any::<u32>(),
+        life_used in number(),
+        marks in prop::collection::vec(prop::sample::select(Mark::ALL.to_vec()), 0..5),
+        retention in any_retention(),
+    ) -> HealthReport {
+        HealthReport {
+            ticks: counts[0],
+            overruns: counts[1],
+            missed_ticks: counts[2],
+            estimates: counts[3],
+            refusals: counts[4],
+            marked_samples: counts[5],
+            alarms_raised: counts[6],
+            alarms_cleared: counts[7],
+            frames_dropped: counts[8],
+            most_cycles,
+            revolutions: counts[9],
+            life_used,
+            marks: marks.into_iter().fold(Marks::NONE, Marks::with),
+            retention,
+        }
+    }
+}
+
+prop_compose! {
+    fn any_retention()(
+        baseline in prop::sample::select(Recovery::ALL.to_vec()),
+        life in prop::sample::select(Recovery::ALL.to_vec()),
+        damaged in any::<u16>(),
+        (written, failed) in any::<(u32, u32)>(),
+    ) -> RetentionReport {
+        RetentionReport { baseline, life, damaged, written, failed }
+    }
+}
+
+fn any_payload() -> impl Strategy<Value = Payload> {
+    prop_oneof![
+        any_estimate().prop_map(Payload::Estimate),
+        any_balls().prop_map(Payload::Balls),
+        any_alarm().prop_map(Payload::Alarm),
+        any_health().prop_map(Payload::Health),
+    ]
+}
+
+/// Frames with consecutive numbers, which may wrap.
+fn any_frames() -> impl Strategy<Value = Vec<Frame>> {
+    let payloads = prop::collection::vec((any::<u64>(), any_payload()), 2..12);
+    (any::<u32>(), payloads).prop_map(|(first, payloads)| {
+        let number = |i: usize| first.wrapping_add(i as u32);
+        let frames = payloads.into_iter().enumerate();
+        frames
+            .map(|(i, (time_us, payload))| Frame {
+                version: VERSION,
+                sequence: number(i),
+                time_us,
+                payload,
+            })
+            .collect()
+    })
+}
+
+proptest! {
+    #[test]
+    fn an_undamaged_stream_arrives_whole_and_counts_nothing_as_lost(frames in any_frames()) {
+        let bytes = stream(&frames);
+        let (events, decoder) = decoded(&bytes);
+        prop_assert_eq!(frames_of(&events), frames.iter().collect::<Vec<_>>());
+        let tally = decoder.tally();
+        prop_assert_eq!(tally.bytes, bytes.len() as u64);
+        prop_assert_eq!(tally.frames, frames.len() as u64);
+        prop_assert_eq!((tally.lost, tally.damaged, tally.restarts), (0, 0, 0));
+    }
+
+    /// Bytes changed, removed and put in between: whatever frame they leave alone, and whose delimiter
+    /// before it arrives, is there in the end.
+    #[test]
+    fn every_undamaged_frame_after_the_next_delimiter_is_recovered(
+        frames in any_frames(),
+        hits in prop::collection::vec((any::<prop::sample::Index>(), 0..3_u8, any::<u8>()), 1..6),
+    ) {
+        let mut pieces: Vec<Vec<u8>> = frames.iter().map(|frame| encode(frame).to_vec()).collect();
+        let mut is_hit = vec![false; frames.len()];
+        for (at, how, byte) in hits {
+            let which = at.index(frames.len());
+            is_hit[which] = true;
+            let piece = &mut pieces[which];
+            let place = at.index(piece.len().max(1));
+            match how {
+                0 if place < piece.len() => piece[place] ^= byte.max(1),
+                1 if place < piece.len() => drop(piece.remove(place)),
+                _ => piece.insert(place, byte),
+            }
+        }
+        let bytes = pieces.concat();
+        let (events, decoder) = decoded(&bytes);
+        let arrived = frames_of(&events);
+        for (i, frame) in frames.iter().enumerate() {
+            let begins_clean = i == 0 || pieces[i - 1].last() == Some(&0);
+            if !is_hit[i] && begins_clean {
+                prop_assert!(arrived.contains(&frame), "frame {i} is lost");
+            }
+        }
+        // No damaged frame passes for another one.
+        for frame in &arrived {
+            prop_assert!(frames.contains(frame));
+        }
+        let tally = decoder.tally();
+        prop_assert_eq!(tally.frames, arrived.len() as u64);
+        prop_assert_eq!(tally.restarts, 0);
+        // Between the first and the last that arrived, every other one is counted.
+        if let (Some(first), Some(last)) = (arrived.first(), arrived.last()) {
+            let span = u64::from(last.sequence.wrapping_sub(first.sequence)) + 1;
+            prop_assert_eq!(tally.frames + tally.lost, span);
+        }
+    }
+
+    #[test]
+    fn frames_taken_out_are_counted_where_they_are_missing(
+        frames in any_frames(),
+        kept in prop::collection::vec(any::<bool>(), 12),
+    ) {
+        let left: Vec<Frame> = frames
+            .iter()
+            .zip(&kept)
+            .filter(|(_, kept)| **kept)
+            .map(|(frame, _)| frame.clone())
+            .collect();
+        let (events, _) = decoded(&stream(&left));
+        let mut before: Option<u32> = None;
+        for event in &events {
+            let Event::Frame { frame, gap } = event else {
+                return Err(TestCaseError::fail("nothing was damaged"));
+            };
+            let missing = before.map_or(0, |n| frame.sequence.wrapping_sub(n) - 1);
+            let expected = if missing == 0 { Gap::None } else { Gap::Lost(missing) };
+            prop_assert_eq!(*gap, expected);
+            before = Some(frame.sequence);
+        }
+    }
+
+    #[test]
+    fn garbage_is_damage_and_the_frame_after_it_is_read(
+        garbage in prop::collection::vec(any::<u8>(), 0..2000),
+    ) {
+        let whole = frame(7, Payload::Health(health()));
+        let mut bytes = garbage;
+        bytes.push(0);
+        bytes.extend(encode(&whole));
+        let (events, decoder) = decoded(&bytes);
+        prop_assert_eq!(frames_of(&events), [&whole]);
+        prop_assert_eq!(decoder.tally().damaged as usize, events.len() - 1);
+    }
+
+    #[test]
+    fn the_table_holds_every_frame_to_the_last_bit(frames in any_frames()) {
+        let (events, _) = decoded(&stream(&frames));
+        let mut out = Vec::new();
+        let mut writer = table::Writer::new(&mut out);
+        for event in &events {
+            writer.write(event).unwrap();
+        }
+        writer.flush().unwrap();
+        drop(writer);
+        prop_assert_eq!(table::read(out.as_slice()).unwrap(), frames);
+    }
+}
+
+#[test]
+fn numbers_that_wrap_are_no_gap_and_numbers_that_go_back_are_a_restart() {
+    let health = |n| frame(n, Payload::Health(health()));
+    let frames = [u32::MAX - 1, u32::MAX, 0, 1, 5, 0, 1].map(health);
+    let (events, decoder) = decoded(&stream(&frames));
+    let gaps: Vec<Gap> = events
+        .iter()
+        .map(|event| match event {
+            Event::Frame { gap, .. } => *gap,
+            Event::Damaged(error) => panic!("{error}"),
+        })
+        .collect();
+    let (none, lost) = (Gap::None, Gap::Lost(3));
+    assert_eq!(gaps, [none, none, none, none, lost, Gap::Restart, none]);
+    assert_eq!((decoder.tally().lost, decoder.tally().restarts), (3, 1));
+}
+
+#[test]
+fn a_frame_of_another_version_is_told_from_damage() {
+    let other = Frame {
+        version: VERSION + 1,
+        ..frame(0, Payload::Health(health()))
+    };
+    let mut bytes = encode(&other).to_vec();
+    bytes.extend([3, 1, 1, 0]);
+    let tally = decoded(&bytes).1.tally();
+    assert_eq!((tally.damaged, tally.foreign), (2, 1));
+}
+
+#[test]
+fn damage_has_a_row_of_its_own_and_a_gap_is_in_the_row_after_it() {
+    let mut bytes = encode(&frame(0, balls(&[1.0; 8])[0].clone())).to_vec();
+    bytes.extend([9, 1, 1, 0]);
+    bytes.extend(encode(&frame(3, balls(&[1.0; 8])[0].clone())));
+    let mut out = Vec::new();
+    let mut writer = table::Writer::new(&mut out);
+    for event in &decoded(&bytes).0 {
+        writer.write(event).unwrap();
+    }
+    writer.flush().unwrap();
+    drop(writer);
+    let text = String::from_utf8(out.clone()).unwrap();
+    let kinds: Vec<&str> = text
+        .lines()
+        .skip(1)
+        .filter_map(|l| l.split(',').next())
+        .collect();
+    assert_eq!(kinds.iter().filter(|kind| **kind == "damaged").count(), 1);
+    assert_eq!(kinds.len(), 17);
+    let lost: u32 = text
+        .lines()
+        .filter(|line| line.starts_with("ball,"))
+        .map(|line| line.split(',').nth(1).unwrap().parse::<u32>().unwrap())
+        .sum();
+    assert_eq!(lost, 2);
+    assert_eq!(table::read(out.as_slice()).unwrap().len(), 2);
+}
+
+#[test]
+fn a_table_with_a_wrong_row_is_refused_by_its_number() {
+    let mut out = Vec::new();
+    let mut writer = table::Writer::new(&mut out);
+    let (events, _) = decoded(&stream(&[
+        frame(0, Payload::Health(health())),
+        frame(1, Payload::Health(health())),
+    ]));
+    for event in &events {
+        writer.write(event).unwrap();
+    }
+    writer.flush().unwrap();
+    drop(writer);
+    let text = String::from_utf8(out).unwrap();
+    let (first, last) = text.trim_end().rsplit_once('\n').unwrap();
+    for (from, to) in [("health", "wealth"), (",1000,", ",,"), (",1000,", ",x,")] {
+        assert!(last.contains(from));
+        let spoiled = format!("{first}\n{}\n", last.replacen(from, to, 1));
+        let error = format!("{:#}", table::read(spoiled.as_bytes()).unwrap_err());
+        assert!(error.contains("row 2"), "{error}");
+    }
+}
+
+#[test]
+fn the_simulation_solves_every_row_of_the_recording() {
+    let bytes = cycle(10.0);
+    let (events, decoder) = decoded(&bytes);
+    let tally = decoder.tally();
+    assert_eq!((tally.lost, tally.damaged, tally.restarts), (0, 0, 0));
+    let mut state = State::default();
+    let (mut estimates, mut reports) = (0, 0);
+    for event in &events {
+        state.note(event, tally);
+        let Event::Frame { frame, .. } = event else {
+            continue;
+        };
+        match &frame.payload {
+            Payload::Estimate(_) => estimates += 1,
+            Payload::Balls(_) => reports += 1,
+            _ => {}
+        }
+    }
+    assert_eq!((estimates, reports), (1000, 2000));
+    let health = state.health.unwrap().report;
+    assert_eq!((health.ticks, health.estimates), (1000, 1000));
+    let estimate = state.estimate.unwrap().report;
+    let forces = || state.balls.balls.iter().flatten().map(|ball| ball.q_i);
+    assert_eq!(forces().fold(0.0, f32::max), estimate.largest_force);
+    assert_eq!(forces().fold(f32::INFINITY, f32::min), estimate.least_force);
+}
+
+/// At rest there is no friction, and contact forces and angles are all there is.
+#[test]
+fn the_balls_at_rest_carry_the_load_that_is_reported_with_them() {
+    let bytes = cycle(2.0);
+    let (events, decoder) = decoded(&bytes);
+    let mut state = State::default();
+    for event in &events {
+        state.note(event, decoder.tally());
+    }
+    let estimate = state.estimate.unwrap().report;
+    assert_eq!(estimate.speed, 0.0);
+    let mut carried = [0.0; 3];
+    for (i, ball) in state.balls.balls.iter().enumerate() {
+        let ball = ball.unwrap();
+        let force = f64::from(ball.q_i);
+        let (sin, cos) = f64::from(ball.alpha_i).sin_cos();
+        let (towards_z, towards_y) = state.balls.azimuth(i).sin_cos();
+        carried[0] += force * sin;
+        carried[1] += force * cos * towards_y;
+        carried[2] += force * cos * towards_z;
+    }
+    for (carried, load) in carried.into_iter().zip(estimate.load) {
+        assert!(
+            (carried - f64::from(load)).abs() < 0.02,
+            "{carried} and {load} N"
+        );
+    }
+}
+
+#[test]
+fn the_history_is_bounded_and_keeps_the_newest() {
+    let count = HISTORY + 100;
+    let state = state_of((0..count).map(|i| Payload::Estimate(estimate(i as f32))));
+    assert_eq!(state.history.len(), HISTORY);
+    assert_eq!(
+        state.history.back().unwrap().stiffness[0],
+        (count - 1) as f32
+    );
+    assert_eq!(state.history.front().unwrap().stiffness[0], 100.0);
+}
+
+#[test]
+fn a_restart_forgets_what_was_and_goes_on_counting() {
+    let mut decoder = Decoder::new();
+    let mut state = State::default();
+    let raised = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
+    let frames = [
+        frame(100, Payload::Alarm(raised)),
+        frame(101, Payload::Estimate(estimate(5e7))),
+        frame(0, Payload::Health(health())),
+    ];
+    for byte in stream(&frames) {
+        if let Some(event) = decoder.push(byte) {
+            state.note(&event, decoder.tally());
+        }
+    }
+    assert_eq!(state.standing().count(), 0);
+    assert_eq!((state.history.len(), state.time_us), (0, 0));
+    assert_eq!((state.tally.frames, state.tally.restarts), (3, 1));
+}
+
+// --- commands -----------------------------------------------------------------------------------
+
+/// The commands in a stream of bytes, as the board finds them.
+fn commands(bytes: &[u8]) -> Vec<Command> {
+    let mut sorter = Sorter::new();
+    let found = |byte: &u8| sorter.push(*byte, |other| panic!("{other} is no command's"));
+    bytes.iter().filter_map(found).collect()
+}
+
+#[test]
+fn only_alarms_that_nobody_has_acknowledged_are_acknowledged() {
+    let mut state = State::default();
+    let mut decoder = Decoder::new();
+    let reports = [
+        alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised),
+        alarm(Alarm::Sensor, AlarmChange::Cleared, AlarmState::Latched),
+        alarm(
+            Alarm::Deadline,
+            AlarmChange::Acknowledged,
+            AlarmState::Acknowledged,
+        ),
+        alarm(Alarm::LifeUsed, AlarmChange::Cleared, AlarmState::Clear),
+    ];
+    for (sequence, report) in (0..).zip(reports) {
+        for byte in encode(&frame(sequence, Payload::Alarm(report))) {
+            if let Some(event) = decoder.push(byte) {
+                state.note(&event, decoder.tally());
+            }
+        }
+    }
+    let mut operator = Operator::new(Vec::new());
+    let said = operator.press('a', &state).unwrap();
+    assert_eq!(said.as_deref(), Some("2 alarms acknowledged"));
+    assert_eq!(operator.press('x', &state).unwrap(), None);
+    let mut sent = commands(&operator.into_inner());
+    sent.sort_by_key(|command| format!("{command:?}"));
+    assert_eq!(sent, [Alarm::Sensor, Alarm::Slip].map(Command::Acknowledge));
+}
+
+#[test]
+fn learning_begins_and_ends_by_one_key_and_all_alarms_are_acknowledged_unseen() {
+    let state = State::default();
+    let mut operator = Operator::new(Vec::new());
+    let mut press = || operator.press('l', &state).unwrap().unwrap();
+    assert_eq!(
+        [press(), press()],
+        [
+            "learning of the baseline begun",
+            "learning of the baseline ended"
+        ]
+    );
+    operator.acknowledge_all().unwrap();
+    let mut expected = vec![Command::Learn(true), Command::Learn(false)];
+    expected.extend(Alarm::ALL.map(Command::Acknowledge));
+    assert_eq!(commands(&operator.into_inner()), expected);
+}
+
+#[test]
+fn a_port_that_takes_no_bytes_is_told_of() {
+    struct Gone;
+    impl std::io::Write for Gone {
+        fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+            Err(std::io::ErrorKind::BrokenPipe.into())
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    let error = Operator::new(Gone)
+        .press('l', &State::default())
+        .unwrap_err();
+    assert_eq!(error.to_string(), "cannot send a command to the board");
+}

@@ -1,0 +1,64 @@
+//! Names on the command line for what the judge has types for.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use host_tests::campaign::families::Family;
+use host_tests::dispatch::{Attitude, Precision};
+
+/// A value by its name, with a line of help.
+type Named<T> = (&'static str, &'static str, T);
+
+fn one_of<T: Copy + Send + Sync + 'static>(
+    all: impl IntoIterator<Item = Named<T>>,
+) -> impl TypedValueParser<Value = T> {
+    let all: Vec<Named<T>> = all.into_iter().collect();
+    let names = all.iter().map(|(name, help, _)| {
+        let name = PossibleValue::new(*name);
+        if help.is_empty() {
+            name
+        } else {
+            name.help(*help)
+        }
+    });
+    PossibleValuesParser::new(names).try_map(move |given| {
+        let found = all.iter().find(|(name, ..)| *name == given);
+        found.map(|(.., value)| *value).ok_or("unknown")
+    })
+}
+
+/// The working precision.
+pub fn precision() -> impl TypedValueParser<Value = Precision> {
+    one_of([
+        (
+            "f32",
+            "Single precision, as the firmware computes",
+            Precision::F32,
+        ),
+        ("f64", "Double precision", Precision::F64),
+    ])
+}
+
+/// The rule for the axis about which a ball turns.
+pub fn attitude() -> impl TypedValueParser<Value = Attitude> {
+    one_of([
+        (
+            "raceless",
+            "Raceway-control-free: from d'Alembert's principle, no race presumed to be in control",
+            Attitude::Raceless,
+        ),
+        (
+            "outer",
+            "Outer race control: no spin at the outer race",
+            Attitude::Outer,
+        ),
+        (
+            "inner",
+            "Inner race control: no spin at the inner race; not for loads that lift balls off it",
+            Attitude::Inner,
+        ),
+    ])
+}
+
+/// A family of the campaign's cases.
+pub fn family() -> impl TypedValueParser<Value = Family> {
+    one_of(Family::ALL.map(|family| (family.name(), "", family)))
+}

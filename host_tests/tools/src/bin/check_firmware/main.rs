@@ -1,0 +1,266 @@
+//! `cargo check-firmware`: no panic, no double precision and no allocation in the solver and the monitor
+//! on a microcontroller, and no square root in software in the solver, proved on linked programs.
+//!
+//! - `bare_solver` and `bare_monitor` have a panic handler that does not link. They must link, the solver
+//!   in single precision and in double.
+//! - In it, and in the firmware as shipped, what the solver calls is followed through the
+//!   relocations. For what must not be there, the way to it is printed.
+//! - `measured` is built for every scene without a panic handler that links, and must have nothing of what that
+//!   scene leaves out.
+//! - All are first shown a program that has it: a check that finds nothing there is blind.
+
+mod scenes;
+mod unwanted;
+
+use addr2line::Loader;
+use anyhow::{Context, Result, bail};
+use std::error::Error;
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use tools::cross::{self, Build, Origin};
+use tools::graph::{self, Graph, Reach};
+use unwanted::Unwanted;
+
+/// Keeps the relocations of a linked program.
+const RELOCATIONS: &str = "--emit-relocs";
+/// What the panic handlers of the bare programs call, and nobody defines.
+const MISSING: &str = "the_solver_can_panic";
+
+fn main() -> ExitCode {
+    match check() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn check() -> Result<()> {
+    let root = tools::root();
+    cross::add_target(root)?;
+    be_seen_to_fail(root)?;
+    bare(root, SOLVER, None, &Unwanted::ALL)?;
+    bare(
+        root,
+        SOLVER,
+        Some("double"),
+        &[Unwanted::Panic, Unwanted::Allocation],
+    )?;
+    bare(root, MONITOR, None, &Unwanted::BUT_ROOTS)?;
+    for sensors in [None, Some("bridges")] {
+        shipped(
+            root,
+            Origin::F405,
+            "spindle_monitor",
+            sensors,
+            &Unwanted::BUT_ROOTS,
+        )?;
+        shipped(
+            root,
+            Origin::H743,
+            "spindle_monitor_h743",
+            sensors,
+            &[Unwanted::Panic, Unwanted::Allocation],
+        )?;
+    }
+    scenes::check(root)
+}
+
+/// The programs without a panic handler.
+const SOLVER: &str = "bare_solver";
+const MONITOR: &str = "bare_monitor";
+
+/// A linked program.
+struct Program {
+    path: PathBuf,
+    graph: Graph,
+}
+
+impl Program {
+    fn build(build: &Build<'_>, root: &Path) -> Result<Self> {
+        let path = build.run(root)?;
+        let elf = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let graph =
+            Graph::read(&elf).with_context(|| format!("cannot make out {}", path.display()))?;
+        Ok(Self { path, graph })
+    }
+
+    fn reach_from_main(&self) -> Reach<'_> {
+        self.graph.reach(|name| name == "main")
+    }
+
+    /// The lines of source behind an address, from the innermost inlined function outwards.
+    fn lines(&self, address: u64) -> Result<String, Box<dyn Error>> {
+        let loader = Loader::new(&self.path)?;
+        let mut frames = loader.find_frames(address)?;
+        let mut lines = String::new();
+        while let Some(frame) = frames.next()? {
+            if let Some(place) = frame.location {
+                let (file, line) = (place.file.unwrap_or("?"), place.line.unwrap_or(0));
+                write!(lines, "\n       at {file}:{line}")?;
+            }
+        }
+        Ok(lines)
+    }
+}
+
+/// Builds a bare program; where `lenient`, with a definition of what must not be called.
+fn build_bare(root: &Path, program: &str, variant: Option<&str>, lenient: bool) -> Result<Program> {
+    let definition = format!("--defsym={MISSING}=0");
+    let link = [RELOCATIONS, &definition];
+    let build = Build {
+        origin: Origin::Probes,
+        program,
+        link: if lenient { &link } else { &link[..1] },
+        environment: &[("BARE_SOLVER", variant)],
+        quiet: true,
+        ..Build::default()
+    };
+    Program::build(&build, root)
+}
+
+/// Builds the image that has one scene alone, and no panic.
+fn build_scene(root: &Path, scene: &str) -> Result<Program> {
+    let build = Build {
+        origin: Origin::Probes,
+        program: "measured",
+        link: &[RELOCATIONS],
+        environment: &[
+            ("MEASURED_PRECISION", Some("f32")),
+            ("MEASURED_BALLS", None),
+            ("MEASURED_SCENE", Some(scene)),
+            ("PROVED", Some("yes")),
+        ],
+        quiet: true,
+        ..Build::default()
+    };
+    Program::build(&build, root).with_context(|| format!("the scene {scene}"))
+}
+
+/// Fails unless a program with a panic and a double in it fails to link, and both are found.
+fn be_seen_to_fail(root: &Path) -> Result<()> {
+    let spoiled = Some("spoiled");
+    match build_bare(root, SOLVER, spoiled, false) {
+        Ok(_) => bail!("this check is blind: a program that can panic links"),
+        Err(error) if is_missing(&error) => {}
+        Err(error) => return Err(error.context("bare_solver does not build")),
+    }
+    let program = build_bare(root, SOLVER, spoiled, true)?;
+    for kind in [Unwanted::Panic, Unwanted::Double] {
+        if find(&program.reach_from_main(), kind).is_none() {
+            bail!(
+                "this check is blind: it does not see that a program {}",
+                kind.verb()
+            );
+        }
+    }
+    println!("a program with a panic and a double in it: refused");
+    Ok(())
+}
+
+fn is_missing(error: &anyhow::Error) -> bool {
+    error
+        .to_string()
+        .contains(&format!("undefined symbol: {MISSING}"))
+}
+
+/// Checks the solver, or the monitor, by itself.
+fn bare(root: &Path, name: &str, variant: Option<&str>, kinds: &[Unwanted]) -> Result<()> {
+    let what = format!("{name} in {} precision", variant.unwrap_or("single"));
+    let (program, links) = match build_bare(root, name, variant, false) {
+        Ok(program) => (program, true),
+        Err(error) if is_missing(&error) => (build_bare(root, name, variant, true)?, false),
+        Err(error) => return Err(error.context(format!("{name} does not build"))),
+    };
+    refuse(&what, &program, &program.reach_from_main(), kinds)?;
+    if !links {
+        bail!("{what} can panic: it does not link for want of `{MISSING}`");
+    }
+    Ok(())
+}
+
+/// Checks the monitor's firmware for a board.
+fn shipped(
+    root: &Path,
+    origin: Origin,
+    name: &str,
+    sensors: Option<&str>,
+    kinds: &[Unwanted],
+) -> Result<()> {
+    let build = Build {
+        origin,
+        program: name,
+        link: &[RELOCATIONS],
+        environment: &[("SPINDLE_SENSORS", sensors)],
+        ..Build::default()
+    };
+    let program = Program::build(&build, root)?;
+    if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
+        bail!("this check is blind: it does not see the panics of the firmware's main");
+    }
+    let roots = ["recall", "take", "tick", "keep"]
+        .map(|function| format!("{name}::application::{function}"));
+    let is_root = |name: &str| {
+        let is = |root: &String| {
+            let rest = name.strip_prefix(root.as_str());
+            // A generic one has its parameters behind it.
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with("::<"))
+        };
+        roots.iter().any(is) || is_library(name)
+    };
+    let reach = program.graph.reach(is_root);
+    for root in &roots {
+        if !reach.names().any(|name| name.starts_with(root.as_str())) {
+            bail!("there is no {root} in the firmware to check");
+        }
+    }
+    let root = roots.join(", ");
+    let with = sensors.map_or(String::new(), |sensors| format!(" with {sensors}"));
+    let what = format!("{root} in the firmware{with}");
+    refuse(&what, &program, &reach, kinds)
+}
+
+/// The library's own code, less what prints its types for a log.
+fn is_library(name: &str) -> bool {
+    let path = name.trim_start_matches('<');
+    path.starts_with("spindle_bearing::") && !name.contains("defmt")
+}
+
+fn find<'r>(reach: &'r Reach<'_>, kind: Unwanted) -> Option<graph::Path<'r>> {
+    reach.path(|name| kind.is(name))
+}
+
+/// As [`clean`], of a program that must have functions of the library to look at.
+fn refuse(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
+    if !reach.names().any(is_library) {
+        bail!("this check is blind: there is no solver in {what}");
+    }
+    clean(what, program, reach, kinds)
+}
+
+/// Fails if anything unwanted is reachable, and says by which way.
+fn clean(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
+    for kind in kinds {
+        if let Some(path) = find(reach, *kind) {
+            let names = path.names.join("\n    -> ");
+            // The way is worth telling without the lines, too.
+            let lines = path.last.and_then(|at| program.lines(at).ok());
+            bail!(
+                "{what} {}:\n       {names}{}\n{}",
+                kind.verb(),
+                lines.unwrap_or_default(),
+                kind.advice()
+            );
+        }
+    }
+    let verbs: Vec<_> = kinds.iter().map(|kind| kind.verb()).collect();
+    println!(
+        "{what}: {} functions and constants, nothing that {}",
+        reach.names().count(),
+        verbs.join(", ")
+    );
+    Ok(())
+}

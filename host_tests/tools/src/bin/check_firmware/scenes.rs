@@ -1,0 +1,355 @@
+//! What a scene leaves out must not be in a firmware that has that scene alone.
+//!
+//! Functions are told by the debug information, which knows the inlined ones, too: every instruction that
+//! the solver reaches is asked for the functions and the source lines that it comes from. Physics that is
+//! a part of a function stands in the library's source behind a constant of the scene, as in
+//! `if D == 5 {`; no instruction may come from the lines of such a block.
+
+use crate::{Program, build_scene, clean, unwanted::Unwanted};
+use addr2line::Loader;
+use anyhow::{Context, Result, bail};
+use probes::for_every_scene;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use tools::graph::Reach;
+
+/// Something that a scene may leave out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    /// Everything that belongs to a shaft that turns.
+    Speed,
+    /// Gyroscopic moment, friction and its couple.
+    Friction,
+    /// Rules of attitude other than that without race control.
+    RaceControl,
+    /// The rule without race control.
+    RacewayControlFree,
+    /// Balls at rest that are more than one.
+    Rest,
+    /// Linearised balls, their laws, sums and elimination.
+    Iteration,
+    /// A ball in closed form.
+    ClosedForm,
+    /// Radial displacements.
+    Radial,
+    /// Tilts.
+    Tilts,
+    /// Displacements that are given.
+    Held,
+    /// Stiffness put out.
+    Stiffness,
+    /// States of balls put out.
+    Balls,
+    /// How constants come from a design.
+    Design,
+}
+
+impl Part {
+    const ALL: [Self; 13] = [
+        Self::Speed,
+        Self::Friction,
+        Self::RaceControl,
+        Self::RacewayControlFree,
+        Self::Rest,
+        Self::Iteration,
+        Self::ClosedForm,
+        Self::Radial,
+        Self::Tilts,
+        Self::Held,
+        Self::Stiffness,
+        Self::Balls,
+        Self::Design,
+    ];
+
+    /// Parts of the names of its functions and constants.
+    fn names(self) -> &'static [&'static str] {
+        match self {
+            Self::Speed => &[
+                "spindle_bearing::kinematics::",
+                "spindle_bearing::ball::Ball<",
+                "spindle_bearing::turning::place",
+                "spindle_bearing::turning::free_ball",
+                "spindle_bearing::turning::Turning",
+                "spindle_bearing::solver::speed::",
+                "spindle_bearing::spring::",
+                "spindle_bearing::contact::Lead<",
+                "::unseated",
+                "atan",
+            ],
+            Self::Friction | Self::Radial | Self::Tilts => &[],
+            Self::RaceControl => &["OuterRaceControl", "InnerRaceControl"],
+            Self::RacewayControlFree => &["RacewayControlFree as"],
+            Self::Rest => &["spindle_bearing::solver::rest::"],
+            Self::Iteration => &[
+                "spindle_bearing::solver::iteration::Iteration<",
+                "spindle_bearing::ring::Sums<",
+                "spindle_bearing::ring::TangentSums<",
+                "spindle_bearing::ring::Factors<",
+                "spindle_bearing::spring::",
+                "::linearise",
+                "::rebase",
+            ],
+            Self::ClosedForm => &["::balance"],
+            Self::Held => &[
+                "spindle_bearing::conditions::hold",
+                "spindle_bearing::conditions::constrain",
+                "spindle_bearing::conditions::missing",
+            ],
+            Self::Stiffness => &["spindle_bearing::ring::stiffness_out"],
+            Self::Balls => &[
+                "spindle_bearing::solver::solution::Solution<T,_,_,M,spindle_bearing::freedoms::Freedoms<_>,B,O>::",
+                "spindle_bearing::limits::",
+            ],
+            Self::Design => &[
+                "spindle_bearing::hertz::",
+                "spindle_bearing::elementary::",
+                "spindle_bearing::design::",
+                "spindle_bearing::constants::in_double",
+            ],
+        }
+    }
+
+    /// The conditions of the blocks that it is in.
+    fn guards(self) -> &'static [&'static str] {
+        match self {
+            Self::Speed => &["M::AT_SPEED"],
+            Self::Friction => &["A::FRICTION"],
+            Self::Radial => &["D >= 3"],
+            Self::Tilts => &["D == 5"],
+            Self::Held => &["B::HOLDS", "B::HELD["],
+            Self::Stiffness => &["O::STIFFNESS"],
+            Self::ClosedForm => &["D == 1 &&"],
+            _ => &[],
+        }
+    }
+}
+
+macro_rules! left_out {
+    ($($number:literal $name:literal: $motion:ty, $freedoms:literal, $given:ty, $output:ty;
+        $attitude:expr, $without:literal, $double:literal, [$($part:ident),*];)*) => {
+        /// The scenes, and what each leaves out besides states of balls and designs, which all do.
+        const SCENES: &[(&str, &[Part])] = &[$(($name, &[$(Part::$part),*])),*];
+    };
+}
+for_every_scene!(left_out);
+
+/// Source lines of the solver that stand behind a condition, by file under `src`.
+struct Guarded {
+    /// The condition's line, and the block's.
+    blocks: BTreeMap<String, Vec<(String, std::ops::Range<u32>)>>,
+}
+
+impl Guarded {
+    fn read(root: &Path) -> Result<Self> {
+        let mut blocks = BTreeMap::new();
+        let root = root.join("src");
+        let mut folders = vec![root.clone()];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder)? {
+                let path = entry?.path();
+                let name = path.strip_prefix(&root)?.to_string_lossy().into_owned();
+                if path.is_dir() {
+                    // The monitor is beside every scene.
+                    if name != "monitor" {
+                        folders.push(path);
+                    }
+                    continue;
+                }
+                let text = fs::read_to_string(&path)
+                    .with_context(|| format!("cannot read {}", path.display()))?;
+                blocks.insert(name, Self::blocks(&text));
+            }
+        }
+        Ok(Self { blocks })
+    }
+
+    /// Blocks of `if`s that end on the line that they begin on, which is how they are formatted.
+    fn blocks(text: &str) -> Vec<(String, std::ops::Range<u32>)> {
+        let lines: Vec<&str> = text.lines().collect();
+        let indent = |line: &str| line.len() - line.trim_start().len();
+        let mut found = Vec::new();
+        for (i, line) in lines.iter().enumerate() {
+            let opens = line.trim_end().ends_with('{');
+            let is_if = line.trim_start().starts_with("if ") || line.contains("= if ");
+            if !(opens && is_if) {
+                continue;
+            }
+            let rest = lines[i + 1..].iter();
+            let inside = rest
+                .take_while(|l| l.trim().is_empty() || indent(l) > indent(line))
+                .count();
+            found.push((
+                line.trim().to_owned(),
+                i as u32 + 2..(i + 2 + inside) as u32,
+            ));
+        }
+        found
+    }
+
+    /// The condition by which a part should not be at a line, if it should not.
+    fn guard(&self, part: Part, file: &str, line: u32) -> Option<&str> {
+        let blocks = self.blocks.get(file)?;
+        let mut guards = blocks.iter().filter(|(_, lines)| lines.contains(&line));
+        let guard = guards.find(|(condition, _)| {
+            part.guards().iter().any(|guard| {
+                condition
+                    .find(guard)
+                    .is_some_and(|at| !condition[..at].ends_with('!'))
+                    && !condition.contains("||")
+            })
+        });
+        guard.map(|(condition, _)| condition.as_str())
+    }
+}
+
+/// What the instructions of a program come from.
+struct Origins {
+    functions: BTreeSet<String>,
+    lines: BTreeSet<(String, u32)>,
+}
+
+impl Origins {
+    /// Of the solver of a scene's firmware.
+    fn of(program: &Program) -> Result<Self> {
+        Self::reached(program, program.graph.reach(is_solver))
+    }
+
+    fn reached(program: &Program, reach: Reach<'_>) -> Result<Self> {
+        let loader = Loader::new(&program.path)
+            .map_err(|error| anyhow::anyhow!("no debug information: {error}"))?;
+        let mut origins = Self {
+            functions: BTreeSet::new(),
+            lines: BTreeSet::new(),
+        };
+        for (start, size, name) in reach.symbols() {
+            origins.functions.insert(name.to_owned());
+            for address in (start..start + size).step_by(2) {
+                let Ok(mut frames) = loader.find_frames(address) else {
+                    continue;
+                };
+                while let Ok(Some(frame)) = frames.next() {
+                    if let Some(Ok(name)) = frame.function.as_ref().map(|f| f.raw_name()) {
+                        let name = format!("{:#}", rustc_demangle::demangle(&name));
+                        origins.functions.insert(name);
+                    }
+                    let Some(place) = frame.location else {
+                        continue;
+                    };
+                    if let (Some(file), Some(line)) = (place.file, place.line)
+                        && let Some((folder, file)) = file.rsplit_once("/src/")
+                        && !folder.contains("registry")
+                        && !folder.contains("rustc")
+                    {
+                        origins.lines.insert((file.to_owned(), line));
+                    }
+                }
+            }
+        }
+        Ok(origins)
+    }
+
+    /// Where a part is in the program, if it is.
+    fn find(&self, part: Part, guarded: &Guarded) -> Option<String> {
+        let function = self
+            .functions
+            .iter()
+            .find(|function| part.names().iter().any(|name| function.contains(name)));
+        if let Some(function) = function {
+            return Some(format!("there is `{function}`"));
+        }
+        self.lines.iter().find_map(|(file, line)| {
+            let guard = guarded.guard(part, file, *line)?;
+            Some(format!(
+                "code of src/{file}:{line} is there, behind `{guard}`"
+            ))
+        })
+    }
+}
+
+fn is_solver(name: &str) -> bool {
+    name == "measured_solve"
+}
+
+/// Builds every scene's firmware and looks for what it leaves out; and for what it does not, since a part
+/// that is found nowhere would be found nowhere else either.
+pub fn check(root: &Path) -> Result<()> {
+    let guarded = Guarded::read(root)?;
+    let mut seen = BTreeSet::new();
+    for &(scene, without) in SCENES {
+        let program = build_scene(root, scene)?;
+        let reach = program.graph.reach(is_solver);
+        // What is inlined into it makes it the solver.
+        if !reach.names().any(is_solver) {
+            bail!("this check is blind: there is no solver in {scene}");
+        }
+        clean(scene, &program, &reach, &Unwanted::ALL)?;
+        let origins = Origins::of(&program)?;
+        if origins.lines.is_empty() {
+            bail!("this check is blind: {scene} has no debug information");
+        }
+        for part in Part::ALL {
+            let left_out = without.contains(&part) || matches!(part, Part::Balls | Part::Design);
+            match origins.find(part, &guarded) {
+                Some(place) if left_out => {
+                    bail!("{scene} leaves out {part:?}, and yet {place}")
+                }
+                Some(_) => {
+                    seen.insert(part);
+                }
+                None => {}
+            }
+        }
+        let flash: u64 = reach.symbols().map(|(_, size, _)| size).sum();
+        println!(
+            "{scene}: {flash} bytes of flash, nothing of {}",
+            without
+                .iter()
+                .map(|part| format!("{part:?}"))
+                .collect::<Vec<_>>()
+                .join(", ")
+        );
+    }
+    // A firmware that asks for everything.
+    let whole = crate::build_bare(root, crate::SOLVER, Some("double"), true)?;
+    let whole = Origins::reached(&whole, whole.reach_from_main())?;
+    for part in [Part::Balls, Part::Design] {
+        if whole.find(part, &guarded).is_some() {
+            seen.insert(part);
+        }
+    }
+    for part in Part::ALL {
+        if !seen.contains(&part) {
+            bail!("this check is blind: it finds {part:?} nowhere");
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_is_the_lines_that_are_indented_behind_its_condition() {
+        let text = "fn f() {\n    if D == 5 {\n        a();\n\n        b();\n    } else {\n        c();\n    }\n}\n";
+        let blocks = Guarded::blocks(text);
+        assert_eq!(blocks, [("if D == 5 {".to_owned(), 3..6)]);
+        let guarded = Guarded {
+            blocks: [("f.rs".to_owned(), blocks)].into(),
+        };
+        assert!(guarded.guard(Part::Tilts, "f.rs", 3).is_some());
+        assert!(guarded.guard(Part::Tilts, "f.rs", 7).is_none());
+        assert!(guarded.guard(Part::Friction, "f.rs", 3).is_none());
+        assert!(guarded.guard(Part::Tilts, "g.rs", 3).is_none());
+    }
+
+    #[test]
+    fn a_negated_condition_guards_the_opposite() {
+        let text = "    if !B::HOLDS {\n        a();\n    }\n";
+        let guarded = Guarded {
+            blocks: [("f.rs".to_owned(), Guarded::blocks(text))].into(),
+        };
+        assert!(guarded.guard(Part::Held, "f.rs", 2).is_none());
+    }
+}

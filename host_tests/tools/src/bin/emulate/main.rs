@@ -1,0 +1,233 @@
+//! `cargo emulate`: runs the spindle monitor's firmware on an emulated STM32F405, feeds it recorded loads,
+//! and holds all of its telemetry against that of the host's own build of the same monitor.
+//!
+//! The board runs in lock-step: a tick is a command in the stream, and ticks are what time is. Neither the
+//! clock of this machine nor that of the emulator has a part in it, so that a run is the same every time.
+//!
+//! | module | does |
+//! | --- | --- |
+//! | `toolchain` | sees to it that there is an emulator |
+//! | `firmware` | builds the ELF and reads its sizes |
+//! | `plan` | the bytes for the board, and what it must answer |
+//! | `emulator` | the running board: bytes in and out, lines of its log |
+//! | `exchange` | the run, and the comparison |
+//! | `rows` | an estimate as a row of the table |
+//! | `summary` | counts, budget, and the golden file |
+
+#[path = "../../../../../examples/chain.rs"]
+mod chain;
+mod emulator;
+mod exchange;
+mod firmware;
+#[path = "../../../../../examples/monitor_settings.rs"]
+mod monitor_settings;
+#[path = "../../../../../examples/monitored.rs"]
+mod monitored;
+mod plan;
+mod rows;
+mod summary;
+mod toolchain;
+
+use anyhow::{Result, anyhow};
+use clap::Parser;
+use exchange::{Answer, Manner};
+use host_tests::telemetry::state::State;
+use plan::Plan;
+use spindle_bearing::monitor::tick::CycleCost;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+use tools::report::Figures;
+use tools::stream::faults::{self, Spoiler};
+use tools::stream::records;
+use tools::telemetry::view;
+
+/// What the solver works in, as on the board.
+type Precision = f32;
+/// The board's core, and what a tick costs there.
+const CORE_HZ: u32 = 168_000_000;
+const COST: CycleCost = CycleCost::CORTEX_M4F;
+
+/// Status when the run did not show what it should.
+const DISAGREEMENT: u8 = 1;
+/// Status when the run could not start.
+const NOT_STARTED: u8 = 2;
+
+/// Runs the spindle monitor's firmware on an emulated STM32F405, feeds it recorded loads over the
+/// emulated serial port, and compares its telemetry with the host's own, bit for bit.
+///
+/// Time is counted in ticks of the stream, a millisecond each, so that every run is the same.
+#[derive(Parser, Debug)]
+#[command(
+    name = "emulate",
+    bin_name = "cargo emulate",
+    after_help = "Exit status:\n  \
+        0  the telemetry equals the host's to the last bit, and the summary the golden file\n  \
+        1  it does not, or the emulator stopped\n  \
+        2  it could not start: arguments, input file, Rust target, emulator or build"
+)]
+struct Arguments {
+    /// Recorded loads: CSV with the header
+    /// time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm; `-` is standard input [default: the project's milling cycle]
+    #[arg(long, value_name = "LOADS.csv")]
+    input: Option<String>,
+
+    /// Stop after so much recorded time [default: all of it]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    seconds: Option<f64>,
+
+    /// Inject faults, and hold the summary against the golden file
+    #[arg(long)]
+    faults: bool,
+
+    /// Where the faults begin to be drawn from
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, requires = "faults")]
+    seed: u64,
+
+    /// Make the summary of this run the golden file
+    #[arg(long, requires = "faults", conflicts_with = "input")]
+    accept: bool,
+
+    /// Show the telemetry live; q leaves
+    #[arg(long)]
+    view: bool,
+
+    /// Show every so many estimates [default: some 100 rows in all]
+    #[arg(long, value_name = "ESTIMATES", value_parser = clap::value_parser!(u32).range(1..))]
+    every: Option<u32>,
+
+    /// Longest wait for an answer, s
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive)]
+    patience: f64,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        // A week is beyond every recording, and within every clock's range.
+        Ok(x) if x > 0.0 && x <= 604_800.0 => Ok(x),
+        _ => Err("must be a number of seconds above 0".into()),
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let ready = match prepare(&arguments) {
+        Ok(ready) => ready,
+        Err(error) => return fail(&error, NOT_STARTED),
+    };
+    match run(&arguments, ready) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => fail(&error, DISAGREEMENT),
+    }
+}
+
+fn fail(error: &anyhow::Error, status: u8) -> ExitCode {
+    eprintln!("error: {error:#}");
+    ExitCode::from(status)
+}
+
+/// All that a run takes.
+struct Ready {
+    plan: Plan,
+    golden: Option<PathBuf>,
+    firmware: firmware::Firmware,
+    emulator: toolchain::Emulator,
+    figures: Figures,
+}
+
+fn prepare(arguments: &Arguments) -> Result<Ready> {
+    let root = tools::root();
+    let shipped = || host_tests::milling_cycle::RECORD.to_owned();
+    let input = arguments.input.clone().unwrap_or_else(shipped);
+    let period_us = monitor_settings::MONITOR.tick.period_us;
+    let records = records::read(&input, arguments.seconds, period_us)?;
+    tools::cross::add_target(root)?;
+    let emulator = toolchain::find_emulator()?;
+    let firmware = firmware::build(root)?;
+    let episodes = if arguments.faults {
+        faults::schedule(arguments.seed, &records)
+    } else {
+        Vec::new()
+    };
+    let plan = plan::plan(&records, Spoiler::new(arguments.seed, episodes))?;
+    let golden = (arguments.faults && arguments.input.is_none()).then(|| {
+        let length = arguments
+            .seconds
+            .map_or("whole".into(), |seconds| format!("{seconds}_s"));
+        let name = format!("faults_{length}_seed_{}.txt", arguments.seed);
+        root.join("host_tests/golden").join(name)
+    });
+    Ok(Ready {
+        plan,
+        golden,
+        firmware,
+        emulator,
+        figures: tools::report::figures(root)?,
+    })
+}
+
+fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
+    emulator::end_on_signals()?;
+    let Ready {
+        plan,
+        golden,
+        firmware,
+        emulator,
+        figures,
+    } = ready;
+    let sent = plan.health.ticks / 20;
+    let every = arguments
+        .every
+        .map_or_else(|| sent.div_ceil(100).max(1) as usize, |n| n as usize);
+    let mut manner = Manner {
+        every,
+        patience: Duration::from_secs_f64(arguments.patience),
+        tee: None,
+    };
+    let memory = firmware.memory;
+    let answer = if arguments.view {
+        // The view draws at the pace of the recording; the board may be ahead of it.
+        let (sender, chunks) = mpsc::sync_channel(usize::from(u16::MAX));
+        (manner.every, manner.tee) = (0, Some(sender));
+        thread::scope(|scope| -> Result<Option<Answer>> {
+            let running = scope.spawn(|| {
+                let answer = exchange::run(&plan, &manner, &firmware, &emulator);
+                drop(manner);
+                answer
+            });
+            view::view(
+                &chunks,
+                Some(1.0),
+                &mut State::default(),
+                |_| Ok(()),
+                |_, _| Ok(None),
+            )?;
+            drop(chunks);
+            running.join().map_err(|_| anyhow!("the run panicked"))?
+        })?
+    } else {
+        exchange::run(&plan, &manner, &firmware, &emulator)?
+    };
+    let Some(answer) = answer else {
+        println!("the view was left before the run was over");
+        return Ok(());
+    };
+    let text = summary::summary(&plan, &answer)?;
+    println!("\n{text}");
+    println!(
+        "{} frames in {} bytes of telemetry in {:.1} s, equal to the host's to the last bit; {} lines of log",
+        answer.frames.len(),
+        plan.expected.len(),
+        answer.took.as_secs_f64(),
+        answer.log.len(),
+    );
+    println!("{}", summary::budget(&figures)?);
+    println!("the emulator counts no cycles: overruns are those that its counter shows, none");
+    println!("firmware: {memory}");
+    match golden {
+        Some(path) => summary::check(&path, &text, arguments.accept),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,79 @@
+//! A run: what goes over the port, tick by tick, and what the host's own build of the same monitor makes of
+//! it.
+
+use crate::chain::Chain;
+use crate::monitor_settings::MONITOR;
+use anyhow::{Result, ensure};
+use spindle_bearing::monitor::command::{self, Command};
+use spindle_bearing::monitor::loads::FrameCounts;
+use spindle_bearing::monitor::telemetry::HealthReport;
+use spindle_bearing::monitor::tick::{CycleCounter, NoWatchdog};
+use spindle_bearing::monitor::{Mark, Past};
+use spindle_bearing::record::LoadRecord;
+use tools::stream::{
+    self,
+    faults::{Episode, Spoiler},
+};
+
+/// A run.
+pub struct Plan {
+    /// Bytes for the board.
+    pub input: Vec<u8>,
+    /// What it must answer, to the bit.
+    pub expected: Vec<u8>,
+    /// Ticks with each mark, in the order of [`Mark::ALL`].
+    pub marks: [u64; Mark::ALL.len()],
+    /// What came over the port.
+    pub counts: FrameCounts,
+    /// Faults.
+    pub episodes: Vec<Episode>,
+    /// Counters at the end.
+    pub health: HealthReport,
+}
+
+/// A core that counts no cycles, as that of the emulator.
+struct NoCycles;
+
+impl CycleCounter for NoCycles {
+    fn cycles(&mut self) -> u32 {
+        0
+    }
+}
+
+/// Makes the run of these records, spoilt.
+pub fn plan(records: &[LoadRecord], mut spoiler: Spoiler) -> Result<Plan> {
+    let period = MONITOR.tick.period_us;
+    let mut input = Vec::new();
+    let mut expected = Vec::new();
+    let mut marks = [0; Mark::ALL.len()];
+    let mut chain = Chain::new(&Past::NONE);
+    let prepared = chain.prepare();
+    ensure!(prepared.is_ok(), "no equilibrium to start from");
+    let (mut done, mut told) = (0, 0);
+    for tick in stream::ticks(records, &mut spoiler, &MONITOR) {
+        input.extend(tick.bytes);
+        input.extend(command::encode(Command::Tick(tick.room)));
+        for byte in &input[told..] {
+            let Some(room) = chain.push(*byte) else {
+                continue;
+            };
+            let time_us = done * u64::from(period);
+            let outcome = chain.tick(time_us, &mut NoCycles, &mut NoWatchdog);
+            done += 1;
+            for mark in outcome.marks.iter() {
+                marks[mark as usize] += 1;
+            }
+            let bytes = (0..room).map_while(|_| chain.next_byte());
+            expected.extend(bytes);
+        }
+        told = input.len();
+    }
+    Ok(Plan {
+        input,
+        expected,
+        marks,
+        counts: chain.counts(),
+        episodes: spoiler.episodes().to_vec(),
+        health: chain.health(),
+    })
+}

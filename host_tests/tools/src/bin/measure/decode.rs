@@ -1,0 +1,216 @@
+//! Instructions, as far as timing and flow go.
+
+use anyhow::{Context, Result, anyhow};
+use capstone::RegId;
+use capstone::arch::arm::{ArchExtraMode, ArchMode, ArmOperandType};
+use capstone::prelude::*;
+use tools::timing::{Class, Timed};
+
+/// What a block of instructions ends in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// A call.
+    Call,
+    /// Another branch, or nothing.
+    Other,
+}
+
+/// A disassembler that remembers nothing but its settings.
+pub struct Decoder {
+    capstone: Capstone,
+}
+
+/// A decoded instruction.
+pub struct Instruction {
+    /// Where it is.
+    pub address: u32,
+    /// What it costs.
+    pub timed: Timed,
+}
+
+/// The bit of a register, or bits of a pair, by its name.
+fn bits(name: &str) -> u64 {
+    let number = || name.get(1..).and_then(|n| n.parse::<u32>().ok());
+    match name {
+        "sb" => 1 << 9,
+        "sl" => 1 << 10,
+        "fp" => 1 << 11,
+        "ip" => 1 << 12,
+        "sp" => 1 << 13,
+        "lr" => 1 << 14,
+        "pc" => 1 << 15,
+        "apsr" | "cpsr" | "apsr_nzcv" => 1 << 16,
+        "fpscr" | "fpscr_nzcv" => 1 << 17,
+        _ => match (name.as_bytes().first(), number()) {
+            (Some(b'r'), Some(n)) if n < 16 => 1 << n,
+            (Some(b's'), Some(n)) if n < 32 => 1 << (32 + n),
+            (Some(b'd'), Some(n)) if n < 16 => 3 << (32 + 2 * n),
+            _ => 0,
+        },
+    }
+}
+
+impl Decoder {
+    /// One for Thumb as of an Armv7E-M.
+    pub fn new() -> Result<Self> {
+        let capstone = Capstone::new()
+            .arm()
+            .mode(ArchMode::Thumb)
+            .extra_mode([ArchExtraMode::MClass].into_iter())
+            .detail(true)
+            .build()
+            .map_err(|e| anyhow!("the disassembler does not start: {e}"))?;
+        Ok(Self { capstone })
+    }
+
+    /// Decodes a block.
+    pub fn block(&self, code: &[u8], address: u32) -> Result<(Vec<Instruction>, End)> {
+        let instructions = self
+            .capstone
+            .disasm_all(code, address.into())
+            .map_err(|e| anyhow!("no instructions at {address:#x}: {e}"))?;
+        let mut block = Vec::new();
+        let mut end = End::Other;
+        let mut length = 0;
+        for instruction in instructions.iter() {
+            length += instruction.bytes().len();
+            let mnemonic = instruction
+                .mnemonic()
+                .context("an instruction without name")?;
+            end = match mnemonic.trim_end_matches(".w") {
+                "bl" | "blx" => End::Call,
+                _ => End::Other,
+            };
+            block.push(Instruction {
+                address: instruction.address() as u32,
+                timed: self.timed(instruction, mnemonic)?,
+            });
+        }
+        if length != code.len() {
+            return Err(anyhow!(
+                "the disassembler knows no instruction at {:#x}",
+                address as usize + length
+            ));
+        }
+        Ok((block, end))
+    }
+
+    fn timed(&self, instruction: &capstone::Insn<'_>, mnemonic: &str) -> Result<Timed> {
+        let detail = self
+            .capstone
+            .insn_detail(instruction)
+            .map_err(|e| anyhow!("{mnemonic}: {e}"))?;
+        let name = |register: RegId| self.capstone.reg_name(register).unwrap_or_default();
+        let of = |register: RegId| bits(&name(register));
+        let (mut reads, mut writes) = (0, 0);
+        for register in detail.regs_read() {
+            reads |= of(*register);
+        }
+        for register in detail.regs_write() {
+            writes |= of(*register);
+        }
+        let mut registers = 0_u64;
+        let mut indexed = false;
+        let arch = detail.arch_detail();
+        let arm = arch.arm().context("not an Arm instruction")?;
+        for operand in arm.operands() {
+            match operand.op_type {
+                ArmOperandType::Reg(register) => {
+                    let bits = of(register);
+                    registers |= bits;
+                    if operand.access.is_some_and(|a| a.is_readable()) {
+                        reads |= bits;
+                    }
+                    if operand.access.is_some_and(|a| a.is_writable()) {
+                        writes |= bits;
+                    }
+                }
+                ArmOperandType::Mem(memory) => {
+                    indexed |= of(memory.index()) != 0;
+                    reads |= of(memory.base()) | of(memory.index());
+                }
+                _ => {}
+            }
+        }
+        let class = class(mnemonic, indexed)
+            .with_context(|| format!("no timing for `{mnemonic}`: add it to `class`"))?;
+        let double = (registers >> 32).count_ones() > 1 && mnemonic.contains(".f64")
+            || matches!(class, Class::FpLoad | Class::FpStore)
+                && (registers >> 32).count_ones() == 2;
+        let words = match class {
+            Class::FpLoad | Class::FpStore => 1 + u32::from(double),
+            Class::FpMultiple => (registers >> 32).count_ones(),
+            Class::Multiple if mnemonic.starts_with("ldrd") || mnemonic.starts_with("strd") => 2,
+            Class::Multiple => {
+                let all = (registers & 0xFFFF).count_ones();
+                // The address is one of them, but for push and pop.
+                let address = mnemonic.starts_with("ldm") || mnemonic.starts_with("stm");
+                all - u32::from(address)
+            }
+            _ => 1,
+        };
+        Ok(Timed {
+            class,
+            words,
+            double,
+            reads,
+            writes,
+        })
+    }
+}
+
+/// The class of an instruction, by its name.
+fn class(mnemonic: &str, indexed: bool) -> Option<Class> {
+    let name = mnemonic.split('.').next().unwrap_or_default();
+    let starts = |names: &[&str]| names.iter().any(|n| name.starts_with(n));
+    Some(if let Some(fp) = name.strip_prefix('v') {
+        let starts = |names: &[&str]| names.iter().any(|n| fp.starts_with(n));
+        match () {
+            () if starts(&[
+                "add", "sub", "cmp", "cvt", "neg", "abs", "sel", "maxnm", "minnm", "rint",
+            ]) =>
+            {
+                Class::FpAdd
+            }
+            () if starts(&["mul", "nmul"]) => Class::FpMul,
+            () if starts(&["mla", "mls", "fma", "fms", "nmla", "nmls", "fnma", "fnms"]) => {
+                Class::FpMac
+            }
+            () if starts(&["div"]) => Class::FpDiv,
+            () if starts(&["sqrt"]) => Class::FpSqrt,
+            () if starts(&["mov", "mrs", "msr"]) => Class::FpMove,
+            () if starts(&["ldr"]) => Class::FpLoad,
+            () if starts(&["str"]) => Class::FpStore,
+            () if starts(&["ldm", "stm", "push", "pop"]) => Class::FpMultiple,
+            () => return None,
+        }
+    } else if starts(&["ldm", "stm", "push", "pop", "ldrd", "strd"]) {
+        Class::Multiple
+    } else if starts(&["ldr"]) {
+        Class::Load
+    } else if starts(&["str"]) {
+        if indexed {
+            Class::StoreIndexed
+        } else {
+            Class::Store
+        }
+    } else if starts(&["mla", "mls", "smla", "umla", "umaal"]) {
+        Class::IntegerMac
+    } else if starts(&["sdiv", "udiv"]) {
+        Class::IntegerDiv
+    } else if is_branch(name) {
+        Class::Branch
+    } else {
+        Class::Integer
+    })
+}
+
+fn is_branch(name: &str) -> bool {
+    let conditions = [
+        "", "eq", "ne", "hs", "lo", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le",
+    ];
+    let conditional = |rest: &str| conditions.contains(&rest);
+    matches!(name, "cbz" | "cbnz" | "tbb" | "tbh" | "bl" | "blx")
+        || name.strip_prefix("bx").is_some_and(conditional)
+        || name.strip_prefix('b').is_some_and(conditional)
+}

@@ -1,0 +1,346 @@
+//! One solver for each scene: what leaving something out saves.
+//!
+//! Every scene solves the same cases, restricted to its freedoms: the loads that it has no freedom for
+//! are dropped, at rest the speed, too. Under rigid preload the axial displacement is the one that the
+//! whole solver finds for the cold case.
+
+use crate::bench::{self, Bench};
+use crate::host::Limit;
+use crate::image::{Image, name};
+use crate::memory::Memory;
+use crate::plan::bar;
+use crate::rows::{Row, Rows, Start};
+use crate::workload::{EVERYDAY_BALLS, Work, question};
+use anyhow::{Context, Result, anyhow, bail};
+use host_tests::campaign::report::Spread;
+use host_tests::dispatch::{Attitude, Precision};
+use probes::for_every_scene;
+use rayon::prelude::*;
+use spindle_bearing::{
+    BallStore, Bearing, Centrifugal, Conditions, Displacements, Freedoms, Full, Loads, Motion,
+    NotPutOut, OuterRaceControl, Outputs, Real, RigidPreload, Settings, Solver, Static, Status,
+    Stiffness,
+};
+use std::path::Path;
+use tools::timing::Core;
+
+/// The core that scenes are compared on.
+pub const CORE: Core = Core::M4f;
+/// Cases in doubles, which that core works out in software.
+pub const DOUBLE_CASES: usize = 50;
+/// Cases whose stack is looked at.
+const STACKS: usize = 20;
+
+/// Loads, of which a scene takes as many as it has freedoms, and speed.
+type State = ([f64; 5], f64);
+/// The host's answers to a cold solve and to a warm one after it, as far as there are any.
+type Answers = [Option<Answer>; 2];
+
+/// An answer of the host.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Answer {
+    displacement: [f64; 5],
+    stiffness: [[f64; 5]; 5],
+    sweeps: u32,
+    solved: bool,
+}
+
+/// A scene of the table in `host_tests/probes`.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene {
+    /// What the image's build calls it.
+    pub name: &'static str,
+    /// What it leaves out of the whole solver, or has in its place.
+    pub without: &'static str,
+    /// The rule of attitude; none at rest.
+    pub attitude: Option<Attitude>,
+    /// Measured in doubles, too.
+    pub double: bool,
+    freedoms: usize,
+    preloaded: bool,
+    single: fn(&Work, [State; 2]) -> Result<Answers>,
+    /// The same in doubles.
+    doubles: fn(&Work, [State; 2]) -> Result<Answers>,
+}
+
+macro_rules! scenes {
+    ($($number:literal $name:literal: $motion:ty, $freedoms:literal, $given:ty, $output:ty;
+        $attitude:expr, $without:literal, $double:literal, $parts:tt;)*) => {
+        /// All, the whole solver last.
+        pub const SCENES: &[Scene] = &[$(Scene {
+            name: $name,
+            without: $without,
+            attitude: $attitude,
+            double: $double,
+            freedoms: $freedoms,
+            preloaded: <$given as Conditions<Freedoms<$freedoms>>>::HELD[0],
+            single: answers::<f32, $freedoms, $motion, $given, $output>,
+            doubles: answers::<f64, $freedoms, $motion, $given, $output>,
+        }),*];
+    };
+}
+
+const FREE: Option<Attitude> = Some(Attitude::Raceless);
+
+for_every_scene!(scenes);
+
+/// The whole solver's name.
+pub const WHOLE: &str = "all-full";
+
+/// Numbers of a stiffness, row by row, if it is put out.
+trait Elements {
+    fn elements(&self) -> Vec<f64>;
+}
+impl<T: Real, const K: usize> Elements for [[T; K]; K] {
+    fn elements(&self) -> Vec<f64> {
+        self.as_flattened().iter().map(|x| x.to_f64()).collect()
+    }
+}
+impl Elements for NotPutOut {
+    fn elements(&self) -> Vec<f64> {
+        Vec::new()
+    }
+}
+
+/// Solves one state after the other.
+fn answers<T, const D: usize, M, B, O>(work: &Work, states: [State; 2]) -> Result<Answers>
+where
+    T: Real,
+    M: Motion,
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+    O::Stiffness<B::Stiffness<T>>: Elements,
+{
+    let bearing = Bearing::<T, EVERYDAY_BALLS>::build(&work.design)
+        .map_err(|e| anyhow!("the solver refuses a design of its own cases: {e}"))?;
+    let mut solver = Solver::<T, EVERYDAY_BALLS, M, Freedoms<D>, B, O>::new(&bearing);
+    Ok(states.map(|(load, omega)| {
+        let values = std::array::from_fn(|i| T::of(load[i]));
+        let solution = solver
+            .solve(values, T::of(omega), &Settings::default())
+            .ok()?;
+        Some(Answer {
+            displacement: bench::padded(&solution.displacement.map(|x| x.to_f64())),
+            stiffness: bench::square(&solution.stiffness.elements()),
+            sweeps: solution.sweeps.into(),
+            solved: matches!(solution.status, Status::Converged | Status::PrecisionLimit),
+        })
+    }))
+}
+
+impl Scene {
+    /// The states of a case that it solves; none without the preload that it needs.
+    pub fn states(&self, work: &Work, preload: Option<f64>) -> Option<[State; 2]> {
+        let first = if self.preloaded { Some(preload?) } else { None };
+        Some([work.cold, work.warm].map(|(mut load, omega)| {
+            load[self.freedoms..].fill(0.0);
+            load[0] = first.unwrap_or(load[0]);
+            (load, if self.attitude.is_some() { omega } else { 0.0 })
+        }))
+    }
+
+    /// A figure of it that is still without a name.
+    fn row(&self, precision: Precision, start: Option<Start>) -> Row {
+        Row {
+            core: CORE.name(),
+            precision: name(precision),
+            scene: self.name,
+            attitude: self
+                .attitude
+                .map(|a| crate::image::Motion::AtSpeed(a).name()),
+            balls: EVERYDAY_BALLS,
+            start: start.map(Start::name),
+            metric: String::new(),
+            stat: "value",
+            value: f64::NAN,
+            unit: "1",
+        }
+    }
+
+    /// A figure of it; NaN if there is none.
+    pub fn figure(
+        &self,
+        rows: &Rows,
+        precision: Precision,
+        start: Option<Start>,
+        metric: &str,
+        stat: &str,
+    ) -> f64 {
+        let wanted = self.row(precision, start);
+        rows.all()
+            .iter()
+            .find(|r| {
+                (r.core, r.precision, r.scene, r.start)
+                    == (wanted.core, wanted.precision, wanted.scene, wanted.start)
+                    && r.metric == metric
+                    && r.stat == stat
+            })
+            .map_or(f64::NAN, |r| r.value)
+    }
+}
+
+/// The scene of a name.
+pub fn scene(name: &str) -> Option<&'static Scene> {
+    SCENES.iter().find(|scene| scene.name == name)
+}
+
+/// Measures all of them.
+pub fn run(root: &Path, works: &[Work]) -> Result<Rows> {
+    let preloads = works
+        .par_iter()
+        .map(|work| {
+            let [cold, _] =
+                answers::<f64, 5, Full, Loads, Stiffness>(work, [work.cold, work.warm])?;
+            // A number of single precision, as loads are.
+            let solved = cold.filter(|answer| answer.solved);
+            Ok(solved.map(|answer| f64::from(answer.displacement[0] as f32)))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    let wanted: Vec<_> = SCENES
+        .iter()
+        .filter(|scene| scene.double)
+        .map(|scene| (scene, Precision::F64))
+        .chain(SCENES.iter().map(|scene| (scene, Precision::F32)))
+        .collect();
+    let progress = bar(wanted.len() as u64)?;
+    let mut images = Vec::new();
+    for (scene, precision) in wanted {
+        progress.set_message(format!("building {}, {}", scene.name, name(precision)));
+        let image = Image::of_scene(root, CORE, precision, EVERYDAY_BALLS, scene.name)?;
+        images.push((scene, precision, image));
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    let progress = bar(images.len() as u64)?;
+    progress.set_message("scenes on an emulated core");
+    let measured: Vec<Rows> = images
+        .into_par_iter()
+        .with_max_len(1)
+        .map(|(scene, precision, image)| {
+            let cases = match precision {
+                Precision::F32 => works.len(),
+                Precision::F64 => works.len().min(DOUBLE_CASES),
+            };
+            let rows = measure(scene, precision, image, &works[..cases], &preloads)
+                .with_context(|| format!("the scene {}, {}", scene.name, name(precision)));
+            progress.inc(1);
+            rows
+        })
+        .collect::<Result<_>>()?;
+    progress.finish_and_clear();
+    let mut rows = Rows::default();
+    for of in measured {
+        rows.append(of);
+    }
+    Ok(rows)
+}
+
+/// One; fails if an answer of it is not the host's to the last bit.
+fn measure(
+    scene: &Scene,
+    precision: Precision,
+    image: Image,
+    works: &[Work],
+    preloads: &[Option<f64>],
+) -> Result<Rows> {
+    let host = match precision {
+        Precision::F32 => scene.single,
+        Precision::F64 => scene.doubles,
+    };
+    let mut bench = Bench::new(image, CORE, precision)?;
+    let mut cycles = [Vec::new(), Vec::new()];
+    let mut instructions = [Vec::new(), Vec::new()];
+    let mut sweeps = [Vec::new(), Vec::new()];
+    let mut stack = 0;
+    for (case, (work, preload)) in works.iter().zip(preloads).enumerate() {
+        let Some(states) = scene.states(work, *preload) else {
+            continue;
+        };
+        bench.bearing(&work.design)?;
+        let expected = host(work, states)?;
+        for (i, (state, expected)) in states.into_iter().zip(expected).enumerate() {
+            // A tick after what has no answer would be another cold solve.
+            let Some(expected) = expected.filter(|expected| expected.solved) else {
+                break;
+            };
+            let solve = bench.solve(&question(state, precision, Limit::Default))?;
+            let answer = Answer {
+                displacement: solve.answer.displacement,
+                stiffness: solve.answer.stiffness,
+                sweeps: solve.answer.sweeps,
+                solved: solve.answer.solved,
+            };
+            if !same(&answer, &expected) {
+                bail!(
+                    "case {case}, {}: the core's answer is not the host's.\n{answer:?}\n{expected:?}",
+                    Start::ALL[i].name()
+                );
+            }
+            cycles[i].push(solve.cycles as f64);
+            instructions[i].push(solve.instructions as f64);
+            sweeps[i].push(f64::from(answer.sweeps));
+        }
+        if case < STACKS {
+            bench.forget()?;
+            for state in states {
+                stack = stack.max(bench.stack(&question(state, precision, Limit::Default))?);
+            }
+        }
+    }
+
+    let mut rows = Rows::default();
+    for (i, start) in Start::ALL.into_iter().enumerate() {
+        for (metric, values, unit) in [
+            ("cycles", &cycles[i], "cycles"),
+            ("instructions", &instructions[i], "instructions"),
+            ("sweeps", &sweeps[i], "1"),
+        ] {
+            if values.is_empty() {
+                continue;
+            }
+            let spread = Spread::of(values.iter().copied());
+            for (stat, value) in [
+                ("median", spread.median),
+                ("99 %", spread.most),
+                ("worst", spread.worst),
+            ] {
+                rows.push(Row {
+                    metric: metric.to_owned(),
+                    stat,
+                    value,
+                    unit,
+                    ..scene.row(precision, Some(start))
+                });
+            }
+        }
+        rows.push(Row {
+            metric: "answers solved".to_owned(),
+            value: cycles[i].len() as f64,
+            ..scene.row(precision, Some(start))
+        });
+    }
+    let memory = Memory::of(&bench)?;
+    let mut bytes = |metric: String, value: f64| {
+        rows.push(Row {
+            metric,
+            value,
+            unit: "bytes",
+            ..scene.row(precision, None)
+        });
+    };
+    bytes("flash".to_owned(), memory.flash() as f64);
+    bytes("state".to_owned(), memory.state.into());
+    bytes("worst stack".to_owned(), stack.into());
+    for (size, symbol) in &memory.symbols {
+        bytes(format!("flash of {symbol}"), *size as f64);
+    }
+    Ok(rows)
+}
+
+fn same(a: &Answer, b: &Answer) -> bool {
+    let bits = |x: &[f64; 5]| x.map(f64::to_bits);
+    bits(&a.displacement) == bits(&b.displacement)
+        && a.stiffness.map(|row| bits(&row)) == b.stiffness.map(|row| bits(&row))
+        && (a.sweeps, a.solved) == (b.sweeps, b.solved)
+}

@@ -1,0 +1,613 @@
+//! The shipped monitor's chain, tick by tick: bytes in, doubts, a warm solve, judgement, life, bytes out.
+//!
+//! Input is a stretch of the recorded cycle under faults, at the pace of the port. What a tick costs
+//! besides the solve, and the longest sweep, become the constants of `CycleCost`, from which the firmware
+//! works out how many sweeps fit.
+
+use crate::image::{Image, name};
+use crate::machine::Machine;
+use crate::profile::Profiler;
+use crate::rows::{Row, Rows, Start};
+use crate::terminal::thousands;
+use anyhow::{Context, Result, bail, ensure};
+use host_tests::campaign::report::{Spread, table};
+use host_tests::dispatch::Precision;
+use host_tests::milling_cycle::RECORD;
+use rayon::prelude::*;
+use spindle_bearing::monitor::Past;
+use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog, TickSettings};
+use std::collections::VecDeque;
+use std::path::Path;
+use tools::report::Figures;
+use tools::stream::{self, ROOM, Tick, faults, faults::Spoiler, records};
+use tools::timing::Core;
+
+/// The stretch of the recorded cycle, s, and the seed of its faults: what CI runs on the emulated board.
+const SECONDS: f64 = 10.0;
+const SEED: u64 = 1;
+/// Bytes of `MEASURED_INPUT` and `MEASURED_OUTPUT`.
+const INPUT: usize = 1024;
+const OUTPUT: usize = 8192;
+/// Where the constants are.
+const CONSTANTS: &str = "src/monitor/cost.rs";
+/// The function whose cycles are the solve's.
+const SOLVE: &str = "Solver::solve";
+
+/// The host's own build of what is measured.
+#[path = "."]
+mod f405 {
+    use spindle_bearing::monitor::tick::CycleCost;
+    pub type Precision = f32;
+    pub const CORE_HZ: u32 = 168_000_000;
+    pub const COST: CycleCost = CycleCost::CORTEX_M4F.with_a_sweep_more(CORE_HZ / 1000);
+    #[path = "../../../../../examples/chain.rs"]
+    pub mod chain;
+    #[path = "../../../../../examples/monitor_settings.rs"]
+    pub mod monitor_settings;
+    #[path = "../../../../../examples/monitored.rs"]
+    mod monitored;
+}
+
+/// The same for the other board.
+#[path = "."]
+mod h743 {
+    use spindle_bearing::monitor::tick::CycleCost;
+    pub type Precision = f64;
+    pub const CORE_HZ: u32 = 400_000_000;
+    pub const COST: CycleCost = CycleCost::CORTEX_M7.with_a_sweep_more(CORE_HZ / 1000);
+    #[path = "../../../../../examples/chain.rs"]
+    pub mod chain;
+    #[path = "../../../../../examples/monitor_settings.rs"]
+    pub mod monitor_settings;
+    #[path = "../../../../../examples/monitored.rs"]
+    mod monitored;
+}
+
+/// A board whose chain is measured.
+struct Board {
+    core: Core,
+    precision: Precision,
+    core_hz: u32,
+    /// By which it is measured, with one sweep more than the firmware allows.
+    settings: &'static TickSettings,
+    /// The firmware's constant, its name, and what is said of it.
+    cost: CycleCost,
+    constant: &'static str,
+    about: &'static str,
+    host: fn(&[Tick]) -> Result<Vec<Vec<u8>>>,
+}
+
+const BOARDS: [Board; 2] = [
+    Board {
+        core: Core::M4f,
+        precision: Precision::F32,
+        core_hz: f405::CORE_HZ,
+        settings: &f405::monitor_settings::MONITOR.tick,
+        cost: CycleCost::CORTEX_M4F,
+        constant: "CORTEX_M4F",
+        about: "Cortex-M4F, single precision, 16 balls, raceway control free: modelled.",
+        host: f405_answers,
+    },
+    Board {
+        core: Core::M7,
+        precision: Precision::F64,
+        core_hz: h743::CORE_HZ,
+        settings: &h743::monitor_settings::MONITOR.tick,
+        cost: CycleCost::CORTEX_M7,
+        constant: "CORTEX_M7",
+        about: "Cortex-M7, double precision, likewise.",
+        host: h743_answers,
+    },
+];
+
+struct NoCycles;
+
+impl CycleCounter for NoCycles {
+    fn cycles(&mut self) -> u32 {
+        0
+    }
+}
+
+macro_rules! answers {
+    ($name:ident, $board:ident) => {
+        fn $name(ticks: &[Tick]) -> Result<Vec<Vec<u8>>> {
+            let mut chain = $board::chain::Chain::new(&Past::NONE);
+            ensure!(
+                chain.prepare().is_ok(),
+                "the host has no equilibrium to start from"
+            );
+            let period = u64::from($board::monitor_settings::MONITOR.tick.period_us);
+            let answer = |(number, tick): (u64, &Tick)| {
+                for byte in &tick.bytes {
+                    chain.push(*byte);
+                }
+                chain.tick(number * period, &mut NoCycles, &mut NoWatchdog);
+                (0..tick.room).map_while(|_| chain.next_byte()).collect()
+            };
+            Ok((0..).zip(ticks).map(answer).collect())
+        }
+    };
+}
+answers!(f405_answers, f405);
+answers!(h743_answers, h743);
+
+/// What a tick cost, cycles.
+#[derive(Debug, Clone, Copy)]
+struct Cost {
+    all: u64,
+    solve: u64,
+    sweeps: u32,
+}
+
+impl Cost {
+    fn rest(&self) -> f64 {
+        (self.all - self.solve) as f64
+    }
+
+    fn sweep(&self) -> f64 {
+        self.solve as f64 / f64::from(self.sweeps.max(1))
+    }
+}
+
+/// The costs of a board's ticks.
+struct Costs {
+    board: &'static Board,
+    all: Vec<Cost>,
+}
+
+impl Board {
+    fn name(&self) -> String {
+        format!("{}, {}", self.core.name(), name(self.precision))
+    }
+
+    fn measure(&'static self, image: &Image, ticks: &[Tick]) -> Result<Costs> {
+        let expected = (self.host)(ticks)?;
+        let mut machine = Machine::new(self.core, image)?;
+        let mut profiler = Profiler::new(self.core, image)?;
+        let prepared = machine.call(image.symbol("measured_prepare")?)?.0;
+        ensure!(
+            prepared == 1,
+            "the core has no equilibrium to start from: {}",
+            self.name()
+        );
+        let entry = image.symbol("measured_tick")?;
+        let [input, output, words] = ["MEASURED_INPUT", "MEASURED_OUTPUT", "MEASURED_TICK"]
+            .map(|symbol| image.symbol(symbol));
+        let (input, output, words) = (input?, output?, words?);
+        let mut all = Vec::with_capacity(ticks.len());
+        for (number, (tick, expected)) in ticks.iter().zip(&expected).enumerate() {
+            ensure!(
+                tick.bytes.len() <= INPUT && usize::from(tick.room) <= OUTPUT,
+                "tick {number} has more bytes than the measured program has room for"
+            );
+            machine.write(input, &tick.bytes)?;
+            let told = [tick.bytes.len() as u32, tick.room.into(), 0, 0];
+            machine.write(words, &told.map(u32::to_le_bytes).concat())?;
+            let (_, counts) = machine.call(entry)?;
+            let answer = machine.read(words, 16)?;
+            let word = |i: usize| {
+                let bytes = [0, 1, 2, 3].map(|j| answer[4 * i + j]);
+                u32::from_le_bytes(bytes)
+            };
+            let (sent, sweeps) = (word(2) as usize, word(3));
+            if machine.read(output, sent)? != *expected {
+                bail!(
+                    "tick {number}, {}: the core's telemetry is not the host's",
+                    self.name()
+                );
+            }
+            let profile = profiler.profile(&machine, &counts)?;
+            let solve = profile.functions.get(SOLVE).map_or(0, |share| share.all);
+            ensure!(
+                (sweeps == 0) | (solve > 0),
+                "tick {number} has {sweeps} sweeps, but no cycles of {SOLVE}: is it called otherwise?"
+            );
+            all.push(Cost {
+                all: machine.cycles(&counts),
+                solve,
+                sweeps,
+            });
+        }
+        Ok(Costs { board: self, all })
+    }
+}
+
+impl Costs {
+    /// Solves within a bound on sweeps; what starts from nothing may pass it.
+    fn within(&self, sweeps: u16) -> impl Iterator<Item = &Cost> {
+        let most = u32::from(sweeps);
+        self.all
+            .iter()
+            .filter(move |cost| cost.sweeps > 0 && cost.sweeps <= most)
+    }
+
+    /// Solves within the sweeps of the measurement, one more than the firmware's.
+    fn warm(&self) -> impl Iterator<Item = &Cost> {
+        self.within(self.board.settings.max_sweeps())
+    }
+
+    /// Solves within those of the firmware.
+    fn allowed(&self) -> impl Iterator<Item = &Cost> {
+        let deadline = self.board.settings.deadline_cycles;
+        self.within(self.board.cost.sweeps_within(deadline))
+    }
+
+    /// What the constant of the board should be.
+    fn constant(&self) -> CycleCost {
+        let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max).ceil() as u32;
+        CycleCost {
+            fixed: most(&mut self.all.iter().map(Cost::rest)),
+            sweep: most(&mut self.warm().map(Cost::sweep)),
+        }
+    }
+
+    fn rows(&self, rows: &mut Rows) {
+        let board = self.board;
+        let row = |metric: &str, start: Option<Start>, stat, value, unit| Row {
+            core: board.core.name(),
+            precision: name(board.precision),
+            scene: "monitor",
+            attitude: Some(crate::plan::USUAL.name()),
+            balls: 16,
+            start: start.map(Start::name),
+            metric: metric.to_owned(),
+            stat,
+            value,
+            unit,
+        };
+        let warm = Some(Start::Warm);
+        let mut spread = |metric, start, values: Vec<f64>| {
+            if values.is_empty() {
+                return;
+            }
+            let spread = Spread::of(values.into_iter());
+            for (stat, value) in [
+                ("median", spread.median),
+                ("99 %", spread.most),
+                ("worst", spread.worst),
+            ] {
+                rows.push(row(metric, start, stat, value, "cycles"));
+            }
+        };
+        spread(TICK, warm, self.allowed().map(|c| c.all as f64).collect());
+        spread(REST, None, self.all.iter().map(Cost::rest).collect());
+        spread(SWEEP, warm, self.warm().map(Cost::sweep).collect());
+        let deadline = u64::from(board.settings.deadline_cycles);
+        let beyond = self.all.iter().filter(|cost| cost.all > deadline).count();
+        for (metric, count) in [
+            (TICKS, self.all.len()),
+            (SOLVED, self.allowed().count()),
+            (BEYOND, beyond),
+        ] {
+            rows.push(row(metric, None, "value", count as f64, "1"));
+        }
+    }
+}
+
+const TICK: &str = "cycles of a tick with a warm solve";
+const REST: &str = "cycles of a tick but for its solve";
+const SWEEP: &str = "cycles of a warm solve, by sweeps";
+const TICKS: &str = "ticks";
+const SOLVED: &str = "ticks with a warm solve";
+const BEYOND: &str = "ticks beyond the deadline";
+
+/// The stream at the pace of the port, which brings no more bytes in a tick than it takes away.
+fn paced(ticks: Vec<Tick>) -> Vec<Tick> {
+    let mut line = VecDeque::new();
+    let pace = |tick: Tick| {
+        line.extend(tick.bytes);
+        let arrived = line.len().min(ROOM.into());
+        Tick {
+            bytes: line.drain(..arrived).collect(),
+            room: tick.room.min(ROOM),
+        }
+    };
+    ticks.into_iter().map(pace).collect()
+}
+
+fn measure(root: &Path) -> Result<Vec<Costs>> {
+    let settings = &f405::monitor_settings::MONITOR;
+    let recorded = records::read(RECORD, Some(SECONDS), settings.tick.period_us)?;
+    let episodes = faults::schedule(SEED, &recorded);
+    let mut spoiler = Spoiler::new(SEED, episodes);
+    let ticks = paced(stream::ticks(&recorded, &mut spoiler, settings));
+    let images = BOARDS
+        .iter()
+        .map(|board| {
+            let environment = [("MEASURED_PRECISION", Some(name(board.precision)))];
+            Image::of(root, board.core, "measured_chain", &environment)
+        })
+        .collect::<Result<Vec<_>>>()?;
+    eprintln!("the monitor on emulated cores, {} ticks", ticks.len());
+    BOARDS
+        .par_iter()
+        .zip(&images)
+        .map(|(board, image)| board.measure(image, &ticks))
+        .collect()
+}
+
+/// Measures all boards.
+pub fn run(root: &Path) -> Result<Rows> {
+    Ok(rows(&measure(root)?))
+}
+
+fn rows(measured: &[Costs]) -> Rows {
+    let mut rows = Rows::default();
+    for costs in measured {
+        costs.rows(&mut rows);
+    }
+    rows
+}
+
+fn figure(rows: &Rows, board: &Board, metric: &str, stat: &str) -> f64 {
+    let wanted = (board.core.name(), name(board.precision), "monitor");
+    rows.all()
+        .iter()
+        .find(|r| (r.core, r.precision, r.scene) == wanted && r.metric == metric && r.stat == stat)
+        .map_or(f64::NAN, |r| r.value)
+}
+
+/// The section of the page.
+pub fn section(rows: &Rows) -> String {
+    let mut lines = Vec::new();
+    let mut budgets = Vec::new();
+    for board in &BOARDS {
+        for (what, metric) in [
+            ("all but the solve", REST),
+            ("a warm solve, by sweeps", SWEEP),
+            ("a tick with a warm solve", TICK),
+        ] {
+            let mut line = vec![format!("{}: {what}", board.name())];
+            line.extend(["median", "99 %", "worst"].map(|stat| {
+                let cycles = figure(rows, board, metric, stat);
+                let budget = f64::from(board.settings.deadline_cycles);
+                format!("{} ({:.1} %)", thousands(cycles), 100.0 * cycles / budget)
+            }));
+            lines.push(line);
+        }
+        // As the constants are to be, not as they were when this was compiled.
+        let [fixed, sweep] =
+            [REST, SWEEP].map(|metric| figure(rows, board, metric, "worst").ceil() as u32);
+        let settings = TickSettings {
+            cost: CycleCost { fixed, sweep },
+            ..*board.settings
+        };
+        let (budget, sweeps) = (settings.deadline_cycles, settings.max_sweeps());
+        let most = settings.most_cycles();
+        let count = |metric| thousands(figure(rows, board, metric, "value"));
+        budgets.push(vec![
+            format!("{}, {} MHz", board.name(), board.core_hz / 1_000_000),
+            thousands(budget.into()),
+            sweeps.to_string(),
+            thousands(most as f64),
+            thousands(f64::from(budget) - most as f64),
+            count(TICKS),
+            count(SOLVED),
+            count(BEYOND),
+        ]);
+    }
+    format!(
+        "{}## A tick of the monitor\n\nThe chain of the shipped firmware (`examples/chain.rs`) over the first \
+         {SECONDS} s of the recorded cycle, with the faults of `cargo emulate --seconds {SECONDS} --faults`: \
+         bytes of the port sorted and decoded, doubts, a warm solve, limits, judgement, life, telemetry \
+         encoded and taken byte by byte. Cycles modelled as above, in brackets the part of a period of 1 ms; \
+         interrupts, the log and waiting for the port are not in it. All telemetry of the emulated cores was \
+         the host's to the last bit.\n\n{}\n\
+         The firmware allows as many sweeps as fit: the worst of *all but the solve* and that many times the \
+         worst of *a warm solve, by sweeps* are within the period. Solves of one sweep more count for the latter, too: \
+         what they take decides whether they fit. A solve from nothing, after one that went \
+         astray, may take longer, and is counted as an overrun.\n\n{}\n\
+         `cargo reports monitor` makes this section and the constants of `CycleCost` anew.\n\n{}\n",
+        MARKS[0],
+        table(&["cycles", "median", "99 %", "worst"], &lines),
+        table(
+            &[
+                "board",
+                "period",
+                "sweeps allowed",
+                "longest then",
+                "margin",
+                "ticks",
+                "with a warm solve",
+                "beyond the period"
+            ],
+            &budgets
+        ),
+        MARKS[1],
+    )
+}
+
+/// Around the section.
+const MARKS: [&str; 2] = ["<!-- monitor: begin -->\n\n", "<!-- monitor: end -->\n"];
+
+/// Figures that are held on to.
+fn figures(measured: &[Costs]) -> Figures {
+    let rows = rows(measured);
+    let mut figures = Figures::new();
+    for board in &BOARDS {
+        for metric in [TICK, REST, SWEEP] {
+            for stat in ["median", "99 %", "worst"] {
+                let value = figure(&rows, board, metric, stat).ceil() as u64;
+                figures.insert(
+                    format!("{}, monitor: {metric}, {stat}", board.name()),
+                    value,
+                );
+            }
+        }
+    }
+    figures
+}
+
+/// Fails where the firmware's constants promise less than is measured.
+fn hold(measured: &[Costs], leeway: f64) -> Result<()> {
+    let grown: Vec<String> = measured
+        .iter()
+        .flat_map(|costs| {
+            let (is, said) = (costs.constant(), costs.board.cost);
+            [
+                ("fixed", is.fixed, said.fixed),
+                ("sweep", is.sweep, said.sweep),
+            ]
+            .into_iter()
+            .filter(move |(_, is, said)| f64::from(*is) > f64::from(*said) * (1.0 + leeway))
+            .map(|(field, is, said)| {
+                format!(
+                    "CycleCost::{}.{field} is {said}, measured {is}",
+                    costs.board.constant
+                )
+            })
+        })
+        .collect();
+    if !grown.is_empty() {
+        bail!(
+            "the deadline rests on constants that are too small:\n       {}\n       `cargo reports monitor` \
+             writes {CONSTANTS} anew; commit it if it is worth it",
+            grown.join("\n       ")
+        );
+    }
+    Ok(())
+}
+
+/// What the gate is to know: figures, after the constants have been held against them.
+pub fn check(root: &Path, leeway: f64) -> Result<Figures> {
+    let measured = measure(root)?;
+    hold(&measured, leeway)?;
+    Ok(figures(&measured))
+}
+
+/// Takes constants as they are measured; returns the figures.
+pub fn accept(root: &Path) -> Result<Figures> {
+    let measured = measure(root)?;
+    write_constants(root, &measured)?;
+    Ok(figures(&measured))
+}
+
+/// Makes section, constants and the monitor's figures anew.
+pub fn alone(root: &Path) -> Result<()> {
+    let measured = measure(root)?;
+    let section = section(&rows(&measured));
+    println!("{section}");
+    write_constants(root, &measured)?;
+    crate::gate::replace(root, figures(&measured))?;
+    let path = root.join("docs/report.md");
+    let text = std::fs::read_to_string(&path)
+        .with_context(|| format!("cannot read {}", path.display()))?;
+    let text = match (text.split_once(MARKS[0]), text.split_once(MARKS[1])) {
+        (Some((before, _)), Some((_, after))) => {
+            format!("{before}{section}{}", after.trim_start())
+        }
+        // A page from before there was a section: at the end.
+        _ => format!("{}\n\n{section}", text.trim_end()),
+    };
+    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    println!("written: {}, {CONSTANTS}", path.display());
+    for costs in &measured {
+        let [before, now] = [costs.board.cost, costs.constant()]
+            .map(|cost| cost.sweeps_within(costs.board.settings.deadline_cycles));
+        if now != before {
+            println!(
+                "{}: {now} sweeps are allowed from now on, {before} so far: measure once more",
+                costs.board.name()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Fails where not even one sweep fits: firmware with such constants does not compile, and could then not
+/// be measured again.
+fn fits(measured: &[Costs]) -> Result<()> {
+    for costs in measured {
+        let (is, board) = (costs.constant(), costs.board);
+        let (most, period) = (is.fixed + is.sweep, board.settings.deadline_cycles);
+        ensure!(
+            most <= period,
+            "a tick does not fit, {}: {} + {} = {most} cycles of {period}. {CONSTANTS} is left as it is",
+            board.name(),
+            is.fixed,
+            is.sweep
+        );
+    }
+    Ok(())
+}
+
+fn write_constants(root: &Path, measured: &[Costs]) -> Result<()> {
+    fits(measured)?;
+    let mut text =
+        "//! What a tick costs on cores that were measured. Made by `cargo reports monitor`; \
+                    `docs/report.md` has the\n//! whole of it.\n\nuse super::tick::CycleCost;\n\n\
+                    impl CycleCost {\n"
+            .to_owned();
+    for costs in measured {
+        let CycleCost { fixed, sweep } = costs.constant();
+        let (about, constant) = (costs.board.about, costs.board.constant);
+        text += &format!(
+            "    /// {about}\n    pub const {constant}: Self = Self {{\n        fixed: {},\n        \
+             sweep: {},\n    }};\n",
+            grouped(fixed),
+            grouped(sweep)
+        );
+    }
+    text += "}\n";
+    let path = root.join(CONSTANTS);
+    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// As Rust groups digits.
+fn grouped(number: u32) -> String {
+    thousands(number.into()).replace(',', "_")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn costs(all: &[(u64, u64, u32)]) -> Costs {
+        let cost = |&(all, solve, sweeps)| Cost { all, solve, sweeps };
+        Costs {
+            board: &BOARDS[0],
+            all: all.iter().map(cost).collect(),
+        }
+    }
+
+    #[test]
+    fn constants_are_the_longest_rest_and_the_longest_sweep_within_the_bound() {
+        let most = u32::from(BOARDS[0].settings.max_sweeps());
+        let all = [
+            (100, 60, 1),
+            (130, 0, 0),
+            (120, 70, 1),
+            (9000, 8980, most + 1),
+        ];
+        let CycleCost { fixed, sweep } = costs(&all).constant();
+        assert_eq!((fixed, sweep), (130, 70));
+    }
+
+    #[test]
+    fn constants_that_promise_too_little_are_named() {
+        let said = BOARDS[0].settings.cost;
+        let of = |part: f64| {
+            let [rest, solve] = [said.fixed, said.sweep].map(|x| (f64::from(x) * part) as u64);
+            hold(&[costs(&[(rest + solve, solve, 1)])], 0.02)
+        };
+        assert!(of(1.019).is_ok());
+        let text = of(1.03).unwrap_err().to_string();
+        assert!(
+            text.contains("CORTEX_M4F.fixed") && text.contains("CORTEX_M4F.sweep"),
+            "{text}"
+        );
+        assert!(text.contains("cargo reports monitor"), "{text}");
+    }
+
+    #[test]
+    fn the_port_brings_no_more_than_it_can() {
+        let tick = |bytes: u8| Tick {
+            bytes: vec![bytes; bytes.into()],
+            room: u16::MAX,
+        };
+        let paced = paced([100, 0, 1, 0].map(tick).into());
+        let lengths: Vec<usize> = paced.iter().map(|t| t.bytes.len()).collect();
+        assert_eq!(lengths, [46, 46, 9, 0]);
+        assert!(paced.iter().all(|t| t.room == ROOM));
+    }
+}

@@ -1,0 +1,281 @@
+//! `cargo telemetry`: reads the monitor's telemetry from a port, a file or a pipe, prints what it says,
+//! writes it as a table, or shows it live.
+
+use anyhow::{Context, Result};
+use clap::{ArgGroup, Parser, ValueEnum};
+use host_tests::design_file::SHIPPED;
+use host_tests::milling_cycle::RECORD;
+use host_tests::telemetry::decoder::{Decoder, Event, Gap};
+use host_tests::telemetry::simulated;
+use host_tests::telemetry::state::State;
+use host_tests::telemetry::table::{Writer, change_name};
+use host_tests::{design_file, loads};
+use spindle_bearing::monitor::command::Command;
+use spindle_bearing::monitor::telemetry::Payload;
+use std::fs::File;
+use std::io::{self, BufWriter, Cursor, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use tools::telemetry::source::{self, Chunks, PortOperator};
+use tools::telemetry::{picture, view};
+
+/// Size of the screen of `--picture`, cells.
+const SCREEN: (u16, u16) = (120, 40);
+
+/// Reads the monitor's telemetry, and prints it, writes it as a table, or shows it live.
+///
+/// Damaged and missing frames are counted, and told at the end.
+#[derive(Parser, Debug)]
+#[command(
+    name = "telemetry",
+    bin_name = "cargo telemetry",
+    group(ArgGroup::new("source").required(true)),
+    after_help = "Exit status:\n  \
+        0  the stream has ended, or the view was left; damage and losses are told, not counted as failure\n  \
+        1  the stream cannot be read, or an output cannot be written"
+)]
+struct Arguments {
+    /// Serial port, as /dev/ttyUSB0 or COM3
+    #[arg(long, value_name = "PORT", group = "source")]
+    port: Option<String>,
+
+    /// Acknowledge all alarms, then go on; with --view, the key a does it
+    #[arg(long, requires = "port")]
+    acknowledge: bool,
+
+    /// Have the board learn the baseline of the stiffness from now on, or no longer; with --view, the key l
+    /// does it
+    #[arg(long, value_name = "WHEN", requires = "port")]
+    learn: Option<Learning>,
+
+    /// Tell the board that the bearing was replaced by a new one: it forgets its baseline and the life used
+    #[arg(long, requires = "port")]
+    new_bearing: bool,
+
+    /// Baud rate of the port
+    #[arg(long, value_name = "BAUD", default_value_t = 460_800)]
+    baud: u32,
+
+    /// File with the bytes of a stream; `-` is standard input
+    #[arg(long, value_name = "FILE", group = "source")]
+    file: Option<String>,
+
+    /// Without a board: the project's milling cycle, solved by this machine
+    #[arg(long, group = "source")]
+    simulate: bool,
+
+    /// Stop the simulation after so much recorded time
+    #[arg(long, value_name = "S", requires = "simulate")]
+    seconds: Option<f64>,
+
+    /// Write every frame to this table; `-` is standard output
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<String>,
+
+    /// Show the stream live; q leaves, and with a port, a acknowledges alarms and l learns the baseline
+    #[arg(long)]
+    view: bool,
+
+    /// With --view and not from a port: so many times as fast as it was, 0 for as fast as it comes
+    #[arg(
+        long,
+        value_name = "TIMES",
+        default_value_t = 1.0,
+        conflicts_with = "port"
+    )]
+    pace: f64,
+
+    /// At the end, draw the view to this file
+    #[arg(long, value_name = "FILE.svg")]
+    picture: Option<PathBuf>,
+}
+
+/// Whether the board is to learn the baseline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Learning {
+    /// From now on
+    On,
+    /// No longer
+    Off,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<()> {
+    let (chunks, mut operator) = open(arguments)?;
+    if let Some(operator) = &mut operator {
+        if arguments.acknowledge {
+            operator.acknowledge_all()?;
+        }
+        if arguments.new_bearing {
+            operator.send(Command::ReplaceBearing)?;
+        }
+        if let Some(when) = arguments.learn {
+            operator.learn(when == Learning::On)?;
+        }
+    }
+    let mut table = match &arguments.csv {
+        None => None,
+        Some(path) => Some(Writer::new(create(path)?)),
+    };
+    // Somebody who wants a table or a picture does not want a line for each frame.
+    let quiet = table.is_some() || arguments.picture.is_some();
+    let write = |event: &Event| match &mut table {
+        Some(table) => table.write(event),
+        None => Ok(()),
+    };
+    let mut state = State::default();
+    let ended = if arguments.view {
+        let pace = (arguments.port.is_none() && arguments.pace > 0.0).then_some(arguments.pace);
+        let press = |key, state: &State| match &mut operator {
+            Some(operator) => operator.press(key, state),
+            None => Ok(None),
+        };
+        view::view(&chunks, pace, &mut state, write, press)
+    } else {
+        read(&chunks, quiet, &mut state, write)
+    };
+    // A port that was unplugged is told of after what came from it.
+    eprintln!("{}", state.tally);
+    if let Some(table) = &mut table {
+        table.flush()?;
+    }
+    ended?;
+    if let Some(path) = &arguments.picture {
+        let (width, height) = SCREEN;
+        let svg = picture::svg(&view::screen(&state, width, height));
+        std::fs::write(path, svg).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// Where the bytes come from, and for a port, who says something to it.
+fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
+    if let Some(port) = &arguments.port {
+        let (chunks, operator) = source::port(port, arguments.baud)?;
+        return Ok((chunks, Some(operator)));
+    }
+    if let Some(path) = &arguments.file {
+        return Ok((source::file(path)?, None));
+    }
+    let design = design_file::DesignFile::read(Path::new(SHIPPED).join("b7005c.toml"))?;
+    let mut rows = Vec::new();
+    for row in loads::read(RECORD)? {
+        let row = row?;
+        if arguments.seconds.is_some_and(|end| row.time_s >= end) {
+            break;
+        }
+        rows.push(row);
+    }
+    let bytes = simulated::stream(&design.design, &rows)?;
+    Ok((source::stream(Cursor::new(bytes)), None))
+}
+
+fn create(path: &str) -> Result<Box<dyn Write>> {
+    if path == "-" {
+        return Ok(Box::new(io::stdout()));
+    }
+    let file = File::create(path).with_context(|| format!("cannot write {path}"))?;
+    Ok(Box::new(BufWriter::new(file)))
+}
+
+/// Reads to the end of the stream.
+fn read(
+    chunks: &Chunks,
+    quiet: bool,
+    state: &mut State,
+    mut each: impl FnMut(&Event) -> Result<()>,
+) -> Result<()> {
+    let mut decoder = Decoder::new();
+    let mut out = io::stdout().lock();
+    for chunk in chunks {
+        for byte in chunk.context("cannot read on")? {
+            if let Some(event) = decoder.push(byte) {
+                each(&event)?;
+                state.note(&event, decoder.tally());
+                if !quiet {
+                    print(&mut out, &event)?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// One line for an event.
+fn print(out: &mut impl Write, event: &Event) -> Result<()> {
+    let (frame, gap) = match event {
+        Event::Damaged(error) => return Ok(writeln!(out, "damaged: {error}")?),
+        Event::Frame { frame, gap } => (frame, gap),
+    };
+    match gap {
+        Gap::None => {}
+        Gap::Lost(count) => {
+            let from = frame.sequence.wrapping_sub(*count);
+            let to = frame.sequence.wrapping_sub(1);
+            writeln!(out, "lost: {count} frames, {from} to {to}")?;
+        }
+        Gap::Restart => writeln!(out, "the sender has started again")?,
+    }
+    let time = frame.time_us as f64 * 1e-6;
+    write!(out, "{:>8} {time:12.6} s  ", frame.sequence)?;
+    match &frame.payload {
+        Payload::Estimate(report) => {
+            let k = report.stiffness;
+            writeln!(
+                out,
+                "estimate  Kx {:.2} Ky {:.2} Kz {:.2} N/um  Q {:.1} to {:.1} N  {}{}{}",
+                k[0] * 1e-6,
+                k[1] * 1e-6,
+                k[2] * 1e-6,
+                report.least_force,
+                report.largest_force,
+                report.status.name(),
+                if report.marks.is_empty() {
+                    ""
+                } else {
+                    "  doubted: "
+                },
+                report.marks
+            )?;
+        }
+        Payload::Balls(report) => {
+            let last = usize::from(report.first) + report.balls.len();
+            writeln!(
+                out,
+                "balls     {} to {last} of {}",
+                report.first, report.count
+            )?;
+        }
+        Payload::Alarm(report) => writeln!(
+            out,
+            "alarm     {} {}, now {}: {:e} of {:e} {}",
+            report.alarm,
+            change_name(report.change),
+            report.state.name(),
+            report.value,
+            report.limit,
+            report.alarm.unit()
+        )?,
+        Payload::Health(report) => writeln!(
+            out,
+            "health    {} ticks, {} overruns, {} missed, {} estimates, {} doubted; baseline {}, life {}",
+            report.ticks,
+            report.overruns,
+            report.missed_ticks,
+            report.estimates,
+            report.marked_samples,
+            report.retention.baseline.name(),
+            report.retention.life.name()
+        )?,
+    }
+    Ok(())
+}

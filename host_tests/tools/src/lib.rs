@@ -1,0 +1,19 @@
+//! What the programs around the judge share.
+
+pub mod arguments;
+pub mod bar;
+pub mod cross;
+pub mod figure;
+pub mod graph;
+pub mod replay;
+pub mod report;
+pub mod stream;
+pub mod telemetry;
+pub mod timing;
+
+use std::path::Path;
+
+/// The project's root.
+pub fn root() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+}

@@ -1,0 +1,255 @@
+//! `cargo replay`: recorded loads and speed in, displacements and stiffness out.
+
+use crate::arguments::{attitude, precision};
+use clap::Parser;
+use host_tests::design_file::DesignFile;
+use host_tests::dispatch::{self, Attitude, Precision};
+use host_tests::loads::{self, Loads};
+use host_tests::replay::{ReplayError, Summary, replay};
+use indicatif::{ProgressBar, ProgressStyle};
+use spindle_bearing::Limits;
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, BufWriter, IsTerminal, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Replays recorded bearing loads through the solver
+///
+/// Takes the design of an angular contact ball bearing and a recording of the loads on its inner
+/// ring and the shaft speed; for every row of the recording it computes where the inner ring goes
+/// and how stiff the bearing is there. The results go to standard output as CSV.
+#[derive(Debug, Parser)]
+#[command(name = "replay", bin_name = "cargo replay", max_term_width = 100, after_long_help = FORMATS)]
+pub struct Args {
+    /// Design of the bearing: ball count, diameters, grooves, contact angle, materials
+    ///
+    /// Examples are in host_tests/bearings/.
+    #[arg(value_name = "BEARING.toml")]
+    bearing: PathBuf,
+
+    /// Recorded loads and speed; `-` reads standard input
+    ///
+    /// An example, a synthetic milling cycle, is host_tests/records/milling_cycle.csv.
+    #[arg(value_name = "LOADS.csv")]
+    loads: String,
+
+    /// Precision to compute in
+    ///
+    /// Loads and speed are rounded to it first. Results have as many digits as it takes to read
+    /// back the same number of this precision.
+    #[arg(long, value_parser = precision(), default_value = "f64")]
+    precision: Precision,
+
+    /// What decides the axis about which a ball turns, and with it the gyroscopic moment
+    #[arg(long, value_parser = attitude(), default_value = "raceless")]
+    attitude: Attitude,
+
+    /// Solve every row from scratch, as after a reset
+    ///
+    /// Without this, each row starts from the result of the row before, as the firmware does, and
+    /// takes fewer sweeps.
+    #[arg(long)]
+    cold: bool,
+
+    /// Peak contact pressure, MPa, above which a row is marked in the column `limits`
+    ///
+    /// The default is that of ISO 76's static load rating. A spindle in continuous service is better
+    /// held to some 2000 MPa.
+    #[arg(long, value_name = "MPA", default_value_t = 4200.0)]
+    peak_pressure: f64,
+
+    /// Friction force over contact force above which a row is marked in the column `limits`
+    #[arg(long, value_name = "T/Q", default_value_t = Limits::<f64>::LUBRICATED_FRICTION)]
+    friction: f64,
+
+    /// Write the contact angles, forces and inertia loads of every ball to this CSV file
+    #[arg(long, value_name = "BALLS.csv")]
+    balls: Option<PathBuf>,
+}
+
+const FORMATS: &str = "\
+Frame: the outer ring stands still, the inner ring turns about +x. Loads act on the inner ring,
+moments about the bearing centre. Azimuths count from +y towards +z.
+
+LOADS.csv must have the header
+  time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm
+with the columns in any order.
+
+Results, one row for each row of LOADS.csv, SI units:
+  time_s          copied
+  status          converged; precision-limit (as close as the precision allows);
+                  sweep-limit (ran out of sweeps, figures are those of the last one);
+                  unseated (the same, a ball driven out of its groove by the speed);
+                  anything else means that this row has no answer, and its figures are empty
+  sweeps          passes over all balls that the solve took
+  dx_m .. tz_rad  displacement of the inner ring
+  k_x_x .. k_tz_tz  stiffness, 25 columns: k_y_tz is the change of Fy with the tilt tz
+  limits          physical limits that are passed, a blank between two of them; empty if none is:
+                  peak-pressure (of a contact); shoulder (a contact's centre is past it); truncation
+                  (of a contact ellipse by the shoulder); reversal (of a contact angle); friction
+                  (more is called for, gross slip suspected); inner-contact (lost by a ball)
+
+BALLS.csv, one row for each ball of each row, balls numbered from 0 at the first azimuth:
+  time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm
+  contact angles and contact forces at the inner and outer race, centrifugal force, gyroscopic
+  moment; rows without an answer have empty figures here, too.
+
+Exit status: 0, also if rows have no answer (a line on standard error counts them);
+2 if the arguments, the design or the recording are at fault; 1 if the results cannot be written.";
+
+/// The whole program but for the process around it: arguments (the first is the program's name) and
+/// streams in, exit status out.
+pub fn run(
+    args: impl IntoIterator<Item = OsString>,
+    stdin: impl Read + 'static,
+    stdout: impl Write,
+    mut stderr: impl Write,
+) -> u8 {
+    let args = match Args::try_parse_from(args) {
+        Ok(args) => args,
+        Err(message) => {
+            let text = message.render();
+            // Nobody is left to tell if the message cannot be written.
+            let _ = if message.use_stderr() {
+                write!(stderr, "{text}")
+            } else {
+                write!({ stdout }, "{text}")
+            };
+            return u8::try_from(message.exit_code()).unwrap_or(2);
+        }
+    };
+    match run_parsed(&args, Box::new(stdin), stdout) {
+        Ok(summary) => {
+            if !summary.refused.is_empty() {
+                let _ = writeln!(stderr, "replay: {summary}");
+            }
+            0
+        }
+        Err(failure) => {
+            // A reader that has seen enough (`| head`) is no failure.
+            if !failure.message.is_empty() {
+                let _ = writeln!(stderr, "replay: {}", failure.message);
+            }
+            failure.exit_status
+        }
+    }
+}
+
+/// How the program ends early.
+struct Failure {
+    exit_status: u8,
+    message: String,
+}
+
+impl Failure {
+    /// What the user gave is at fault.
+    fn input(message: impl ToString) -> Self {
+        Self {
+            exit_status: 2,
+            message: message.to_string(),
+        }
+    }
+}
+
+impl From<ReplayError> for Failure {
+    fn from(error: ReplayError) -> Self {
+        match &error {
+            ReplayError::Loads(error) => Self::input(error),
+            ReplayError::Results(reason) if reason.kind() == io::ErrorKind::BrokenPipe => Self {
+                exit_status: 0,
+                message: String::new(),
+            },
+            ReplayError::Results(_) | ReplayError::Balls(_) => Self {
+                exit_status: 1,
+                message: error.to_string(),
+            },
+        }
+    }
+}
+
+fn run_parsed(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<Summary, Failure> {
+    let file = DesignFile::read(&args.bearing).map_err(Failure::input)?;
+    let bearing = dispatch::bearing(&file.design, file.balls, args.precision)
+        .map_err(|error| Failure::input(file.explain(&error)))?;
+    let mut solver = bearing.solver(args.attitude);
+    solver.set_limits(&Limits {
+        peak_pressure: args.peak_pressure * 1e6,
+        friction: args.friction,
+    });
+    let mut loads = if args.loads == "-" {
+        Loads::from_reader("standard input", stdin)
+    } else {
+        loads::read(&args.loads)
+    }
+    .map_err(Failure::input)?;
+
+    let mut balls = match &args.balls {
+        Some(path) => Some(create(path, &[&args.bearing, Path::new(&args.loads)])?),
+        None => None,
+    };
+    let mut results = BufWriter::with_capacity(64 * 1024, stdout);
+
+    let bar = progress_bar(loads.total_bytes());
+    let rows = std::iter::from_fn(|| {
+        let row = loads.next();
+        bar.set_position(loads.bytes_read());
+        row
+    });
+    let outcome = replay(
+        solver.as_mut(),
+        rows,
+        args.cold,
+        &mut results,
+        balls.as_mut().map(|out| out as &mut dyn Write),
+    );
+    bar.finish_and_clear();
+    if matches!(outcome, Err(ReplayError::Loads(_))) {
+        // Rows before the fault are good; what hinders their output is less news than the fault.
+        let _ = results.flush();
+    }
+    outcome.map_err(Failure::from)
+}
+
+/// Creates the file of ball states, unless that would destroy one of the `inputs`.
+fn create(path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>, Failure> {
+    let name = path.display();
+    if path.as_os_str() == "-" {
+        return Err(Failure::input(
+            "--balls needs a file; standard output carries the results",
+        ));
+    }
+    let same = |input: &&Path| match (path.canonicalize(), input.canonicalize()) {
+        (Ok(path), Ok(input)) => path == input,
+        _ => false,
+    };
+    if inputs.iter().any(same) {
+        return Err(Failure::input(format!(
+            "--balls would overwrite its own input {name}; name another file"
+        )));
+    }
+    File::create(path)
+        .map(BufWriter::new)
+        .map_err(|error| Failure::input(format!("{name}: cannot be written: {error}")))
+}
+
+/// A bar on standard error over the bytes of the recording; a count, if their number is unknown;
+/// nothing, if nobody would see it.
+fn progress_bar(total_bytes: Option<u64>) -> ProgressBar {
+    if !io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let (bar, template) = match total_bytes {
+        Some(total) => (
+            ProgressBar::new(total),
+            "replaying {bar:40} {bytes} of {total_bytes}, {eta} left",
+        ),
+        None => (
+            ProgressBar::new_spinner(),
+            "replaying {spinner} {bytes}, {elapsed}",
+        ),
+    };
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

@@ -1,0 +1,8 @@
+//! The tools' tests in one program.
+
+#[path = "../../../tests/all/frames.rs"]
+mod frames;
+#[path = "../../../tests/all/malformed.rs"]
+mod malformed;
+mod replay;
+mod view;

@@ -1,0 +1,301 @@
+//! The live view of the telemetry shows what is so, and so does its picture.
+
+use crate::frames::{alarm, balls, estimate, frame, health, state_of, stream};
+use host_tests::telemetry::decoder::Decoder;
+use host_tests::telemetry::state::State;
+use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::plausibility::{Mark, Marks};
+use spindle_bearing::monitor::telemetry::{
+    AlarmChange, EstimateReport, HealthReport, Payload, Recovery, RetentionReport, encode,
+};
+use std::io::Cursor;
+use tools::telemetry::{picture, source, view};
+
+/// The lines of the view.
+fn text(state: &State) -> String {
+    let screen = view::screen(state, 120, 40);
+    let mut text = String::new();
+    for (i, cell) in screen.content().iter().enumerate() {
+        text += cell.symbol();
+        if (i + 1) % 120 == 0 {
+            text.push('\n');
+        }
+    }
+    text
+}
+
+#[test]
+fn a_stream_that_breaks_off_gives_what_came_and_then_its_error() {
+    struct Breaking(Cursor<Vec<u8>>);
+    impl std::io::Read for Breaking {
+        fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+            match self.0.read(buffer)? {
+                0 => Err(std::io::Error::other("unplugged")),
+                n => Ok(n),
+            }
+        }
+    }
+    let bytes = stream(&[frame(0, Payload::Health(health()))]);
+    let chunks: Vec<_> = source::stream(Breaking(Cursor::new(bytes.clone())))
+        .into_iter()
+        .collect();
+    assert_eq!(chunks.len(), 2);
+    assert_eq!(chunks[0].as_ref().unwrap(), &bytes);
+    assert_eq!(chunks[1].as_ref().unwrap_err().to_string(), "unplugged");
+    let error = source::port("/dev/there_is_no_such_port", 460_800)
+        .err()
+        .unwrap();
+    assert!(error.to_string().contains("there_is_no_such_port"));
+}
+
+#[test]
+fn the_ball_with_the_largest_force_is_drawn_farthest_out_along_its_azimuth() {
+    for hardest in 0..16 {
+        let mut forces = [40.0; 16];
+        forces[hardest] = 90.0;
+        forces[(hardest + 5) % 16] = 0.0;
+        let state = state_of(balls(&forces));
+        let scale = view::scale(&state.balls);
+        assert!((90.0..=180.0).contains(&scale));
+        let radius = |i| {
+            let [(x, y), _] = view::places(&state.balls, i, scale).unwrap();
+            f64::hypot(x, y)
+        };
+        let farthest = (0..16)
+            .max_by(|a, b| radius(*a).total_cmp(&radius(*b)))
+            .unwrap();
+        assert_eq!(farthest, hardest);
+        assert!(radius(hardest) <= 1.0);
+        assert_eq!(radius((hardest + 5) % 16), 0.0);
+        assert!((radius(hardest) / radius((hardest + 1) % 16) - 90.0 / 40.0).abs() < 1e-9);
+        // On the screen: red dots from the middle of the picture towards the ball, y to the right and z
+        // up, and nowhere else.
+        let screen = view::screen(&state, 120, 40);
+        let dots: Vec<(f64, f64)> = screen
+            .area
+            .positions()
+            .filter(|at| {
+                let cell = &screen[*at];
+                let is_braille =
+                    matches!(cell.symbol().chars().next(), Some('\u{2801}'..='\u{28ff}'));
+                is_braille && cell.fg == ratatui::style::Color::Red
+            })
+            .map(|at| (f64::from(at.x), -2.0 * f64::from(at.y)))
+            .collect();
+        assert!(!dots.is_empty());
+        let axes = state.balls.azimuth(hardest);
+        let (towards_y, towards_z) = (axes.cos(), axes.sin());
+        let place = |(x, y): &(f64, f64)| x * towards_y + y * towards_z;
+        let across = |(x, y): &(f64, f64)| y * towards_y - x * towards_z;
+        let length = dots.iter().map(place).fold(f64::MIN, f64::max)
+            - dots.iter().map(place).fold(f64::MAX, f64::min);
+        let width = dots.iter().map(across).fold(f64::MIN, f64::max)
+            - dots.iter().map(across).fold(f64::MAX, f64::min);
+        assert!(
+            length > 4.0 * width,
+            "ball {hardest}: {length} long, {width} wide"
+        );
+    }
+}
+
+#[test]
+fn the_hardest_ball_and_its_force_are_named() {
+    let mut forces = [40.0; 16];
+    forces[11] = 123.4;
+    assert!(text(&state_of(balls(&forces))).contains("ball 11: 123 N"));
+    assert!(text(&State::default()).contains("none known"));
+}
+
+#[test]
+fn an_alarm_is_shown_by_name_until_it_is_acknowledged_and_gone() {
+    use AlarmChange as C;
+    use AlarmState as S;
+    for which in Alarm::ALL {
+        let shown = |steps: &[(C, S)]| {
+            let reports = steps
+                .iter()
+                .map(|(change, state)| alarm(which, *change, *state));
+            text(&state_of(reports.map(Payload::Alarm)))
+        };
+        let open = |text: &str| text.contains("1 not acknowledged") && text.contains(which.name());
+        let raised = (C::Raised, S::Raised);
+        assert!(!shown(&[]).contains(which.name()));
+        assert!(!shown(&[(C::Standing, S::Pending)]).contains(which.name()));
+        assert!(open(&shown(&[raised])), "{which} raised");
+        // The condition is gone, but nobody knows of it.
+        assert!(
+            open(&shown(&[raised, (C::Cleared, S::Latched)])),
+            "{which} latched"
+        );
+        // Somebody knows, but the condition stands.
+        let known = shown(&[raised, (C::Acknowledged, S::Acknowledged)]);
+        assert!(known.contains(which.name()) && known.contains("acknowledged"));
+        assert!(!known.contains("not acknowledged"));
+        for end in [C::Cleared, C::Acknowledged] {
+            assert!(!shown(&[raised, (end, S::Clear)]).contains(which.name()));
+        }
+    }
+}
+
+#[test]
+fn all_alarms_at_once_are_all_shown_the_most_serious_first() {
+    let raised = |which| Payload::Alarm(alarm(which, AlarmChange::Raised, AlarmState::Raised));
+    let text = text(&state_of(Alarm::ALL.into_iter().rev().map(raised)));
+    assert!(text.contains("10 not acknowledged"));
+    let places: Vec<usize> = Alarm::ALL
+        .map(|a| text.find(&format!(" {} ", a.name())).unwrap())
+        .into();
+    assert!(places.is_sorted(), "{places:?}");
+}
+
+#[test]
+fn the_last_stiffness_is_there_as_a_number_and_the_course_falls_with_it() {
+    let falling = (0..600).map(|i| Payload::Estimate(estimate(5e7 * (1.0 - i as f32 / 1200.0))));
+    let state = state_of(falling);
+    assert!(text(&state).contains("Kx 25.0"), "{}", text(&state));
+    let screen = view::screen(&state, 120, 40);
+    // Rows of the dots of Kx, from the left to the right.
+    let mut rows: Vec<(u16, u16)> = screen
+        .area
+        .positions()
+        .filter(|at| {
+            let cell = &screen[*at];
+            let is_braille = matches!(cell.symbol().chars().next(), Some('\u{2801}'..='\u{28ff}'));
+            is_braille && cell.fg == ratatui::style::Color::Yellow
+        })
+        .map(|at| (at.x, at.y))
+        .collect();
+    rows.sort_unstable();
+    assert!(rows.len() > 20);
+    assert!(rows.first().unwrap().1 < rows.last().unwrap().1);
+    assert!(
+        rows.windows(2).all(|pair| pair[0].1 <= pair[1].1),
+        "{rows:?}"
+    );
+}
+
+#[test]
+fn a_doubted_sample_is_named_and_is_no_point_of_the_course() {
+    let doubted = EstimateReport {
+        age: 7,
+        marks: Marks::from(Mark::Stuck).with(Mark::SpeedMissing),
+        ..estimate(5e7)
+    };
+    let state = state_of([Payload::Estimate(estimate(5e7)), Payload::Estimate(doubted)]);
+    let trusted: Vec<bool> = state.history.iter().map(|point| point.trusted).collect();
+    assert_eq!(trusted, [true, false]);
+    let text = text(&state);
+    assert!(text.contains("7 ticks old"));
+    assert!(text.contains("doubted: stuck speed-missing"));
+}
+
+#[test]
+fn losses_and_counters_are_on_the_health_lines() {
+    let mut decoder = Decoder::new();
+    let mut state = State::default();
+    let late = HealthReport {
+        overruns: 3,
+        marked_samples: 41,
+        most_cycles: 120_345,
+        retention: RetentionReport {
+            baseline: Recovery::OtherSpindle,
+            life: Recovery::Recovered,
+            damaged: 1,
+            written: 12,
+            failed: 2,
+        },
+        ..health()
+    };
+    let mut bytes = encode(&frame(0, Payload::Health(health()))).to_vec();
+    bytes.extend([9, 1, 1, 0]);
+    bytes.extend(encode(&frame(5, Payload::Health(late))));
+    for byte in bytes {
+        if let Some(event) = decoder.push(byte) {
+            state.note(&event, decoder.tally());
+        }
+    }
+    let without = state_of([Payload::Health(health())]);
+    assert!(self::text(&without).contains("no memory: what is learnt is lost with the power"));
+    let text = text(&state);
+    for part in [
+        "1000 ticks, 3 overruns",
+        "longest 120345 cycles",
+        "41 doubted",
+        "baseline other-spindle, life recovered, 1 damaged pieces; 12 records written, 2 failed",
+        "2 frames in",
+        "4 lost, 1 damaged",
+        "frame stuffing broken",
+    ] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+}
+
+#[test]
+fn any_state_can_be_drawn_on_any_screen() {
+    let nothing = f32::NAN;
+    let broken = EstimateReport {
+        stiffness: [nothing, f32::INFINITY, -1.0, 0.0, f32::MAX],
+        ..estimate(1.0)
+    };
+    let mut payloads = balls(&[nothing, f32::INFINITY, 0.0, -5.0, 1e30]);
+    payloads.push(Payload::Estimate(broken));
+    let states = [State::default(), state_of(payloads)];
+    for state in &states {
+        for (width, height) in [(0, 0), (1, 1), (20, 5), (40, 12), (80, 24), (300, 100)] {
+            let screen = view::screen(state, width, height);
+            assert_eq!(screen.area.area(), u32::from(width) * u32::from(height));
+        }
+    }
+}
+
+#[test]
+fn the_picture_has_every_word_of_the_screen_at_its_place() {
+    let raised = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
+    let state = state_of([Payload::Alarm(raised), Payload::Estimate(estimate(5e7))]);
+    let screen = view::screen(&state, 120, 40);
+    let svg = picture::svg(&screen);
+    let mut letters = 0;
+    for line in svg.lines().filter(|line| line.starts_with("<text")) {
+        let number = |name: &str| -> u16 {
+            let (_, rest) = line.split_once(&format!(" {name}=\"")).unwrap();
+            rest.split('"').next().unwrap().parse().unwrap()
+        };
+        let word = line.split(['>', '<']).nth(2).unwrap();
+        let (x, y) = (number("x") / 8, (number("y") - 12) / 16);
+        for (i, letter) in (0..).zip(word.chars()) {
+            assert_eq!(screen[(x + i, y)].symbol(), letter.to_string());
+            letters += 1;
+        }
+    }
+    let drawn = |cell: &ratatui::buffer::Cell| {
+        let symbol = cell.symbol().chars().next();
+        matches!(
+            symbol,
+            Some(' ' | '\u{2500}'..='\u{257f}' | '\u{2800}'..='\u{28ff}') | None
+        )
+    };
+    assert_eq!(
+        letters,
+        screen.content().iter().filter(|cell| !drawn(cell)).count()
+    );
+    assert!(svg.contains(">slip<"));
+}
+
+#[test]
+fn what_was_said_to_the_board_is_in_the_view() {
+    let mut state = State {
+        said: Some("2 alarms acknowledged".into()),
+        ..State::default()
+    };
+    let shown = |state: &State| {
+        let screen = view::screen(state, 120, 40);
+        screen
+            .content()
+            .iter()
+            .map(|cell| cell.symbol())
+            .collect::<String>()
+    };
+    assert!(shown(&state).contains("2 alarms acknowledged"));
+    state.said = None;
+    assert!(!shown(&state).contains("acknowledged"));
+}
