@@ -75,7 +75,7 @@ impl Scene {
         self.judged().with_context(|| {
             format!(
                 "{} under {:?} (N, N m) at {} rpm, {:?}: this point of the page has no answer any \
-                 more; `cargo test --test truth` tells whether the solver is to blame",
+                 more; `cargo test truth` tells whether the solver is to blame",
                 self.name, self.load, self.rpm, self.attitude
             )
         })
