@@ -901,9 +901,9 @@ fn single_and_double_precision_agree() {
     }
 }
 
-/// Largest error of the stiffness in single precision, under 400 loads along a direction that rounding may keep
-/// from converging.
-fn worst_stiffness_in_single<M: Motion>(direction: [f32; 5], smallest: f32, omega: f32) -> f64 {
+/// Holds 400 solves in single precision along a direction, many of which rounding ends, to their stiffness in
+/// double precision; returns the largest error of those that rounding has ended.
+fn worst_where_rounding_ends<M: Motion>(direction: [f32; 5], smallest: f32, omega: f32) -> f64 {
     let bearing = build::<f32, 16>(&B7005C);
     let mut worst = 0.0;
     for i in 0..400_u16 {
@@ -911,20 +911,23 @@ fn worst_stiffness_in_single<M: Motion>(direction: [f32; 5], smallest: f32, omeg
         let load = direction.map(|part| part * size);
         let mut solver = Solver::<f32, 16, M>::new(&bearing);
         let solution = solver.solve(load, omega, &Settings::default()).unwrap();
-        let solved = matches!(solution.status, Status::Converged | Status::PrecisionLimit);
-        assert!(solved, "{load:?}: {}", solution.status);
-        let found = Found::of(&solution);
         let truth = cold::<16, M>(&B7005C, load.map(f64::from), f64::from(omega));
-        worst = worse(worst, stiffness_error(&found.k, &truth.k));
+        let error = stiffness_error(&Found::of(&solution).k, &truth.k);
+        assert!(error < allowed(Precision::F32).stiffness, "{load:?}");
+        match solution.status {
+            Status::Converged => {}
+            Status::PrecisionLimit => worst = worse(worst, error),
+            other => panic!("{load:?}: {other}"),
+        }
     }
     worst
 }
 
 #[test]
 fn where_rounding_ends_a_solve_the_stiffness_is_still_good() {
-    let worst = worst_stiffness_in_single::<Static>([0.0, 1.0, 0.3, 0.0, 0.0], 0.01, 0.0);
+    let worst = worst_where_rounding_ends::<Static>([0.0, 1.0, 0.3, 0.0, 0.0], 0.01, 0.0);
     assert!(worst < 4e-5, "{worst:e}");
-    let worst = worst_stiffness_in_single::<Free>([0.2, 1.0, 0.3, 0.0, 0.0], 0.1, 2000.0);
+    let worst = worst_where_rounding_ends::<Free>([0.2, 1.0, 0.3, 0.0, 0.0], 0.1, 2000.0);
     assert!(worst < 2e-5, "{worst:e}");
 }
 
