@@ -12,6 +12,9 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+/// Byte that the emulator's multiplexer takes for the start of a command of its own, unless it comes twice.
+const ESCAPE: u8 = 0x01;
+
 /// The emulator that runs, for whoever has to end it.
 static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
 
@@ -40,9 +43,20 @@ pub fn end_on_signals() -> Result<()> {
     .context("signals cannot be handled")
 }
 
+/// `input` with every [`ESCAPE`] twice, which the multiplexer turns back into one.
+fn escaped(input: &[u8]) -> Vec<u8> {
+    let sent = input.iter().map(|byte| match *byte {
+        ESCAPE => &[ESCAPE; 2][..],
+        _ => std::slice::from_ref(byte),
+    });
+    sent.flatten().copied().collect()
+}
+
 /// A running board. Ends with its owner.
 pub struct Board {
     port: Option<ChildStdin>,
+    /// A multiplexer is between the port and the board.
+    multiplexed: bool,
     bytes: Receiver<Vec<u8>>,
     log: Receiver<Vec<u8>>,
     complaints: Receiver<String>,
@@ -77,12 +91,21 @@ impl Board {
             "socket,id=log,host=127.0.0.1,port={},server=off,nodelay=on",
             listener.local_addr()?.port()
         );
+        // The emulator's main loop reads standard input a byte per turn, and only while there is room for
+        // that byte: what the firmware has not taken stays in the pipe. Without a multiplexer the room is
+        // the receiver's register, so that the firmware waits a turn for every byte. A multiplexer has a
+        // queue of 32 bytes, from which a read of that register fetches the next byte at once.
+        let multiplexed = emulator.keeps_read_bytes;
+        let port = if multiplexed {
+            "stdio,id=port,signal=off,mux=on"
+        } else {
+            "stdio,id=port,signal=off"
+        };
         let mut child = emulator
             .command()
             .args(["-monitor", "none"])
-            // The emulator takes a byte only when the receiver's register is free, so that its
-            // standard input holds back what the firmware has not taken.
-            .args(["-chardev", "stdio,id=port,signal=off"])
+            .args(["-chardev", port])
+            .args(["-echr", &ESCAPE.to_string()])
             .args(["-serial", "chardev:port"])
             .args(["-chardev", &log])
             .args(["-serial", "chardev:log"])
@@ -118,6 +141,7 @@ impl Board {
         *RUNNING.lock().unwrap_or_else(PoisonError::into_inner) = Some(child);
         Ok(Self {
             port: Some(port),
+            multiplexed,
             bytes: pump(output),
             log,
             complaints,
@@ -129,6 +153,11 @@ impl Board {
     pub fn send(&mut self, input: Vec<u8>) {
         let Some(mut port) = self.port.take() else {
             return;
+        };
+        let input = if self.multiplexed {
+            escaped(&input)
+        } else {
+            input
         };
         thread::spawn(move || {
             // An emulator that has gone is told of by what it does not answer.
@@ -231,4 +260,17 @@ impl<'t> Log<'t> {
 pub fn table(firmware: &Firmware) -> Result<Table> {
     Table::parse(&firmware.elf)?
         .with_context(|| format!("{} has no table of defmt messages", firmware.path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_escape_is_sent_twice_and_every_other_byte_once() {
+        assert_eq!(
+            escaped(&[0, 1, 1, 2, 255, 1]),
+            [0, 1, 1, 1, 1, 2, 255, 1, 1]
+        );
+    }
 }

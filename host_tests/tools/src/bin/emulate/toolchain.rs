@@ -8,11 +8,16 @@ use tools::cross::{self, Missing, output};
 const QEMU: &str = "qemu-system-arm";
 /// Machines with an STM32F405, the first choice first: the second came with QEMU 8.
 const MACHINES: [&str; 2] = ["netduinoplus2", "olimex-stm32-h405"];
+/// First major version of QEMU whose serial port gives the byte that is read, and not the next one, where the
+/// next one is there already (QEMU's commit ab08c3467605, "Fix STM32F2XX USART data register readout").
+const KEEPS_READ_BYTES: u32 = 7;
 
 /// An emulator that knows the chip.
 pub struct Emulator {
     /// Name of the machine.
     pub machine: &'static str,
+    /// Its serial port may have the next byte at hand when one is read.
+    pub keeps_read_bytes: bool,
     /// There is a program that ties it to this one.
     tied: bool,
 }
@@ -56,6 +61,9 @@ pub fn find_emulator() -> Result<Emulator> {
     match machine {
         Some(machine) => Ok(Emulator {
             machine,
+            keeps_read_bytes: output(Command::new(QEMU).arg("--version"))
+                .and_then(|text| major_version(&text))
+                .is_some_and(|major| major >= KEEPS_READ_BYTES),
             tied: cfg!(target_os = "linux") && output(&mut tied("true")).is_some(),
         }),
         None => bail!(
@@ -63,6 +71,12 @@ pub fn find_emulator() -> Result<Emulator> {
             MACHINES.join(", ")
         ),
     }
+}
+
+/// The first number of what QEMU says of its version: `QEMU emulator version 7.2.22 (Debian ...)`.
+fn major_version(text: &str) -> Option<u32> {
+    let (_, version) = text.split_once("version ")?;
+    version.split('.').next()?.parse().ok()
 }
 
 fn install_emulator() -> Result<()> {
@@ -82,6 +96,19 @@ mod tests {
     use std::process::Stdio;
     use std::thread;
     use std::time::{Duration, Instant};
+
+    #[test]
+    fn the_major_version_is_found_in_what_each_distribution_says() {
+        let debian =
+            "QEMU emulator version 7.2.22 (Debian 1:7.2+dfsg-7+deb12u18+b3)\nCopyright (c) 2003";
+        assert_eq!(major_version(debian), Some(7));
+        assert_eq!(major_version("QEMU emulator version 10.0.2"), Some(10));
+        assert_eq!(
+            major_version("QEMU emulator version 6.2.0 (qemu-6.2.0-1)"),
+            Some(6)
+        );
+        assert_eq!(major_version("another program"), None);
+    }
 
     #[test]
     fn a_tied_program_does_not_outlive_who_has_started_it() {
