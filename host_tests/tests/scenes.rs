@@ -105,27 +105,71 @@ fn widened<T: Real>(b: &BallState<T>) -> BallState<f64> {
     }
 }
 
+/// Why there is no answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Why {
+    NotFinite,
+    OutOfRange,
+    Unloaded,
+    Other,
+}
+
+/// A refusal, and the status in the solver's words.
+#[derive(Debug)]
+struct Refusal {
+    why: Why,
+    #[allow(dead_code, reason = "for those who read a failure")]
+    status: String,
+}
+
+impl<T: Real> From<Status<T>> for Refusal {
+    fn from(status: Status<T>) -> Self {
+        let why = match status {
+            Status::NotFinite { .. } => Why::NotFinite,
+            Status::OutOfRange { .. } => Why::OutOfRange,
+            Status::Unloaded => Why::Unloaded,
+            _ => Why::Other,
+        };
+        let status = format!("{status:?}");
+        Self { why, status }
+    }
+}
+
+// Functions of slices and iterators, so that they are not compiled anew for every scene.
+
+fn in_doubles<T: Real>(values: &[T]) -> Vec<f64> {
+    values.iter().map(|x| x.to_f64()).collect()
+}
+
+fn rows<T: Real>(k: impl IntoIterator<Item: AsRef<[T]>>) -> Vec<Vec<f64>> {
+    k.into_iter().map(|row| in_doubles(row.as_ref())).collect()
+}
+
+fn states<T: Real>(balls: impl Iterator<Item = BallState<T>>) -> Vec<BallState<f64>> {
+    balls.map(|ball| widened(&ball)).collect()
+}
+
+/// Solves for `values`, one for each of the scene's freedoms.
 fn solve<T, const N: usize, const D: usize, M, B>(
     solver: &mut Solver<'_, T, N, M, Freedoms<D>, B>,
-    values: [f64; D],
+    values: &[f64],
     omega: f64,
-) -> Result<Found, Status<T>>
+) -> Result<Found, Refusal>
 where
     T: Real,
     M: Motion,
     Freedoms<D>: BallStore,
     B: Conditions<Freedoms<D>>,
 {
-    let s = solver.solve(values.map(T::of), T::of(omega), &Settings::default())?;
-    let rows = s.stiffness.into_iter();
+    assert_eq!(values.len(), D);
+    let values = from_fn(|i| T::of(values[i]));
+    let s = solver.solve(values, T::of(omega), &Settings::default())?;
     Ok(Found {
         solved: matches!(s.status, Status::Converged | Status::PrecisionLimit),
-        u: s.displacement.iter().map(|x| x.to_f64()).collect(),
-        load: s.load.iter().map(|x| x.to_f64()).collect(),
-        k: rows
-            .map(|row| row.as_ref().iter().map(|x| x.to_f64()).collect())
-            .collect(),
-        balls: s.balls().map(|b| widened(&b)).collect(),
+        u: in_doubles(&s.displacement),
+        load: in_doubles(&s.load),
+        k: rows(s.stiffness),
+        balls: states(s.balls()),
         estimate: [s.error.displacement, s.error.force, s.error.stiffness].map(T::to_f64),
     })
 }
@@ -134,18 +178,15 @@ fn cold<T, const N: usize, const D: usize, M, B>(
     bearing: &Bearing<T, N>,
     values: [f64; D],
     omega: f64,
-) -> Result<Found, Status<T>>
+) -> Result<Found, Refusal>
 where
     T: Real,
     M: Motion,
     Freedoms<D>: BallStore,
     B: Conditions<Freedoms<D>>,
 {
-    solve(
-        &mut Solver::<T, N, M, Freedoms<D>, B>::new(bearing),
-        values,
-        omega,
-    )
+    let mut solver = Solver::<T, N, M, Freedoms<D>, B>::new(bearing);
+    solve(&mut solver, &values, omega)
 }
 
 /// The freedoms of five that a scene solves for.
@@ -352,31 +393,91 @@ impl Tally {
     }
 }
 
+/// What the judge knows of a scene and its solver.
+struct Scene {
+    /// Of the balls.
+    motion: &'static str,
+    rule: Attitude,
+    /// The reference build, restricted as the motion is.
+    reference: Reference,
+    /// The speed that the motion takes notice of.
+    speed: fn(f64) -> f64,
+    /// Freedoms that there are, and of five those that are solved for.
+    freedoms: usize,
+    free: [bool; 5],
+    precision: Precision,
+    epsilon: f64,
+    /// A number as the solver sees it.
+    seen: fn(f64) -> f64,
+}
+
+impl Scene {
+    fn of<T, const D: usize, M, B>(whole: &Reference) -> Self
+    where
+        T: Working,
+        M: Restricted,
+        Freedoms<D>: BallStore,
+        B: Conditions<Freedoms<D>>,
+    {
+        Self {
+            motion: M::NAME,
+            rule: M::RULE,
+            reference: M::reference(whole),
+            speed: M::speed,
+            freedoms: D,
+            free: free::<D, B>(),
+            precision: T::PRECISION,
+            epsilon: T::EPSILON.to_f64(),
+            seen: |x| T::of(x).to_f64(),
+        }
+    }
+}
+
+/// A solver of one scene: its answer to given loads or displacements, and a speed.
+type Solve<'s> = dyn FnMut(&[f64], f64) -> Result<Found, Refusal> + 's;
+
 /// Solves one trial in one scene, all its ticks, and judges the answers.
-fn judge<T, const N: usize, const D: usize, M, B>(trial: &Trial, held: [f64; 5], tally: &mut Tally)
-where
+fn judge_scene<T, const N: usize, const D: usize, M, B>(
+    trial: &Trial,
+    held: [f64; 5],
+    tally: &mut Tally,
+) where
     T: Working,
     M: Restricted,
     Freedoms<D>: BallStore,
     B: Conditions<Freedoms<D>>,
 {
-    let case = &trial.case;
-    let bearing = Bearing::<T, N>::build(&case.design).unwrap();
+    let bearing = Bearing::<T, N>::build(&trial.case.design).unwrap();
     let mut solver = Solver::<T, N, M, Freedoms<D>, B>::new(&bearing);
-    let reference = M::reference(&trial.reference);
-    let free = free::<D, B>();
+    let scene = Scene::of::<T, D, M, B>(&trial.reference);
+    judge(trial, &scene, held, tally, &mut |values, omega| {
+        solve(&mut solver, values, omega)
+    });
+}
+
+/// Has all ticks of a trial solved, and judges the answers. One function for all scenes, precisions and ball
+/// counts, since there are hundreds of these.
+fn judge(trial: &Trial, scene: &Scene, held: [f64; 5], tally: &mut Tally, solve: &mut Solve<'_>) {
+    let case = &trial.case;
+    let Scene {
+        rule,
+        reference,
+        free,
+        precision,
+        epsilon,
+        ..
+    } = scene;
+    let (rule, free, precision, epsilon) = (*rule, *free, *precision, *epsilon);
+    let seen = |x: &f64| (scene.seen)(*x);
     for tick in &trial.ticks {
-        let values: [f64; D] = from_fn(|i| if free[i] { tick.load[i] } else { held[i] });
+        let all: [f64; 5] = from_fn(|i| if free[i] { tick.load[i] } else { held[i] });
+        let values = &all[..scene.freedoms];
         tally.solves += 1;
-        let answer = solve(&mut solver, values, tick.omega);
-        let seen = |x: &f64| T::of(*x).to_f64();
+        let answer = solve(values, tick.omega);
         let inputs = || values.iter().chain([&tick.omega]);
         if !inputs().all(|x| seen(x).is_finite()) {
             assert!(
-                matches!(
-                    answer,
-                    Err(Status::NotFinite { .. } | Status::OutOfRange { .. })
-                ),
+                matches!(&answer, Err(refusal) if [Why::NotFinite, Why::OutOfRange].contains(&refusal.why)),
                 "{}: {answer:?}",
                 case.name
             );
@@ -385,16 +486,16 @@ where
         let found = match answer {
             Ok(found) if found.solved => found,
             // Their own loads are zero, or subnormal; or beyond what the model is for.
-            Err(Status::Unloaded | Status::OutOfRange { .. }) => {
+            Err(refusal) if [Why::Unloaded, Why::OutOfRange].contains(&refusal.why) => {
                 let largest = values.iter().fold(0.0, |m, x| f64::max(m, x.abs()));
-                let unloaded = matches!(answer, Err(Status::Unloaded));
+                let unloaded = refusal.why == Why::Unloaded;
                 assert!(
                     if unloaded {
                         largest < 1e-12
                     } else {
                         largest.max(tick.omega.abs()) > 1e3
                     },
-                    "{}: {answer:?}, loads up to {largest}",
+                    "{}: {refusal:?}, loads up to {largest}",
                     case.name
                 );
                 tally.refused += 1;
@@ -403,9 +504,9 @@ where
             _ => {
                 // Inner race control need not have an equilibrium.
                 let held: [f64; 5] = from_fn(|i| values.get(i).map_or(0.0, seen));
-                let there_is_none = M::RULE == Attitude::Inner
+                let there_is_none = rule == Attitude::Inner
                     && reference
-                        .search_with(held, seen(&tick.omega), M::RULE.into(), free, held)
+                        .search_with(held, seen(&tick.omega), rule.into(), free, held)
                         .is_err();
                 if there_is_none {
                     tally.none += 1;
@@ -417,12 +518,12 @@ where
         };
         let loaded = found.balls.iter().filter(|ball| ball.q_i > 0.0).count();
         let complain = |what: String| {
-            let (name, precision, motion) = (&case.name, T::PRECISION, M::NAME);
+            let (name, precision, motion) = (&case.name, precision, scene.motion);
             format!("{name} {precision:?} {motion}: {what}; {loaded} balls loaded")
         };
         let restricted = Tick {
             load: from_fn(|i| if free[i] { seen(&tick.load[i]) } else { 0.0 }),
-            omega: M::speed(seen(&tick.omega)),
+            omega: (scene.speed)(seen(&tick.omega)),
         };
         let lever = case.pitch_radius();
         let strongest = |force: f64, ball: &BallState<f64>| force.max(ball.q_i).max(ball.q_o);
@@ -431,7 +532,7 @@ where
         let unit = |i: usize| if i < 3 { 1.0 } else { lever };
         let lengths = found.u.iter().enumerate().map(|(i, u)| u.abs() * unit(i));
         let largest = lengths.fold(0.0, f64::max);
-        let mut bounds = allowed_at(T::PRECISION, largest / case.design.centre_distance());
+        let mut bounds = allowed_at(precision, largest / case.design.centre_distance());
         bounds = bounds.times(HARDER);
         // A hard case is one that the answer itself calls so.
         // But not one that says nothing of itself.
@@ -439,20 +540,20 @@ where
         bounds.displacement = bounds.displacement.max(displacement);
         // A displacement of many deformations has few digits left for them.
         // Single precision keeps positions in two parts.
-        let length = match T::PRECISION {
+        let length = match precision {
             Precision::F32 => largest,
             Precision::F64 => largest + case.design.centre_distance(),
         };
-        let rounding = 32.0 * T::EPSILON.to_f64() * length / deepest;
+        let rounding = 32.0 * epsilon * length / deepest;
         bounds.force = bounds.force.max(force);
 
         // Two balls hold the ring in four directions. What a load has in others from being rounded, which the
         // families do to single precision, nothing carries.
-        if 2 * loaded < free.iter().filter(|free| **free).count() && D > 1 {
+        if 2 * loaded < free.iter().filter(|free| **free).count() && scene.freedoms > 1 {
             bounds.force = bounds.force.max(f64::from(f32::EPSILON));
         }
         // The balls carry the load, and what they carry is what the answer says.
-        let by_balls = carried(case, M::RULE, &found.balls);
+        let by_balls = carried(case, rule, &found.balls);
         let given = || (0..).zip(&restricted.load).filter(|(i, _)| free[*i]);
         let error = load_error(case, given(), &by_balls, size);
         let own = load_error(case, (0..).zip(&found.load), &by_balls, size);
@@ -464,7 +565,7 @@ where
             let friction = found.balls.iter().fold(0.0, |m, ball| {
                 f64::max(m, ball.gyroscopic_moment.abs() / case.design.ball_diameter)
             });
-            if M::RULE == Attitude::Inner && open && missed <= 2.0 * friction / size {
+            if rule == Attitude::Inner && open && missed <= 2.0 * friction / size {
                 tally.jumping += 1;
                 continue;
             }
@@ -478,15 +579,14 @@ where
 
         bounds.force = bounds.force.max(rounding);
         bounds.stiffness = bounds.stiffness.max(stiffness).max(rounding);
-        let truth = truth_near(case, &reference, M::RULE.into(), &restricted, free, &found);
-        let epsilon = T::EPSILON.to_f64();
+        let truth = truth_near(case, reference, rule.into(), &restricted, free, &found);
         let truth = match truth {
             Some(truth) if !is_loose(&truth, free, lever, epsilon) => truth,
             other => {
                 // Where the ring is may be hard to tell, but there the bearing must carry the load.
                 let u = from_fn(|i| found.u.get(i).copied().unwrap_or(0.0));
                 let mut centres = centres(case, &found);
-                let law = reference.rough_law(u, restricted.omega, M::RULE.into(), &mut centres);
+                let law = reference.rough_law(u, restricted.omega, rule.into(), &mut centres);
                 let error = law.map(|(force, _)| load_error(case, given(), &force, size));
                 match error {
                     Ok(error) if error <= bounds.force => {}
@@ -514,7 +614,7 @@ where
         // Reactions, which no displacement shows.
         let size = exact.largest_force() * case.balls as f64;
         let balls: Vec<BallState<f64>> = truth.balls.iter().map(state).collect();
-        let carried = carried(case, M::RULE, &balls);
+        let carried = carried(case, rule, &balls);
         let reactions = load_error(case, (0..).zip(&found.load), &carried, size);
         errors.force = worse(errors.force, reactions);
         tally.worst = tally.worst.worse(errors);
@@ -550,8 +650,8 @@ fn judge_scenes<const N: usize, M: Restricted>(trial: &Trial, tallies: &mut [Tal
     ) where
         Freedoms<D>: BallStore,
     {
-        judge::<f32, N, D, M, B>(trial, held, tally);
-        judge::<f64, N, D, M, B>(trial, held, tally);
+        judge_scene::<f32, N, D, M, B>(trial, held, tally);
+        judge_scene::<f64, N, D, M, B>(trial, held, tally);
     }
     let [axial, translations, all, rigid, tilted, guided, pressed] = tallies;
     both::<N, 1, M, Loads>(trial, held, axial);
