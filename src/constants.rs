@@ -280,22 +280,16 @@ macro_rules! bearing {
             }
         }
 
-        impl<const N: usize> Bearing<$t, N> {
-            /// Checks the design and computes everything that does not depend on load and speed,
-            /// in doubles, rounded once. A `const fn`.
-            ///
-            /// # Errors
-            ///
-            /// The first quantity of the design that is out of its range.
-            pub const fn new(design: &Design) -> Result<Self, DesignError> {
-                let c = check!(in_double(design, N));
+        impl Constants<$t> {
+            /// Rounds to the working precision.
+            const fn rounded(c: &Constants<f64>) -> Self {
                 // The two lengths must add up to 1 exactly, or a contact deformation, which is
                 // the small difference of lengths, would inherit their rounding.
                 let long = c.outer > 0.5;
                 let larger = if long { c.outer } else { c.inner } as $t;
                 let outer = if long { larger } else { 1.0 - larger };
                 let inner = if long { 1.0 - larger } else { larger };
-                let constants = Constants {
+                Self {
                     n0: [
                         Split::<$t>::of(c.n0[0].high, c.n0[0].low),
                         Split::<$t>::of(c.n0[1].high, c.n0[1].low),
@@ -323,7 +317,20 @@ macro_rules! bearing {
                     inner_groove: Groove::<$t>::rounded(&c.inner_groove),
                     outer_groove: Groove::<$t>::rounded(&c.outer_groove),
                     symmetric: c.symmetric,
-                };
+                }
+            }
+        }
+
+        impl<const N: usize> Bearing<$t, N> {
+            /// Checks the design and computes everything that does not depend on load and speed,
+            /// in doubles, rounded once. A `const fn`.
+            ///
+            /// # Errors
+            ///
+            /// The first quantity of the design that is out of its range.
+            pub const fn new(design: &Design) -> Result<Self, DesignError> {
+                let c = check!(in_double(design, N));
+                let constants = Constants::<$t>::rounded(&c);
                 let mut azimuths = [Azimuth {
                     cos: 0.0,
                     sin: 0.0,

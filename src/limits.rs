@@ -12,7 +12,7 @@ use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
 use crate::outputs::{Outputs, PerBall};
 use crate::scene::Motion;
-use crate::solver::Solution;
+use crate::solver::{Solution, View};
 use core::fmt;
 
 /// Limits that the design does not give. One that is infinite, or not a number, is never passed.
@@ -596,8 +596,7 @@ where
     where
         O: PerBall,
     {
-        let survey = self.survey(limits, |_, _| ());
-        Exceedances(Limit::ALL.map(|limit| survey.exceedance(limit)))
+        self.view().exceedances(limits)
     }
 
     /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
@@ -624,6 +623,19 @@ where
     where
         O: PerBall,
     {
+        self.view().extremes()
+    }
+}
+
+impl<'v, T: Real, M: Motion, const D: usize> View<'v, T, M, D> {
+    /// As [`Solution::exceedances`].
+    fn exceedances(self, limits: &Limits<T>) -> Exceedances<T> {
+        let survey = self.survey(limits, |_, _| ());
+        Exceedances(Limit::ALL.map(|limit| survey.exceedance(limit)))
+    }
+
+    /// As [`Solution::extremes`].
+    fn extremes(self) -> Extremes<T> {
         let none = Limits {
             peak_pressure: T::of(f64::INFINITY),
             friction: T::of(f64::INFINITY),
@@ -634,17 +646,17 @@ where
     /// Looks at every ball once, and hands each on: its number, then force (N) and sine and cosine of the
     /// contact angle of its inner and of its outer contact.
     pub(crate) fn survey<'s>(
-        &'s self,
+        self,
         limits: &'s Limits<T>,
         mut each: impl FnMut(u16, [[T; 3]; 2]),
     ) -> Survey<'s, T>
     where
-        O: PerBall,
+        'v: 's,
     {
-        let (c, passes) = self.passes();
+        let c = self.c;
         let mut survey = Survey::new(c, limits);
         let mut ball = 0_u16;
-        passes.for_each(|pass| {
+        self.passes().for_each(|pass| {
             let seen = |k: &Contact<T>| [k.q * c.force, k.sin, k.cos];
             each(ball, [seen(&pass.inner), seen(&pass.outer)]);
             survey.ball(ball, &pass);

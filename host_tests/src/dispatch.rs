@@ -6,8 +6,8 @@
 //! long in the solver does not depend on the ball count.
 
 use spindle_bearing::{
-    BallState, Bearing, Design, DesignError, Full, InnerRaceControl, LimitSet, Limits, Motion,
-    OuterRaceControl, RacewayControlFree, Real, Settings, Solver, Static,
+    BallState, Bearing, Design, DesignError, ErrorEstimate, Full, InnerRaceControl, LimitSet,
+    Limits, Motion, OuterRaceControl, RacewayControlFree, Real, Settings, Solver, Static, Status,
 };
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -239,38 +239,26 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
         omega: f64,
         balls: Option<&mut Vec<BallState<f64>>>,
     ) -> Answer {
-        match self
+        let solved = self
             .solver
-            .solve(load.map(T::of), T::of(omega), &self.settings)
-        {
+            .solve(rounded(load), T::of(omega), &self.settings);
+        match solved {
             Ok(solution) => {
                 if let Some(balls) = balls {
-                    balls.clear();
-                    balls.extend(solution.balls().map(|ball| widened(&ball)));
+                    keep(balls, solution.balls());
                 }
+                let figures = Figures {
+                    sweeps: solution.sweeps,
+                    repeats: solution.repeats,
+                    limits: solution.exceedances(&self.limits).limits(),
+                    ..figures(&solution.displacement, &solution.stiffness, &solution.error)
+                };
                 Answer {
                     status: solution.status.name(),
-                    figures: Ok(Figures {
-                        sweeps: solution.sweeps,
-                        repeats: solution.repeats,
-                        displacement: solution.displacement.map(T::to_f64),
-                        stiffness: solution.stiffness.map(|row| row.map(T::to_f64)),
-                        limits: solution.exceedances(&self.limits).limits(),
-                        error: Some(
-                            [
-                                solution.error.displacement,
-                                solution.error.force,
-                                solution.error.stiffness,
-                            ]
-                            .map(T::to_f64),
-                        ),
-                    }),
+                    figures: Ok(figures),
                 }
             }
-            Err(status) => Answer {
-                status: status.name(),
-                figures: Err(status.to_string()),
-            },
+            Err(status) => refusal(&status),
         }
     }
 
@@ -290,6 +278,41 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
             tolerance: T::of(tolerance),
             max_sweeps,
         };
+    }
+}
+
+// Functions without the ball count: what they call, closures included, is compiled once for each precision.
+
+fn rounded<T: Real>(load: [f64; 5]) -> [T; 5] {
+    load.map(T::of)
+}
+
+/// The numbers of an equilibrium; no counts, and no limits passed.
+#[inline(never)]
+fn figures<T: Real>(
+    displacement: &[T; 5],
+    stiffness: &[[T; 5]; 5],
+    error: &ErrorEstimate<T>,
+) -> Figures {
+    Figures {
+        sweeps: 0,
+        repeats: 0,
+        displacement: displacement.map(T::to_f64),
+        stiffness: stiffness.map(|row| row.map(T::to_f64)),
+        limits: LimitSet::default(),
+        error: Some([error.displacement, error.force, error.stiffness].map(T::to_f64)),
+    }
+}
+
+fn keep<T: Real>(kept: &mut Vec<BallState<f64>>, balls: impl Iterator<Item = BallState<T>>) {
+    kept.clear();
+    kept.extend(balls.map(|ball| widened(&ball)));
+}
+
+fn refusal<T: Real>(status: &Status<T>) -> Answer {
+    Answer {
+        status: status.name(),
+        figures: Err(status.to_string()),
     }
 }
 

@@ -714,7 +714,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
         peak_pressure: T::from_f32(settings.limits.peak_pressure),
         friction: T::from_f32(settings.limits.friction),
     };
-    let survey = solution.survey(&limits, |ball, contacts| {
+    let survey = solution.view().survey(&limits, |ball, contacts| {
         let contacts = contacts.map(|contact| contact.map(T::to_f32));
         let [[q_i, ..], _] = contacts;
         if q_i < least {

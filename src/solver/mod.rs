@@ -32,7 +32,7 @@ mod thresholds;
 
 use crate::axial::Spring;
 use crate::conditions::{Conditions, Loads, missing};
-use crate::constants::Bearing;
+use crate::constants::{Azimuth, Bearing, Constants};
 use crate::float::Real;
 use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
 use crate::outputs::{Balls, Outputs};
@@ -225,7 +225,108 @@ where
         speed: T,
         settings: &Settings<T>,
     ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
-        let c = &self.bearing.constants;
+        let answer = self.slices().solve(values, speed, settings)?;
+        Ok(self.solution(answer))
+    }
+
+    /// The bearing's own law: forces of the balls on the inner ring, tangent, and states of the balls
+    /// for the displacement `[dx, dy, dz, ty, tz]` (m, rad) of the ring at the shaft speed `speed`
+    /// (rad/s). The solution's `load` is what holds them.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Solver::solve`].
+    pub fn law(
+        &mut self,
+        displacement: [T; D],
+        speed: T,
+        settings: &Settings<T>,
+    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
+        let answer = self.slices().law(displacement, speed, settings)?;
+        Ok(self.solution(answer))
+    }
+
+    fn slices(&mut self) -> Slices<'_, T, M, B, O, D> {
+        Slices {
+            c: &self.bearing.constants,
+            azimuths: &self.bearing.azimuths,
+            state: &mut self.state,
+            balls: self.balls.as_mut(),
+            scene: PhantomData,
+        }
+    }
+
+    /// What the scene selects from an answer.
+    #[inline(always)]
+    fn solution(&self, answer: Answer<T, D>) -> Solution<'_, T, N, M, Freedoms<D>, B, O> {
+        Solution {
+            status: answer.status,
+            sweeps: answer.sweeps,
+            repeats: answer.repeats,
+            residual: answer.residual,
+            error: answer.error,
+            displacement: answer.displacement,
+            load: answer.load,
+            stiffness: O::stiffness(B::stiffness(&answer.stiffness)),
+            solver: O::balls(self),
+        }
+    }
+
+    fn view(&self) -> View<'_, T, M, D> {
+        View {
+            c: &self.bearing.constants,
+            azimuths: &self.bearing.azimuths,
+            state: &self.state,
+            balls: self.balls.as_ref(),
+        }
+    }
+}
+
+/// An equilibrium in SI units, with the stiffness of all freedoms, held ones included.
+struct Answer<T, const D: usize> {
+    status: Status<T>,
+    sweeps: u16,
+    repeats: u16,
+    residual: T,
+    error: ErrorEstimate<T>,
+    displacement: [T; D],
+    load: [T; D],
+    stiffness: Tangent<T, D>,
+}
+
+/// A solved bearing without the ball count in its type: constants, azimuths and what the last solve left.
+pub struct View<'v, T: Real, M: Motion, const D: usize> {
+    pub c: &'v Constants<T>,
+    azimuths: &'v [Azimuth<T>],
+    state: &'v State<T, D>,
+    balls: &'v [M::Ball<T>],
+}
+
+/// A solver without the ball count in its type: bearings of all ball counts share one copy of its code.
+struct Slices<'s, T: Real, M: Motion, B, O, const D: usize> {
+    c: &'s Constants<T>,
+    azimuths: &'s [Azimuth<T>],
+    state: &'s mut State<T, D>,
+    balls: &'s mut [M::Ball<T>],
+    scene: PhantomData<(B, O)>,
+}
+
+impl<T, const D: usize, M, B, O> Slices<'_, T, M, B, O, D>
+where
+    T: Real,
+    M: Motion,
+    Freedoms<D>: BallStore,
+    B: Conditions<Freedoms<D>>,
+    O: Outputs,
+{
+    /// As [`Solver::solve`].
+    fn solve(
+        &mut self,
+        values: [T; D],
+        speed: T,
+        settings: &Settings<T>,
+    ) -> Result<Answer<T, D>, Status<T>> {
+        let c = self.c;
         check(&values, |i| self.range(i, B::HELD[i]))?;
         let speed_load = self.speed_load(speed)?;
         let (mut load, mut wanted) = (values, [T::ZERO; D]);
@@ -292,20 +393,14 @@ where
         })
     }
 
-    /// The bearing's own law: forces of the balls on the inner ring, tangent, and states of the balls
-    /// for the displacement `[dx, dy, dz, ty, tz]` (m, rad) of the ring at the shaft speed `speed`
-    /// (rad/s). The solution's `load` is what holds them.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Solver::solve`].
-    pub fn law(
+    /// As [`Solver::law`].
+    fn law(
         &mut self,
         displacement: [T; D],
         speed: T,
         settings: &Settings<T>,
-    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
-        let c = &self.bearing.constants;
+    ) -> Result<Answer<T, D>, Status<T>> {
+        let c = self.c;
         check(&displacement, |i| self.range(i, true))?;
         let speed_load = self.speed_load(speed)?;
         let u = ring::displacement_in(c, &displacement);
@@ -338,7 +433,7 @@ where
 
     /// What a freedom's load or displacement is called, and the largest that is accepted.
     fn range(&self, freedom: usize, displacement: bool) -> (Quantity, T) {
-        let c = &self.bearing.constants;
+        let c = self.c;
         let [of_load, of_displacement] = Quantity::OF_FREEDOM[freedom % 5];
         let (length, force) = if freedom < 3 {
             (c.length, c.force)
@@ -356,7 +451,7 @@ where
 
     /// Checks the speed and turns it into `m dm omega^2 / 2`.
     fn speed_load(&self, speed: T) -> Result<T, Status<T>> {
-        let c = &self.bearing.constants;
+        let c = self.c;
         // Where a ball's centrifugal force would press it by the whole groove distance.
         let limit = (T::of(4.0) / c.centrifugal).sqrt();
         check(&[speed], |_| (Quantity::Speed, limit))?;
@@ -370,13 +465,13 @@ where
     /// Whether the last solution is a start worth having: load, displacement and speed not too far from
     /// its own.
     fn is_near(&self, load: &[T; D], wanted: &[T; D], speed_load: T) -> bool {
-        let last = &self.state;
+        let last = &*self.state;
         let mut change = *load;
         for (new, old) in change.iter_mut().zip(&last.load) {
             *new -= *old;
         }
         if B::HOLDS {
-            let c = &self.bearing.constants;
+            let c = self.c;
             let by = missing::<T, B, D>(c, wanted, &last.position.total());
             for (change, row) in change.iter_mut().zip(&last.tangent) {
                 *change = change.abs() + dot5(row, &by).abs();
@@ -388,15 +483,19 @@ where
             && (speed_load - last.speed_load).abs() <= half * last.speed_load + half * last.size
     }
 
-    pub(crate) fn iteration(&mut self) -> Iteration<'_, T, M, B, O, D> {
+    fn iteration(&mut self) -> Iteration<'_, T, M, B, O, D> {
         Iteration {
-            c: &self.bearing.constants,
-            azimuths: &self.bearing.azimuths,
-            state: &mut self.state,
-            balls: self.balls.as_mut(),
+            c: self.c,
+            azimuths: self.azimuths,
+            state: self.state,
+            balls: self.balls,
             alike: false,
             scene: PhantomData,
         }
+    }
+
+    fn forget(&mut self) {
+        *self.state = State::COLD;
     }
 
     /// Keeps the state as the next solve's start, and makes the solution of it. `size` is that of the load
@@ -408,7 +507,7 @@ where
         size: T,
         speed_load: T,
         held: impl Fn(usize) -> Option<T>,
-    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
+    ) -> Result<Answer<T, D>, Status<T>> {
         self.state.speed_load = speed_load;
         self.state.load = load;
         self.state.size = size;
@@ -439,7 +538,7 @@ where
                 return Err(refusal);
             }
         }
-        let c = &self.bearing.constants;
+        let c = self.c;
         let total = self.state.position.total();
         // What is left of the balance when rounding ends the solve is not only rounding of the load.
         let unbalanced = match outcome.status {
@@ -470,7 +569,7 @@ where
                 residual: outcome.residual,
             });
         }
-        Ok(Solution {
+        Ok(Answer {
             status: outcome.status,
             sweeps: outcome.sweeps,
             repeats: outcome.repeats,
@@ -478,18 +577,13 @@ where
             error,
             displacement,
             load,
-            stiffness: O::stiffness(B::stiffness(&stiffness)),
-            solver: O::balls(self),
+            stiffness,
         })
     }
 
     /// Pure axial load at rest: one ball is one spring, and needs no linearised bearing.
-    fn balance(
-        &mut self,
-        load: [T; D],
-        settings: &Settings<T>,
-    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
-        let c = &self.bearing.constants;
+    fn balance(&mut self, load: [T; D], settings: &Settings<T>) -> Result<Answer<T, D>, Status<T>> {
+        let c = self.c;
         let s0 = c.n0[0].high + c.n0[0].low;
         let (q, reversed) = (load[0].abs(), load[0] < T::ZERO);
         let mut w = Spring::root_at(s0, self.state.position.total()[0]);
@@ -517,7 +611,7 @@ where
         self.state.position = Position::UNLOADED;
         self.state.position.reference[0] = spring.displacement(s0, reversed);
         M::rest(
-            self.balls.as_mut(),
+            self.balls,
             spring.centres(c.n0[1].high + c.n0[1].low, reversed),
         );
         let error = T::of(6.0) * (T::EPSILON + left);
@@ -527,7 +621,7 @@ where
         }
         let mut carried = load;
         carried[0] = sign * force;
-        Ok(Solution {
+        Ok(Answer {
             status,
             sweeps,
             repeats: 0,
@@ -539,8 +633,7 @@ where
             },
             displacement: ring::displacement_out(c, &self.state.position.reference),
             load: ring::load_out(c, &carried),
-            stiffness: O::stiffness(B::stiffness(&ring::stiffness_out(c, &stiffness))),
-            solver: O::balls(self),
+            stiffness: ring::stiffness_out(c, &stiffness),
         })
     }
 }
@@ -613,8 +706,10 @@ mod tests {
             .unwrap();
         let concluded = |solver: &mut Solver<'_, f32, 16>| {
             let (size, speed_load) = (solver.state.size, solver.state.speed_load);
-            let solution = solver.conclude(Outcome::new(), [0.0; 5], size, speed_load, |_| None);
-            solution.map(|solution| solution.balls().all(|ball| ball.delta_o.is_finite()))
+            let mut slices = solver.slices();
+            let answer = slices.conclude(Outcome::new(), [0.0; 5], size, speed_load, |_| None)?;
+            let solution = solver.solution(answer);
+            Ok(solution.balls().all(|ball| ball.delta_o.is_finite()))
         };
         assert_eq!(concluded(&mut solver.clone()), Ok(true));
         // Its distance squared overflows.

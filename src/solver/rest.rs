@@ -430,7 +430,8 @@ mod tests {
     fn at<R>(u: [f64; 5], look: impl FnOnce(&mut Resting<'_>) -> R) -> R {
         let bearing = spindle();
         let mut solver = Solver::<f64, 16, Static, All>::new(&bearing);
-        let mut run = solver.iteration();
+        let mut slices = solver.slices();
+        let mut run = slices.iteration();
         run.state.position.offset = u;
         run.refer();
         run.evaluate(false, 0.0);

@@ -1,9 +1,8 @@
 //! What a solve gives.
 
-use super::Solver;
+use super::{Solver, View};
 use crate::ball::Pass;
 use crate::conditions::{Conditions, Loads};
-use crate::constants::Constants;
 use crate::float::Real;
 use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
 use crate::outputs::{Balls, Outputs, PerBall};
@@ -116,9 +115,33 @@ where
     where
         O: PerBall,
     {
-        let azimuths = &O::solver(&self.solver).bearing.azimuths;
-        let (c, passes) = self.passes();
-        passes.zip(azimuths).map(move |(pass, at)| BallState {
+        self.view().states()
+    }
+
+    /// The bearing and its balls.
+    pub(crate) fn view(&self) -> View<'_, T, M, D>
+    where
+        O: PerBall,
+    {
+        O::solver(&self.solver).view()
+    }
+
+    /// Forces on the inner race alone, N, in the order of the balls: what a monitor looks at, without
+    /// the cost of contact angles.
+    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_
+    where
+        O: PerBall,
+    {
+        self.view().inner_forces()
+    }
+}
+
+impl<'v, T: Real, M: Motion, const D: usize> View<'v, T, M, D> {
+    /// As [`Solution::balls`].
+    fn states(self) -> impl ExactSizeIterator<Item = BallState<T>> + 'v {
+        let Self { c, azimuths, .. } = self;
+        let passes = self.passes().zip(azimuths);
+        passes.map(move |(pass, at)| BallState {
             azimuth: at.sin.atan2(at.cos),
             alpha_i: pass.inner.sin.atan2(pass.inner.cos),
             alpha_o: pass.outer.sin.atan2(pass.outer.cos),
@@ -131,30 +154,20 @@ where
         })
     }
 
-    /// The bearing's constants, and the contacts and loads of every ball in their units.
-    pub(crate) fn passes(&self) -> (&Constants<T>, impl ExactSizeIterator<Item = Pass<T>> + '_)
-    where
-        O: PerBall,
-    {
-        let solver = O::solver(&self.solver);
-        let c = &solver.bearing.constants;
-        let state = &solver.state;
-        let balls = solver.balls.as_ref().iter().zip(&solver.bearing.azimuths);
-        let passes = balls.map(move |(ball, at)| {
+    /// Contacts and loads of every ball in the units of the constants.
+    pub(crate) fn passes(self) -> impl ExactSizeIterator<Item = Pass<T>> + 'v {
+        let Self { c, state, .. } = self;
+        let balls = self.balls.iter().zip(self.azimuths);
+        balls.map(move |(ball, at)| {
             let a = shift(&state.position.offset, at);
             M::observe(c, state.speed_load, ball, a)
-        });
-        (c, passes)
+        })
     }
 
-    /// Forces on the inner race alone, N, in the order of the balls: what a monitor looks at, without
-    /// the cost of contact angles.
-    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_
-    where
-        O: PerBall,
-    {
-        let (c, passes) = self.passes();
-        passes.map(|pass| pass.inner.q * c.force)
+    /// As [`Solution::inner_forces`].
+    fn inner_forces(self) -> impl ExactSizeIterator<Item = T> + 'v {
+        let c = self.c;
+        self.passes().map(move |pass| pass.inner.q * c.force)
     }
 }
 
