@@ -585,7 +585,7 @@ mod tests {
 
     #[test]
     fn constants_that_promise_too_little_are_named() {
-        let said = BOARDS[0].settings.cost;
+        let said = BOARDS[0].cost;
         let of = |part: f64| {
             let [rest, solve] = [said.fixed, said.sweep].map(|x| (f64::from(x) * part) as u64);
             hold(&[costs(&[(rest + solve, solve, 1)])], 0.02)
