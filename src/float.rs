@@ -58,7 +58,20 @@ pub trait Real:
     const COARSE: Self;
     /// The same for a number below 1 and a grid as fine as the square of the coarse one.
     const FINE: Self;
+    /// Added and subtracted again, it rounds to multiples of 1/256.
+    const GRID: Self;
+    /// The same for multiples of a number so fine that its product with the former is exact.
+    const SPLIT: Self;
+    /// Deformations of the inner and of the outer contact that are next to nothing, in the unit of length of the solver:
+    /// so small that they make no difference, and not so small that products of powers of them vanish.
+    const NOTHING: Self;
+    /// See [`Real::NOTHING`].
+    const LEAST: Self;
 
+    /// Rounds to an integer; saturates.
+    fn to_i32(self) -> i32;
+    /// Rounds an integer to this precision.
+    fn from_i32(i: i32) -> Self;
     /// Rounds a double to this precision. Only ever called with constants, so that no double
     /// arithmetic is left in the code of a single-precision solver.
     fn of(x: f64) -> Self;
@@ -108,7 +121,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $coarse:expr, $fine:expr) => {
+    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $coarse:expr, $fine:expr, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -117,6 +130,18 @@ macro_rules! real {
             const TOLERANCE: Self = $tolerance;
             const COARSE: Self = $coarse;
             const FINE: Self = $fine;
+            const GRID: Self = $grid;
+            const SPLIT: Self = $split;
+            const NOTHING: Self = $nothing;
+            const LEAST: Self = $least;
+            #[inline(always)]
+            fn to_i32(self) -> i32 {
+                self as i32
+            }
+            #[inline(always)]
+            fn from_i32(i: i32) -> Self {
+                i as $t
+            }
             #[inline(always)]
             fn of(x: f64) -> Self {
                 x as $t
@@ -180,7 +205,11 @@ real!(
     2,
     libm::atan2f,
     6144.0,
-    3.0
+    3.0,
+    49152.0,
+    24576.0,
+    1e-10,
+    1e-6
 );
 real!(
     f64,
@@ -190,5 +219,9 @@ real!(
     3,
     libm::atan2,
     100_663_296.0,
-    6.0
+    6.0,
+    26_388_279_066_624.0,
+    100_663_296.0,
+    1e-30,
+    1e-20
 );

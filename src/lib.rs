@@ -26,6 +26,9 @@ mod sqrt;
 mod status;
 mod turning;
 
+#[doc(hidden)]
+pub mod next;
+
 #[cfg(feature = "record")]
 pub mod estimate;
 #[cfg(feature = "record")]

@@ -61,6 +61,12 @@ pub enum Quantity {
     Ty,
     /// Tilt `tz`, rad.
     Tz,
+    /// Axial growth `gx`, m.
+    AxialGrowth,
+    /// Radial growth `gr`, m.
+    RadialGrowth,
+    /// Growth of the ball diameter `gD`, m.
+    BallGrowth,
 }
 
 impl Quantity {
@@ -72,6 +78,10 @@ impl Quantity {
         [Self::My, Self::Ty],
         [Self::Mz, Self::Tz],
     ];
+
+    /// The three growths.
+    pub(crate) const OF_GROWTH: [Self; 3] =
+        [Self::AxialGrowth, Self::RadialGrowth, Self::BallGrowth];
 
     /// Name and unit, as messages print them.
     pub const fn name(self) -> &'static str {
@@ -102,6 +112,9 @@ impl Quantity {
             Self::Dz => "radial displacement dz (m)",
             Self::Ty => "tilt ty (rad)",
             Self::Tz => "tilt tz (rad)",
+            Self::AxialGrowth => "axial growth gx (m)",
+            Self::RadialGrowth => "radial growth gr (m)",
+            Self::BallGrowth => "growth of the ball diameter gD (m)",
         }
     }
 }

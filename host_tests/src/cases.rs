@@ -135,6 +135,32 @@ impl MaterialRow {
     }
 }
 
+impl BearingRow {
+    fn design(&self) -> Design {
+        Design {
+            ball_diameter: self.ball_diameter,
+            pitch_diameter: self.pitch_diameter,
+            inner_groove_factor: self.inner_groove_factor,
+            outer_groove_factor: self.outer_groove_factor,
+            free_contact: FreeContact::Angle(self.contact_angle_deg.to_radians()),
+            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+            first_ball: 0.0,
+            ring: self.ring.material(),
+            ball: self.ball.material(),
+        }
+    }
+}
+
+fn attitude(name: &str) -> Attitude {
+    match name {
+        "raceless" => Attitude::Raceless,
+        "outer" => Attitude::Outer,
+        "inner" => Attitude::Inner,
+        other => panic!("attitude {other:?}"),
+    }
+}
+
 impl From<Row> for SolvedCase {
     fn from(row: Row) -> Self {
         let b = &row.bearing;
@@ -154,24 +180,8 @@ impl From<Row> for SolvedCase {
             case: Case {
                 name: row.name,
                 balls: b.balls,
-                design: Design {
-                    ball_diameter: b.ball_diameter,
-                    pitch_diameter: b.pitch_diameter,
-                    inner_groove_factor: b.inner_groove_factor,
-                    outer_groove_factor: b.outer_groove_factor,
-                    free_contact: FreeContact::Angle(b.contact_angle_deg.to_radians()),
-                    inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-                    outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-                    first_ball: 0.0,
-                    ring: b.ring.material(),
-                    ball: b.ball.material(),
-                },
-                attitude: match row.attitude.as_str() {
-                    "raceless" => Attitude::Raceless,
-                    "outer" => Attitude::Outer,
-                    "inner" => Attitude::Inner,
-                    other => panic!("{PUBLIC}: attitude {other:?}"),
-                },
+                design: b.design(),
+                attitude: attitude(&row.attitude),
                 load: row.load,
                 omega: rad_per_s(row.speed_rpm),
             },
@@ -203,6 +213,88 @@ pub fn public() -> Vec<SolvedCase> {
         solved.case.name = format!("{number} ({})", solved.case.name);
     }
     cases
+}
+
+/// The file of solved sets; `README.md` beside it says what is in it.
+pub const SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/sets.json");
+
+/// A row of a solved set, by itself: a grown bearing, with its load and its displacement in the row's own frame.
+#[derive(Debug, Clone)]
+pub struct RowOfSet {
+    /// The bearing under the load that it carries.
+    pub case: Case,
+    /// Growths `gx`, `gr` and `gD`, m.
+    pub growth: [f64; 3],
+    /// Displacement of its inner ring.
+    pub displacement: [f64; 5],
+    /// Per ball: inner and outer contact angle, inner and outer contact force, centrifugal force, gyroscopic moment.
+    pub balls: Vec<[f64; 6]>,
+}
+
+#[derive(Deserialize)]
+struct SetRow {
+    layout: String,
+    attitude: String,
+    rows: Vec<MountedRow>,
+    speed_rpm: f64,
+    expect: SetExpect,
+}
+
+#[derive(Deserialize)]
+struct MountedRow {
+    bearing: BearingRow,
+    position: f64,
+    facing: f64,
+    growth: [f64; 3],
+    preload_offset: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct SetExpect {
+    u: [f64; 5],
+    rows: Vec<RowExpect>,
+    spring_offset: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct RowExpect {
+    #[serde(rename = "F")]
+    load: [f64; 5],
+    balls: Vec<[f64; 6]>,
+}
+
+/// The rows of the solved sets.
+///
+/// # Panics
+///
+/// If the file is not there or is not what it should be.
+pub fn rows_of_sets() -> Vec<RowOfSet> {
+    let text = std::fs::read_to_string(SETS).unwrap_or_else(|e| panic!("{SETS}: {e}"));
+    let sets: Vec<SetRow> = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{SETS}: {e}"));
+    let mut rows = Vec::new();
+    for (number, set) in sets.into_iter().enumerate() {
+        for (row, expect) in set.rows.iter().zip(set.expect.rows) {
+            // A rigid shaft, and the mirror image of a row that faces the other way.
+            let [dx, dy, dz, ty, tz] = set.expect.u;
+            let (x, s) = (row.position, row.facing);
+            let closure = row.preload_offset.or(set.expect.spring_offset);
+            let closure = closure.unwrap_or(0.0);
+            rows.push(RowOfSet {
+                case: Case {
+                    name: format!("set {number} ({}), row at {x} m", set.layout),
+                    balls: row.bearing.balls,
+                    design: row.bearing.design(),
+                    attitude: attitude(&set.attitude),
+                    load: expect.load,
+                    omega: rad_per_s(set.speed_rpm),
+                },
+                growth: row.growth,
+                displacement: [s * dx + closure, dy + x * tz, dz - x * ty, s * ty, s * tz],
+                balls: expect.balls,
+            });
+        }
+    }
+    rows
 }
 
 /// Pseudo-random numbers (splitmix64), the same everywhere and for ever.

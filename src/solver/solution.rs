@@ -11,7 +11,7 @@ use crate::scene::Motion;
 use crate::status::Status;
 
 /// State of one ball, SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BallState<T> {

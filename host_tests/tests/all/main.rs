@@ -3,6 +3,7 @@
 
 mod campaign;
 mod compile_fail;
+mod core;
 mod double_double;
 mod frames;
 mod laws;

@@ -1,0 +1,366 @@
+//! A ball at speed: linearised at its present place, and condensed into what it hands to the ring.
+//!
+//! With `V = A - X` and `X` the vectors along the inner and the outer contact, `n` and `t` the contacts' normals and
+//! tangents, the ball's residual is
+//!
+//! `r = Qi ni + Ti ti - Qo no - To to + Fc er`.
+//!
+//! The pass works along the normal and tangent of the inner contact, where half of the derivatives are single numbers.
+//! `B = dr/dV` and `M = -dr/dX` (at fixed `A`) give the Newton step `z = M^-1 r` and its slope by the groove's centre
+//! `D = M^-1 B`. The ring sees the force `f = Qi ni + Ti ti` after that step, and the slope `H = df/dA` along it.
+//!
+//! Positions are a reference, whose deformations are known to twice the working precision, plus a small offset:
+//! `|X|^2 - lo^2 = e + (2 Xr + x).x`, so that a deformation keeps the digits that a difference of lengths would lose.
+
+use super::constants::Constants;
+use super::contact::{Contact, Reference, to_grid};
+use super::kinematics::{Contacts, Rule};
+use super::linalg::{
+    Matrix2, Pair, add, dot, dots, product2, scale, sub, times, times_transposed, turn,
+};
+use super::motion::{Change, Point, Regime, Share};
+use super::static_ball::{closing, l0_squared, share_of};
+use crate::float::Real;
+
+/// What is remembered of a ball.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Ball<T> {
+    /// Along the outer and the inner contact, and what the latter's reference leaves of `A - X`.
+    pub outer: Reference<T>,
+    pub inner: Reference<T>,
+    pub low: Pair<T>,
+    /// Where it was linearised: offset from the outer reference, and that of the groove's centre.
+    pub x: Pair<T>,
+    pub a: Pair<T>,
+    /// Normal of the inner contact there.
+    pub n: Pair<T>,
+    /// Newton step along normal and tangent, its slope by the groove's axial and radial position, and its slope by the
+    /// relative change of `omega^2`.
+    pub z: Pair<T>,
+    pub d: Matrix2<T>,
+    pub xs: Pair<T>,
+    pub local: Local<T>,
+    /// What it hands to the ring.
+    pub share: Share<T>,
+}
+
+/// The contacts where the ball was linearised.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Local<T> {
+    /// Deformation of the inner contact, negative across a gap; of both in series, at rest.
+    pub delta: T,
+    /// One over deformations and over the lengths.
+    pub per_di: T,
+    pub per_do: T,
+    pub per_ri: T,
+    pub per_ro: T,
+    /// Sine and cosine of the angle between the contacts.
+    pub sd: T,
+    pub cd: T,
+    /// Slopes `dQ / d delta` of the contact forces, their quotients by the lengths, and `Ti / Ri`.
+    pub hn: T,
+    pub ho: T,
+    pub kap: T,
+    pub kap_o: T,
+    pub th: T,
+    /// `M^-1`.
+    pub j: Matrix2<T>,
+}
+
+/// What a linearisation says of the ball's balance: squares of the unbalanced force and of the contact forces.
+#[derive(Debug, Clone, Copy)]
+pub struct Balance<T> {
+    residual: T,
+    inner: T,
+    outer: T,
+}
+
+impl<T: Real> Balance<T> {
+    /// The unbalanced force is at most this part of the larger contact force.
+    #[inline(always)]
+    pub fn is_within(&self, part: f64) -> bool {
+        let least = T::of(1.0 / (part * part)) * self.residual;
+        least <= self.outer || least <= self.inner
+    }
+}
+
+impl<T: Real> Ball<T> {
+    /// Has the ball follow the groove's centre to `a`, and a relative change `ds` of `omega^2`.
+    #[inline(always)]
+    pub fn advance(&mut self, a: Pair<T>, ds: T) {
+        let da = sub(a, self.a);
+        let own = add(self.z, scale(ds, self.xs));
+        let step = add(own, times(&self.d, da));
+        self.x = add(self.x, turn(self.n, step));
+        self.a = a;
+    }
+
+    /// Moves the references next to where the ball is, for a ring whose reference position has the groove's centre
+    /// at `high + low`, of which `high` is a multiple of 2^-17.
+    pub fn move_references(&mut self, c: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>) {
+        let x = add(self.outer.vector, self.x);
+        let reference = x.map(to_grid);
+        self.x = add(sub(self.outer.vector, reference), self.x);
+        self.outer = Reference::at(reference, &c.lo_squared, p.lo_excess);
+        let v = sub(high, reference);
+        let reference = v.map(to_grid);
+        self.inner = Reference::at(reference, &c.li_squared, p.li_excess);
+        self.low = add(sub(v, reference), add(low, p.growth));
+    }
+
+    /// Puts the ball's centre at `x`.
+    pub fn put(&mut self, x: Pair<T>) {
+        self.x = sub(x, self.outer.vector);
+        self.z = [T::ZERO; 2];
+    }
+
+    /// The vector along the inner contact, beyond its reference.
+    #[inline(always)]
+    pub fn inner_offset(&self) -> Pair<T> {
+        add(self.low, sub(self.a, self.x))
+    }
+
+    /// The only contact of a ball that is taken for one spring: both in series at rest, the inner one where the ball is
+    /// held on the outer race.
+    pub fn only_contact(&self, c: &Constants<T>, p: &Point<T>) -> Contact<T> {
+        let (reference, offset, length, k) = if p.regime == Regime::Outer {
+            (self.inner, self.inner_offset(), p.li, c.ki)
+        } else {
+            let vector = add(self.outer.vector, self.inner.vector);
+            let centres = Reference::at(vector, &l0_squared(), p.l0_excess);
+            (centres, add(self.low, self.a), p.lo + p.li, c.kn)
+        };
+        Contact::at(&reference, offset, length, k)
+    }
+
+    /// Condenses the ball in closed form.
+    #[inline(never)]
+    pub fn condense_held(&mut self, c: &Constants<T>, p: &Point<T>) {
+        let contact = self.only_contact(c, p);
+        self.share = share_of(&contact);
+        self.n = contact.n;
+        self.z = [T::ZERO; 2];
+        self.d = [[T::ZERO; 2]; 2];
+        self.xs = [T::ZERO; 2];
+        // One contact between the ring and what stays in place.
+        self.local = Local {
+            delta: contact.delta,
+            per_di: T::ONE / contact.delta.or_larger(T::NOTHING),
+            per_ri: contact.per_r,
+            cd: T::ONE,
+            hn: contact.slope,
+            kap: contact.across,
+            ..Local::default()
+        };
+    }
+
+    /// How the contacts change if the groove's centre moves by `da` and the ball follows.
+    #[inline(always)]
+    pub fn change_by(&self, c: &Constants<T>, da: Pair<T>) -> Change<T> {
+        let l = &self.local;
+        let (da, dx) = (turn(self.n, da), add(self.z, times(&self.d, da)));
+        let v = sub(da, dx);
+        // Normal and tangent of the outer contact are (cd, -sd) and (sd, cd).
+        let [across, along] = turn([l.sd, l.cd], dx);
+        if !(l.delta > T::ZERO) {
+            return closing(v[0], l.delta, c.ki);
+        }
+        let (inner, outer) = (v[0] * l.per_di, along * l.per_do);
+        let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
+        let depth = inner.abs().or_smaller(T::ONE) + outer.abs().or_smaller(T::ONE);
+        Change {
+            depth: T::of(0.5) * depth,
+            turn: turn_i.abs() + turn_o.abs(),
+            h: self.share.magnitudes(),
+        }
+    }
+
+    /// Linearises the ball where it is, and condenses it.
+    ///
+    /// The order of the statements counts on a Cortex-M4F, since the compiler keeps it: few values that wait for their
+    /// use (no spills), few results that are used at once, results stored where they are final. Another order costs up
+    /// to 30 cycles a ball: measure.
+    #[inline(always)]
+    pub fn linearise<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) -> Balance<T> {
+        let one = T::ONE;
+        // Vectors and squares; one division for both contacts' quotients.
+        let y = self.inner_offset();
+        let v = add(self.inner.vector, y);
+        let xv = add(self.outer.vector, self.x);
+        let [ri2, ro2] = dots([v, v], [xv, xv]);
+        let (vv, xx) = (add(v, self.inner.vector), add(xv, self.outer.vector));
+        let [ei, eo] = dots([vv, y], [xx, self.x]);
+        let (ri, ro) = ((ri2 + T::TINY).sqrt(), (ro2 + T::TINY).sqrt());
+        let (ei, eo) = (self.inner.excess + ei, self.outer.excess + eo);
+        let (si_, so_) = (ri + p.li, ro + p.lo);
+        let (ii, oo) = (ri * si_, ro * so_);
+        let (ei, eo) = (ri * ei, ro * eo);
+        let inverse = one / (ii * oo);
+        let (per_i, per_o) = (inverse * oo, inverse * ii);
+        let (per_ri, per_ro) = (per_i * si_, per_o * so_);
+        let (geometric, do_) = (per_i * ei, per_o * eo);
+        let [si, ci] = scale(per_ri, v);
+        let [so, co] = scale(per_ro, xv);
+        let n = [si, ci];
+        let closed = geometric > T::NOTHING;
+        let (di, ki) = if closed {
+            (geometric, c.ki)
+        } else {
+            (T::NOTHING, T::ZERO)
+        };
+        let do_ = do_.or_larger(T::LEAST);
+        let [cd, sd] = turn([so, co], n);
+        let (zi, zo) = (ki * di.sqrt(), do_.sqrt());
+
+        // One division for six quotients.
+        let kwi = c.kw * di;
+        let apart = (one + cd).or_larger(T::of(0.01));
+        let (qi, qo) = (zi * di, zo * do_);
+        let (wi, wo) = (kwi * di, do_ * do_);
+        let forces = qi + qo;
+        let work = wi + wo;
+        let depths = di * do_;
+        let apart_work = apart * work;
+        let left = apart_work * forces;
+        let inverse = one / (left * depths);
+        let (per_left, per_depths) = (inverse * depths, inverse * left);
+        let (per_di, per_do) = (per_depths * do_, per_depths * di);
+        let (per_forces, shared) = (per_left * apart_work, per_left * forces);
+        let (q, per_work) = (shared * work, shared * apart);
+        let l = &mut self.local;
+        (l.delta, l.per_di, l.per_do) = (geometric, per_di, per_do);
+        (l.per_ri, l.per_ro, l.sd, l.cd) = (per_ri, per_ro, sd, cd);
+        let g = Contacts {
+            inner: n,
+            outer: [so, co],
+            sin_d: sd,
+            q,
+            eta: wi * per_work,
+            rest: wo * per_work,
+            sigma: qi * per_forces,
+            sigma_rest: qo * per_forces,
+            closed,
+        };
+        let m = R::speeds(c.tau, &g);
+
+        // Inertia loads along normal and tangent of the inner contact, and the friction on it.
+        let s_mu = p.s * m.mu;
+        let fc = s_mu * m.mu;
+        let two_s_mu = s_mu + s_mu;
+        let er = [ci, -si];
+        let mut loads = scale(fc, er);
+        let (mut ti, mut to) = (T::ZERO, T::ZERO);
+        let (mut by_mu, mut by_nu, mut f) = (T::ZERO, T::ZERO, [T::ZERO; 2]);
+        if R::FRICTION {
+            by_nu = T::of(0.4) * s_mu;
+            by_mu = T::of(0.4) * p.s * m.nu + by_nu * so;
+            f = [-(m.share_rest * sd), m.share - m.share_rest * cd];
+            let couple = by_nu * m.nu;
+            ti = m.share * couple;
+            to = couple - ti;
+            loads = add(loads, scale(couple, f));
+        }
+        // Their slopes by the angles of the contacts and by `ln(di / do)`.
+        let slopes = |i: usize| {
+            let fc = two_s_mu * m.mu_by[i];
+            let couple = by_mu * m.mu_by[i] + by_nu * m.nu_by[i];
+            if R::FRICTION {
+                (add(scale(couple, f), scale(fc, er)), m.share * couple)
+            } else {
+                (scale(fc, er), T::ZERO)
+            }
+        };
+        let (mut by_l, mut ti_l) = slopes(2);
+        if R::FRICTION && R::COUPLED {
+            let slope = ti * m.share_by;
+            by_l = add(by_l, [slope * sd, slope + slope * cd]);
+            ti_l += slope;
+        }
+        let (by_i, ti_i) = slopes(0);
+        let (by_o, ti_o) = slopes(1);
+
+        // Normal and tangent of the outer contact are (cd, -sd) and (sd, cd).
+        let (hn, ho) = (T::of(1.5) * zi, T::of(1.5) * zo);
+        let (kap, th) = (qi * per_ri, ti * per_ri);
+        let l = &mut self.local;
+        (l.hn, l.ho, l.kap, l.kap_o, l.th) = (hn, ho, kap, qo * per_ro, th);
+        let (qo_s, qo_c) = (qo * sd, qo * cd);
+        let r = add([qi - qo_c, qo_s], loads);
+        let (by_di, by_do) = (scale(per_di, by_l), scale(per_do, by_l));
+        let by_ri = scale(per_ri, by_i);
+        let b = [[hn + by_di[0], by_ri[0] - th], [by_di[1], kap + by_ri[1]]];
+        let along = add(scale(ho, [cd, -sd]), by_do);
+        let across = sub([qo_s, qo_c], scale(to, [cd, -sd]));
+        let across = scale(per_ro, sub(across, by_o));
+        // Slopes of the friction on the inner contact: by the groove's motion, and by the ball's.
+        let t_by = [per_di * ti_l, per_ri * ti_i];
+        let (tl, tt) = (per_do * ti_l, per_ro * ti_o);
+        let k = sub(scale(tt, [sd, cd]), scale(tl, [cd, -sd]));
+        let k = sub(k, t_by);
+        let t_by = turn(n, t_by);
+
+        // M, its inverse, and the ball's steps.
+        let outer = [0, 1].map(|i| turn([cd, sd], [along[i], across[i]]));
+        let m = [
+            [b[0][0] + outer[0][0], b[0][1] - outer[0][1]],
+            [b[1][0] + outer[1][0], b[1][1] - outer[1][1]],
+        ];
+        let b = [turn(n, b[0]), turn(n, b[1])];
+        let (down, up) = (m[0][0] * m[1][1], m[0][1] * m[1][0]);
+        let determinant = down - up;
+        let inverse = one
+            / if determinant.abs() > T::TINY {
+                determinant
+            } else {
+                one
+            };
+        let j = [
+            [inverse * m[1][1], -(inverse * m[0][1])],
+            [-(inverse * m[1][0]), inverse * m[0][0]],
+        ];
+        self.local.j = j;
+        let z = times(&j, r);
+        let xs = times(&j, loads);
+        let d = product2(&j, &b);
+        self.z = z;
+        self.xs = xs;
+        self.d = d;
+
+        // Force on the ring after the step.
+        let friction = ti + dot(k, z);
+        let normal = qi - hn * z[0] + th * z[1];
+        let force = turn(n, [normal, friction - kap * z[1]]);
+        let moment = force[0] - c.friction_arm * friction;
+
+        // Slope of the force by the groove's axial and radial position.
+        let t_by = add(t_by, times_transposed(&d, k));
+        let e = [
+            [si - d[0][0], ci - d[0][1]],
+            [ci - d[1][0], -(si + d[1][1])],
+        ];
+        let normal = times_transposed(&e, [hn, -th]);
+        let tangential = add(scale(kap, e[1]), t_by);
+        let arm = c.friction_arm;
+        let [aa, ra] = turn(n, [normal[0], tangential[0]]);
+        let [ar, rr] = turn(n, [normal[1], tangential[1]]);
+        self.share.h = [[aa, ar], [ra, rr]];
+        self.share.hm = sub([aa, ar], scale(arm, t_by));
+
+        // Slope of the force by the speed.
+        let friction = ti + dot(k, xs);
+        let normal = th * xs[1] - hn * xs[0];
+        let force_by_speed = turn(n, [normal, friction - kap * xs[1]]);
+        let moment_by_speed = force_by_speed[0] - c.friction_arm * friction;
+        let (residual, inner, outer) = (dot(r, r), qi * qi, qo * qo);
+        self.n = n;
+        self.share.force = force;
+        self.share.moment = moment;
+        self.share.force_by_speed = force_by_speed;
+        self.share.moment_by_speed = moment_by_speed;
+        Balance {
+            residual,
+            inner,
+            outer,
+        }
+    }
+}

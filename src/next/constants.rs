@@ -1,0 +1,264 @@
+//! A design turned into the numbers that the solver works with.
+//!
+//! | quantity | unit |
+//! | --- | --- |
+//! | length | `L0 / 64`, `L0` the distance of the groove centres of the unloaded bearing |
+//! | force | `Ko` times that length to the power 3/2 |
+//! | tilt | length unit over `Rp`, so that a tilt of 1 shifts a groove centre by 1 |
+//! | moment | force unit times `Rp` |
+//!
+//! In these units deformations are of the order of 1, and positions are multiples of 1/256 that integers hold
+//! exactly, plus small offsets.
+
+use crate::design::{Design, DesignError, check};
+use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
+use crate::hertz::HertzContact;
+
+/// Distance of the groove centres, in units of length.
+pub const L0: f64 = 64.0;
+
+/// A length that is known to be a certain number of units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Squared<T> {
+    /// Its square in units of 2^-16, rounded.
+    pub whole: i32,
+    /// What rounding lost.
+    pub rest: T,
+}
+
+/// Constants of a bearing that do not depend on its balls' azimuths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Constants<T> {
+    /// Sine and cosine of the free contact angle.
+    pub n0: [T; 2],
+    /// Inner groove's centre of the unloaded bearing, from the outer one's: multiples of 2^-17, and the rest.
+    pub centre: [T; 2],
+    pub centre_low: [T; 2],
+    /// `lo` and `li`; their sum is exactly 64.
+    pub lo: T,
+    pub li: T,
+    pub lo_squared: Squared<T>,
+    pub li_squared: Squared<T>,
+    /// `Ki / Ko`.
+    pub ki: T,
+    /// Load-deflection constant of both contacts in series over `Ko`.
+    pub kn: T,
+    /// Share of the outer contact in the deformation of a ball at rest, `(Kn/Ko)^(2/3)`.
+    pub outer_share: T,
+    /// `D / dm`.
+    pub tau: T,
+    /// `C (delta_o / delta_i)^2` of the raceway-control-free rule.
+    pub kw: T,
+    /// Moment of a unit friction force, `fi D / Rp`.
+    pub friction_arm: T,
+    /// `m dm / 2` over the force unit: centrifugal force at a cage speed of 1 rad/s.
+    pub inertia: T,
+    /// Ball count.
+    pub balls: T,
+    /// Axial position of the groove plane over `Rp`.
+    pub plane: T,
+    /// Units, SI.
+    pub length: T,
+    pub force: T,
+    pub tilt: T,
+    pub moment: T,
+    /// Ball radius `D / 2`, m.
+    pub ball_radius: T,
+}
+
+/// Where a ball sits: cosine and sine of its azimuth, and what rounding them to a coarse grid loses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Azimuth<T> {
+    pub cos: T,
+    pub sin: T,
+    pub cos_low: T,
+    pub sin_low: T,
+}
+
+/// A bearing of `N` balls, ready to be solved in the precision `T`: immutable, made once, by the compiler where
+/// the design is known there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing<T, const N: usize> {
+    pub(crate) constants: Constants<T>,
+    pub(crate) azimuths: [Azimuth<T>; N],
+}
+
+/// `x` rounded to a multiple of `1 / per`.
+const fn round(x: f64, per: f64) -> f64 {
+    // 1.5 * 2^52 rounds to integers.
+    ((x * per + 6_755_399_441_055_744.0) - 6_755_399_441_055_744.0) / per
+}
+
+/// What a unit vector of rounded components needs beyond them for a length of 1.
+const fn beyond_unit([x, y]: [f64; 2]) -> [f64; 2] {
+    let (hx, hy) = (round(x, 67_108_864.0), round(y, 67_108_864.0));
+    let (lx, ly) = (x - hx, y - hy);
+    let leading = (hx * hx - 1.0) + hy * hy;
+    let excess = leading + 2.0 * (hx * lx + hy * ly) + (lx * lx + ly * ly);
+    [-0.5 * excess * x, -0.5 * excess * y]
+}
+
+const fn square(x: f64) -> Squared<f64> {
+    let high = round(x, 1_048_576.0);
+    let low = x - high;
+    let leading = high * high;
+    let whole = round(leading, 65_536.0);
+    Squared {
+        whole: (whole * 65_536.0) as i32,
+        rest: (leading - whole) + (2.0 * high * low + low * low),
+    }
+}
+
+const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, DesignError> {
+    check!(design.check(balls));
+    let (d, dm) = (design.ball_diameter, design.pitch_diameter);
+    let (fi, fo) = (design.inner_groove_factor, design.outer_groove_factor);
+    let (sin0, cos0) = design.free_contact_angle();
+    let beyond = beyond_unit([sin0, cos0]);
+    let l0 = design.centre_distance();
+    let length = l0 / L0;
+    let li = (fi - 0.5) * d;
+    let rp = 0.5 * dm + li * cos0;
+    let gamma = d * cos0 / dm;
+    let inner = HertzContact::of_groove(d, gamma, fi, &design.ring, &design.ball);
+    let outer = HertzContact::of_groove(d, -gamma, fo, &design.ring, &design.ball);
+    let (ki, ko) = (inner.load_deflection, outer.load_deflection);
+    let flexibility = 1.0 + cbrt(ko * ko) / cbrt(ki * ki);
+    let force = ko * length * sqrt(length);
+    let mass = design.ball.density * core::f64::consts::PI * d * d * d / 6.0;
+    let centre = [round(L0 * sin0, 131_072.0), round(L0 * cos0, 131_072.0)];
+    Ok(Constants {
+        n0: [sin0, cos0],
+        centre,
+        centre_low: [
+            (L0 * sin0 - centre[0]) + L0 * beyond[0],
+            (L0 * cos0 - centre[1]) + L0 * beyond[1],
+        ],
+        lo: L0 * (fo - 0.5) * d / l0,
+        li: L0 * li / l0,
+        lo_squared: Squared {
+            whole: 0,
+            rest: 0.0,
+        },
+        li_squared: Squared {
+            whole: 0,
+            rest: 0.0,
+        },
+        ki: ki / ko,
+        kn: 1.0 / (flexibility * sqrt(flexibility)),
+        outer_share: 1.0 / flexibility,
+        tau: d / dm,
+        // The semi-axis grows with Q^(1/3), hence Q a with K^(4/3) delta^2.
+        kw: ki * cbrt(ki) * inner.semi_major * inner.elliptic_e
+            / (ko * cbrt(ko) * outer.semi_major * outer.elliptic_e),
+        friction_arm: fi * d / rp,
+        inertia: 0.5 * mass * dm / force,
+        balls: balls as f64,
+        plane: li * sin0 / rp,
+        length,
+        force,
+        tilt: length / rp,
+        moment: force * rp,
+        ball_radius: 0.5 * d,
+    })
+}
+
+/// Cosine and sine of every azimuth; exact at the quarters if the first ball is at 0.
+const fn azimuth(first: (f64, f64), j: usize, balls: usize) -> (f64, f64) {
+    let (s, c) = sin_cos_turns(j as u32, balls as u32);
+    let (s0, c0) = first;
+    (c * c0 - s * s0, s * c0 + c * s0)
+}
+
+macro_rules! bearing {
+    ($t:ident, $grid:expr) => {
+        impl<const N: usize> Bearing<$t, N> {
+            /// Checks the design and computes everything that does not depend on load and speed, in doubles,
+            /// rounded once. A `const fn`.
+            ///
+            /// # Errors
+            ///
+            /// The first quantity of the design that is out of its range.
+            pub const fn new(design: &Design) -> Result<Self, DesignError> {
+                let c = check!(in_double(design, N));
+                // The two lengths must add up to 64 exactly, or a deformation, which is the small difference of
+                // lengths, would inherit their rounding.
+                let long = c.lo > 0.5 * L0;
+                let larger = if long { c.lo } else { c.li } as $t as f64;
+                let (lo, li) = if long {
+                    (larger, L0 - larger)
+                } else {
+                    (L0 - larger, larger)
+                };
+                let (lo_squared, li_squared) = (square(lo), square(li));
+                let constants = Constants {
+                    n0: [c.n0[0] as $t, c.n0[1] as $t],
+                    centre: [c.centre[0] as $t, c.centre[1] as $t],
+                    centre_low: [c.centre_low[0] as $t, c.centre_low[1] as $t],
+                    lo: lo as $t,
+                    li: li as $t,
+                    lo_squared: Squared {
+                        whole: lo_squared.whole,
+                        rest: lo_squared.rest as $t,
+                    },
+                    li_squared: Squared {
+                        whole: li_squared.whole,
+                        rest: li_squared.rest as $t,
+                    },
+                    ki: c.ki as $t,
+                    kn: c.kn as $t,
+                    outer_share: c.outer_share as $t,
+                    tau: c.tau as $t,
+                    kw: c.kw as $t,
+                    friction_arm: c.friction_arm as $t,
+                    inertia: c.inertia as $t,
+                    balls: c.balls as $t,
+                    plane: c.plane as $t,
+                    length: c.length as $t,
+                    force: c.force as $t,
+                    tilt: c.tilt as $t,
+                    moment: c.moment as $t,
+                    ball_radius: c.ball_radius as $t,
+                };
+                let mut azimuths = [Azimuth {
+                    cos: 0.0,
+                    sin: 0.0,
+                    cos_low: 0.0,
+                    sin_low: 0.0,
+                }; N];
+                let (s0, c0) = sin_cos(design.first_ball);
+                let mut j = 0;
+                while j < N {
+                    let (cos, sin) = azimuth((s0, c0), j, N);
+                    azimuths[j] = Azimuth {
+                        cos: cos as $t,
+                        sin: sin as $t,
+                        cos_low: (cos - round(cos, $grid)) as $t,
+                        sin_low: (sin - round(sin, $grid)) as $t,
+                    };
+                    j += 1;
+                }
+                Ok(Self {
+                    constants,
+                    azimuths,
+                })
+            }
+
+            /// The same for a design that the compiler knows: one that cannot be built is a compile error that names the
+            /// quantity.
+            ///
+            /// # Panics
+            ///
+            /// For a design that cannot be built, with [`DesignError::reason`].
+            pub const fn checked(design: &Design) -> Self {
+                match Self::new(design) {
+                    Ok(bearing) => bearing,
+                    Err(error) => panic!("{}", error.reason()),
+                }
+            }
+        }
+    };
+}
+
+bearing!(f32, 512.0);
+bearing!(f64, 67_108_864.0);

@@ -1,0 +1,86 @@
+//! Deformation and force of a contact, without the cancellation of `|X| - lo`.
+//!
+//! A vector along a contact is a reference, whose square is known exactly, plus a small offset:
+//! `|X|^2 - lo^2 = e + (2 Xr + x).x`, and `delta = (|X|^2 - lo^2) / (|X| + lo)`. Single precision keeps six digits of
+//! the deformation where the plain difference of lengths keeps three.
+
+use super::constants::Squared;
+use super::linalg::{Pair, add, dot, scale};
+use crate::float::Real;
+
+/// Reference of the vector along a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Reference<T> {
+    /// Multiples of 1/256.
+    pub vector: Pair<T>,
+    /// Its squared length less that of the undeformed contact.
+    pub excess: T,
+}
+
+impl<T: Real> Reference<T> {
+    /// Exact but for one rounding: the square is an integer in units of 2^-16. `growth` is what growth adds.
+    #[inline(always)]
+    pub fn at(vector: Pair<T>, undeformed: &Squared<T>, growth: T) -> Self {
+        let [a, r] = vector.map(|x| (x * T::of(256.0)).to_i32());
+        let square = a.wrapping_mul(a).wrapping_add(r.wrapping_mul(r));
+        let leading = T::from_i32(square.wrapping_sub(undeformed.whole));
+        Self {
+            vector,
+            excess: leading * T::of(1.0 / 65_536.0) - undeformed.rest + growth,
+        }
+    }
+}
+
+/// `x` rounded to a multiple of 1/256.
+#[inline(always)]
+pub fn to_grid<T: Real>(x: T) -> T {
+    (x + T::GRID) - T::GRID
+}
+
+/// A contact, or two in series.
+#[derive(Debug, Clone, Copy)]
+pub struct Contact<T> {
+    /// Sine and cosine of the contact angle.
+    pub n: Pair<T>,
+    /// Deformation; negative across a gap.
+    pub delta: T,
+    /// Force, 0 across a gap, its slope by the deformation, and its quotient by the distance of the centres.
+    pub q: T,
+    pub slope: T,
+    pub across: T,
+    /// One over the distance of the centres.
+    pub per_r: T,
+}
+
+impl<T: Real> Contact<T> {
+    /// The contact of undeformed length `length` and load-deflection constant `k`, at `offset` from its reference.
+    #[inline(always)]
+    pub fn at(reference: &Reference<T>, offset: Pair<T>, length: T, k: T) -> Self {
+        let v = add(reference.vector, offset);
+        let excess = reference.excess + dot(add(v, reference.vector), offset);
+        let r = dot(v, v).or_larger(T::TINY).sqrt();
+        let both = r + length;
+        let inverse = T::ONE / (r * both);
+        let (delta, per_r) = (inverse * r * excess, inverse * both);
+        let depth = delta.or_larger(T::ZERO);
+        let root = k * depth.sqrt();
+        let q = root * depth;
+        Self {
+            n: scale(per_r, v),
+            delta,
+            q,
+            slope: T::of(1.5) * root,
+            across: q * per_r,
+            per_r,
+        }
+    }
+
+    /// Slope of the force vector by the motion of its end, axial and radial: elements `aa`, `ar`, `rr`.
+    #[inline(always)]
+    pub fn tangent(&self) -> [T; 3] {
+        let [s, c] = self.n;
+        let beyond = self.slope - self.across;
+        let (bs, bc) = (beyond * s, beyond * c);
+        [self.across + bs * s, bs * c, self.across + bc * c]
+    }
+}

@@ -1,0 +1,170 @@
+//! How a ball moves: cage speed and attitude, and the inertia loads that follow.
+//!
+//! With `A = 1 + tau cos ao`, `c = 1 - tau cos ai`, `d = ai - ao`, `q = 1 / (1 + cos d)` and the share
+//! `eta = C / (C + 1)` of the inner contact (`C` as in the model), all three attitude rules reduce to polynomials:
+//!
+//! - cage speed `omega_m = mu omega`, centrifugal force `Fc = s mu^2`, `s = m dm omega^2 / 2`
+//! - gyroscopic couple `2 Mg / D = 0.4 s mu nu`
+//!
+//! | rule | `mu` | `nu` |
+//! | --- | --- | --- |
+//! | outer race control | `c q` | `mu sin ao` |
+//! | inner race control | `1 - A q` | `A q sin ai` |
+//! | raceway-control-free | `c q - L sin d q` | `mu sin ao + L cos ao` |
+//!
+//! with `L = eta/2 (tau sin ao + (1 + c + A) sin d q)`.
+//! Rule: Ding (2001); Wang, Hong, Zhang, Zhu, Mech. Mach. Theory 82 (2014).
+
+use super::linalg::{Pair, scale};
+use crate::float::Real;
+use crate::kinematics::{InnerRaceControl, OuterRaceControl, RacewayControlFree};
+
+/// Directions of the contacts, and how they share.
+#[derive(Debug, Clone, Copy)]
+pub struct Contacts<T> {
+    /// Sine and cosine of the contact angles, inner and outer.
+    pub inner: Pair<T>,
+    pub outer: Pair<T>,
+    /// Sine of the angle between the contacts, `ai - ao`.
+    pub sin_d: T,
+    /// One over one plus its cosine.
+    pub q: T,
+    /// Share `eta` of the inner contact in the friction work, and the outer one's.
+    pub eta: T,
+    pub rest: T,
+    /// `Qi / (Qi + Qo)`, and the outer one's.
+    pub sigma: T,
+    pub sigma_rest: T,
+    /// The inner contact carries.
+    pub closed: bool,
+}
+
+/// A value's slopes by the angles of the inner and the outer contact, and by `ln(delta_i / delta_o)`.
+pub type Slopes<T> = [T; 3];
+
+/// Speeds of a ball and the split of the friction, relative to the shaft speed.
+#[derive(Debug, Clone, Copy)]
+pub struct Speeds<T> {
+    pub mu: T,
+    pub mu_by: Slopes<T>,
+    pub nu: T,
+    /// Slopes of `nu - mu sin ao`, `sin ao` taken out as a factor.
+    pub nu_by: Slopes<T>,
+    /// Share of the inner contact in the friction, the outer one's, and the slope of the former by
+    /// `ln(delta_i / delta_o)` over itself.
+    pub share: T,
+    pub share_rest: T,
+    pub share_by: T,
+}
+
+/// Rule for the attitude of the balls' spin axis, as the ball pass needs it.
+pub trait Rule: 'static {
+    /// Friction carries a gyroscopic moment.
+    const FRICTION: bool = true;
+    /// The attitude depends on the contact forces.
+    const COUPLED: bool = false;
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T>;
+}
+
+#[inline(always)]
+fn outer_control<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+    let [si, ci] = g.inner;
+    let [_, co] = g.outer;
+    let c = T::ONE - tau * ci;
+    let mu = c * g.q;
+    let w = mu * g.sin_d * g.q;
+    Speeds {
+        mu,
+        mu_by: [w + tau * si * g.q, -w, T::ZERO],
+        nu: mu * g.outer[0],
+        nu_by: [T::ZERO, mu * co, T::ZERO],
+        share: T::ZERO,
+        share_rest: T::ONE,
+        share_by: T::ZERO,
+    }
+}
+
+impl Rule for OuterRaceControl {
+    #[inline(always)]
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        outer_control(tau, g)
+    }
+}
+
+impl Rule for InnerRaceControl {
+    #[inline(always)]
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        if !g.closed {
+            return outer_control(tau, g);
+        }
+        let [si, ci] = g.inner;
+        let [so, co] = g.outer;
+        let t = g.sin_d * g.q;
+        let aq = (T::ONE + tau * co) * g.q;
+        let mu = T::ONE - aq;
+        let mu_i = -(aq * t);
+        let mu_o = tau * so * g.q - mu_i;
+        let half = T::of(0.5);
+        Speeds {
+            mu,
+            mu_by: [mu_i, mu_o, T::ZERO],
+            nu: aq * si,
+            nu_by: [aq * (ci + si * t) - so * mu_i, -(si + so) * mu_o, T::ZERO],
+            share: half,
+            share_rest: half,
+            share_by: T::ZERO,
+        }
+    }
+}
+
+impl Rule for RacewayControlFree {
+    const COUPLED: bool = true;
+
+    #[inline(always)]
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        let [so, co] = g.outer;
+        let q = g.q;
+        // In the order of the fewest waits for a result.
+        let [tsi, tci] = scale(tau, g.inner);
+        let [tso, tco] = scale(tau, g.outer);
+        let t = g.sin_d * q;
+        let (c, beyond) = (T::ONE - tci, T::ONE + tco);
+        let h = T::of(0.5) * g.eta;
+        let a = c + beyond;
+        let (cq, si_q) = (c * q, tsi * q);
+        let (aq, at) = (a * q, a * t);
+        let (si_t, so_t, cqt) = (tsi * t, tso * t, cq * t);
+        let la = tso + at;
+        let la_i = aq + si_t;
+        let la_o = tco - aq - so_t;
+        let l = h * la;
+        let (hi, ho) = (h * la_i, h * la_o);
+        let (lt, lq, lp) = (l * t, l * q, l * g.rest);
+        let (mu, w, le) = (cq - lt, cqt - lq, lp + lp);
+        let (ti, to) = (t * hi, t * ho);
+        let (mu_so, l_co, l_so) = (mu * so, co * l, so * l);
+        let mu_ho = mu + ho;
+        Speeds {
+            mu,
+            mu_by: [w + si_q - ti, -(w + to), -(t * le)],
+            nu: mu_so + l_co,
+            nu_by: [co * hi, co * mu_ho - l_so, co * le],
+            share: g.sigma,
+            share_rest: g.sigma_rest,
+            share_by: T::of(1.5) * g.sigma_rest,
+        }
+    }
+}
+
+/// The cage speed of a rule, without its gyroscopic moment.
+pub struct Frictionless<R>(core::marker::PhantomData<R>);
+
+impl<R: Rule> Rule for Frictionless<R> {
+    const FRICTION: bool = false;
+    const COUPLED: bool = R::COUPLED;
+
+    #[inline(always)]
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        R::speeds(tau, g)
+    }
+}

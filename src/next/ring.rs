@@ -1,0 +1,252 @@
+//! The ring: forces and slopes of all balls summed over the azimuth.
+//!
+//! Order of freedoms: axial, radial y, radial z, tilt about y, tilt about z, radial displacements and moments referred to
+//! the groove plane. A scene has the first `D` of them: 1, 3 or 5.
+
+use super::constants::{Azimuth, Constants};
+use super::kinematics::Rule;
+use super::linalg::{Matrix, Pair};
+use super::motion::{Body, Point, Share};
+use crate::float::Real;
+
+/// Force of the balls on the ring, its slopes by the ring's displacement and by the relative change of `omega^2`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sum<T, const D: usize> {
+    pub force: [T; D],
+    pub by_speed: [T; D],
+    pub k: Matrix<T, D>,
+}
+
+impl<T: Real, const D: usize> Sum<T, D> {
+    pub const NONE: Self = Self {
+        force: [T::ZERO; D],
+        by_speed: [T::ZERO; D],
+        k: [[T::ZERO; D]; D],
+    };
+}
+
+/// Shift of the inner groove's centre at an azimuth due to a displacement of the ring.
+#[inline(always)]
+pub fn shift<T: Real, const D: usize>(u: &[T; D], at: &Azimuth<T>) -> Pair<T> {
+    let mut a = [u[0], T::ZERO];
+    if D >= 3 {
+        a[1] = u[1] * at.cos + u[2] * at.sin;
+    }
+    if D == 5 {
+        a[0] = u[0] + (u[3] * at.sin - u[4] * at.cos);
+    }
+    a
+}
+
+/// A displacement with all five freedoms, for code that serves any number of them.
+#[inline(always)]
+pub fn in_full<T: Real, const D: usize>(u: &[T; D]) -> [T; 5] {
+    let mut full = [T::ZERO; 5];
+    for (full, u) in full.iter_mut().zip(u) {
+        *full = *u;
+    }
+    full
+}
+
+impl<T: Real, const D: usize> Sum<T, D> {
+    /// Adds the forces of two balls that are opposite to each other, the first at the azimuth `at`; or of one ball and
+    /// none. What two opposite balls have in common cancels exactly in radial forces and moments.
+    #[inline(always)]
+    fn add_forces(&mut self, a: &Share<T>, b: &Share<T>, at: &Azimuth<T>) {
+        let (c, s) = (at.cos, at.sin);
+        let (f, by) = (&mut self.force, &mut self.by_speed);
+        let axial = a.force[0] + b.force[0];
+        let radial = a.force[1] - b.force[1];
+        let (y, z) = (radial * c, radial * s);
+        f[0] += axial;
+        if D >= 3 {
+            f[1] += y;
+            f[2] += z;
+        }
+        let axial = a.force_by_speed[0] + b.force_by_speed[0];
+        let radial = a.force_by_speed[1] - b.force_by_speed[1];
+        let (y, z) = (radial * c, radial * s);
+        by[0] += axial;
+        if D >= 3 {
+            by[1] += y;
+            by[2] += z;
+        }
+        if D == 5 {
+            let moment = a.moment - b.moment;
+            let by_speed = a.moment_by_speed - b.moment_by_speed;
+            let (y, z) = (moment * s, moment * c);
+            f[3] += y;
+            f[4] -= z;
+            let (y, z) = (by_speed * s, by_speed * c);
+            by[3] += y;
+            by[4] -= z;
+        }
+    }
+
+    /// Adds their slopes.
+    #[inline(always)]
+    pub fn add_slopes(&mut self, a: &Share<T>, b: &Share<T>, at: &Azimuth<T>) {
+        let (c, s) = (at.cos, at.sin);
+        let (cc, cs, ss) = (c * c, c * s, s * s);
+        let k = &mut self.k;
+        let ([aa, ar], [bb, br]) = (a.h[0], b.h[0]);
+        k[0][0] += aa + bb;
+        if D >= 3 {
+            let ar = ar - br;
+            let (y, z) = (ar * c, ar * s);
+            k[0][1] += y;
+            k[0][2] += z;
+        }
+        if D == 5 {
+            let aa = aa - bb;
+            let (y, z) = (aa * s, aa * c);
+            k[0][3] += y;
+            k[0][4] -= z;
+        }
+        if D >= 3 {
+            let ([aa, ar], [bb, br]) = (a.h[1], b.h[1]);
+            let (ra, rr) = (aa - bb, ar + br);
+            let (y, z) = (ra * c, ra * s);
+            k[1][0] += y;
+            k[2][0] += z;
+            let (yy, yz, zz) = (rr * cc, rr * cs, rr * ss);
+            k[1][1] += yy;
+            k[1][2] += yz;
+            k[2][2] += zz;
+            if D == 5 {
+                let ra = aa + bb;
+                let (yy, yz, zz) = (ra * cs, ra * cc, ra * ss);
+                k[1][3] += yy;
+                k[1][4] -= yz;
+                k[2][3] += zz;
+            }
+        }
+        if D == 5 {
+            let ([aa, ar], [bb, br]) = (a.hm, b.hm);
+            let (ma, mr) = (aa - bb, ar + br);
+            let (y, z) = (ma * s, ma * c);
+            k[3][0] += y;
+            k[4][0] -= z;
+            let (yy, yz, zz) = (mr * cs, mr * ss, mr * cc);
+            k[3][1] += yy;
+            k[3][2] += yz;
+            k[4][1] -= zz;
+            let ma = aa + bb;
+            let (yy, yz, zz) = (ma * ss, ma * cs, ma * cc);
+            k[3][3] += yy;
+            k[3][4] -= yz;
+            k[4][4] += zz;
+        }
+    }
+
+    /// Fills in the elements that follow from others.
+    #[inline(always)]
+    pub fn finish(&mut self) {
+        let k = &mut self.k;
+        if D >= 3 {
+            k[2][1] = k[1][2];
+        }
+        if D == 5 {
+            k[2][4] = -k[1][3];
+            k[4][2] = -k[3][1];
+            k[4][3] = k[3][4];
+        }
+    }
+}
+
+/// Position of the inner groove's centre at the ring's position `u`, multiples of 1/256: a part that is exact, and a
+/// small rest.
+fn groove_centre<T: Real>(c: &Constants<T>, u: &[T; 5], at: &Azimuth<T>) -> (Pair<T>, Pair<T>) {
+    let split = |x: T| (x + T::SPLIT) - T::SPLIT;
+    let (cos, sin) = (split(at.cos), split(at.sin));
+    let (mut high, mut low) = (c.centre, c.centre_low);
+    high[0] += u[0] + (u[3] * sin - u[4] * cos);
+    high[1] += u[1] * cos + u[2] * sin;
+    low[0] += u[3] * at.sin_low - u[4] * at.cos_low;
+    low[1] += u[1] * at.cos_low + u[2] * at.sin_low;
+    (high, low)
+}
+
+/// One row of balls: a bearing at a point of speed and growth.
+pub struct Row<'s, T, B> {
+    pub c: &'s Constants<T>,
+    pub azimuths: &'s [Azimuth<T>],
+    pub balls: &'s mut [B],
+}
+
+impl<T: Real, B: Body<T>> Row<'_, T, B> {
+    /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`, condenses it there, and sums what
+    /// the balls hand to the ring.
+    pub fn condense<R: Rule, const D: usize>(
+        &mut self,
+        p: &Point<T>,
+        v: &[T; D],
+        ds: T,
+        sum: &mut Sum<T, D>,
+    ) {
+        self.condense_balls::<R>(p, &in_full(v), ds);
+        self.sum(sum);
+    }
+
+    /// The ball pass.
+    #[inline(never)]
+    pub fn condense_balls<R: Rule>(&mut self, p: &Point<T>, v: &[T; 5], ds: T) {
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter_mut() {
+            let Some(at) = azimuths.next() else { return };
+            ball.condense::<R>(self.c, p, shift(v, at), ds);
+        }
+    }
+
+    /// What the balls hand to the ring, with its azimuth: opposite balls together where there are any, else every
+    /// ball and `none`.
+    #[inline(always)]
+    fn shares<'a>(
+        &'a self,
+        none: &'a Share<T>,
+    ) -> impl Iterator<Item = (&'a Share<T>, &'a Share<T>, &'a Azimuth<T>)> {
+        let n = self.balls.len();
+        let alone = if n.is_multiple_of(2) { n / 2 } else { n };
+        let (first, second) = self.balls.split_at(alone);
+        let (mut first, mut second) = (first.iter(), second.iter());
+        let mut azimuths = self.azimuths.iter();
+        // Not `zip`, which the compiler unrolls (+1.2 kB).
+        core::iter::from_fn(move || {
+            let (ball, at) = (first.next()?, azimuths.next()?);
+            Some((ball.share(), second.next().map_or(none, B::share), at))
+        })
+    }
+
+    /// Sums what the balls hand to the ring. Forces and slopes in loops of their own, whose sums stay in registers.
+    #[inline(never)]
+    fn sum<const D: usize>(&self, sum: &mut Sum<T, D>) {
+        let none = Share::NONE;
+        let mut part = Sum::NONE;
+        for (a, b, at) in self.shares(&none) {
+            part.add_forces(a, b, at);
+        }
+        (sum.force, sum.by_speed) = (part.force, part.by_speed);
+        for (a, b, at) in self.shares(&none) {
+            part.add_slopes(a, b, at);
+        }
+        part.finish();
+        sum.k = part.k;
+    }
+
+    /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`.
+    #[inline(never)]
+    pub fn follow(&mut self, v: &[T; 5], ds: T) {
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            ball.follow(shift(v, at), ds);
+        }
+    }
+
+    /// Moves the balls' references next to where they are, for a ring at the offset `v` from its reference position `u`.
+    #[inline(never)]
+    pub fn anchor(&mut self, p: &Point<T>, u: &[T; 5], v: &[T; 5]) {
+        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+            let (high, low) = groove_centre(self.c, u, at);
+            ball.anchor(self.c, p, high, low, shift(v, at));
+        }
+    }
+}

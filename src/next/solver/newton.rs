@@ -1,0 +1,326 @@
+//! The loop: damped Newton of the ring, the balls condensed.
+
+use super::State;
+use super::error::Estimate;
+use crate::float::Real;
+use crate::next::contact::to_grid;
+use crate::next::frame::{centre_of, plane_of, refer};
+use crate::next::kinematics::Rule;
+use crate::next::linalg::{Factors, norm, product};
+use crate::next::motion::{Body, Point};
+use crate::next::ring::{Row, in_full};
+use crate::next::tuning;
+
+/// What a solve is for, in the units of the constants, referred to the bearing centre.
+#[derive(Debug, Clone, Copy)]
+pub struct Task<T, const D: usize> {
+    /// Load; 0 of a freedom whose displacement is given.
+    pub load: [T; D],
+    /// The displacement that is given of some freedoms.
+    pub held: [Option<T>; D],
+    /// Largest change of the stiffness along the last step.
+    pub tolerance: T,
+}
+
+impl<T: Real, const D: usize> Task<T, D> {
+    /// The same for a start, which a solve from there refines.
+    pub fn rough(&self) -> Self {
+        Self {
+            tolerance: T::of(tuning::ROUGH),
+            ..*self
+        }
+    }
+}
+
+/// How the loop ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// The last step changes the stiffness by less than the tolerance.
+    Converged,
+    /// Rounding is larger than the tolerance.
+    Rounded,
+    /// The balls leave the ring free to move in some direction.
+    Singular,
+    /// Not within the iterations.
+    Unfinished,
+    /// A figure is not a number.
+    Lost,
+}
+
+impl End {
+    /// There is an answer.
+    pub const fn is_solved(self) -> bool {
+        matches!(self, Self::Converged | Self::Rounded)
+    }
+}
+
+/// What the loop hands on.
+#[derive(Debug, Clone, Copy)]
+pub struct Outcome<T> {
+    pub end: End,
+    pub estimate: Estimate<T>,
+    /// Unbalanced force before the last step, over the load.
+    pub residual: T,
+    /// Length of the last step, and the largest compliance that the factors of the tangent show.
+    pub step: T,
+    pub compliance: T,
+    /// Undamped steps in a row that are not half as long as the one before, next to the solution: rounding makes them.
+    pub stalled: u8,
+}
+
+impl<T: Real> Outcome<T> {
+    /// Before the first iteration.
+    pub const NONE: Self = Self {
+        end: End::Unfinished,
+        estimate: Estimate {
+            k: T::ONE,
+            most: T::ONE,
+            force: T::ONE,
+            largest: T::ONE,
+        },
+        residual: T::ONE,
+        step: T::ONE,
+        compliance: T::ONE,
+        stalled: 0,
+    };
+}
+
+/// A step of the ring, referred to the bearing centre, and the work that the unbalanced force before it was to do.
+struct Step<T, const D: usize> {
+    du: [T; D],
+    work: T,
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// Moves the reference position next to where the ring is, and the balls' references next to where they are.
+    fn anchor<B: Body<T>>(&mut self, row: &mut Row<'_, T, B>, p: &Point<T>) {
+        for (u, v) in self.u.iter_mut().zip(&mut self.v) {
+            let to = to_grid(*u + *v);
+            *v += *u - to;
+            *u = to;
+        }
+        row.anchor(p, &in_full(&self.u), &in_full(&self.v));
+    }
+
+    /// Puts the ring at the displacement `u` of the groove plane, and every ball where `like` is.
+    pub fn put<B: Body<T>>(&mut self, row: &mut Row<'_, T, B>, p: &Point<T>, u: [T; D], like: &B) {
+        row.balls.fill(*like);
+        self.put_back(row, p, [T::ZERO; D], u);
+    }
+
+    /// Puts the ring at the offset `v` from the reference position `u`, and leaves the balls where they are.
+    pub fn put_back<B: Body<T>>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        p: &Point<T>,
+        u: [T; D],
+        v: [T; D],
+    ) {
+        (self.u, self.v) = (u, v);
+        self.anchor(row, p);
+    }
+
+    /// Moves the ring by `du`.
+    fn advance(&mut self, row_plane: [T; D]) {
+        for (v, step) in self.v.iter_mut().zip(row_plane) {
+            *v += step;
+        }
+    }
+
+    /// What of the load, less the balls' force at a relative change `ds` of `omega^2`, is not balanced. Of a freedom whose
+    /// displacement is given, that is a matter of its support.
+    fn unbalanced(&self, task: &Task<T, D>, ds: T) -> [T; D] {
+        core::array::from_fn(|i| match task.held[i] {
+            None => task.load[i] - self.sum.force[i] - ds * self.sum.by_speed[i],
+            Some(_) => T::ZERO,
+        })
+    }
+
+    /// Factors of the tangent, and the right-hand side for the unbalanced force `r`: a given displacement stands in the
+    /// place of the equation of its freedom.
+    fn system<B>(
+        &self,
+        row: &Row<'_, T, B>,
+        task: &Task<T, D>,
+        r: &[T; D],
+        damping: T,
+    ) -> (Factors<T, D>, [T; D]) {
+        if task.held.iter().all(Option::is_none) {
+            return (Factors::of(&self.sum.k, damping), *r);
+        }
+        let (mut k, mut b) = (self.sum.k, *r);
+        let mut u = self.u;
+        for (u, v) in u.iter_mut().zip(&self.v) {
+            *u += *v;
+        }
+        let u = centre_of(row.c, &u);
+        for i in 0..D {
+            if let Some(given) = task.held[i] {
+                let scale = (k[i][i].abs()).or_larger(T::ONE);
+                k[i] = [T::ZERO; D];
+                k[i][i] = scale;
+                b[i] = (scale + damping) * (given - u[i]);
+            }
+        }
+        (Factors::of(&k, damping), b)
+    }
+
+    /// The step to where the tangent sees equilibrium under the unbalanced force `r`: damped where the tangent is not
+    /// positive definite, or the step longer than `radius`.
+    fn step<B>(
+        &self,
+        row: &Row<'_, T, B>,
+        task: &Task<T, D>,
+        r: &[T; D],
+        radius: T,
+    ) -> ([T; D], bool, T) {
+        let mut damping = T::ZERO;
+        loop {
+            let (factors, b) = self.system(row, task, r, damping);
+            let du = factors.solve(&b);
+            let length = norm(&du);
+            if factors.least > T::of(tuning::SINGULAR) * T::EPSILON && length <= radius {
+                return (du, damping > T::ZERO, factors.compliance());
+            }
+            if damping > T::ZERO {
+                damping = T::of(tuning::DAMPING_GROWTH) * damping;
+            } else {
+                let mut largest = T::TINY;
+                for i in 0..D {
+                    largest = largest.or_larger(self.sum.k[i][i].abs());
+                }
+                // Where no ball carries, the ring floats towards its load.
+                let floating = T::of(1e-3) * norm(r) / radius;
+                damping = (T::of(tuning::DAMPING) * largest).or_larger(floating);
+            }
+            if !(damping < T::ONE / T::TINY.sqrt()) {
+                return ([T::ZERO; D], true, T::ONE);
+            }
+        }
+    }
+
+    /// Moves the ring and the balls to where the last linearisation sees them under the task's load at a relative change
+    /// `ds` of `omega^2`; with the second order of the balls' motion, if `curved`.
+    pub fn predict<B: Body<T>>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        task: &Task<T, D>,
+        ds: T,
+        curved: bool,
+    ) {
+        self.v = self.at;
+        let r = self.unbalanced(task, ds);
+        let (factors, b) = self.system(row, task, &r, T::ZERO);
+        self.advance(plane_of(row.c, &factors.solve(&b)));
+        if curved {
+            let mut beyond = row.bend(&self.v, ds);
+            refer(row.c, &mut beyond);
+            for (i, beyond) in beyond.iter_mut().enumerate() {
+                *beyond = match task.held[i] {
+                    None => -*beyond,
+                    Some(_) => T::ZERO,
+                };
+            }
+            self.advance(plane_of(row.c, &factors.solve(&beyond)));
+        }
+    }
+
+    /// Newton's method from where ring and balls are, for at most as many iterations as `budget` has left.
+    pub fn newton<B: Body<T>, R: Rule>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        task: &Task<T, D>,
+        p: &Point<T>,
+        mut ds: T,
+        budget: &mut u16,
+    ) -> Outcome<T> {
+        let mut radius = T::of(64.0 * tuning::FIRST_RADIUS);
+        let mut last: Option<Step<T, D>> = None;
+        let mut outcome = Outcome::NONE;
+        let mut singular = 0;
+        while *budget > 0 {
+            *budget -= 1;
+            if norm(&self.v) > T::of(tuning::ANCHOR) {
+                row.follow(&in_full(&self.v), ds);
+                self.anchor(row, p);
+                ds = T::ZERO;
+            }
+            row.condense::<R, D>(p, &self.v, ds, &mut self.sum);
+            self.sum.refer(row.c);
+            ds = T::ZERO;
+            (self.at, self.correct) = (self.v, false);
+
+            let r = self.unbalanced(task, T::ZERO);
+            let size = norm(&task.load).or_larger(norm(&self.sum.force));
+            outcome.residual = norm(&r) / size.or_larger(T::TINY);
+            if !outcome.residual.is_finite() {
+                outcome.end = End::Lost;
+                break;
+            }
+            if let Some(step) = &mut last {
+                let work = product(&r, &step.du);
+                if work < T::of(-tuning::REJECT) * step.work {
+                    // Back to where the unbalanced force turned round, were it to grow with the cube.
+                    let part = (step.work / (step.work - work)).cbrt();
+                    let back = part - T::ONE;
+                    let whole = step.du;
+                    self.advance(plane_of(row.c, &whole.map(|x| back * x)));
+                    step.du = whole.map(|x| part * x);
+                    step.work = part * step.work;
+                    radius = norm(&step.du);
+                    continue;
+                }
+                if work < -step.work {
+                    radius = T::of(0.5) * norm(&step.du);
+                } else if work > T::of(-0.5) * step.work {
+                    radius = T::of(64.0 * tuning::LARGEST_RADIUS).or_smaller(radius + radius);
+                }
+            }
+            let (du, damped, compliance) = self.step(row, task, &r, radius);
+            let planar = plane_of(row.c, &du);
+            let before = outcome.estimate.k;
+            outcome.estimate = row.estimate(&planar, &self.sum.k);
+            (outcome.step, outcome.compliance) = (norm(&du), compliance);
+            self.advance(planar);
+            if damped {
+                if outcome.residual < T::of(1e-6) {
+                    singular += 1;
+                }
+                if singular > 2 {
+                    outcome.end = End::Singular;
+                    break;
+                }
+            } else if self.is_done(task, &mut outcome, before) {
+                break;
+            }
+            let work = product(&r, &du);
+            last = Some(Step { du, work });
+        }
+        outcome
+    }
+
+    /// Whether the last step was small enough; if so, how the loop ends.
+    fn is_done(&mut self, task: &Task<T, D>, outcome: &mut Outcome<T>, before: T) -> bool {
+        let Estimate { k, most, force, .. } = outcome.estimate;
+        outcome.stalled = if k > T::of(0.5) * before {
+            outcome.stalled.saturating_add(1)
+        } else {
+            0
+        };
+        // The correction of the stiffness along the step leaves what is of second order, and a small part of the first.
+        let corrected = k * (most + T::of(tuning::CORRECTED));
+        let enough = force <= T::of(tuning::FORCE) * task.tolerance;
+        if k <= task.tolerance && enough {
+            outcome.end = End::Converged;
+        } else if corrected <= task.tolerance && enough {
+            self.correct = true;
+            outcome.estimate.k = corrected;
+            outcome.end = End::Converged;
+        } else if outcome.stalled > 1 && most < T::of(tuning::ROUGH) {
+            outcome.end = End::Rounded;
+        } else {
+            return false;
+        }
+        true
+    }
+}

@@ -1,0 +1,225 @@
+//! Where a solve starts that has no solution next to it.
+
+use super::State;
+use super::fallback::continuation;
+use super::newton::{Outcome, Task};
+use crate::axial::Spring;
+use crate::float::Real;
+use crate::next::ball::Ball;
+use crate::next::constants::{Constants, L0};
+use crate::next::frame::plane_of;
+use crate::next::kinematics::Rule;
+use crate::next::linalg::norm;
+use crate::next::motion::{Body, Point, Regime};
+use crate::next::place::place;
+use crate::next::ring::{Row, in_full};
+use crate::next::tuning;
+
+/// The axial load and so much preload that radial load and moment do not unload balls at first sight, and its side.
+fn pressing<T: Real, const D: usize>(load: &[T; D]) -> (T, T) {
+    let mut pressing = load[0].abs();
+    if D >= 3 {
+        pressing += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt();
+    }
+    if D == 5 {
+        pressing += (load[3] * load[3] + load[4] * load[4]).sqrt();
+    }
+    let side = if load[0] < T::ZERO { -T::ONE } else { T::ONE };
+    (pressing, side)
+}
+
+/// Axial displacement of the bearing at rest whose balls carry `q` axially each. From above, Newton on a 3/2 law does
+/// not overshoot.
+fn pressed<T: Real>(c: &Constants<T>, q: T, side: T) -> T {
+    let unit = T::of(1.0 / 512.0) / c.kn;
+    let mut w = T::ONE;
+    for _ in 0..24 {
+        let step = Spring::at(c.n0[0], w).step(q * unit);
+        w = (w - step).or_larger(T::TINY);
+        if step.abs() < T::of(1e-3) * w {
+            break;
+        }
+    }
+    T::of(L0) * (side * Spring::at(c.n0[0], w).axial - c.n0[0])
+}
+
+/// A ball on the line of the free contact angle.
+pub(super) fn unloaded<T: Real>(c: &Constants<T>) -> Ball<T> {
+    let mut ball = Ball::default();
+    ball.outer.vector = [c.lo * c.n0[0], c.lo * c.n0[1]];
+    ball
+}
+
+/// The bearing at rest: one attempt, since the problem is convex.
+pub(crate) fn cold_at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
+    state: &mut State<T, D>,
+    row: &mut Row<'_, T, B>,
+    task: &Task<T, D>,
+    p: &Point<T>,
+    budget: &mut u16,
+) -> Outcome<T> {
+    at_rest::<T, B, R, D>(state, row, task, p, &B::default(), budget)
+}
+
+/// Every start in the order in which the regime has them, then the fallback.
+pub(crate) fn cold_at_speed<T: Real, R: Rule, const D: usize>(
+    state: &mut State<T, D>,
+    row: &mut Row<'_, T, Ball<T>>,
+    task: &Task<T, D>,
+    p: &Point<T>,
+    budget: &mut u16,
+) -> Outcome<T> {
+    if p.regime == Regime::Rest {
+        let like = unloaded(row.c);
+        return at_rest::<T, _, R, D>(state, row, task, p, &like, budget);
+    }
+    let (inertia, size) = (p.s * row.c.balls, norm(&task.load));
+    let order = if inertia < T::of(tuning::LIGHT) * size {
+        [Start::Rest, Start::Axisymmetric, Start::OuterRace]
+    } else if inertia > T::of(tuning::HEAVY) * size {
+        [Start::OuterRace, Start::Axisymmetric, Start::Rest]
+    } else {
+        [Start::Axisymmetric, Start::Rest, Start::OuterRace]
+    };
+    for start in order {
+        let mut some = (*budget).min(tuning::ATTEMPT);
+        *budget -= some;
+        match start {
+            Start::Rest => from_rest::<T, R, D>(state, row, task, p, &mut some),
+            Start::Axisymmetric => axisymmetric::<T, R, D>(state, row, task, p),
+            Start::OuterRace => from_outer_race::<T, R, D>(state, row, task, p, &mut some),
+        }
+        let outcome = state.newton::<_, R>(row, task, p, T::ZERO, &mut some);
+        *budget += some;
+        if outcome.end.is_solved() || *budget == 0 {
+            return outcome;
+        }
+    }
+    continuation::<T, R, D>(state, row, task, p, budget)
+}
+
+/// Where a solve at speed may start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Start {
+    Rest,
+    Axisymmetric,
+    OuterRace,
+}
+
+/// Newton's method on the bearing at rest.
+#[inline(never)]
+pub(super) fn at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
+    state: &mut State<T, D>,
+    row: &mut Row<'_, T, B>,
+    task: &Task<T, D>,
+    p: &Point<T>,
+    like: &B,
+    budget: &mut u16,
+) -> Outcome<T> {
+    let (pressing, side) = pressing(&task.load);
+    let p = p.with(Regime::Rest);
+    let dx = pressed(row.c, pressing / row.c.balls, side);
+    state.put(row, &p, from_given(row.c, task, dx), like);
+    state.newton::<B, R>(row, task, &p, T::ZERO, budget)
+}
+
+/// The axial displacement `dx`, and what is given.
+fn from_given<T: Real, const D: usize>(c: &Constants<T>, task: &Task<T, D>, dx: T) -> [T; D] {
+    let mut u = [T::ZERO; D];
+    u[0] = dx;
+    for (u, held) in u.iter_mut().zip(task.held) {
+        *u = held.unwrap_or(*u);
+    }
+    plane_of(c, &u)
+}
+
+/// The solution at rest, roughly, and the balls placed there.
+#[inline(never)]
+fn from_rest<T: Real, R: Rule, const D: usize>(
+    state: &mut State<T, D>,
+    row: &mut Row<'_, T, Ball<T>>,
+    task: &Task<T, D>,
+    p: &Point<T>,
+    budget: &mut u16,
+) {
+    let like = unloaded(row.c);
+    at_rest::<T, _, R, D>(state, row, &task.rough(), p, &like, budget);
+    for ball in row.balls.iter_mut() {
+        place::<T, R>(ball, row.c, p);
+    }
+}
+
+/// The axisymmetric state at speed: the first ball stands for all, and Newton's method moves the ring along the axis.
+#[inline(never)]
+fn axisymmetric<T: Real, R: Rule, const D: usize>(
+    state: &mut State<T, D>,
+    row: &mut Row<'_, T, Ball<T>>,
+    task: &Task<T, D>,
+    p: &Point<T>,
+) {
+    let c = row.c;
+    let (pressing, side) = pressing(&task.load);
+    let q = side * pressing / c.balls;
+    let longest = T::of(L0 * tuning::FIRST_RADIUS);
+    let mut u = from_given(c, task, pressed(c, q.abs(), side));
+    state.put(row, p, u, &unloaded(c));
+    let Some(first) = row.balls.first_mut() else {
+        return;
+    };
+    place::<T, R>(first, c, p);
+    let mut one = Row {
+        c,
+        azimuths: row.azimuths.get(..1).unwrap_or_default(),
+        balls: core::slice::from_mut(first),
+    };
+    if task.held[0].is_none() {
+        for _ in 0..20 {
+            one.condense_balls::<R>(p, &in_full(&state.v), T::ZERO);
+            let Some(ball) = one.balls.first() else {
+                return;
+            };
+            let step = (q - ball.share.force[0]) / ball.share.h[0][0].or_larger(T::TINY);
+            let step = step.or_larger(-longest).or_smaller(longest);
+            state.v[0] += step;
+            u[0] += step;
+            if (q - ball.share.force[0]).abs() <= T::of(tuning::ROUGH) * q.abs() {
+                break;
+            }
+        }
+    }
+    // Its last step is still to be made.
+    first.follow(first.a, T::ZERO);
+    let like = *first;
+    state.put(row, p, u, &like);
+}
+
+/// Balls that centrifugal force alone holds on the outer race, and the ring that they carry.
+#[inline(never)]
+fn from_outer_race<T: Real, R: Rule, const D: usize>(
+    state: &mut State<T, D>,
+    row: &mut Row<'_, T, Ball<T>>,
+    task: &Task<T, D>,
+    p: &Point<T>,
+    budget: &mut u16,
+) {
+    let c = row.c;
+    let (pressing, side) = pressing(&task.load);
+    // Cage speed and place of a ball there whose inner contact is about to close.
+    let height = T::of(L0) * c.n0[1];
+    let mut radial = p.lo;
+    for _ in 0..4 {
+        let cos = ((height - radial) / p.li).or_larger(T::of(-0.9));
+        let mu = (T::ONE - c.tau * cos) / (T::ONE + cos);
+        let root = (p.s * mu * mu).cbrt();
+        radial = p.lo + root * root;
+    }
+    let mut like = unloaded(c);
+    like.put([T::ZERO, radial]);
+    let root = (pressing / (c.balls * c.ki)).cbrt();
+    let (across, long) = (height - radial, p.li + root * root);
+    let along = (long * long - across * across).or_larger(T::ZERO).sqrt();
+    let dx = side * along - T::of(L0) * c.n0[0];
+    let p = p.with(Regime::Outer);
+    state.put(row, &p, from_given(c, task, dx), &like);
+    state.newton::<_, R>(row, &task.rough(), &p, T::ZERO, budget);
+}
