@@ -17,6 +17,7 @@ use crate::design::{Design, DesignError, check};
 use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
 use crate::float::Real;
 use crate::hertz::HertzContact;
+use crate::limits::Grooves;
 
 /// A number and what rounding it to the working precision's coarse grid lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,41 +75,7 @@ pub struct Constants<T> {
     /// Ball radius `D / 2`, m.
     pub ball_radius: T,
     /// What the limits are about.
-    pub inner_groove: Groove<T>,
-    pub outer_groove: Groove<T>,
-    /// The grooves are the same to either side of the balls.
-    pub symmetric: bool,
-}
-
-/// Size and place of the contacts in a groove. With `Q = K delta^(3/2)`, pressure and axes of a
-/// Hertzian contact, which grow with the cube root of the load, grow with the square root of the
-/// deformation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Groove<T> {
-    /// Peak pressure over the root of the deformation, Pa.
-    pub pressure: T,
-    /// Semi-major axis over groove radius and the root of the deformation.
-    pub semi_major: T,
-    /// Angle of the shoulder's edge, its sine and cosine.
-    pub shoulder: T,
-    pub shoulder_sin: T,
-    pub shoulder_cos: T,
-}
-
-impl Groove<f64> {
-    const fn of(contact: &HertzContact, l0: f64, radius: f64, shoulder: f64) -> Self {
-        // Load of a deformation of L0.
-        let q = contact.load_deflection * l0 * sqrt(l0);
-        let (shoulder_sin, shoulder_cos) = sin_cos(shoulder);
-        Self {
-            pressure: contact.peak_pressure(q),
-            semi_major: contact.semi_major * cbrt(q) / radius,
-            shoulder,
-            shoulder_sin,
-            shoulder_cos,
-        }
-    }
+    pub grooves: Grooves<T>,
 }
 
 /// Where one ball sits: cosine and sine of its azimuth, and what rounding to the coarse grid leaves.
@@ -232,9 +199,7 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         tilt: l0 / rp,
         moment: force * rp,
         ball_radius: 0.5 * d,
-        inner_groove: Groove::of(&inner, l0, fi * d, design.inner_shoulder_angle),
-        outer_groove: Groove::of(&outer, l0, fo * d, design.outer_shoulder_angle),
-        symmetric: design.is_symmetric(),
+        grooves: Grooves::of(design, &inner, &outer, l0),
     })
 }
 
@@ -264,18 +229,6 @@ macro_rules! bearing {
                 Self {
                     high: leading.high,
                     low: leading.low + (2.0 * x.high * x.low + x.low * x.low),
-                }
-            }
-        }
-
-        impl Groove<$t> {
-            const fn rounded(exact: &Groove<f64>) -> Self {
-                Self {
-                    pressure: exact.pressure as $t,
-                    semi_major: exact.semi_major as $t,
-                    shoulder: exact.shoulder as $t,
-                    shoulder_sin: exact.shoulder_sin as $t,
-                    shoulder_cos: exact.shoulder_cos as $t,
                 }
             }
         }
@@ -314,9 +267,7 @@ macro_rules! bearing {
                     tilt: c.tilt as $t,
                     moment: c.moment as $t,
                     ball_radius: c.ball_radius as $t,
-                    inner_groove: Groove::<$t>::rounded(&c.inner_groove),
-                    outer_groove: Groove::<$t>::rounded(&c.outer_groove),
-                    symmetric: c.symmetric,
+                    grooves: Grooves::<$t>::rounded(&c.grooves),
                 }
             }
         }

@@ -6,10 +6,12 @@
 
 use crate::ball::Pass;
 use crate::conditions::Conditions;
-use crate::constants::{Constants, Groove};
 use crate::contact::{Contact, Pair};
+use crate::design::Design;
+use crate::elementary::{cbrt, sin_cos, sqrt};
 use crate::float::Real;
 use crate::freedoms::{BallStore, Freedoms};
+use crate::hertz::HertzContact;
 use crate::outputs::{Outputs, PerBall};
 use crate::scene::Motion;
 use crate::solver::{Solution, View};
@@ -38,6 +40,15 @@ impl<T: Real> Limits<T> {
     /// gyroscopic sliding in most ball bearings (Jones 1959, after Harris, Rolling Bearing
     /// Analysis).
     pub const LUBRICATED_FRICTION: f64 = 0.06;
+
+    /// Limits that nothing passes.
+    pub(crate) fn none() -> Self {
+        let infinite = T::of(f64::INFINITY);
+        Self {
+            peak_pressure: infinite,
+            friction: infinite,
+        }
+    }
 }
 
 impl<T: Real> Default for Limits<T> {
@@ -341,6 +352,113 @@ pub struct Extremes<T> {
     pub off: (u16, Option<u16>),
 }
 
+/// Size and place of the contacts in a groove.
+///
+/// With `Q = K delta^(3/2)`, pressure and axes of a Hertzian contact, which grow with the cube root of the load, grow
+/// with the square root of the deformation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Groove<T> {
+    /// Peak pressure over the root of the deformation, Pa.
+    pub pressure: T,
+    /// Semi-major axis over groove radius and the root of the deformation.
+    pub semi_major: T,
+    /// Angle of the shoulder's edge, its sine and cosine.
+    pub shoulder: T,
+    pub shoulder_sin: T,
+    pub shoulder_cos: T,
+}
+
+/// Both grooves of a bearing, for deformations in units of the solver's length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Grooves<T> {
+    pub inner: Groove<T>,
+    pub outer: Groove<T>,
+    /// The grooves are the same to either side of the balls.
+    pub symmetric: bool,
+}
+
+impl Groove<f64> {
+    /// The groove of a contact: unit of deformation and groove radius, m, and the shoulder's angle, rad.
+    const fn of(contact: &HertzContact, unit: f64, radius: f64, shoulder: f64) -> Self {
+        // Load of a deformation of one unit.
+        let q = contact.load_deflection * unit * sqrt(unit);
+        let (shoulder_sin, shoulder_cos) = sin_cos(shoulder);
+        Self {
+            pressure: contact.peak_pressure(q),
+            semi_major: contact.semi_major * cbrt(q) / radius,
+            shoulder,
+            shoulder_sin,
+            shoulder_cos,
+        }
+    }
+}
+
+impl Grooves<f64> {
+    /// The grooves of a design with the contacts `inner` and `outer`, for deformations in a unit given in m.
+    pub(crate) const fn of(
+        design: &Design,
+        inner: &HertzContact,
+        outer: &HertzContact,
+        unit: f64,
+    ) -> Self {
+        let d = design.ball_diameter;
+        let (ri, ro) = (
+            design.inner_groove_factor * d,
+            design.outer_groove_factor * d,
+        );
+        Self {
+            inner: Groove::of(inner, unit, ri, design.inner_shoulder_angle),
+            outer: Groove::of(outer, unit, ro, design.outer_shoulder_angle),
+            symmetric: design.is_symmetric(),
+        }
+    }
+}
+
+macro_rules! rounded {
+    ($t:ident) => {
+        impl Groove<$t> {
+            const fn rounded(exact: &Groove<f64>) -> Self {
+                Self {
+                    pressure: exact.pressure as $t,
+                    semi_major: exact.semi_major as $t,
+                    shoulder: exact.shoulder as $t,
+                    shoulder_sin: exact.shoulder_sin as $t,
+                    shoulder_cos: exact.shoulder_cos as $t,
+                }
+            }
+        }
+
+        impl Grooves<$t> {
+            /// Rounds to the working precision.
+            pub(crate) const fn rounded(exact: &Grooves<f64>) -> Self {
+                Self {
+                    inner: Groove::<$t>::rounded(&exact.inner),
+                    outer: Groove::<$t>::rounded(&exact.outer),
+                    symmetric: exact.symmetric,
+                }
+            }
+        }
+    };
+}
+
+rounded!(f32);
+rounded!(f64);
+
+/// What the limits look at of a contact, in the solver's units.
+#[derive(Clone, Copy)]
+pub struct ContactState<T> {
+    /// Sine and cosine of the contact angle.
+    pub n: Pair<T>,
+    /// Deformation; negative across a gap.
+    pub delta: T,
+    /// Contact force, 0 across a gap.
+    pub q: T,
+    /// Friction force on the ball.
+    pub friction: T,
+}
+
 /// What is kept of the balls past a limit.
 #[derive(Clone, Copy)]
 struct Worst<T> {
@@ -395,7 +513,9 @@ fn grown<T: Real>(sin: T, cos: T) -> T {
 
 /// What one pass over the balls finds.
 pub(crate) struct Survey<'s, T> {
-    c: &'s Constants<T>,
+    grooves: &'s Grooves<T>,
+    /// Unit of deformation, m.
+    length: T,
     limits: &'s Limits<T>,
     found: [Worst<T>; Limit::ALL.len()],
     /// Largest over all contacts that carry: peak pressure, friction over contact force, and the measure
@@ -414,15 +534,32 @@ fn raise<T: Real>(most: &mut Option<Extreme<T>>, value: T, ball: u16, race: Race
 }
 
 impl<'s, T: Real> Survey<'s, T> {
-    const fn new(c: &'s Constants<T>, limits: &'s Limits<T>) -> Self {
-        Self {
-            c,
+    /// Looks at every ball once, its inner and its outer contact, and hands each on with its number. `length` is the
+    /// unit of deformation, m.
+    #[inline(always)]
+    pub(crate) fn of(
+        grooves: &'s Grooves<T>,
+        length: T,
+        limits: &'s Limits<T>,
+        balls: impl Iterator<Item = [ContactState<T>; 2]>,
+        mut each: impl FnMut(u16, &[ContactState<T>; 2]),
+    ) -> Self {
+        let mut survey = Self {
+            grooves,
+            length,
             limits,
             found: [Worst::NONE; Limit::ALL.len()],
             pressure: None,
             friction: None,
             shoulder: None,
-        }
+        };
+        let mut ball = 0_u16;
+        balls.for_each(|contacts| {
+            each(ball, &contacts);
+            survey.ball(ball, &contacts);
+            ball = ball.saturating_add(1);
+        });
+        survey
     }
 
     #[cold]
@@ -433,27 +570,25 @@ impl<'s, T: Real> Survey<'s, T> {
 
     fn groove(&self, race: Race) -> &'s Groove<T> {
         match race {
-            Race::Inner => &self.c.inner_groove,
-            Race::Outer => &self.c.outer_groove,
+            Race::Inner => &self.grooves.inner,
+            Race::Outer => &self.grooves.outer,
         }
     }
 
-    fn ball(&mut self, ball: u16, pass: &Pass<T>) {
-        let (inner, outer) = (&pass.inner, &pass.outer);
+    fn ball(&mut self, ball: u16, [inner, outer]: &[ContactState<T>; 2]) {
         let held = inner.q > T::ZERO;
         if !held {
             let gap = -(inner.delta + outer.delta.or_smaller(T::ZERO));
             let gap = gap.or_larger(T::ZERO);
             self.note(Limit::InnerContact, ball, Race::Inner, gap, [T::ZERO; 3]);
         }
-        let loads = &pass.loads;
-        self.contact(ball, Race::Inner, inner, loads.inner_friction, held);
-        self.contact(ball, Race::Outer, outer, loads.outer_friction, held);
+        self.contact(ball, Race::Inner, inner, held);
+        self.contact(ball, Race::Outer, outer, held);
     }
 
     // In line, so that the groove is known.
     #[inline(always)]
-    fn contact(&mut self, ball: u16, race: Race, k: &Contact<T>, friction: T, held: bool) {
+    fn contact(&mut self, ball: u16, race: Race, k: &ContactState<T>, held: bool) {
         if !(k.q > T::ZERO) {
             return;
         }
@@ -465,7 +600,7 @@ impl<'s, T: Real> Survey<'s, T> {
             self.note(Limit::PeakPressure, ball, race, pressure, [T::ZERO; 3]);
         }
 
-        let friction = friction.abs();
+        let friction = k.friction.abs();
         // A force that is nothing beside the friction must not make an infinity of the ratio.
         let demand = friction / k.q.or_larger(T::EPSILON * friction);
         raise(&mut self.friction, demand, ball, race);
@@ -474,12 +609,17 @@ impl<'s, T: Real> Survey<'s, T> {
         }
 
         // Both sides of a deep groove are the side of its shoulder.
-        let side = if self.c.symmetric { k.sin.abs() } else { k.sin };
+        let [sine, cosine] = k.n;
+        let side = if self.grooves.symmetric {
+            sine.abs()
+        } else {
+            sine
+        };
         let semi_major = groove.semi_major * root;
-        let contact = [k.sin, k.cos, semi_major];
+        let contact = [sine, cosine, semi_major];
         // The contact angle less the shoulder's.
-        let sin = side * groove.shoulder_cos - k.cos * groove.shoulder_sin;
-        let cos = k.cos * groove.shoulder_cos + side * groove.shoulder_sin;
+        let sin = side * groove.shoulder_cos - cosine * groove.shoulder_sin;
+        let cos = cosine * groove.shoulder_cos + side * groove.shoulder_sin;
         // On the other side only a contact within a quarter turn below the shoulder can reach it;
         // for the rest the sine means something else.
         if side > T::ZERO || cos > T::ZERO {
@@ -498,7 +638,7 @@ impl<'s, T: Real> Survey<'s, T> {
             }
         }
         // Without an inner contact, the outer one is radial but for rounding.
-        let reversed = grown(-side, k.cos);
+        let reversed = grown(-side, cosine);
         if held && reversed > T::of(64.0) * T::EPSILON && side < T::ZERO {
             self.note(Limit::Reversal, ball, race, reversed, contact);
         }
@@ -526,6 +666,11 @@ impl<'s, T: Real> Survey<'s, T> {
         }
     }
 
+    /// The limits that were passed, and where.
+    pub(crate) fn exceedances(&self) -> Exceedances<T> {
+        Exceedances(Limit::ALL.map(|limit| self.exceedance(limit)))
+    }
+
     fn exceedance(&self, limit: Limit) -> Option<Exceedance<T>> {
         let worst = &self.found[limit as usize];
         if worst.balls == 0 {
@@ -535,11 +680,11 @@ impl<'s, T: Real> Survey<'s, T> {
         let shoulder = self.groove(worst.race).shoulder;
         // A deep groove's negative angles are past its other shoulder.
         let sign = if sin < T::ZERO { -T::ONE } else { T::ONE };
-        let side = if self.c.symmetric { sign } else { T::ONE };
+        let side = if self.grooves.symmetric { sign } else { T::ONE };
         let (value, allowed) = match limit {
             Limit::PeakPressure => (worst.rank, self.limits.peak_pressure),
             Limit::Friction => (worst.rank, self.limits.friction),
-            Limit::InnerContact => (worst.rank * self.c.length, T::ZERO),
+            Limit::InnerContact => (worst.rank * self.length, T::ZERO),
             Limit::Reversal => (sin.atan2(cos), T::ZERO),
             Limit::Shoulder => (sin.atan2(cos), side * shoulder),
             Limit::Truncation => {
@@ -630,17 +775,12 @@ where
 impl<'v, T: Real, M: Motion, const D: usize> View<'v, T, M, D> {
     /// As [`Solution::exceedances`].
     fn exceedances(self, limits: &Limits<T>) -> Exceedances<T> {
-        let survey = self.survey(limits, |_, _| ());
-        Exceedances(Limit::ALL.map(|limit| survey.exceedance(limit)))
+        self.survey(limits, |_, _| ()).exceedances()
     }
 
     /// As [`Solution::extremes`].
     fn extremes(self) -> Extremes<T> {
-        let none = Limits {
-            peak_pressure: T::of(f64::INFINITY),
-            friction: T::of(f64::INFINITY),
-        };
-        self.survey(&none, |_, _| ()).extremes()
+        self.survey(&Limits::none(), |_, _| ()).extremes()
     }
 
     /// Looks at every ball once, and hands each on: its number, then force (N) and sine and cosine of the
@@ -654,14 +794,26 @@ impl<'v, T: Real, M: Motion, const D: usize> View<'v, T, M, D> {
         'v: 's,
     {
         let c = self.c;
-        let mut survey = Survey::new(c, limits);
-        let mut ball = 0_u16;
-        self.passes().for_each(|pass| {
-            let seen = |k: &Contact<T>| [k.q * c.force, k.sin, k.cos];
-            each(ball, [seen(&pass.inner), seen(&pass.outer)]);
-            survey.ball(ball, &pass);
-            ball = ball.saturating_add(1);
-        });
-        survey
+        let states = |pass: Pass<T>| {
+            let state = |k: &Contact<T>, friction| ContactState {
+                n: [k.sin, k.cos],
+                delta: k.delta,
+                q: k.q,
+                friction,
+            };
+            let loads = &pass.loads;
+            [
+                state(&pass.inner, loads.inner_friction),
+                state(&pass.outer, loads.outer_friction),
+            ]
+        };
+        let seen = |k: &ContactState<T>| [k.q * c.force, k.n[0], k.n[1]];
+        Survey::of(
+            &c.grooves,
+            c.length,
+            limits,
+            self.passes().map(states),
+            |ball, [inner, outer]| each(ball, [seen(inner), seen(outer)]),
+        )
     }
 }
