@@ -13,12 +13,14 @@
 use crate::design::{Design, DesignError, check};
 use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
 use crate::hertz::HertzContact;
+use crate::limits::Grooves;
 
 /// Distance of the groove centres, in units of length.
 pub const L0: f64 = 64.0;
 
 /// A length that is known to be a certain number of units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Squared<T> {
     /// Its square in units of 2^-16, rounded.
     pub whole: i32,
@@ -28,6 +30,7 @@ pub struct Squared<T> {
 
 /// Constants of a bearing that do not depend on its balls' azimuths.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Constants<T> {
     /// Sine and cosine of the free contact angle.
     pub n0: [T; 2],
@@ -64,10 +67,13 @@ pub struct Constants<T> {
     pub moment: T,
     /// Ball radius `D / 2`, m.
     pub ball_radius: T,
+    /// What the limits are about, for deformations in units of length.
+    pub grooves: Grooves<T>,
 }
 
 /// Where a ball sits: cosine and sine of its azimuth, and what rounding them to a coarse grid loses.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Azimuth<T> {
     pub cos: T,
     pub sin: T,
@@ -78,6 +84,7 @@ pub struct Azimuth<T> {
 /// A bearing of `N` balls, ready to be solved in the precision `T`: immutable, made once, by the compiler where
 /// the design is known there.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bearing<T, const N: usize> {
     pub(crate) constants: Constants<T>,
     pub(crate) azimuths: [Azimuth<T>; N],
@@ -160,6 +167,7 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         tilt: length / rp,
         moment: force * rp,
         ball_radius: 0.5 * d,
+        grooves: Grooves::of(design, &inner, &outer, length),
     })
 }
 
@@ -219,6 +227,7 @@ macro_rules! bearing {
                     tilt: c.tilt as $t,
                     moment: c.moment as $t,
                     ball_radius: c.ball_radius as $t,
+                    grooves: Grooves::<$t>::rounded(&c.grooves),
                 };
                 let mut azimuths = [Azimuth {
                     cos: 0.0,

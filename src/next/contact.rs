@@ -58,6 +58,12 @@ impl<T: Real> Contact<T> {
     pub fn at(reference: &Reference<T>, offset: Pair<T>, length: T, k: T) -> Self {
         let v = add(reference.vector, offset);
         let excess = reference.excess + dot(add(v, reference.vector), offset);
+        Self::along(v, excess, length, k)
+    }
+
+    /// The contact along the vector `v`, whose squared length is `excess` more than that of the undeformed contact.
+    #[inline(always)]
+    pub fn along(v: Pair<T>, excess: T, length: T, k: T) -> Self {
         let r = dot(v, v).or_larger(T::TINY).sqrt();
         let both = r + length;
         let inverse = T::ONE / (r * both);

@@ -143,7 +143,9 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     #[inline(never)]
     pub fn bend<const D: usize>(&mut self, v: &[T; D], ds: T) -> [T; D] {
         let mut force = [T::ZERO; D];
-        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter_mut() {
+            let Some(at) = azimuths.next() else { break };
             let [axial, radial] = ball.bend(shift(v, at), ds);
             force[0] += axial;
             if D >= 3 {
@@ -167,7 +169,9 @@ pub fn stiffen<T: Real, B: Body<T>, const D: usize>(
     v: &[T; D],
     sum: &mut Sum<T, D>,
 ) {
-    for (ball, at) in balls.iter().zip(azimuths) {
+    let mut azimuths = azimuths.iter();
+    for ball in balls {
+        let Some(at) = azimuths.next() else { break };
         let [aa, ar, rr] = ball.stiffening(shift(v, at));
         let share = Share {
             h: [[aa, ar], [ar, rr]],

@@ -89,7 +89,7 @@ pub fn norm<T: Real, const D: usize>(a: &[T; D]) -> T {
 }
 
 /// Lower and upper factor of a matrix, in one; the pivots inverted.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Factors<T, const D: usize> {
     lu: Matrix<T, D>,
     /// Least pivot over the diagonal element that it came of; not positive where the matrix is not
@@ -98,6 +98,12 @@ pub struct Factors<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Factors<T, D> {
+    /// Of no matrix.
+    pub const NONE: Self = Self {
+        lu: [[T::ZERO; D]; D],
+        least: T::ZERO,
+    };
+
     /// Factors `k` with `shift` times its diagonal added, without pivoting.
     #[inline(never)]
     pub fn of(k: &Matrix<T, D>, shift: T) -> Self {

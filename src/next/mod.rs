@@ -1,8 +1,10 @@
 //! The solver core that is to take the place of the one above it.
 //!
 //! Data flows one way: `constants` (a design in the solver's units), `contact`, `kinematics`, `ball` (and `static_ball`,
-//! `place`, `pose`, `curvature`), `motion`, `ring`, `frame`, `solver`.
+//! `place`, `pose`, `curvature`), `motion`, `axial`,
+//! `ring`, `frame`, `solver`.
 
+pub(crate) mod axial;
 pub(crate) mod ball;
 pub(crate) mod constants;
 pub(crate) mod contact;
@@ -22,4 +24,6 @@ pub(crate) mod tuning;
 pub use constants::Bearing;
 pub use motion::{Centrifugal, Full, Motion, Static};
 pub use mounting::{Growth, Speed};
-pub use solver::{Given, Settings, Snapshot, Solution, Solver};
+pub use solver::{
+    AxialSolution, AxialSolver, Given, RingVector, Settings, Snapshot, Solution, Solver,
+};

@@ -13,6 +13,7 @@ use crate::float::Real;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Speed<T>(T);
 
 impl<T: Real> Speed<T> {
@@ -44,6 +45,7 @@ impl<T: Real> Speed<T> {
 /// order of 1e-4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Growth<T> {
     /// Axial growth `gx` of the inner groove's centre against the outer one's, m.
     pub axial: T,

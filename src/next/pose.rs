@@ -3,12 +3,14 @@
 //! The same quantities as in the ball pass, without slopes: for placing a ball, and for reports.
 
 use super::ball::Ball;
-use super::constants::Constants;
+use super::constants::{Azimuth, Constants};
 use super::contact::Contact;
 use super::kinematics::{Contacts, Rule};
 use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
 use super::motion::Point;
 use crate::float::Real;
+use crate::limits::ContactState;
+use crate::solver::BallState;
 
 /// Both contacts of a ball, and its inertia loads.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +22,8 @@ pub struct Pose<T> {
     pub couple: T,
     /// Friction forces at the inner and the outer contact.
     friction: Pair<T>,
+    /// Cage speed over shaft speed.
+    pub mu: T,
 }
 
 impl<T: Real> Pose<T> {
@@ -39,10 +43,13 @@ impl<T: Real> Pose<T> {
             centrifugal: T::ZERO,
             couple: T::ZERO,
             friction: [T::ZERO; 2],
+            // What all rules say where both contacts point one way.
+            mu: T::of(0.5) * (T::ONE - c.tau * both.n[1]),
         }
     }
 
     /// A ball at speed, where it is.
+    #[inline(never)]
     pub fn at_speed<R: Rule>(ball: &Ball<T>, c: &Constants<T>, p: &Point<T>) -> Self {
         let i = Contact::at(&ball.inner, ball.inner_offset(), p.li, c.ki);
         let o = Contact::at(&ball.outer, ball.x, p.lo, T::ONE);
@@ -75,6 +82,7 @@ impl<T: Real> Pose<T> {
             centrifugal: p.s * m.mu * m.mu,
             couple,
             friction: [m.share * couple, m.share_rest * couple],
+            mu: m.mu,
         }
     }
 
@@ -88,6 +96,18 @@ impl<T: Real> Pose<T> {
         )
     }
 
+    /// The inner and the outer contact, as the limits look at them.
+    pub fn states(&self) -> [ContactState<T>; 2] {
+        let state = |k: &Contact<T>, friction| ContactState {
+            n: k.n,
+            delta: k.delta,
+            q: k.q,
+            friction,
+        };
+        let [inner, outer] = self.friction;
+        [state(&self.inner, inner), state(&self.outer, outer)]
+    }
+
     /// Contact forces on the ball, and minus their slope by its position.
     pub fn forces(&self) -> (Pair<T>, Matrix2<T>) {
         let (i, o) = (&self.inner, &self.outer);
@@ -95,6 +115,22 @@ impl<T: Real> Pose<T> {
         let ([iaa, iar, irr], [oaa, oar, orr]) = (i.tangent(), o.tangent());
         let mixed = iar + oar;
         (f, [[iaa + oaa, mixed], [mixed, irr + orr]])
+    }
+
+    /// The ball at the azimuth `at`, in SI units.
+    pub fn state(&self, c: &Constants<T>, at: &Azimuth<T>) -> BallState<T> {
+        let (inner, outer) = (&self.inner, &self.outer);
+        BallState {
+            azimuth: at.sin.atan2(at.cos),
+            alpha_i: inner.n[0].atan2(inner.n[1]),
+            alpha_o: outer.n[0].atan2(outer.n[1]),
+            q_i: inner.q * c.force,
+            q_o: outer.q * c.force,
+            delta_i: inner.delta * c.length,
+            delta_o: outer.delta * c.length,
+            centrifugal_force: self.centrifugal * c.force,
+            gyroscopic_moment: self.couple * (c.force * c.ball_radius),
+        }
     }
 
     /// Energy of the contacts.

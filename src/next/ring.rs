@@ -236,7 +236,9 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`.
     #[inline(never)]
     pub fn follow(&mut self, v: &[T; 5], ds: T) {
-        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter_mut() {
+            let Some(at) = azimuths.next() else { return };
             ball.follow(shift(v, at), ds);
         }
     }
@@ -244,7 +246,9 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     /// Moves the balls' references next to where they are, for a ring at the offset `v` from its reference position `u`.
     #[inline(never)]
     pub fn anchor(&mut self, p: &Point<T>, u: &[T; 5], v: &[T; 5]) {
-        for (ball, at) in self.balls.iter_mut().zip(self.azimuths) {
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter_mut() {
+            let Some(at) = azimuths.next() else { return };
             let (high, low) = groove_centre(self.c, u, at);
             ball.anchor(self.c, p, high, low, shift(v, at));
         }

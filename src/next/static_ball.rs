@@ -63,8 +63,10 @@ pub fn change_of<T: Real>(v: Pair<T>, delta: T, per_r: T, share: &Share<T>, k: T
 #[inline(never)]
 pub fn closing<T: Real>(v: T, delta: T, k: T) -> Change<T> {
     let depth = delta + v;
+    // Ahead of the branch: see `sqrt`.
+    let slope = T::of(1.5) * k * depth.sqrt();
     let (depth, slope) = if depth > T::ZERO {
-        (T::ONE, T::of(1.5) * k * depth.sqrt())
+        (T::ONE, slope)
     } else {
         (T::ZERO, T::ZERO)
     };

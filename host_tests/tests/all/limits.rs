@@ -48,7 +48,7 @@ fn solve<T: Real, M: Motion>(
 
 /// Loads of every kind, from next to nothing to the static rating of the small bearings, at rest and
 /// at speed.
-fn scenes(seed: u64, count: usize) -> Vec<Scene> {
+pub(crate) fn scenes(seed: u64, count: usize) -> Vec<Scene> {
     let mut r = Random::seeded(seed);
     let scene = |_| {
         let size = 10f64.powf(r.between(0.5, 4.0));

@@ -1,5 +1,6 @@
 //! How far a step changes what it was worked out from.
 
+use super::State;
 use super::newton::Outcome;
 use crate::float::Real;
 use crate::next::linalg::{Matrix, norm};
@@ -80,6 +81,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
 /// displacement, `forces` about the sum of all contact forces.
 pub(super) fn errors<T: Real, const D: usize>(
     outcome: &Outcome<T>,
+    state: &State<T, D>,
     u: &[T; D],
     forces: T,
 ) -> ErrorEstimate<T> {
@@ -87,7 +89,7 @@ pub(super) fn errors<T: Real, const D: usize>(
     // A deformation is rounded at about a unit of length, whatever it is.
     let root = outcome.estimate.largest.cbrt();
     let rounding = T::EPSILON * (T::of(10.0) + T::of(10.0) / (root * root).or_larger(T::EPSILON));
-    let moved = T::of(4.0) * T::EPSILON * (T::ONE + forces * outcome.compliance);
+    let moved = T::of(4.0) * T::EPSILON * (T::ONE + forces * state.factors.compliance());
     let step = margin * outcome.step * outcome.estimate.most;
     let displacement = (step + moved) / norm(u).or_larger(T::TINY);
     ErrorEstimate {

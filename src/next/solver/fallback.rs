@@ -10,7 +10,6 @@ use super::start::{at_rest, unloaded};
 use crate::float::Real;
 use crate::next::ball::Ball;
 use crate::next::kinematics::Rule;
-use crate::next::linalg::norm;
 use crate::next::motion::{Point, Regime};
 use crate::next::place::place;
 use crate::next::ring::Row;
@@ -29,7 +28,7 @@ pub(super) fn continuation<T: Real, R: Rule, const D: usize>(
     let like = unloaded(row.c);
     at_rest::<T, _, R, D>(state, row, &rough, p, &like, budget);
     let mut s = T::ZERO;
-    let mut step = (T::of(tuning::LIGHT) * norm(&task.load) / row.c.balls).or_smaller(p.s);
+    let mut step = (T::of(tuning::LIGHT) * task.size / row.c.balls).or_smaller(p.s);
     let (mut u, mut v) = (state.u, state.v);
     // Whether the balls are at the last solution.
     let mut follows = false;

@@ -5,23 +5,31 @@
 //! roughly where they belong (`start`). The loop (`newton`) condenses every ball into what it hands to the ring, and
 //! steps the ring until the step no longer changes the stiffness (`error`). A solve that does not end so falls back on
 //! continuation from rest (`fallback`). What came of it is a [`Solution`].
+//!
+//! Under a purely axial load, [`AxialSolver`] takes the same steps with a single ball, which carries its part of the
+//! load.
 
+mod axial;
 mod error;
 mod fallback;
+mod input;
 mod newton;
 mod solution;
 mod start;
 
-use super::constants::{Bearing, Constants};
-use super::frame::{centre_of, displacement_out, force_out, units};
-use super::linalg::norm;
+use super::constants::{Azimuth, Bearing, Constants};
+use super::curvature::stiffen;
+use super::frame::{centre_of, displacement_out, force_out};
+use super::linalg::{Factors, Matrix, norm, product};
 use super::motion::{Body, Full, Motion, Point};
 use super::mounting::{Growth, Speed};
 use super::ring::{Row, Sum};
 use crate::float::Real;
-use crate::status::{Quantity, Status};
+use crate::solver::ErrorEstimate;
+use crate::status::Status;
 use core::array::from_fn;
 
+pub use axial::{AxialSolution, AxialSolver};
 use newton::End;
 pub(crate) use newton::{Outcome, Task};
 pub use solution::{Snapshot, Solution};
@@ -49,9 +57,20 @@ impl<T: Real> Default for Settings<T> {
     }
 }
 
+/// Loads or displacements of the freedoms that the inner ring has in a [`Solver`]: 3 or 5 numbers.
+#[diagnostic::on_unimplemented(
+    message = "the inner ring has 3 freedoms (tilts locked) or 5, which `{Self}` does not fit",
+    note = "one freedom, along the axis, is that of `AxialSolver`"
+)]
+pub trait RingVector {}
+
+impl<T: Real> RingVector for [T; 3] {}
+impl<T: Real> RingVector for [T; 5] {}
+
 /// What is given of a freedom of the inner ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Given<T> {
     /// Its load, N or N m; the displacement is solved for.
     Load(T),
@@ -68,6 +87,9 @@ pub struct State<T, const D: usize> {
     /// Offset where the balls were condensed last, and what they handed over, referred to the bearing centre.
     pub at: [T; D],
     pub sum: Sum<T, D>,
+    /// Factors of the tangent, and whether they are those of the undamped tangent of free loads.
+    pub factors: Factors<T, D>,
+    pub plain: bool,
     /// The stiffness has yet to follow the last step.
     pub correct: bool,
     /// Load of the last solve, its size with reactions, inertia `m dm omega^2 / 2`, and growth.
@@ -84,6 +106,8 @@ impl<T: Real, const D: usize> State<T, D> {
         v: [T::ZERO; D],
         at: [T::ZERO; D],
         sum: Sum::NONE,
+        factors: Factors::NONE,
+        plain: false,
         correct: false,
         load: [T::ZERO; D],
         size: T::ZERO,
@@ -95,6 +119,157 @@ impl<T: Real, const D: usize> State<T, D> {
     fn displacement(&self, c: &Constants<T>) -> [T; D] {
         centre_of(c, &from_fn(|i| self.u[i] + self.v[i]))
     }
+
+    /// The stiffness after the last step.
+    fn stiffness<B: Body<T>>(
+        &self,
+        c: &Constants<T>,
+        azimuths: &[Azimuth<T>],
+        balls: &[B],
+    ) -> Matrix<T, D> {
+        if !self.correct {
+            return self.sum.k;
+        }
+        let mut change = Sum::NONE;
+        stiffen(balls, azimuths, &self.v, &mut change);
+        change.refer(c);
+        let mut k = self.sum.k;
+        for (row, change) in k.iter_mut().zip(&change.k) {
+            for (x, change) in row.iter_mut().zip(change) {
+                *x += *change;
+            }
+        }
+        k
+    }
+
+    /// Takes note of the growth that the next solve is at. A solution at another one is no start.
+    fn grow(&mut self, growth: Growth<T>) {
+        if growth != self.growth {
+            self.growth = growth;
+            self.size = T::ZERO;
+        }
+    }
+
+    /// One solve: from the last solution, if that is near, or from a start.
+    fn solve<M: Motion>(
+        &mut self,
+        row: &mut Row<'_, T, M::Ball<T>>,
+        task: &Task<T, D>,
+        p: &Point<T>,
+        budget: &mut u16,
+    ) -> Outcome<T> {
+        let mut outcome = Outcome::NONE;
+        if self.is_near(row.c, task, p) {
+            let ds = if p.s > T::ZERO {
+                p.s / self.s - T::ONE
+            } else {
+                T::ZERO
+            };
+            let curved = task.tolerance < T::of(super::tuning::CURVED);
+            self.predict(row, task, ds, curved);
+            let mut some = (*budget).min(super::tuning::WARM);
+            *budget -= some;
+            outcome = self.newton::<_, M::Rule>(row, task, p, ds, &mut some);
+            *budget += some;
+        }
+        if !outcome.end.is_solved() && *budget > 0 {
+            outcome = M::cold(self, row, task, p, budget);
+        }
+        self.load = task.load;
+        self.size = task.size.or_larger(norm(&self.sum.force));
+        self.s = p.s;
+        outcome
+    }
+
+    /// Whether the last solve ended so near that the next one may start there.
+    fn is_near(&self, c: &Constants<T>, task: &Task<T, D>, p: &Point<T>) -> bool {
+        let half = T::of(0.5);
+        let at = self.displacement(c);
+        let change: [T; D] = from_fn(|i| match task.held[i] {
+            None => task.load[i] - self.load[i],
+            Some(u) => self.sum.k[i][i] * (u - at[i]),
+        });
+        self.size > T::ZERO
+            && norm(&change) <= half * self.size
+            && (p.s - self.s).abs() * c.balls <= half * (self.s * c.balls + self.size)
+            && (p.s > T::ZERO) == (self.s > T::ZERO)
+    }
+
+    /// The solution, or why there is none.
+    fn conclude<B: Body<T>>(
+        &mut self,
+        row: &Row<'_, T, B>,
+        given: &[Given<T>; D],
+        task: &Task<T, D>,
+        p: &Point<T>,
+        outcome: &Outcome<T>,
+    ) -> Result<Answer<T, D>, Status<T>> {
+        let residual = outcome.residual;
+        let status = match outcome.end {
+            End::Converged => Status::Converged,
+            End::Rounded => Status::PrecisionLimit,
+            End::Singular => {
+                let loaded = row.balls.iter().filter(|ball| ball.carries()).count();
+                *self = Self::COLD;
+                return Err(Status::Indeterminate {
+                    loaded_balls: loaded as u16,
+                });
+            }
+            End::Unfinished => return Err(Status::SweepLimit),
+            End::Lost => {
+                *self = Self::COLD;
+                return Err(Status::Diverged { residual });
+            }
+        };
+        for (ball, number) in row.balls.iter().zip(0..) {
+            if let Some(apart) = ball.unseated() {
+                *self = Self::COLD;
+                return Err(Status::Unseated {
+                    ball: number,
+                    apart,
+                });
+            }
+        }
+        let c = row.c;
+        let u = self.displacement(c);
+        let displacement = displacement_out(c, &u);
+        // What the tangent says of the force after the last step.
+        let du = centre_of(c, &from_fn(|i| self.v[i] - self.at[i]));
+        let force: [T; D] = from_fn(|i| match task.held[i] {
+            None => task.load[i],
+            Some(_) => self.sum.force[i] + product(&self.sum.k[i], &du),
+        });
+        let load = force_out(c, &force);
+        let finite = displacement.iter().chain(&load).all(|x| x.is_finite())
+            && self.sum.k.as_flattened().iter().all(|x| x.is_finite());
+        if !finite {
+            *self = Self::COLD;
+            return Err(Status::Diverged { residual: T::ONE });
+        }
+        let displacement = from_fn(|i| match given[i] {
+            Given::Displacement(u) => u,
+            Given::Load(_) => displacement[i],
+        });
+        let load = from_fn(|i| match given[i] {
+            Given::Load(load) => load,
+            Given::Displacement(_) => load[i],
+        });
+        let error = error::errors(outcome, self, &u, self.size + p.s * c.balls);
+        Ok(Answer {
+            status,
+            error,
+            displacement,
+            load,
+        })
+    }
+}
+
+/// What comes of a solve, SI units.
+struct Answer<T, const D: usize> {
+    status: Status<T>,
+    error: ErrorEstimate<T>,
+    displacement: [T; D],
+    load: [T; D],
 }
 
 /// A solver for one bearing: borrows its constants, and owns the state that the next solve starts from.
@@ -134,13 +309,10 @@ impl<'b, T: Real, const N: usize> Solver<'b, T, N> {
 
 impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M, D> {
     /// A solver for the scene that its types name.
-    pub fn of(bearing: &'b Bearing<T, N>) -> Self {
-        const {
-            assert!(
-                D == 3 || D == 5,
-                "the inner ring has 3 freedoms (tilts locked) or 5"
-            );
-        }
+    pub fn of(bearing: &'b Bearing<T, N>) -> Self
+    where
+        [T; D]: RingVector,
+    {
         Self {
             bearing,
             state: State::COLD,
@@ -185,37 +357,23 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         let (task, p) = self.task(given, speed, growth, settings.tolerance)?;
         let limit = settings.max_iterations.max(1);
         let mut budget = limit;
-        let near = self.is_near(&task, &p);
-        let c = &self.bearing.constants;
-        let (state, mut row) = (
-            &mut self.state,
-            Row {
-                c,
-                azimuths: &self.bearing.azimuths,
-                balls: &mut self.balls,
-            },
-        );
-        let mut outcome = Outcome::NONE;
-        if near {
-            let ds = if p.s > T::ZERO {
-                p.s / state.s - T::ONE
-            } else {
-                T::ZERO
-            };
-            let curved = task.tolerance < T::of(super::tuning::CURVED);
-            state.predict(&mut row, &task, ds, curved);
-            let mut some = budget.min(super::tuning::WARM);
-            budget -= some;
-            outcome = state.newton::<_, M::Rule>(&mut row, &task, &p, ds, &mut some);
-            budget += some;
-        }
-        if !outcome.end.is_solved() && budget > 0 {
-            outcome = M::cold(state, &mut row, &task, &p, &mut budget);
-        }
-        state.load = task.load;
-        state.size = norm(&task.load).or_larger(norm(&state.sum.force));
-        state.s = p.s;
-        self.conclude(given, &task, &p, outcome, limit - budget)
+        let mut row = Row {
+            c: &self.bearing.constants,
+            azimuths: &self.bearing.azimuths,
+            balls: &mut self.balls,
+        };
+        let outcome = self.state.solve::<M>(&mut row, &task, &p, &mut budget);
+        let answer = self.state.conclude(&row, given, &task, &p, &outcome)?;
+        Ok(Solution {
+            status: answer.status,
+            iterations: limit - budget,
+            error: answer.error,
+            displacement: answer.displacement,
+            load: answer.load,
+            speed,
+            solver: self,
+            point: p,
+        })
     }
 
     /// Checks the input, and turns it into the solver's units.
@@ -229,164 +387,31 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         let c = &self.bearing.constants;
         let mut task = Task {
             load: [T::ZERO; D],
+            size: T::ZERO,
             held: [None; D],
             tolerance,
         };
         for (i, given) in given.iter().enumerate() {
-            let (force, length) = units(c, i);
-            let [of_load, of_displacement] = Quantity::OF_FREEDOM[i];
-            match *given {
-                // Beyond N times the force that would press a ball by the whole groove distance, nothing in the model
-                // holds.
-                Given::Load(load) => {
-                    check(of_load, load, force * c.balls * T::of(512.0))?;
-                    task.load[i] = load / force;
-                }
-                Given::Displacement(u) => {
-                    check(of_displacement, u, length * T::of(128.0))?;
-                    task.held[i] = Some(u / length);
-                }
+            match input::given(c, i, *given)? {
+                Given::Load(load) => task.load[i] = load,
+                Given::Displacement(u) => task.held[i] = Some(u),
             }
         }
-        // Where a ball's centrifugal force would press it by the whole groove distance.
-        let omega = speed.as_rad_per_s();
-        check(Quantity::Speed, omega, (T::of(2048.0) / c.inertia).sqrt())?;
-        let lengths = [growth.axial, growth.radial, growth.ball];
-        for (length, quantity) in lengths.into_iter().zip(Quantity::OF_GROWTH) {
-            check(quantity, length, c.length * T::of(16.0))?;
-        }
+        let omega = input::omega(c, speed)?;
+        let growth = input::growth(c, growth)?;
         let size = norm(&task.load);
+        task.size = size;
         let loaded = size > T::TINY.sqrt() || task.held.iter().any(Option::is_some);
         if !loaded {
             return Err(Status::Unloaded);
         }
-        let mut s = if M::AT_SPEED {
-            c.inertia * omega * omega
+        let s = if M::AT_SPEED {
+            input::inertia(c, omega, size)
         } else {
             T::ZERO
         };
-        // Inertia that changes no figure of a loaded ring.
-        if size > T::ZERO && s * c.balls < T::EPSILON * size {
-            s = T::ZERO;
-        }
-        let per = T::ONE / c.length;
-        let growth = Growth {
-            axial: growth.axial * per,
-            radial: growth.radial * per,
-            ball: growth.ball * per,
-        };
         let p = Point::new(c, s, &growth);
-        if growth != self.state.growth {
-            self.state.growth = growth;
-            self.state.size = T::ZERO;
-        }
+        self.state.grow(growth);
         Ok((task, p))
     }
-
-    /// Whether the last solve ended so near that the next one may start there.
-    fn is_near(&self, task: &Task<T, D>, p: &Point<T>) -> bool {
-        let last = &self.state;
-        let half = T::of(0.5);
-        let at = last.displacement(&self.bearing.constants);
-        let change: [T; D] = from_fn(|i| match task.held[i] {
-            None => task.load[i] - last.load[i],
-            Some(u) => last.sum.k[i][i] * (u - at[i]),
-        });
-        last.size > T::ZERO
-            && norm(&change) <= half * last.size
-            && (p.s - last.s).abs() * self.bearing.constants.balls
-                <= half * (last.s * self.bearing.constants.balls + last.size)
-            && (p.s > T::ZERO) == (last.s > T::ZERO)
-    }
-
-    /// The solution, or why there is none.
-    fn conclude(
-        &mut self,
-        given: &[Given<T>; D],
-        task: &Task<T, D>,
-        p: &Point<T>,
-        outcome: Outcome<T>,
-        iterations: u16,
-    ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
-        let residual = outcome.residual;
-        let status = match outcome.end {
-            End::Converged => Status::Converged,
-            End::Rounded => Status::PrecisionLimit,
-            End::Singular => {
-                let loaded = self.balls.iter().filter(|ball| ball.carries()).count();
-                self.reset();
-                return Err(Status::Indeterminate {
-                    loaded_balls: loaded as u16,
-                });
-            }
-            End::Unfinished => return Err(Status::SweepLimit),
-            End::Lost => {
-                self.reset();
-                return Err(Status::Diverged { residual });
-            }
-        };
-        for (ball, number) in self.balls.iter().zip(0..) {
-            if let Some(apart) = ball.unseated() {
-                self.reset();
-                return Err(Status::Unseated {
-                    ball: number,
-                    apart,
-                });
-            }
-        }
-        let c = &self.bearing.constants;
-        let u = self.state.displacement(c);
-        let displacement = displacement_out(c, &u);
-        // What the tangent says of the force after the last step.
-        let force: [T; D] = from_fn(|i| match task.held[i] {
-            None => task.load[i],
-            Some(_) => self.state.sum.force[i],
-        });
-        let load = force_out(c, &force);
-        let finite = displacement.iter().chain(&load).all(|x| x.is_finite())
-            && self
-                .state
-                .sum
-                .k
-                .as_flattened()
-                .iter()
-                .all(|x| x.is_finite());
-        if !finite {
-            self.reset();
-            return Err(Status::Diverged { residual: T::ONE });
-        }
-        let displacement = from_fn(|i| match given[i] {
-            Given::Displacement(u) => u,
-            Given::Load(_) => displacement[i],
-        });
-        let load = from_fn(|i| match given[i] {
-            Given::Load(load) => load,
-            Given::Displacement(_) => load[i],
-        });
-        let error = error::errors(&outcome, &u, self.state.size + p.s * c.balls);
-        Ok(Solution {
-            status,
-            iterations,
-            error,
-            displacement,
-            load,
-            solver: self,
-            point: *p,
-        })
-    }
-}
-
-/// Refuses a value that is not finite, or larger in magnitude than `limit`.
-fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Status<T>> {
-    if !value.is_finite() {
-        return Err(Status::NotFinite { quantity, value });
-    }
-    if value.abs() > limit {
-        return Err(Status::OutOfRange {
-            quantity,
-            value,
-            limit,
-        });
-    }
-    Ok(())
 }

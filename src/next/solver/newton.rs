@@ -4,7 +4,7 @@ use super::State;
 use super::error::Estimate;
 use crate::float::Real;
 use crate::next::contact::to_grid;
-use crate::next::frame::{centre_of, plane_of, refer};
+use crate::next::frame::{plane_of, refer};
 use crate::next::kinematics::Rule;
 use crate::next::linalg::{Factors, norm, product};
 use crate::next::motion::{Body, Point};
@@ -16,6 +16,8 @@ use crate::next::tuning;
 pub struct Task<T, const D: usize> {
     /// Load; 0 of a freedom whose displacement is given.
     pub load: [T; D],
+    /// Its size.
+    pub size: T,
     /// The displacement that is given of some freedoms.
     pub held: [Option<T>; D],
     /// Largest change of the stiffness along the last step.
@@ -23,6 +25,12 @@ pub struct Task<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Task<T, D> {
+    /// No displacement is given.
+    #[inline(always)]
+    pub fn is_free(&self) -> bool {
+        self.held.iter().all(Option::is_none)
+    }
+
     /// The same for a start, which a solve from there refines.
     pub fn rough(&self) -> Self {
         Self {
@@ -61,9 +69,8 @@ pub struct Outcome<T> {
     pub estimate: Estimate<T>,
     /// Unbalanced force before the last step, over the load.
     pub residual: T,
-    /// Length of the last step, and the largest compliance that the factors of the tangent show.
+    /// Length of the last step.
     pub step: T,
-    pub compliance: T,
     /// Undamped steps in a row that are not half as long as the one before, next to the solution: rounding makes them.
     pub stalled: u8,
 }
@@ -80,7 +87,6 @@ impl<T: Real> Outcome<T> {
         },
         residual: T::ONE,
         step: T::ONE,
-        compliance: T::ONE,
         stalled: 0,
     };
 }
@@ -136,51 +142,53 @@ impl<T: Real, const D: usize> State<T, D> {
         })
     }
 
-    /// Factors of the tangent, and the right-hand side for the unbalanced force `r`: a given displacement stands in the
-    /// place of the equation of its freedom.
-    fn system<B>(
-        &self,
-        row: &Row<'_, T, B>,
-        task: &Task<T, D>,
-        r: &[T; D],
-        damping: T,
-    ) -> (Factors<T, D>, [T; D]) {
-        if task.held.iter().all(Option::is_none) {
-            return (Factors::of(&self.sum.k, damping), *r);
+    /// Factors the tangent. A given displacement stands in the place of the equation of its freedom.
+    fn factor(&mut self, task: &Task<T, D>, damping: T) {
+        if task.is_free() {
+            self.factors = Factors::of(&self.sum.k, damping);
+            return;
         }
-        let (mut k, mut b) = (self.sum.k, *r);
-        let mut u = self.u;
-        for (u, v) in u.iter_mut().zip(&self.v) {
-            *u += *v;
-        }
-        let u = centre_of(row.c, &u);
-        for i in 0..D {
-            if let Some(given) = task.held[i] {
-                let scale = (k[i][i].abs()).or_larger(T::ONE);
+        let mut k = self.sum.k;
+        for (i, held) in task.held.iter().enumerate() {
+            if held.is_some() {
                 k[i] = [T::ZERO; D];
-                k[i][i] = scale;
-                b[i] = (scale + damping) * (given - u[i]);
+                k[i][i] = T::ONE;
             }
         }
-        (Factors::of(&k, damping), b)
+        self.factors = Factors::of(&k, damping);
     }
 
-    /// The step to where the tangent sees equilibrium under the unbalanced force `r`: damped where the tangent is not
-    /// positive definite, or the step longer than `radius`.
+    /// The step that the factors make of the unbalanced force `r` and of what is missing of given displacements.
+    fn resolve<B>(&self, row: &Row<'_, T, B>, task: &Task<T, D>, r: &[T; D], damping: T) -> [T; D] {
+        if task.is_free() {
+            return self.factors.solve(r);
+        }
+        let mut b = *r;
+        let u = self.displacement(row.c);
+        for i in 0..D {
+            if let Some(given) = task.held[i] {
+                b[i] = (T::ONE + damping) * (given - u[i]);
+            }
+        }
+        self.factors.solve(&b)
+    }
+
+    /// The step to where the tangent sees equilibrium under the unbalanced force `r`, its length, and whether it is
+    /// damped: where the tangent is not positive definite, or the step longer than `radius`.
     fn step<B>(
-        &self,
+        &mut self,
         row: &Row<'_, T, B>,
         task: &Task<T, D>,
         r: &[T; D],
         radius: T,
-    ) -> ([T; D], bool, T) {
+    ) -> ([T; D], T, bool) {
         let mut damping = T::ZERO;
         loop {
-            let (factors, b) = self.system(row, task, r, damping);
-            let du = factors.solve(&b);
+            self.factor(task, damping);
+            let du = self.resolve(row, task, r, damping);
             let length = norm(&du);
-            if factors.least > T::of(tuning::SINGULAR) * T::EPSILON && length <= radius {
-                return (du, damping > T::ZERO, factors.compliance());
+            if self.factors.least > T::of(tuning::SINGULAR) * T::EPSILON && length <= radius {
+                return (du, length, damping > T::ZERO);
             }
             if damping > T::ZERO {
                 damping = T::of(tuning::DAMPING_GROWTH) * damping;
@@ -194,9 +202,23 @@ impl<T: Real, const D: usize> State<T, D> {
                 damping = (T::of(tuning::DAMPING) * largest).or_larger(floating);
             }
             if !(damping < T::ONE / T::TINY.sqrt()) {
-                return ([T::ZERO; D], true, T::ONE);
+                return ([T::ZERO; D], T::ZERO, true);
             }
         }
+    }
+
+    /// Adds the second order of the balls' motion to the ring's offset `v`, and what it makes of the ring's.
+    fn bend<B: Body<T>>(&mut self, row: &mut Row<'_, T, B>, task: &Task<T, D>, ds: T) {
+        let mut beyond = row.bend(&self.v, ds);
+        refer(row.c, &mut beyond);
+        for (beyond, held) in beyond.iter_mut().zip(task.held) {
+            *beyond = match held {
+                None => -*beyond,
+                Some(_) => T::ZERO,
+            };
+        }
+        let du = self.factors.solve(&beyond);
+        self.advance(plane_of(row.c, &du));
     }
 
     /// Moves the ring and the balls to where the last linearisation sees them under the task's load at a relative change
@@ -210,18 +232,13 @@ impl<T: Real, const D: usize> State<T, D> {
     ) {
         self.v = self.at;
         let r = self.unbalanced(task, ds);
-        let (factors, b) = self.system(row, task, &r, T::ZERO);
-        self.advance(plane_of(row.c, &factors.solve(&b)));
+        if !(task.is_free() && self.plain) {
+            self.factor(task, T::ZERO);
+        }
+        let du = self.resolve(row, task, &r, T::ZERO);
+        self.advance(plane_of(row.c, &du));
         if curved {
-            let mut beyond = row.bend(&self.v, ds);
-            refer(row.c, &mut beyond);
-            for (i, beyond) in beyond.iter_mut().enumerate() {
-                *beyond = match task.held[i] {
-                    None => -*beyond,
-                    Some(_) => T::ZERO,
-                };
-            }
-            self.advance(plane_of(row.c, &factors.solve(&beyond)));
+            self.bend(row, task, ds);
         }
     }
 
@@ -240,7 +257,8 @@ impl<T: Real, const D: usize> State<T, D> {
         let mut singular = 0;
         while *budget > 0 {
             *budget -= 1;
-            if norm(&self.v) > T::of(tuning::ANCHOR) {
+            let far = |x: &T| x.abs() > T::of(tuning::ANCHOR);
+            if self.v.iter().any(far) {
                 row.follow(&in_full(&self.v), ds);
                 self.anchor(row, p);
                 ds = T::ZERO;
@@ -251,7 +269,10 @@ impl<T: Real, const D: usize> State<T, D> {
             (self.at, self.correct) = (self.v, false);
 
             let r = self.unbalanced(task, T::ZERO);
-            let size = norm(&task.load).or_larger(norm(&self.sum.force));
+            let mut size = task.size;
+            if !task.is_free() {
+                size = size.or_larger(norm(&self.sum.force));
+            }
             outcome.residual = norm(&r) / size.or_larger(T::TINY);
             if !outcome.residual.is_finite() {
                 outcome.end = End::Lost;
@@ -276,11 +297,12 @@ impl<T: Real, const D: usize> State<T, D> {
                     radius = T::of(64.0 * tuning::LARGEST_RADIUS).or_smaller(radius + radius);
                 }
             }
-            let (du, damped, compliance) = self.step(row, task, &r, radius);
+            let (du, length, damped) = self.step(row, task, &r, radius);
+            self.plain = task.is_free() && !damped;
             let planar = plane_of(row.c, &du);
             let before = outcome.estimate.k;
             outcome.estimate = row.estimate(&planar, &self.sum.k);
-            (outcome.step, outcome.compliance) = (norm(&du), compliance);
+            outcome.step = length;
             self.advance(planar);
             if damped {
                 if outcome.residual < T::of(1e-6) {
@@ -290,7 +312,7 @@ impl<T: Real, const D: usize> State<T, D> {
                     outcome.end = End::Singular;
                     break;
                 }
-            } else if self.is_done(task, &mut outcome, before) {
+            } else if self.is_done(row, task, &mut outcome, before) {
                 break;
             }
             let work = product(&r, &du);
@@ -300,8 +322,22 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Whether the last step was small enough; if so, how the loop ends.
-    fn is_done(&mut self, task: &Task<T, D>, outcome: &mut Outcome<T>, before: T) -> bool {
-        let Estimate { k, most, force, .. } = outcome.estimate;
+    fn is_done<B: Body<T>>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        task: &Task<T, D>,
+        outcome: &mut Outcome<T>,
+        before: T,
+    ) -> bool {
+        let Estimate {
+            k,
+            most,
+            force,
+            largest,
+        } = outcome.estimate;
+        // Of the sum of the balls' forces, relative to the load.
+        let forces = row.c.balls * largest / task.size.or_larger(largest);
+        let rounding = T::of(100.0) * T::EPSILON * forces.or_larger(T::ONE);
         outcome.stalled = if k > T::of(0.5) * before {
             outcome.stalled.saturating_add(1)
         } else {
@@ -309,14 +345,20 @@ impl<T: Real, const D: usize> State<T, D> {
         };
         // The correction of the stiffness along the step leaves what is of second order, and a small part of the first.
         let corrected = k * (most + T::of(tuning::CORRECTED));
-        let enough = force <= T::of(tuning::FORCE) * task.tolerance;
-        if k <= task.tolerance && enough {
+        let enough = T::of(tuning::FORCE) * task.tolerance;
+        if corrected <= task.tolerance && force * most <= enough {
+            if k > task.tolerance {
+                self.correct = true;
+                outcome.estimate.k = corrected;
+            }
+            if force > enough {
+                // The step's second order is cheaper than another iteration.
+                self.bend(row, task, T::ZERO);
+                outcome.estimate.force = force * most;
+            }
             outcome.end = End::Converged;
-        } else if corrected <= task.tolerance && enough {
-            self.correct = true;
-            outcome.estimate.k = corrected;
-            outcome.end = End::Converged;
-        } else if outcome.stalled > 1 && most < T::of(tuning::ROUGH) {
+        } else if outcome.stalled > 1 && most < T::of(tuning::ROUGH) && outcome.residual < rounding
+        {
             outcome.end = End::Rounded;
         } else {
             return false;

@@ -2,18 +2,18 @@
 
 use super::Solver;
 use crate::float::Real;
-use crate::next::curvature::stiffen;
+use crate::limits::{Exceedances, Extremes, Limits, Survey};
 use crate::next::frame::stiffness_out;
 use crate::next::linalg::Matrix;
 use crate::next::motion::{Body, Motion, Point};
+use crate::next::mounting::Speed;
 use crate::next::pose::Pose;
-use crate::next::ring::{Sum, shift};
-use crate::status::Status;
-
+use crate::next::ring::shift;
 use crate::solver::{BallState, ErrorEstimate};
+use crate::status::Status;
+use core::fmt;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
-#[derive(Debug)]
 pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
@@ -26,6 +26,8 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
     /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) on the inner ring; the reaction where a displacement was
     /// given.
     pub load: [T; D],
+    /// Speed of the shaft.
+    pub speed: Speed<T>,
     pub(super) solver: &'s Solver<'s, T, N, M, D>,
     pub(super) point: Point<T>,
 }
@@ -35,19 +37,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
         let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
-        if !state.correct {
-            return stiffness_out(c, &state.sum.k);
-        }
-        let mut change = Sum::NONE;
-        let azimuths = &self.solver.bearing.azimuths;
-        stiffen(&self.solver.balls, azimuths, &state.v, &mut change);
-        change.refer(c);
-        let mut k = state.sum.k;
-        for (row, change) in k.iter_mut().zip(&change.k) {
-            for (x, change) in row.iter_mut().zip(change) {
-                *x += *change;
-            }
-        }
+        let k = state.stiffness(c, &self.solver.bearing.azimuths, &self.solver.balls);
         stiffness_out(c, &k)
     }
 
@@ -64,20 +54,9 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_ {
         let bearing = self.solver.bearing;
         let c = &bearing.constants;
-        self.poses().zip(&bearing.azimuths).map(move |(pose, at)| {
-            let (inner, outer) = (&pose.inner, &pose.outer);
-            BallState {
-                azimuth: at.sin.atan2(at.cos),
-                alpha_i: inner.n[0].atan2(inner.n[1]),
-                alpha_o: outer.n[0].atan2(outer.n[1]),
-                q_i: inner.q * c.force,
-                q_o: outer.q * c.force,
-                delta_i: inner.delta * c.length,
-                delta_o: outer.delta * c.length,
-                centrifugal_force: pose.centrifugal * c.force,
-                gyroscopic_moment: pose.couple * (c.force * c.ball_radius),
-            }
-        })
+        self.poses()
+            .zip(&bearing.azimuths)
+            .map(move |(pose, at)| pose.state(c, at))
     }
 
     /// Forces on the inner race alone, N, in the order of the balls: without the cost of contact angles.
@@ -86,23 +65,145 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         self.poses().map(move |pose| pose.inner.q * force)
     }
 
+    /// Cage speed `omega_m` of every ball about the bearing's axis, rad/s, in the order of the balls.
+    ///
+    /// The contact angles of a loaded bearing differ, and with them the speeds: the cage turns at about their mean. A
+    /// ball without contact has the speed that its contact angles would give it.
+    pub fn cage_speeds(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+        let omega = self.speed.as_rad_per_s();
+        self.poses().map(move |pose| pose.mu * omega)
+    }
+
+    /// The limits that this equilibrium has passed, and where: the given ones, and those of the design's grooves.
+    ///
+    /// ```
+    /// # use spindle_bearing::next::{Bearing, Settings, Solver, Speed};
+    /// # use spindle_bearing::{Design, FreeContact, Material};
+    /// use spindle_bearing::{Limit, Limits};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
+    /// let solution = solver.solve(load, speed, &Settings::default())?;
+    /// let limits = Limits { peak_pressure: 2e9, ..Limits::default() };
+    /// let passed = solution.exceedances(&limits);
+    /// for exceedance in passed.iter() {
+    ///     println!("{exceedance}");
+    /// }
+    /// assert!(passed.get(Limit::PeakPressure).is_some_and(|e| e.value > 2e9 && e.balls == 16));
+    /// assert!(!passed.limits().contains(Limit::Shoulder));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
+        self.survey(limits, |_, _| ()).exceedances()
+    }
+
+    /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
+    ///
+    /// ```
+    /// # use spindle_bearing::next::{Bearing, Settings, Solver, Speed};
+    /// # use spindle_bearing::{Design, FreeContact, Material};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
+    /// let extremes = solver.solve(load, speed, &Settings::default())?.extremes();
+    /// let [pressure, shoulder] = [extremes.pressure, extremes.shoulder].map(|e| e.unwrap().value);
+    /// assert!(pressure > 2e9 && shoulder < 0.0);
+    /// assert_eq!(extremes.off, (0, None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn extremes(&self) -> Extremes<T> {
+        self.survey(&Limits::none(), |_, _| ()).extremes()
+    }
+
+    /// Looks at every ball once, and hands each on: its number, then force (N) and sine and cosine of the contact
+    /// angle of its inner and of its outer contact.
+    pub(crate) fn survey<'l>(
+        &'l self,
+        limits: &'l Limits<T>,
+        mut each: impl FnMut(u16, [[T; 3]; 2]),
+    ) -> Survey<'l, T> {
+        let c = &self.solver.bearing.constants;
+        let states = self.poses().map(|pose| pose.states());
+        Survey::of(&c.grooves, c.length, limits, states, |ball, contacts| {
+            each(ball, contacts.map(|k| [k.q * c.force, k.n[0], k.n[1]]));
+        })
+    }
+
     /// A copy that borrows nothing.
     pub fn snapshot(&self) -> Snapshot<T, N, D> {
-        let mut balls = self.balls();
+        let bearing = self.solver.bearing;
+        let omega = self.speed.as_rad_per_s();
+        let mut balls = [BallState::default(); N];
+        let mut cage_speeds = [T::ZERO; N];
+        let poses = self.poses().zip(&bearing.azimuths);
+        let of_ball = balls.iter_mut().zip(&mut cage_speeds);
+        for ((pose, at), (ball, cage_speed)) in poses.zip(of_ball) {
+            *ball = pose.state(&bearing.constants, at);
+            *cage_speed = pose.mu * omega;
+        }
         Snapshot {
             status: self.status,
             iterations: self.iterations,
             error: self.error,
             displacement: self.displacement,
             load: self.load,
+            speed: self.speed,
             stiffness: self.stiffness(),
-            balls: core::array::from_fn(|_| balls.next().unwrap_or_default()),
+            balls,
+            cage_speeds,
         }
+    }
+}
+
+impl<T: Real, const N: usize, M: Motion, const D: usize> fmt::Debug for Solution<'_, T, N, M, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Solution")
+            .field("status", &self.status)
+            .field("iterations", &self.iterations)
+            .field("error", &self.error)
+            .field("displacement", &self.displacement)
+            .field("load", &self.load)
+            .field("speed", &self.speed)
+            .field("stiffness", &self.stiffness())
+            .finish_non_exhaustive()
+    }
+}
+
+/// Without the balls.
+#[cfg(feature = "defmt")]
+impl<T: Real, const N: usize, M: Motion, const D: usize> defmt::Format
+    for Solution<'_, T, N, M, D>
+{
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "{} after {} iterations, errors {}; displacement {}, load {}, speed {}, stiffness {}",
+            self.status,
+            self.iterations,
+            self.error,
+            self.displacement,
+            self.load,
+            self.speed,
+            self.stiffness()
+        );
     }
 }
 
 /// A [`Solution`] that borrows nothing, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Snapshot<T, const N: usize, const D: usize> {
     /// How the solve ended.
     pub status: Status<T>,
@@ -114,8 +215,70 @@ pub struct Snapshot<T, const N: usize, const D: usize> {
     pub displacement: [T; D],
     /// Forces (N) and moments (N m) on the inner ring.
     pub load: [T; D],
+    /// Speed of the shaft.
+    pub speed: Speed<T>,
     /// Stiffness `dF/du`, rows are forces.
     pub stiffness: Matrix<T, D>,
     /// States of the balls, in the order of their azimuths.
     pub balls: [BallState<T>; N],
+    /// Cage speed `omega_m` of every ball, rad/s: see [`Solution::cage_speeds`].
+    pub cage_speeds: [T; N],
+}
+
+#[cfg(feature = "nalgebra")]
+impl<T, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D>
+where
+    T: Real + nalgebra::Scalar,
+{
+    /// The displacement as a vector of `nalgebra`.
+    pub fn displacement_vector(&self) -> nalgebra::SVector<T, D> {
+        nalgebra::SVector::from(self.displacement)
+    }
+
+    /// [`Solution::stiffness`] as a matrix of `nalgebra`, rows are forces.
+    ///
+    /// ```
+    /// # use spindle_bearing::next::{Bearing, Settings, Solver, Speed};
+    /// # use spindle_bearing::{Design, FreeContact, Material};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([1000.0, 200.0, 0.0, 0.0, 3.0], Speed::rpm(20_000.0));
+    /// let solution = solver.solve(load, speed, &Settings::default())?;
+    /// let k = solution.stiffness_matrix();
+    /// assert_eq!(k[(0, 1)], solution.stiffness()[0][1]);
+    /// assert_eq!(k * solution.displacement_vector(), {
+    ///     let s = solution.snapshot();
+    ///     s.stiffness_matrix() * s.displacement_vector()
+    /// });
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn stiffness_matrix(&self) -> nalgebra::SMatrix<T, D, D> {
+        matrix(&self.stiffness())
+    }
+}
+
+#[cfg(feature = "nalgebra")]
+impl<T: nalgebra::Scalar + Copy, const N: usize, const D: usize> Snapshot<T, N, D> {
+    /// The displacement as a vector of `nalgebra`.
+    pub fn displacement_vector(&self) -> nalgebra::SVector<T, D> {
+        nalgebra::SVector::from(self.displacement)
+    }
+
+    /// The stiffness as a matrix of `nalgebra`, rows are forces.
+    pub fn stiffness_matrix(&self) -> nalgebra::SMatrix<T, D, D> {
+        matrix(&self.stiffness)
+    }
+}
+
+#[cfg(feature = "nalgebra")]
+fn matrix<T: nalgebra::Scalar + Copy, const D: usize>(
+    rows: &Matrix<T, D>,
+) -> nalgebra::SMatrix<T, D, D> {
+    nalgebra::SMatrix::from_fn(|i, j| rows[i][j])
 }

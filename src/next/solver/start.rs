@@ -3,13 +3,13 @@
 use super::State;
 use super::fallback::continuation;
 use super::newton::{Outcome, Task};
-use crate::axial::Spring;
 use crate::float::Real;
+use crate::next::axial::AxialRest;
 use crate::next::ball::Ball;
 use crate::next::constants::{Constants, L0};
 use crate::next::frame::plane_of;
 use crate::next::kinematics::Rule;
-use crate::next::linalg::norm;
+use crate::next::linalg::scale;
 use crate::next::motion::{Body, Point, Regime};
 use crate::next::place::place;
 use crate::next::ring::{Row, in_full};
@@ -28,19 +28,11 @@ fn pressing<T: Real, const D: usize>(load: &[T; D]) -> (T, T) {
     (pressing, side)
 }
 
-/// Axial displacement of the bearing at rest whose balls carry `q` axially each. From above, Newton on a 3/2 law does
-/// not overshoot.
-fn pressed<T: Real>(c: &Constants<T>, q: T, side: T) -> T {
-    let unit = T::of(1.0 / 512.0) / c.kn;
-    let mut w = T::ONE;
-    for _ in 0..24 {
-        let step = Spring::at(c.n0[0], w).step(q * unit);
-        w = (w - step).or_larger(T::TINY);
-        if step.abs() < T::of(1e-3) * w {
-            break;
-        }
-    }
-    T::of(L0) * (side * Spring::at(c.n0[0], w).axial - c.n0[0])
+/// Axial displacement of the bearing at rest whose balls carry `q` axially each.
+fn pressed<T: Real>(c: &Constants<T>, p: &Point<T>, q: T, side: T) -> T {
+    let balls = AxialRest::new(c, p);
+    let loaded = balls.root(T::ONE / T::TINY, q, T::of(1e-6), 24);
+    balls.displacement(&loaded.centres, side < T::ZERO)
 }
 
 /// A ball on the line of the free contact angle.
@@ -73,7 +65,7 @@ pub(crate) fn cold_at_speed<T: Real, R: Rule, const D: usize>(
         let like = unloaded(row.c);
         return at_rest::<T, _, R, D>(state, row, task, p, &like, budget);
     }
-    let (inertia, size) = (p.s * row.c.balls, norm(&task.load));
+    let (inertia, size) = (p.s * row.c.balls, task.size);
     let order = if inertia < T::of(tuning::LIGHT) * size {
         [Start::Rest, Start::Axisymmetric, Start::OuterRace]
     } else if inertia > T::of(tuning::HEAVY) * size {
@@ -118,7 +110,7 @@ pub(super) fn at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
 ) -> Outcome<T> {
     let (pressing, side) = pressing(&task.load);
     let p = p.with(Regime::Rest);
-    let dx = pressed(row.c, pressing / row.c.balls, side);
+    let dx = pressed(row.c, &p, pressing / row.c.balls, side);
     state.put(row, &p, from_given(row.c, task, dx), like);
     state.newton::<B, R>(row, task, &p, T::ZERO, budget)
 }
@@ -144,12 +136,25 @@ fn from_rest<T: Real, R: Rule, const D: usize>(
 ) {
     let like = unloaded(row.c);
     at_rest::<T, _, R, D>(state, row, &task.rough(), p, &like, budget);
+    take_up::<T, R>(row, p);
+}
+
+/// Puts balls that were condensed at rest where the speed of `p` has them: those that carry stay in line with both
+/// grooves' centres, which is near where their inertia is small.
+pub(super) fn take_up<T: Real, R: Rule>(row: &mut Row<'_, T, Ball<T>>, p: &Point<T>) {
     for ball in row.balls.iter_mut() {
-        place::<T, R>(ball, row.c, p);
+        if ball.local.delta > T::ZERO {
+            let outer = p.lo + row.c.outer_share * ball.local.delta;
+            ball.put(scale(outer, ball.n));
+        } else {
+            place::<T, R>(ball, row.c, p);
+        }
     }
 }
 
 /// The axisymmetric state at speed: the first ball stands for all, and Newton's method moves the ring along the axis.
+///
+/// This is also where [`AxialSolver`](super::AxialSolver) starts, whose loop is that of every solve.
 #[inline(never)]
 fn axisymmetric<T: Real, R: Rule, const D: usize>(
     state: &mut State<T, D>,
@@ -161,7 +166,7 @@ fn axisymmetric<T: Real, R: Rule, const D: usize>(
     let (pressing, side) = pressing(&task.load);
     let q = side * pressing / c.balls;
     let longest = T::of(L0 * tuning::FIRST_RADIUS);
-    let mut u = from_given(c, task, pressed(c, q.abs(), side));
+    let mut u = from_given(c, task, pressed(c, p, q.abs(), side));
     state.put(row, p, u, &unloaded(c));
     let Some(first) = row.balls.first_mut() else {
         return;
