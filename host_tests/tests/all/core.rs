@@ -585,6 +585,33 @@ fn a_warm_solve_is_the_cold_one_to_the_errors_that_both_state() {
 }
 
 #[test]
+fn a_bearing_that_warms_up_is_followed() {
+    for balls in [Balls::AtRest, Balls::AtSpeed(Attitude::Raceless)] {
+        let mut warm = solver(&B7005C, 16, Precision::F64, balls);
+        for step in 0..40 {
+            // Up to three times as much as balls deform, and a jump back.
+            let share = f64::from(step % 30) / 30.0;
+            let growth = Growth {
+                axial: 2e-6 * share,
+                radial: 9e-6 * share,
+                ball: 1e-6 * share,
+            };
+            let question = Question {
+                growth,
+                ..Question::load(SKEW, 2094.0)
+            };
+            let found = warm.ask(&question).unwrap();
+            let cold = solver(&B7005C, 16, Precision::F64, balls)
+                .ask(&question)
+                .unwrap();
+            let u = vector_error(found.u, cold.u, 0.5 * B7005C.pitch_diameter);
+            let k = (found.k[1][1] / cold.k[1][1] - 1.0).abs();
+            assert!(u < 1e-11 && k < 1e-11, "{step}, {balls:?}: {u:e}, {k:e}");
+        }
+    }
+}
+
+#[test]
 fn the_same_bearing_at_speed_zero_is_the_one_at_rest() {
     for (design, n) in [(&B7005C, 16), (&SKF6205, 9)] {
         let load = [500.0, 300.0, -100.0, 0.5, 1.0];

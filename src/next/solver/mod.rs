@@ -97,6 +97,8 @@ pub struct State<T, const D: usize> {
     size: T,
     s: T,
     growth: Growth<T>,
+    /// The references are those of another growth.
+    grown: bool,
 }
 
 impl<T: Real, const D: usize> State<T, D> {
@@ -113,6 +115,7 @@ impl<T: Real, const D: usize> State<T, D> {
         size: T::ZERO,
         s: T::ZERO,
         growth: Growth::NONE,
+        grown: false,
     };
 
     /// Displacement of the bearing centre.
@@ -142,11 +145,19 @@ impl<T: Real, const D: usize> State<T, D> {
         k
     }
 
-    /// Takes note of the growth that the next solve is at. A solution at another one is no start.
+    /// Takes note of the growth that the next solve is at: the references have yet to follow it. A solution is no start
+    /// for one that is larger by more than a unit of length, about a deformation.
     fn grow(&mut self, growth: Growth<T>) {
-        if growth != self.growth {
+        let last = self.growth;
+        if growth != last {
+            let by = (growth.axial - last.axial).abs()
+                + (growth.radial - last.radial).abs()
+                + (growth.ball - last.ball).abs();
+            if !(by <= T::ONE) {
+                self.size = T::ZERO;
+            }
             self.growth = growth;
-            self.size = T::ZERO;
+            self.grown = true;
         }
     }
 

@@ -106,6 +106,7 @@ impl<T: Real, const D: usize> State<T, D> {
             *u = to;
         }
         row.anchor(p, &in_full(&self.u), &in_full(&self.v));
+        self.grown = false;
     }
 
     /// Puts the ring at the displacement `u` of the groove plane, and every ball where `like` is.
@@ -258,7 +259,7 @@ impl<T: Real, const D: usize> State<T, D> {
         while *budget > 0 {
             *budget -= 1;
             let far = |x: &T| x.abs() > T::of(tuning::ANCHOR);
-            if self.v.iter().any(far) {
+            if self.grown || self.v.iter().any(far) {
                 row.follow(&in_full(&self.v), ds);
                 self.anchor(row, p);
                 ds = T::ZERO;
