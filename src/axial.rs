@@ -55,7 +55,7 @@ impl<T: Real> Spring<T> {
         let square = sine * sine;
         let slope =
             T::of(3.0) * w2 * square + (w2 * w2 + w2 * w2) * (T::ONE - square) * self.per_length;
-        value / slope.or_larger(T::TINY)
+        value / slope.at_least(T::TINY)
     }
 
     /// Axial displacement, on the side of the free contact angle or (`reversed`) on the other.
@@ -66,7 +66,7 @@ impl<T: Real> Spring<T> {
             -both
         } else {
             // A difference of squares instead of a difference.
-            self.stretch() / both.or_larger(T::TINY)
+            self.stretch() / both.at_least(T::TINY)
         }
     }
 

@@ -281,7 +281,7 @@ impl<T: Real> Ball<T> {
         };
         let lag = inner.lag.abs() + outer.lag.abs();
         if lag > T::ZERO {
-            imbalance += quotient(lag, outer.delta.or_larger(T::TINY));
+            imbalance += quotient(lag, outer.delta.at_least(T::TINY));
         }
         // Two contacts that do not oppose each other hold no ball: at 180 degrees the cage speed has a
         // pole, and next to it, from 150 degrees on, there are equilibria that are of the equations only.
@@ -436,11 +436,11 @@ impl<T: Real> Ball<T> {
             let gap = inner.delta - self.step[0];
             let across = dot(inner.normal(), outer.tangent());
             let climbs = c.ki * c.outer * across * across;
-            let gives = climbs / l.centrifugal.or_larger(T::TINY);
+            let gives = climbs / l.centrifugal.at_least(T::TINY);
             Spring::open(
                 inner.normal(),
                 c.ki,
-                gives.or_smaller(T::ONE / T::EPSILON),
+                gives.at_most(T::ONE / T::EPSILON),
                 gap,
                 T::of(0.5) * inner.inverse_radius,
             )

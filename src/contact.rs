@@ -40,7 +40,7 @@ pub fn scale<T: Real>(a: T, v: Pair<T>) -> Pair<T> {
 
 #[inline(always)]
 pub fn length<T: Real>(v: Pair<T>) -> T {
-    dot(v, v).or_larger(T::TINY).sqrt()
+    dot(v, v).at_least(T::TINY).sqrt()
 }
 
 /// Reference of a vector from one curvature centre to another.
@@ -107,7 +107,7 @@ impl<T: Real> Contact<T> {
     pub fn between(reference: &Reference<T>, offset: Pair<T>, length: T) -> Self {
         let v = add(reference.vector, offset);
         // Total: a ball on the curvature centre itself gets a direction and a radius.
-        let radius = dot(v, v).or_larger(T::TINY).sqrt();
+        let radius = dot(v, v).at_least(T::TINY).sqrt();
         let inverse_radius = T::ONE / radius;
         let twice = add(add(reference.vector, reference.vector), offset);
         let delta = (reference.excess + dot(twice, offset)) / (radius + length);
@@ -244,7 +244,7 @@ impl<T: Real> Lead<T> {
             // Without the difference that loses digits.
             e * (T::of(0.5) - e * (T::of(0.125) - T::of(0.0625) * e))
         } else {
-            (T::ONE + e).or_larger(T::ZERO).sqrt() - T::ONE
+            (T::ONE + e).at_least(T::ZERO).sqrt() - T::ONE
         };
         [self.slope * factor, turn * v[1], turn * v[0]]
     }
@@ -254,7 +254,7 @@ impl<T: Real> Lead<T> {
     pub fn follow_by(&mut self, by: T) -> Pull {
         let lets_go = self.lets_go(by);
         let q = self.linear + self.slope * by;
-        self.q = (T::of(0.1) * self.q).or_larger(q);
+        self.q = (T::of(0.1) * self.q).at_least(q);
         if lets_go { Pull::Lets } else { Pull::Holds }
     }
 }

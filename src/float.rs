@@ -92,16 +92,18 @@ pub trait Real:
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
-    /// The larger of two numbers; an `if`, which is half the price of `fmaxf`.
+    /// This number, or `other` if that is larger; an `if`, which is half the price of `fmaxf`.
     #[inline(always)]
-    fn or_larger(self, other: Self) -> Self {
+    fn at_least(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
-    /// The smaller of two numbers.
+
+    /// This number, or `other` if that is smaller.
     #[inline(always)]
-    fn or_smaller(self, other: Self) -> Self {
+    fn at_most(self, other: Self) -> Self {
         if other < self { other } else { self }
     }
+
     /// [`Bearing::build`](crate::Bearing::build), which a trait has to dispatch as long as `const`
     /// traits are not stable.
     #[doc(hidden)]

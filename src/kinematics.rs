@@ -116,8 +116,8 @@ impl<T: Real> Angles<T> {
     #[inline(always)]
     fn of(k: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> Self {
         let cos_d = inner.cos * outer.cos + inner.sin * outer.sin;
-        let apart = (T::ONE + cos_d).or_larger(T::of(NEAREST_POLE));
-        let forces = (inner.q + outer.q).or_larger(T::of(1e-30));
+        let apart = (T::ONE + cos_d).at_least(T::of(NEAREST_POLE));
+        let forces = (inner.q + outer.q).at_least(T::of(1e-30));
         // One division for both.
         let inverse = T::ONE / (apart * forces);
         Self {
@@ -221,10 +221,10 @@ impl Attitude for RacewayControlFree {
         let half = T::of(0.5);
 
         // eta = W / (W + Z), W = C-ratio delta_i^2, Z = delta_o^2; 0 where the inner contact is open.
-        let di = inner.delta.or_larger(T::ZERO);
-        let d_o = outer.delta.or_larger(T::ZERO);
+        let di = inner.delta.at_least(T::ZERO);
+        let d_o = outer.delta.at_least(T::ZERO);
         let w = k.moment_ratio * di;
-        let inverse = T::ONE / (w * di + d_o * d_o).or_larger(T::TINY);
+        let inverse = T::ONE / (w * di + d_o * d_o).at_least(T::TINY);
         let (w, z) = (w * inverse, d_o * inverse);
         let eta = w * di;
         let rest = z * d_o;

@@ -578,8 +578,8 @@ impl<'s, T: Real> Survey<'s, T> {
     fn ball(&mut self, ball: u16, [inner, outer]: &[ContactState<T>; 2]) {
         let held = inner.q > T::ZERO;
         if !held {
-            let gap = -(inner.delta + outer.delta.or_smaller(T::ZERO));
-            let gap = gap.or_larger(T::ZERO);
+            let gap = -(inner.delta + outer.delta.at_most(T::ZERO));
+            let gap = gap.at_least(T::ZERO);
             self.note(Limit::InnerContact, ball, Race::Inner, gap, [T::ZERO; 3]);
         }
         self.contact(ball, Race::Inner, inner, held);
@@ -593,7 +593,7 @@ impl<'s, T: Real> Survey<'s, T> {
             return;
         }
         let groove = self.groove(race);
-        let root = k.delta.or_larger(T::ZERO).sqrt();
+        let root = k.delta.at_least(T::ZERO).sqrt();
         let pressure = groove.pressure * root;
         raise(&mut self.pressure, pressure, ball, race);
         if pressure > self.limits.peak_pressure {
@@ -602,7 +602,7 @@ impl<'s, T: Real> Survey<'s, T> {
 
         let friction = k.friction.abs();
         // A force that is nothing beside the friction must not make an infinity of the ratio.
-        let demand = friction / k.q.or_larger(T::EPSILON * friction);
+        let demand = friction / k.q.at_least(T::EPSILON * friction);
         raise(&mut self.friction, demand, ball, race);
         if demand > self.limits.friction {
             self.note(Limit::Friction, ball, race, demand, [T::ZERO; 3]);
@@ -688,7 +688,7 @@ impl<'s, T: Real> Survey<'s, T> {
             Limit::Reversal => (sin.atan2(cos), T::ZERO),
             Limit::Shoulder => (sin.atan2(cos), side * shoulder),
             Limit::Truncation => {
-                let square = (T::ONE - semi_major * semi_major).or_larger(T::ZERO);
+                let square = (T::ONE - semi_major * semi_major).at_least(T::ZERO);
                 let reach = semi_major.atan2(square.sqrt());
                 let reach = reach * side;
                 (sin.atan2(cos) + reach, side * shoulder)

@@ -115,7 +115,7 @@ pub fn span<T: Real, const D: usize>(u: &[T; D]) -> T {
         axial += (u[3] * u[3] + u[4] * u[4]).sqrt();
     }
     if D >= 3 {
-        return axial.or_larger((u[1] * u[1] + u[2] * u[2]).sqrt());
+        return axial.at_least((u[1] * u[1] + u[2] * u[2]).sqrt());
     }
     axial
 }
@@ -165,7 +165,7 @@ impl<T: Real> Change<T> {
     /// Adds another ball's.
     #[inline(always)]
     pub fn merge(&mut self, other: Self) {
-        self.step = self.step.or_larger(other.step);
+        self.step = self.step.at_least(other.step);
         self.stiffness = add(self.stiffness, other.stiffness);
         self.remainder = add(self.remainder, other.remainder);
         self.hardening += other.hardening;
@@ -525,7 +525,7 @@ impl<T: Real, const D: usize> Factors<T, D> {
                 if definite == Definite::Positive {
                     definite = Definite::Semi;
                 }
-                lu[k][k] = diagonal.or_larger(T::EPSILON);
+                lu[k][k] = diagonal.at_least(T::EPSILON);
             } else if pivot < T::ZERO {
                 definite = Definite::No;
             }
@@ -548,7 +548,7 @@ impl<T: Real, const D: usize> Factors<T, D> {
     pub fn weakest(&self) -> T {
         let mut largest = T::ZERO;
         for inverse in &self.inverse_pivot {
-            largest = largest.or_larger(inverse.abs());
+            largest = largest.at_least(inverse.abs());
         }
         largest
     }

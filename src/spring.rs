@@ -88,7 +88,7 @@ pub fn tension<T: Real>(s1: T, s2: T, per_sum: T, s: T) -> (T, T) {
     let at = |x: T| {
         let z = one + x;
         let g = x * (z * z + z + one) * per_sum;
-        let inverse = one / (one + g).or_larger(T::TINY);
+        let inverse = one / (one + g).at_least(T::TINY);
         let bend = s2 * inverse * inverse;
         let growth = T::of(3.0) * z * z * per_sum;
         (
@@ -101,13 +101,13 @@ pub fn tension<T: Real>(s1: T, s2: T, per_sum: T, s: T) -> (T, T) {
     let (mut low, mut high) = (-one, T::of(1e4));
     // Newton's first step, from 0.
     let mut slope = two * s1 + T::of(6.0) * s2 * per_sum;
-    let mut x = (s / slope.or_larger(T::TINY)).or_larger(T::of(-0.8));
+    let mut x = (s / slope.at_least(T::TINY)).at_least(T::of(-0.8));
     if x.abs() < T::of(1e-3) {
         return (x, slope);
     }
     for _ in 0..40 {
         let (value, rise) = at(x);
-        slope = rise.or_larger(T::TINY);
+        slope = rise.at_least(T::TINY);
         if value > T::ZERO {
             high = x;
         } else {
@@ -118,7 +118,7 @@ pub fn tension<T: Real>(s1: T, s2: T, per_sum: T, s: T) -> (T, T) {
         x = if done || (newton > low && newton < high) {
             newton
         } else {
-            T::of(0.5) * (low + high.or_smaller(T::of(4.0) * (low + one) + x))
+            T::of(0.5) * (low + high.at_most(T::of(4.0) * (low + one) + x))
         };
         if done || high < closed {
             break;
@@ -204,17 +204,17 @@ impl<T: Real> Spring<T> {
         } else {
             [q, root - p]
         };
-        let mut unit = T::ONE / dot(sense, sense).or_larger(T::TINY).sqrt();
+        let mut unit = T::ONE / dot(sense, sense).at_least(T::TINY).sqrt();
         if dot(sense, inner.normal()) < T::ZERO {
             unit = -unit;
         }
         let sense = scale(unit, sense);
         let normal = [dot(stiffness[0], sense), dot(stiffness[1], sense)];
-        let slope = dot(normal, normal).or_larger(T::TINY).sqrt();
+        let slope = dot(normal, normal).at_least(T::TINY).sqrt();
         let normal = scale(T::ONE / slope, normal);
         let across = (h00 * h11 - h01 * h10) / slope;
 
-        let mut reference = (inner.q * dot(inner.normal(), normal)).or_larger(inner.q * T::of(0.1));
+        let mut reference = (inner.q * dot(inner.normal(), normal)).at_least(inner.q * T::of(0.1));
         let change = sub(force, carried);
         let mut extra = dot(change, normal);
         // A ball next to its own equilibrium is there for the law: what it still has to move does not
@@ -229,13 +229,13 @@ impl<T: Real> Spring<T> {
         let flexibility = T::ONE / inner.slope + T::ONE / outer.slope;
         let bent = T::ONE / slope - flexibility;
         let (hertz, bend, per_sum) = if bent > T::ZERO {
-            let along = fling * c.inner * normal[1].or_larger(T::ZERO);
+            let along = fling * c.inner * normal[1].at_least(T::ZERO);
             let least = half * bent;
-            let bend = (least * (reference + along)).or_larger(room(c, inner, outer, sense));
+            let bend = (least * (reference + along)).at_least(room(c, inner, outer, sense));
             (
                 three_halves * flexibility * reference,
                 bend,
-                least * reference / bend.or_larger(T::TINY),
+                least * reference / bend.at_least(T::TINY),
             )
         } else {
             (three_halves * reference / slope, T::ZERO, T::ONE)
@@ -250,8 +250,8 @@ impl<T: Real> Spring<T> {
             elongation: extra / slope,
             // Inertia can make a ball unstable across; its contacts still are round.
             half_curvature: (half * across / reference)
-                .or_larger(T::of(0.25))
-                .or_smaller(half * inner.inverse_radius),
+                .at_least(T::of(0.25))
+                .at_most(half * inner.inverse_radius),
             extra,
             settling,
             slope,
@@ -282,7 +282,7 @@ impl<T: Real> Spring<T> {
     /// The larger of the two slopes.
     #[inline(always)]
     pub fn larger_slope(&self, r: &Reaction<T>) -> T {
-        r.slope.or_larger(self.slope)
+        r.slope.at_least(self.slope)
     }
 
     /// The law after a shift `d` of the ring; `last` is its last tension.
@@ -400,8 +400,8 @@ impl<T: Real> Spring<T> {
         let w = self.sense;
         let along = (r.excess - self.extra - self.slope * r.along) / self.slope;
         let turn = (r.excess / self.reference)
-            .or_smaller(T::ONE)
-            .or_larger(-T::ONE);
+            .at_most(T::ONE)
+            .at_least(-T::ONE);
         let across = r.across * turn;
         (
             change,

@@ -58,7 +58,7 @@ impl<T: Real> Change<T> {
 pub fn free_ball<T: Real>(c: &Constants<T>, speed_load: T, centre: Pair<T>) -> (T, T) {
     let v = [centre[0], centre[1] - c.outer];
     let cosine = v[1] / length(v);
-    let mu = (T::ONE - c.tau * cosine) / (T::ONE + cosine).or_larger(T::of(0.01));
+    let mu = (T::ONE - c.tau * cosine) / (T::ONE + cosine).at_least(T::of(0.01));
     let force = speed_load * mu * mu;
     let root = (force / c.ko).cbrt();
     (c.outer + root * root, force)
@@ -159,33 +159,33 @@ fn place<T: Real>(
     squeeze: T,
 ) {
     let [a1, a2] = centre;
-    let squared = dot(centre, centre).or_larger(T::TINY);
+    let squared = dot(centre, centre).at_least(T::TINY);
     let distance = squared.sqrt();
     let (free, fc) = free_ball(c, speed_load, centre);
     let v = [a1, a2 - free];
     if fc > T::ZERO && dot(v, v) <= c.inner * c.inner {
         ball.put([T::ZERO, free], T::ZERO, fc);
     } else if !(fc > T::ZERO) {
-        let squeeze = squeeze.or_larger(T::ZERO);
+        let squeeze = squeeze.at_least(T::ZERO);
         let along = (c.outer + squeeze * c.outer_share) / distance;
         let q = squeeze * squeeze.sqrt();
         ball.put(scale(along, centre), q, q);
     } else {
         let a = scale(T::ONE / distance, centre);
         let h = c.inner * c.outer;
-        let (across, along) = (fc * a[0], fc * a[1].or_larger(T::ZERO));
+        let (across, along) = (fc * a[0], fc * a[1].at_least(T::ZERO));
         let slack = T::of(0.5) * h * across * across;
         let r = along * c.inner;
         // From a force of the right order, where the chain has the elongation `start`.
-        let order = r + squeeze * squeeze.or_larger(T::ZERO).sqrt();
+        let order = r + squeeze * squeeze.at_least(T::ZERO).sqrt();
         let (hertz, bend) = (depth(order, T::ONE), slack / ((order + r) * (order + r)));
         let start = hertz - bend + depth(along, c.ko);
         let per_sum = T::ONE / (T::ONE + r / order);
         let (z, _) = tension(hertz, bend, per_sum, squeeze - start);
         let z = T::ONE + z;
         let q = order * z * z * z;
-        let y = across * h / (q + r).or_larger(T::TINY);
-        if z > T::ZERO && y.abs() < T::of(0.25) * c.inner.or_smaller(c.outer) {
+        let y = across * h / (q + r).at_least(T::TINY);
+        if z > T::ZERO && y.abs() < T::of(0.25) * c.inner.at_most(c.outer) {
             let reach = c.outer + depth(q + along, c.ko) - T::of(0.5) * y * y / c.outer;
             let at = [a[0] * reach - a[1] * y, a[1] * reach + a[0] * y];
             ball.put(at, q, q + along);
@@ -195,14 +195,14 @@ fn place<T: Real>(
         for pass in 0..2 {
             let along = T::of(0.5) * (T::ONE + (outer * outer - inner * inner) / squared);
             let across = (outer * outer / squared - along * along)
-                .or_larger(T::ZERO)
+                .at_least(T::ZERO)
                 .sqrt();
             let across = if a1 < T::ZERO { -across } else { across };
             let at = [a1 * along - a2 * across, a2 * along + a1 * across];
             // Triangle of forces: Qi sin(ai - ao) = Fc sin ao, Qo sin(ai - ao) = Fc sin ai.
             let (si, ci) = ((a1 - at[0]) / inner, (a2 - at[1]) / inner);
             let (so, co) = (at[0] / outer, at[1] / outer);
-            let unit = fc / (si * co - ci * so).abs().or_larger(T::of(1e-3));
+            let unit = fc / (si * co - ci * so).abs().at_least(T::of(1e-3));
             let (qi, qo) = (unit * so.abs(), unit * si.abs());
             if pass == 1 {
                 ball.put(at, qi, qo);
@@ -337,10 +337,10 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
         }
         ball.x = add(ball.x, dx);
         // Forces that grow faster than this have lost touch with the geometry.
-        let most = T::of(4.0) * ball.outer_lead.q.or_larger(ball.inner_lead.q);
+        let most = T::of(4.0) * ball.outer_lead.q.at_least(ball.inner_lead.q);
         if ball.outer_lead.q > T::ZERO {
             ball.outer_lead.follow(dx);
-            ball.outer_lead.q = ball.outer_lead.q.or_smaller(most);
+            ball.outer_lead.q = ball.outer_lead.q.at_most(most);
         }
         if ball.inner_lead.q > T::ZERO {
             let pull = ball.inner_lead.follow(sub([T::ZERO; 2], dx));
@@ -348,7 +348,7 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
             ball.inner_lead.q = if pull == Pull::Lets && ball.inner_lead.q < next_to_nothing {
                 T::ZERO
             } else {
-                ball.inner_lead.q.or_smaller(most)
+                ball.inner_lead.q.at_most(most)
             };
         }
     }
@@ -378,7 +378,7 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
             return [T::ZERO; 2];
         }
         let (v, w, [cd, sd]) = ball.motions(ball.inward(da));
-        let per_both = T::ONE / (qi * qo).or_larger(T::TINY);
+        let per_both = T::ONE / (qi * qo).at_least(T::TINY);
         // Half of the change of stiffness by the motion, times the motion.
         let half = T::of(0.5);
         let beyond = |[along, mixed, _]: [T; 3], v: Pair<T>| {
@@ -407,7 +407,7 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
         let (inner, outer) = (&ball.inner_lead, &ball.outer_lead);
         let [n0, n1] = inner.normal;
         let abrupt = if !(inner.q > T::ZERO) {
-            let closed = inner.reach(v[0]).or_larger(T::ZERO);
+            let closed = inner.reach(v[0]).at_least(T::ZERO);
             Some(T::of(1.5) * c.ki * closed.sqrt())
         } else if inner.lets_go(v[0]) {
             Some(-inner.slope)
@@ -426,7 +426,7 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
         // The ball settles where energy is least, so that its own change of place does not count to first
         // order: a contact's change, at what the ring's motion is at the contact.
         let y = &ball.slope;
-        let per_both = T::ONE / (inner.q * outer.q).or_larger(T::TINY);
+        let per_both = T::ONE / (inner.q * outer.q).at_least(T::TINY);
         let (per_i, per_o) = (per_both * outer.q, per_both * inner.q);
         let turned = |[along, mixed, across]: [T; 3], n: Pair<T>, t: Pair<T>| {
             let by_n = add(scale(along, n), scale(mixed, t));
@@ -462,7 +462,7 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
         let unknown = T::of(0.02) + T::of(0.4) * forces + T::of(0.04) * ball.fling * per_i;
         Stiffening {
             tangent,
-            unknown: unknown.or_smaller(T::ONE),
+            unknown: unknown.at_most(T::ONE),
             hardening: inner.slope * inner.slope * per_i,
         }
     }
@@ -507,7 +507,7 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
         // tangent says.
         let (old, new) = (ball.spring.reference(), reaction.force);
         let to = add(a, da);
-        let squeeze = ball.squeeze(to).or_larger(T::ZERO);
+        let squeeze = ball.squeeze(to).at_least(T::ZERO);
         let squeezed = squeeze * squeeze.sqrt();
         let much = T::of(4.0);
         let fling = T::of(0.3) * ball.fling;
@@ -527,12 +527,12 @@ pub trait Turning: sealed::Sealed + Sized + 'static {
         let least = T::of(0.1);
         let outer = &mut ball.outer_lead;
         if outer.q > T::ZERO {
-            outer.q = (outer.q + dot(outer.normal, force)).or_larger(least * outer.q);
+            outer.q = (outer.q + dot(outer.normal, force)).at_least(least * outer.q);
         }
         let inner = &mut ball.inner_lead;
         if inner.q > T::ZERO {
             inner.q = if new > T::ZERO {
-                (inner.q + dot(inner.normal, force)).or_larger(least * new)
+                (inner.q + dot(inner.normal, force)).at_least(least * new)
             } else {
                 T::ZERO
             };

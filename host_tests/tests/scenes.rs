@@ -135,7 +135,7 @@ impl<T: Real> From<Status<T>> for Refusal {
     }
 }
 
-// Functions of slices and iterators, so that they are not compiled anew for every scene.
+// Functions of slices and iterators, so that they are not compiled again for every scene.
 
 fn in_doubles<T: Real>(values: &[T]) -> Vec<f64> {
     values.iter().map(|x| x.to_f64()).collect()

@@ -180,8 +180,8 @@ impl LifeRating {
         let (per_inner, per_outer) = (1.0 / self.inner, 1.0 / self.outer);
         for (q_i, q_o) in forces {
             let (i, o) = (
-                0.0_f32.or_larger(q_i) * per_inner,
-                0.0_f32.or_larger(q_o) * per_outer,
+                0.0_f32.at_least(q_i) * per_inner,
+                0.0_f32.at_least(q_o) * per_outer,
             );
             inner += i * i * i;
             outer += o * o * o * Real::cbrt(o);

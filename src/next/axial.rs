@@ -69,8 +69,8 @@ impl<T: Real> AxialRest<T> {
             length: p.lo + p.li,
             kn: c.kn,
             radial: radial + gr,
-            gap: e.or_larger(T::ZERO),
-            preload: (-e).or_larger(T::ZERO),
+            gap: e.at_least(T::ZERO),
+            preload: (-e).at_least(T::ZERO),
             free: axial,
             growth: gx,
             change,
@@ -109,7 +109,7 @@ impl<T: Real> AxialRest<T> {
     pub fn root(&self, from: T, q: T, part: T, limit: u16) -> Loaded<T> {
         // There, d exceeds 1 + q / Kn, and the sine of the contact angle 1/3.
         let above = (T::of(8.0 * L0) * (T::ONE + q / self.kn)).sqrt();
-        let mut root = from.or_smaller(above);
+        let mut root = from.at_most(above);
         let (mut step, mut iterations) = (root, 0);
         loop {
             let centres = self.centres(root);
@@ -129,7 +129,7 @@ impl<T: Real> AxialRest<T> {
             let [slope, ..] = contact.tangent();
             let missing = q - contact.q * contact.n[0];
             let next = root + missing * centres.axial / (slope * root);
-            let next = next.or_larger(T::of(0.1) * root).or_smaller(above);
+            let next = next.at_least(T::of(0.1) * root).at_most(above);
             step = next - root;
             root = next;
             iterations += 1;
@@ -144,13 +144,13 @@ impl<T: Real> AxialRest<T> {
             -both - self.growth
         } else {
             // A difference of squares instead of a difference.
-            (at.excess - self.change) / both.or_larger(T::TINY) - self.growth
+            (at.excess - self.change) / both.at_least(T::TINY) - self.growth
         }
     }
 
     /// Largest relative error of a displacement `dx` by rounding of what growth adds.
     pub fn rounding(&self, dx: T) -> T {
-        let change = self.change.abs() / (self.free.or_larger(dx.abs())) + self.growth.abs();
-        T::EPSILON * change / dx.abs().or_larger(T::TINY)
+        let change = self.change.abs() / (self.free.at_least(dx.abs())) + self.growth.abs();
+        T::EPSILON * change / dx.abs().at_least(T::TINY)
     }
 }

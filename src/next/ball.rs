@@ -145,7 +145,7 @@ impl<T: Real> Ball<T> {
         // One contact between the ring and what stays in place.
         self.local = Local {
             delta: contact.delta,
-            per_di: T::ONE / contact.delta.or_larger(T::NOTHING),
+            per_di: T::ONE / contact.delta.at_least(T::NOTHING),
             per_ri: contact.per_r,
             cd: T::ONE,
             hn: contact.slope,
@@ -167,7 +167,7 @@ impl<T: Real> Ball<T> {
         }
         let (inner, outer) = (v[0] * l.per_di, along * l.per_do);
         let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
-        let depth = inner.abs().or_smaller(T::ONE) + outer.abs().or_smaller(T::ONE);
+        let depth = inner.abs().at_most(T::ONE) + outer.abs().at_most(T::ONE);
         Change {
             depth: T::of(0.5) * depth,
             turn: turn_i.abs() + turn_o.abs(),
@@ -208,13 +208,13 @@ impl<T: Real> Ball<T> {
         } else {
             (T::NOTHING, T::ZERO)
         };
-        let do_ = do_.or_larger(T::LEAST);
+        let do_ = do_.at_least(T::LEAST);
         let [cd, sd] = turn([so, co], n);
         let (zi, zo) = (ki * di.sqrt(), do_.sqrt());
 
         // One division for six quotients.
         let kwi = c.kw * di;
-        let apart = (one + cd).or_larger(T::of(0.01));
+        let apart = (one + cd).at_least(T::of(0.01));
         let (qi, qo) = (zi * di, zo * do_);
         let (wi, wo) = (kwi * di, do_ * do_);
         let forces = qi + qo;

@@ -64,11 +64,11 @@ impl<T: Real> Contact<T> {
     /// The contact along the vector `v`, whose squared length is `excess` more than that of the undeformed contact.
     #[inline(always)]
     pub fn along(v: Pair<T>, excess: T, length: T, k: T) -> Self {
-        let r = dot(v, v).or_larger(T::TINY).sqrt();
+        let r = dot(v, v).at_least(T::TINY).sqrt();
         let both = r + length;
         let inverse = T::ONE / (r * both);
         let (delta, per_r) = (inverse * r * excess, inverse * both);
-        let depth = delta.or_larger(T::ZERO);
+        let depth = delta.at_least(T::ZERO);
         let root = k * depth.sqrt();
         let q = root * depth;
         Self {

@@ -32,7 +32,7 @@ impl<T: Real> Curvature<T> {
     #[inline(always)]
     pub fn force(&self, v: Pair<T>) -> Pair<T> {
         let half = T::of(0.5);
-        let relative = (v[0] * self.per_delta).or_larger(-half).or_smaller(half);
+        let relative = (v[0] * self.per_delta).at_least(-half).at_most(half);
         let gv = self.g() * v[1];
         [
             T::of(0.25) * self.slope * v[0] * relative + gv * v[1],
@@ -49,7 +49,7 @@ impl<T: Real> Curvature<T> {
         let growth = if relative.abs() < T::of(0.1) {
             relative * (T::of(0.5) - relative * (T::of(0.125) - T::of(0.0625) * relative))
         } else {
-            (T::ONE + relative).or_larger(T::ZERO).sqrt() - T::ONE
+            (T::ONE + relative).at_least(T::ZERO).sqrt() - T::ONE
         };
         [self.slope * growth, g2 * v[1], g2 * v[0]]
     }

@@ -115,7 +115,7 @@ impl<T: Real, const D: usize> Factors<T, D> {
         let (mut least, mut element) = (T::ONE, T::ONE);
         for i in 0..D {
             let pivot = lu[i][i];
-            let diagonal = (k[i][i].abs() + shift).or_larger(T::TINY);
+            let diagonal = (k[i][i].abs() + shift).at_least(T::TINY);
             if !(pivot * element >= least * diagonal) {
                 (least, element) = (pivot, diagonal);
             }
@@ -142,7 +142,7 @@ impl<T: Real, const D: usize> Factors<T, D> {
     pub fn compliance(&self) -> T {
         let mut largest = T::ZERO;
         for i in 0..D {
-            largest = largest.or_larger(self.lu[i][i].abs());
+            largest = largest.at_least(self.lu[i][i].abs());
         }
         largest
     }

@@ -1,7 +1,7 @@
 //! Places a ball that its own Newton steps do not: near its equilibrium for the ring where that is.
 //!
 //! With inertia loads frozen, the ball's energy `2/5 Ki delta_i^(5/2) + 2/5 Ko delta_o^(5/2) - P.X` is convex, and
-//! Newton's method descends on it. The loads are worked out anew at every step.
+//! Newton's method descends on it. The loads are worked out again at every step.
 
 use super::ball::Ball;
 use super::constants::Constants;
@@ -21,7 +21,7 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
     if dot(to_inner, to_inner) <= p.li * p.li {
         return off;
     }
-    let length = dot(a, a).or_larger(T::TINY).sqrt();
+    let length = dot(a, a).at_least(T::TINY).sqrt();
     let e = scale(T::ONE / length, a);
     let (mut d_i, mut d_o) = (T::ZERO, root * root);
     let mut x = off;
@@ -30,17 +30,17 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
         if length >= ro + ri {
             // Taut: both contacts share what is left.
             let beyond = length - p.lo - p.li;
-            let ro = p.lo + (c.outer_share * beyond).or_larger(d_o.or_smaller(beyond));
+            let ro = p.lo + (c.outer_share * beyond).at_least(d_o.at_most(beyond));
             return scale(ro, e);
         }
         let along = T::of(0.5) * (length + (ro - ri) * (ro + ri) / length);
-        let height = (ro * ro - along * along).or_larger(T::ZERO).sqrt();
+        let height = (ro * ro - along * along).at_least(T::ZERO).sqrt();
         // Bent outwards, where the centrifugal force pulls.
         let side = if e[0] < T::ZERO { -height } else { height };
         x = add(scale(along, e), scale(side, [-e[1], e[0]]));
         let no = scale(T::ONE / ro, x);
         let ni = scale(T::ONE / ri, sub(a, x));
-        let sd = (ni[0] * no[1] - ni[1] * no[0]).abs().or_larger(T::of(1e-3));
+        let sd = (ni[0] * no[1] - ni[1] * no[0]).abs().at_least(T::of(1e-3));
         let (qi, qo) = (fc * no[0].abs() / sd, fc * ni[0].abs() / sd);
         let (wi, wo) = ((qi / c.ki).cbrt(), qo.cbrt());
         d_i = wi * wi;
@@ -70,7 +70,7 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
         let loads = pose.loads();
         let (f, m) = pose.forces();
         let r = add(f, loads);
-        let force = pose.inner.q.or_larger(pose.outer.q);
+        let force = pose.inner.q.at_least(pose.outer.q);
         if dot(r, r) <= T::of(tuning::PLACED * tuning::PLACED) * force * force {
             break;
         }
@@ -93,7 +93,7 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
 fn bounded<T: Real>(m: &Matrix2<T>, r: Pair<T>, most: T) -> Pair<T> {
     let weak = T::of(1e-3) * (m[0][0] + m[1][1]) + T::TINY;
     let (m00, m11) = (m[0][0] + weak, m[1][1] + weak);
-    let inverse = T::ONE / (m00 * m11 - m[0][1] * m[1][0]).or_larger(T::TINY);
+    let inverse = T::ONE / (m00 * m11 - m[0][1] * m[1][0]).at_least(T::TINY);
     let step = [
         inverse * (m11 * r[0] - m[0][1] * r[1]),
         inverse * (m00 * r[1] - m[1][0] * r[0]),

@@ -53,17 +53,17 @@ impl<T: Real> Pose<T> {
     pub fn at_speed<R: Rule>(ball: &Ball<T>, c: &Constants<T>, p: &Point<T>) -> Self {
         let i = Contact::at(&ball.inner, ball.inner_offset(), p.li, c.ki);
         let o = Contact::at(&ball.outer, ball.x, p.lo, T::ONE);
-        let (d_i, d_o) = (i.delta.or_larger(T::ZERO), o.delta.or_larger(T::LEAST));
+        let (d_i, d_o) = (i.delta.at_least(T::ZERO), o.delta.at_least(T::LEAST));
         let (wi, wo) = (c.kw * d_i * d_i, d_o * d_o);
         let eta = wi / (wi + wo);
-        let sigma = i.q / (i.q + o.q).or_larger(T::TINY);
+        let sigma = i.q / (i.q + o.q).at_least(T::TINY);
         let m = R::speeds(
             c.tau,
             &Contacts {
                 inner: i.n,
                 outer: o.n,
                 sin_d: i.n[0] * o.n[1] - i.n[1] * o.n[0],
-                q: T::ONE / (T::ONE + dot(i.n, o.n)).or_larger(T::of(0.01)),
+                q: T::ONE / (T::ONE + dot(i.n, o.n)).at_least(T::of(0.01)),
                 eta,
                 rest: T::ONE - eta,
                 sigma,
@@ -137,6 +137,6 @@ impl<T: Real> Pose<T> {
     pub fn energy(&self) -> T {
         let two_fifths = T::of(0.4);
         let (i, o) = (&self.inner, &self.outer);
-        two_fifths * (i.q * i.delta.or_larger(T::ZERO) + o.q * o.delta.or_larger(T::ZERO))
+        two_fifths * (i.q * i.delta.at_least(T::ZERO) + o.q * o.delta.at_least(T::ZERO))
     }
 }

@@ -52,7 +52,7 @@ pub fn change_of<T: Real>(v: Pair<T>, delta: T, per_r: T, share: &Share<T>, k: T
     if !(delta > T::ZERO) {
         return closing(v[0], delta, k);
     }
-    let depth = T::of(0.5) * (v[0].abs() / delta).or_smaller(T::ONE);
+    let depth = T::of(0.5) * (v[0].abs() / delta).at_most(T::ONE);
     let turn = (v[1] * per_r).abs();
     let h = share.magnitudes();
     Change { depth, turn, h }
@@ -104,7 +104,7 @@ impl<T: Real> Body<T> for StaticBall<T> {
         self.curvature = Curvature {
             slope: contact.slope,
             across: contact.across,
-            per_delta: T::ONE / contact.delta.or_larger(T::NOTHING),
+            per_delta: T::ONE / contact.delta.at_least(T::NOTHING),
             per_r: contact.per_r,
         };
     }

@@ -82,7 +82,7 @@ pub struct Rounding<T> {
 impl<T: Real> Rounding<T> {
     #[inline(always)]
     pub fn of(speed_load: T, size: T) -> Self {
-        let inertia = T::of(2.0) * speed_load / size.or_larger(T::TINY);
+        let inertia = T::of(2.0) * speed_load / size.at_least(T::TINY);
         Self {
             balance: T::EPSILON * (T::of(256.0) + inertia),
             step: T::EPSILON * (T::of(4.0) + inertia),
@@ -133,10 +133,10 @@ impl<T: Real> Course<T> {
         // Where rounding made the step, a ball made the balance worse; and under so small a bound any step would
         // pass for the last one.
         let moved = step > T::of(thresholds::ROUNDED_STEP) * T::EPSILON;
-        if moved && residual > T::ONE.or_larger(last + last) {
+        if moved && residual > T::ONE.at_least(last + last) {
             self.radius = T::of(0.5) * step;
         } else if residual < T::of(thresholds::WENT_WELL) * last {
-            self.radius = T::of(LONGEST_STEP).or_smaller(self.radius.or_larger(step + step));
+            self.radius = T::of(LONGEST_STEP).at_most(self.radius.at_least(step + step));
         }
         self.stuck = residual > T::of(thresholds::LED_NOWHERE) * last;
         self.last_residual = residual;
@@ -248,7 +248,7 @@ impl<T: Real> Outcome<T> {
     /// square of its imbalance.
     #[inline(always)]
     fn is_settled(&self, tolerance: T) -> bool {
-        self.imbalance * self.imbalance <= T::of(0.1) * tolerance.or_larger(T::EPSILON)
+        self.imbalance * self.imbalance <= T::of(0.1) * tolerance.at_least(T::EPSILON)
     }
 
     /// Whether the last step is so short that linearisations hold.
@@ -326,7 +326,7 @@ impl<T: Real> Outcome<T> {
         let gives = self.slack * growth;
         // Where that moves the ring by a hundredth of its way, or contacts by many deformations, or a step that
         // rounding stops changes the stiffness by a hundredth, nothing is known of the displacement.
-        let per_largest = T::ONE / largest.or_larger(T::TINY);
+        let per_largest = T::ONE / largest.at_least(T::TINY);
         let slack = self.slack * per_largest;
         let unknown = T::of(1e4);
         // What a Newton step leaves is of second order.
@@ -371,17 +371,17 @@ pub fn growth<T: Real, const D: usize>(hardening: T, tangent: &Tangent<T, D>) ->
     }
     // Balls' stiffnesses along their contacts add up to this.
     let sum = tangent[0][0] + tangent[1][1] + tangent[2][2];
-    let growth = T::of(1.0 / 3.0) * hardening / sum.or_larger(T::TINY);
-    growth.or_smaller(T::ONE / T::EPSILON)
+    let growth = T::of(1.0 / 3.0) * hardening / sum.at_least(T::TINY);
+    growth.at_most(T::ONE / T::EPSILON)
 }
 
 /// A change of stiffness, axial and radial and summed over the balls, relative to the tangent.
 #[inline(always)]
 pub fn relative<T: Real, const D: usize>(change: &Pair<T>, tangent: &Tangent<T, D>) -> T {
-    let mut part = change[0] / tangent[0][0].or_larger(T::TINY);
+    let mut part = change[0] / tangent[0][0].at_least(T::TINY);
     if D >= 3 {
-        let radial = tangent[1][1].or_smaller(tangent[2][2]);
-        part = part.or_larger(change[1] / radial.or_larger(T::TINY));
+        let radial = tangent[1][1].at_most(tangent[2][2]);
+        part = part.at_least(change[1] / radial.at_least(T::TINY));
     }
     // Not all that a step changes is summed: on the campaign's cases, half as much again makes the tolerance
     // hold.

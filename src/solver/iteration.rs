@@ -68,7 +68,7 @@ where
         let (s0, mut w) = (c.n0[0].high, T::ONE);
         for _ in 0..24 {
             let step = Spring::at(s0, w).step(q);
-            w = (w - step).or_larger(T::of(0.1) * w);
+            w = (w - step).at_least(T::of(0.1) * w);
             if step.abs() <= T::of(0.01) * w {
                 break;
             }

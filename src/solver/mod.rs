@@ -386,7 +386,7 @@ where
             }
         }
         if B::HOLDS {
-            size = size.or_larger(norm(&self.state.force));
+            size = size.at_least(norm(&self.state.force));
         }
         self.conclude(outcome, load, size, speed_load, |i| {
             B::HELD[i].then(|| values[i])
@@ -542,15 +542,15 @@ where
         let total = self.state.position.total();
         // What is left of the balance when rounding ends the solve is not only rounding of the load.
         let unbalanced = match outcome.status {
-            Status::PrecisionLimit => outcome.unknown.or_larger(outcome.residual),
+            Status::PrecisionLimit => outcome.unknown.at_least(outcome.residual),
             _ => T::EPSILON,
         };
-        outcome.slack = (unbalanced * size * outcome.weakest).or_smaller(T::ONE);
+        outcome.slack = (unbalanced * size * outcome.weakest).at_most(T::ONE);
         let inertia = ring::sharing::<T, D>(c) * speed_load;
         let forces = inertia + T::of(10.0) * size;
         let error = outcome.error(
             span(&total),
-            inertia / forces.or_larger(T::TINY),
+            inertia / forces.at_least(T::TINY),
             growth(outcome.hardening, &self.state.tangent),
         );
         let mut displacement = ring::displacement_out(c, &total);
@@ -591,7 +591,7 @@ where
         let (mut status, mut sweeps) = (Status::SweepLimit, 0);
         let step = loop {
             let least = T::of(0.1) * w;
-            let next = (w - spring.step(q)).or_larger(least).or_smaller(T::of(2.0));
+            let next = (w - spring.step(q)).at_least(least).at_most(T::of(2.0));
             let step = next - w;
             w = next;
             spring = Spring::at(s0, w);

@@ -73,7 +73,7 @@ impl<T: Real> Still<T> {
         let turn = c * da[0] - s * da[1];
         let squared = T::of(0.5) * turn * turn;
         let most = self.delta;
-        let more = (along + squared).or_smaller(most).or_larger(-most);
+        let more = (along + squared).at_most(most).at_least(-most);
         let to = self.delta + more;
         let (before, after) = (T::of(1.0 / 1.5) * self.slope * self.delta, to * to.sqrt());
         let along = after - before - self.slope * along - before * squared;
@@ -149,12 +149,12 @@ where
             let along = ball.lag + s * da[0] + c * da[1];
             let turn = c * da[0] - s * da[1];
             let to = ball.delta + along;
-            let slope = T::of(1.5) * to.or_larger(T::ZERO).sqrt();
+            let slope = T::of(1.5) * to.at_least(T::ZERO).sqrt();
             // A contact's stiffness along it changes by its slope, and what turns by the square of the turn.
             let steeper = (slope - ball.slope).abs();
             let mixed = s * c;
             let turned =
-                slope.or_larger(ball.slope) * turn.abs() * ((mixed + mixed).abs() + turn.abs());
+                slope.at_least(ball.slope) * turn.abs() * ((mixed + mixed).abs() + turn.abs());
             all.stiffness = add(
                 all.stiffness,
                 [steeper * s * s + turned, steeper * c * c + turned],
@@ -295,7 +295,7 @@ where
         let mut heavier = T::ONE;
         if last && applied > T::ZERO {
             let heavy = T::of(at_rest::HEAVY) * ring::sharing::<T, D>(self.c);
-            heavier = heavier.or_larger(heavy / applied.or_larger(T::TINY));
+            heavier = heavier.at_least(heavy / applied.at_least(T::TINY));
         }
         // The last step, and the force along it.
         let (mut du, mut driven, mut halved) = ([T::ZERO; D], T::ZERO, 0);
@@ -310,14 +310,14 @@ where
             }
             leading = !last;
             if B::HOLDS {
-                size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
+                size = size.at_least(norm(&self.state.force)).at_least(T::TINY);
                 touching = touch(size);
             }
             let force = self.state.force;
             let (none, mut own) = ([T::ZERO; D], [[T::ZERO; D]; D]);
             let mut b: [T; D] = from_fn(|i| heavier * load[i] - force[i]);
             if heavier > T::ONE && norm(&b) < T::of(at_rest::LIGHTENS_AT) * heavier * size {
-                heavier = T::ONE.or_larger(T::of(at_rest::LIGHTENED) * heavier);
+                heavier = T::ONE.at_least(T::of(at_rest::LIGHTENED) * heavier);
                 b = from_fn(|i| heavier * load[i] - force[i]);
                 driven = T::ONE / T::TINY;
             }
@@ -360,7 +360,7 @@ where
             // A ball resists in its plane, in two directions; of more, rounding shows what is not there.
             weakness.singular |= usize::from(loaded) * 2 < Self::FREE;
             outcome.weaken(&weakness);
-            let rounded_part = rounding.step / outcome.residual.or_larger(rounding.step);
+            let rounded_part = rounding.step / outcome.residual.at_least(rounding.step);
             let moved = self.displace(&du);
             (outcome.step, outcome.imbalance) = (span(&du), T::ZERO);
             if !(outcome.step + outcome.residual).is_finite() {
@@ -377,7 +377,7 @@ where
             let falls =
                 outcome.residual > noise && outcome.residual < T::of(at_rest::FALLS) * residual;
             course.compare(if falls { T::ZERO } else { outcome.change }, change, false);
-            let now = applied.or_larger(norm(&self.state.force));
+            let now = applied.at_least(norm(&self.state.force));
             let scale = if B::HOLDS { now } else { size };
             let balanced = outcome.residual * size <= T::of(thresholds::BALANCED) * scale
                 && heavier <= T::ONE

@@ -129,7 +129,7 @@ where
                 return;
             }
             if B::HOLDS {
-                size = size.or_larger(norm(&self.state.force)).or_larger(T::TINY);
+                size = size.at_least(norm(&self.state.force)).at_least(T::TINY);
             }
 
             let (mut du, mut weakness, mut far) = ([T::ZERO; D], Weakness::NONE, false);
@@ -154,7 +154,7 @@ where
                 }
                 let enough = rounding
                     .balance
-                    .or_larger(T::of(thresholds::GOES_ON.1) * tolerance);
+                    .at_least(T::of(thresholds::GOES_ON.1) * tolerance);
                 far = course.judge(outcome.residual, outcome.step, enough) && follows;
                 (du, weakness) = if course.laws {
                     let tangent = *tangent;
@@ -175,7 +175,7 @@ where
                 Given::Load(_) => outcome.residual,
                 Given::Displacement(_) => imbalance,
             };
-            let rounded_part = rounding.step / unbalanced.or_larger(rounding.step);
+            let rounded_part = rounding.step / unbalanced.at_least(rounding.step);
             let moved = if course.laws {
                 self.follow(&drive, &du)
             } else {
@@ -202,7 +202,7 @@ where
             // Progress of held scenes is measured by the largest forces seen; what is left must be small beside
             // the forces as they are.
             let scale = if B::HOLDS {
-                applied.or_larger(norm(&self.state.force))
+                applied.at_least(norm(&self.state.force))
             } else {
                 size
             };
@@ -262,7 +262,7 @@ where
                     laws,
                     Some(thresholds::STEPS_ANEW),
                 );
-                worst = worst.or_larger(imbalance);
+                worst = worst.at_least(imbalance);
                 total = total.saturating_add(repeats);
             }
             sums.add(at, &share, false);
@@ -297,7 +297,7 @@ where
                     sums.add(at, &more.tangent);
                 }
             }
-            all.step = all.step.or_larger(M::advance(ball, da));
+            all.step = all.step.at_least(M::advance(ball, da));
         }
         if let (true, Some(part)) = (O::STIFFNESS, correction) {
             for (row, more) in self.state.tangent.iter_mut().zip(&sums.tangent()) {
@@ -389,7 +389,7 @@ where
         // equilibrium from the one side, the ball at rest from the other.
         let (free, _) = free_ball(c, speed_load, centre);
         let reach = c.inner * c.inner - (centre[1] - free) * (centre[1] - free);
-        let touch = sign * reach.or_larger(T::ZERO).sqrt() - coarse[0] - fine[0];
+        let touch = sign * reach.at_least(T::ZERO).sqrt() - coarse[0] - fine[0];
         let (mut low, mut high) = if sign > T::ZERO {
             (touch, offset)
         } else {
@@ -418,8 +418,8 @@ where
             } else {
                 high = offset;
             }
-            let step = b / share.stiffness[0][0].or_larger(T::of(1e-6));
-            let mut new = offset + step.or_smaller(T::of(0.2)).or_larger(T::of(-0.2));
+            let step = b / share.stiffness[0][0].at_least(T::of(1e-6));
+            let mut new = offset + step.at_most(T::of(0.2)).at_least(T::of(-0.2));
             if bracket && !(new > low && new < high) {
                 new = T::of(0.5) * (low + high);
             }

@@ -30,7 +30,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         // The largest quotient, with one division.
         let (mut change, mut element) = (T::ZERO, T::ONE);
         for i in 0..D {
-            let diagonal = k[i][i].abs().or_larger(T::TINY);
+            let diagonal = k[i][i].abs().at_least(T::TINY);
             if sums[i] * element > change * diagonal {
                 (change, element) = (sums[i], diagonal);
             }
@@ -57,11 +57,11 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
             let turn = change.turn + change.turn;
             let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
             let relative = change.depth + turn;
-            most = most.or_larger(relative);
+            most = most.at_least(relative);
             let [axial, radial] = ball.share().force;
             let force = axial.abs() + radial.abs();
-            largest = largest.or_larger(force);
-            lost = lost.or_larger(relative * relative * force);
+            largest = largest.at_least(force);
+            lost = lost.at_least(relative * relative * force);
             let mixed = turn * change.h[1];
             let (axial, radial) = (change.depth * change.h[0], change.depth * change.h[2]);
             let (axial, radial) = (axial + mixed, radial + mixed);
@@ -88,10 +88,10 @@ pub(super) fn errors<T: Real, const D: usize>(
     let margin = T::of(tuning::MARGIN);
     // A deformation is rounded at about a unit of length, whatever it is.
     let root = outcome.estimate.largest.cbrt();
-    let rounding = T::EPSILON * (T::of(10.0) + T::of(10.0) / (root * root).or_larger(T::EPSILON));
+    let rounding = T::EPSILON * (T::of(10.0) + T::of(10.0) / (root * root).at_least(T::EPSILON));
     let moved = T::of(4.0) * T::EPSILON * (T::ONE + forces * state.factors.compliance());
     let step = margin * outcome.step * outcome.estimate.most;
-    let displacement = (step + moved) / norm(u).or_larger(T::TINY);
+    let displacement = (step + moved) / norm(u).at_least(T::TINY);
     ErrorEstimate {
         displacement,
         force: margin * outcome.estimate.force + rounding,

@@ -28,12 +28,12 @@ pub(super) fn continuation<T: Real, R: Rule, const D: usize>(
     let like = unloaded(row.c);
     at_rest::<T, _, R, D>(state, row, &rough, p, &like, budget);
     let mut s = T::ZERO;
-    let mut step = (T::of(tuning::LIGHT) * task.size / row.c.balls).or_smaller(p.s);
+    let mut step = (T::of(tuning::LIGHT) * task.size / row.c.balls).at_most(p.s);
     let (mut u, mut v) = (state.u, state.v);
     // Whether the balls are at the last solution.
     let mut follows = false;
     while *budget > 0 {
-        let next = (s + step).or_smaller(p.s);
+        let next = (s + step).at_most(p.s);
         let there = Point {
             s: next,
             regime: Regime::Speed,

@@ -187,7 +187,7 @@ impl<T: Real, const D: usize> State<T, D> {
             outcome = M::cold(self, row, task, p, budget);
         }
         self.load = task.load;
-        self.size = task.size.or_larger(norm(&self.sum.force));
+        self.size = task.size.at_least(norm(&self.sum.force));
         self.s = p.s;
         outcome
     }

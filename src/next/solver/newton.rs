@@ -196,11 +196,11 @@ impl<T: Real, const D: usize> State<T, D> {
             } else {
                 let mut largest = T::TINY;
                 for i in 0..D {
-                    largest = largest.or_larger(self.sum.k[i][i].abs());
+                    largest = largest.at_least(self.sum.k[i][i].abs());
                 }
                 // Where no ball carries, the ring floats towards its load.
                 let floating = T::of(1e-3) * norm(r) / radius;
-                damping = (T::of(tuning::DAMPING) * largest).or_larger(floating);
+                damping = (T::of(tuning::DAMPING) * largest).at_least(floating);
             }
             if !(damping < T::ONE / T::TINY.sqrt()) {
                 return ([T::ZERO; D], T::ZERO, true);
@@ -272,9 +272,9 @@ impl<T: Real, const D: usize> State<T, D> {
             let r = self.unbalanced(task, T::ZERO);
             let mut size = task.size;
             if !task.is_free() {
-                size = size.or_larger(norm(&self.sum.force));
+                size = size.at_least(norm(&self.sum.force));
             }
-            outcome.residual = norm(&r) / size.or_larger(T::TINY);
+            outcome.residual = norm(&r) / size.at_least(T::TINY);
             if !outcome.residual.is_finite() {
                 outcome.end = End::Lost;
                 break;
@@ -295,7 +295,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 if work < -step.work {
                     radius = T::of(0.5) * norm(&step.du);
                 } else if work > T::of(-0.5) * step.work {
-                    radius = T::of(64.0 * tuning::LARGEST_RADIUS).or_smaller(radius + radius);
+                    radius = T::of(64.0 * tuning::LARGEST_RADIUS).at_most(radius + radius);
                 }
             }
             let (du, length, damped) = self.step(row, task, &r, radius);
@@ -341,8 +341,8 @@ impl<T: Real, const D: usize> State<T, D> {
             largest,
         } = outcome.estimate;
         // Of the sum of the balls' forces, relative to the load.
-        let forces = row.c.balls * largest / task.size.or_larger(largest);
-        let rounding = T::of(100.0) * T::EPSILON * forces.or_larger(T::ONE);
+        let forces = row.c.balls * largest / task.size.at_least(largest);
+        let rounding = T::of(100.0) * T::EPSILON * forces.at_least(T::ONE);
         outcome.stalled = if k > T::of(0.5) * before {
             outcome.stalled.saturating_add(1)
         } else {

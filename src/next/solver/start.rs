@@ -183,8 +183,8 @@ fn axisymmetric<T: Real, R: Rule, const D: usize>(
             let Some(ball) = one.balls.first() else {
                 return;
             };
-            let step = (q - ball.share.force[0]) / ball.share.h[0][0].or_larger(T::TINY);
-            let step = step.or_larger(-longest).or_smaller(longest);
+            let step = (q - ball.share.force[0]) / ball.share.h[0][0].at_least(T::TINY);
+            let step = step.at_least(-longest).at_most(longest);
             state.v[0] += step;
             u[0] += step;
             if (q - ball.share.force[0]).abs() <= T::of(tuning::ROUGH) * q.abs() {
@@ -213,7 +213,7 @@ fn from_outer_race<T: Real, R: Rule, const D: usize>(
     let height = T::of(L0) * c.n0[1];
     let mut radial = p.lo;
     for _ in 0..4 {
-        let cos = ((height - radial) / p.li).or_larger(T::of(-0.9));
+        let cos = ((height - radial) / p.li).at_least(T::of(-0.9));
         let mu = (T::ONE - c.tau * cos) / (T::ONE + cos);
         let root = (p.s * mu * mu).cbrt();
         radial = p.lo + root * root;
@@ -222,7 +222,7 @@ fn from_outer_race<T: Real, R: Rule, const D: usize>(
     like.put([T::ZERO, radial]);
     let root = (pressing / (c.balls * c.ki)).cbrt();
     let (across, long) = (height - radial, p.li + root * root);
-    let along = (long * long - across * across).or_larger(T::ZERO).sqrt();
+    let along = (long * long - across * across).at_least(T::ZERO).sqrt();
     let dx = side * along - T::of(L0) * c.n0[0];
     let p = p.with(Regime::Outer);
     state.put(row, &p, from_given(c, task, dx), &like);
