@@ -1,8 +1,7 @@
 //! The solver core that is to take the place of the one above it.
 //!
 //! Data flows one way: `constants` (a design in the solver's units), `contact`, `kinematics`, `ball` (and `static_ball`,
-//! `place`, `pose`, `curvature`), `motion`, `axial`,
-//! `ring`, `frame`, `solver`.
+//! `place`, `pose`, `curvature`), `motion`, `axial`, `ring`, `frame`, `solver`.
 
 pub(crate) mod axial;
 pub(crate) mod ball;

@@ -137,7 +137,8 @@ pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
     /// The inner contact carries.
     fn carries(&self) -> bool;
 
-    /// How far the contacts of a ball that carries are apart, `abs(ai - ao)`, rad, if that is more than 150 degrees: there the cage speed has a pole nearby.
+    /// How far the contacts of a ball that carries are apart, `abs(ai - ao)`, rad, if that is more than 150 degrees: the
+    /// cage speed has its pole at 180.
     fn unseated(&self) -> Option<T>;
 
     /// How the contacts change if the groove's centre moves by `da` and the ball follows.

@@ -648,6 +648,36 @@ fn whatever_the_input_an_answer_is_finite_and_a_refusal_has_a_name() {
 }
 
 #[test]
+fn forces_of_an_answer_balance_the_load_where_the_ring_hardly_resists() {
+    let solved = (0..1000)
+        .into_par_iter()
+        .filter(|&index| {
+            let trial = Trial::new(11, Family::DeepGroove, index);
+            let (case, tick) = (&trial.case, &trial.ticks[0]);
+            if !(3..=30).contains(&case.balls) {
+                return false;
+            }
+            let mut solver = solver(&case.design, case.balls, Precision::F32, Balls::AtRest);
+            let Ok(found) = solver.ask(&Question::load(tick.load, 0.0)) else {
+                return false;
+            };
+            let sum = found.balls.iter().fold([0.0; 3], |[x, y, z], b| {
+                let (axial, radial) = (b.q_i * b.alpha_i.sin(), b.q_i * b.alpha_i.cos());
+                let (sin, cos) = b.azimuth.sin_cos();
+                [x + axial, y + radial * cos, z + radial * sin]
+            });
+            let largest = found.balls.iter().map(|b| b.q_i).fold(0.0, f64::max);
+            for (sum, load) in sum.iter().zip(tick.load) {
+                let off = (sum - load).abs();
+                assert!(off < 1e-3 * largest, "{}: {sum} of {load} N", case.name);
+            }
+            true
+        })
+        .count();
+    assert!(solved > 400, "{solved}");
+}
+
+#[test]
 fn input_out_of_range_is_refused_by_its_name() {
     let bearing = Bearing::<f32, 16>::new(&B7005C).unwrap();
     let mut solver = Solver::new(&bearing);

@@ -127,9 +127,9 @@ impl<T: Real, const D: usize> State<T, D> {
         self.anchor(row, p);
     }
 
-    /// Moves the ring by `du`.
-    fn advance(&mut self, row_plane: [T; D]) {
-        for (v, step) in self.v.iter_mut().zip(row_plane) {
+    /// Moves the ring by the step `du` of the groove plane.
+    fn advance(&mut self, du: [T; D]) {
+        for (v, step) in self.v.iter_mut().zip(du) {
             *v += step;
         }
     }
@@ -364,6 +364,8 @@ impl<T: Real, const D: usize> State<T, D> {
             outcome.end = End::Converged;
         } else if outcome.stalled > 1 && most < T::of(tuning::ROUGH) && outcome.residual < rounding
         {
+            // Such a step may lead far along a weak direction: the answer is where the balance was seen.
+            self.v = self.at;
             outcome.end = End::Rounded;
         } else {
             return false;
