@@ -25,7 +25,7 @@ pub static MONITOR: MonitorSettings = {
     // All of a tick's time.
     settings.tick.deadline_cycles = CORE_HZ / 1_000_000 * settings.tick.period_us;
     settings.tick.cost = COST;
-    // Half a thousandth is far below any threshold, and what a single sweep mostly reaches in a cut.
+    // Half a thousandth is far below any threshold, and what one or two iterations mostly reach in a cut.
     settings.tolerance = 5e-4;
     settings
 };

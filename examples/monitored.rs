@@ -3,7 +3,8 @@
 
 use super::Precision;
 use core::f64::consts::PI;
-use spindle_bearing::{Bearing, Design, FreeContact, Material};
+use spindle_bearing::Bearing;
+use spindle_bearing::{Design, FreeContact, Material};
 
 /// Ball count.
 pub const BALLS: usize = 16;

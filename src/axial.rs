@@ -1,98 +1,157 @@
-//! One ball at rest under its share of a pure axial load: a spring in closed form.
+//! The balls at rest under a purely axial load, in closed form: one stands for all.
 //!
-//! The centres of the grooves are `1 + w^2` apart, `w^2` being the deformation of both contacts, and
-//! `A1` along the axis: `A1^2 = sin^2 alpha0 + w^2 (w^2 + 2)`. The force is `w^3`, its axial part
-//! `w^3 A1 / (1 + w^2)`, which is convex in `w` but for the smallest loads, so that Newton's method
-//! comes down from above.
+//! With the grooves' centres `A1` apart along the axis and `A2` across, and `R = L0 - gD`,
+//!
+//! `|A|^2 = R^2 + d (2 R + d)`, `F / N = Kn d^(3/2) A1 / |A|`
+//!
+//! for the deformation `d` of both contacts. `e = R^2 - A2^2` is `A1^2` where contact begins; where it is negative,
+//! growth presses the balls before the ring moves. The unknown is the root `w` of the ring's part:
+//!
+//! `A1^2 = max(e, 0) + w^2`, `d (2 R + d) = max(-e, 0) + w^2`.
+//!
+//! Neither sum cancels, and the force grows with `w` at first with the power 3, 4 or 1, so that Newton's method from
+//! above comes down on the solution.
 
-use crate::contact::Reference;
+use super::constants::{Constants, L0};
+use super::contact::Contact;
+use super::motion::Point;
 use crate::float::Real;
 
-/// The ball at one deformation.
+/// From the outer to the inner groove's centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spring<T> {
-    root: T,
-    /// `A1`
+pub struct Centres<T> {
+    /// `A1`.
     pub axial: T,
-    /// `1 / (1 + w^2)`
-    per_length: T,
+    /// `|A|^2 - R^2`.
+    pub excess: T,
 }
 
-impl<T: Real> Spring<T> {
-    /// At the root `w` of the deformation; `s0` is the sine of the free contact angle.
+/// The balls at rest under a load.
+#[derive(Debug, Clone, Copy)]
+pub struct Loaded<T> {
+    pub root: T,
+    pub centres: Centres<T>,
+    pub contact: Contact<T>,
+    /// The last step was as small as asked for.
+    pub small: bool,
+    /// Square of the last step over that of the root: the error that Newton's method leaves.
+    pub left: T,
+    pub iterations: u16,
+}
+
+/// What the balls at rest have in common, wherever the ring is along its axis.
+#[derive(Debug, Clone, Copy)]
+pub struct AxialRest<T> {
+    /// `R` and `Kn`.
+    length: T,
+    kn: T,
+    /// `A2`.
+    radial: T,
+    /// Positive parts of `e` and of `-e`.
+    gap: T,
+    preload: T,
+    /// `L0 sin alpha0`, and the axial growth `gx`.
+    free: T,
+    growth: T,
+    /// `L0^2 sin^2 alpha0 - e`.
+    change: T,
+}
+
+impl<T: Real> AxialRest<T> {
+    /// At the growth of `p`.
     #[inline(always)]
-    pub fn at(s0: T, w: T) -> Self {
-        let square = w * w;
+    pub fn new(c: &Constants<T>, p: &Point<T>) -> Self {
+        let [axial, radial] = c.n0.map(|n| T::of(L0) * n);
+        let [gx, gr] = p.growth;
+        let change = p.l0_excess + gr * (radial + radial + gr);
+        let e = axial * axial - change;
         Self {
-            root: w,
-            axial: (s0 * s0 + square * (square + T::ONE + T::ONE)).sqrt(),
-            per_length: T::ONE / (T::ONE + square),
+            length: p.lo + p.li,
+            kn: c.kn,
+            radial: radial + gr,
+            gap: e.at_least(T::ZERO),
+            preload: (-e).at_least(T::ZERO),
+            free: axial,
+            growth: gx,
+            change,
         }
     }
 
-    /// The root of the deformation at the axial displacement `x`; 1, which is above all, if the ball is
-    /// not loaded there.
+    /// The grooves' centres at a root, on the side of the free contact angle.
     #[inline(always)]
-    pub fn root_at(s0: T, x: T) -> T {
-        let stretch = x * (s0 + s0 + x);
-        let root = (stretch / (T::ONE + (T::ONE + stretch).sqrt())).sqrt();
-        if stretch > T::ZERO { root } else { T::ONE }
+    pub fn centres(&self, root: T) -> Centres<T> {
+        let square = root * root;
+        Centres {
+            axial: (self.gap + square).sqrt(),
+            excess: self.preload + square,
+        }
     }
 
-    /// Axial force.
-    #[inline(always)]
-    pub fn force(&self) -> T {
-        self.root * self.root * self.root * self.axial * self.per_length
+    /// The grooves' centres at an axial displacement.
+    pub fn centres_at(&self, dx: T) -> Centres<T> {
+        let x = dx + self.growth;
+        Centres {
+            axial: self.free + x,
+            excess: x * (self.free + self.free + x) + self.change,
+        }
     }
 
-    /// How much less of the root Newton's method wants for the axial force `q`.
+    /// Both contacts in series.
     #[inline(always)]
-    pub fn step(&self, q: T) -> T {
-        // Numerator and denominator times the sine of the contact angle, which saves a division.
-        let sine = self.axial * self.per_length;
-        let w2 = self.root * self.root;
-        let value = (w2 * self.root * sine - q) * sine;
-        let square = sine * sine;
-        let slope =
-            T::of(3.0) * w2 * square + (w2 * w2 + w2 * w2) * (T::ONE - square) * self.per_length;
-        value / slope.at_least(T::TINY)
+    pub fn contact(&self, at: &Centres<T>) -> Contact<T> {
+        Contact::along([at.axial, self.radial], at.excess, self.length, self.kn)
     }
 
-    /// Axial displacement, on the side of the free contact angle or (`reversed`) on the other.
+    /// Newton's method on the root for the axial force `q` of a ball, from the root `from` or from above the solution.
+    ///
+    /// The last step has a square of at most `part` times that of the root, unless `limit` iterations were too few.
     #[inline(always)]
-    pub fn displacement(&self, s0: T, reversed: bool) -> T {
-        let both = self.axial + s0;
+    pub fn root(&self, from: T, q: T, part: T, limit: u16) -> Loaded<T> {
+        // There, d exceeds 1 + q / Kn, and the sine of the contact angle 1/3.
+        let above = (T::of(8.0 * L0) * (T::ONE + q / self.kn)).sqrt();
+        let mut root = from.at_most(above);
+        let (mut step, mut iterations) = (root, 0);
+        loop {
+            let centres = self.centres(root);
+            let contact = self.contact(&centres);
+            let square = step * step;
+            let small = square <= part * (root * root);
+            if small || iterations >= limit {
+                return Loaded {
+                    root,
+                    centres,
+                    contact,
+                    small,
+                    left: square / (root * root),
+                    iterations,
+                };
+            }
+            let [slope, ..] = contact.tangent();
+            let missing = q - contact.q * contact.n[0];
+            let next = root + missing * centres.axial / (slope * root);
+            let next = next.at_least(T::of(0.1) * root).at_most(above);
+            step = next - root;
+            root = next;
+            iterations += 1;
+        }
+    }
+
+    /// Axial displacement with the centres on the side of the free contact angle, or (`reversed`) on the other.
+    #[inline(always)]
+    pub fn displacement(&self, at: &Centres<T>, reversed: bool) -> T {
+        let both = at.axial + self.free;
         if reversed {
-            -both
+            -both - self.growth
         } else {
             // A difference of squares instead of a difference.
-            self.stretch() / both.at_least(T::TINY)
+            (at.excess - self.change) / both.at_least(T::TINY) - self.growth
         }
     }
 
-    /// Slope of the axial force by the axial displacement.
-    #[inline(always)]
-    pub fn stiffness(&self) -> T {
-        let sine = self.axial * self.per_length;
-        let square = sine * sine;
-        let across = self.root * self.root * self.per_length * (T::ONE - square);
-        self.root * (T::of(1.5) * square + across)
-    }
-
-    /// The inner groove's curvature centre as seen from the outer one's, `c0` being the cosine of the
-    /// free contact angle.
-    #[inline(always)]
-    pub fn centres(&self, c0: T, reversed: bool) -> Reference<T> {
-        Reference {
-            vector: [if reversed { -self.axial } else { self.axial }, c0],
-            excess: self.stretch(),
-        }
-    }
-
-    /// Square of the centres' distance less that in the unloaded bearing.
-    #[inline(always)]
-    fn stretch(&self) -> T {
-        let square = self.root * self.root;
-        square * (square + T::ONE + T::ONE)
+    /// Largest relative error of a displacement `dx` by rounding of what growth adds.
+    pub fn rounding(&self, dx: T) -> T {
+        let both = self.free.at_least(dx.abs()).at_least(T::TINY);
+        let change = self.change.abs() / both + self.growth.abs();
+        T::EPSILON * change / dx.abs().at_least(T::TINY)
     }
 }

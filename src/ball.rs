@@ -1,485 +1,396 @@
-//! One ball: its equilibrium between the two grooves, linearised exactly, and what it hands to the
-//! ring.
+//! A ball at speed: linearised at its present place, and condensed into what it hands to the ring.
 //!
-//! A ball sees the ring only through the position `A` of the inner groove's curvature centre. Its
-//! own unknown is the position `X` of its centre. With the loads of the contacts as functions of
-//! `V = A - X` (inner) and `X` (outer),
+//! With `V = A - X` and `X` the vectors along the inner and the outer contact, `n` and `t` the contacts' normals and
+//! tangents, the ball's residual is
 //!
-//! ```text
-//! f(V, X) = Qi n_i + Ti t_i                       force on the ring
-//! r(V, X) = f - Qo n_o - To t_o + Fc e_r          force on the ball, 0 in equilibrium
-//! ```
+//! `r = Qi ni + Ti ti - Qo no - To to + Fc er`.
 //!
-//! one Newton step eliminates `X`: `dX = x0 + Y dA`, and the ring sees `f + f_X x0` and the
-//! tangent `H = f_V (1 - Y) + f_X Y`. At equilibrium `x0 = 0` and `H` is the exact stiffness of
-//! this ball, the derivatives of inertia loads, attitude and friction shares included.
+//! The pass works along the normal and tangent of the inner contact, where half of the derivatives are single numbers.
+//! `B = dr/dV` and `M = -dr/dX` (at fixed `A`) give the Newton step `z = M^-1 r` and its slope by the groove's centre
+//! `D = M^-1 B`. The ring sees the force `f = Qi ni + Ti ti` after that step, and the slope `H = df/dA` along it.
+//!
+//! Positions are a reference, whose deformations are known to twice the working precision, plus a small offset:
+//! `|X|^2 - lo^2 = e + (2 Xr + x).x`, so that a deformation keeps the digits that a difference of lengths would lose.
 
-use crate::constants::Constants;
-use crate::contact::{Contact, Lead, Pair, Reference, add, dot, scale, sub};
+use super::constants::Constants;
+use super::contact::{Contact, Reference, to_grid};
+use super::kinematics::{Contacts, Rule};
+use super::linalg::{
+    Matrix2, Pair, add, dot, dots, product2, scale, sub, times, times_transposed, turn,
+};
+use super::motion::{Change, Point, Regime, Share};
+use super::static_ball::{closing, l0_squared, share_of};
 use crate::float::Real;
-use crate::kinematics::{Attitude, BallMotion, NEAREST_POLE};
-use crate::spring::{Spring, Square, Stretch};
 
-/// What one ball hands to the ring for the present displacement, elimination done.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Share<T> {
-    /// Force on the ring, axial and radial.
-    pub force: Pair<T>,
-    /// Friction moment about the inner groove's centre, over the lever arm `Rp`.
-    pub couple: T,
-    /// Tangent of the force by `A`.
-    pub stiffness: Square<T>,
-    /// Tangent of the couple by `A`.
-    pub couple_slope: Pair<T>,
-}
-
-impl<T: Real> Share<T> {
-    /// A ball that carries nothing.
-    pub const NONE: Self = Self {
-        force: [T::ZERO; 2],
-        couple: T::ZERO,
-        stiffness: [[T::ZERO; 2]; 2],
-        couple_slope: [T::ZERO; 2],
-    };
-}
-
-/// A ball at speed: its position, and its last linearisation.
+/// What is remembered of a ball.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ball<T> {
-    /// References of `X` and of `V = A - X`; they add up to `A` at the ring's reference.
+    /// Along the outer and the inner contact, and what the latter's reference leaves of `A - X`.
     pub outer: Reference<T>,
     pub inner: Reference<T>,
-    /// `A.A - 1` there, which is twice the squeeze of a ball at rest.
-    pub excess: T,
-    /// Offset of `X` from its reference.
+    pub low: Pair<T>,
+    /// Where it was linearised: offset from the outer reference, and that of the groove's centre.
     pub x: Pair<T>,
-    /// Newton step of `X` at a fixed ring, along the inner contact's normal and tangent.
-    pub step: Pair<T>,
-    /// Its derivative by `A`, likewise.
-    pub slope: Square<T>,
-    /// What moves the ball, by the force on it: the negative inverse of its tangent, likewise.
-    pub mobility: Square<T>,
-    /// Centrifugal force.
-    pub fling: T,
-    /// Derivatives by the logarithm of the speed load: of the ball's position (along the inner contact's
-    /// normal and tangent), and of what it hands to the ring.
-    pub step_by_speed: Pair<T>,
-    pub force_by_speed: Pair<T>,
-    pub couple_by_speed: T,
-    /// What the ring knows of the ball between linearisations, and its last look at that.
-    pub spring: Spring<T>,
-    pub stretch: Stretch<T>,
-    /// Forces of the inner and the outer contact, as unknowns of their own.
-    pub inner_lead: Lead<T>,
-    pub outer_lead: Lead<T>,
+    pub a: Pair<T>,
+    /// Normal of the inner contact there.
+    pub n: Pair<T>,
+    /// Newton step along normal and tangent, its slope by the groove's axial and radial position, and its slope by the
+    /// relative change of `omega^2`.
+    pub z: Pair<T>,
+    pub d: Matrix2<T>,
+    pub xs: Pair<T>,
+    pub local: Local<T>,
+    /// What it hands to the ring.
+    pub share: Share<T>,
 }
 
-/// Inertia loads and friction of a ball.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Loads<T> {
-    /// Centrifugal force.
-    pub centrifugal: T,
-    /// Sum of both friction forces, `2 Mg / D`.
-    pub friction: T,
-    /// Friction force at the inner contact.
-    pub inner_friction: T,
-    /// Friction force at the outer contact.
-    pub outer_friction: T,
+/// The contacts where the ball was linearised.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Local<T> {
+    /// Deformation of the inner contact, negative across a gap; of both in series, at rest.
+    pub delta: T,
+    /// One over deformations and over the lengths.
+    pub per_di: T,
+    pub per_do: T,
+    pub per_ri: T,
+    pub per_ro: T,
+    /// Sine and cosine of the angle between the contacts.
+    pub sd: T,
+    pub cd: T,
+    /// Slopes `dQ / d delta` of the contact forces, their quotients by the lengths, and `Ti / Ri`.
+    pub hn: T,
+    pub ho: T,
+    pub kap: T,
+    pub kap_o: T,
+    pub th: T,
+    /// `M^-1`.
+    pub j: Matrix2<T>,
 }
 
-/// State of a ball at one position.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pass<T> {
-    pub inner: Contact<T>,
-    pub outer: Contact<T>,
-    pub loads: Loads<T>,
+/// What a linearisation says of the ball's balance: squares of the unbalanced force and of the contact forces.
+#[derive(Debug, Clone, Copy)]
+pub struct Balance<T> {
+    residual: T,
+    inner: T,
+    outer: T,
 }
 
-#[inline(always)]
-fn multiply<T: Real>(a: &Square<T>, b: &Square<T>) -> Square<T> {
-    let mut m = [[T::ZERO; 2]; 2];
-    for i in 0..2 {
-        for j in 0..2 {
-            m[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j];
-        }
+impl<T: Real> Balance<T> {
+    /// The unbalanced force is at most this part of the larger contact force.
+    #[inline(always)]
+    pub fn is_within(&self, part: f64) -> bool {
+        let least = T::of(1.0 / (part * part)) * self.residual;
+        least <= self.outer || least <= self.inner
     }
-    m
-}
 
-/// How many times what is negligible beside the bearing's load a ball's force must be to count.
-pub const COUNTS: f64 = 1e3;
-
-/// A quotient that is rarely wanted: as a division it would be made always, and mostly thrown away.
-#[cold]
-#[inline(never)]
-fn quotient<T: Real>(a: T, b: T) -> T {
-    a / b
+    /// The unbalanced force is of at most this square.
+    #[inline(always)]
+    pub fn is_below(&self, square: T) -> bool {
+        self.residual <= square
+    }
 }
 
 impl<T: Real> Ball<T> {
-    /// Contacts for the ring's offset `a` from its reference.
+    /// Has the ball follow the groove's centre to `a`, and a relative change `ds` of `omega^2`.
     #[inline(always)]
-    fn contacts(&self, c: &Constants<T>, a: Pair<T>) -> (Contact<T>, Contact<T>) {
-        let y = sub(a, self.x);
-        (
-            Contact::at(&self.inner, y, c.inner, c.ki),
-            Contact::at(&self.outer, self.x, c.outer, c.ko),
-        )
+    pub fn advance(&mut self, a: Pair<T>, ds: T) {
+        let da = sub(a, self.a);
+        let own = add(self.z, scale(ds, self.xs));
+        let step = add(own, times(&self.d, da));
+        self.x = add(self.x, turn(self.n, step));
+        self.a = a;
     }
 
+    /// Moves the references next to where the ball is.
+    ///
+    /// The ring's reference position has the groove's centre at `high + low`, `high` being a multiple of 2^-17.
+    pub fn move_references(&mut self, c: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>) {
+        let x = add(self.outer.vector, self.x);
+        let reference = x.map(to_grid);
+        self.x = add(sub(self.outer.vector, reference), self.x);
+        self.outer = Reference::at(reference, &c.lo_squared, p.lo_excess);
+        let v = sub(high, reference);
+        let reference = v.map(to_grid);
+        self.inner = Reference::at(reference, &c.li_squared, p.li_excess);
+        self.low = add(sub(v, reference), add(low, p.growth));
+    }
+
+    /// Moves the references next to where the ball is, the ring's reference position left as it is.
+    pub fn move_own_references(&mut self, c: &Constants<T>, p: &Point<T>) {
+        let reference = add(self.outer.vector, self.x).map(to_grid);
+        let both = add(self.outer.vector, self.inner.vector);
+        self.x = add(sub(self.outer.vector, reference), self.x);
+        self.outer = Reference::at(reference, &c.lo_squared, p.lo_excess);
+        self.inner = Reference::at(sub(both, reference), &c.li_squared, p.li_excess);
+    }
+
+    /// Has the ball stay where it is until it is linearised again.
+    pub fn hold(&mut self) {
+        self.n = [T::ZERO, T::ONE];
+        self.z = [T::ZERO; 2];
+        self.d = [[T::ZERO; 2]; 2];
+        self.xs = [T::ZERO; 2];
+    }
+
+    /// Puts the ball's centre at `x`.
+    pub fn put(&mut self, x: Pair<T>) {
+        self.x = sub(x, self.outer.vector);
+        self.z = [T::ZERO; 2];
+    }
+
+    /// The vector along the inner contact, beyond its reference.
     #[inline(always)]
-    fn loads<A: Attitude>(
-        c: &Constants<T>,
-        speed_load: T,
-        inner: &Contact<T>,
-        outer: &Contact<T>,
-    ) -> (BallMotion<T>, Loads<T>) {
-        let m = A::motion(c, inner, outer);
-        let (mut friction, mut inner_friction) = (T::ZERO, T::ZERO);
-        if A::FRICTION {
-            friction = T::of(0.4) * speed_load * m.mu.value * m.nu.value;
-            inner_friction = m.share * friction;
-        }
-        let loads = Loads {
-            centrifugal: speed_load * m.mu.value * m.mu.value,
-            friction,
-            inner_friction,
-            outer_friction: friction - inner_friction,
+    pub fn inner_offset(&self) -> Pair<T> {
+        add(self.low, sub(self.a, self.x))
+    }
+
+    /// The contact of a ball that is taken for one: at rest both in series, on the outer race the inner one.
+    pub fn only_contact(&self, c: &Constants<T>, p: &Point<T>) -> Contact<T> {
+        let (reference, offset, length, k) = if p.regime == Regime::Outer {
+            (self.inner, self.inner_offset(), p.li, c.ki)
+        } else {
+            let vector = add(self.outer.vector, self.inner.vector);
+            let centres = Reference::at(vector, &l0_squared(), p.l0_excess);
+            (centres, add(self.low, self.a), p.lo + p.li, c.kn)
         };
-        (m, loads)
+        Contact::at(&reference, offset, length, k)
     }
 
-    /// Contacts and loads, without the linearisation.
-    #[inline]
-    pub fn observe<A: Attitude>(&self, c: &Constants<T>, speed_load: T, a: Pair<T>) -> Pass<T> {
-        let (mut inner, mut outer) = self.contacts(c, a);
-        // A ball without forces has dropped out; rounding may still see it touch.
-        if self.outer_lead.q <= T::ZERO {
-            inner.q = T::ZERO;
-            outer.q = T::ZERO;
+    /// Condenses the ball in closed form.
+    #[inline(never)]
+    pub fn condense_held(&mut self, c: &Constants<T>, p: &Point<T>) {
+        let contact = self.only_contact(c, p);
+        self.share = share_of(&contact);
+        self.hold();
+        self.n = contact.n;
+        // One contact between the ring and what stays in place.
+        self.local = Local {
+            delta: contact.delta,
+            per_di: T::ONE / contact.delta.at_least(T::NOTHING),
+            per_ri: contact.per_r,
+            cd: T::ONE,
+            hn: contact.slope,
+            kap: contact.across,
+            ..Local::default()
+        };
+    }
+
+    /// How the contacts change if the groove's centre moves by `da` and the ball follows.
+    #[inline(always)]
+    pub fn change_by(&self, c: &Constants<T>, da: Pair<T>) -> Change<T> {
+        let l = &self.local;
+        let (da, dx) = (turn(self.n, da), add(self.z, times(&self.d, da)));
+        let v = sub(da, dx);
+        // Normal and tangent of the outer contact are (cd, -sd) and (sd, cd).
+        let [across, along] = turn([l.sd, l.cd], dx);
+        if !(l.delta > T::ZERO) {
+            // It swings on the outer race.
+            let turn = across * l.per_ro;
+            let beyond = T::of(0.5) * across * turn;
+            return Change {
+                turn: turn.abs(),
+                off: beyond * (l.ho + T::of(1.5) * beyond.sqrt()),
+                ..closing(v[0], l.delta, c.ki)
+            };
         }
-        let (_, loads) = Self::loads::<A>(c, speed_load, &inner, &outer);
-        Pass {
+        let (inner, outer) = (v[0] * l.per_di, along * l.per_do);
+        let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
+        let depth = (inner.abs() + outer.abs()).at_most(T::ONE + T::ONE);
+        Change {
+            depth: T::of(0.5) * depth,
+            turn: turn_i.abs() + turn_o.abs(),
+            cos: l.cd,
+            off: T::ZERO,
+            h: self.share.magnitudes(),
+        }
+    }
+
+    /// Linearises the ball where it is, and condenses it.
+    ///
+    /// The order of the statements counts on a Cortex-M4F, since the compiler keeps it: few values that wait for their
+    /// use (no spills), few results that are used at once, results stored where they are final. Another order costs up
+    /// to 30 cycles a ball: measure.
+    #[inline(always)]
+    pub fn linearise<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) -> Balance<T> {
+        let one = T::ONE;
+        // Vectors and squares; one division for both contacts' quotients.
+        let y = self.inner_offset();
+        let v = add(self.inner.vector, y);
+        let xv = add(self.outer.vector, self.x);
+        let [ri2, ro2] = dots([v, v], [xv, xv]);
+        let (vv, xx) = (add(v, self.inner.vector), add(xv, self.outer.vector));
+        let [ei, eo] = dots([vv, y], [xx, self.x]);
+        let (ri, ro) = ((ri2 + T::TINY).sqrt(), (ro2 + T::TINY).sqrt());
+        let (ei, eo) = (self.inner.excess + ei, self.outer.excess + eo);
+        let (si_, so_) = (ri + p.li, ro + p.lo);
+        let (ii, oo) = (ri * si_, ro * so_);
+        let (ei, eo) = (ri * ei, ro * eo);
+        let inverse = one / (ii * oo);
+        let (per_i, per_o) = (inverse * oo, inverse * ii);
+        let (per_ri, per_ro) = (per_i * si_, per_o * so_);
+        let (geometric, do_) = (per_i * ei, per_o * eo);
+        let [si, ci] = scale(per_ri, v);
+        let [so, co] = scale(per_ro, xv);
+        let n = [si, ci];
+        let closed = geometric > T::NOTHING;
+        let (di, ki) = if closed {
+            (geometric, c.ki)
+        } else {
+            (T::NOTHING, T::ZERO)
+        };
+        let do_ = do_.at_least(T::LEAST);
+        let [cd, sd] = turn([so, co], n);
+        let (zi, zo) = (ki * di.sqrt(), do_.sqrt());
+
+        // One division for six quotients.
+        let kwi = c.kw * di;
+        let apart = (one + cd).at_least(T::of(0.01));
+        let (qi, qo) = (zi * di, zo * do_);
+        let (wi, wo) = (kwi * di, do_ * do_);
+        let forces = qi + qo;
+        let work = wi + wo;
+        let depths = di * do_;
+        let apart_work = apart * work;
+        let left = apart_work * forces;
+        let inverse = one / (left * depths);
+        let (per_left, per_depths) = (inverse * depths, inverse * left);
+        let (per_di, per_do) = (per_depths * do_, per_depths * di);
+        let (per_forces, shared) = (per_left * apart_work, per_left * forces);
+        let (q, per_work) = (shared * work, shared * apart);
+        let l = &mut self.local;
+        (l.delta, l.per_di, l.per_do) = (geometric, per_di, per_do);
+        (l.per_ri, l.per_ro, l.sd, l.cd) = (per_ri, per_ro, sd, cd);
+        let g = Contacts {
+            inner: n,
+            outer: [so, co],
+            sin_d: sd,
+            q,
+            eta: wi * per_work,
+            rest: wo * per_work,
+            sigma: qi * per_forces,
+            sigma_rest: qo * per_forces,
+            closed,
+        };
+        let m = R::speeds(c.tau, &g);
+
+        // Inertia loads along normal and tangent of the inner contact, and the friction on it.
+        let s_mu = p.s * m.mu;
+        let fc = s_mu * m.mu;
+        let two_s_mu = s_mu + s_mu;
+        let er = [ci, -si];
+        let mut loads = scale(fc, er);
+        let (mut ti, mut to) = (T::ZERO, T::ZERO);
+        let (mut by_mu, mut by_nu, mut f) = (T::ZERO, T::ZERO, [T::ZERO; 2]);
+        if R::FRICTION {
+            by_nu = T::of(0.4) * s_mu;
+            by_mu = T::of(0.4) * p.s * m.nu + by_nu * so;
+            f = [-(m.share_rest * sd), m.share - m.share_rest * cd];
+            let couple = by_nu * m.nu;
+            ti = m.share * couple;
+            to = couple - ti;
+            loads = add(loads, scale(couple, f));
+        }
+        // Their slopes by the angles of the contacts and by `ln(di / do)`.
+        let slopes = |i: usize| {
+            let fc = two_s_mu * m.mu_by[i];
+            let couple = by_mu * m.mu_by[i] + by_nu * m.nu_by[i];
+            if R::FRICTION {
+                (add(scale(couple, f), scale(fc, er)), m.share * couple)
+            } else {
+                (scale(fc, er), T::ZERO)
+            }
+        };
+        let (mut by_l, mut ti_l) = slopes(2);
+        if R::FRICTION && R::COUPLED {
+            let slope = ti * m.share_by;
+            by_l = add(by_l, [slope * sd, slope + slope * cd]);
+            ti_l += slope;
+        }
+        let (by_i, ti_i) = slopes(0);
+        let (by_o, ti_o) = slopes(1);
+
+        // Normal and tangent of the outer contact are (cd, -sd) and (sd, cd).
+        let (hn, ho) = (T::of(1.5) * zi, T::of(1.5) * zo);
+        let (kap, th) = (qi * per_ri, ti * per_ri);
+        let l = &mut self.local;
+        (l.hn, l.ho, l.kap, l.kap_o, l.th) = (hn, ho, kap, qo * per_ro, th);
+        let (qo_s, qo_c) = (qo * sd, qo * cd);
+        let r = add([qi - qo_c, qo_s], loads);
+        let (by_di, by_do) = (scale(per_di, by_l), scale(per_do, by_l));
+        let by_ri = scale(per_ri, by_i);
+        let b = [[hn + by_di[0], by_ri[0] - th], [by_di[1], kap + by_ri[1]]];
+        let along = add(scale(ho, [cd, -sd]), by_do);
+        let across = sub([qo_s, qo_c], scale(to, [cd, -sd]));
+        let across = scale(per_ro, sub(across, by_o));
+        // Slopes of the friction on the inner contact: by the groove's motion, and by the ball's.
+        let t_by = [per_di * ti_l, per_ri * ti_i];
+        let (tl, tt) = (per_do * ti_l, per_ro * ti_o);
+        let k = sub(scale(tt, [sd, cd]), scale(tl, [cd, -sd]));
+        let k = sub(k, t_by);
+        let t_by = turn(n, t_by);
+
+        // M, its inverse, and the ball's steps.
+        let outer = [0, 1].map(|i| turn([cd, sd], [along[i], across[i]]));
+        let m = [
+            [b[0][0] + outer[0][0], b[0][1] - outer[0][1]],
+            [b[1][0] + outer[1][0], b[1][1] - outer[1][1]],
+        ];
+        let b = [turn(n, b[0]), turn(n, b[1])];
+        let (down, up) = (m[0][0] * m[1][1], m[0][1] * m[1][0]);
+        let determinant = down - up;
+        let inverse = one
+            / if determinant.abs() > T::TINY {
+                determinant
+            } else {
+                one
+            };
+        let j = [
+            [inverse * m[1][1], -(inverse * m[0][1])],
+            [-(inverse * m[1][0]), inverse * m[0][0]],
+        ];
+        self.local.j = j;
+        let z = times(&j, r);
+        let xs = times(&j, loads);
+        let d = product2(&j, &b);
+        self.z = z;
+        self.xs = xs;
+        self.d = d;
+
+        // Force on the ring after the step.
+        let friction = ti + dot(k, z);
+        let normal = qi - hn * z[0] + th * z[1];
+        let force = turn(n, [normal, friction - kap * z[1]]);
+        let moment = force[0] - c.friction_arm * friction;
+
+        // Slope of the force by the groove's axial and radial position.
+        let t_by = add(t_by, times_transposed(&d, k));
+        let e = [
+            [si - d[0][0], ci - d[0][1]],
+            [ci - d[1][0], -(si + d[1][1])],
+        ];
+        let normal = times_transposed(&e, [hn, -th]);
+        let tangential = add(scale(kap, e[1]), t_by);
+        let arm = c.friction_arm;
+        let [aa, ra] = turn(n, [normal[0], tangential[0]]);
+        let [ar, rr] = turn(n, [normal[1], tangential[1]]);
+        self.share.h = [[aa, ar], [ra, rr]];
+        self.share.hm = sub([aa, ar], scale(arm, t_by));
+
+        // Slope of the force by the speed.
+        let friction = ti + dot(k, xs);
+        let normal = th * xs[1] - hn * xs[0];
+        let force_by_speed = turn(n, [normal, friction - kap * xs[1]]);
+        let moment_by_speed = force_by_speed[0] - c.friction_arm * friction;
+        let (residual, inner, outer) = (dot(r, r), qi * qi, qo * qo);
+        self.n = n;
+        self.share.force = force;
+        self.share.moment = moment;
+        self.share.force_by_speed = force_by_speed;
+        self.share.moment_by_speed = moment_by_speed;
+        Balance {
+            residual,
             inner,
             outer,
-            loads,
         }
-    }
-
-    /// Linearises the ball at the ring's offset `a`, keeps its Newton step and the step's slope, and
-    /// returns what it hands to the ring, and how far the ball was from its own equilibrium: unbalanced
-    /// force over its contact forces (or what is `negligible` beside the bearing's load), plus lag over
-    /// deformation. A ball further off than `bad` has its Newton step and nothing else. `speed_load` is
-    /// `m dm omega^2 / 2`; if `law` is set, the ball's law is worked out, too. A ring that
-    /// cannot tilt, with fewer than 5 freedoms `D`, takes no notice of the couple.
-    ///
-    /// Vectors and matrices are worked out along the inner contact's normal and tangent, where half of
-    /// the derivatives are single numbers, and turned to the bearing's directions in the end.
-    #[inline(always)]
-    pub fn linearise<A: Attitude, const D: usize>(
-        &mut self,
-        c: &Constants<T>,
-        speed_load: T,
-        negligible: T,
-        a: Pair<T>,
-        bad: T,
-        law: bool,
-    ) -> (Share<T>, T) {
-        let (mut inner, mut outer) = self.contacts(c, a);
-        inner.lead_by(self.inner_lead.q, c.ki);
-        outer.lead_by(self.outer_lead.q, c.ko);
-        self.inner_lead.remember(&inner);
-        self.outer_lead.remember(&outer);
-        let (m, l) = Self::loads::<A>(c, speed_load, &inner, &outer);
-        let (ti, to, fc) = (l.inner_friction, l.outer_friction, l.centrifugal);
-        let (si, ci) = (inner.sin, inner.cos);
-        let (sd, cd) = (m.sin_d, m.cos_d);
-        let (ri, ro) = (inner.inverse_radius, outer.inverse_radius);
-        // Along n_i and t_i: n_o = (cos d, -sin d), t_o = (sin d, cos d), e_r = (cos ai, -sin ai).
-        let inertia = |ti: T, to: T, fc: T| -> Pair<T> {
-            if A::FRICTION {
-                [fc * ci - to * sd, ti - to * cd - fc * si]
-            } else {
-                [fc * ci, -(fc * si)]
-            }
-        };
-
-        // Slopes of Fc and of the friction by the angles; columns of r by normal and tangential motion at
-        // each contact.
-        let two = T::ONE + T::ONE;
-        let fc_mu = two * speed_load * m.mu.value;
-        let g = T::of(0.4) * speed_load;
-        let (g_mu, g_nu) = (g * m.nu.value, g * m.mu.value);
-        let g_ai = g_mu * m.mu.by_inner_angle + g_nu * m.nu.by_inner_angle;
-        let g_ao = g_mu * m.mu.by_outer_angle + g_nu * m.nu.by_outer_angle;
-        let (ti_ai, ti_ao) = (m.share * g_ai, m.share * g_ao);
-        let by_ai = inertia(ti_ai, g_ai - ti_ai, fc_mu * m.mu.by_inner_angle);
-        let by_ao = inertia(ti_ao, g_ao - ti_ao, fc_mu * m.mu.by_outer_angle);
-        let mut r_di = [inner.slope, T::ZERO];
-        let mut r_do = [-(outer.slope * cd), outer.slope * sd];
-        let r_wi = [ri * (by_ai[0] - ti), ri * (by_ai[1] + inner.q)];
-        let (mut turn_no, mut turn_to) = (by_ao[0] - outer.q * sd, by_ao[1] - outer.q * cd);
-        if A::FRICTION {
-            turn_no += to * cd;
-            turn_to -= to * sd;
-        }
-        let r_wo = [ro * turn_no, ro * turn_to];
-        let (mut ti_di, mut ti_do) = (T::ZERO, T::ZERO);
-        if A::COUPLED {
-            let fc_eta = fc_mu * m.mu.by_eta;
-            let g_eta = g_mu * m.mu.by_eta + g_nu * m.nu.by_eta;
-            let ti_eta = m.share * g_eta;
-            let to_eta = g_eta - ti_eta;
-            let shift_i = l.friction * m.share_by_inner;
-            let shift_o = l.friction * m.share_by_outer;
-            ti_di = ti_eta * m.eta_by_inner + shift_i;
-            ti_do = ti_eta * m.eta_by_outer + shift_o;
-            r_di = add(
-                r_di,
-                inertia(
-                    ti_di,
-                    to_eta * m.eta_by_inner - shift_i,
-                    fc_eta * m.eta_by_inner,
-                ),
-            );
-            r_do = add(
-                r_do,
-                inertia(
-                    ti_do,
-                    to_eta * m.eta_by_outer - shift_o,
-                    fc_eta * m.eta_by_outer,
-                ),
-            );
-        }
-
-        // The unbalanced force; forces that lead are extrapolated to the geometry.
-        let loads = inertia(ti, to, fc);
-        // The large parts are taken apart before they are turned: sines and cosines of differences have
-        // lost digits.
-        let (no, so) = (outer.normal(), outer.tangent());
-        let (mut axial, mut radial) = (T::ZERO, fc);
-        if A::FRICTION {
-            axial = ti * ci - to * so[0];
-            radial = fc - ti * si - to * so[1];
-        }
-        let unbalanced = [
-            inner.q * si - outer.q * no[0] + axial,
-            inner.q * ci - outer.q * no[1] + radial,
-        ];
-        let residual = [
-            unbalanced[0] * si + unbalanced[1] * ci + (inner.lag * r_di[0] + outer.lag * r_do[0]),
-            unbalanced[0] * ci - unbalanced[1] * si + (inner.lag * r_di[1] + outer.lag * r_do[1]),
-        ];
-
-        // Here and not in the end, so that what it takes need not be kept in registers.
-        let unbalanced = residual[0].abs() + residual[1].abs();
-        let least = T::of(COUNTS) * negligible;
-        let mut imbalance = if outer.q < least {
-            quotient(unbalanced, least)
-        } else {
-            unbalanced * m.per_forces
-        };
-        let lag = inner.lag.abs() + outer.lag.abs();
-        if lag > T::ZERO {
-            imbalance += quotient(lag, outer.delta.at_least(T::TINY));
-        }
-        // Two contacts that do not oppose each other hold no ball: at 180 degrees the cage speed has a
-        // pole, and next to it, from 150 degrees on, there are equilibria that are of the equations only.
-        // A ball off the inner race is not held there by what the pole makes of its centrifugal force.
-        if cd < T::of(-0.866)
-            && (inner.q > T::ZERO || (cd < T::of(NEAREST_POLE - 1.0) && outer.q >= least))
-        {
-            imbalance = T::ONE;
-        }
-
-        // r_V and r_X - r_V = R, then the Newton step -R^-1 r, and its slope Y = -R^-1 r_V.
-        let r_v = [[r_di[0], r_wi[0]], [r_di[1], r_wi[1]]];
-        let row = |i: usize| {
-            [
-                r_do[i] * cd + r_wo[i] * sd - r_v[i][0],
-                r_wo[i] * cd - r_do[i] * sd - r_v[i][1],
-            ]
-        };
-        let matrix = [row(0), row(1)];
-        let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
-        // A ball off both races (at rest) drops out: no force, no step.
-        let inverse = if determinant.abs() > T::TINY {
-            T::ONE / determinant
-        } else {
-            T::ZERO
-        };
-        let minus_inverse = [
-            [-(matrix[1][1] * inverse), matrix[0][1] * inverse],
-            [matrix[1][0] * inverse, -(matrix[0][0] * inverse)],
-        ];
-        let step = [
-            dot(minus_inverse[0], residual),
-            dot(minus_inverse[1], residual),
-        ];
-        self.step = step;
-        // Forces that do not count say nothing of a ball that has far to go, and a long step along the race
-        // leads off it.
-        if outer.q < least {
-            imbalance += step[0].abs() + step[1].abs();
-        }
-        if imbalance > bad {
-            return (Share::NONE, imbalance);
-        }
-        // At a higher speed all inertia loads grow alike.
-        let step_by_speed = [dot(minus_inverse[0], loads), dot(minus_inverse[1], loads)];
-        let y = multiply(&minus_inverse, &r_v);
-        self.step_by_speed = step_by_speed;
-        (self.slope, self.mobility) = (y, minus_inverse);
-        self.fling = fc;
-        let rest = [[T::ONE - y[0][0], -y[0][1]], [-y[1][0], T::ONE - y[1][1]]];
-
-        // Force on the ring: elastic part by V, friction part along t_i by V and X.
-        let (mut by_x, mut couple_slope, mut turn_n) = ([T::ZERO; 2], [T::ZERO; 2], T::ZERO);
-        if A::FRICTION {
-            let ti_v = [ti_di, ti_ai * ri];
-            let ti_wo = ti_ao * ro;
-            let ti_x = [ti_do * cd + ti_wo * sd, ti_wo * cd - ti_do * sd];
-            by_x = sub(ti_x, ti_v);
-            couple_slope = [
-                ti_v[0] * rest[0][0] + ti_v[1] * rest[1][0] + ti_x[0] * y[0][0] + ti_x[1] * y[1][0],
-                ti_v[0] * rest[0][1] + ti_v[1] * rest[1][1] + ti_x[0] * y[0][1] + ti_x[1] * y[1][1],
-            ];
-            turn_n = ti * ri;
-        }
-        let turn_t = inner.q * ri;
-        let local = [
-            [
-                inner.slope * rest[0][0] - turn_n * rest[1][0],
-                inner.slope * rest[0][1] - turn_n * rest[1][1],
-            ],
-            [
-                couple_slope[0] + turn_t * rest[1][0],
-                couple_slope[1] + turn_t * rest[1][1],
-            ],
-        ];
-        // From n_i and t_i to the axial and the radial direction.
-        let turned = |v: Pair<T>| [v[0] * si + v[1] * ci, v[0] * ci - v[1] * si];
-        let rows = [turned(local[0]), turned(local[1])];
-        let columns = [
-            turned([rows[0][0], rows[1][0]]),
-            turned([rows[0][1], rows[1][1]]),
-        ];
-        let stiffness = [
-            [columns[0][0], columns[1][0]],
-            [columns[0][1], columns[1][1]],
-        ];
-
-        // What the ring will see once the ball has made its step.
-        let moved = |step: Pair<T>, friction: T| {
-            turned([
-                turn_n * step[1] - inner.slope * step[0],
-                friction - turn_t * step[1],
-            ])
-        };
-        let friction = if A::FRICTION {
-            ti + ti_di * inner.lag + ti_do * outer.lag + dot(by_x, step)
-        } else {
-            T::ZERO
-        };
-        let held = inner.q + inner.slope * inner.lag;
-        let force = add(moved(step, friction), [held * si, held * ci]);
-        let mut friction_by_speed = T::ZERO;
-        if A::FRICTION {
-            friction_by_speed = ti + dot(by_x, step_by_speed);
-            if D == 5 {
-                self.couple_by_speed = c.friction_arm * friction_by_speed;
-            }
-        }
-        self.force_by_speed = moved(step_by_speed, friction_by_speed);
-        let mut share = Share {
-            force,
-            stiffness,
-            ..Share::NONE
-        };
-        if A::FRICTION && D == 5 {
-            share.couple = c.friction_arm * friction;
-            share.couple_slope = scale(c.friction_arm, turned(couple_slope));
-        }
-        if law {
-            self.learn(c, inner, outer, l, share);
-        }
-        (share, imbalance)
-    }
-
-    /// Works out the law that agrees with the linearisation. By value: what is referred to would be kept in
-    /// memory even where no law is wanted.
-    #[inline(never)]
-    fn learn(
-        &mut self,
-        c: &Constants<T>,
-        inner: Contact<T>,
-        outer: Contact<T>,
-        l: Loads<T>,
-        share: Share<T>,
-    ) {
-        self.stretch = Stretch::none();
-        self.spring = if inner.q > T::ZERO {
-            let carried = add(
-                scale(inner.q, inner.normal()),
-                scale(l.inner_friction, inner.tangent()),
-            );
-            Spring::of(
-                c,
-                &inner,
-                &outer,
-                carried,
-                share.force,
-                &share.stiffness,
-                l.centrifugal,
-            )
-        } else {
-            let gap = inner.delta - self.step[0];
-            let across = dot(inner.normal(), outer.tangent());
-            let climbs = c.ki * c.outer * across * across;
-            let gives = climbs / l.centrifugal.at_least(T::TINY);
-            Spring::open(
-                inner.normal(),
-                c.ki,
-                gives.at_most(T::ONE / T::EPSILON),
-                gap,
-                T::of(0.5) * inner.inverse_radius,
-            )
-        };
-    }
-
-    /// How the contacts move when the ring makes `da`, in the ball's own directions: the inner one along and
-    /// across itself; the outer one, likewise; and the outer one's direction.
-    #[inline(always)]
-    pub fn motions(&self, da: Pair<T>) -> (Pair<T>, Pair<T>, Pair<T>) {
-        let step = self.stepped(da);
-        let outer = self.inward(self.outer_lead.normal);
-        (
-            sub(da, step),
-            [dot(outer, step), outer[0] * step[1] - outer[1] * step[0]],
-            outer,
-        )
-    }
-
-    /// A vector of the ball's own directions, n_i and t_i of its last linearisation, in the axial and
-    /// the radial one.
-    #[inline(always)]
-    pub fn outward(&self, v: Pair<T>) -> Pair<T> {
-        let [s, c] = self.inner_lead.normal;
-        [v[0] * s + v[1] * c, v[0] * c - v[1] * s]
-    }
-
-    /// The reverse: the matrix is its own inverse.
-    #[inline(always)]
-    pub fn inward(&self, v: Pair<T>) -> Pair<T> {
-        self.outward(v)
-    }
-
-    /// The ball's step, in its own directions, when the ring makes `da`, in the same.
-    #[inline(always)]
-    pub fn stepped(&self, da: Pair<T>) -> Pair<T> {
-        [
-            self.step[0] + dot(self.slope[0], da),
-            self.step[1] + dot(self.slope[1], da),
-        ]
     }
 }

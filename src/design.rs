@@ -1,8 +1,8 @@
 //! What a bearing is made of, in SI units, and what can be wrong with it.
 //!
-//! A [`Design`] is checked and turned into solver constants by [`Bearing::new`](crate::Bearing::new),
-//! a `const fn`: a design written into firmware costs no code, and one that cannot be built does not
-//! compile.
+//! [`Bearing::new`](crate::Bearing::new) checks a [`Design`] and turns it into solver constants. It is a `const fn`: a
+//! design written into firmware costs no code. With [`Bearing::checked`](crate::Bearing::checked), one that cannot be
+//! built does not compile.
 
 use crate::elementary::{sin_cos, sqrt};
 use crate::status::Quantity;
@@ -45,8 +45,10 @@ impl Material {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FreeContact {
-    /// Free contact angle `alpha0`, rad: an angular contact bearing, with shoulders made for a load
-    /// on the side of that angle only. 0 stands for a deep groove bearing without clearance.
+    /// Free contact angle `alpha0`, rad, of an angular contact bearing.
+    ///
+    /// Its shoulders are made for a load on the side of that angle only. 0 stands for a deep groove bearing without
+    /// clearance.
     Angle(f64),
     /// Diametral clearance `Pd`, m: `cos alpha0 = 1 - Pd / (2 L0)`. A deep groove bearing, with
     /// shoulders alike on both sides.
@@ -68,11 +70,11 @@ pub struct Design {
     pub outer_groove_factor: f64,
     /// Free contact angle, or the clearance that decides it.
     pub free_contact: FreeContact,
-    /// Inner shoulder's angle `theta_i`, rad: the contact angle at which the centre of a contact is on
-    /// the edge between the inner groove and its shoulder, on the side of the free contact angle.
-    /// The groove is an arc of the radius `f D`, so that a shoulder of the height `h` above its bottom
-    /// begins at `cos theta = 1 - h / (f D)`. [`Design::HIGHEST_SHOULDER`] if it is not known. It has
-    /// no part in the equilibrium, only in [`Solution::exceedances`](crate::Solution::exceedances).
+    /// Inner shoulder's angle `theta_i`, rad: the contact angle at the edge between inner groove and shoulder.
+    ///
+    /// The shoulder is that on the side of the free contact angle. A groove is an arc of the radius `f D`. A shoulder of
+    /// the height `h` above its bottom begins at `cos theta = 1 - h / (f D)`. [`Design::HIGHEST_SHOULDER`] stands for
+    /// one that is not known. The angle has no part in the equilibrium, only in [`Solution::exceedances`](crate::Solution::exceedances).
     pub inner_shoulder_angle: f64,
     /// Outer shoulder's angle `theta_o`, rad, likewise.
     pub outer_shoulder_angle: f64,

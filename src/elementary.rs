@@ -1,11 +1,12 @@
 //! Elementary functions in `f64` that the compiler can evaluate.
 //!
 //! A design is turned into solver constants by `const fn`s, so that firmware carries numbers and
-//! not the code that made them. `core` has no such functions for `const` yet; these are good to
+//! not the code that made them. `core` has no such functions for `const` yet. These are good to
 //! about one unit in the last place, and give the same bits at compile time and at run time.
 
-/// Square root of a finite, non-negative number: three Newton steps from a guess by exponent
-/// halving (error below 4 %) would do; two more cost nothing here.
+/// Square root of a finite, non-negative number, by Newton's method.
+///
+/// The first guess halves the exponent, with an error below 4 %. Three steps would do; two more cost nothing here.
 pub(crate) const fn sqrt(x: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;

@@ -7,9 +7,8 @@
 use crate::float::Real;
 use crate::limits::{Exceedance, LimitSet, Limits};
 use crate::record::LoadRecord;
-use crate::scene::Motion;
-use crate::solver::{Settings, Solution, Solver};
 use crate::status::Status;
+use crate::{Motion, Settings, Solution, Solver, Speed};
 
 /// Stiffness and contact forces of a bearing under one [`LoadRecord`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,9 +22,10 @@ pub struct Estimate {
     pub speed_rpm: f32,
     /// Diagonal of the stiffness matrix: `Kxx, Kyy, Kzz` (N/m), `Ktyty, Ktztz` (N m/rad).
     pub stiffness: [f32; 5],
-    /// The off-diagonal stiffness `Kij` that couples most, SI units. Since their units differ, each
-    /// is judged relative to the directions it couples, by `|Kij| / sqrt(|Kii Kjj|)`; of several
-    /// within a per cent, the first in row order is reported, so that rounding does not choose.
+    /// The off-diagonal stiffness `Kij` that couples most, SI units.
+    ///
+    /// Since their units differ, each is judged relative to the directions it couples, by `|Kij| / sqrt(|Kii Kjj|)`. Of
+    /// several within a per cent, the first in row order is reported, so that rounding does not choose.
     pub coupling: f32,
     /// Its row `i`, 0 for x to 4 for the tilt about z.
     pub coupling_row: u8,
@@ -37,8 +37,8 @@ pub struct Estimate {
     pub largest_force: f32,
     /// How the solve ended.
     pub status: Status<f32>,
-    /// Sweeps over the balls that it took.
-    pub sweeps: u16,
+    /// Iterations that it took.
+    pub iterations: u16,
     /// Physical limits that were passed.
     pub limits: LimitSet,
     /// The most serious of them, with the worst ball.
@@ -73,7 +73,8 @@ impl Estimate {
         limits: &Limits<T>,
     ) -> Result<Self, Refusal> {
         let load = record.load().map(T::from_f32);
-        match solver.solve(load, T::from_f32(record.omega()), settings) {
+        let speed = Speed::rpm(T::from_f32(record.speed_rpm));
+        match solver.solve(load, speed, settings) {
             Ok(solution) => Ok(Self::sum_up(record, &solution, limits)),
             Err(status) => Err(Refusal {
                 sequence: record.sequence,
@@ -87,10 +88,10 @@ impl Estimate {
     /// Sums up the equilibrium under a record, and holds it against the limits.
     pub fn sum_up<T: Real, const N: usize, M: Motion>(
         record: &LoadRecord,
-        solution: &Solution<'_, T, N, M>,
+        solution: &Solution<'_, T, N, M, 5>,
         limits: &Limits<T>,
     ) -> Self {
-        let k = solution.stiffness.map(|row| row.map(T::to_f32));
+        let k = solution.stiffness().map(|row| row.map(T::to_f32));
         let (row, column) = strongest_coupling(&k);
         let (mut least, mut largest) = (f32::INFINITY, 0.0);
         for force in solution.inner_forces().map(T::to_f32) {
@@ -113,7 +114,7 @@ impl Estimate {
             least_force: least,
             largest_force: largest,
             status: solution.status.to_f32(),
-            sweeps: solution.sweeps,
+            iterations: solution.iterations,
             limits: passed.limits(),
             worst: passed.iter().next().map(Exceedance::to_f32),
         }
@@ -143,7 +144,7 @@ impl Estimate {
                 e.time_ms,
                 e.coupling_row,
                 e.coupling_column,
-                e.sweeps,
+                e.iterations,
                 e.limits,
             )
         };
@@ -183,7 +184,8 @@ pub(crate) fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Bearing, Design, FreeContact, Limit, Material};
+    use crate::Bearing;
+    use crate::{Design, FreeContact, Limit, Material};
 
     const DESIGN: Design = Design {
         ball_diameter: 6.35e-3,
@@ -222,14 +224,14 @@ mod tests {
         let estimate = Estimate::of(&mut solver, &RECORD, &settings, &limits).unwrap();
         let mut again: Solver<'_, f32, 16> = Solver::new(&bearing);
         let solution = again
-            .solve(RECORD.load(), RECORD.omega(), &settings)
+            .solve(RECORD.load(), Speed::rpm(RECORD.speed_rpm), &settings)
             .unwrap();
         assert!(estimate.same_bits(&Estimate::sum_up(&RECORD, &solution, &limits)));
         let (i, j) = (estimate.coupling_row, estimate.coupling_column);
         assert_ne!(i, j);
         assert_eq!(
             estimate.coupling,
-            solution.stiffness[usize::from(i)][usize::from(j)]
+            solution.stiffness()[usize::from(i)][usize::from(j)]
         );
         let force = |q| solution.balls().any(|ball| ball.q_i == q);
         assert!(force(estimate.least_force) && force(estimate.largest_force));

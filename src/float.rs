@@ -53,19 +53,15 @@ pub trait Real:
     const TINY: Self;
     /// Default of [`Settings::tolerance`](crate::Settings::tolerance).
     const TOLERANCE: Self;
-    /// Added and subtracted again, it rounds a number below 1000 to a grid so coarse that the
-    /// product of two rounded numbers is exact.
-    const COARSE: Self;
-    /// The same for a number below 1 and a grid as fine as the square of the coarse one.
-    const FINE: Self;
     /// Added and subtracted again, it rounds to multiples of 1/256.
     const GRID: Self;
     /// The same for multiples of a number so fine that its product with the former is exact.
     const SPLIT: Self;
-    /// Deformations of the inner and of the outer contact that are next to nothing, in the unit of length of the solver:
-    /// so small that they make no difference, and not so small that products of powers of them vanish.
+    /// Deformation of an inner contact that is next to nothing, in the solver's unit of length.
+    ///
+    /// So small that it makes no difference, and not so small that products of its powers vanish.
     const NOTHING: Self;
-    /// See [`Real::NOTHING`].
+    /// The same of an outer contact.
     const LEAST: Self;
 
     /// Rounds to an integer; saturates.
@@ -110,28 +106,16 @@ pub trait Real:
     fn bearing<const N: usize>(
         design: &crate::Design,
     ) -> Result<crate::Bearing<Self, N>, crate::DesignError>;
-    /// Rounded to the coarse grid of [`Real::COARSE`].
-    #[inline(always)]
-    fn coarse(self) -> Self {
-        (self + Self::COARSE) - Self::COARSE
-    }
-    /// Rounded to the fine grid of [`Real::FINE`].
-    #[inline(always)]
-    fn fine(self) -> Self {
-        (self + Self::FINE) - Self::FINE
-    }
 }
 
 macro_rules! real {
-    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $coarse:expr, $fine:expr, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
+    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $t::EPSILON;
             const TINY: Self = $t::MIN_POSITIVE;
             const TOLERANCE: Self = $tolerance;
-            const COARSE: Self = $coarse;
-            const FINE: Self = $fine;
             const GRID: Self = $grid;
             const SPLIT: Self = $split;
             const NOTHING: Self = $nothing;
@@ -198,7 +182,7 @@ macro_rules! real {
     };
 }
 
-// 1.5 * 2^(mantissa bits - n) rounds to multiples of 2^-n: n = 11 and 22, 26 and 50.
+// 1.5 * 2^(mantissa bits - n) rounds to multiples of 2^-n: n = 8 and 9, 8 and 26.
 real!(
     f32,
     2e-5,
@@ -206,8 +190,6 @@ real!(
     0x2a51_37a0,
     2,
     libm::atan2f,
-    6144.0,
-    3.0,
     49152.0,
     24576.0,
     1e-10,
@@ -220,8 +202,6 @@ real!(
     0x2a9f_7893_782d_a1ce,
     3,
     libm::atan2,
-    100_663_296.0,
-    6.0,
     26_388_279_066_624.0,
     100_663_296.0,
     1e-30,

@@ -1,6 +1,7 @@
-//! Elastic contact of ball and groove (Hertz 1881), exact: complete elliptic integrals and the
-//! ellipticity by root finding, not the fits of Brewe and Hamrock (1977), which are off by up to
-//! 2.4 % in the load-deflection constant.
+//! Elastic contact of ball and groove (Hertz 1881), exact.
+//!
+//! Complete elliptic integrals, and the ellipticity by root finding. The fits of Brewe and Hamrock (1977) are off by up
+//! to 2.4 % in the load-deflection constant.
 //!
 //! Everything is a `const fn` of doubles: it runs in the compiler for a design known there.
 
@@ -8,8 +9,9 @@ use crate::design::Material;
 use crate::elementary::{cbrt, sqrt};
 use core::f64::consts::PI;
 
-/// Complete elliptic integrals of the first and second kind, `K(m)` and `E(m)`, for the parameter
-/// `0 <= m < 1`, by the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
+/// Complete elliptic integrals of the first and second kind, `K(m)` and `E(m)`, for `0 <= m < 1`.
+///
+/// By the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
 pub const fn elliptic_integrals(m: f64) -> (f64, f64) {
     let mut a = 1.0;
     let mut b = sqrt(1.0 - m);
@@ -54,8 +56,9 @@ const fn curvature_difference(kappa: f64) -> (f64, f64, f64) {
 }
 
 impl HertzContact {
-    /// Contact of two bodies with the relative curvatures `rolling > across > 0` (1/m, each the sum
-    /// over both bodies) and the contact compliance `c = (1-nub^2)/Eb + (1-nu^2)/E` (1/Pa).
+    /// Contact of two bodies with the relative curvatures `rolling > across > 0`, 1/m.
+    ///
+    /// Each is the sum over both bodies. The compliance is `c = (1-nub^2)/Eb + (1-nu^2)/E`, 1/Pa.
     pub const fn new(rolling: f64, across: f64, compliance: f64) -> Self {
         let sum = rolling + across;
         let target = (rolling - across) / sum;

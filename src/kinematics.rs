@@ -1,51 +1,73 @@
-//! How a ball moves: cage speed, spin and attitude, and the inertia loads that follow.
+//! How a ball moves: cage speed and attitude, and the inertia loads that follow.
 //!
-//! With `a = 1 + tau cos ao`, `c = 1 - tau cos ai`, `d = ai - ao` and the share
-//! `eta = C / (C + 1)` of the inner contact (`C` as in the model: the contacts' `Q a E`), all three
-//! attitude rules reduce to polynomials and one division:
+//! Let `A = 1 + tau cos ao`, `c = 1 - tau cos ai`, `d = ai - ao`, `q = 1 / (1 + cos d)`. With the share
+//! `eta = C / (C + 1)` of the inner contact (`C` as in the model), all three attitude rules reduce to polynomials:
 //!
-//! - cage speed `omega_m = mu omega`, `mu = M / (1 + cos d)`
-//! - centrifugal force `Fc = m dm omega^2 mu^2 / 2`
-//! - gyroscopic couple `2 Mg / D = 0.4 (m dm omega^2 / 2) mu nu`, `nu = P / (1 + cos d)`
+//! - cage speed `omega_m = mu omega`, centrifugal force `Fc = s mu^2`, `s = m dm omega^2 / 2`
+//! - gyroscopic couple `2 Mg / D = 0.4 s mu nu`
 //!
-//! | rule | `M` | `P` |
+//! | rule | `mu` | `nu` |
 //! | --- | --- | --- |
-//! | outer race control | `c` | `c sin ao` |
-//! | inner race control | `1 + cos d - a` | `a sin ai` |
-//! | raceway-control-free | `(1-eta) c + eta/2 ((1+c) cos d + 1 - a)` | `(1-eta) c sin ao + eta/2 (a+c) sin ai` |
+//! | outer race control | `c q` | `mu sin ao` |
+//! | inner race control | `1 - A q` | `A q sin ai` |
+//! | raceway-control-free | `c q - L sin d q` | `mu sin ao + L cos ao` |
 //!
-//! Derivation: insert the rule's `tan b = p/q` into `omega_m` and `omega_R`. For the free rule
-//! `q cos ao + p sin ao = a d'` and `q cos ai + p sin ai = c d''`, and `d' + d''` is
-//! `2 (1 + cos d)(W + Z)` for `C = W/Z`, so that the sum `Nb` cancels.
+//! with `L = eta/2 (tau sin ao + (1 + c + A) sin d q)`.
 //! Rule: Ding (2001); Wang, Hong, Zhang, Zhu, Mech. Mach. Theory 82 (2014).
 
-use crate::constants::Constants;
-use crate::contact::Contact;
+use super::linalg::{Pair, scale};
 use crate::float::Real;
 
-pub(crate) mod sealed {
-    pub trait Sealed {}
+/// Directions of the contacts, and how they share.
+#[derive(Debug, Clone, Copy)]
+pub struct Contacts<T> {
+    /// Sine and cosine of the contact angles, inner and outer.
+    pub inner: Pair<T>,
+    pub outer: Pair<T>,
+    /// Sine of the angle between the contacts, `ai - ao`.
+    pub sin_d: T,
+    /// One over one plus its cosine.
+    pub q: T,
+    /// Share `eta` of the inner contact in the friction work, and the outer one's.
+    pub eta: T,
+    pub rest: T,
+    /// `Qi / (Qi + Qo)`, and the outer one's.
+    pub sigma: T,
+    pub sigma_rest: T,
+    /// The inner contact carries.
+    pub closed: bool,
 }
 
-/// Rule for the attitude of the balls' spin axis and for how the two contacts share the friction
-/// that carries the gyroscopic moment. A type, so that a firmware contains one rule only.
+/// A value's slopes by the angles of the inner and the outer contact, and by `ln(delta_i / delta_o)`.
+pub type Slopes<T> = [T; 3];
+
+/// Speeds of a ball and the split of the friction, relative to the shaft speed.
+#[derive(Debug, Clone, Copy)]
+pub struct Speeds<T> {
+    pub mu: T,
+    pub mu_by: Slopes<T>,
+    pub nu: T,
+    /// Slopes of `nu - mu sin ao`, `sin ao` taken out as a factor.
+    pub nu_by: Slopes<T>,
+    /// Share of the inner contact in the friction, the outer one's, and the slope of the former by
+    /// `ln(delta_i / delta_o)` over itself.
+    pub share: T,
+    pub share_rest: T,
+    pub share_by: T,
+}
+
+/// Rule for the attitude of the balls' spin axis, as the ball pass needs it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an attitude rule",
     label = "not an attitude rule",
     note = "choose `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`"
 )]
-pub trait Attitude: sealed::Sealed + Copy + 'static {
-    /// Short name, as settings files and tables print it.
-    const NAME: &'static str;
-    /// The loads of the contacts enter the rule.
-    #[doc(hidden)]
-    const COUPLED: bool;
+pub trait Rule: 'static {
     /// Friction carries a gyroscopic moment.
-    #[doc(hidden)]
     const FRICTION: bool = true;
-
-    #[doc(hidden)]
-    fn motion<T: Real>(c: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> BallMotion<T>;
+    /// The attitude depends on the contact forces.
+    const COUPLED: bool = false;
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T>;
 }
 
 /// Raceway-control-free (d'Alembert): the attitude follows from both contacts' share in the
@@ -67,201 +89,105 @@ pub struct OuterRaceControl;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InnerRaceControl;
 
-/// A value with its slopes by the contact angles, the inner and the outer, and by `eta`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sloped<T> {
-    pub value: T,
-    pub by_inner_angle: T,
-    pub by_outer_angle: T,
-    pub by_eta: T,
-}
-
-/// Speeds of a ball and the split of the friction, relative to the shaft speed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BallMotion<T> {
-    pub mu: Sloped<T>,
-    pub nu: Sloped<T>,
-    /// Slopes of `eta` by the deformations, inner and outer.
-    pub eta_by_inner: T,
-    pub eta_by_outer: T,
-    /// Share of the inner contact in the friction, with its slopes by the deformations.
-    pub share: T,
-    pub share_by_inner: T,
-    pub share_by_outer: T,
-    /// Sine and cosine of the angle between the contacts, `ai - ao`.
-    pub sin_d: T,
-    pub cos_d: T,
-    /// One over the sum of both contact forces.
-    pub per_forces: T,
-}
-
-/// Least `1 + cos d` that speeds are worked out for: where the contacts are opposite, the cage speed has a
-/// pole. On the way to an equilibrium the bound keeps the numbers finite; what it changes is none.
-pub const NEAREST_POLE: f64 = 0.01;
-
-/// Angles between the contacts, common to all rules.
-struct Angles<T> {
-    a: T,
-    c: T,
-    cos_d: T,
-    sin_d: T,
-    /// `1 / (1 + cos d)`
-    inverse: T,
-    /// `1 / (Qi + Qo)`
-    per_forces: T,
-    tau: T,
-}
-
-impl<T: Real> Angles<T> {
-    #[inline(always)]
-    fn of(k: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> Self {
-        let cos_d = inner.cos * outer.cos + inner.sin * outer.sin;
-        let apart = (T::ONE + cos_d).at_least(T::of(NEAREST_POLE));
-        let forces = (inner.q + outer.q).at_least(T::of(1e-30));
-        // One division for both.
-        let inverse = T::ONE / (apart * forces);
-        Self {
-            a: T::ONE + k.tau * outer.cos,
-            c: T::ONE - k.tau * inner.cos,
-            cos_d,
-            sin_d: inner.sin * outer.cos - inner.cos * outer.sin,
-            inverse: inverse * forces,
-            per_forces: inverse * apart,
-            tau: k.tau,
-        }
+#[inline(always)]
+fn outer_control<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+    let [si, ci] = g.inner;
+    let [_, co] = g.outer;
+    let c = T::ONE - tau * ci;
+    let mu = c * g.q;
+    let w = mu * g.sin_d * g.q;
+    Speeds {
+        mu,
+        mu_by: [w + tau * si * g.q, -w, T::ZERO],
+        nu: mu * g.outer[0],
+        nu_by: [T::ZERO, mu * co, T::ZERO],
+        share: T::ZERO,
+        share_rest: T::ONE,
+        share_by: T::ZERO,
     }
+}
 
-    /// A numerator over `1 + cos d`, with its slopes.
+impl Rule for OuterRaceControl {
     #[inline(always)]
-    fn ratio(&self, value: T, by_inner: T, by_outer: T, by_eta: T) -> Sloped<T> {
-        let quotient = value * self.inverse;
-        let turn = quotient * self.sin_d;
-        Sloped {
-            value: quotient,
-            by_inner_angle: (by_inner + turn) * self.inverse,
-            by_outer_angle: (by_outer - turn) * self.inverse,
-            by_eta: by_eta * self.inverse,
-        }
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        outer_control(tau, g)
     }
+}
 
+impl Rule for InnerRaceControl {
     #[inline(always)]
-    fn outer_control(&self, inner: &Contact<T>, outer: &Contact<T>) -> BallMotion<T> {
-        let c_slope = self.tau * inner.sin;
-        BallMotion {
-            mu: self.ratio(self.c, c_slope, T::ZERO, T::ZERO),
-            nu: self.ratio(
-                self.c * outer.sin,
-                c_slope * outer.sin,
-                self.c * outer.cos,
-                T::ZERO,
-            ),
-            eta_by_inner: T::ZERO,
-            eta_by_outer: T::ZERO,
-            share: T::ZERO,
-            share_by_inner: T::ZERO,
-            share_by_outer: T::ZERO,
-            sin_d: self.sin_d,
-            cos_d: self.cos_d,
-            per_forces: self.per_forces,
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        if !g.closed {
+            return outer_control(tau, g);
+        }
+        let [si, ci] = g.inner;
+        let [so, co] = g.outer;
+        let t = g.sin_d * g.q;
+        let aq = (T::ONE + tau * co) * g.q;
+        let mu = T::ONE - aq;
+        let mu_i = -(aq * t);
+        let mu_o = tau * so * g.q - mu_i;
+        let half = T::of(0.5);
+        Speeds {
+            mu,
+            mu_by: [mu_i, mu_o, T::ZERO],
+            nu: aq * si,
+            nu_by: [aq * (ci + si * t) - so * mu_i, -(si + so) * mu_o, T::ZERO],
+            share: half,
+            share_rest: half,
+            share_by: T::ZERO,
         }
     }
 }
 
-impl sealed::Sealed for OuterRaceControl {}
-impl Attitude for OuterRaceControl {
-    const NAME: &'static str = "outer";
-    const COUPLED: bool = false;
-
-    #[inline(always)]
-    fn motion<T: Real>(k: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> BallMotion<T> {
-        Angles::of(k, inner, outer).outer_control(inner, outer)
-    }
-}
-
-impl sealed::Sealed for InnerRaceControl {}
-impl Attitude for InnerRaceControl {
-    const NAME: &'static str = "inner";
-    const COUPLED: bool = false;
-
-    #[inline(always)]
-    fn motion<T: Real>(k: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> BallMotion<T> {
-        let g = Angles::of(k, inner, outer);
-        if inner.q <= T::ZERO {
-            return g.outer_control(inner, outer);
-        }
-        let a_slope = -(g.tau * outer.sin);
-        BallMotion {
-            mu: g.ratio(T::ONE + g.cos_d - g.a, -g.sin_d, g.sin_d - a_slope, T::ZERO),
-            nu: g.ratio(
-                g.a * inner.sin,
-                g.a * inner.cos,
-                a_slope * inner.sin,
-                T::ZERO,
-            ),
-            eta_by_inner: T::ZERO,
-            eta_by_outer: T::ZERO,
-            share: T::of(0.5),
-            share_by_inner: T::ZERO,
-            share_by_outer: T::ZERO,
-            sin_d: g.sin_d,
-            cos_d: g.cos_d,
-            per_forces: g.per_forces,
-        }
-    }
-}
-
-impl sealed::Sealed for RacewayControlFree {}
-impl Attitude for RacewayControlFree {
-    const NAME: &'static str = "raceless";
+impl Rule for RacewayControlFree {
     const COUPLED: bool = true;
 
     #[inline(always)]
-    fn motion<T: Real>(k: &Constants<T>, inner: &Contact<T>, outer: &Contact<T>) -> BallMotion<T> {
-        let g = Angles::of(k, inner, outer);
-        let half = T::of(0.5);
-
-        // eta = W / (W + Z), W = C-ratio delta_i^2, Z = delta_o^2; 0 where the inner contact is open.
-        let di = inner.delta.at_least(T::ZERO);
-        let d_o = outer.delta.at_least(T::ZERO);
-        let w = k.moment_ratio * di;
-        let inverse = T::ONE / (w * di + d_o * d_o).at_least(T::TINY);
-        let (w, z) = (w * inverse, d_o * inverse);
-        let eta = w * di;
-        let rest = z * d_o;
-        let both = half * eta;
-
-        let c_slope = g.tau * inner.sin;
-        let a_slope = g.tau * outer.sin;
-        let free_m = (T::ONE + g.c) * g.cos_d + T::ONE - g.a;
-        let turn = (T::ONE + g.c) * g.sin_d;
-        let mu = g.ratio(
-            rest * g.c + both * free_m,
-            rest * c_slope + both * (c_slope * g.cos_d - turn),
-            both * (turn + a_slope),
-            half * free_m - g.c,
-        );
-        let (c_sin, sum_sin) = (g.c * outer.sin, (g.a + g.c) * inner.sin);
-        let nu = g.ratio(
-            rest * c_sin + both * sum_sin,
-            rest * (c_slope * outer.sin) + both * (c_slope * inner.sin + (g.a + g.c) * inner.cos),
-            rest * (g.c * outer.cos) - both * (a_slope * inner.sin),
-            half * sum_sin - c_sin,
-        );
-
-        let forces = g.per_forces;
-        let share = inner.q * forces;
-        let two = T::ONE + T::ONE;
-        BallMotion {
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        let [so, co] = g.outer;
+        let q = g.q;
+        // In the order of the fewest waits for a result.
+        let [tsi, tci] = scale(tau, g.inner);
+        let [tso, tco] = scale(tau, g.outer);
+        let t = g.sin_d * q;
+        let (c, beyond) = (T::ONE - tci, T::ONE + tco);
+        let h = T::of(0.5) * g.eta;
+        let a = c + beyond;
+        let (cq, si_q) = (c * q, tsi * q);
+        let (aq, at) = (a * q, a * t);
+        let (si_t, so_t, cqt) = (tsi * t, tso * t, cq * t);
+        let la = tso + at;
+        let la_i = aq + si_t;
+        let la_o = tco - aq - so_t;
+        let l = h * la;
+        let (hi, ho) = (h * la_i, h * la_o);
+        let (lt, lq, lp) = (l * t, l * q, l * g.rest);
+        let (mu, w, le) = (cq - lt, cqt - lq, lp + lp);
+        let (ti, to) = (t * hi, t * ho);
+        let (mu_so, l_co, l_so) = (mu * so, co * l, so * l);
+        let mu_ho = mu + ho;
+        Speeds {
             mu,
-            nu,
-            eta_by_inner: two * w * rest,
-            eta_by_outer: -(two * z * eta),
-            share,
-            share_by_inner: inner.slope * forces * (T::ONE - share),
-            share_by_outer: -(outer.slope * forces * share),
-            sin_d: g.sin_d,
-            cos_d: g.cos_d,
-            per_forces: forces,
+            mu_by: [w + si_q - ti, -(w + to), -(t * le)],
+            nu: mu_so + l_co,
+            nu_by: [co * hi, co * mu_ho - l_so, co * le],
+            share: g.sigma,
+            share_rest: g.sigma_rest,
+            share_by: T::of(1.5) * g.sigma_rest,
         }
+    }
+}
+
+/// The cage speed of a rule, without its gyroscopic moment.
+pub struct Frictionless<R>(core::marker::PhantomData<R>);
+
+impl<R: Rule> Rule for Frictionless<R> {
+    const FRICTION: bool = false;
+    const COUPLED: bool = R::COUPLED;
+
+    #[inline(always)]
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        R::speeds(tau, g)
     }
 }

@@ -1,20 +1,16 @@
-//! Physical limits that an equilibrium may pass: the solver still has its numbers, and these say
-//! how far to trust the bearing, and the model, under them.
+//! Physical limits that an equilibrium may pass.
 //!
-//! Nothing here is computed unless [`Solution::exceedances`] is called. One pass over the balls
+//! The equilibrium is not changed by them. They say how far to trust the bearing, and the model, under its load.
+//!
+//! Nothing here is computed unless [`Solution::exceedances`](crate::Solution::exceedances) or
+//! [`Solution::extremes`](crate::Solution::extremes) is called. One pass over the balls
 //! compares sines, roots and products; angles are worked out for the worst contact only.
 
-use crate::ball::Pass;
-use crate::conditions::Conditions;
-use crate::contact::{Contact, Pair};
 use crate::design::Design;
 use crate::elementary::{cbrt, sin_cos, sqrt};
 use crate::float::Real;
-use crate::freedoms::{BallStore, Freedoms};
 use crate::hertz::HertzContact;
-use crate::outputs::{Outputs, PerBall};
-use crate::scene::Motion;
-use crate::solver::{Solution, View};
+use crate::linalg::Pair;
 use core::fmt;
 
 /// Limits that the design does not give. One that is infinite, or not a number, is never passed.
@@ -30,15 +26,17 @@ pub struct Limits<T> {
 }
 
 impl<T: Real> Limits<T> {
-    /// Peak pressure, Pa, that makes up the static load rating of ball bearings: 4200 MPa dent ball
-    /// and raceway together by a ten-thousandth of the ball diameter (ISO 76:2006).
+    /// Peak pressure, Pa, that makes up the static load rating of ball bearings (ISO 76:2006).
+    ///
+    /// 4200 MPa dent ball and raceway together by a ten-thousandth of the ball diameter.
     pub const STATIC_PRESSURE: f64 = 4.2e9;
     /// Peak pressure, Pa, below which bearing steel does not tire: 1500 MPa (ISO 281:2007, fatigue
     /// load limit).
     pub const FATIGUE_PRESSURE: f64 = 1.5e9;
-    /// Friction that a lubricated contact can be trusted to have: 0.06 to 0.07 suffice to prevent
-    /// gyroscopic sliding in most ball bearings (Jones 1959, after Harris, Rolling Bearing
-    /// Analysis).
+    /// Friction that a lubricated contact can be trusted to have.
+    ///
+    /// 0.06 to 0.07 suffice to prevent gyroscopic sliding in most ball bearings (Jones 1959, after Harris, Rolling
+    /// Bearing Analysis).
     pub const LUBRICATED_FRICTION: f64 = 0.06;
 
     /// Limits that nothing passes.
@@ -95,9 +93,10 @@ pub enum Limit {
     /// against the shoulder's angle. Beyond it, the true pressure is above the one given here. A
     /// contact past the shoulder is truncated, too.
     Truncation,
-    /// A contact on the other side of the groove than the free contact angle, where an angular
-    /// contact bearing has a low shoulder or none: contact angle, rad, against 0. Deep groove
-    /// bearings carry on both sides, and their contacts are never reversed.
+    /// A contact on the other side of the groove than the free contact angle: contact angle, rad, against 0.
+    ///
+    /// An angular contact bearing has a low shoulder there or none. Deep groove bearings carry on both sides, and their
+    /// contacts are never reversed.
     Reversal,
     /// Friction force over contact force, `T/Q`, against [`Limits::friction`]: gross slip is to be
     /// suspected.
@@ -203,7 +202,7 @@ pub struct Exceedance<T> {
     pub limit: Limit,
     /// Balls past it, on either race.
     pub balls: u16,
-    /// The worst ball, in the order of [`Solution::balls`].
+    /// The worst ball, in the order of [`Solution::balls`](crate::Solution::balls).
     pub ball: u16,
     /// The worst ball's race.
     pub race: Race,
@@ -331,7 +330,7 @@ impl<T: Real> defmt::Format for Exceedances<T> {
 pub struct Extreme<T> {
     /// What it has, SI units.
     pub value: T,
-    /// Its ball, in the order of [`Solution::balls`].
+    /// Its ball, in the order of [`Solution::balls`](crate::Solution::balls).
     pub ball: u16,
     /// Its race.
     pub race: Race,
@@ -354,8 +353,8 @@ pub struct Extremes<T> {
 
 /// Size and place of the contacts in a groove.
 ///
-/// With `Q = K delta^(3/2)`, pressure and axes of a Hertzian contact, which grow with the cube root of the load, grow
-/// with the square root of the deformation.
+/// Pressure and axes of a Hertzian contact grow with the cube root of the load. With `Q = K delta^(3/2)`, that is the
+/// square root of the deformation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Groove<T> {
@@ -702,118 +701,5 @@ impl<'s, T: Real> Survey<'s, T> {
             value,
             allowed,
         })
-    }
-}
-
-impl<T, const N: usize, const D: usize, M, B, O> Solution<'_, T, N, M, Freedoms<D>, B, O>
-where
-    T: Real,
-    M: Motion,
-    Freedoms<D>: BallStore,
-    B: Conditions<Freedoms<D>>,
-    O: Outputs,
-{
-    /// The limits that this equilibrium has passed, and where: the given ones, and those of the
-    /// design's grooves.
-    ///
-    /// ```
-    /// # use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings, Solver};
-    /// use spindle_bearing::{Limit, Limits};
-    /// # let bearing = Bearing::<f64, 16>::new(&Design {
-    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
-    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
-    /// #     ring: Material::STEEL, ball: Material::STEEL,
-    /// # })?;
-    /// let mut solver = Solver::<f64, 16>::new(&bearing);
-    /// let solution = solver.solve([6000.0, 0.0, 0.0, 0.0, 0.0], 2000.0, &Settings::default())?;
-    /// let limits = Limits { peak_pressure: 2e9, ..Limits::default() };
-    /// let passed = solution.exceedances(&limits);
-    /// for exceedance in passed.iter() {
-    ///     println!("{exceedance}");
-    /// }
-    /// assert!(passed.get(Limit::PeakPressure).is_some_and(|e| e.value > 2e9 && e.balls == 16));
-    /// assert!(!passed.limits().contains(Limit::Shoulder));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T>
-    where
-        O: PerBall,
-    {
-        self.view().exceedances(limits)
-    }
-
-    /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
-    ///
-    /// ```
-    /// # use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings, Solver};
-    /// use spindle_bearing::{Limit, Limits};
-    /// # let bearing = Bearing::<f64, 16>::new(&Design {
-    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
-    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
-    /// #     ring: Material::STEEL, ball: Material::STEEL,
-    /// # })?;
-    /// let mut solver = Solver::<f64, 16>::new(&bearing);
-    /// let solution = solver.solve([6000.0, 0.0, 0.0, 0.0, 0.0], 2000.0, &Settings::default())?;
-    /// let extremes = solution.extremes();
-    /// let [pressure, shoulder] = [extremes.pressure, extremes.shoulder].map(|e| e.unwrap().value);
-    /// assert!(pressure > 2e9 && shoulder < 0.0);
-    /// assert_eq!(extremes.off, (0, None));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn extremes(&self) -> Extremes<T>
-    where
-        O: PerBall,
-    {
-        self.view().extremes()
-    }
-}
-
-impl<'v, T: Real, M: Motion, const D: usize> View<'v, T, M, D> {
-    /// As [`Solution::exceedances`].
-    fn exceedances(self, limits: &Limits<T>) -> Exceedances<T> {
-        self.survey(limits, |_, _| ()).exceedances()
-    }
-
-    /// As [`Solution::extremes`].
-    fn extremes(self) -> Extremes<T> {
-        self.survey(&Limits::none(), |_, _| ()).extremes()
-    }
-
-    /// Looks at every ball once, and hands each on: its number, then force (N) and sine and cosine of the
-    /// contact angle of its inner and of its outer contact.
-    pub(crate) fn survey<'s>(
-        self,
-        limits: &'s Limits<T>,
-        mut each: impl FnMut(u16, [[T; 3]; 2]),
-    ) -> Survey<'s, T>
-    where
-        'v: 's,
-    {
-        let c = self.c;
-        let states = |pass: Pass<T>| {
-            let state = |k: &Contact<T>, friction| ContactState {
-                n: [k.sin, k.cos],
-                delta: k.delta,
-                q: k.q,
-                friction,
-            };
-            let loads = &pass.loads;
-            [
-                state(&pass.inner, loads.inner_friction),
-                state(&pass.outer, loads.outer_friction),
-            ]
-        };
-        let seen = |k: &ContactState<T>| [k.q * c.force, k.n[0], k.n[1]];
-        Survey::of(
-            &c.grooves,
-            c.length,
-            limits,
-            self.passes().map(states),
-            |ball, [inner, outer]| each(ball, [seen(inner), seen(outer)]),
-        )
     }
 }

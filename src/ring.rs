@@ -1,613 +1,268 @@
-//! The ring: forces and tangents of all balls summed over the azimuth, and the system of its freedoms.
+//! The ring: forces and slopes of all balls summed over the azimuth.
 //!
-//! Order of freedoms: axial, radial y, radial z, tilt about y, tilt about z; lengths, radial
-//! displacements and moments as in the units of the constants, i.e. referred to the groove plane. A
-//! scene has the first `D` of them: 1, 3 or 5. What the others need, `D` being a constant, is not
-//! compiled.
+//! Order of freedoms: axial, radial y, radial z, tilt about y, tilt about z, radial displacements and moments referred to
+//! the groove plane. A solver has the first `D` of them: 1, 3 or 5.
 
-use crate::ball::Share;
-use crate::constants::{Azimuth, Constants};
-use crate::contact::{Pair, add};
+use super::constants::{Azimuth, Constants};
+use super::kinematics::Rule;
+use super::linalg::{Matrix, Pair};
+use super::motion::{Body, Point, Share};
 use crate::float::Real;
 
-/// Matrix over the freedoms, by rows (force) and columns (displacement).
-pub type Tangent<T, const D: usize> = [[T; D]; D];
-
-/// How many balls share the load: all, or the one that stands for all.
-#[inline(always)]
-pub fn sharing<T: Real, const D: usize>(c: &Constants<T>) -> T {
-    if D == 1 { T::ONE } else { c.balls }
-}
-
-/// Position of the ring: a coarse reference, exactly known to every ball, and an offset.
+/// Force of the balls on the ring, its slopes by the ring's displacement and by the relative change of `omega^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Position<T, const D: usize> {
-    pub reference: [T; D],
-    pub offset: [T; D],
+pub struct Sum<T, const D: usize> {
+    pub force: [T; D],
+    pub by_speed: [T; D],
+    pub k: Matrix<T, D>,
 }
 
-impl<T: Real, const D: usize> Position<T, D> {
-    /// Of the unloaded bearing.
-    pub const UNLOADED: Self = Self {
-        reference: [T::ZERO; D],
-        offset: [T::ZERO; D],
+impl<T: Real, const D: usize> Sum<T, D> {
+    pub const NONE: Self = Self {
+        force: [T::ZERO; D],
+        by_speed: [T::ZERO; D],
+        k: [[T::ZERO; D]; D],
     };
-
-    /// Their sum.
-    #[inline]
-    pub fn total(&self) -> [T; D] {
-        let mut total = self.reference;
-        for (sum, offset) in total.iter_mut().zip(&self.offset) {
-            *sum += *offset;
-        }
-        total
-    }
-
-    /// Moves the reference next to the position.
-    #[inline]
-    pub fn rebase(&mut self) {
-        for (reference, offset) in self.reference.iter_mut().zip(&mut self.offset) {
-            let new = (*reference + *offset).coarse();
-            *offset += *reference - new;
-            *reference = new;
-        }
-    }
 }
 
-/// Position of the inner groove's curvature centre at the ring's reference: a part that is exact
-/// (products of coarse numbers), and a small rest.
-#[inline]
-pub fn curvature_centre<T: Real, const D: usize>(
-    c: &Constants<T>,
-    u: &[T; D],
-    at: &Azimuth<T>,
-) -> (Pair<T>, Pair<T>) {
-    let (cos, sin) = (at.cos.coarse(), at.sin.coarse());
-    let mut high = [c.n0[0].high + u[0], c.n0[1].high];
-    let mut low = [c.n0[0].low, c.n0[1].low];
+/// Shift of the inner groove's centre at an azimuth due to a displacement of the ring.
+#[inline(always)]
+pub fn shift<T: Real, const D: usize>(u: &[T; D], at: &Azimuth<T>) -> Pair<T> {
+    let mut a = [u[0], T::ZERO];
     if D >= 3 {
-        high[1] = high[1] + u[1] * cos + u[2] * sin;
-        low[1] = low[1] + u[1] * at.cos_low + u[2] * at.sin_low;
+        a[1] = u[1] * at.cos + u[2] * at.sin;
     }
     if D == 5 {
-        high[0] = high[0] + u[3] * sin - u[4] * cos;
-        low[0] = low[0] + u[3] * at.sin_low - u[4] * at.cos_low;
+        a[0] = u[0] + (u[3] * at.sin - u[4] * at.cos);
     }
+    a
+}
+
+/// A displacement with all five freedoms, for code that serves any number of them.
+#[inline(always)]
+pub fn in_full<T: Real, const D: usize>(u: &[T; D]) -> [T; 5] {
+    let mut full = [T::ZERO; 5];
+    for (full, u) in full.iter_mut().zip(u) {
+        *full = *u;
+    }
+    full
+}
+
+impl<T: Real, const D: usize> Sum<T, D> {
+    /// Adds the forces of two balls that are opposite to each other, the first at the azimuth `at`; or of one ball and
+    /// none. What two opposite balls have in common cancels exactly in radial forces and moments.
+    #[inline(always)]
+    fn add_forces(&mut self, a: &Share<T>, b: &Share<T>, at: &Azimuth<T>) {
+        let (c, s) = (at.cos, at.sin);
+        let (f, by) = (&mut self.force, &mut self.by_speed);
+        let axial = a.force[0] + b.force[0];
+        let radial = a.force[1] - b.force[1];
+        let (y, z) = (radial * c, radial * s);
+        f[0] += axial;
+        if D >= 3 {
+            f[1] += y;
+            f[2] += z;
+        }
+        let axial = a.force_by_speed[0] + b.force_by_speed[0];
+        let radial = a.force_by_speed[1] - b.force_by_speed[1];
+        let (y, z) = (radial * c, radial * s);
+        by[0] += axial;
+        if D >= 3 {
+            by[1] += y;
+            by[2] += z;
+        }
+        if D == 5 {
+            let moment = a.moment - b.moment;
+            let by_speed = a.moment_by_speed - b.moment_by_speed;
+            let (y, z) = (moment * s, moment * c);
+            f[3] += y;
+            f[4] -= z;
+            let (y, z) = (by_speed * s, by_speed * c);
+            by[3] += y;
+            by[4] -= z;
+        }
+    }
+
+    /// Adds their slopes.
+    #[inline(always)]
+    pub fn add_slopes(&mut self, a: &Share<T>, b: &Share<T>, at: &Azimuth<T>) {
+        let (c, s) = (at.cos, at.sin);
+        let (cc, cs, ss) = (c * c, c * s, s * s);
+        let k = &mut self.k;
+        let ([aa, ar], [bb, br]) = (a.h[0], b.h[0]);
+        k[0][0] += aa + bb;
+        if D >= 3 {
+            let ar = ar - br;
+            let (y, z) = (ar * c, ar * s);
+            k[0][1] += y;
+            k[0][2] += z;
+        }
+        if D == 5 {
+            let aa = aa - bb;
+            let (y, z) = (aa * s, aa * c);
+            k[0][3] += y;
+            k[0][4] -= z;
+        }
+        if D >= 3 {
+            let ([aa, ar], [bb, br]) = (a.h[1], b.h[1]);
+            let (ra, rr) = (aa - bb, ar + br);
+            let (y, z) = (ra * c, ra * s);
+            k[1][0] += y;
+            k[2][0] += z;
+            let (yy, yz, zz) = (rr * cc, rr * cs, rr * ss);
+            k[1][1] += yy;
+            k[1][2] += yz;
+            k[2][2] += zz;
+            if D == 5 {
+                let ra = aa + bb;
+                let (yy, yz, zz) = (ra * cs, ra * cc, ra * ss);
+                k[1][3] += yy;
+                k[1][4] -= yz;
+                k[2][3] += zz;
+            }
+        }
+        if D == 5 {
+            let ([aa, ar], [bb, br]) = (a.hm, b.hm);
+            let (ma, mr) = (aa - bb, ar + br);
+            let (y, z) = (ma * s, ma * c);
+            k[3][0] += y;
+            k[4][0] -= z;
+            let (yy, yz, zz) = (mr * cs, mr * ss, mr * cc);
+            k[3][1] += yy;
+            k[3][2] += yz;
+            k[4][1] -= zz;
+            let ma = aa + bb;
+            let (yy, yz, zz) = (ma * ss, ma * cs, ma * cc);
+            k[3][3] += yy;
+            k[3][4] -= yz;
+            k[4][4] += zz;
+        }
+    }
+
+    /// Fills in the elements that follow from others.
+    #[inline(always)]
+    pub fn finish(&mut self) {
+        let k = &mut self.k;
+        if D >= 3 {
+            k[2][1] = k[1][2];
+        }
+        if D == 5 {
+            k[2][4] = -k[1][3];
+            k[4][2] = -k[3][1];
+            k[4][3] = k[3][4];
+        }
+    }
+}
+
+/// Position of the inner groove's centre at the ring's position `u`, multiples of 1/256: a part that is exact, and a
+/// small rest.
+fn groove_centre<T: Real>(c: &Constants<T>, u: &[T; 5], at: &Azimuth<T>) -> (Pair<T>, Pair<T>) {
+    let split = |x: T| (x + T::SPLIT) - T::SPLIT;
+    let (cos, sin) = (split(at.cos), split(at.sin));
+    let (mut high, mut low) = (c.centre, c.centre_low);
+    high[0] += u[0] + (u[3] * sin - u[4] * cos);
+    high[1] += u[1] * cos + u[2] * sin;
+    low[0] += u[3] * at.sin_low - u[4] * at.cos_low;
+    low[1] += u[1] * at.cos_low + u[2] * at.sin_low;
     (high, low)
 }
 
-/// Shift of the inner groove's centre at an azimuth due to a ring displacement.
-#[inline(always)]
-pub fn shift<T: Real, const D: usize>(u: &[T; D], at: &Azimuth<T>) -> Pair<T> {
-    let axial = if D == 5 {
-        u[0] + u[3] * at.sin - u[4] * at.cos
-    } else {
-        u[0]
-    };
-    let radial = if D >= 3 {
-        u[1] * at.cos + u[2] * at.sin
-    } else {
-        T::ZERO
-    };
-    [axial, radial]
+/// Cosine of the largest angle between a ball's contacts, 150 degrees: the cage speed has its pole at 180.
+pub const UNSEATED: f64 = -0.866;
+
+/// One row of balls: a bearing at a point of speed and growth.
+pub struct Row<'s, T, B> {
+    pub c: &'s Constants<T>,
+    pub azimuths: &'s [Azimuth<T>],
+    pub balls: &'s mut [B],
 }
 
-#[inline(never)]
-pub fn dot5<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
-    let mut sum = T::ZERO;
-    for (x, y) in a.iter().zip(b) {
-        sum += *x * *y;
+impl<T: Real, B: Body<T>> Row<'_, T, B> {
+    /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all
+    /// are near their balance.
+    #[inline(never)]
+    pub fn condense_balls<R: Rule>(&mut self, p: &Point<T>, v: &[T; 5], ds: T) -> bool {
+        let mut near = true;
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter_mut() {
+            let Some(at) = azimuths.next() else { break };
+            near &= ball.condense::<R>(self.c, p, shift(v, at), ds);
+        }
+        near
     }
-    sum
-}
 
-pub fn norm<T: Real, const D: usize>(f: &[T; D]) -> T {
-    if D == 1 {
-        return f[0].abs();
-    }
-    dot5(f, f).sqrt()
-}
-
-/// A bound on how far a displacement of the ring shifts any groove centre.
-pub fn span<T: Real, const D: usize>(u: &[T; D]) -> T {
-    let mut axial = u[0].abs();
-    if D == 5 {
-        axial += (u[3] * u[3] + u[4] * u[4]).sqrt();
-    }
-    if D >= 3 {
-        return axial.at_least((u[1] * u[1] + u[2] * u[2]).sqrt());
-    }
-    axial
-}
-
-/// The side of the grooves on which an axial load presses the balls: 1 for that of the free contact angle.
-pub fn side<T: Real, const D: usize>(load: &[T; D]) -> T {
-    if load[0] < T::ZERO { -T::ONE } else { T::ONE }
-}
-
-/// Adds one ball's force and couple to those on the ring.
-#[inline(always)]
-pub fn spread<T: Real, const D: usize>(
-    sum: &mut [T; D],
-    at: &Azimuth<T>,
-    force: Pair<T>,
-    couple: T,
-) {
-    let [fa, fr] = force;
-    sum[0] += fa;
-    if D >= 3 {
-        sum[1] += fr * at.cos;
-        sum[2] += fr * at.sin;
-    }
-    if D == 5 {
-        let moment = fa - couple;
-        sum[3] += moment * at.sin;
-        sum[4] -= moment * at.cos;
-    }
-}
-
-/// What a step of ring and balls changes.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Change<T> {
-    /// Largest step of a ball.
-    pub step: T,
-    /// Change of stiffness, axial and radial, summed over the balls.
-    pub stiffness: Pair<T>,
-    /// The part of it that a correction of the tangent does not know.
-    pub remainder: Pair<T>,
-    /// `Q'^2 / Q` of the inner contacts, summed over the balls: three times the growth of their stiffness with
-    /// their deformation. Not known of a ball at speed that follows its law, whose step is hardly ever the
-    /// last.
-    pub hardening: T,
-}
-
-impl<T: Real> Change<T> {
-    /// Adds another ball's.
+    /// What the balls hand to the ring, with its azimuth: opposite balls together where there are any, else every
+    /// ball and `none`.
     #[inline(always)]
-    pub fn merge(&mut self, other: Self) {
-        self.step = self.step.at_least(other.step);
-        self.stiffness = add(self.stiffness, other.stiffness);
-        self.remainder = add(self.remainder, other.remainder);
-        self.hardening += other.hardening;
-    }
-}
-
-/// Sums over the azimuth. The tangent needs 21 of them: each element of a ball's `H` is weighted by
-/// 1, the cosine and sine, or their products, and the tilts use the same sums as axial and radial
-/// motion. Without tilts 8 are left, of axial motion alone 1. Where all tangents are `symmetric` (at rest),
-/// those of [`TangentSums`] do.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sums<T, const D: usize> {
-    force: [T; D],
-    /// Radial force and moment that all balls may have in common, and what they have beyond.
-    common: Pair<T>,
-    beyond: Pair<T>,
-    axial_axial: [T; 3],
-    axial_radial: [T; 2],
-    radial_axial: [T; 5],
-    radial_radial: [T; 3],
-    moment_axial: [T; 5],
-    moment_radial: [T; 3],
-    symmetric: TangentSums<T, D>,
-}
-
-impl<T: Real, const D: usize> Sums<T, D> {
-    /// No balls yet. Radial force and moment are counted from `common`, about the mean of the
-    /// balls: cosines and sines add up to 0 over the azimuth, but rounded ones do not quite, and what
-    /// is left of a common force would tilt the ring, in single precision by more than a light
-    /// load shifts it.
-    pub fn about(common: Pair<T>) -> Self {
-        Self {
-            force: [T::ZERO; D],
-            common,
-            beyond: [T::ZERO; 2],
-            axial_axial: [T::ZERO; 3],
-            axial_radial: [T::ZERO; 2],
-            radial_axial: [T::ZERO; 5],
-            radial_radial: [T::ZERO; 3],
-            moment_axial: [T::ZERO; 5],
-            moment_radial: [T::ZERO; 3],
-            symmetric: TangentSums::new(),
-        }
+    fn shares<'a>(
+        &'a self,
+        none: &'a Share<T>,
+    ) -> impl Iterator<Item = (&'a Share<T>, &'a Share<T>, &'a Azimuth<T>)> {
+        let n = self.balls.len();
+        let alone = if n.is_multiple_of(2) { n / 2 } else { n };
+        let (first, second) = self.balls.split_at(alone);
+        let (mut first, mut second) = (first.iter(), second.iter());
+        let mut azimuths = self.azimuths.iter();
+        // Not `zip`, which the compiler unrolls (+1.2 kB).
+        core::iter::from_fn(move || {
+            let (ball, at) = (first.next()?, azimuths.next()?);
+            Some((ball.share(), second.next().map_or(none, B::share), at))
+        })
     }
 
-    /// Adds one ball.
-    #[inline(always)]
-    pub fn add(&mut self, at: &Azimuth<T>, ball: &Share<T>, symmetric: bool) {
-        let (c, s) = (at.cos, at.sin);
-        let [fa, fr] = ball.force;
-        let [[aa, ar], [ra, rr]] = ball.stiffness;
-        self.force[0] += fa;
-        if D >= 3 {
-            let fr = fr - self.common[0];
-            self.beyond[0] += fr;
-            self.force[1] += fr * c;
-            self.force[2] += fr * s;
+    /// Sums what the balls hand to the ring. Forces and slopes in loops of their own, whose sums stay in registers.
+    #[inline(never)]
+    pub fn sum<const D: usize>(&self, sum: &mut Sum<T, D>) {
+        let none = Share::NONE;
+        let mut part = Sum::NONE;
+        for (a, b, at) in self.shares(&none) {
+            part.add_forces(a, b, at);
         }
-        if D == 5 {
-            let moment = fa - ball.couple - self.common[1];
-            self.beyond[1] += moment;
-            self.force[3] += moment * s;
-            self.force[4] -= moment * c;
+        (sum.force, sum.by_speed) = (part.force, part.by_speed);
+        for (a, b, at) in self.shares(&none) {
+            part.add_slopes(a, b, at);
         }
-        if symmetric {
-            self.symmetric.add(at, &[aa, ar, rr]);
-            return;
+        part.finish();
+        sum.k = part.k;
+    }
+
+    /// The ball that carries and whose contacts are furthest apart, if the cosine of that angle is below `limit`, and the
+    /// angle, rad.
+    #[cold]
+    #[inline(never)]
+    pub fn furthest_apart(&self, limit: T) -> Option<(u16, T)> {
+        if !B::AT_SPEED {
+            return None;
         }
-        self.axial_axial[0] += aa;
-        if D >= 3 {
-            self.axial_radial[0] += ar * c;
-            self.axial_radial[1] += ar * s;
-            let (ra_c, ra_s) = (ra * c, ra * s);
-            self.radial_axial[0] += ra_c;
-            self.radial_axial[1] += ra_s;
-            let (rr_c, rr_s) = (rr * c, rr * s);
-            self.radial_radial[0] += rr_c * c;
-            self.radial_radial[1] += rr_c * s;
-            self.radial_radial[2] += rr_s * s;
-            if D == 5 {
-                let ma = aa - ball.couple_slope[0];
-                let mr = ar - ball.couple_slope[1];
-                self.axial_axial[1] += aa * c;
-                self.axial_axial[2] += aa * s;
-                self.radial_axial[2] += ra_c * c;
-                self.radial_axial[3] += ra_c * s;
-                self.radial_axial[4] += ra_s * s;
-                let (ma_c, ma_s) = (ma * c, ma * s);
-                self.moment_axial[0] += ma_c;
-                self.moment_axial[1] += ma_s;
-                self.moment_axial[2] += ma_c * c;
-                self.moment_axial[3] += ma_c * s;
-                self.moment_axial[4] += ma_s * s;
-                let (mr_c, mr_s) = (mr * c, mr * s);
-                self.moment_radial[0] += mr_c * c;
-                self.moment_radial[1] += mr_c * s;
-                self.moment_radial[2] += mr_s * s;
+        let (mut furthest, mut least) = (None, limit);
+        for (ball, number) in self.balls.iter().zip(0..) {
+            let [sin, cos] = ball.apart();
+            if ball.carries() && cos < least {
+                least = cos;
+                furthest = Some((number, sin));
             }
         }
+        furthest.map(|(number, sin)| (number, sin.abs().atan2(least)))
     }
 
-    /// Mean radial force and moment of `balls` balls.
-    #[inline(always)]
-    pub fn mean(&self, balls: T) -> Pair<T> {
-        [
-            self.common[0] + self.beyond[0] / balls,
-            self.common[1] + self.beyond[1] / balls,
-        ]
-    }
-
-    /// Force of the balls on the ring.
-    #[inline(always)]
-    pub fn force(&self) -> [T; D] {
-        self.force
-    }
-
-    /// The tangent.
-    #[inline]
-    pub fn tangent(&self, symmetric: bool) -> Tangent<T, D> {
-        if symmetric {
-            return self.symmetric.tangent();
-        }
-        let [aa, aa_c, aa_s] = self.axial_axial;
-        let [ar_c, ar_s] = self.axial_radial;
-        let [ra_c, ra_s, ra_cc, ra_cs, ra_ss] = self.radial_axial;
-        let [rr_cc, rr_cs, rr_ss] = self.radial_radial;
-        let [ma_c, ma_s, ma_cc, ma_cs, ma_ss] = self.moment_axial;
-        let [mr_cc, mr_cs, mr_ss] = self.moment_radial;
-        first(&[
-            [aa, ar_c, ar_s, aa_s, -aa_c],
-            [ra_c, rr_cc, rr_cs, ra_cs, -ra_cc],
-            [ra_s, rr_cs, rr_ss, ra_ss, -ra_cs],
-            [ma_s, mr_cs, mr_ss, ma_ss, -ma_cs],
-            [-ma_c, -mr_cc, -mr_cs, -ma_cs, ma_cc],
-        ])
-    }
-}
-
-/// Sums over the azimuth of symmetric tangents that come without a couple, so that moments follow axial
-/// forces: 14 of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TangentSums<T, const D: usize> {
-    axial: [T; 6],
-    mixed: [T; 5],
-    radial: [T; 3],
-}
-
-impl<T: Real, const D: usize> TangentSums<T, D> {
-    /// No balls yet.
-    #[inline(always)]
-    pub fn new() -> Self {
-        Self {
-            axial: [T::ZERO; 6],
-            mixed: [T::ZERO; 5],
-            radial: [T::ZERO; 3],
+    /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`.
+    #[inline(never)]
+    pub fn follow(&mut self, v: &[T; 5], ds: T) {
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter_mut() {
+            let Some(at) = azimuths.next() else { return };
+            ball.follow(shift(v, at), ds);
         }
     }
 
-    /// Adds one ball: the axial element of its tangent, the mixed one and the radial one.
-    #[inline(always)]
-    pub fn add(&mut self, at: &Azimuth<T>, [axial, mixed, radial]: &[T; 3]) {
-        let (c, s) = (at.cos, at.sin);
-        let weighted = |x: T| {
-            let (by_c, by_s) = (x * c, x * s);
-            [by_c, by_s, by_c * c, by_c * s, by_s * s]
-        };
-        let add = |sums: &mut [T], more: &[T]| {
-            for (sum, more) in sums.iter_mut().zip(more) {
-                *sum += *more;
-            }
-        };
-        self.axial[0] += *axial;
-        if D >= 3 {
-            let needed = if D == 5 { 5 } else { 2 };
-            add(&mut self.mixed[..needed], &weighted(*mixed));
-            add(&mut self.radial, &weighted(*radial)[2..]);
-        }
-        if D == 5 {
-            add(&mut self.axial[1..], &weighted(*axial));
-        }
-    }
-
-    /// The tangent.
-    #[inline(always)]
-    pub fn tangent(&self) -> Tangent<T, D> {
-        let [aa, aa_c, aa_s, aa_cc, aa_cs, aa_ss] = self.axial;
-        let [ar_c, ar_s, ar_cc, ar_cs, ar_ss] = self.mixed;
-        let [rr_cc, rr_cs, rr_ss] = self.radial;
-        first(&[
-            [aa, ar_c, ar_s, aa_s, -aa_c],
-            [ar_c, rr_cc, rr_cs, ar_cs, -ar_cc],
-            [ar_s, rr_cs, rr_ss, ar_ss, -ar_cs],
-            [aa_s, ar_cs, ar_ss, aa_ss, -aa_cs],
-            [-aa_c, -ar_cc, -ar_cs, -aa_cs, aa_cc],
-        ])
-    }
-}
-
-/// The rows and columns that there are.
-#[inline(always)]
-fn first<T: Real, const D: usize>(all: &Tangent<T, 5>) -> Tangent<T, D> {
-    let mut tangent = [[T::ZERO; D]; D];
-    for (row, of_all) in tangent.iter_mut().zip(all) {
-        for (element, of_all) in row.iter_mut().zip(of_all) {
-            *element = *of_all;
-        }
-    }
-    tangent
-}
-
-/// Units of a freedom's displacement and force, SI.
-#[inline(always)]
-pub fn units<T: Real, const D: usize>(c: &Constants<T>, freedom: usize) -> (T, T) {
-    if freedom >= 3 {
-        (c.tilt, c.moment)
-    } else if D == 1 {
-        (c.length, c.force * c.balls)
-    } else {
-        (c.length, c.force)
-    }
-}
-
-/// Displacement in the bearing's own coordinates, SI, from that of the groove plane.
-#[inline]
-pub fn displacement_out<T: Real, const D: usize>(c: &Constants<T>, u: &[T; D]) -> [T; D] {
-    let mut out = *u;
-    if D == 5 {
-        out[1] -= c.plane * u[4];
-        out[2] += c.plane * u[3];
-    }
-    for (i, x) in out.iter_mut().enumerate() {
-        *x = *x * units::<T, D>(c, i).0;
-    }
-    out
-}
-
-/// The inverse of [`displacement_out`].
-#[inline]
-pub fn displacement_in<T: Real, const D: usize>(c: &Constants<T>, u: &[T; D]) -> [T; D] {
-    let mut v = *u;
-    for (i, x) in v.iter_mut().enumerate() {
-        *x = *x / units::<T, D>(c, i).0;
-    }
-    if D == 5 {
-        v[1] += c.plane * v[4];
-        v[2] -= c.plane * v[3];
-    }
-    v
-}
-
-/// Load on the groove plane from the load on the bearing centre, SI: a radial force acts there with
-/// the lever arm of the plane.
-#[inline]
-pub fn load_in<T: Real, const D: usize>(c: &Constants<T>, load: &[T; D]) -> [T; D] {
-    let mut f = *load;
-    for (i, x) in f.iter_mut().enumerate() {
-        *x = *x / units::<T, D>(c, i).1;
-    }
-    if D == 5 {
-        f[3] += c.plane * f[2];
-        f[4] -= c.plane * f[1];
-    }
-    f
-}
-
-/// The inverse of [`load_in`].
-#[inline]
-pub fn load_out<T: Real, const D: usize>(c: &Constants<T>, f: &[T; D]) -> [T; D] {
-    let mut out = *f;
-    if D == 5 {
-        out[3] -= c.plane * f[2];
-        out[4] += c.plane * f[1];
-    }
-    for (i, x) in out.iter_mut().enumerate() {
-        *x = *x * units::<T, D>(c, i).1;
-    }
-    out
-}
-
-/// Stiffness at the bearing centre, SI, from the tangent at the groove plane.
-#[inline]
-pub fn stiffness_out<T: Real, const D: usize>(
-    c: &Constants<T>,
-    tangent: &Tangent<T, D>,
-) -> Tangent<T, D> {
-    let mut k = *tangent;
-    if D == 5 {
-        // Columns: a tilt of the bearing centre moves the groove plane sideways.
-        for row in &mut k {
-            row[3] -= c.plane * row[2];
-            row[4] += c.plane * row[1];
-        }
-        for j in 0..D {
-            k[3][j] -= c.plane * k[2][j];
-            k[4][j] += c.plane * k[1][j];
-        }
-    }
-    let (_, force) = units::<T, D>(c, 0);
-    let per_length = force / c.length;
-    let by_tilt = force / c.tilt;
-    let moment = c.moment / c.length;
-    let moment_by_tilt = c.moment / c.tilt;
-    for (i, row) in k.iter_mut().enumerate() {
-        for (j, element) in row.iter_mut().enumerate() {
-            *element = *element
-                * match (i < 3, j < 3) {
-                    (true, true) => per_length,
-                    (true, false) => by_tilt,
-                    (false, true) => moment,
-                    (false, false) => moment_by_tilt,
-                };
-        }
-    }
-    k
-}
-
-/// Whether a tangent resists every displacement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Definite {
-    /// It does.
-    Positive,
-    /// Some displacement meets no resistance.
-    Semi,
-    /// Some displacement is driven on.
-    No,
-}
-
-/// `L U` factors of a tangent, without pivoting: apart from friction, which is small, a tangent is
-/// symmetric and positive definite, and its rows are scaled alike.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Factors<T, const D: usize> {
-    lu: Tangent<T, D>,
-    inverse_pivot: [T; D],
-}
-
-impl<T: Real, const D: usize> Factors<T, D> {
-    /// Factorises. A pivot smaller than `least` of its diagonal element is replaced by that element,
-    /// so that the step stays bounded, and reported.
-    #[inline(always)]
-    pub fn of(tangent: &Tangent<T, D>, least: T) -> (Self, Definite) {
-        Self::damped(tangent, T::ZERO, least)
-    }
-
-    /// The same, with `damping` on the diagonal.
-    #[inline]
-    pub fn damped(tangent: &Tangent<T, D>, damping: T, least: T) -> (Self, Definite) {
-        let mut lu = *tangent;
-        for (i, row) in lu.iter_mut().enumerate() {
-            row[i] += damping;
-        }
-        let mut inverse_pivot = [T::ZERO; D];
-        let mut definite = Definite::Positive;
-        for k in 0..D {
-            let diagonal = (tangent[k][k] + damping).abs();
-            let pivot = lu[k][k];
-            if !(pivot.abs() > least * diagonal) || !(pivot.abs() > T::TINY) {
-                if definite == Definite::Positive {
-                    definite = Definite::Semi;
-                }
-                lu[k][k] = diagonal.at_least(T::EPSILON);
-            } else if pivot < T::ZERO {
-                definite = Definite::No;
-            }
-            let inverse = T::ONE / lu[k][k];
-            inverse_pivot[k] = inverse;
-            for i in k + 1..D {
-                let factor = lu[i][k] * inverse;
-                lu[i][k] = factor;
-                for j in k + 1..D {
-                    let above = lu[k][j];
-                    lu[i][j] -= factor * above;
-                }
-            }
-        }
-        (Self { lu, inverse_pivot }, definite)
-    }
-
-    /// Flexibility along the direction of the smallest pivot.
-    #[inline]
-    pub fn weakest(&self) -> T {
-        let mut largest = T::ZERO;
-        for inverse in &self.inverse_pivot {
-            largest = largest.at_least(inverse.abs());
-        }
-        largest
-    }
-
-    /// Solves `K x = b`.
-    #[inline]
-    pub fn solve(&self, b: &[T; D]) -> [T; D] {
-        let mut x = *b;
-        for i in 1..D {
-            for j in 0..i {
-                let known = x[j];
-                x[i] -= self.lu[i][j] * known;
-            }
-        }
-        for i in (0..D).rev() {
-            for j in i + 1..D {
-                let known = x[j];
-                x[i] -= self.lu[i][j] * known;
-            }
-            x[i] = x[i] * self.inverse_pivot[i];
-        }
-        x
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn symmetric_sums_are_the_sums_of_symmetric_tangents() {
-        let mut all = [(); 2].map(|()| Sums::<f64, 5>::about([0.3, -0.2]));
-        for j in 0..7 {
-            let phi = 0.1 + f64::from(j) * core::f64::consts::TAU / 7.0;
-            let at = Azimuth {
-                cos: phi.cos(),
-                sin: phi.sin(),
-                cos_low: 0.0,
-                sin_low: 0.0,
-            };
-            let j = f64::from(j);
-            let ball = Share {
-                force: [1.0 + j, 2.0 - 0.3 * j],
-                stiffness: [[3.0 + j * j, 0.7 - j], [0.7 - j, 1.0 + 2.0 * j]],
-                ..Share::NONE
-            };
-            for (sums, symmetric) in all.iter_mut().zip([false, true]) {
-                sums.add(&at, &ball, symmetric);
-            }
-        }
-        let [general, symmetric] = all;
-        assert_eq!(general.force(), symmetric.force());
-        assert_eq!(general.mean(7.0), symmetric.mean(7.0));
-        let tangent = symmetric.tangent(true);
-        assert_eq!(general.tangent(false), tangent);
-        for i in 0..5 {
-            for j in 0..5 {
-                assert_eq!(tangent[i][j], tangent[j][i]);
-            }
+    /// Moves the balls' references next to where they are, for a ring at the offset `v` from its reference position `u`.
+    #[inline(never)]
+    pub fn anchor(&mut self, p: &Point<T>, u: &[T; 5], v: &[T; 5]) {
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter_mut() {
+            let Some(at) = azimuths.next() else { return };
+            let (high, low) = groove_centre(self.c, u, at);
+            ball.anchor(self.c, p, high, low, shift(v, at));
         }
     }
 }

@@ -127,8 +127,8 @@ impl fmt::Display for Quantity {
 
 /// How a solve ended.
 ///
-/// The first four come with numbers, in [`Solution::status`](crate::Solution::status); those of the first
-/// two are an answer. The rest are refusals, the `Err` of a solve, and leave the solver as it was.
+/// The first two come with an answer, in [`Solution::status`](crate::Solution::status). The rest are refusals, the `Err`
+/// of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -138,13 +138,13 @@ pub enum Status<T> {
     Converged,
     /// As close as the working precision allows, but the last step was still above the tolerance.
     PrecisionLimit,
-    /// The bound on sweeps was reached first. The numbers belong to the last iterate, whose
-    /// residual is given.
-    SweepLimit,
-    /// The same, and centrifugal force has driven a ball past where the inner groove holds it: its
-    /// contacts are more than 90 degrees apart, or it has lost the inner one and is where that would be
-    /// opposite to the outer one. The load is too small for the speed. There, the model has several
-    /// equilibria or none, and the iteration found none.
+    /// The iterations were used up first. The solver keeps where it is: the next solve goes on from there.
+    IterationLimit,
+    /// Centrifugal force has driven a ball out of the inner groove: the load is too small for the speed.
+    ///
+    /// Either no equilibrium was found, and a ball's contacts are more than 90 degrees apart. Or one was found where they
+    /// are more than 150 degrees apart, next to the pole of the cage speed: the model has several equilibria there or
+    /// none.
     Unseated {
         /// Index of the worst ball.
         ball: u16,
@@ -169,16 +169,16 @@ pub enum Status<T> {
     },
     /// No load on the ring: it floats within its clearance, and no position is an answer.
     Unloaded,
-    /// The loaded balls leave the ring free to move in some direction (fewer than three of them
-    /// carry), so that position and stiffness are not determined.
+    /// The loaded balls leave the ring free to move in some direction: position and stiffness are not determined.
+    ///
+    /// Mostly, fewer than three balls carry.
     Indeterminate {
         /// Number of balls that carry load.
         loaded_balls: u16,
     },
-    /// No equilibrium was found: the iteration went astray. The value is the residual it ended
-    /// with, relative to the load.
+    /// No equilibrium was found. That does not prove that there is none.
     Diverged {
-        /// Residual relative to the load.
+        /// Unbalanced force relative to the load; 1 where it is not known.
         residual: T,
     },
 }
@@ -189,7 +189,7 @@ impl<T> Status<T> {
         match self {
             Self::Converged => "converged",
             Self::PrecisionLimit => "precision-limit",
-            Self::SweepLimit => "sweep-limit",
+            Self::IterationLimit => "iteration-limit",
             Self::Unseated { .. } => "unseated",
             Self::NotFinite { .. } => "not-finite",
             Self::OutOfRange { .. } => "out-of-range",
@@ -206,7 +206,7 @@ impl<T: Real> Status<T> {
         match self {
             Self::Converged => Status::Converged,
             Self::PrecisionLimit => Status::PrecisionLimit,
-            Self::SweepLimit => Status::SweepLimit,
+            Self::IterationLimit => Status::IterationLimit,
             Self::Unseated { ball, apart } => Status::Unseated {
                 ball,
                 apart: apart.to_f32(),
@@ -238,7 +238,9 @@ impl<T: Real> fmt::Display for Status<T> {
         match self {
             Self::Converged => f.write_str("converged"),
             Self::PrecisionLimit => f.write_str("as close as the working precision allows"),
-            Self::SweepLimit => f.write_str("the bound on sweeps was reached before the tolerance"),
+            Self::IterationLimit => {
+                f.write_str("the iterations were used up before the tolerance was reached")
+            }
             Self::Unseated { ball, apart } => write!(
                 f,
                 "ball {ball} is driven out of the inner groove (contact angles {apart} rad apart): \

@@ -1,6 +1,7 @@
 //! The stability campaign: very many cases of every kind, solved in both precisions, each answer
 //! judged by the reference build, each refusal looked into.
 
+pub mod balance;
 pub mod contract;
 pub mod detail;
 pub mod families;
@@ -24,6 +25,8 @@ pub struct Plan {
     /// Refusals of a family that the reference build looks into with its own search, the first ones;
     /// `None` for all.
     pub searches: Option<usize>,
+    /// Every so many-th case of a family, the branch from rest is followed to its speed.
+    pub followed: usize,
 }
 
 impl Plan {
@@ -33,6 +36,8 @@ impl Plan {
     pub const SOLVES: usize = 1_000_000;
     /// Searches of the committed report.
     pub const SEARCHES: usize = 40;
+    /// One case of so many is followed from rest in the committed report.
+    pub const FOLLOWED: usize = 20;
 
     /// Cases of a family: every family gets as many solves as any other.
     pub fn cases(&self, family: Family) -> usize {
@@ -58,7 +63,10 @@ pub fn run(plan: &Plan, progress: &dyn Progress) -> Vec<Record> {
             .into_par_iter()
             .map(|index| {
                 let trial = Trial::new(plan.seed, family, index);
-                let judged = judge::judge(&trial);
+                let mut judged = judge::judge(&trial);
+                if index % plan.followed == 0 {
+                    judge::follow(&trial, &mut judged);
+                }
                 progress.done(family.ticks());
                 judged.ticks.iter().flat_map(|t| t.records).collect()
             })

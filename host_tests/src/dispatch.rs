@@ -6,9 +6,10 @@
 //! long in the solver does not depend on the ball count.
 
 use spindle_bearing::{
-    BallState, Bearing, Design, DesignError, ErrorEstimate, Full, InnerRaceControl, LimitSet,
-    Limits, Motion, OuterRaceControl, RacewayControlFree, Real, Settings, Solver, Static, Status,
+    BallState, Design, DesignError, ErrorEstimate, InnerRaceControl, LimitSet, Limits,
+    OuterRaceControl, RacewayControlFree, Real, Status,
 };
+use spindle_bearing::{Bearing, Full, Motion, Settings, Solver, Speed, Static};
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -80,10 +81,8 @@ pub struct Answer {
 /// An equilibrium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Sweeps over the balls.
-    pub sweeps: u16,
-    /// Ball passes beyond one a ball and sweep.
-    pub repeats: u16,
+    /// Iterations, those of starts included.
+    pub iterations: u16,
     /// Displacement of the inner ring `(dx, dy, dz, ty, tz)`, m and rad.
     pub displacement: [f64; 5],
     /// Stiffness, N and N m per m and rad; rows are forces, columns displacements.
@@ -125,13 +124,13 @@ pub trait AnySolver {
     ) -> Answer;
 
     /// Makes the next solve a cold one.
-    fn forget(&mut self);
+    fn reset(&mut self);
 
     /// Holds the next solves against these limits instead of the default ones.
     fn set_limits(&mut self, limits: &Limits<f64>);
 
-    /// Makes the next solves stop at this tolerance, or after this many sweeps.
-    fn set_settings(&mut self, tolerance: f64, max_sweeps: u16);
+    /// Makes the next solves stop at this tolerance, or after this many iterations.
+    fn set_settings(&mut self, tolerance: f64, max_iterations: u16);
 
     /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
     /// precision.
@@ -152,19 +151,16 @@ pub fn bearing(
     precision: Precision,
 ) -> Result<Box<dyn AnyBearing>, DesignError> {
     match precision {
-        Precision::F32 => counted::<f32>(design, balls),
-        Precision::F64 => counted::<f64>(design, balls),
+        Precision::F32 => in_single(design, balls),
+        Precision::F64 => in_double(design, balls),
     }
 }
 
 macro_rules! counted {
-    ($($n:literal)*) => {
-        fn counted<T: Host>(
-            design: &Design,
-            balls: usize,
-        ) -> Result<Box<dyn AnyBearing>, DesignError> {
+    ($name:ident, $t:ty, $($n:literal)*) => {
+        fn $name(design: &Design, balls: usize) -> Result<Box<dyn AnyBearing>, DesignError> {
             match balls {
-                $($n => Ok(Box::new(Bearing::<T, $n>::build(design)?)),)*
+                $($n => Ok(Box::new(Bearing::<$t, $n>::new(design)?)),)*
                 _ => Err(DesignError {
                     quantity: spindle_bearing::Quantity::BallCount,
                     value: balls as f64,
@@ -174,12 +170,17 @@ macro_rules! counted {
             }
         }
     };
+    ($name:ident, $t:ty) => {
+        counted! {
+            $name, $t,
+            3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
+            35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
+        }
+    };
 }
 
-counted! {
-    3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35 36
-    37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
-}
+counted!(in_single, f32);
+counted!(in_double, f64);
 
 /// Adds to the solver's precisions the name they have here.
 trait Host: Real {
@@ -217,7 +218,7 @@ struct Counted<'b, T: Real, const N: usize, M: Motion> {
 impl<'b, T: Host, const N: usize, M: Motion> Counted<'b, T, N, M> {
     fn new(bearing: &'b Bearing<T, N>) -> Self {
         Self {
-            solver: Solver::new(bearing),
+            solver: Solver::of(bearing),
             settings: Settings::default(),
             limits: Limits::default(),
         }
@@ -239,19 +240,21 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
         omega: f64,
         balls: Option<&mut Vec<BallState<f64>>>,
     ) -> Answer {
-        let solved = self
-            .solver
-            .solve(rounded(load), T::of(omega), &self.settings);
+        let speed = Speed::rad_per_s(T::of(omega));
+        let solved = self.solver.solve(rounded(load), speed, &self.settings);
         match solved {
             Ok(solution) => {
                 if let Some(balls) = balls {
                     keep(balls, solution.balls());
                 }
                 let figures = Figures {
-                    sweeps: solution.sweeps,
-                    repeats: solution.repeats,
+                    iterations: solution.iterations,
                     limits: solution.exceedances(&self.limits).limits(),
-                    ..figures(&solution.displacement, &solution.stiffness, &solution.error)
+                    ..figures(
+                        &solution.displacement,
+                        &solution.stiffness(),
+                        &solution.error,
+                    )
                 };
                 Answer {
                     status: solution.status.name(),
@@ -262,8 +265,8 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
         }
     }
 
-    fn forget(&mut self) {
-        self.solver.forget();
+    fn reset(&mut self) {
+        self.solver.reset();
     }
 
     fn set_limits(&mut self, limits: &Limits<f64>) {
@@ -273,10 +276,10 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
         };
     }
 
-    fn set_settings(&mut self, tolerance: f64, max_sweeps: u16) {
+    fn set_settings(&mut self, tolerance: f64, max_iterations: u16) {
         self.settings = Settings {
             tolerance: T::of(tolerance),
-            max_sweeps,
+            max_iterations,
         };
     }
 }
@@ -287,7 +290,7 @@ fn rounded<T: Real>(load: [f64; 5]) -> [T; 5] {
     load.map(T::of)
 }
 
-/// The numbers of an equilibrium; no counts, and no limits passed.
+/// The numbers of an equilibrium; no count, and no limits passed.
 #[inline(never)]
 fn figures<T: Real>(
     displacement: &[T; 5],
@@ -295,8 +298,7 @@ fn figures<T: Real>(
     error: &ErrorEstimate<T>,
 ) -> Figures {
     Figures {
-        sweeps: 0,
-        repeats: 0,
+        iterations: 0,
         displacement: displacement.map(T::to_f64),
         stiffness: stiffness.map(|row| row.map(T::to_f64)),
         limits: LimitSet::default(),

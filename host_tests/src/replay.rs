@@ -15,7 +15,7 @@ const BALL_HEADER: &str = "time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n
 
 /// Header of the results.
 fn header() -> String {
-    let mut header = "time_s,status,sweeps,dx_m,dy_m,dz_m,ty_rad,tz_rad".to_owned();
+    let mut header = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_rad".to_owned();
     for row in FREEDOMS {
         for column in FREEDOMS {
             header.push_str(&format!(",k_{row}_{column}"));
@@ -106,7 +106,7 @@ pub fn replay(
     for row in rows {
         let row = row.map_err(ReplayError::Loads)?;
         if cold {
-            solver.forget();
+            solver.reset();
         }
         let wanted = balls.is_some().then_some(&mut states);
         let answer = solver.solve_with_balls(row.load, row.omega(), wanted);
@@ -143,7 +143,7 @@ fn write_result(
     write!(out, "{},{},", Precision::F64.show(time), answer.status)?;
     match &answer.figures {
         Ok(figures) => {
-            write!(out, "{}", figures.sweeps)?;
+            write!(out, "{}", figures.iterations)?;
             let stiffness = figures.stiffness.iter().flatten();
             for &figure in figures.displacement.iter().chain(stiffness) {
                 write!(out, ",{}", precision.show(figure))?;

@@ -1,6 +1,7 @@
 //~ is not an attitude rule
 //~ choose `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`
-use spindle_bearing::*;
+use spindle_bearing::InnerRaceControl;
+use spindle_bearing::{Bearing, Centrifugal, Solver, Static};
 
 #[cfg(good)]
 type Rule = InnerRaceControl;
@@ -8,5 +9,5 @@ type Rule = InnerRaceControl;
 type Rule = Static;
 
 pub fn solver(bearing: &Bearing<f32, 16>) -> Solver<'_, f32, 16, Centrifugal<Rule>> {
-    Solver::new(bearing)
+    Solver::of(bearing)
 }

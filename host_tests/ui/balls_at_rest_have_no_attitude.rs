@@ -1,12 +1,12 @@
-//~ is not a motion of the balls
-//~ balls at rest have no attitude, so that `Static` takes no rule
-use spindle_bearing::*;
+//~ struct takes 0 generic arguments
+use spindle_bearing::OuterRaceControl;
+use spindle_bearing::{Bearing, Full, Solver, Static};
 
 #[cfg(good)]
-type Motion = Static;
+type Motion = Full<OuterRaceControl>;
 #[cfg(not(good))]
 type Motion = Static<OuterRaceControl>;
 
 pub fn solver(bearing: &Bearing<f32, 16>) -> Solver<'_, f32, 16, Motion> {
-    Solver::new(bearing)
+    Solver::of(bearing)
 }

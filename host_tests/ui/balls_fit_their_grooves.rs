@@ -1,5 +1,6 @@
 //~ this bearing cannot be built: inner groove factor fi must be 0.501 to 0.7
-use spindle_bearing::*;
+use spindle_bearing::Bearing;
+use spindle_bearing::{Design, FreeContact, Material};
 
 const DESIGN: Design = Design {
     ball_diameter: 6.35e-3,

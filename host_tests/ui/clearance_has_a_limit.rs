@@ -1,5 +1,6 @@
 //~ this bearing cannot be built: diametral clearance Pd must be
-use spindle_bearing::*;
+use spindle_bearing::Bearing;
+use spindle_bearing::{Design, FreeContact, Material};
 
 const DESIGN: Design = Design {
     ball_diameter: 6.35e-3,

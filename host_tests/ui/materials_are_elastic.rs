@@ -1,5 +1,6 @@
 //~ this bearing cannot be built: Poisson's ratio nu of the rings must be 0 to 0.5
-use spindle_bearing::*;
+use spindle_bearing::Bearing;
+use spindle_bearing::{Design, FreeContact, Material};
 
 const DESIGN: Design = Design {
     ball_diameter: 6.35e-3,

@@ -1,6 +1,6 @@
 //~ the inner ring has 3 freedoms (tilts locked) or 5, which `[f32; 2]` does not fit
 //~ one freedom, along the axis, is that of `AxialSolver`
-use spindle_bearing::next::{Bearing, Full, Solver};
+use spindle_bearing::{Bearing, Full, Solver};
 
 #[cfg(good)]
 const FREEDOMS: usize = 3;

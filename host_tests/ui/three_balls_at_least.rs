@@ -1,5 +1,6 @@
 //~ this bearing cannot be built: ball count N must be 3 to 1000
-use spindle_bearing::*;
+use spindle_bearing::Bearing;
+use spindle_bearing::{Design, FreeContact, Material};
 
 #[cfg(good)]
 const BALLS: usize = 3;

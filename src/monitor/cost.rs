@@ -6,12 +6,14 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 44_858,
-        sweep: 70_021,
+        fixed: 54_082,
+        start: 8_412,
+        iteration: 19_544,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 39_289,
-        sweep: 100_630,
+        fixed: 53_605,
+        start: 18_954,
+        iteration: 43_186,
     };
 }

@@ -24,7 +24,8 @@
 //!     speed::{Edges, PulseSpeed, SpeedSettings, SpeedSource},
 //!     tick::{CycleCounter, Watchdog, Widened},
 //! };
-//! use spindle_bearing::{Bearing, Design, FreeContact, Material};
+//! use spindle_bearing::Bearing;
+//! use spindle_bearing::{Design, FreeContact, Material};
 //!
 //! const DESIGN: Design = Design {
 //!     ball_diameter: 6.35e-3, // m
@@ -67,7 +68,7 @@
 //! # let (mut board, mut dwt, mut iwdg) = (Board { us: 0 }, Dwt, Iwdg);
 //!
 //! let mut monitor: Monitor<16> = Monitor::new(&BEARING, &SETTINGS);
-//! // From nothing, a solve takes more sweeps than a tick has: once, before ticks begin.
+//! // From nothing, a solve takes more iterations than a tick has: once, before ticks begin.
 //! monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).expect("the preload has an equilibrium");
 //! let mut loads = FramedLoads::new();
 //! let mut tachometer = PulseSpeed::new(Edges::default(), TACHOMETER);
@@ -108,13 +109,17 @@
 //!
 //! # When a solve does not fit its tick
 //!
-//! A solve that ends at the bound on sweeps is no answer, and leaves a solver that would start from
-//! nothing. The monitor keeps the solver of the last answer, goes back to it, and at the next tick goes
-//! half of the way to the loads of that tick; a quarter after that. Each step is a warm solve, and once one
-//! is an answer the next goes twice as far. Until the loads themselves are reached there is no new estimate,
-//! and the mark is [`Mark::Unsolved`]. Only if all small steps fail does a solve start from nothing, with
-//! [`TickSettings::cold_sweeps`](tick::TickSettings::cold_sweeps), and if that fails, too, it is tried again after
-//! longer and longer pauses.
+//! A solve that runs out of iterations is no answer, but the solver keeps where it got to. The next tick goes
+//! on from there, towards the loads of its own sample. Until a solve ends there is no new estimate, and the mark
+//! is [`Mark::Unsolved`].
+//!
+//! Teeth that pass take the loads to and fro. The monitor has two solvers, and the one that stands nearer takes the
+//! sample: loads that come back find a solution where they were. A solver that was not the nearer one for 100
+//! samples takes over what the other one has.
+//!
+//! After 20 solves without an answer, one starts from nothing, with
+//! [`TickSettings::cold_iterations`](tick::TickSettings::cold_iterations). So does one where no solver has a
+//! solution. If it fails, it is tried again after longer and longer pauses.
 //!
 //! # Left out on purpose
 //!
@@ -140,16 +145,14 @@ pub use plausibility::{GoodSample, Mark, Marks, Readings};
 pub use retained::{Identity, Past, Store};
 pub use settings::{MonitorSettings, SettingsError};
 
-use crate::constants::Bearing;
 use crate::estimate::strongest_coupling;
 use crate::float::Real;
 use crate::limits::{Extreme, Limits};
-use crate::scene::{Full, Motion};
-use crate::solver::{Settings, Solution, Solver};
 use crate::status::Status;
+use crate::{Bearing, Full, Motion, Settings, Solution, Solver, Speed};
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
-use plausibility::{Plausibility, seconds};
+use plausibility::{Plausibility, PlausibilitySettings, seconds};
 use telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport, Outbox,
     Payload, RetentionReport, StatusCode,
@@ -164,8 +167,8 @@ pub struct Outcome {
     pub marks: Marks,
     /// Whether there is a new estimate.
     pub solved: bool,
-    /// Sweeps over the balls in this tick; 0 if there was nothing to solve.
-    pub sweeps: u16,
+    /// Iterations in this tick; 0 if there was nothing to solve.
+    pub iterations: u16,
     /// Age of the estimate in ticks, if there is one.
     pub age: Option<u32>,
     /// Alarms that changed.
@@ -219,42 +222,76 @@ impl Every {
     }
 }
 
-/// Follows the loads from equilibrium to equilibrium.
-#[derive(Debug)]
-struct Tracker<T: Real + 'static, const N: usize, M: Motion> {
+/// A solver, and where it stands.
+#[derive(Debug, Clone, Copy)]
+struct Follower<T: Real + 'static, const N: usize, M: Motion + Copy> {
     solver: Solver<'static, T, N, M>,
-    /// The solver of the last answer, and loads and speed of that.
-    good: Solver<'static, T, N, M>,
+    /// Loads and speed of its last solve; none if it has no solution to go on from.
     at: Option<([f32; 5], f32)>,
-    /// Part of the way to the present loads that the next solve goes.
-    part: f32,
-    /// Solves to leave out before the next one from nothing, and how many it were last.
+    /// Solves since it was the nearer one.
+    idle: u16,
+}
+
+/// Follows the loads from equilibrium to equilibrium.
+///
+/// Teeth that pass take the loads to and fro in a tick or two, which is farther than a tick's iterations reach.
+/// Each end has a solver.
+#[derive(Debug)]
+struct Tracker<T: Real + 'static, const N: usize, M: Motion + Copy> {
+    followers: [Follower<T, N, M>; 2],
+    /// Solves in a row without an answer.
+    failed: u16,
+    /// Solves to leave out before the next one from nothing, and how many were left out last.
     pause: u16,
     pauses: u16,
     /// Of the last solve.
-    sweeps: u16,
+    iterations: u16,
 }
 
-/// The smallest part of the way that is tried.
-const LEAST_PART: f32 = 1.0 / 64.0;
+/// Solves in a row without an answer, after which one starts from nothing.
+const PATIENCE: u16 = 20;
+/// Solves after which a solver that was not the nearer one takes over what the other one has: a tenth of a second
+/// at 1 kHz, in which several teeth pass.
+const LONGEST_IDLE: u16 = 100;
 /// The longest pause between solves from nothing, in solves.
 const LONGEST_PAUSE: u16 = 1023;
 
-/// An answer, and not only numbers.
-fn is_answer<T>(status: &Status<T>) -> bool {
-    matches!(status, Status::Converged | Status::PrecisionLimit)
+/// The solve was refused for its input, and has left the solver as it was.
+fn is_refused<T>(status: &Status<T>) -> bool {
+    matches!(
+        status,
+        Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded
+    )
 }
 
-impl<T: Real, const N: usize, M: Motion> Tracker<T, N, M> {
+/// Shortest time in which loads and speed get from one place to another, s, if they change as fast as is
+/// plausible.
+fn distance(
+    (from, from_speed): &([f32; 5], f32),
+    load: &[f32; 5],
+    speed: f32,
+    settings: &PlausibilitySettings,
+) -> f32 {
+    let mut longest = (speed - from_speed).abs() / settings.speed_rate;
+    for ((to, from), rate) in load.iter().zip(from).zip(&settings.load_rate) {
+        longest = longest.at_least((to - from).abs() / rate);
+    }
+    longest
+}
+
+impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
     fn new(bearing: &'static Bearing<T, N>) -> Self {
-        Self {
-            solver: Solver::new(bearing),
-            good: Solver::new(bearing),
+        let follower = Follower {
+            solver: Solver::of(bearing),
             at: None,
-            part: 1.0,
+            idle: 0,
+        };
+        Self {
+            followers: [follower; 2],
+            failed: 0,
             pause: 0,
             pauses: 0,
-            sweeps: 0,
+            iterations: 0,
         }
     }
 
@@ -264,61 +301,42 @@ impl<T: Real, const N: usize, M: Motion> Tracker<T, N, M> {
         load: [f32; 5],
         speed: f32,
         settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, T, N, M>) -> R,
+        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
     ) -> Result<R, StatusCode> {
-        self.sweeps = 0;
-        let Some((from, from_speed)) = self.at else {
+        let [first, second] = &mut self.followers;
+        let far = |follower: &Follower<T, N, M>| {
+            follower.at.as_ref().map_or(f32::INFINITY, |at| {
+                distance(at, &load, speed, &settings.plausibility)
+            })
+        };
+        let (near, other) = if far(first) <= far(second) {
+            (first, second)
+        } else {
+            (second, first)
+        };
+        if near.at.is_none() {
             return self.start(load, speed, settings, see);
-        };
-        let part = self.part;
-        let there = part >= 1.0;
-        let (mut to, mut to_speed) = (load, speed);
-        if !there {
-            for (to, from) in to.iter_mut().zip(&from) {
-                *to = from + part * (*to - from);
-            }
-            to_speed = from_speed + part * (speed - from_speed);
         }
-        let effort = Settings {
-            max_sweeps: settings.tick.max_sweeps(),
-            tolerance: T::from_f32(settings.tolerance),
-        };
-        let seen = match self
-            .solver
-            .solve(to.map(T::from_f32), T::from_f32(to_speed), &effort)
-        {
-            Ok(solution) => {
-                self.sweeps = solution.sweeps;
-                if is_answer(&solution.status) {
-                    Ok(there.then(|| see(&solution)))
-                } else {
-                    Err(solution.status)
+        other.idle += 1;
+        if other.idle >= LONGEST_IDLE {
+            *other = *near;
+            other.idle = 0;
+        }
+        near.idle = 0;
+        let limit = settings.tick.max_iterations();
+        let (seen, iterations) = near.solve(load, speed, settings, limit, see);
+        self.iterations = iterations;
+        match &seen {
+            Ok(_) => self.failed = 0,
+            Err(status) if is_refused(status) => {}
+            Err(_) => {
+                self.failed += 1;
+                if self.failed >= PATIENCE {
+                    (near.at, other.at) = (None, None);
                 }
             }
-            Err(status) => Err(status),
-        };
-        let status = match seen {
-            Ok(seen) => {
-                self.good.clone_from(&self.solver);
-                self.at = Some((to, to_speed));
-                self.part = (2.0 * part).min(1.0);
-                // An equilibrium on the way is not that of the sample.
-                return seen.ok_or(StatusCode::SweepLimit);
-            }
-            Err(status) => status,
-        };
-        // These have left the solver as it was, and no smaller step makes them good.
-        if !matches!(
-            status,
-            Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded
-        ) {
-            self.solver.clone_from(&self.good);
-            self.part = 0.5 * part;
-            if self.part < LEAST_PART {
-                (self.at, self.part) = (None, 1.0);
-            }
         }
-        Err(StatusCode::from(&status))
+        seen.map_err(|status| StatusCode::from(&status))
     }
 
     /// The same from nothing, unless it is to pause.
@@ -327,51 +345,72 @@ impl<T: Real, const N: usize, M: Motion> Tracker<T, N, M> {
         load: [f32; 5],
         speed: f32,
         settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, T, N, M>) -> R,
+        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
     ) -> Result<R, StatusCode> {
+        self.iterations = 0;
         if self.pause > 0 {
             self.pause -= 1;
-            return Err(StatusCode::SweepLimit);
+            return Err(StatusCode::IterationLimit);
         }
-        let effort = Settings {
-            max_sweeps: settings.tick.cold_sweeps,
-            tolerance: T::from_f32(settings.tolerance),
-        };
-        self.solver.forget();
-        let seen = match self
-            .solver
-            .solve(load.map(T::from_f32), T::from_f32(speed), &effort)
-        {
-            Ok(solution) => {
-                self.sweeps = solution.sweeps;
-                if is_answer(&solution.status) {
-                    Ok(see(&solution))
-                } else {
-                    Err(StatusCode::from(&solution.status))
-                }
-            }
-            Err(status) => Err(StatusCode::from(&status)),
-        };
+        let [first, second] = &mut self.followers;
+        first.solver.reset();
+        let limit = settings.tick.cold_iterations;
+        let (seen, iterations) = first.solve(load, speed, settings, limit, see);
+        self.iterations = iterations;
         if seen.is_ok() {
-            self.good.clone_from(&self.solver);
-            (self.at, self.part) = (Some((load, speed)), 1.0);
-            self.pauses = 0;
+            *second = *first;
+            (self.failed, self.pauses) = (0, 0);
         } else {
+            first.at = None;
             self.pauses = (2 * self.pauses + 1).min(LONGEST_PAUSE);
             self.pause = self.pauses;
         }
-        seen
+        seen.map_err(|status| StatusCode::from(&status))
+    }
+}
+
+impl<T: Real, const N: usize, M: Motion + Copy> Follower<T, N, M> {
+    /// A solve of at most `limit` iterations, and how many it took.
+    fn solve<R>(
+        &mut self,
+        load: [f32; 5],
+        speed: f32,
+        settings: &MonitorSettings,
+        limit: u16,
+        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
+    ) -> (Result<R, Status<T>>, u16) {
+        let effort = Settings {
+            max_iterations: limit,
+            tolerance: T::from_f32(settings.tolerance),
+        };
+        let rad_per_s = Speed::rad_per_s(T::from_f32(speed));
+        match self.solver.solve(load.map(T::from_f32), rad_per_s, &effort) {
+            Ok(solution) => {
+                self.at = Some((load, speed));
+                (Ok(see(&solution)), solution.iterations)
+            }
+            Err(Status::IterationLimit) => {
+                self.at = Some((load, speed));
+                (Err(Status::IterationLimit), limit)
+            }
+            Err(status) => {
+                if !is_refused(&status) {
+                    self.at = None;
+                }
+                (Err(status), 0)
+            }
+        }
     }
 }
 
 /// The monitor of one spindle bearing of `N` balls.
 ///
-/// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. The solver works in `T`; what is measured and reported is in
-/// single precision.
+/// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. The solver works
+/// in `T`; what is measured and reported is in single precision.
 #[derive(Debug)]
 pub struct Monitor<
     const N: usize,
-    M: Motion = Full,
+    M: Motion + Copy = Full,
     const FRAMES: usize = 12,
     T: Real + 'static = f32,
 > {
@@ -408,7 +447,7 @@ pub struct Monitor<
     due_standing: Every,
 }
 
-impl<const N: usize, M: Motion, const FRAMES: usize, T: Real> Monitor<N, M, FRAMES, T> {
+impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, M, FRAMES, T> {
     /// A monitor at its beginning: no estimate, no alarm, a new bearing, no baseline.
     pub fn new(bearing: &'static Bearing<T, N>, settings: &'static MonitorSettings) -> Self {
         let now = Every { next_us: 0 };
@@ -472,7 +511,6 @@ impl<const N: usize, M: Motion, const FRAMES: usize, T: Real> Monitor<N, M, FRAM
     ///
     /// How the solve ended without an answer.
     pub fn prepare(&mut self, load: [f32; 5], speed: f32) -> Result<(), StatusCode> {
-        self.tracker.at = None;
         self.tracker.pause = 0;
         self.tracker.start(load, speed, self.settings, |_| ())
     }
@@ -506,13 +544,13 @@ impl<const N: usize, M: Motion, const FRAMES: usize, T: Real> Monitor<N, M, FRAM
             self.marked = self.marked.saturating_add(1);
         }
 
-        let (mut solved, mut sweeps) = (false, 0);
+        let (mut solved, mut iterations) = (false, 0);
         if self.countdown > 0 {
             self.countdown -= 1;
         } else if let Some((sample, at)) = self.waiting.take() {
             self.countdown = self.settings.tick.solve_every.saturating_sub(1);
             solved = self.solve(&sample, at, &mut changes);
-            sweeps = self.tracker.sweeps;
+            iterations = self.tracker.iterations;
         }
 
         let mut marks = doubts;
@@ -544,7 +582,7 @@ impl<const N: usize, M: Motion, const FRAMES: usize, T: Real> Monitor<N, M, FRAM
         Outcome {
             marks,
             solved,
-            sweeps,
+            iterations,
             age: self.age(tick),
             changes,
             overrun,
@@ -702,7 +740,7 @@ impl<const N: usize, M: Motion, const FRAMES: usize, T: Real> Monitor<N, M, FRAM
 
 /// What is kept of an equilibrium, what judgement is to know, and what it costs of the life.
 fn observe<T: Real, const N: usize, M: Motion>(
-    solution: &Solution<'_, T, N, M>,
+    solution: &Solution<'_, T, N, M, 5>,
     sample: &GoodSample,
     tick: u64,
     settings: &MonitorSettings,
@@ -714,7 +752,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
         peak_pressure: T::from_f32(settings.limits.peak_pressure),
         friction: T::from_f32(settings.limits.friction),
     };
-    let survey = solution.view().survey(&limits, |ball, contacts| {
+    let survey = solution.survey(&limits, |ball, contacts| {
         let contacts = contacts.map(|contact| contact.map(T::to_f32));
         let [[q_i, ..], _] = contacts;
         if q_i < least {
@@ -736,7 +774,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
     };
     let (off, off_ball) = extremes.off;
 
-    let k = solution.stiffness.map(|row| row.map(T::to_f32));
+    let k = solution.stiffness().map(|row| row.map(T::to_f32));
     let (row, column) = strongest_coupling(&k);
     let stiffness = core::array::from_fn(|i| k[i][i]);
     let report = EstimateReport {
@@ -752,7 +790,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
         least_force: least,
         largest_force: largest,
         status: StatusCode::from(&solution.status),
-        sweeps: solution.sweeps,
+        iterations: solution.iterations,
         error: [
             solution.error.displacement.to_f32(),
             solution.error.force.to_f32(),

@@ -120,7 +120,7 @@ impl MonitorSettings {
                 solve_every: 1,
                 deadline_cycles: 168_000,
                 cost: CycleCost::CORTEX_M4F,
-                cold_sweeps: 60,
+                cold_iterations: 60,
             },
             tolerance: 2e-5,
             limits: Limits {
@@ -204,13 +204,14 @@ impl MonitorSettings {
             "from 1 to 1,000,000"
         );
         demand!(t.solve_every > 0, "tick.solve_every", "at least 1");
-        demand!(t.cost.sweep > 0, "tick.cost.sweep", "at least 1");
+        demand!(t.cost.iteration > 0, "tick.cost.iteration", "at least 1");
         demand!(
-            t.deadline_cycles as u64 >= t.cost.fixed as u64 + t.cost.sweep as u64,
+            t.deadline_cycles as u64
+                >= t.cost.fixed as u64 + t.cost.start as u64 + t.cost.iteration as u64,
             "tick.deadline_cycles",
-            "enough for the fixed part and a sweep"
+            "enough for the fixed part and a solve of one iteration"
         );
-        demand!(t.cold_sweeps > 0, "tick.cold_sweeps", "at least 1");
+        demand!(t.cold_iterations > 0, "tick.cold_iterations", "at least 1");
         demand!(
             self.tolerance >= f32::EPSILON && self.tolerance <= 1e-2,
             "tolerance",
@@ -323,7 +324,7 @@ mod tests {
         type Spoil = fn(&mut MonitorSettings);
         let spoils: [(Spoil, &str); 9] = [
             (|s| s.tick.period_us = 0, "tick.period_us"),
-            (|s| s.tick.deadline_cycles = 100_000, "tick.deadline_cycles"),
+            (|s| s.tick.deadline_cycles = 90_000, "tick.deadline_cycles"),
             (|s| s.tolerance = f32::NAN, "tolerance"),
             (
                 |s| s.plausibility.load[3] = [1.0, f32::NAN],

@@ -89,8 +89,8 @@ pub enum StatusCode {
     Converged,
     /// [`Status::PrecisionLimit`].
     PrecisionLimit,
-    /// [`Status::SweepLimit`].
-    SweepLimit,
+    /// [`Status::IterationLimit`].
+    IterationLimit,
     /// [`Status::Unseated`].
     Unseated,
     /// [`Status::NotFinite`].
@@ -111,7 +111,7 @@ impl StatusCode {
         match self {
             Self::Converged => "converged",
             Self::PrecisionLimit => "precision-limit",
-            Self::SweepLimit => "sweep-limit",
+            Self::IterationLimit => "iteration-limit",
             Self::Unseated => "unseated",
             Self::NotFinite => "not-finite",
             Self::OutOfRange => "out-of-range",
@@ -127,7 +127,7 @@ impl<T> From<&Status<T>> for StatusCode {
         match status {
             Status::Converged => Self::Converged,
             Status::PrecisionLimit => Self::PrecisionLimit,
-            Status::SweepLimit => Self::SweepLimit,
+            Status::IterationLimit => Self::IterationLimit,
             Status::Unseated { .. } => Self::Unseated,
             Status::NotFinite { .. } => Self::NotFinite,
             Status::OutOfRange { .. } => Self::OutOfRange,
@@ -166,8 +166,8 @@ pub struct EstimateReport {
     pub largest_force: f32,
     /// How the last solve ended. If not with an answer, the estimate is an older one.
     pub status: StatusCode,
-    /// Sweeps of the estimate.
-    pub sweeps: u16,
+    /// Iterations of the estimate.
+    pub iterations: u16,
     /// Estimated relative errors of displacement, contact forces and stiffness.
     pub error: [f32; 3],
     /// Physical limits that were passed, one bit each in the order of [`Limit::ALL`] from the lowest.
@@ -571,7 +571,7 @@ mod tests {
         })
     }
 
-    fn estimate(sweeps: u16) -> Payload {
+    fn estimate(iterations: u16) -> Payload {
         let mut marks = Marks::NONE;
         for mark in super::super::plausibility::Mark::ALL {
             marks = marks.with(mark);
@@ -589,7 +589,7 @@ mod tests {
             least_force: f32::MAX,
             largest_force: f32::MAX,
             status: StatusCode::Diverged,
-            sweeps,
+            iterations,
             error: [f32::MAX; 3],
             limits: u8::MAX,
         })
@@ -699,8 +699,8 @@ mod tests {
     #[test]
     fn a_slow_link_loses_the_oldest_estimates_and_counts_them() {
         let mut outbox = Outbox::<4>::new();
-        for sweeps in 0..10 {
-            outbox.post(u64::from(sweeps), estimate(sweeps));
+        for iterations in 0..10 {
+            outbox.post(u64::from(iterations), estimate(iterations));
         }
         assert_eq!(outbox.dropped(), 6);
         let frames = drain(&mut outbox);

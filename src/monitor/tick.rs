@@ -1,7 +1,7 @@
 //! The beat of the monitor: a fixed rate, a deadline in cycles, and a watchdog that only a finished tick
 //! feeds.
 //!
-//! How many sweeps over the balls a solve may take follows from the deadline and from what a sweep
+//! How many iterations a solve may take follows from the deadline and from what an iteration
 //! costs on the core at hand ([`CycleCost`]). A tick that takes longer all the same is counted, and so
 //! are ticks that never began because of it. Nothing here allocates or waits, and every counter is good
 //! for more than a century at any rate.
@@ -26,40 +26,48 @@ impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
 }
 
-/// What a tick costs on a core, in its cycles. Each of the two is the longest that is known, so that a bound
-/// made of them holds.
+/// What a tick costs on a core, in its cycles: `fixed + start + n iteration` is the longest that is known of a tick
+/// with a solve of `n` iterations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CycleCost {
     /// Everything but the solve: bytes in, doubts, limits, judgement, life, telemetry, bytes out.
     pub fixed: u32,
-    /// A solve, for every sweep over the balls.
-    pub sweep: u32,
+    /// A solve besides its iterations: prediction or start, and balls that have to be placed.
+    pub start: u32,
+    /// An iteration.
+    pub iteration: u32,
 }
 
 impl CycleCost {
-    /// Sweeps that fit into a deadline; at least 1, since less is no solve.
-    pub const fn sweeps_within(&self, deadline: u32) -> u16 {
-        if self.sweep == 0 {
+    /// Iterations that fit into a deadline; at least 1, since less is no solve.
+    pub const fn iterations_within(&self, deadline: u32) -> u16 {
+        if self.iteration == 0 {
             return u16::MAX;
         }
-        let sweeps = deadline.saturating_sub(self.fixed) / self.sweep;
-        if sweeps == 0 {
+        let iterations = self.left(deadline) / self.iteration;
+        if iterations == 0 {
             1
-        } else if sweeps > u16::MAX as u32 {
+        } else if iterations > u16::MAX as u32 {
             u16::MAX
         } else {
-            sweeps as u16
+            iterations as u16
         }
     }
 
-    /// The same with sweeps so cheap that one more of them fits into a deadline: to measure what the first would
+    /// What a deadline leaves for iterations.
+    const fn left(&self, deadline: u32) -> u32 {
+        deadline
+            .saturating_sub(self.fixed)
+            .saturating_sub(self.start)
+    }
+
+    /// The same with iterations so cheap that one more of them fits into a deadline: to measure what the first would
     /// take that does not fit.
     #[must_use]
-    pub const fn with_a_sweep_more(self, deadline: u32) -> Self {
-        let left = deadline.saturating_sub(self.fixed);
+    pub const fn with_an_iteration_more(self, deadline: u32) -> Self {
         Self {
-            sweep: left / (self.sweeps_within(deadline) as u32 + 1),
+            iteration: self.left(deadline) / (self.iterations_within(deadline) as u32 + 1),
             ..self
         }
     }
@@ -119,20 +127,25 @@ pub struct TickSettings {
     pub deadline_cycles: u32,
     /// What a tick costs.
     pub cost: CycleCost,
-    /// Sweeps of a solve that starts from nothing: the first one, and that after a solve which went
+    /// Iterations of a solve that starts from nothing: the first one, and that after a solve which went
     /// astray. It may pass the deadline, which is counted, and must end before the watchdog does.
-    pub cold_sweeps: u16,
+    pub cold_iterations: u16,
 }
 
 impl TickSettings {
-    /// Most sweeps of a solve in a tick.
-    pub const fn max_sweeps(&self) -> u16 {
-        self.cost.sweeps_within(self.deadline_cycles)
+    /// Most iterations of a solve in a tick.
+    pub const fn max_iterations(&self) -> u16 {
+        self.cost.iterations_within(self.deadline_cycles)
     }
 
-    /// Cycles of the longest tick with a solve of that many sweeps.
+    /// Cycles of the longest tick with a solve of that many iterations.
     pub const fn most_cycles(&self) -> u64 {
-        self.cost.fixed as u64 + self.max_sweeps() as u64 * self.cost.sweep as u64
+        let CycleCost {
+            fixed,
+            start,
+            iteration,
+        } = self.cost;
+        fixed as u64 + start as u64 + self.max_iterations() as u64 * iteration as u64
     }
 }
 
@@ -240,33 +253,40 @@ mod tests {
         solve_every: 1,
         deadline_cycles: 168_000,
         cost: CycleCost::CORTEX_M4F,
-        cold_sweeps: 45,
+        cold_iterations: 45,
     };
 
     #[test]
-    fn the_bound_on_sweeps_is_what_fits_and_never_zero() {
-        assert_eq!(SETTINGS.max_sweeps(), 1);
+    fn the_bound_on_iterations_is_what_fits_and_never_zero() {
         let cost = CycleCost {
-            fixed: 1000,
-            sweep: 100,
+            fixed: 700,
+            start: 300,
+            iteration: 100,
         };
-        for (deadline, sweeps) in [
+        for (deadline, iterations) in [
             (0, 1),
             (1099, 1),
             (1199, 1),
             (1200, 2),
             (u32::MAX, u16::MAX),
         ] {
-            assert_eq!(cost.sweeps_within(deadline), sweeps, "{deadline}");
+            assert_eq!(cost.iterations_within(deadline), iterations, "{deadline}");
         }
         let mut cost = CycleCost::CORTEX_M4F;
-        for sweeps in 2..9 {
-            cost = cost.with_a_sweep_more(168_000);
-            assert_eq!(cost.fixed, CycleCost::CORTEX_M4F.fixed);
-            assert_eq!(cost.sweeps_within(168_000), sweeps);
+        for iterations in cost.iterations_within(168_000) + 1..15 {
+            cost = cost.with_an_iteration_more(168_000);
+            assert_eq!(
+                (cost.fixed, cost.start),
+                (CycleCost::CORTEX_M4F.fixed, CycleCost::CORTEX_M4F.start)
+            );
+            assert_eq!(cost.iterations_within(168_000), iterations);
         }
-        let free = CycleCost { fixed: 0, sweep: 0 };
-        assert_eq!(free.sweeps_within(0), u16::MAX);
+        let free = CycleCost {
+            fixed: 0,
+            start: 0,
+            iteration: 0,
+        };
+        assert_eq!(free.iterations_within(0), u16::MAX);
     }
 
     #[test]

@@ -1,721 +1,452 @@
-//! The equilibrium under given loads, and the bearing's own law under given displacements.
+//! The equilibrium of a bearing under given loads.
 //!
-//! One damped Newton on the arrow-shaped system. `iteration` is what it works on and what every search has in
-//! common, `rest` the search where balls have no unknowns, `speed` the one where they have; `course` decides how
-//! a search goes on and says how good its answer is, by the table of `thresholds`.
+//! One solve, in the order of its steps: [`Solver::solve_at`] checks the input and turns it into the solver's units.
+//! Next to the last solution, the ring and the balls are predicted from it. Elsewhere a start by regime puts them
+//! roughly where they belong (`start`). The loop (`newton`) condenses every ball into what it hands to the ring.
+//! It steps the ring until the step no longer changes the stiffness (`error`). A solve that does not converge falls back
+//! on continuation from rest (`fallback`). The result is a [`Solution`].
 //!
-//! Why it ends: with inertia and friction forces frozen, the equilibrium minimises a convex function of ring and
-//! ball positions jointly: contact energies are convex and increasing functions of distances, and the groove
-//! centres move affinely with the ring. Every position of the ring has one equilibrium of each ball, and with the
-//! balls eliminated what is left is convex in the ring's displacement. It grows without bound in every direction
-//! in which three or more balls resist, so that it has a minimum, and one only. The speed-dependent part is a
-//! perturbation that the exact tangent takes in. Where it is not small (contact angles near 90 degrees), there
-//! need not be an equilibrium, and the bound on sweeps ends the search.
-//!
-//! Starts are tried in order, within the caller's bound on sweeps: the last solution, moved to the new load and
-//! speed, if that is near; the state that an axial load would make, or, where the load is nearly radial, the ring
-//! that faces it; the solution at a standstill, where inertia does not outweigh the load, and instead of that state
-//! where it is next to nothing; the state that an axial load would make with more preload, in short steps. A ball
-//! that its own steps have lost is put where the ring's position alone has it; a start that has not led to a
-//! solution after some sweeps, or that loses a ball for all that, makes room for the next.
-//!
-//! A ball whose contacts no longer oppose each other (150 degrees apart), or that is off the inner race where
-//! they would be opposite, is no answer: there the cage speed has a pole, and the equations have roots of no
-//! bearing.
+//! Under a purely axial load, [`AxialSolver`] takes the same steps with a single ball, which carries its part of the
+//! load.
 
-mod course;
-mod iteration;
-mod rest;
+mod axial;
+mod error;
+mod fallback;
+mod input;
+mod newton;
 mod solution;
-mod speed;
-mod thresholds;
+mod start;
 
-use crate::axial::Spring;
-use crate::conditions::{Conditions, Loads, missing};
 use crate::constants::{Azimuth, Bearing, Constants};
+use crate::curvature::stiffen;
 use crate::float::Real;
-use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
-use crate::outputs::{Balls, Outputs};
-use crate::ring::{self, Factors, Position, Tangent, dot5, norm, span};
-use crate::scene::{Full, Motion};
-use crate::status::{Quantity, Status};
-use core::marker::PhantomData;
+use crate::frame::{centre_of, displacement_out, force_out};
+use crate::linalg::{Factors, Matrix, norm, product};
+use crate::motion::{Body, Full, Motion, Point};
+use crate::mounting::{Growth, Speed};
+use crate::ring::{Row, Sum, UNSEATED};
+use crate::status::Status;
+use core::array::from_fn;
 
-use course::growth;
-pub use course::{Attempt, Outcome};
-use iteration::Given;
-pub use iteration::{Iteration, Task};
-pub use rest::Still;
-pub use solution::{BallState, ErrorEstimate, Solution};
+pub use axial::{AxialSolution, AxialSolver};
+pub use error::ErrorEstimate;
+use newton::End;
+pub(crate) use newton::{Outcome, Task};
+pub use solution::{Snapshot, Solution};
+pub(crate) use start::{cold_at_rest, cold_at_speed};
 
-/// How hard to try.
+/// Iteration limit and convergence tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings<T> {
-    /// Most sweeps over the balls, at least 1. At rest a sweep is up to 16 passes, each of which is worked out in
-    /// closed form.
-    pub max_sweeps: u16,
-    /// Largest expected error of the stiffness, relative to its diagonal, for a solve to count as
-    /// converged; the estimate that goes with the solution has a margin on it. Displacements and contact
-    /// forces are then good to less than that.
+    /// Most iterations, at least 1. An iteration condenses every ball once.
+    pub max_iterations: u16,
+    /// Largest change of the stiffness along the last step, relative to its diagonal. Displacements and contact forces
+    /// are then good to less.
     pub tolerance: T,
 }
 
 impl<T: Real> Default for Settings<T> {
-    /// 100 sweeps; a tolerance of 2e-5 in single and 3e-13 in double precision.
+    /// 100 iterations; a tolerance of 2e-5 in single and 3e-13 in double precision.
     fn default() -> Self {
         Self {
-            max_sweeps: 100,
+            max_iterations: 100,
             tolerance: T::TOLERANCE,
         }
     }
 }
 
-/// A solver for one bearing: borrows its constants and owns the state that warm-starts the next
-/// solve.
-///
-/// ```
-/// use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings, Solver};
-/// let design = Design {
-///     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-///     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-///     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
-///     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-///     ring: Material::STEEL, ball: Material::STEEL,
-/// };
-/// let bearing = Bearing::<f32, 16>::new(&design)?;
-/// let mut solver = Solver::<f32, 16>::new(&bearing);
-/// let speed = 20_000.0 * core::f32::consts::PI / 30.0;
-/// let solution = solver.solve([1000.0, 200.0, 0.0, 0.0, 3.0], speed, &Settings::default())?;
-/// let [k_x, k_y, k_z] = core::array::from_fn(|i| solution.stiffness[i][i]);
-/// assert!(k_y > k_z && k_z > k_x);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// The scene is a matter of types: how the balls move ([`Static`](crate::Static),
-/// [`Centrifugal`](crate::Centrifugal) or [`Full`]), the ring's freedoms ([`Axial`](crate::Axial),
-/// [`Translations`](crate::Translations) or [`All`]), what is given of each ([`Loads`], or a tuple of
-/// [`Load`](crate::Load) and [`Displacement`](crate::Displacement)), and what comes out
-/// ([`Displacements`](crate::Displacements), [`Stiffness`](crate::Stiffness) or [`Balls`]).
-///
-/// ```
-/// # use spindle_bearing::{Bearing, Design, FreeContact, Material, Settings};
-/// use spindle_bearing::{OuterRaceControl, Full, RigidPreload, All, Solver};
-/// # let design = Design {
-/// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-/// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
-/// #     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-/// #     ring: Material::STEEL, ball: Material::STEEL,
-/// # };
-/// let bearing = Bearing::<f64, 16>::new(&design)?;
-/// let mut solver = Solver::<f64, 16, Full<OuterRaceControl>, All, RigidPreload>::new(&bearing);
-/// // dx in m, then Fy, Fz in N, My, Mz in N m.
-/// let solution = solver.solve([12e-6, 200.0, 0.0, 0.0, 0.0], 2000.0, &Settings::default())?;
-/// let [preload, ..] = solution.load;
-/// let stiffness: [[f64; 4]; 4] = solution.stiffness;
-/// assert!(preload > 100.0 && stiffness[0][0] > 0.0);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Debug)]
-pub struct Solver<
-    'b,
-    T: Real,
-    const N: usize,
-    M: Motion = Full,
-    F: FreedomSet = All,
-    B: Conditions<F> = Loads,
-    O: Outputs = Balls,
-> {
-    bearing: &'b Bearing<T, N>,
-    state: F::State<T>,
-    balls: F::Balls<M::Ball<T>, N>,
-    scene: PhantomData<(B, O)>,
+/// Loads or displacements of the freedoms that the inner ring has in a [`Solver`]: 3 or 5 numbers.
+#[diagnostic::on_unimplemented(
+    message = "the inner ring has 3 freedoms (tilts locked) or 5, which `{Self}` does not fit",
+    note = "one freedom, along the axis, is that of `AxialSolver`"
+)]
+pub trait RingVector {}
+
+impl<T: Real> RingVector for [T; 3] {}
+impl<T: Real> RingVector for [T; 5] {}
+
+/// What is given of a freedom of the inner ring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Given<T> {
+    /// Its load, N or N m; the displacement is solved for.
+    Load(T),
+    /// Its displacement, m or rad; the load is the reaction.
+    Displacement(T),
 }
 
 /// What is kept between solves besides the balls, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<T, const D: usize> {
-    pub position: Position<T, D>,
-    pub tangent: Tangent<T, D>,
-    pub force: [T; D],
-    /// Mean radial force and moment of the balls.
-    pub mean: [T; 2],
-    speed_load: T,
-    /// Load of the last solve, 0 of held freedoms.
+    /// Reference position of the groove plane, multiples of 1/256, and the offset of the ring from it.
+    pub u: [T; D],
+    pub v: [T; D],
+    /// Offset where the balls were condensed last, and what they handed over, referred to the bearing centre.
+    pub at: [T; D],
+    pub sum: Sum<T, D>,
+    /// Factors of the tangent, and whether they are those of the undamped tangent of free loads.
+    pub factors: Factors<T, D>,
+    pub plain: bool,
+    /// The balls are condensed where they are.
+    pub condensed: bool,
+    /// The stiffness has yet to follow the last step.
+    pub correct: bool,
+    /// Load of the last solve, its size with reactions, inertia `m dm omega^2 / 2`, and growth.
     load: [T; D],
-    /// Its norm, reactions included; 0 as long as there is no solution to start from.
     size: T,
+    s: T,
+    growth: Growth<T>,
+    /// The references are those of another growth.
+    grown: bool,
 }
 
 impl<T: Real, const D: usize> State<T, D> {
-    const COLD: Self = Self {
-        position: Position::UNLOADED,
-        tangent: [[T::ZERO; D]; D],
-        force: [T::ZERO; D],
-        mean: [T::ZERO; 2],
-        speed_load: T::ZERO,
+    /// Of a solver without history.
+    pub const COLD: Self = Self {
+        u: [T::ZERO; D],
+        v: [T::ZERO; D],
+        at: [T::ZERO; D],
+        sum: Sum::NONE,
+        factors: Factors::NONE,
+        plain: false,
+        condensed: false,
+        correct: false,
         load: [T::ZERO; D],
         size: T::ZERO,
+        s: T::ZERO,
+        growth: Growth::NONE,
+        grown: false,
     };
-}
 
-#[inline(never)]
-fn finite<T: Real>(values: &[T]) -> bool {
-    values.iter().all(|x| x.is_finite())
-}
-
-// Not derived: that would clone balls field by field, through a copy on the stack.
-impl<T, const N: usize, const D: usize, M, B, O> Clone for Solver<'_, T, N, M, Freedoms<D>, B, O>
-where
-    T: Real,
-    M: Motion,
-    Freedoms<D>: BallStore,
-    B: Conditions<Freedoms<D>>,
-    O: Outputs,
-{
-    fn clone(&self) -> Self {
-        Self { ..*self }
+    /// Displacement of the bearing centre.
+    fn displacement(&self, c: &Constants<T>) -> [T; D] {
+        centre_of(c, &from_fn(|i| self.u[i] + self.v[i]))
     }
 
-    fn clone_from(&mut self, source: &Self) {
-        self.bearing = source.bearing;
-        self.state = source.state;
-        self.balls = source.balls;
+    /// The stiffness after the last step.
+    fn stiffness<B: Body<T>>(
+        &self,
+        c: &Constants<T>,
+        azimuths: &[Azimuth<T>],
+        balls: &[B],
+    ) -> Matrix<T, D> {
+        if !self.correct {
+            return self.sum.k;
+        }
+        let mut change = Sum::NONE;
+        stiffen(balls, azimuths, &self.v, &mut change);
+        change.refer(c);
+        let mut k = self.sum.k;
+        for (row, change) in k.iter_mut().zip(&change.k) {
+            for (x, change) in row.iter_mut().zip(change) {
+                *x += *change;
+            }
+        }
+        k
     }
-}
 
-impl<'b, T, const N: usize, const D: usize, M, B, O> Solver<'b, T, N, M, Freedoms<D>, B, O>
-where
-    T: Real,
-    M: Motion,
-    Freedoms<D>: BallStore,
-    B: Conditions<Freedoms<D>>,
-    O: Outputs,
-{
-    /// A solver without history: its first solve starts from nothing.
-    pub fn new(bearing: &'b Bearing<T, N>) -> Self {
-        Self {
-            bearing,
-            state: State::COLD,
-            balls: Freedoms::<D>::balls(M::Ball::default()),
-            scene: PhantomData,
+    /// Takes note of the growth that the next solve is at: the references have yet to follow it. A solution is no start
+    /// for one that is larger by more than a unit of length, about a deformation.
+    fn grow(&mut self, growth: Growth<T>) {
+        let last = self.growth;
+        if growth != last {
+            let by = (growth.axial - last.axial).abs()
+                + (growth.radial - last.radial).abs()
+                + (growth.ball - last.ball).abs();
+            if !(by <= T::ONE) {
+                self.size = T::ZERO;
+            }
+            self.growth = growth;
+            self.grown = true;
         }
     }
 
-    /// Forgets the last state, so that the next solve starts from nothing.
-    pub fn forget(&mut self) {
+    /// One solve: from the last solution, if that is near, or from a start.
+    fn solve<M: Motion>(
+        &mut self,
+        row: &mut Row<'_, T, M::Ball<T>>,
+        task: &Task<T, D>,
+        p: &Point<T>,
+        budget: &mut u16,
+    ) -> Outcome<T> {
+        let mut outcome = Outcome::NONE;
+        if self.is_near(row.c, task, p) {
+            let ds = if p.s > T::ZERO {
+                p.s / self.s - T::ONE
+            } else {
+                T::ZERO
+            };
+            let curved = task.tolerance < T::of(crate::tuning::CURVED);
+            self.predict(row, task, ds, curved);
+            let mut some = (*budget).min(crate::tuning::WARM);
+            *budget -= some;
+            outcome = self.newton::<_, M::Rule>(row, task, p, ds, &mut some);
+            *budget += some;
+        }
+        if !outcome.end.is_solved() && *budget > 0 {
+            outcome = M::cold(self, row, task, p, budget);
+        }
+        self.load = task.load;
+        self.size = task.size.at_least(norm(&self.sum.force));
+        self.s = p.s;
+        outcome
+    }
+
+    /// Whether the last solve ended so near that the next one may start there.
+    fn is_near(&self, c: &Constants<T>, task: &Task<T, D>, p: &Point<T>) -> bool {
+        let half = T::of(0.5);
+        let at = self.displacement(c);
+        let change: [T; D] = from_fn(|i| match task.held[i] {
+            None => task.load[i] - self.load[i],
+            Some(u) => self.sum.k[i][i] * (u - at[i]),
+        });
+        let smaller = if task.is_free() {
+            self.size.at_most(task.size)
+        } else {
+            self.size
+        };
+        self.size > T::ZERO
+            && norm(&change) <= smaller
+            && (p.s - self.s).abs() * c.balls <= half * (self.s * c.balls + self.size)
+            && (p.s > T::ZERO) == (self.s > T::ZERO)
+    }
+
+    /// The solution, or why there is none.
+    fn conclude<B: Body<T>>(
+        &mut self,
+        row: &Row<'_, T, B>,
+        given: &[Given<T>; D],
+        task: &Task<T, D>,
+        p: &Point<T>,
+        outcome: &Outcome<T>,
+    ) -> Result<Answer<T, D>, Status<T>> {
+        let residual = outcome.residual;
+        let status = match outcome.end {
+            End::Converged => Status::Converged,
+            End::Rounded => Status::PrecisionLimit,
+            End::Singular => {
+                let loaded = row.balls.iter().filter(|ball| ball.carries()).count();
+                Status::Indeterminate {
+                    loaded_balls: loaded as u16,
+                }
+            }
+            End::Unfinished => Status::IterationLimit,
+            End::Lost => Status::Diverged { residual },
+        };
+        if outcome.end.is_solved() && outcome.estimate.cos < T::of(UNSEATED) {
+            *self = Self::COLD;
+            let (ball, apart) = row.furthest_apart(T::of(UNSEATED)).unwrap_or_default();
+            return Err(Status::Unseated { ball, apart });
+        }
+        if !outcome.end.is_solved() {
+            if outcome.end != End::Unfinished {
+                *self = Self::COLD;
+            }
+            // Contacts more than 90 degrees apart do not hold a ball: that is why.
+            let driven_out = row.furthest_apart(T::ZERO);
+            return Err(match driven_out {
+                Some((ball, apart)) if outcome.end != End::Singular => {
+                    Status::Unseated { ball, apart }
+                }
+                _ => status,
+            });
+        }
+        let c = row.c;
+        let u = self.displacement(c);
+        let displacement = displacement_out(c, &u);
+        // What the tangent says of the force after the last step.
+        let du = centre_of(c, &from_fn(|i| self.v[i] - self.at[i]));
+        let force: [T; D] = from_fn(|i| match task.held[i] {
+            None => task.load[i],
+            Some(_) => self.sum.force[i] + product(&self.sum.k[i], &du),
+        });
+        let load = force_out(c, &force);
+        // A tangent of other than numbers makes no undamped step.
+        if !(are_finite(&displacement) && are_finite(&load)) {
+            *self = Self::COLD;
+            return Err(Status::Diverged { residual: T::ONE });
+        }
+        let displacement = from_fn(|i| match given[i] {
+            Given::Displacement(u) => u,
+            Given::Load(_) => displacement[i],
+        });
+        let load = from_fn(|i| match given[i] {
+            Given::Load(load) => load,
+            Given::Displacement(_) => load[i],
+        });
+        let error = error::errors(outcome, self, &u, self.size + p.s * c.balls);
+        Ok(Answer {
+            status,
+            error,
+            displacement,
+            load,
+        })
+    }
+}
+
+/// Whether every figure is a finite number.
+#[inline(never)]
+fn are_finite<T: Real>(figures: &[T]) -> bool {
+    let mut zero = T::ZERO;
+    for x in figures {
+        zero += T::ZERO * *x;
+    }
+    zero == T::ZERO
+}
+
+/// What comes of a solve, SI units.
+struct Answer<T, const D: usize> {
+    status: Status<T>,
+    error: ErrorEstimate<T>,
+    displacement: [T; D],
+    load: [T; D],
+}
+
+/// A solver for one bearing: borrows its constants, and owns the state that the next solve starts from.
+///
+/// `M` is how the balls move, `D` the number of freedoms of the inner ring: 5, or 3 where the tilts are locked.
+///
+/// ```
+/// use spindle_bearing::{Bearing, Settings, Solver, Speed};
+/// use spindle_bearing::{Design, FreeContact, Material};
+/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design {
+///     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+///     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+///     free_contact: FreeContact::Angle(0.2618), first_ball: 0.0,
+///     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+///     ring: Material::STEEL, ball: Material::STEEL,
+/// });
+/// let mut solver = Solver::new(&BEARING);
+/// let load = [1000.0, 200.0, 0.0, 0.0, 3.0];
+/// let solution = solver.solve(load, Speed::rpm(20_000.0), &Settings::default())?;
+/// let k = solution.stiffness();
+/// assert!(k[1][1] > k[2][2] && k[2][2] > k[0][0]);
+/// # Ok::<(), spindle_bearing::Status<f32>>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
+    bearing: &'b Bearing<T, N>,
+    state: State<T, D>,
+    balls: [M::Ball<T>; N],
+}
+
+impl<'b, T: Real, const N: usize> Solver<'b, T, N> {
+    /// A solver for the bearing at speed, with all inertia loads, five freedoms and no race in control.
+    pub fn new(bearing: &'b Bearing<T, N>) -> Self {
+        Self::of(bearing)
+    }
+}
+
+impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M, D> {
+    /// A solver for the motion and the number of freedoms that its types name.
+    pub fn of(bearing: &'b Bearing<T, N>) -> Self
+    where
+        [T; D]: RingVector,
+    {
+        Self {
+            bearing,
+            state: State::COLD,
+            balls: [M::Ball::default(); N],
+        }
+    }
+
+    /// Has the next solve start from nothing.
+    pub fn reset(&mut self) {
         self.state = State::COLD;
     }
 
-    /// Solves the equilibrium of the inner ring under the load `[Fx, Fy, Fz, My, Mz]` (N, N m) at
-    /// the shaft speed `speed` (rad/s), starting from the last solution if that is near. Of a freedom
-    /// that is held, `values` has the displacement (m, rad) instead; of fewer freedoms, the first ones.
+    /// The equilibrium under the load `[Fx, Fy, Fz, My, Mz]` (N, N m) at a speed.
     ///
-    /// The scene at rest ([`Static`](crate::Static)) takes no notice of the speed.
+    /// With locked tilts the load has no moments. The solve starts from the last solution if that is near. After
+    /// [`Status::IterationLimit`] it goes on from where the last one ended, if load and speed are near.
     ///
     /// # Errors
     ///
-    /// A [`Status`] that names why there is no answer. Input that is refused leaves the solver as
-    /// it was; a solve that failed makes the next one start from nothing.
+    /// A [`Status`] that names why there is no answer.
     pub fn solve(
         &mut self,
-        values: [T; D],
-        speed: T,
+        load: [T; D],
+        speed: Speed<T>,
         settings: &Settings<T>,
-    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
-        let answer = self.slices().solve(values, speed, settings)?;
-        Ok(self.solution(answer))
+    ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
+        self.solve_at(&load.map(Given::Load), speed, &Growth::NONE, settings)
     }
 
-    /// The bearing's own law: forces of the balls on the inner ring, tangent, and states of the balls
-    /// for the displacement `[dx, dy, dz, ty, tz]` (m, rad) of the ring at the shaft speed `speed`
-    /// (rad/s). The solution's `load` is what holds them.
+    /// The same where some displacements are given in the place of loads, and rings and balls have grown.
+    ///
+    /// With all displacements given, [`Solution::load`] is the bearing's load-displacement relation.
     ///
     /// # Errors
     ///
     /// As for [`Solver::solve`].
-    pub fn law(
+    pub fn solve_at(
         &mut self,
-        displacement: [T; D],
-        speed: T,
+        given: &[Given<T>; D],
+        speed: Speed<T>,
+        growth: &Growth<T>,
         settings: &Settings<T>,
-    ) -> Result<Solution<'_, T, N, M, Freedoms<D>, B, O>, Status<T>> {
-        let answer = self.slices().law(displacement, speed, settings)?;
-        Ok(self.solution(answer))
-    }
-
-    fn slices(&mut self) -> Slices<'_, T, M, B, O, D> {
-        Slices {
+    ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
+        let (task, p) = self.task(given, speed, growth, settings.tolerance)?;
+        let limit = settings.max_iterations.max(1);
+        let mut budget = limit;
+        let mut row = Row {
             c: &self.bearing.constants,
             azimuths: &self.bearing.azimuths,
-            state: &mut self.state,
-            balls: self.balls.as_mut(),
-            scene: PhantomData,
-        }
-    }
-
-    /// What the scene selects from an answer.
-    #[inline(always)]
-    fn solution(&self, answer: Answer<T, D>) -> Solution<'_, T, N, M, Freedoms<D>, B, O> {
-        Solution {
+            balls: &mut self.balls,
+        };
+        let outcome = self.state.solve::<M>(&mut row, &task, &p, &mut budget);
+        let answer = self.state.conclude(&row, given, &task, &p, &outcome)?;
+        Ok(Solution {
             status: answer.status,
-            sweeps: answer.sweeps,
-            repeats: answer.repeats,
-            residual: answer.residual,
+            iterations: limit - budget,
             error: answer.error,
             displacement: answer.displacement,
             load: answer.load,
-            stiffness: O::stiffness(B::stiffness(&answer.stiffness)),
-            solver: O::balls(self),
-        }
+            speed,
+            solver: self,
+            point: p,
+        })
     }
 
-    fn view(&self) -> View<'_, T, M, D> {
-        View {
-            c: &self.bearing.constants,
-            azimuths: &self.bearing.azimuths,
-            state: &self.state,
-            balls: self.balls.as_ref(),
-        }
-    }
-}
-
-/// An equilibrium in SI units, with the stiffness of all freedoms, held ones included.
-struct Answer<T, const D: usize> {
-    status: Status<T>,
-    sweeps: u16,
-    repeats: u16,
-    residual: T,
-    error: ErrorEstimate<T>,
-    displacement: [T; D],
-    load: [T; D],
-    stiffness: Tangent<T, D>,
-}
-
-/// A solved bearing without the ball count in its type: constants, azimuths and what the last solve left.
-pub struct View<'v, T: Real, M: Motion, const D: usize> {
-    pub c: &'v Constants<T>,
-    azimuths: &'v [Azimuth<T>],
-    state: &'v State<T, D>,
-    balls: &'v [M::Ball<T>],
-}
-
-/// A solver without the ball count in its type: bearings of all ball counts share one copy of its code.
-struct Slices<'s, T: Real, M: Motion, B, O, const D: usize> {
-    c: &'s Constants<T>,
-    azimuths: &'s [Azimuth<T>],
-    state: &'s mut State<T, D>,
-    balls: &'s mut [M::Ball<T>],
-    scene: PhantomData<(B, O)>,
-}
-
-impl<T, const D: usize, M, B, O> Slices<'_, T, M, B, O, D>
-where
-    T: Real,
-    M: Motion,
-    Freedoms<D>: BallStore,
-    B: Conditions<Freedoms<D>>,
-    O: Outputs,
-{
-    /// As [`Solver::solve`].
-    fn solve(
+    /// Checks the input, and turns it into the solver's units.
+    fn task(
         &mut self,
-        values: [T; D],
-        speed: T,
-        settings: &Settings<T>,
-    ) -> Result<Answer<T, D>, Status<T>> {
-        let c = self.c;
-        check(&values, |i| self.range(i, B::HELD[i]))?;
-        let speed_load = self.speed_load(speed)?;
-        let (mut load, mut wanted) = (values, [T::ZERO; D]);
-        if B::HOLDS {
-            for (i, (load, wanted)) in load.iter_mut().zip(&mut wanted).enumerate() {
-                if B::HELD[i] {
-                    (*load, *wanted) = (T::ZERO, *load / ring::units::<T, D>(c, i).0);
-                }
+        given: &[Given<T>; D],
+        speed: Speed<T>,
+        growth: &Growth<T>,
+        tolerance: T,
+    ) -> Result<(Task<T, D>, Point<T>), Status<T>> {
+        let c = &self.bearing.constants;
+        let mut task = Task {
+            load: [T::ZERO; D],
+            size: T::ZERO,
+            held: [None; D],
+            tolerance,
+        };
+        for (i, given) in given.iter().enumerate() {
+            match input::given(c, i, *given)? {
+                Given::Load(load) => task.load[i] = load,
+                Given::Displacement(u) => task.held[i] = Some(u),
             }
         }
-        let load = ring::load_in(c, &load);
-        // Squares of smaller numbers are lost.
-        if !B::HOLDS && !(norm(&load) > T::TINY.sqrt()) {
+        let omega = input::omega(c, speed)?;
+        let growth = input::growth(c, growth)?;
+        let size = norm(&task.load);
+        task.size = size;
+        let loaded = size > T::TINY.sqrt() || task.held.iter().any(Option::is_some);
+        if !loaded {
             return Err(Status::Unloaded);
         }
-        if D == 1 && !M::AT_SPEED {
-            return self.balance(load, settings);
-        }
-
-        let warm = self.is_near(&load, &wanted, speed_load);
-        let task = Task {
-            given: Given::Load(load),
-            wanted,
-            speed_load,
-            tolerance: settings.tolerance,
-        };
-        let mut size = norm(&load);
-        let until = settings.max_sweeps.max(1);
-        let mut run = self.iteration();
-        let mut outcome = Outcome::new();
-        let attempts = if M::AT_SPEED {
-            Attempt::AT_SPEED
-        } else {
-            Attempt::AT_REST
-        };
-        for &attempt in attempts {
-            let standstill = |below: f64| {
-                let inertia = ring::sharing::<T, D>(c) * speed_load;
-                // A way there that the bound cuts off has nothing to show.
-                let room = until - outcome.sweeps >= Attempt::Standstill.sweeps();
-                let counts = speed_load > T::EPSILON * size;
-                M::AT_SPEED && !B::HOLDS && room && counts && inertia < T::of(below) * size
-            };
-            let useless = match attempt {
-                Attempt::Warm => !warm,
-                Attempt::Cold => standstill(thresholds::LIGHT),
-                Attempt::Standstill => !standstill(thresholds::HEAVY),
-                Attempt::Preloaded => false,
-            };
-            if useless {
-                continue;
-            }
-            M::seek(&mut run, &mut outcome, &task, attempt, until);
-            let failed = matches!(outcome.status, Status::SweepLimit | Status::Diverged { .. });
-            if !failed || outcome.sweeps >= until {
-                break;
-            }
-        }
-        if B::HOLDS {
-            size = size.at_least(norm(&self.state.force));
-        }
-        self.conclude(outcome, load, size, speed_load, |i| {
-            B::HELD[i].then(|| values[i])
-        })
-    }
-
-    /// As [`Solver::law`].
-    fn law(
-        &mut self,
-        displacement: [T; D],
-        speed: T,
-        settings: &Settings<T>,
-    ) -> Result<Answer<T, D>, Status<T>> {
-        let c = self.c;
-        check(&displacement, |i| self.range(i, true))?;
-        let speed_load = self.speed_load(speed)?;
-        let u = ring::displacement_in(c, &displacement);
-        let mut run = self.iteration();
-        let task = Task {
-            given: Given::Displacement(u),
-            wanted: u,
-            speed_load,
-            tolerance: settings.tolerance,
-        };
-        let mut outcome = Outcome::new();
-        M::seek(
-            &mut run,
-            &mut outcome,
-            &task,
-            Attempt::Cold,
-            settings.max_sweeps,
-        );
-        let (factors, _) = Factors::of(&self.state.tangent, T::of(8.0) * T::EPSILON);
-        outcome.weakest = factors.weakest();
-        let mut load = self.state.force;
-        let size = norm(&load);
-        for (i, load) in load.iter_mut().enumerate() {
-            if B::HELD[i] {
-                *load = T::ZERO;
-            }
-        }
-        self.conclude(outcome, load, size, speed_load, |_| None)
-    }
-
-    /// What a freedom's load or displacement is called, and the largest that is accepted.
-    fn range(&self, freedom: usize, displacement: bool) -> (Quantity, T) {
-        let c = self.c;
-        let [of_load, of_displacement] = Quantity::OF_FREEDOM[freedom % 5];
-        let (length, force) = if freedom < 3 {
-            (c.length, c.force)
-        } else {
-            (c.tilt, c.moment)
-        };
-        if displacement {
-            (of_displacement, length + length)
-        } else {
-            // Beyond N times the force that would press a ball by the whole groove distance, nothing
-            // in the model holds.
-            (of_load, force * c.balls)
-        }
-    }
-
-    /// Checks the speed and turns it into `m dm omega^2 / 2`.
-    fn speed_load(&self, speed: T) -> Result<T, Status<T>> {
-        let c = self.c;
-        // Where a ball's centrifugal force would press it by the whole groove distance.
-        let limit = (T::of(4.0) / c.centrifugal).sqrt();
-        check(&[speed], |_| (Quantity::Speed, limit))?;
-        Ok(if M::AT_SPEED {
-            c.centrifugal * speed * speed
+        let s = if M::AT_SPEED {
+            input::inertia(c, omega, size)
         } else {
             T::ZERO
-        })
-    }
-
-    /// Whether the last solution is a start worth having: load, displacement and speed not too far from
-    /// its own.
-    fn is_near(&self, load: &[T; D], wanted: &[T; D], speed_load: T) -> bool {
-        let last = &*self.state;
-        let mut change = *load;
-        for (new, old) in change.iter_mut().zip(&last.load) {
-            *new -= *old;
-        }
-        if B::HOLDS {
-            let c = self.c;
-            let by = missing::<T, B, D>(c, wanted, &last.position.total());
-            for (change, row) in change.iter_mut().zip(&last.tangent) {
-                *change = change.abs() + dot5(row, &by).abs();
-            }
-        }
-        let half = T::of(0.5);
-        (!B::HOLDS || last.size > T::ZERO)
-            && norm(&change) <= half * last.size
-            && (speed_load - last.speed_load).abs() <= half * last.speed_load + half * last.size
-    }
-
-    fn iteration(&mut self) -> Iteration<'_, T, M, B, O, D> {
-        Iteration {
-            c: self.c,
-            azimuths: self.azimuths,
-            state: self.state,
-            balls: self.balls,
-            alike: false,
-            scene: PhantomData,
-        }
-    }
-
-    fn forget(&mut self) {
-        *self.state = State::COLD;
-    }
-
-    /// Keeps the state as the next solve's start, and makes the solution of it. `size` is that of the load
-    /// with its reactions, `held` the displacement of a held freedom.
-    fn conclude(
-        &mut self,
-        mut outcome: Outcome<T>,
-        load: [T; D],
-        size: T,
-        speed_load: T,
-        held: impl Fn(usize) -> Option<T>,
-    ) -> Result<Answer<T, D>, Status<T>> {
-        self.state.speed_load = speed_load;
-        self.state.load = load;
-        self.state.size = size;
-        match outcome.status {
-            Status::Converged | Status::PrecisionLimit => {}
-            // Not for want of sweeps.
-            Status::SweepLimit if outcome.singular > 3 => {
-                let loaded_balls = self.iteration().loaded_balls(speed_load);
-                self.forget();
-                return Err(Status::Indeterminate { loaded_balls });
-            }
-            Status::SweepLimit => {
-                self.state.load = [T::ZERO; D];
-                self.state.size = T::ZERO;
-                let residual = outcome.residual;
-                if M::AT_SPEED
-                    && let Some(why) = self.iteration().unseated(speed_load, size, residual)
-                {
-                    if let Status::Diverged { .. } = why {
-                        self.forget();
-                        return Err(why);
-                    }
-                    outcome.status = why;
-                }
-            }
-            refusal => {
-                self.forget();
-                return Err(refusal);
-            }
-        }
-        let c = self.c;
-        let total = self.state.position.total();
-        // What is left of the balance when rounding ends the solve is not only rounding of the load.
-        let unbalanced = match outcome.status {
-            Status::PrecisionLimit => outcome.unknown.at_least(outcome.residual),
-            _ => T::EPSILON,
         };
-        outcome.slack = (unbalanced * size * outcome.weakest).at_most(T::ONE);
-        let inertia = ring::sharing::<T, D>(c) * speed_load;
-        let forces = inertia + T::of(10.0) * size;
-        let error = outcome.error(
-            span(&total),
-            inertia / forces.at_least(T::TINY),
-            growth(outcome.hardening, &self.state.tangent),
-        );
-        let mut displacement = ring::displacement_out(c, &total);
-        for (i, displacement) in displacement.iter_mut().enumerate() {
-            *displacement = held(i).unwrap_or(*displacement);
-        }
-        let load = ring::load_out(c, &self.state.force);
-        let stiffness = if O::STIFFNESS {
-            ring::stiffness_out(c, &self.state.tangent)
-        } else {
-            [[T::ZERO; D]; D]
-        };
-        if !(finite(&displacement) && finite(&load) && finite(stiffness.as_flattened())) {
-            self.forget();
-            return Err(Status::Diverged {
-                residual: outcome.residual,
-            });
-        }
-        Ok(Answer {
-            status: outcome.status,
-            sweeps: outcome.sweeps,
-            repeats: outcome.repeats,
-            residual: outcome.residual,
-            error,
-            displacement,
-            load,
-            stiffness,
-        })
-    }
-
-    /// Pure axial load at rest: one ball is one spring, and needs no linearised bearing.
-    fn balance(&mut self, load: [T; D], settings: &Settings<T>) -> Result<Answer<T, D>, Status<T>> {
-        let c = self.c;
-        let s0 = c.n0[0].high + c.n0[0].low;
-        let (q, reversed) = (load[0].abs(), load[0] < T::ZERO);
-        let mut w = Spring::root_at(s0, self.state.position.total()[0]);
-        let mut spring = Spring::at(s0, w);
-        let (mut status, mut sweeps) = (Status::SweepLimit, 0);
-        let step = loop {
-            let least = T::of(0.1) * w;
-            let next = (w - spring.step(q)).at_least(least).at_most(T::of(2.0));
-            let step = next - w;
-            w = next;
-            spring = Spring::at(s0, w);
-            sweeps += 1;
-            // Newton's steps leave what is of second order.
-            if step * step <= T::EPSILON * (w * w) {
-                status = Status::Converged;
-                break step;
-            }
-            if sweeps >= settings.max_sweeps {
-                break step;
-            }
-        };
-        let left = (step / w) * (step / w);
-        let sign = if reversed { -T::ONE } else { T::ONE };
-        let force = spring.force();
-        self.state.position = Position::UNLOADED;
-        self.state.position.reference[0] = spring.displacement(s0, reversed);
-        M::rest(
-            self.balls,
-            spring.centres(c.n0[1].high + c.n0[1].low, reversed),
-        );
-        let error = T::of(6.0) * (T::EPSILON + left);
-        let mut stiffness = [[T::ZERO; D]; D];
-        if O::STIFFNESS {
-            stiffness[0][0] = spring.stiffness();
-        }
-        let mut carried = load;
-        carried[0] = sign * force;
-        Ok(Answer {
-            status,
-            sweeps,
-            repeats: 0,
-            residual: (force - q).abs() / q,
-            error: ErrorEstimate {
-                displacement: error,
-                force: error,
-                stiffness: error,
-            },
-            displacement: ring::displacement_out(c, &self.state.position.reference),
-            load: ring::load_out(c, &carried),
-            stiffness: ring::stiffness_out(c, &stiffness),
-        })
-    }
-}
-
-/// Refuses the first value that is not finite, or larger in magnitude than `range` says.
-fn check<T: Real, const L: usize>(
-    values: &[T; L],
-    range: impl Fn(usize) -> (Quantity, T),
-) -> Result<(), Status<T>> {
-    for (i, value) in values.iter().enumerate() {
-        let (value, (quantity, limit)) = (*value, range(i));
-        if !value.is_finite() {
-            return Err(Status::NotFinite { quantity, value });
-        }
-        if value.abs() > limit {
-            return Err(Status::OutOfRange {
-                quantity,
-                value,
-                limit,
-            });
-        }
-    }
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::turning::tests::spindle;
-
-    #[test]
-    fn a_solver_that_takes_over_another_goes_on_as_that_one_would() {
-        let bearing = spindle();
-        let settings = Settings::default();
-        let mut solver = Solver::<f32, 16>::new(&bearing);
-        solver
-            .solve([900.0, 180.0, -40.0, 1.0, 2.5], 2000.0, &settings)
-            .unwrap();
-        let mut behind = Solver::<f32, 16>::new(&bearing);
-        behind
-            .solve([300.0, -60.0, 90.0, -0.5, 0.0], 700.0, &settings)
-            .unwrap();
-        behind.clone_from(&solver);
-        let mut copy = solver.clone();
-        // One sweep, which the start decides.
-        let settings = Settings {
-            max_sweeps: 1,
-            ..settings
-        };
-        let [next, taken, copied] = [&mut solver, &mut behind, &mut copy].map(|solver| {
-            let solution = solver.solve([910.0, 178.0, -41.0, 1.0, 2.6], 2010.0, &settings);
-            let solution = solution.unwrap();
-            assert_eq!((solution.status, solution.sweeps), (Status::Converged, 1));
-            (solution.displacement, solution.stiffness)
-        });
-        assert_eq!(next, taken);
-        assert_eq!(next, copied);
-    }
-
-    #[test]
-    fn a_ball_lost_beyond_all_numbers_is_no_figure() {
-        let bearing = spindle();
-        let mut solver = Solver::<f32, 16>::new(&bearing);
-        solver
-            .solve(
-                [900.0, 180.0, -40.0, 1.0, 2.5],
-                2000.0,
-                &Settings::default(),
-            )
-            .unwrap();
-        let concluded = |solver: &mut Solver<'_, f32, 16>| {
-            let (size, speed_load) = (solver.state.size, solver.state.speed_load);
-            let mut slices = solver.slices();
-            let answer = slices.conclude(Outcome::new(), [0.0; 5], size, speed_load, |_| None)?;
-            let solution = solver.solution(answer);
-            Ok(solution.balls().all(|ball| ball.delta_o.is_finite()))
-        };
-        assert_eq!(concluded(&mut solver.clone()), Ok(true));
-        // Its distance squared overflows.
-        solver.balls[3].x = [1e25, 0.0];
-        let residual = Outcome::<f32>::new().residual;
-        assert_eq!(concluded(&mut solver), Err(Status::Diverged { residual }));
-        assert_eq!(solver.state.size, 0.0, "a start for the next solve");
+        let p = Point::new(c, s, size, &growth);
+        self.state.grow(growth);
+        Ok((task, p))
     }
 }

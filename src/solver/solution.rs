@@ -1,219 +1,285 @@
 //! What a solve gives.
 
-use super::{Solver, View};
-use crate::ball::Pass;
-use crate::conditions::{Conditions, Loads};
+use super::Solver;
+use super::error::ErrorEstimate;
 use crate::float::Real;
-use crate::freedoms::{All, BallStore, FreedomSet, Freedoms};
-use crate::outputs::{Balls, Outputs, PerBall};
+use crate::frame::stiffness_out;
+use crate::limits::{Exceedances, Extremes, Limits, Survey};
+use crate::linalg::Matrix;
+use crate::motion::{Body, Motion, Point};
+use crate::mounting::Speed;
+use crate::pose::BallState;
+use crate::pose::Pose;
 use crate::ring::shift;
-use crate::scene::Motion;
 use crate::status::Status;
+use core::fmt;
 
-/// State of one ball, SI units.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct BallState<T> {
-    /// Azimuth `phi`, rad from +y towards +z.
-    pub azimuth: T,
-    /// Inner contact angle, rad.
-    pub alpha_i: T,
-    /// Outer contact angle, rad.
-    pub alpha_o: T,
-    /// Inner contact force, N; 0 if the ball is off the inner race.
-    pub q_i: T,
-    /// Outer contact force, N.
-    pub q_o: T,
-    /// Deformation of the inner contact, m; negative where there is a gap.
-    pub delta_i: T,
-    /// Deformation of the outer contact, m.
-    pub delta_o: T,
-    /// Centrifugal force `Fc`, N.
-    pub centrifugal_force: T,
-    /// Gyroscopic moment `Mg`, N m.
-    pub gyroscopic_moment: T,
-}
-
-/// Estimated errors of a solution, relative.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct ErrorEstimate<T> {
-    /// Of displacements: of the largest component, tilts taken at the pitch radius.
-    pub displacement: T,
-    /// Of contact forces: of the largest.
-    pub force: T,
-    /// Of the stiffness: an element's error over the root of the two diagonal elements.
-    pub stiffness: T,
-}
-
-/// An equilibrium, SI units; forces and displacements refer to the bearing centre. Vectors have as many
-/// components as the scene has freedoms, in the order given here.
-pub struct Solution<
-    's,
-    T: Real,
-    const N: usize,
-    M: Motion,
-    F: FreedomSet = All,
-    B: Conditions<F> = Loads,
-    O: Outputs = Balls,
-> {
-    /// How the solve ended: `Converged`, `PrecisionLimit`, `SweepLimit` or `Unseated`.
+/// An equilibrium, SI units; loads and displacements refer to the bearing centre.
+pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
+    /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
-    /// Sweeps over the balls.
-    pub sweeps: u16,
-    /// Ball passes beyond one a ball and sweep: of balls that were badly off by themselves, and at rest of all.
-    pub repeats: u16,
-    /// Load less the balls' forces before the ring's last step, relative to the load (moments over `Rp`).
-    pub residual: T,
+    /// Iterations, those of starts included.
+    pub iterations: u16,
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
-    pub displacement: F::Vector<T>,
-    /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) that hold the balls' forces on the ring;
-    /// where the displacement was given, this is the reaction.
-    pub load: F::Vector<T>,
-    /// Stiffness: derivative of the forces (rows) by the displacements (columns) at constant speed, of
-    /// the freedoms that are free, with the others held. Not symmetric at speed.
-    pub stiffness: O::Stiffness<B::Stiffness<T>>,
-    pub(super) solver: O::Balls<&'s Solver<'s, T, N, M, F, B, O>>,
+    pub displacement: [T; D],
+    /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) on the inner ring; the reaction where a displacement was
+    /// given.
+    pub load: [T; D],
+    /// Speed of the shaft.
+    pub speed: Speed<T>,
+    pub(super) solver: &'s Solver<'s, T, N, M, D>,
+    pub(super) point: Point<T>,
 }
 
-impl<T, const N: usize, M, F, B, O> core::fmt::Debug for Solution<'_, T, N, M, F, B, O>
-where
-    T: Real,
-    M: Motion,
-    F: FreedomSet,
-    B: Conditions<F>,
-    O: Outputs,
-{
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D> {
+    /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) at constant speed: the exact
+    /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
+    pub fn stiffness(&self) -> Matrix<T, D> {
+        let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
+        let k = state.stiffness(c, &self.solver.bearing.azimuths, &self.solver.balls);
+        stiffness_out(c, &k)
+    }
+
+    fn poses(&self) -> impl ExactSizeIterator<Item = Pose<T>> + '_ {
+        let bearing = self.solver.bearing;
+        let balls = self.solver.balls.iter().zip(&bearing.azimuths);
+        balls.map(move |(ball, at)| {
+            let a = shift(&self.solver.state.v, at);
+            ball.pose::<M::Rule>(&bearing.constants, &self.point, a)
+        })
+    }
+
+    /// States of the balls, in the order of their azimuths.
+    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_ {
+        let bearing = self.solver.bearing;
+        let c = &bearing.constants;
+        self.poses()
+            .zip(&bearing.azimuths)
+            .map(move |(pose, at)| pose.state(c, at))
+    }
+
+    /// Forces on the inner race alone, N, in the order of the balls: without the cost of contact angles.
+    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+        let force = self.solver.bearing.constants.force;
+        self.poses().map(move |pose| pose.inner.q * force)
+    }
+
+    /// Cage speed `omega_m` of every ball about the bearing's axis, rad/s, in the order of the balls.
+    ///
+    /// The contact angles of a loaded bearing differ, and with them the speeds: the cage turns at about their mean. A
+    /// ball without contact has the speed that its contact angles would give it.
+    pub fn cage_speeds(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+        let omega = self.speed.as_rad_per_s();
+        self.poses().map(move |pose| pose.mu * omega)
+    }
+
+    /// The limits that this equilibrium has passed, and where: the given ones, and those of the design's grooves.
+    ///
+    /// ```
+    /// # use spindle_bearing::{Bearing, Settings, Solver, Speed};
+    /// # use spindle_bearing::{Design, FreeContact, Material};
+    /// use spindle_bearing::{Limit, Limits};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
+    /// let solution = solver.solve(load, speed, &Settings::default())?;
+    /// let limits = Limits { peak_pressure: 2e9, ..Limits::default() };
+    /// let passed = solution.exceedances(&limits);
+    /// for exceedance in passed.iter() {
+    ///     println!("{exceedance}");
+    /// }
+    /// assert!(passed.get(Limit::PeakPressure).is_some_and(|e| e.value > 2e9 && e.balls == 16));
+    /// assert!(!passed.limits().contains(Limit::Shoulder));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
+        self.survey(limits, |_, _| ()).exceedances()
+    }
+
+    /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
+    ///
+    /// ```
+    /// # use spindle_bearing::{Bearing, Settings, Solver, Speed};
+    /// # use spindle_bearing::{Design, FreeContact, Material};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
+    /// let extremes = solver.solve(load, speed, &Settings::default())?.extremes();
+    /// let [pressure, shoulder] = [extremes.pressure, extremes.shoulder].map(|e| e.unwrap().value);
+    /// assert!(pressure > 2e9 && shoulder < 0.0);
+    /// assert_eq!(extremes.off, (0, None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn extremes(&self) -> Extremes<T> {
+        self.survey(&Limits::none(), |_, _| ()).extremes()
+    }
+
+    /// Looks at every ball once, and hands each on: its number, then force (N) and sine and cosine of the contact
+    /// angle of its inner and of its outer contact.
+    pub(crate) fn survey<'l>(
+        &'l self,
+        limits: &'l Limits<T>,
+        mut each: impl FnMut(u16, [[T; 3]; 2]),
+    ) -> Survey<'l, T> {
+        let c = &self.solver.bearing.constants;
+        let states = self.poses().map(|pose| pose.states());
+        Survey::of(&c.grooves, c.length, limits, states, |ball, contacts| {
+            each(ball, contacts.map(|k| [k.q * c.force, k.n[0], k.n[1]]));
+        })
+    }
+
+    /// A copy that borrows nothing.
+    pub fn snapshot(&self) -> Snapshot<T, N, D> {
+        let bearing = self.solver.bearing;
+        let omega = self.speed.as_rad_per_s();
+        let mut balls = [BallState::default(); N];
+        let mut cage_speeds = [T::ZERO; N];
+        let poses = self.poses().zip(&bearing.azimuths);
+        let of_ball = balls.iter_mut().zip(&mut cage_speeds);
+        for ((pose, at), (ball, cage_speed)) in poses.zip(of_ball) {
+            *ball = pose.state(&bearing.constants, at);
+            *cage_speed = pose.mu * omega;
+        }
+        Snapshot {
+            status: self.status,
+            iterations: self.iterations,
+            error: self.error,
+            displacement: self.displacement,
+            load: self.load,
+            speed: self.speed,
+            stiffness: self.stiffness(),
+            balls,
+            cage_speeds,
+        }
+    }
+}
+
+impl<T: Real, const N: usize, M: Motion, const D: usize> fmt::Debug for Solution<'_, T, N, M, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Solution")
             .field("status", &self.status)
-            .field("sweeps", &self.sweeps)
-            .field("repeats", &self.repeats)
-            .field("residual", &self.residual)
+            .field("iterations", &self.iterations)
             .field("error", &self.error)
             .field("displacement", &self.displacement)
             .field("load", &self.load)
-            .field("stiffness", &self.stiffness)
+            .field("speed", &self.speed)
+            .field("stiffness", &self.stiffness())
             .finish_non_exhaustive()
     }
 }
 
-impl<T, const N: usize, const D: usize, M, B, O> Solution<'_, T, N, M, Freedoms<D>, B, O>
-where
-    T: Real,
-    M: Motion,
-    Freedoms<D>: BallStore,
-    B: Conditions<Freedoms<D>>,
-    O: Outputs,
+/// Without the balls.
+#[cfg(feature = "defmt")]
+impl<T: Real, const N: usize, M: Motion, const D: usize> defmt::Format
+    for Solution<'_, T, N, M, D>
 {
-    /// States of the balls, in the order of their azimuths; of the first one, where it stands for all.
-    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_
-    where
-        O: PerBall,
-    {
-        self.view().states()
-    }
-
-    /// The bearing and its balls.
-    pub(crate) fn view(&self) -> View<'_, T, M, D>
-    where
-        O: PerBall,
-    {
-        O::solver(&self.solver).view()
-    }
-
-    /// Forces on the inner race alone, N, in the order of the balls: what a monitor looks at, without
-    /// the cost of contact angles.
-    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_
-    where
-        O: PerBall,
-    {
-        self.view().inner_forces()
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "{} after {} iterations, errors {}; displacement {}, load {}, speed {}, stiffness {}",
+            self.status,
+            self.iterations,
+            self.error,
+            self.displacement,
+            self.load,
+            self.speed,
+            self.stiffness()
+        );
     }
 }
 
-impl<'v, T: Real, M: Motion, const D: usize> View<'v, T, M, D> {
-    /// As [`Solution::balls`].
-    fn states(self) -> impl ExactSizeIterator<Item = BallState<T>> + 'v {
-        let Self { c, azimuths, .. } = self;
-        let passes = self.passes().zip(azimuths);
-        passes.map(move |(pass, at)| BallState {
-            azimuth: at.sin.atan2(at.cos),
-            alpha_i: pass.inner.sin.atan2(pass.inner.cos),
-            alpha_o: pass.outer.sin.atan2(pass.outer.cos),
-            q_i: pass.inner.q * c.force,
-            q_o: pass.outer.q * c.force,
-            delta_i: pass.inner.delta * c.length,
-            delta_o: pass.outer.delta * c.length,
-            centrifugal_force: pass.loads.centrifugal * c.force,
-            gyroscopic_moment: pass.loads.friction * c.force * c.ball_radius,
-        })
-    }
-
-    /// Contacts and loads of every ball in the units of the constants.
-    pub(crate) fn passes(self) -> impl ExactSizeIterator<Item = Pass<T>> + 'v {
-        let Self { c, state, .. } = self;
-        let balls = self.balls.iter().zip(self.azimuths);
-        balls.map(move |(ball, at)| {
-            let a = shift(&state.position.offset, at);
-            M::observe(c, state.speed_load, ball, a)
-        })
-    }
-
-    /// As [`Solution::inner_forces`].
-    fn inner_forces(self) -> impl ExactSizeIterator<Item = T> + 'v {
-        let c = self.c;
-        self.passes().map(move |pass| pass.inner.q * c.force)
-    }
+/// A [`Solution`] that borrows nothing, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Snapshot<T, const N: usize, const D: usize> {
+    /// How the solve ended.
+    pub status: Status<T>,
+    /// Iterations, those of starts included.
+    pub iterations: u16,
+    /// How far the figures below can be off.
+    pub error: ErrorEstimate<T>,
+    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
+    pub displacement: [T; D],
+    /// Forces (N) and moments (N m) on the inner ring.
+    pub load: [T; D],
+    /// Speed of the shaft.
+    pub speed: Speed<T>,
+    /// Stiffness `dF/du`, rows are forces.
+    pub stiffness: Matrix<T, D>,
+    /// States of the balls, in the order of their azimuths.
+    pub balls: [BallState<T>; N],
+    /// Cage speed `omega_m` of every ball, rad/s: see [`Solution::cage_speeds`].
+    pub cage_speeds: [T; N],
 }
 
 #[cfg(feature = "nalgebra")]
-impl<T, const N: usize, const D: usize, M, B, O> Solution<'_, T, N, M, Freedoms<D>, B, O>
+impl<T, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D>
 where
     T: Real + nalgebra::Scalar,
-    M: Motion,
-    Freedoms<D>: BallStore,
-    B: Conditions<Freedoms<D>>,
-    O: Outputs,
 {
     /// The displacement as a vector of `nalgebra`.
     pub fn displacement_vector(&self) -> nalgebra::SVector<T, D> {
         nalgebra::SVector::from(self.displacement)
     }
 
-    /// The stiffness as a matrix of `nalgebra`.
-    pub fn stiffness_matrix<const K: usize>(&self) -> nalgebra::SMatrix<T, K, K>
-    where
-        O: Outputs<Stiffness<B::Stiffness<T>> = [[T; K]; K]>,
-    {
-        nalgebra::SMatrix::from_fn(|i, j| self.stiffness[i][j])
+    /// [`Solution::stiffness`] as a matrix of `nalgebra`, rows are forces.
+    ///
+    /// ```
+    /// # use spindle_bearing::{Bearing, Settings, Solver, Speed};
+    /// # use spindle_bearing::{Design, FreeContact, Material};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([1000.0, 200.0, 0.0, 0.0, 3.0], Speed::rpm(20_000.0));
+    /// let solution = solver.solve(load, speed, &Settings::default())?;
+    /// let k = solution.stiffness_matrix();
+    /// assert_eq!(k[(0, 1)], solution.stiffness()[0][1]);
+    /// assert_eq!(k * solution.displacement_vector(), {
+    ///     let s = solution.snapshot();
+    ///     s.stiffness_matrix() * s.displacement_vector()
+    /// });
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn stiffness_matrix(&self) -> nalgebra::SMatrix<T, D, D> {
+        matrix(&self.stiffness())
     }
 }
 
-#[cfg(feature = "defmt")]
-impl<T, const N: usize, M, F, B, O> defmt::Format for Solution<'_, T, N, M, F, B, O>
-where
-    T: Real,
-    M: Motion,
-    F: FreedomSet,
-    B: Conditions<F>,
-    O: Outputs,
-{
-    fn format(&self, f: defmt::Formatter<'_>) {
-        defmt::write!(
-            f,
-            "{} after {} sweeps, residual {}, errors {}; displacement {}, load {}, stiffness {}",
-            self.status,
-            self.sweeps,
-            self.residual,
-            self.error,
-            self.displacement,
-            self.load,
-            self.stiffness
-        );
+#[cfg(feature = "nalgebra")]
+impl<T: nalgebra::Scalar + Copy, const N: usize, const D: usize> Snapshot<T, N, D> {
+    /// The displacement as a vector of `nalgebra`.
+    pub fn displacement_vector(&self) -> nalgebra::SVector<T, D> {
+        nalgebra::SVector::from(self.displacement)
     }
+
+    /// The stiffness as a matrix of `nalgebra`, rows are forces.
+    pub fn stiffness_matrix(&self) -> nalgebra::SMatrix<T, D, D> {
+        matrix(&self.stiffness)
+    }
+}
+
+#[cfg(feature = "nalgebra")]
+fn matrix<T: nalgebra::Scalar + Copy, const D: usize>(
+    rows: &Matrix<T, D>,
+) -> nalgebra::SMatrix<T, D, D> {
+    nalgebra::SMatrix::from_fn(|i, j| rows[i][j])
 }

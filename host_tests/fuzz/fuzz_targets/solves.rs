@@ -1,26 +1,32 @@
-//! Any bearing, any settings, any sequence of loads, displacements and speeds: no panic, every figure
-//! of an answer a number, no more sweeps than allowed, and a refusal does no harm.
+//! Any bearing, any settings, any sequence of loads, displacements, speeds and growths: no panic, every figure of an
+//! answer a number, no more iterations than allowed, and a refusal does no harm.
 #![no_main]
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use spindle_bearing::{
-    Bearing, Design, FreeContact, Full, InnerRaceControl, Material, Motion, OuterRaceControl,
-    RacewayControlFree, Real, Settings, Solution, Solver, Static, Status,
+    AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, RingVector, Settings, Solver,
+    Speed, Static,
 };
+use spindle_bearing::{
+    BallState, Design, DesignError, ErrorEstimate, FreeContact, InnerRaceControl, Material,
+    OuterRaceControl, Real, Status,
+};
+use std::array::from_fn;
 use std::f64::consts::PI;
 use std::fmt::Debug;
 
 /// Steps of one run: enough for warm starts, few enough for many runs.
 const MOST_STEPS: usize = 8;
-/// Bound on the bound on sweeps, so that no run is slow because it is told to be.
-const MOST_SWEEPS: u16 = 400;
+/// Bound on the iteration limit, so that no run is slow because it is told to be.
+const MOST_ITERATIONS: u16 = 400;
 
 #[derive(Debug, Arbitrary)]
 struct Run {
     balls: Balls,
     precision: Precision,
-    scene: Scene,
+    motion: AnyMotion,
+    ring: Ring,
     design: AnyDesign,
     settings: AnySettings,
     #[arbitrary(with = steps)]
@@ -42,11 +48,20 @@ enum Precision {
 }
 
 #[derive(Debug, Arbitrary)]
-enum Scene {
+enum AnyMotion {
     Static,
+    Centrifugal,
     Free,
     Outer,
     Inner,
+}
+
+/// The freedoms of the ring.
+#[derive(Debug, Arbitrary)]
+enum Ring {
+    Axial,
+    TiltsLocked,
+    Five,
 }
 
 #[derive(Debug)]
@@ -59,12 +74,17 @@ struct AnySettings(Option<Settings<f64>>);
 /// Numbers relative to what the bearing can take.
 #[derive(Debug)]
 enum Step {
-    Load([f64; 5], f64),
-    /// The last load and speed times these: mostly a warm start.
+    /// Loads, or displacements, and a speed.
+    Solve([AnyGiven; 5], f64),
+    /// The last loads, displacements and speed times these: mostly a warm start.
     Nudge([f64; 5], f64),
-    Displacement([f64; 5], f64),
-    Forget,
+    /// Axial and radial growth of the rings, growth of the balls: for the solves to come.
+    Grow([f64; 3]),
+    Reset,
 }
+
+#[derive(Debug, Clone, Copy)]
+struct AnyGiven(Given<f64>);
 
 /// Mostly a number of the range, sometimes an end of it, now and then any number at all.
 fn number(u: &mut Unstructured, least: f64, most: f64) -> Result<f64> {
@@ -92,12 +112,12 @@ fn signed(u: &mut Unstructured, least: f64, most: f64) -> Result<f64> {
     })
 }
 
-fn five(u: &mut Unstructured, least: f64, most: f64) -> Result<[f64; 5]> {
-    let mut five = [0.0; 5];
-    for x in &mut five {
+fn several<const K: usize>(u: &mut Unstructured, least: f64, most: f64) -> Result<[f64; K]> {
+    let mut several = [0.0; K];
+    for x in &mut several {
         *x = signed(u, least, most)?;
     }
-    Ok(five)
+    Ok(several)
 }
 
 fn material(u: &mut Unstructured) -> Result<Material> {
@@ -140,7 +160,7 @@ impl<'a> Arbitrary<'a> for AnySettings {
         Ok(Self(match u.arbitrary::<u8>()? {
             0..=191 => None,
             192.. => Some(Settings {
-                max_sweeps: u.int_in_range(0..=MOST_SWEEPS)?,
+                max_iterations: u.int_in_range(0..=MOST_ITERATIONS)?,
                 tolerance: signed(u, 1e-20, 1.0)?,
             }),
         }))
@@ -151,13 +171,23 @@ fn steps(u: &mut Unstructured) -> Result<Vec<Step>> {
     u.arbitrary_iter()?.take(MOST_STEPS).collect()
 }
 
+impl<'a> Arbitrary<'a> for AnyGiven {
+    /// Mostly a load.
+    fn arbitrary(u: &mut Unstructured<'a>) -> Result<Self> {
+        Ok(Self(match u.arbitrary::<u8>()? {
+            0..=191 => Given::Load(signed(u, 1e-12, 10.0)?),
+            192.. => Given::Displacement(signed(u, 1e-9, 3.0)?),
+        }))
+    }
+}
+
 impl<'a> Arbitrary<'a> for Step {
     fn arbitrary(u: &mut Unstructured<'a>) -> Result<Self> {
         Ok(match u.int_in_range(0..=7)? {
-            0..=3 => Self::Load(five(u, 1e-12, 10.0)?, signed(u, 1e-6, 3.0)?),
-            4..=5 => Self::Nudge(five(u, 0.3, 3.0)?, signed(u, 0.3, 3.0)?),
-            6 => Self::Displacement(five(u, 1e-9, 3.0)?, signed(u, 1e-6, 3.0)?),
-            _ => Self::Forget,
+            0..=3 => Self::Solve(u.arbitrary()?, signed(u, 1e-6, 3.0)?),
+            4..=5 => Self::Nudge(several(u, 0.3, 3.0)?, signed(u, 0.3, 3.0)?),
+            6 => Self::Grow(several(u, 1e-6, 0.3)?),
+            _ => Self::Reset,
         })
     }
 }
@@ -178,15 +208,131 @@ fn with_balls<const N: usize>(run: &Run) {
     }
 }
 
-fn in_precision<T: Real, const N: usize>(run: &Run) {
-    match Bearing::<T, N>::build(&run.design.0) {
+/// A precision, whose bearings are built by a function of the type.
+trait Built: Real {
+    fn built<const N: usize>(design: &Design)
+    -> std::result::Result<Bearing<Self, N>, DesignError>;
+}
+
+impl Built for f32 {
+    fn built<const N: usize>(design: &Design) -> std::result::Result<Bearing<f32, N>, DesignError> {
+        Bearing::<f32, N>::new(design)
+    }
+}
+
+impl Built for f64 {
+    fn built<const N: usize>(design: &Design) -> std::result::Result<Bearing<f64, N>, DesignError> {
+        Bearing::<f64, N>::new(design)
+    }
+}
+
+fn in_precision<T: Built, const N: usize>(run: &Run) {
+    match T::built::<N>(&run.design.0) {
         Err(error) => assert!(!(error.value >= error.least && error.value <= error.most)),
-        Ok(bearing) => match run.scene {
-            Scene::Static => solve::<T, N, Static>(run, &bearing),
-            Scene::Free => solve::<T, N, Full<RacewayControlFree>>(run, &bearing),
-            Scene::Outer => solve::<T, N, Full<OuterRaceControl>>(run, &bearing),
-            Scene::Inner => solve::<T, N, Full<InnerRaceControl>>(run, &bearing),
+        Ok(bearing) => match run.motion {
+            AnyMotion::Static => with_ring::<T, N, Static>(run, &bearing),
+            AnyMotion::Centrifugal => with_ring::<T, N, Centrifugal>(run, &bearing),
+            AnyMotion::Free => with_ring::<T, N, Full>(run, &bearing),
+            AnyMotion::Outer => with_ring::<T, N, Full<OuterRaceControl>>(run, &bearing),
+            AnyMotion::Inner => with_ring::<T, N, Full<InnerRaceControl>>(run, &bearing),
         },
+    }
+}
+
+fn with_ring<T: Real, const N: usize, M: Motion + Copy + Debug>(
+    run: &Run,
+    bearing: &Bearing<T, N>,
+) {
+    match run.ring {
+        Ring::Axial => solve(run, N, || AxialSolver::<T, N, M>::of(bearing)),
+        Ring::TiltsLocked => solve(run, N, || Solver::<T, N, M, 3>::of(bearing)),
+        Ring::Five => solve(run, N, || Solver::<T, N, M, 5>::of(bearing)),
+    }
+}
+
+/// What a solver is asked.
+#[derive(Debug, Clone, Copy)]
+struct Question<T> {
+    /// Of five freedoms; a ring with fewer has the first ones.
+    given: [Given<T>; 5],
+    omega: T,
+    growth: Growth<T>,
+}
+
+/// Every figure of an answer.
+#[derive(Debug)]
+struct Answer<T> {
+    status: Status<T>,
+    iterations: u16,
+    error: ErrorEstimate<T>,
+    figures: Vec<T>,
+    balls: Vec<BallState<T>>,
+    inner_forces: Vec<T>,
+}
+
+/// A solver of a ring with 1, 3 or 5 freedoms.
+trait AnySolver<T>: Copy {
+    fn ask(
+        &mut self,
+        question: &Question<T>,
+        settings: &Settings<T>,
+    ) -> std::result::Result<Answer<T>, Status<T>>;
+    fn reset(&mut self);
+}
+
+impl<T: Real, const N: usize, M: Motion + Copy, const D: usize> AnySolver<T>
+    for Solver<'_, T, N, M, D>
+where
+    [T; D]: RingVector,
+{
+    fn ask(
+        &mut self,
+        question: &Question<T>,
+        settings: &Settings<T>,
+    ) -> std::result::Result<Answer<T>, Status<T>> {
+        let given = from_fn(|i| question.given[i]);
+        let speed = Speed::rad_per_s(question.omega);
+        let s = self.solve_at(&given, speed, &question.growth, settings)?;
+        let mut figures = s.stiffness().concat();
+        figures.extend(s.displacement);
+        figures.extend(s.load);
+        figures.extend(s.cage_speeds());
+        Ok(Answer {
+            status: s.status,
+            iterations: s.iterations,
+            error: s.error,
+            figures,
+            balls: s.balls().collect(),
+            inner_forces: s.inner_forces().collect(),
+        })
+    }
+
+    fn reset(&mut self) {
+        Solver::reset(self);
+    }
+}
+
+impl<T: Real, const N: usize, M: Motion + Copy> AnySolver<T> for AxialSolver<'_, T, N, M> {
+    fn ask(
+        &mut self,
+        question: &Question<T>,
+        settings: &Settings<T>,
+    ) -> std::result::Result<Answer<T>, Status<T>> {
+        let speed = Speed::rad_per_s(question.omega);
+        let s = self.solve_at(question.given[0], speed, &question.growth, settings)?;
+        let ball = s.ball();
+        Ok(Answer {
+            status: s.status,
+            iterations: s.iterations,
+            error: s.error,
+            figures: vec![s.stiffness(), s.displacement, s.load],
+            balls: vec![ball],
+            inner_forces: vec![ball.q_i],
+        })
+    }
+
+    fn reset(&mut self) {
+        AxialSolver::reset(self);
     }
 }
 
@@ -195,6 +341,7 @@ struct Scale {
     load: [f64; 5],
     speed: f64,
     displacement: [f64; 5],
+    growth: f64,
 }
 
 impl Scale {
@@ -210,55 +357,76 @@ impl Scale {
             load: [all, all, all, all * radius, all * radius],
             speed: (force / (mass * radius)).sqrt(),
             displacement: [distance, distance, distance, tilt, tilt],
+            growth: distance,
+        }
+    }
+
+    fn given<T: Real>(&self, i: usize, AnyGiven(given): AnyGiven) -> Given<T> {
+        match given {
+            Given::Load(x) => Given::Load(T::of(x * self.load[i])),
+            Given::Displacement(x) => Given::Displacement(T::of(x * self.displacement[i])),
         }
     }
 }
 
-fn scaled<T: Real>(values: &[f64; 5], scale: &[f64; 5]) -> [T; 5] {
-    std::array::from_fn(|i| T::of(values[i] * scale[i]))
+fn times<T: Real>(given: Given<T>, factor: f64) -> Given<T> {
+    match given {
+        Given::Load(x) => Given::Load(x * T::of(factor)),
+        Given::Displacement(x) => Given::Displacement(x * T::of(factor)),
+    }
 }
 
-fn solve<T: Real, const N: usize, M: Motion + Debug>(run: &Run, bearing: &Bearing<T, N>) {
-    let scale = Scale::of(&run.design.0, N);
+fn solve<T: Real, S: AnySolver<T>>(run: &Run, balls: usize, fresh: impl Fn() -> S) {
+    let scale = Scale::of(&run.design.0, balls);
     let settings = run.settings.0.map_or_else(Settings::default, |s| Settings {
-        max_sweeps: s.max_sweeps,
+        max_iterations: s.max_iterations,
         tolerance: T::of(s.tolerance),
     });
-    let most = settings.max_sweeps.max(1);
-    // What a solver that was not harmed is asked: a load near another, so that it would start from
-    // what it remembers of that.
-    let probe = |solver: &Solver<T, N, M>, near: &([T; 5], T)| {
-        let (mut solver, settings) = (solver.clone(), Settings::default());
-        let load = near.0.map(|x| x * T::of(0.9));
-        format!("{:?}", solver.solve(load, near.1, &settings))
+    let most = settings.max_iterations.max(1);
+    // What a solver that was not harmed is asked: something near, so that it would start from what it remembers.
+    let probe = |mut solver: S, near: &Question<T>| {
+        let question = Question {
+            given: near.given.map(|given| times(given, 0.9)),
+            ..*near
+        };
+        format!("{:?}", solver.ask(&question, &Settings::default()))
     };
-    let mut solver = Solver::<T, N, M>::new(bearing);
-    let (mut load, mut speed) = ([T::ZERO; 5], T::ZERO);
-    // The last load and speed that were not refused for what they are.
-    let mut tried = (scaled(&[1e-4, 1e-5, 0.0, 1e-6, 0.0], &scale.load), T::ZERO);
+    let mut solver = fresh();
+    let light = [1e-4, 1e-5, 0.0, 1e-6, 0.0];
+    let light = from_fn(|i| scale.given(i, AnyGiven(Given::Load(light[i]))));
+    let mut question = Question {
+        given: light,
+        omega: T::ZERO,
+        growth: Growth::NONE,
+    };
+    // The last question that was not refused for what it is.
+    let mut tried = question;
     for step in &run.steps {
-        let before = solver.clone();
-        let ended = match step {
-            Step::Forget => {
-                solver.forget();
+        let before = solver;
+        match step {
+            Step::Reset => {
+                solver.reset();
                 continue;
             }
-            Step::Displacement(displacement, omega) => {
-                let displacement = scaled(displacement, &scale.displacement);
-                let speed = T::of(omega * scale.speed);
-                inspect(solver.law(displacement, speed, &settings), most)
+            Step::Grow(lengths) => {
+                let [axial, radial, ball] = lengths.map(|x| T::of(x * scale.growth));
+                question.growth = Growth {
+                    axial,
+                    radial,
+                    ball,
+                };
+                continue;
             }
-            Step::Load(new, omega) => {
-                load = scaled(new, &scale.load);
-                speed = T::of(omega * scale.speed);
-                inspect(solver.solve(load, speed, &settings), most)
+            Step::Solve(given, omega) => {
+                question.given = from_fn(|i| scale.given(i, given[i]));
+                question.omega = T::of(omega * scale.speed);
             }
             Step::Nudge(factors, factor) => {
-                load = std::array::from_fn(|i| load[i] * T::of(factors[i]));
-                speed = speed * T::of(*factor);
-                inspect(solver.solve(load, speed, &settings), most)
+                question.given = from_fn(|i| times(question.given[i], factors[i]));
+                question.omega = question.omega * T::of(*factor);
             }
-        };
+        }
+        let ended = inspect(solver.ask(&question, &settings), most);
         match ended {
             Status::NotFinite { value, .. } => assert!(!value.is_finite()),
             Status::OutOfRange { value, limit, .. } => {
@@ -271,61 +439,52 @@ fn solve<T: Real, const N: usize, M: Motion + Debug>(run: &Run, bearing: &Bearin
             Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded
         );
         if of_input {
-            let (after, before) = (probe(&solver, &tried), probe(&before, &tried));
+            let (after, before) = (probe(solver, &tried), probe(before, &tried));
             assert_eq!(
                 after, before,
                 "{ended:?} did not leave the solver as it was"
             );
             continue;
         }
-        if !matches!(step, Step::Displacement(..)) {
-            tried = (load, speed);
-        }
+        tried = question;
         if matches!(
             ended,
-            Status::Diverged { .. } | Status::Indeterminate { .. }
+            Status::Diverged { .. } | Status::Indeterminate { .. } | Status::Unseated { .. }
         ) {
-            let (after, fresh) = (probe(&solver, &tried), probe(&Solver::new(bearing), &tried));
+            let (after, fresh) = (probe(solver, &tried), probe(fresh(), &tried));
             assert_eq!(after, fresh, "{ended:?} left something behind");
         }
     }
 }
 
 /// Looks at every figure of an answer; returns how the solve ended.
-fn inspect<T: Real, const N: usize, M: Motion>(
-    answer: std::result::Result<Solution<'_, T, N, M>, Status<T>>,
-    most_sweeps: u16,
+fn inspect<T: Real>(
+    answer: std::result::Result<Answer<T>, Status<T>>,
+    most_iterations: u16,
 ) -> Status<T> {
-    let solution = match answer {
-        Ok(solution) => solution,
+    let answer = match answer {
+        Ok(answer) => answer,
         Err(status) => {
             assert!(
-                !matches!(
-                    status,
-                    Status::Converged | Status::PrecisionLimit | Status::SweepLimit
-                ),
+                !matches!(status, Status::Converged | Status::PrecisionLimit),
                 "{status:?} without an answer"
             );
             return status;
         }
     };
-    let status = solution.status;
+    let status = answer.status;
     assert!(
-        matches!(
-            status,
-            Status::Converged | Status::PrecisionLimit | Status::SweepLimit
-        ),
+        matches!(status, Status::Converged | Status::PrecisionLimit),
         "an answer to {status:?}"
     );
-    assert!((1..=most_sweeps).contains(&solution.sweeps));
+    assert!(answer.iterations <= most_iterations);
     let numbers = |values: &[T]| values.iter().all(|x| x.is_finite());
-    assert!(numbers(&[solution.residual]), "residual");
-    assert!(numbers(&solution.displacement), "displacement");
-    assert!(numbers(&solution.load), "load");
-    assert!(numbers(&solution.stiffness.concat()), "stiffness");
-    let (balls, forces) = (solution.balls(), solution.inner_forces());
-    assert_eq!((balls.len(), forces.len()), (N, N));
-    for (ball, force) in balls.zip(forces) {
+    assert!(numbers(&answer.figures), "{answer:?}");
+    let error = &answer.error;
+    for estimate in [error.displacement, error.force, error.stiffness] {
+        assert!(estimate >= T::ZERO, "{error:?}");
+    }
+    for (ball, force) in answer.balls.iter().zip(&answer.inner_forces) {
         assert!(
             numbers(&[
                 ball.azimuth,
@@ -341,7 +500,7 @@ fn inspect<T: Real, const N: usize, M: Motion>(
             "{status:?}, {ball:?}"
         );
         assert!(ball.q_i >= T::ZERO && ball.q_o >= T::ZERO, "{ball:?}");
-        assert!(ball.q_i == force);
+        assert!(ball.q_i == *force);
     }
     status
 }

@@ -1,53 +1,389 @@
 //! The scenes that are measured and proved, in one table for the images beside this file and for the programs that
-//! build them and look at them.
+//! build them and look at them; and how each of them is solved.
 
 #![no_std]
 
+use core::hint::black_box;
+use core::marker::PhantomData;
+use spindle_bearing::{
+    AxialSolver, Bearing, Given, Growth, Motion, RingVector, Settings, Solution, Solver, Speed,
+};
+use spindle_bearing::{ErrorEstimate, Limits, Real, Status};
+
 /// Hands the table to a macro: `for_every_scene!(of_mine)`.
 ///
-/// A row has a number and a name; motion, count of freedoms, what is given of them, and output; then the rule of
-/// attitude (nothing at rest), what the scene leaves out of the whole solver or has in its place, whether it is
-/// measured in doubles, too, and the parts that must not be in its image. Whoever asks has these names in scope.
+/// A row begins with a number, a name and the [`Scene`]. The rule of attitude follows, `None` at rest; then what the
+/// scene leaves out of the full one, or has besides. A flag says whether the scene is measured in doubles, too. The last
+/// list has the parts that must not be in the scene's image. Whoever asks has these names in scope.
 ///
-/// States of balls and the way from a design to constants are left out by all of them.
+/// No scene has the way from a design to constants.
 #[macro_export]
 #[rustfmt::skip]
 macro_rules! for_every_scene {
     ($with:ident) => {
         $with! {
-            0 "axial-static": Static, 1, Loads, Stiffness;
+            0 "axial-static": Axial<Static>;
                 None, "speed, radial displacements, tilts", true,
-                [Speed, Friction, RaceControl, RacewayControlFree, Rest, Iteration, Radial, Tilts, Held];
-            1 "axial-centrifugal": Centrifugal, 1, Loads, Stiffness;
-                FREE, "friction, radial displacements, tilts", false,
-                [Friction, RaceControl, Rest, ClosedForm, Radial, Tilts, Held];
-            2 "axial-full": Full, 1, Loads, Stiffness;
+                [Speed, Friction, RaceControl, RacewayControlFree, Iteration, Radial, Tilts, Balls, Limits];
+            1 "axial-full": Axial<Full>;
                 FREE, "radial displacements, tilts", false,
-                [RaceControl, Rest, ClosedForm, Radial, Tilts, Held];
-            3 "translations-static": Static, 3, Loads, Stiffness;
+                [RaceControl, Radial, Tilts, Balls, Limits];
+            2 "translations-static": Ring<Static, 3>;
                 None, "speed, tilts", false,
-                [Speed, Friction, RaceControl, RacewayControlFree, ClosedForm, Tilts, Held];
-            4 "translations-full": Full, 3, Loads, Stiffness;
+                [Speed, Friction, RaceControl, RacewayControlFree, Tilts, Balls, Limits];
+            3 "translations-full": Ring<Full, 3>;
                 FREE, "tilts", true,
-                [RaceControl, Rest, ClosedForm, Tilts, Held];
-            5 "all-static": Static, 5, Loads, Stiffness;
+                [RaceControl, Tilts, Balls, Limits];
+            4 "static": Ring<Static, 5>;
                 None, "speed", true,
-                [Speed, Friction, RaceControl, RacewayControlFree, ClosedForm, Held];
-            6 "all-centrifugal": Centrifugal, 5, Loads, Stiffness;
+                [Speed, Friction, RaceControl, RacewayControlFree, Balls, Limits];
+            5 "centrifugal": Ring<Centrifugal, 5>;
                 FREE, "friction", false,
-                [Friction, RaceControl, Rest, ClosedForm, Held];
-            7 "all-outer": Full<OuterRaceControl>, 5, Loads, Stiffness;
+                [Friction, RaceControl, Balls, Limits];
+            6 "outer": Ring<Full<OuterRaceControl>, 5>;
                 Some(Attitude::Outer), "free attitude: outer race control", false,
-                [RacewayControlFree, Rest, ClosedForm, Held];
-            8 "all-displacements": Full, 5, Loads, Displacements;
-                FREE, "stiffness", false,
-                [RaceControl, Rest, ClosedForm, Held, Stiffness];
-            9 "all-preloaded": Full, 5, RigidPreload, Stiffness;
+                [RacewayControlFree, Balls, Limits];
+            7 "inner": Ring<Full<InnerRaceControl>, 5>;
+                Some(Attitude::Inner), "free attitude: inner race control", false,
+                [RacewayControlFree, Balls, Limits];
+            8 "displacement": Ring<Full, 5, Loads, Displacement>;
+                FREE, "stiffness asked for", false,
+                [RaceControl, Stiffness, Balls, Limits];
+            9 "preloaded": Ring<Full, 5, RigidPreload>;
                 FREE, "axial load: displacement given", false,
-                [RaceControl, Rest, ClosedForm];
-            10 "all-full": Full, 5, Loads, Stiffness;
+                [RaceControl, Balls, Limits];
+            10 "balls": Ring<Full, 5, Loads, Balls>;
+                FREE, "nothing; states of balls besides", false,
+                [RaceControl, Limits];
+            11 "limits": Ring<Full, 5, Loads, Passed>;
+                FREE, "nothing; limits besides", false,
+                [RaceControl];
+            12 "full": Ring<Full, 5>;
                 FREE, "nothing", true,
-                [RaceControl, Rest, ClosedForm, Held];
+                [RaceControl, Balls, Limits];
         }
     };
+}
+
+/// What to solve, SI units.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Question<T, V> {
+    /// Loads, or the displacement where that is given.
+    pub values: V,
+    /// Speed of the shaft, rad/s.
+    pub omega: T,
+    /// Tolerance of the stiffness.
+    pub tolerance: T,
+    /// Most iterations.
+    pub max_iterations: u32,
+}
+
+impl<T: Real, V> Question<T, V> {
+    #[inline(always)]
+    fn settings(&self) -> Settings<T> {
+        Settings {
+            max_iterations: self.max_iterations as u16,
+            tolerance: self.tolerance,
+        }
+    }
+
+    #[inline(always)]
+    fn speed(&self) -> Speed<T> {
+        Speed::rad_per_s(self.omega)
+    }
+}
+
+/// What came of it.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Answer<T, V, K> {
+    /// Displacements.
+    pub displacement: V,
+    /// Stiffness, if it is asked for.
+    pub stiffness: K,
+    /// Errors of displacement, force and stiffness.
+    pub error: [T; 3],
+    /// 1 or 2: converged, precision limit.
+    pub status: u32,
+    /// Iterations.
+    pub iterations: u32,
+}
+
+impl<T: Real, V, K> Answer<T, V, K> {
+    #[inline(always)]
+    fn new(
+        displacement: V,
+        stiffness: K,
+        error: &ErrorEstimate<T>,
+        status: &Status<T>,
+        iterations: u16,
+    ) -> Self {
+        Self {
+            displacement,
+            stiffness,
+            error: [error.displacement, error.force, error.stiffness],
+            status: match status {
+                Status::Converged => 1,
+                _ => 2,
+            },
+            iterations: iterations.into(),
+        }
+    }
+}
+
+/// Numbers of a vector or matrix, row by row.
+pub trait Numbers<T> {
+    /// All of them.
+    fn numbers(&self) -> &[T];
+}
+
+impl<T, const D: usize> Numbers<T> for [T; D] {
+    fn numbers(&self) -> &[T] {
+        self
+    }
+}
+
+impl<T, const D: usize> Numbers<T> for [[T; D]; D] {
+    fn numbers(&self) -> &[T] {
+        self.as_flattened()
+    }
+}
+
+/// A solver, and what is asked of it.
+pub trait Scene<T: Real, const N: usize> {
+    /// Freedoms of the ring.
+    const FREEDOMS: usize;
+    /// The axial displacement is given, and not the load.
+    const PRELOADED: bool = false;
+    /// One value for each freedom.
+    type Vector: Copy + Numbers<T>;
+    /// The stiffness; nothing if it is not asked for.
+    type Matrix: Copy + Numbers<T>;
+    /// The solver.
+    type Solver<'b>
+    where
+        T: 'b;
+    /// As many of these as there are freedoms.
+    fn vector(values: [T; 5]) -> Self::Vector;
+    /// One without history.
+    fn solver(bearing: &Bearing<T, N>) -> Self::Solver<'_>;
+    /// Has the next solve start from nothing.
+    fn reset(solver: &mut Self::Solver<'_>);
+    /// Solves.
+    ///
+    /// # Errors
+    ///
+    /// A status that names why there is no answer.
+    fn solve(
+        solver: &mut Self::Solver<'_>,
+        question: &Question<T, Self::Vector>,
+    ) -> Result<Answer<T, Self::Vector, Self::Matrix>, Status<T>>;
+}
+
+/// A ring with three or five freedoms: how its balls move, what is given and what is asked for.
+pub struct Ring<M, const D: usize, G = Loads, O = Stiffness>(PhantomData<(M, G, O)>);
+
+impl<T: Real, const N: usize, M: Motion, const D: usize, G: Condition, O: Output> Scene<T, N>
+    for Ring<M, D, G, O>
+where
+    [T; D]: RingVector,
+{
+    const FREEDOMS: usize = D;
+    const PRELOADED: bool = G::PRELOADED;
+    type Vector = [T; D];
+    type Matrix = O::Matrix<T, D>;
+    type Solver<'b>
+        = Solver<'b, T, N, M, D>
+    where
+        T: 'b;
+
+    fn vector(values: [T; 5]) -> Self::Vector {
+        core::array::from_fn(|i| values[i])
+    }
+
+    #[inline(always)]
+    fn solver(bearing: &Bearing<T, N>) -> Self::Solver<'_> {
+        Solver::of(bearing)
+    }
+
+    #[inline(always)]
+    fn reset(solver: &mut Self::Solver<'_>) {
+        solver.reset();
+    }
+
+    #[inline(always)]
+    fn solve(
+        solver: &mut Self::Solver<'_>,
+        question: &Question<T, Self::Vector>,
+    ) -> Result<Answer<T, Self::Vector, Self::Matrix>, Status<T>> {
+        let s = G::solve(solver, question)?;
+        Ok(Answer::new(
+            s.displacement,
+            O::of(&s),
+            &s.error,
+            &s.status,
+            s.iterations,
+        ))
+    }
+}
+
+/// One ball for all.
+pub struct Axial<M>(PhantomData<M>);
+
+impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Axial<M> {
+    const FREEDOMS: usize = 1;
+    type Vector = [T; 1];
+    type Matrix = [[T; 1]; 1];
+    type Solver<'b>
+        = AxialSolver<'b, T, N, M>
+    where
+        T: 'b;
+
+    fn vector(values: [T; 5]) -> Self::Vector {
+        [values[0]]
+    }
+
+    #[inline(always)]
+    fn solver(bearing: &Bearing<T, N>) -> Self::Solver<'_> {
+        AxialSolver::of(bearing)
+    }
+
+    #[inline(always)]
+    fn reset(solver: &mut Self::Solver<'_>) {
+        solver.reset();
+    }
+
+    #[inline(always)]
+    fn solve(
+        solver: &mut Self::Solver<'_>,
+        question: &Question<T, Self::Vector>,
+    ) -> Result<Answer<T, Self::Vector, Self::Matrix>, Status<T>> {
+        let s = solver.solve(question.values[0], question.speed(), &question.settings())?;
+        Ok(Answer::new(
+            [s.displacement],
+            [[s.stiffness()]],
+            &s.error,
+            &s.status,
+            s.iterations,
+        ))
+    }
+}
+
+/// What is given of the ring's freedoms.
+pub trait Condition {
+    /// The axial displacement is.
+    const PRELOADED: bool;
+    /// Solves for it.
+    ///
+    /// # Errors
+    ///
+    /// A status that names why there is no answer.
+    fn solve<'s, T: Real, const N: usize, M: Motion, const D: usize>(
+        solver: &'s mut Solver<'_, T, N, M, D>,
+        question: &Question<T, [T; D]>,
+    ) -> Result<Solution<'s, T, N, M, D>, Status<T>>;
+}
+
+/// All loads.
+pub struct Loads;
+
+impl Condition for Loads {
+    const PRELOADED: bool = false;
+
+    #[inline(always)]
+    fn solve<'s, T: Real, const N: usize, M: Motion, const D: usize>(
+        solver: &'s mut Solver<'_, T, N, M, D>,
+        question: &Question<T, [T; D]>,
+    ) -> Result<Solution<'s, T, N, M, D>, Status<T>> {
+        solver.solve(question.values, question.speed(), &question.settings())
+    }
+}
+
+/// The axial displacement, and the other loads.
+pub struct RigidPreload;
+
+impl Condition for RigidPreload {
+    const PRELOADED: bool = true;
+
+    #[inline(always)]
+    fn solve<'s, T: Real, const N: usize, M: Motion, const D: usize>(
+        solver: &'s mut Solver<'_, T, N, M, D>,
+        question: &Question<T, [T; D]>,
+    ) -> Result<Solution<'s, T, N, M, D>, Status<T>> {
+        let mut given = question.values.map(Given::Load);
+        given[0] = Given::Displacement(question.values[0]);
+        let (speed, settings) = (question.speed(), question.settings());
+        solver.solve_at(&given, speed, &Growth::NONE, &settings)
+    }
+}
+
+/// What is asked of a solution besides the displacement.
+pub trait Output {
+    /// The stiffness, or nothing.
+    type Matrix<T: Real, const D: usize>: Copy + Numbers<T>;
+    /// Asks for it.
+    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
+        solution: &Solution<'_, T, N, M, D>,
+    ) -> Self::Matrix<T, D>;
+}
+
+/// Nothing.
+pub struct Displacement;
+
+impl Output for Displacement {
+    type Matrix<T: Real, const D: usize> = [T; 0];
+
+    #[inline(always)]
+    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
+        _: &Solution<'_, T, N, M, D>,
+    ) -> Self::Matrix<T, D> {
+        []
+    }
+}
+
+/// The stiffness.
+pub struct Stiffness;
+
+impl Output for Stiffness {
+    type Matrix<T: Real, const D: usize> = [[T; D]; D];
+
+    #[inline(always)]
+    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
+        solution: &Solution<'_, T, N, M, D>,
+    ) -> Self::Matrix<T, D> {
+        solution.stiffness()
+    }
+}
+
+/// Stiffness and states of balls.
+pub struct Balls;
+
+impl Output for Balls {
+    type Matrix<T: Real, const D: usize> = [[T; D]; D];
+
+    #[inline(always)]
+    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
+        solution: &Solution<'_, T, N, M, D>,
+    ) -> Self::Matrix<T, D> {
+        for ball in solution.balls() {
+            black_box(&ball);
+        }
+        solution.stiffness()
+    }
+}
+
+/// Stiffness and limits that are passed.
+pub struct Passed;
+
+impl Output for Passed {
+    type Matrix<T: Real, const D: usize> = [[T; D]; D];
+
+    #[inline(always)]
+    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
+        solution: &Solution<'_, T, N, M, D>,
+    ) -> Self::Matrix<T, D> {
+        black_box(&solution.exceedances(&Limits::default()));
+        solution.stiffness()
+    }
 }

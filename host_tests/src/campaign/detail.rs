@@ -1,7 +1,7 @@
 //! One case in full, to look into.
 
 use super::families::Trial;
-use super::judge::{JudgedTick, PRECISIONS, Record, Verdict, judge, search};
+use super::judge::{JudgedTick, PRECISIONS, Record, Verdict, follow, judge, search};
 use crate::dispatch::Precision;
 use crate::reference::Solution;
 use std::fmt::{self, Write};
@@ -28,7 +28,9 @@ fn write(text: &mut String, trial: &Trial) -> fmt::Result {
             numbers(u, Precision::F64)
         )?;
     }
-    for mut solve in judge(trial).ticks {
+    let mut judged = judge(trial);
+    follow(trial, &mut judged);
+    for mut solve in judged.ticks {
         let mut open: Vec<&mut Record> = solve
             .records
             .iter_mut()
@@ -62,16 +64,18 @@ fn write_solve(text: &mut String, trial: &Trial, solve: &JudgedTick) -> fmt::Res
         )?;
         match &answer.figures {
             Ok(figures) => {
-                writeln!(
-                    text,
-                    "  sweeps {}, repeats {}",
-                    figures.sweeps, figures.repeats
-                )?;
+                writeln!(text, "  iterations {}", figures.iterations)?;
                 if let Some(errors) = &record.errors {
                     writeln!(text, "  errors of u, Q, K: {}", few_digits(errors))?;
                 }
                 if let Some(estimate) = &record.estimate {
                     writeln!(text, "  estimated: {}", few_digits(estimate))?;
+                }
+                if let Some(imbalance) = record.imbalance {
+                    writeln!(text, "  imbalance {imbalance:.1e}")?;
+                }
+                if let Some(branch) = record.branch {
+                    writeln!(text, "  branch {branch:?}")?;
                 }
                 write_figures(text, &figures.displacement, &figures.stiffness, precision)?;
                 for b in &answer.balls {

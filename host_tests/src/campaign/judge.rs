@@ -1,5 +1,6 @@
 //! One case: solved in both precisions, and judged by the reference build.
 
+use super::balance::imbalance;
 use super::families::{Family, Scene, Tick, Trial};
 use crate::compare::{Ball, Equilibrium};
 use crate::dispatch::{self, Figures, Precision};
@@ -8,8 +9,8 @@ use spindle_bearing::BallState;
 use std::f64::consts::PI;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Most sweeps a solve may take: the bound of the default settings.
-pub const MOST_SWEEPS: u16 = 100;
+/// Most iterations a solve may take: the limit of the default settings.
+pub const MOST_ITERATIONS: u16 = 100;
 
 /// Beyond this error in displacement, forces or stiffness the answer is judged from its own balls as
 /// well: it may be another equilibrium than the one it was compared with.
@@ -70,8 +71,11 @@ impl Answer {
             return Some("no load, and not refused as such");
         }
         let figures = self.figures.as_ref().ok()?;
-        if figures.sweeps > MOST_SWEEPS {
-            return Some("more sweeps than the bound");
+        if !matches!(self.status, "converged" | "precision-limit") {
+            return Some("figures of a status that is no answer");
+        }
+        if figures.iterations > MOST_ITERATIONS {
+            return Some("more iterations than the limit");
         }
         let balls = self.balls.iter().flat_map(|b| {
             [
@@ -119,6 +123,17 @@ pub enum Verdict {
     Failed(&'static str),
 }
 
+/// Whether an answer is the equilibrium that is meant: where there are several, that on the branch connected to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Branch {
+    /// It is.
+    FromRest,
+    /// It is another one.
+    Other,
+    /// The branch ends before this speed, or the reference build could follow it no further.
+    Lost,
+}
+
 /// A solve that counts, as far as the report needs it.
 #[derive(Debug, Clone, Copy)]
 pub struct Record {
@@ -132,22 +147,34 @@ pub struct Record {
     pub precision: Precision,
     /// How it ended.
     pub status: &'static str,
-    /// Sweeps, where there are figures.
-    pub sweeps: Option<u16>,
-    /// Ball passes per ball, where there are figures.
-    pub passes: Option<f32>,
+    /// Iterations, where there are figures.
+    pub iterations: Option<u16>,
     /// The verdict.
     pub verdict: Verdict,
     /// Errors of displacement, force and stiffness.
     pub errors: Option<[f64; 3]>,
     /// The solver's own estimate of them.
     pub estimate: Option<[f64; 3]>,
+    /// How far the forces of an answer are from balance: see [`imbalance`].
+    pub imbalance: Option<f64>,
+    /// Which equilibrium an answer is, where that was looked into.
+    pub branch: Option<Branch>,
 }
 
 impl Record {
     /// Whether the solver says that this is a solution.
     pub fn is_solved(&self) -> bool {
         matches!(self.status, "converged" | "precision-limit")
+    }
+
+    /// An answer whose forces do not balance.
+    pub fn is_unbalanced(&self) -> bool {
+        self.imbalance.is_some_and(|imbalance| !(imbalance <= FAR))
+    }
+
+    /// An answer that is none: some figure is off by more than a hundredth, or its forces do not balance.
+    pub fn is_far(&self) -> bool {
+        self.is_unbalanced() || self.errors.is_some_and(|errors| !(largest(errors) <= FAR))
     }
 }
 
@@ -347,15 +374,15 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> JudgedTick 
             tick: number,
             precision: PRECISIONS[p],
             status: answer.status,
-            sweeps: figures.map(|f| f.sweeps),
-            passes: figures
-                .map(|f| f32::from(f.sweeps) + f32::from(f.repeats) / trial.case.balls as f32),
+            iterations: figures.map(|f| f.iterations),
             verdict: match answer.failure(tick, PRECISIONS[p]) {
                 Some(why) => Verdict::Failed(why),
                 None => Verdict::Undecided,
             },
             errors: None,
             estimate: figures.and_then(|f| f.error),
+            imbalance: figures.map(|_| imbalance(trial, &ticks[p], &answer.balls)),
+            branch: None,
         }
     });
     let mut truths = [None, None];
@@ -429,6 +456,49 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> JudgedTick 
         answers,
         truths,
         records,
+    }
+}
+
+/// Looks into which equilibrium the answers of a cold case at speed are: the reference build follows the branch from
+/// rest. Warm solves have a history, which may lead elsewhere.
+pub fn follow(trial: &Trial, judged: &mut Judged) {
+    if trial.family.is_warm() {
+        return;
+    }
+    for solve in &mut judged.ticks {
+        let tick = &trial.ticks[solve.records[0].tick];
+        let mut last: Option<(Tick, Option<Solution>)> = None;
+        for (p, record) in solve.records.iter_mut().enumerate() {
+            let tick = seen(tick, record.precision);
+            let (true, Some(found)) = (tick.omega != 0.0, solve.answers[p].equilibrium()) else {
+                continue;
+            };
+            let from_rest = match last.take() {
+                Some((same, solution)) if same == tick => solution,
+                _ => {
+                    let attitude = trial.case.reference_attitude();
+                    let solution = trial.reference.from_rest(tick.load, tick.omega, attitude);
+                    solution.ok()
+                }
+            };
+            record.branch = Some(match (&from_rest, &solve.truths[p]) {
+                (None, _) => Branch::Lost,
+                (Some(meant), Some(truth)) => {
+                    branch(trial, &Equilibrium::from(truth), meant, APART)
+                }
+                (Some(meant), None) => branch(trial, &found, meant, FAR),
+            });
+            last = Some((tick, from_rest));
+        }
+    }
+}
+
+fn branch(trial: &Trial, found: &Equilibrium, meant: &Solution, apart: f64) -> Branch {
+    let [u, q, _] = errors(trial, found, &Equilibrium::from(meant));
+    if u.max(q) > apart {
+        Branch::Other
+    } else {
+        Branch::FromRest
     }
 }
 

@@ -1,8 +1,9 @@
 //! What a campaign found, as the page and as a list of what to look at.
 
-use super::Plan;
+use super::contract::Figure;
 use super::families::Family;
-use super::judge::{PRECISIONS, Record, Verdict};
+use super::judge::{Branch, PRECISIONS, Record, Verdict};
+use super::{Plan, contract};
 use crate::dispatch::Precision;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -81,10 +82,8 @@ pub struct Summary {
     pub endings: BTreeMap<&'static str, usize>,
     /// Those that came to what must never be.
     pub failed: usize,
-    /// Sweeps of those with figures.
-    pub sweeps: Spread,
-    /// Ball passes per ball of those.
-    pub passes: Spread,
+    /// Iterations of those with figures.
+    pub iterations: Spread,
     /// Solves without an answer that were looked into: right, and wrong to have none.
     pub refused: [usize; 2],
     /// Of the latter, those where contacts oppose each other.
@@ -93,6 +92,13 @@ pub struct Summary {
     pub undecided: usize,
     /// Answers whose errors are known; of those, of another equilibrium; answers of which they are not.
     pub answers: [usize; 3],
+    /// Answers that are none: see [`Record::is_far`]; and of those, the ones that say of themselves to be better.
+    pub far: [usize; 2],
+    /// Answers whose forces do not balance.
+    pub unbalanced: usize,
+    /// Answers that were compared with the equilibrium on the branch from rest; those that are another one; answers
+    /// where that branch could not be followed to the speed.
+    pub branches: [usize; 3],
     /// Errors of displacement, force and stiffness.
     pub errors: [Spread; 3],
     /// How well the estimates of those hold, if there are any.
@@ -108,6 +114,7 @@ impl Summary {
         for record in records {
             *endings.entry(record.status).or_default() += 1;
         }
+        let branch = |of: Branch| count(&|r| r.branch == Some(of));
         let errors: Vec<[f64; 3]> = records.iter().filter_map(|r| r.errors).collect();
         let solved = || records.iter().filter(|r| r.is_solved());
         Self {
@@ -116,8 +123,7 @@ impl Summary {
             solves: records.len(),
             endings,
             failed: count(&|r| matches!(r.verdict, Verdict::Failed(_))),
-            sweeps: Spread::of(solved().filter_map(|r| r.sweeps).map(f64::from)),
-            passes: Spread::of(solved().filter_map(|r| r.passes).map(f64::from)),
+            iterations: Spread::of(solved().filter_map(|r| r.iterations).map(f64::from)),
             refused: [
                 verdict(Verdict::RightlyRefused),
                 count(&|r| missed(r).is_some()),
@@ -128,6 +134,16 @@ impl Summary {
                 errors.len(),
                 verdict(Verdict::OtherBranch),
                 verdict(Verdict::Unjudged),
+            ],
+            far: [
+                count(&Record::is_far),
+                count(&|r| r.is_far() && !is_estimated(r)),
+            ],
+            unbalanced: count(&Record::is_unbalanced),
+            branches: [
+                branch(Branch::FromRest) + branch(Branch::Other),
+                branch(Branch::Other),
+                branch(Branch::Lost),
             ],
             errors: [0, 1, 2].map(|i| Spread::of(errors.iter().map(|e| e[i]))),
             coverage: coverage(records.iter().copied()),
@@ -163,6 +179,14 @@ fn missed(record: &Record) -> Option<bool> {
         Verdict::Missed { opposed } => Some(opposed),
         _ => None,
     }
+}
+
+/// Whether all errors of an answer are within its own estimate.
+fn is_estimated(record: &Record) -> bool {
+    let (Some(errors), Some(estimate)) = (record.errors, record.estimate) else {
+        return false;
+    };
+    errors.iter().zip(estimate).all(|(error, of)| *error <= of)
 }
 
 fn name(precision: Precision) -> &'static str {
@@ -263,10 +287,9 @@ fn outcomes(all: &[Summary]) -> String {
                 format!("{} ({})", s.refused[1], s.missed_opposed),
                 s.undecided.to_string(),
                 s.failed.to_string(),
-                [s.sweeps.median, s.sweeps.most, s.sweeps.worst]
+                [s.iterations.median, s.iterations.most, s.iterations.worst]
                     .map(short)
                     .join(" / "),
-                [s.passes.median, s.passes.most].map(short).join(" / "),
             ]
         })
         .collect();
@@ -281,8 +304,7 @@ fn outcomes(all: &[Summary]) -> String {
             "missed",
             "open",
             "failed",
-            "sweeps",
-            "passes",
+            "iterations",
         ],
         &rows,
     )
@@ -308,6 +330,32 @@ fn errors(all: &[Summary], precision: Precision) -> String {
     )
 }
 
+/// Answers that are none, and answers that are another equilibrium than the one meant.
+fn equilibria(all: &[Summary]) -> String {
+    let rows: Vec<Vec<String>> = all
+        .iter()
+        .map(|s| {
+            let mut row = vec![s.family.name().to_owned(), name(s.precision).to_owned()];
+            row.extend([s.far[0], s.far[1], s.unbalanced].map(|n| n.to_string()));
+            row.extend(s.branches.map(|n| n.to_string()));
+            row
+        })
+        .collect();
+    table(
+        &[
+            "family",
+            "",
+            "far",
+            "deceiving",
+            "unbalanced",
+            "followed",
+            "other branch",
+            "lost",
+        ],
+        &rows,
+    )
+}
+
 fn estimates(all: &[Summary], records: &[Record]) -> String {
     let row = |family: &str, precision, coverage: [Coverage; 3]| {
         let mut row = vec![family.to_owned(), name(precision).to_owned()];
@@ -323,6 +371,20 @@ fn estimates(all: &[Summary], records: &[Record]) -> String {
         Some(row("all", precision, of))
     }));
     table(&["family", "", "u", "Q", "K"], &rows)
+}
+
+/// What the campaign promises and does not keep.
+fn unkept(all: &[Summary]) -> String {
+    let lines: Vec<String> = all
+        .iter()
+        .flat_map(contract::unkept)
+        .map(|line| format!("- {line}\n"))
+        .collect();
+    if lines.is_empty() {
+        "Everything is kept.\n".to_owned()
+    } else {
+        lines.concat()
+    }
 }
 
 /// The page, but for its first line.
@@ -350,10 +412,17 @@ load and speed, rounded to single precision; a warm family counts ten solves a c
 and whose stiffness can be inverted), in brackets those of them where the contacts of every ball that
 carries are within 90 degrees of each other: beyond that, the races no longer hold the ball between them.
 *Open* are those that were not looked into. *Failed* is what must never be: a panic, a figure that is not
-a finite number, more than 100 sweeps, a refusal for a reason that does not hold. *Sweeps* over the balls,
-of solves that ended with an answer: median / 99 % / worst, warm ones in warm families, cold ones
-elsewhere; *passes* per ball count what single balls repeated, too, and at rest every pass
-of a sweep: median / 99 %.
+a finite number, more than 100 iterations, a refusal for a reason that does not hold. *Iterations* of
+solves that ended with an answer: median / 99 % / worst, warm ones in warm families, cold ones elsewhere.
+
+{}
+## Which equilibrium
+
+*Far*: answers with an error beyond 1e-2, or whose forces do not balance to 1e-2; *deceiving*: those of them whose
+own estimate says less; *unbalanced*: those whose forces do not balance. Where a load has several equilibria, the one
+meant is that on the branch connected to rest. The reference build follows it in `omega^2`, for one cold case at speed
+of {}: *followed* are the answers that could be compared, *other branch* those of them that are another equilibrium,
+*lost* those where the branch turns back before the speed.
 
 {}
 ## Errors in single precision
@@ -371,13 +440,26 @@ forces, of the largest; *K*: `abs(dKij) / sqrt(abs(Kii Kjj))`. Median / 99 % / w
 
 Share of answers whose error is within the estimate, and the median of estimate over error.
 
+{}
+## The contract
+
+No panic, no figure that is not a number, no answer past the iteration limit, none whose forces do not balance. *Missed*
+with contacts within 90 degrees: at most 0.2 % of a family, 1 % of random, radial, zero-loads and opening, 4 % of
+few-balls. Single precision, 99 % of moderate, reversed, moduli, inner-control, warm-drift and warm-jumps: *u* within
+1e-6, *Q* within 1e-6, *K* within 2e-5. Estimates cover 99.9 % of the errors in moderate, reversed and warm-drift, 99.5 %
+in random and radial, and are 30 times too large at most in the median. At most 0.1 % of moderate is on another branch
+than that from rest. What is not kept:
+
 {}",
         plan.solves,
         plan.seed,
         outcomes(&all),
+        plan.followed,
+        equilibria(&all),
         errors(&all, Precision::F32),
         errors(&all, Precision::F64),
         estimates(&all, records).trim_end_matches('\n').to_owned() + "\n",
+        unkept(&all),
     )
 }
 
@@ -399,10 +481,10 @@ pub fn worst(records: &[Record]) -> String {
         };
         let _ = writeln!(
             text,
-            "{} {}: sweeps {}; u {}; Q {}; K {}",
+            "{} {}: iterations {}; u {}; Q {}; K {}",
             summary.family.name(),
             name(summary.precision),
-            by(&|r| r.sweeps.map(f64::from)),
+            by(&|r| r.iterations.map(f64::from)),
             by(&|r| r.errors.map(|e| e[0])),
             by(&|r| r.errors.map(|e| e[1])),
             by(&|r| r.errors.map(|e| e[2])),
@@ -422,6 +504,8 @@ pub fn worst(records: &[Record]) -> String {
         text += &first("failed", &|r| matches!(r.verdict, Verdict::Failed(_)));
         text += &first("missed", &|r| missed(r).is_some());
         text += &first("unjudged", &|r| r.verdict == Verdict::Unjudged);
+        text += &first("far", &Record::is_far);
+        text += &first("other branch", &|r| r.branch == Some(Branch::Other));
     }
     text
 }
@@ -435,15 +519,16 @@ fn reason(record: &Record) -> &'static str {
 
 /// Whether a record is one to look into: no answer and no good reason, or a poor one.
 fn is_failure(record: &Record) -> bool {
-    let bounds = super::contract::of(record.family, record.precision);
     let poor = record.errors.is_some_and(|errors| {
-        errors
-            .iter()
-            .zip(bounds.errors)
-            .any(|(e, bound)| *e > bound)
+        errors.iter().enumerate().any(|(i, error)| {
+            contract::bound(Figure::Error(i), record.family, record.precision)
+                .is_some_and(|bound| *error > bound)
+        })
     });
-    let slow = record.sweeps.is_some_and(|sweeps| sweeps > bounds.sweeps);
-    !matches!(record.verdict, Verdict::Judged | Verdict::RightlyRefused) || poor || slow
+    !matches!(record.verdict, Verdict::Judged | Verdict::RightlyRefused)
+        || record.is_far()
+        || record.branch == Some(Branch::Other)
+        || poor
 }
 
 /// Writes every solve to look into as CSV.
@@ -460,13 +545,15 @@ pub fn list_failures(records: &[Record], out: impl io::Write) -> Result<(), csv:
         "precision",
         "status",
         "verdict",
-        "sweeps",
+        "iterations",
         "error_u",
         "error_q",
         "error_k",
         "estimate_u",
         "estimate_q",
         "estimate_k",
+        "imbalance",
+        "branch",
     ])?;
     let three = |x: Option<[f64; 3]>| {
         x.map_or([(); 3].map(|()| String::new()), |x| {
@@ -490,10 +577,21 @@ pub fn list_failures(records: &[Record], out: impl io::Write) -> Result<(), csv:
             name(record.precision).to_owned(),
             record.status.to_owned(),
             verdict.to_owned(),
-            record.sweeps.map_or(String::new(), |s| s.to_string()),
+            record.iterations.map_or(String::new(), |n| n.to_string()),
         ];
         row.extend(three(record.errors));
         row.extend(three(record.estimate));
+        row.push(
+            record
+                .imbalance
+                .map_or(String::new(), |x| format!("{x:.2e}")),
+        );
+        row.push(match record.branch {
+            Some(Branch::FromRest) => "from rest".to_owned(),
+            Some(Branch::Other) => "other".to_owned(),
+            Some(Branch::Lost) => "lost".to_owned(),
+            None => String::new(),
+        });
         out.write_record(row)?;
     }
     out.flush()?;

@@ -13,6 +13,7 @@
 //! It is slow, allocates, and is meant for judging other solvers.
 
 mod ball;
+mod branch;
 mod hertz;
 mod linear;
 mod newton;

@@ -232,7 +232,7 @@ impl Reference {
     }
 
     /// Magnitude of the load as a force.
-    fn load_size(&self, task: &Task) -> f64 {
+    pub(super) fn load_size(&self, task: &Task) -> f64 {
         let lever = 0.5 * self.pitch.hi;
         (0..5).fold(0.0_f64, |s, k| {
             let unit = if k < 3 { 1.0 } else { lever };

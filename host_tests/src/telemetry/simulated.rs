@@ -10,7 +10,8 @@ use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport,
     HealthReport, Outbox, Payload,
 };
-use spindle_bearing::{Bearing, Design, Limit, Limits, Settings, Solver};
+use spindle_bearing::{Bearing, Settings, Solver, Speed};
+use spindle_bearing::{Design, Limit, Limits};
 
 use crate::loads::LoadRow;
 
@@ -65,7 +66,7 @@ impl Watch {
 /// The bearing cannot be built.
 pub fn stream(design: &Design, rows: &[LoadRow]) -> Result<Vec<u8>> {
     let bearing = Bearing::<f32, BALLS>::new(design)?;
-    let mut solver: Solver<'_, f32, BALLS> = Solver::new(&bearing);
+    let mut solver = Solver::new(&bearing);
     // No limit but this one, so that whatever is hardest pressed is named.
     let limits = Limits {
         peak_pressure: 0.0,
@@ -84,7 +85,7 @@ pub fn stream(design: &Design, rows: &[LoadRow]) -> Result<Vec<u8>> {
     for row in rows {
         let time_us = (row.time_s * 1e6).round() as u64;
         let load = row.load.map(|x| x as f32);
-        let speed = (row.speed_rpm * core::f64::consts::PI / 30.0) as f32;
+        let speed = Speed::rpm(row.speed_rpm as f32);
         turns += row.speed_rpm / 60.0 * (row.time_s - before.unwrap_or(row.time_s));
         before = Some(row.time_s);
         health.ticks += 1;
@@ -93,14 +94,14 @@ pub fn stream(design: &Design, rows: &[LoadRow]) -> Result<Vec<u8>> {
             Err(_) => health.refusals += 1,
             Ok(solution) => {
                 health.estimates += 1;
-                let k = &solution.stiffness;
+                let k = solution.stiffness();
                 let forces = || solution.inner_forces();
                 let passed = solution.exceedances(&allowed);
                 let report = EstimateReport {
                     age: 0,
                     marks: Marks::NONE,
                     load,
-                    speed,
+                    speed: speed.as_rad_per_s(),
                     displacement: solution.displacement,
                     stiffness: core::array::from_fn(|i| k[i][i]),
                     coupling: k[0][1],
@@ -109,7 +110,7 @@ pub fn stream(design: &Design, rows: &[LoadRow]) -> Result<Vec<u8>> {
                     least_force: forces().fold(f32::INFINITY, f32::min),
                     largest_force: forces().fold(0.0, f32::max),
                     status: (&solution.status).into(),
-                    sweeps: solution.sweeps,
+                    iterations: solution.iterations,
                     error: [
                         solution.error.displacement,
                         solution.error.force,

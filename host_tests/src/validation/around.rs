@@ -4,10 +4,11 @@ use super::figure::{BLUE, Curve, Dash, Figure, INK, Marker, Panel, Pen, Plane, V
 use super::scene::{Scene, Solved, solve_all};
 use super::statement::{Measure, Statement};
 use super::{Block, COMMAND, Chapter, Progress, judged};
-use crate::cases::{B7005C, rad_per_s};
+use crate::cases::B7005C;
 use crate::dispatch::Attitude;
 use anyhow::{Context, anyhow};
-use spindle_bearing::{BallState, Bearing, Design, Settings, Solver};
+use spindle_bearing::{BallState, Design};
+use spindle_bearing::{Bearing, Given, Growth, Settings, Solver, Speed};
 use std::f64::consts::TAU;
 
 const BALLS: usize = 16;
@@ -79,13 +80,18 @@ impl Curves {
                 first_ball: TAU * step as f64 / (FINE * BALLS) as f64,
                 ..solved.scene.design
             };
-            let bearing = Bearing::<f64, BALLS>::build(&design).map_err(|e| anyhow!("{e}"))?;
-            let mut solver = Solver::<f64, BALLS>::new(&bearing);
-            let law = solver
-                .law(solved.u, rad_per_s(solved.scene.rpm), &Settings::default())
+            let bearing = Bearing::<f64, BALLS>::new(&design).map_err(|e| anyhow!("{e}"))?;
+            let mut solver = Solver::new(&bearing);
+            let solution = solver
+                .solve_at(
+                    &solved.u.map(Given::Displacement),
+                    Speed::rpm(solved.scene.rpm),
+                    &Growth::NONE,
+                    &Settings::default(),
+                )
                 .map_err(|e| anyhow!("{e}"))
                 .context("the balls between the balls")?;
-            turned.push(law.balls().collect::<Vec<_>>());
+            turned.push(solution.balls().collect::<Vec<_>>());
         }
         let fine = (0..FINE * BALLS)
             .map(|i| turned[i % FINE][i / FINE])

@@ -23,7 +23,7 @@ pub fn estimate(stiffness: f32) -> EstimateReport {
         least_force: 10.0,
         largest_force: 90.0,
         status: StatusCode::Converged,
-        sweeps: 2,
+        iterations: 2,
         error: [1e-6, 1e-6, 1e-5],
         limits: 0,
     }

@@ -1,19 +1,29 @@
-//! The judge's tests in one program, so that they overlap. `scenes` is a program by itself: it takes as long to
-//! compile as all of these.
+//! The judge's tests in one program, so that they overlap. `scenes` is a program by itself, so that both compile at the
+//! same time.
 
+mod axial;
+mod balance;
 mod campaign;
 mod compile_fail;
-mod core;
+mod designs;
 mod double_double;
 mod frames;
-mod laws;
+mod given;
+mod growth;
 mod limits;
 mod malformed;
 mod monitor;
+mod precision;
 mod recordings;
 mod refusals;
 mod retained;
+mod solution;
+mod solves;
+mod starts;
 mod statement;
+mod symmetry;
+mod tangent;
 mod telemetry;
+mod thresholds;
 mod truth;
 mod validation;

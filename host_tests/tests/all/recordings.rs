@@ -135,7 +135,7 @@ impl AnySolver for Parrot {
         self.0.clone()
     }
 
-    fn forget(&mut self) {}
+    fn reset(&mut self) {}
 
     fn set_limits(&mut self, _: &Limits<f64>) {}
 
@@ -143,12 +143,11 @@ impl AnySolver for Parrot {
 }
 
 #[test]
-fn a_solve_that_ran_out_of_sweeps_still_has_figures() {
+fn figures_are_printed_as_the_solver_gave_them() {
     let mut solver = Parrot(Answer {
-        status: "sweep-limit",
+        status: "precision-limit",
         figures: Ok(Figures {
-            sweeps: 40,
-            repeats: 0,
+            iterations: 40,
             displacement: [f64::from(1e-7_f32), 0.0, -2.5, 0.0, f64::from(-3e-9_f32)],
             stiffness: [[1e8, 0.0, 0.0, 0.0, f64::from(0.3_f32)]; 5],
             limits: LimitSet::default(),
@@ -168,10 +167,44 @@ fn a_solve_that_ran_out_of_sweeps_still_has_figures() {
     assert_eq!(
         out.lines().nth(1).unwrap(),
         format!(
-            "0.1,sweep-limit,40,1e-7,0,-2.5,0,-3e-9{},",
+            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},",
             ",100000000,0,0,0,0.3".repeat(5)
         )
     );
+}
+
+/// Where a solve stopped for want of iterations there is no equilibrium, and no figure of one.
+#[test]
+fn a_solve_that_ran_out_of_iterations_has_no_figures() {
+    let file = DesignFile::read(shipped("b7005c")).unwrap();
+    for precision in [Precision::F32, Precision::F64] {
+        let bearing = dispatch::bearing(&file.design, file.balls, precision).unwrap();
+        let mut solver = bearing.solver(Attitude::Raceless);
+        solver.set_settings(1e-6, 1);
+        let row = LoadRow {
+            time_s: 0.5,
+            load: [1000.0, 200.0, 0.0, 0.0, 3.0],
+            speed_rpm: 20_000.0,
+        };
+        let (mut out, mut balls) = (Vec::new(), Vec::new());
+        let rows = [Ok(row)].into_iter();
+        let summary = replay(solver.as_mut(), rows, false, &mut out, Some(&mut balls)).unwrap();
+        let count = summary.refused.values().sum::<u64>();
+        assert_eq!((summary.rows, count), (1, 1), "{summary}");
+
+        let text = String::from_utf8(out).unwrap();
+        let fields: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
+        assert_eq!(fields.len(), 3 + 5 + 25 + 1);
+        assert_eq!(fields[0], "0.5");
+        assert!(!["", "converged", "precision-limit"].contains(&fields[1]));
+        assert!(fields[2..].iter().all(|field| field.is_empty()), "{text}");
+
+        let text = String::from_utf8(balls).unwrap();
+        assert_eq!(text.lines().count(), 1 + file.balls);
+        for line in text.lines().skip(1) {
+            assert!(line.ends_with(",,,,,,,"), "{line}");
+        }
+    }
 }
 
 #[test]

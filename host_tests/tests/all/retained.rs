@@ -5,6 +5,7 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use proptest::prelude::*;
+use spindle_bearing::Bearing;
 use spindle_bearing::monitor::judgement::{
     Alarm, Baseline, BaselineSettings, Changes, Findings, Level,
 };
@@ -16,7 +17,7 @@ use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::telemetry::{Recovery, RetentionReport};
 use spindle_bearing::monitor::tick::{CycleCounter, NoWatchdog};
 use spindle_bearing::monitor::{Judgement, Life, Marks, Monitor, Readings};
-use spindle_bearing::{Bearing, Design, FreeContact, Material};
+use spindle_bearing::{Design, FreeContact, Material};
 use std::collections::BTreeSet;
 
 const DESIGN: Design = Design {

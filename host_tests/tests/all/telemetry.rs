@@ -45,7 +45,7 @@ fn cycle(seconds: f64) -> Vec<u8> {
 // frames are compared.
 prop_compose! {
     fn any_estimate()(
-        (age, sweeps) in any::<(u32, u16)>(),
+        (age, iterations) in any::<(u32, u16)>(),
         marks in prop::collection::vec(prop::sample::select(Mark::ALL.to_vec()), 0..5),
         floats in prop::array::uniform24(number()),
         (coupling_row, coupling_column) in any::<(u8, u8)>(),
@@ -71,7 +71,7 @@ prop_compose! {
             least_force: floats[17],
             largest_force: floats[18],
             status,
-            sweeps,
+            iterations,
             error: [floats[19], floats[20], floats[21]],
             limits,
         }

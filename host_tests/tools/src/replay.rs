@@ -47,7 +47,7 @@ pub struct Args {
     /// Solve every row from scratch, as after a reset
     ///
     /// Without this, each row starts from the result of the row before, as the firmware does, and
-    /// takes fewer sweeps.
+    /// takes fewer iterations.
     #[arg(long)]
     cold: bool,
 
@@ -78,10 +78,10 @@ with the columns in any order.
 Results, one row for each row of LOADS.csv, SI units:
   time_s          copied
   status          converged; precision-limit (as close as the precision allows);
-                  sweep-limit (ran out of sweeps, figures are those of the last one);
-                  unseated (the same, a ball driven out of its groove by the speed);
-                  anything else means that this row has no answer, and its figures are empty
-  sweeps          passes over all balls that the solve took
+                  anything else means that this row has no answer, and its figures are empty:
+                  unseated (the speed drives a ball out of its groove), iteration-limit (ran out
+                  of iterations) and so on
+  iterations      passes over all balls that the solve took
   dx_m .. tz_rad  displacement of the inner ring
   k_x_x .. k_tz_tz  stiffness, 25 columns: k_y_tz is the change of Fy with the tilt tz
   limits          physical limits that are passed, a blank between two of them; empty if none is:

@@ -1,11 +1,12 @@
 //! Command line of `cargo reports`, which the program that starts the measurement and the one that
 //! does it share.
 
-use crate::arguments::{attitude, precision};
+use crate::arguments::precision;
 use crate::timing::Core;
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
-use host_tests::dispatch::{Attitude, Precision};
+use host_tests::dispatch::Precision;
+use probes::for_every_scene;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -55,12 +56,9 @@ pub struct Choice {
     /// The ball count, 3 to 99
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u8).range(3..=99))]
     pub balls: u8,
-    /// The rule of attitude
-    #[arg(long, value_parser = attitude(), default_value = "raceless")]
-    pub attitude: Attitude,
-    /// The scene at rest instead of the one at speed
-    #[arg(long)]
-    pub rest: bool,
+    /// The scene
+    #[arg(long, value_parser = SCENES, default_value = FULL)]
+    pub scene: String,
     /// Mixed cases to solve, cold and then warm
     #[arg(long, default_value_t = 200)]
     pub cases: u32,
@@ -72,12 +70,23 @@ impl Default for Choice {
             core: Core::M4f,
             precision: Precision::F32,
             balls: 16,
-            attitude: Attitude::Raceless,
-            rest: false,
+            scene: FULL.to_owned(),
             cases: 200,
         }
     }
 }
+
+macro_rules! names {
+    ($($number:literal $name:literal: $scene:ty;
+        $attitude:expr, $without:literal, $double:literal, $parts:tt;)*) => {
+        /// Names of the scenes that are measured.
+        pub const SCENES: [&str; [$($number),*].len()] = [$($name),*];
+    };
+}
+for_every_scene!(names);
+
+/// The scene that all others are compared with: all inertia loads, no race in control, five freedoms.
+pub const FULL: &str = "full";
 
 /// Where the figures are that must not get worse unnoticed, from the project's root.
 pub const FIGURES: &str = "docs/report_figures.json";

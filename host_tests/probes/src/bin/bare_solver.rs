@@ -24,9 +24,17 @@ mod bare {
     use spindle_bearing::estimate::Estimate;
     use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH, encode};
     use spindle_bearing::{
-        Bearing, Full, InnerRaceControl, Limits, Motion, OuterRaceControl, RacewayControlFree,
-        Real, Settings, Solver, Static, elliptic_integrals,
+        AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, RingVector, Settings,
+        Solver, Speed, Static,
     };
+    use spindle_bearing::{
+        InnerRaceControl, Limits, OuterRaceControl, RacewayControlFree, Real, elliptic_integrals,
+    };
+
+    /// Its constants, worked out by the compiler.
+    static BEARING: Bearing<f32, { monitored::BALLS }> =
+        Bearing::<f32, { monitored::BALLS }>::checked(&monitored::DESIGN);
+
     #[panic_handler]
     #[allow(unsafe_code, reason = "the function is declared, and there is none")]
     fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -50,7 +58,7 @@ mod bare {
 
     /// What firmware in single precision uses, for a design that the compiler works out.
     fn single() {
-        every_scene(&monitored::BEARING);
+        every_scene(&BEARING);
         monitor();
     }
 
@@ -72,46 +80,96 @@ mod bare {
         black_box(numbers[black_box(3)] * 3.0);
     }
 
-    fn every_scene<T: Real, const N: usize>(bearing: &Bearing<T, N>) {
-        scene::<T, N, Static>(bearing);
-        scene::<T, N, Full<RacewayControlFree>>(bearing);
-        scene::<T, N, Full<OuterRaceControl>>(bearing);
-        scene::<T, N, Full<InnerRaceControl>>(bearing);
+    fn every_scene<T: Real, const N: usize>(bearing: &Bearing<T, N>)
+    where
+        [T; 3]: RingVector,
+        [T; 5]: RingVector,
+    {
+        motion::<T, N, Static>(bearing);
+        motion::<T, N, Centrifugal>(bearing);
+        motion::<T, N, Full<RacewayControlFree>>(bearing);
+        motion::<T, N, Full<OuterRaceControl>>(bearing);
+        motion::<T, N, Full<InnerRaceControl>>(bearing);
     }
 
-    fn scene<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>) {
-        let mut solver = Solver::<T, N, M>::new(bearing);
+    fn motion<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>)
+    where
+        [T; 3]: RingVector,
+        [T; 5]: RingVector,
+    {
+        ring::<T, N, M, 5>(bearing);
+        ring::<T, N, M, 3>(bearing);
+        axial::<T, N, M>(bearing);
+    }
+
+    fn ring<T: Real, const N: usize, M: Motion, const D: usize>(bearing: &Bearing<T, N>)
+    where
+        [T; D]: RingVector,
+    {
+        let mut solver = Solver::<T, N, M, D>::of(bearing);
         while black_box(true) {
-            let (load, speed) = black_box(([T::ONE; 5], T::ONE));
+            let (load, speed) = black_box(([T::ONE; D], Speed::rad_per_s(T::ONE)));
             let settings = black_box(Settings::default());
-            for given_load in [true, false] {
-                let solution = if given_load {
-                    solver.solve(load, speed, &settings)
-                } else {
-                    solver.law(load, speed, &settings)
-                };
-                match solution {
-                    Ok(solution) => {
-                        for (ball, force) in solution.balls().zip(solution.inner_forces()) {
-                            black_box((ball, force));
-                        }
-                        black_box(solution.exceedances(&Limits::default()).iter().count());
-                        black_box(solution);
+            let solution = if black_box(true) {
+                solver.solve(load, speed, &settings)
+            } else {
+                let given = black_box([Given::Displacement(T::ONE); D]);
+                solver.solve_at(&given, speed, &black_box(Growth::NONE), &settings)
+            };
+            match solution {
+                Ok(solution) => {
+                    for (ball, force) in solution.balls().zip(solution.inner_forces()) {
+                        black_box((ball, force));
                     }
-                    Err(status) => {
-                        black_box(status);
+                    for speed in solution.cage_speeds() {
+                        black_box(speed);
                     }
+                    black_box(solution.exceedances(&Limits::default()).iter().count());
+                    black_box(solution.extremes());
+                    black_box(solution.stiffness());
+                    black_box(solution.snapshot());
+                    black_box(solution);
+                }
+                Err(status) => {
+                    black_box(status);
                 }
             }
             if black_box(true) {
-                solver.forget();
+                solver.reset();
+            }
+        }
+    }
+
+    fn axial<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>) {
+        let mut solver = AxialSolver::<T, N, M>::of(bearing);
+        while black_box(true) {
+            let (load, speed) = black_box((T::ONE, Speed::rad_per_s(T::ONE)));
+            let settings = black_box(Settings::default());
+            let solution = if black_box(true) {
+                solver.solve(load, speed, &settings)
+            } else {
+                let given = black_box(Given::Displacement(T::ONE));
+                solver.solve_at(given, speed, &black_box(Growth::NONE), &settings)
+            };
+            match solution {
+                Ok(solution) => {
+                    black_box(solution.ball());
+                    black_box(solution.stiffness());
+                    black_box(solution);
+                }
+                Err(status) => {
+                    black_box(status);
+                }
+            }
+            if black_box(true) {
+                solver.reset();
             }
         }
     }
 
     /// From bytes to an estimate.
     fn monitor() {
-        let mut solver = Solver::<f32, { monitored::BALLS }>::new(&monitored::BEARING);
+        let mut solver = Solver::new(&monitored::BEARING);
         let settings = black_box(Settings::default());
         let mut frames = FrameReader::<MESSAGE_LENGTH>::new();
         while black_box(true) {

@@ -23,12 +23,12 @@ extern crate stm32f4;
 mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
-    use probes::for_every_scene;
-    use spindle_bearing::{
-        All, Balls, Bearing, Centrifugal, Conditions, Design, Displacements, FreeContact,
-        FreedomSet, Freedoms, Full, InnerRaceControl, Loads, Material, Motion, OuterRaceControl,
-        Outputs, RigidPreload, Settings, Solver, Static, Status, Stiffness,
+    use probes::{
+        Answer, Axial, Balls, Displacement, Loads, Passed, Question, RigidPreload, Ring, Scene,
+        for_every_scene,
     };
+    use spindle_bearing::{Bearing, Centrifugal, Full, Static};
+    use spindle_bearing::{Design, FreeContact, InnerRaceControl, Material, OuterRaceControl};
 
     struct Choice<const I: usize>;
     trait Precision {
@@ -40,21 +40,15 @@ mod measured {
     impl Precision for Choice<1> {
         type T = f64;
     }
-    trait Scene {
-        type Motion: Motion;
-        type Freedoms: FreedomSet;
-        type Given: Conditions<Self::Freedoms>;
-        type Output: Outputs;
+    trait Chosen {
+        type Scene: Scene<T, BALLS>;
     }
 
     macro_rules! scenes {
-        ($($number:literal $name:literal: $motion:ty, $freedoms:literal, $given:ty, $output:ty;
+        ($($number:literal $name:literal: $scene:ty;
             $attitude:expr, $without:literal, $double:literal, $parts:tt;)*) => {
-            $(impl Scene for Choice<$number> {
-                type Motion = $motion;
-                type Freedoms = Freedoms<$freedoms>;
-                type Given = $given;
-                type Output = $output;
+            $(impl Chosen for Choice<$number> {
+                type Scene = $scene;
             })*
             const fn number(name: &[u8]) -> usize {
                 $(if same(name, $name.as_bytes()) {
@@ -65,24 +59,6 @@ mod measured {
         };
     }
     for_every_scene!(scenes);
-
-    /// The whole solver with states of balls, by what decides on their attitude.
-    macro_rules! with_balls {
-        ($($number:literal: $motion:ty;)*) => {
-            $(impl Scene for Choice<$number> {
-                type Motion = $motion;
-                type Freedoms = All;
-                type Given = Loads;
-                type Output = Balls;
-            })*
-        };
-    }
-    with_balls! {
-        100: Full;
-        101: Full<OuterRaceControl>;
-        102: Full<InnerRaceControl>;
-        103: Static;
-    }
 
     const fn same(a: &[u8], b: &[u8]) -> bool {
         let mut i = 0;
@@ -104,10 +80,7 @@ mod measured {
         _ => panic!("MEASURED_PRECISION is f32 or f64"),
     };
     const SCENE: usize = match text(option_env!("MEASURED_SCENE")) {
-        b"" | b"raceless" => 100,
-        b"outer" => 101,
-        b"inner" => 102,
-        b"static" => 103,
+        b"" => number(b"full"),
         name => number(name),
     };
     const BALLS: usize = match text(option_env!("MEASURED_BALLS")) {
@@ -120,15 +93,12 @@ mod measured {
     };
 
     type T = <Choice<PRECISION> as Precision>::T;
-    type Chosen = Choice<SCENE>;
-    type Set = <Chosen as Scene>::Freedoms;
-    type Given = <Chosen as Scene>::Given;
-    type Output = <Chosen as Scene>::Output;
-    type Measured = Solver<'static, T, BALLS, <Chosen as Scene>::Motion, Set, Given, Output>;
-    /// One value for each freedom.
-    type Vector = <Set as FreedomSet>::Vector<T>;
-    /// As many rows and columns as there are free freedoms; nothing if it is not put out.
-    type Matrix = <Output as Outputs>::Stiffness<<Given as Conditions<Set>>::Stiffness<T>>;
+    type Measured = <Choice<SCENE> as Chosen>::Scene;
+    type Vector = <Measured as Scene<T, BALLS>>::Vector;
+    type Matrix = <Measured as Scene<T, BALLS>>::Matrix;
+    type Solver = <Measured as Scene<T, BALLS>>::Solver<'static>;
+    type Asked = Question<T, Vector>;
+    type Told = Answer<T, Vector, Matrix>;
 
     /// What to build: ball and pitch diameter, groove factors, free contact angle, azimuth of the first
     /// ball; modulus, Poisson's ratio and density of the rings and of the balls.
@@ -136,40 +106,21 @@ mod measured {
     static mut MEASURED_DESIGN: [f64; 12] = [0.0; 12];
 
     /// What to solve.
-    #[derive(Clone, Copy)]
-    #[repr(C)]
-    struct Question {
-        values: Vector,
-        speed: T,
-        tolerance: T,
-        max_sweeps: u32,
-    }
     #[unsafe(no_mangle)]
-    static mut MEASURED_QUESTION: MaybeUninit<Question> = MaybeUninit::zeroed();
+    static mut MEASURED_QUESTION: MaybeUninit<Asked> = MaybeUninit::zeroed();
 
     /// What came of it.
-    #[derive(Clone, Copy)]
-    #[repr(C)]
-    struct Answer {
-        displacement: Vector,
-        stiffness: Matrix,
-        error: [T; 3],
-        /// 0 if there is no answer, else 1, 2, 3: converged, precision limit, sweep limit.
-        status: u32,
-        sweeps: u32,
-        repeats: u32,
-    }
     #[unsafe(no_mangle)]
-    static mut MEASURED_ANSWER: MaybeUninit<Answer> = MaybeUninit::zeroed();
+    static mut MEASURED_ANSWER: MaybeUninit<Told> = MaybeUninit::zeroed();
     /// For an answer to no question.
     #[unsafe(no_mangle)]
-    static mut MEASURED_BLANK: MaybeUninit<Answer> = MaybeUninit::zeroed();
+    static mut MEASURED_BLANK: MaybeUninit<Told> = MaybeUninit::zeroed();
 
     /// Bytes of a solver, of the bearing that it borrows, of a number, and of the answer's displacement
     /// and stiffness.
     #[unsafe(no_mangle)]
     static MEASURED_SIZES: [u32; 5] = [
-        size_of::<Measured>() as u32,
+        size_of::<Solver>() as u32,
         size_of::<Bearing<T, BALLS>>() as u32,
         size_of::<T>() as u32,
         size_of::<Vector>() as u32,
@@ -177,7 +128,7 @@ mod measured {
     ];
 
     static mut BEARING: MaybeUninit<Bearing<T, BALLS>> = MaybeUninit::uninit();
-    static mut SOLVER: MaybeUninit<Measured> = MaybeUninit::uninit();
+    static mut SOLVER: MaybeUninit<Solver> = MaybeUninit::uninit();
 
     /// Builds the bearing and a cold solver; 1 if the design is in order.
     ///
@@ -206,14 +157,14 @@ mod measured {
                 ring: material(&d[6..9]),
                 ball: material(&d[9..12]),
             };
-            let Ok(bearing) = Bearing::<T, BALLS>::build(&design) else {
+            let Ok(bearing) = Bearing::<T, BALLS>::new(&design) else {
                 return 0;
             };
             let built = (&raw mut BEARING).cast::<Bearing<T, BALLS>>();
             built.write(bearing);
             (&raw mut SOLVER)
-                .cast::<Measured>()
-                .write(Solver::new(&*built));
+                .cast::<Solver>()
+                .write(Measured::solver(&*built));
             1
         }
     }
@@ -224,9 +175,9 @@ mod measured {
     ///
     /// As for [`measured_build`].
     #[unsafe(no_mangle)]
-    unsafe extern "C" fn measured_forget() {
+    unsafe extern "C" fn measured_reset() {
         // SAFETY: the solver was built.
-        unsafe { &mut *(&raw mut SOLVER).cast::<Measured>() }.forget();
+        Measured::reset(unsafe { &mut *(&raw mut SOLVER).cast::<Solver>() });
     }
 
     /// Solves.
@@ -238,29 +189,11 @@ mod measured {
     unsafe extern "C" fn measured_solve() {
         // SAFETY: the solver was built, and every bit pattern is a question.
         unsafe {
-            let solver = &mut *(&raw mut SOLVER).cast::<Measured>();
+            // Firmware may have it anywhere: where it is known to lie, its address is spelled out in every function.
+            let solver = &mut *black_box((&raw mut SOLVER).cast::<Solver>());
             let question = (&raw const MEASURED_QUESTION).read_volatile().assume_init();
-            let settings = Settings {
-                tolerance: question.tolerance,
-                max_sweeps: question.max_sweeps as u16,
-            };
-            let answer = match solver.solve(question.values, question.speed, &settings) {
-                Ok(solution) => Answer {
-                    displacement: solution.displacement,
-                    stiffness: solution.stiffness,
-                    error: [
-                        solution.error.displacement,
-                        solution.error.force,
-                        solution.error.stiffness,
-                    ],
-                    status: match solution.status {
-                        Status::Converged => 1,
-                        Status::PrecisionLimit => 2,
-                        _ => 3,
-                    },
-                    sweeps: u32::from(solution.sweeps),
-                    repeats: u32::from(solution.repeats),
-                },
+            let answer = match Measured::solve(solver, &question) {
+                Ok(answer) => answer,
                 Err(_) => {
                     let mut none = (&raw const MEASURED_BLANK).read_volatile().assume_init();
                     none.status = 0;
@@ -282,7 +215,7 @@ mod measured {
         // SAFETY: the question is there, and nobody looks into this answer.
         unsafe {
             let _ = (&raw const MEASURED_QUESTION).read_volatile();
-            let answer = black_box(MaybeUninit::<Answer>::uninit());
+            let answer = black_box(MaybeUninit::<Told>::uninit());
             (&raw mut MEASURED_ANSWER).write_volatile(answer);
         }
     }
@@ -303,7 +236,7 @@ mod measured {
         loop {
             // Takes their addresses, so that the linker keeps them, each a function by itself.
             let entries: [unsafe extern "C" fn(); 3] =
-                [measured_nothing, measured_solve, measured_forget];
+                [measured_nothing, measured_solve, measured_reset];
             black_box(entries);
             black_box(measured_build as unsafe extern "C" fn() -> u32);
             black_box(&raw const MEASURED_SIZES);

@@ -64,9 +64,9 @@ mod measured {
     };
     pub type Precision = <Choice<PRECISION> as Board>::T;
     pub const CORE_HZ: u32 = <Choice<PRECISION> as Board>::CORE_HZ;
-    /// One sweep more than the firmware allows: what that takes decides whether it fits. A period is 1 ms.
+    /// One iteration more than the firmware allows: what that takes decides whether it fits. A period is 1 ms.
     pub const COST: CycleCost =
-        <Choice<PRECISION> as Board>::COST.with_a_sweep_more(CORE_HZ / 1000);
+        <Choice<PRECISION> as Board>::COST.with_an_iteration_more(CORE_HZ / 1000);
 
     /// Bytes that come in before a tick, at most.
     const INPUT: usize = 1024;
@@ -78,7 +78,7 @@ mod measured {
     #[unsafe(no_mangle)]
     static mut MEASURED_OUTPUT: [u8; OUTPUT] = [0; OUTPUT];
     /// Bytes that come in, and bytes that the link takes; then what came of it: bytes that went out, and
-    /// sweeps over the balls.
+    /// iterations.
     #[unsafe(no_mangle)]
     static mut MEASURED_TICK: [u32; 4] = [0; 4];
 
@@ -142,7 +142,7 @@ mod measured {
             *to = byte;
             sent += 1;
         }
-        *black_box(tick) = [length, room, sent, outcome.sweeps.into()];
+        *black_box(tick) = [length, room, sent, outcome.iterations.into()];
     }
 
     #[panic_handler]

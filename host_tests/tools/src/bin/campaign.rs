@@ -34,12 +34,22 @@ struct Args {
     /// Has the reference build look into every refusal
     #[arg(long, conflicts_with = "searches")]
     judge_all: bool,
+    /// Every so many-th case is followed from rest to its speed, to tell which equilibrium its answer is
+    #[arg(long, value_name = "N", default_value_t = Plan::FOLLOWED, value_parser = followed)]
+    followed: usize,
     /// Writes docs/campaign.md
     #[arg(long)]
     write: bool,
     /// Writes a row for every solve that is worth a look
     #[arg(long, value_name = "FILE.csv")]
     list_failures: Option<PathBuf>,
+}
+
+/// Which cases are followed.
+fn followed(text: &str) -> Result<usize, String> {
+    text.parse::<std::num::NonZeroUsize>()
+        .map(usize::from)
+        .map_err(|e| e.to_string())
 }
 
 fn main() -> anyhow::Result<()> {
@@ -63,6 +73,7 @@ fn main() -> anyhow::Result<()> {
             args.family.clone()
         },
         searches: (!args.judge_all).then_some(args.searches),
+        followed: args.followed,
     };
     // They are counted; a message each would tear the bar.
     std::panic::set_hook(Box::new(|_| {}));
@@ -77,8 +88,8 @@ fn main() -> anyhow::Result<()> {
             .searches
             .map_or("--judge-all".to_owned(), |n| format!("--searches {n}"));
         let first = format!(
-            "<!-- Made by `cargo campaign --cases {} --seed {} {searches} --write`. -->\n\n",
-            args.cases, args.seed
+            "<!-- Made by `cargo campaign --cases {} --seed {} {searches} --followed {} --write`. -->\n\n",
+            args.cases, args.seed, args.followed
         );
         std::fs::write(PAGE, first + &page).with_context(|| format!("cannot write {PAGE}"))?;
     }

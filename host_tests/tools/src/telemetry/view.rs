@@ -98,9 +98,9 @@ fn header(state: &State) -> Paragraph<'_> {
                 "   {rpm:6.0} rpm   F = {fx:.0}, {fy:.0}, {fz:.0} N   M = {my:.2}, {mz:.2} N m"
             )));
             second.push(Span::raw(format!(
-                " estimate {} after {} sweeps, good to {:.0e}",
+                " estimate {} after {} iterations, good to {:.0e}",
                 report.status.name(),
-                report.sweeps,
+                report.iterations,
                 report.error[2]
             )));
             if report.age > 0 {

@@ -11,7 +11,7 @@ use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
 use tools::replay::run;
 
-const RESULT_HEADER: &str = "time_s,status,sweeps,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
+const RESULT_HEADER: &str = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
     k_x_x,k_x_y,k_x_z,k_x_ty,k_x_tz,k_y_x,k_y_y,k_y_z,k_y_ty,k_y_tz,k_z_x,k_z_y,k_z_z,k_z_ty,k_z_tz,\
     k_ty_x,k_ty_y,k_ty_z,k_ty_ty,k_ty_tz,k_tz_x,k_tz_y,k_tz_z,k_tz_ty,k_tz_tz,limits";
 
@@ -81,7 +81,7 @@ fn results_hold_the_bits_that_the_solver_gave() {
                 let figures = answer.figures.unwrap();
                 assert_eq!(line[0].parse::<f64>().unwrap(), row.time_s);
                 assert_eq!(line[1], answer.status);
-                assert_eq!(line[2].parse::<u16>().unwrap(), figures.sweeps);
+                assert_eq!(line[2].parse::<u16>().unwrap(), figures.iterations);
                 let expected = figures
                     .displacement
                     .iter()
@@ -219,8 +219,8 @@ fn cold_rows_are_those_of_fresh_solvers() {
 }
 
 #[test]
-fn warm_rows_take_fewer_sweeps_than_cold_ones() {
-    let sweeps = |extra: &[&str]| -> u32 {
+fn warm_rows_take_fewer_iterations_than_cold_ones() {
+    let iterations = |extra: &[&str]| -> u32 {
         let bearing = shipped("b7005c");
         let args = [&[bearing.as_str(), RECORD], extra].concat();
         let (status, out, err) = replayed(&args, "");
@@ -230,7 +230,7 @@ fn warm_rows_take_fewer_sweeps_than_cold_ones() {
             .map(|line| fields(line)[2].parse::<u32>().unwrap())
             .sum()
     };
-    assert!(sweeps(&[]) < sweeps(&["--cold"]));
+    assert!(iterations(&[]) < iterations(&["--cold"]));
 }
 
 #[test]

@@ -12,6 +12,7 @@ use probes::for_every_scene;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
+use tools::CORE;
 use tools::graph::Reach;
 
 /// Something that a scene may leave out.
@@ -25,114 +26,97 @@ enum Part {
     RaceControl,
     /// The rule without race control.
     RacewayControlFree,
-    /// Balls at rest that are more than one.
-    Rest,
-    /// Linearised balls, their laws, sums and elimination.
+    /// The loop of the ring, and the sums of its balls.
     Iteration,
-    /// A ball in closed form.
-    ClosedForm,
     /// Radial displacements.
     Radial,
     /// Tilts.
     Tilts,
-    /// Displacements that are given.
-    Held,
-    /// Stiffness put out.
+    /// Stiffness asked for.
     Stiffness,
-    /// States of balls put out.
+    /// States of balls asked for.
     Balls,
+    /// Limits asked for.
+    Limits,
     /// How constants come from a design.
     Design,
 }
 
 impl Part {
-    const ALL: [Self; 13] = [
+    const ALL: [Self; 11] = [
         Self::Speed,
         Self::Friction,
         Self::RaceControl,
         Self::RacewayControlFree,
-        Self::Rest,
         Self::Iteration,
-        Self::ClosedForm,
         Self::Radial,
         Self::Tilts,
-        Self::Held,
         Self::Stiffness,
         Self::Balls,
+        Self::Limits,
         Self::Design,
     ];
 
-    /// Parts of the names of its functions and constants.
+    /// Modules of the solver's core that it is in.
+    fn modules(self) -> &'static [&'static str] {
+        match self {
+            Self::Speed => &["ball::", "kinematics::", "place::", "solver::fallback::"],
+            Self::Iteration => &["ring::", "solver::newton::"],
+            _ => &[],
+        }
+    }
+
+    /// Parts of the names of its functions elsewhere.
     fn names(self) -> &'static [&'static str] {
         match self {
-            Self::Speed => &[
-                "spindle_bearing::kinematics::",
-                "spindle_bearing::ball::Ball<",
-                "spindle_bearing::turning::place",
-                "spindle_bearing::turning::free_ball",
-                "spindle_bearing::turning::Turning",
-                "spindle_bearing::solver::speed::",
-                "spindle_bearing::spring::",
-                "spindle_bearing::contact::Lead<",
-                "::unseated",
-                "atan",
-            ],
-            Self::Friction | Self::Radial | Self::Tilts => &[],
-            Self::RaceControl => &["OuterRaceControl", "InnerRaceControl"],
+            Self::Speed => &["atan"],
+            Self::RaceControl => &["OuterRaceControl as", "InnerRaceControl as"],
             Self::RacewayControlFree => &["RacewayControlFree as"],
-            Self::Rest => &["spindle_bearing::solver::rest::"],
-            Self::Iteration => &[
-                "spindle_bearing::solver::iteration::Iteration<",
-                "spindle_bearing::ring::Sums<",
-                "spindle_bearing::ring::TangentSums<",
-                "spindle_bearing::ring::Factors<",
-                "spindle_bearing::spring::",
-                "::linearise",
-                "::rebase",
-            ],
-            Self::ClosedForm => &["::balance"],
-            Self::Held => &[
-                "spindle_bearing::conditions::hold",
-                "spindle_bearing::conditions::constrain",
-                "spindle_bearing::conditions::missing",
-            ],
-            Self::Stiffness => &["spindle_bearing::ring::stiffness_out"],
-            Self::Balls => &[
-                "spindle_bearing::solver::solution::Solution<T,_,_,M,spindle_bearing::freedoms::Freedoms<_>,B,O>::",
-                "spindle_bearing::limits::",
-            ],
+            Self::Stiffness => &[">::stiffness"],
+            Self::Balls => &[">::balls"],
+            Self::Limits => &["spindle_bearing::limits::"],
             Self::Design => &[
                 "spindle_bearing::hertz::",
                 "spindle_bearing::elementary::",
                 "spindle_bearing::design::",
-                "spindle_bearing::constants::in_double",
             ],
+            _ => &[],
         }
+    }
+
+    /// Whether a function, or a constant, of this name belongs to it.
+    fn has(self, function: &str) -> bool {
+        self.names().iter().any(|name| function.contains(name))
+            || function.match_indices(CORE).any(|(at, _)| {
+                let path = &function[at + CORE.len()..];
+                self.modules().iter().any(|module| path.starts_with(module))
+            })
     }
 
     /// The conditions of the blocks that it is in.
     fn guards(self) -> &'static [&'static str] {
         match self {
             Self::Speed => &["M::AT_SPEED"],
-            Self::Friction => &["A::FRICTION"],
+            Self::Friction => &["R::FRICTION"],
             Self::Radial => &["D >= 3"],
             Self::Tilts => &["D == 5"],
-            Self::Held => &["B::HOLDS", "B::HELD["],
-            Self::Stiffness => &["O::STIFFNESS"],
-            Self::ClosedForm => &["D == 1 &&"],
             _ => &[],
         }
     }
 }
 
 macro_rules! left_out {
-    ($($number:literal $name:literal: $motion:ty, $freedoms:literal, $given:ty, $output:ty;
+    ($($number:literal $name:literal: $scene:ty;
         $attitude:expr, $without:literal, $double:literal, [$($part:ident),*];)*) => {
-        /// The scenes, and what each leaves out besides states of balls and designs, which all do.
+        /// The scenes, and what each leaves out besides designs, which all do.
         const SCENES: &[(&str, &[Part])] = &[$(($name, &[$(Part::$part),*])),*];
     };
 }
 for_every_scene!(left_out);
+
+/// Functions that the pass over the balls has with all freedoms, however many the ring has: one pass serves starts and
+/// solves alike.
+const SHARED: [&str; 1] = ["shift"];
 
 /// Source lines of the solver that stand behind a condition, by file under `src`.
 struct Guarded {
@@ -169,10 +153,15 @@ impl Guarded {
         let lines: Vec<&str> = text.lines().collect();
         let indent = |line: &str| line.len() - line.trim_start().len();
         let mut found = Vec::new();
+        let mut function = "";
         for (i, line) in lines.iter().enumerate() {
+            if let Some((_, name)) = line.split_once("fn ") {
+                let end = name.find(|c: char| !c.is_alphanumeric() && c != '_');
+                function = &name[..end.unwrap_or(name.len())];
+            }
             let opens = line.trim_end().ends_with('{');
             let is_if = line.trim_start().starts_with("if ") || line.contains("= if ");
-            if !(opens && is_if) {
+            if !(opens && is_if) || SHARED.contains(&function) {
                 continue;
             }
             let rest = lines[i + 1..].iter();
@@ -251,10 +240,7 @@ impl Origins {
 
     /// Where a part is in the program, if it is.
     fn find(&self, part: Part, guarded: &Guarded) -> Option<String> {
-        let function = self
-            .functions
-            .iter()
-            .find(|function| part.names().iter().any(|name| function.contains(name)));
+        let function = self.functions.iter().find(|function| part.has(function));
         if let Some(function) = function {
             return Some(format!("there is `{function}`"));
         }
@@ -266,6 +252,9 @@ impl Origins {
         })
     }
 }
+
+/// Where memory begins that is not flash.
+const RAM: u64 = 0x2000_0000;
 
 fn is_solver(name: &str) -> bool {
     name == "measured_solve"
@@ -289,7 +278,7 @@ pub fn check(root: &Path) -> Result<()> {
             bail!("this check is blind: {scene} has no debug information");
         }
         for part in Part::ALL {
-            let left_out = without.contains(&part) || matches!(part, Part::Balls | Part::Design);
+            let left_out = without.contains(&part) || part == Part::Design;
             match origins.find(part, &guarded) {
                 Some(place) if left_out => {
                     bail!("{scene} leaves out {part:?}, and yet {place}")
@@ -300,7 +289,8 @@ pub fn check(root: &Path) -> Result<()> {
                 None => {}
             }
         }
-        let flash: u64 = reach.symbols().map(|(_, size, _)| size).sum();
+        let in_flash = reach.symbols().filter(|(at, ..)| *at < RAM);
+        let flash: u64 = in_flash.map(|(_, size, _)| size).sum();
         println!(
             "{scene}: {flash} bytes of flash, nothing of {}",
             without
@@ -313,10 +303,8 @@ pub fn check(root: &Path) -> Result<()> {
     // A firmware that asks for everything.
     let whole = crate::build_bare(root, crate::SOLVER, Some("double"), true)?;
     let whole = Origins::reached(&whole, whole.reach_from_main())?;
-    for part in [Part::Balls, Part::Design] {
-        if whole.find(part, &guarded).is_some() {
-            seen.insert(part);
-        }
+    if whole.find(Part::Design, &guarded).is_some() {
+        seen.insert(Part::Design);
     }
     for part in Part::ALL {
         if !seen.contains(&part) {
@@ -345,11 +333,18 @@ mod tests {
     }
 
     #[test]
+    fn what_is_shared_is_not_guarded() {
+        let text = "fn shift<T>(\n) {\n    if D == 5 {\n        a();\n    }\n}\n";
+        assert!(Guarded::blocks(text).is_empty());
+        assert!(!Guarded::blocks(&text.replace("shift", "other")).is_empty());
+    }
+
+    #[test]
     fn a_negated_condition_guards_the_opposite() {
-        let text = "    if !B::HOLDS {\n        a();\n    }\n";
+        let text = "    if !M::AT_SPEED {\n        a();\n    }\n";
         let guarded = Guarded {
             blocks: [("f.rs".to_owned(), Guarded::blocks(text))].into(),
         };
-        assert!(guarded.guard(Part::Held, "f.rs", 2).is_none());
+        assert!(guarded.guard(Part::Speed, "f.rs", 2).is_none());
     }
 }

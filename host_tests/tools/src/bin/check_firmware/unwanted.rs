@@ -171,7 +171,7 @@ mod tests {
             "__aeabi_uidiv",
             "__addsf3",
             "compiler_builtins::mem::memcpy",
-            "spindle_bearing::solver::iteration::Iteration<T,M>::run",
+            "spindle_bearing::a::b::State<T,_>::newton",
             "spindle_bearing::record::round",
             "__defmt_default_timestamp",
         ] {

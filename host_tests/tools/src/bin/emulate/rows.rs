@@ -6,7 +6,7 @@ use spindle_bearing::monitor::telemetry::EstimateReport;
 const DIRECTIONS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
 
 /// Heads of the columns, names over units.
-pub const HEADER: &str = "    time   speed      Kx      Ky      Kz     Kty     Ktz   coupling of     Q least Q largest sweeps age\n\
+pub const HEADER: &str = "    time   speed      Kx      Ky      Kz     Kty     Ktz   coupling of     Q least Q largest  iter. age\n\
     \x20      s     rpm    N/um    N/um    N/um kNm/rad kNm/rad         SI              N         N            status, limits passed, doubts";
 
 /// The row under them.
@@ -39,7 +39,7 @@ pub fn row(time_us: u64, report: &EstimateReport) -> String {
         report.coupling,
         report.least_force,
         report.largest_force,
-        report.sweeps,
+        report.iterations,
         report.age,
         report.status.name(),
     )

@@ -17,8 +17,8 @@ pub struct Question {
     pub omega: f64,
     /// Tolerance of the stiffness.
     pub tolerance: f64,
-    /// Most sweeps.
-    pub max_sweeps: u32,
+    /// Most iterations.
+    pub max_iterations: u32,
 }
 
 /// What the solver answered, widened.
@@ -26,16 +26,14 @@ pub struct Question {
 pub struct Answer {
     /// Displacement, m and rad; 0 of freedoms that the scene has not.
     pub displacement: [f64; 5],
-    /// Stiffness, SI; 0 beyond that of the free freedoms.
+    /// Stiffness, SI; 0 beyond that of the scene's freedoms.
     pub stiffness: [[f64; 5]; 5],
     /// The solver's own estimates of its errors.
     pub error: [f64; 3],
     /// There is one, and it is within the tolerance or as good as the precision allows.
     pub solved: bool,
-    /// Sweeps over the balls; 0 if there is no answer.
-    pub sweeps: u32,
-    /// Ball passes beyond one a ball and sweep.
-    pub repeats: u32,
+    /// Iterations; 0 if there is no answer.
+    pub iterations: u32,
 }
 
 /// A solve, counted.
@@ -145,14 +143,14 @@ impl Bench {
     }
 
     /// Makes the next solve a cold one.
-    pub fn forget(&mut self) -> Result<()> {
-        self.call("measured_forget").map(drop)
+    pub fn reset(&mut self) -> Result<()> {
+        self.call("measured_reset").map(drop)
     }
 
     fn ask(&mut self, question: &Question) -> Result<()> {
         let mut bytes = self.bytes(&question.load[..self.shape[1]]);
         bytes.extend(self.bytes(&[question.omega, question.tolerance]));
-        bytes.extend(question.max_sweeps.to_le_bytes());
+        bytes.extend(question.max_iterations.to_le_bytes());
         let at = self.image.symbol("MEASURED_QUESTION")?;
         self.machine.write(at, &bytes)
     }
@@ -177,7 +175,7 @@ impl Bench {
         let [size, freedoms, elements] = self.shape;
         let all = freedoms + elements + 3;
         let at = self.image.symbol("MEASURED_ANSWER")?;
-        let bytes = self.machine.read(at, all * size + 12)?;
+        let bytes = self.machine.read(at, all * size + 8)?;
         let numbers = self.numbers(&bytes[..all * size]);
         let (displacement, rest) = numbers.split_at(freedoms);
         let (stiffness, error) = rest.split_at(elements);
@@ -192,8 +190,7 @@ impl Bench {
             stiffness: square(stiffness),
             error: std::array::from_fn(|i| error[i]),
             solved: matches!(words[0], 1 | 2),
-            sweeps: if words[0] == 0 { 0 } else { words[1] },
-            repeats: words[2],
+            iterations: if words[0] == 0 { 0 } else { words[1] },
         })
     }
 

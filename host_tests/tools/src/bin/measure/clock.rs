@@ -1,17 +1,17 @@
 //! Times on this machine: the solver, the reference build and the study's scheme in one run, over the
 //! same cases.
 
-use crate::host::Truth;
+use crate::host::{Host, Truth};
 use crate::plan::{self, bar};
 use crate::rows::{Row, Rows};
 use crate::workload::Work;
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use host_tests::cases;
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::Attitude;
 use host_tests::reference;
 use host_tests::study::{self, StudySettings};
-use spindle_bearing::{Bearing, Real, Settings, Solver};
+use spindle_bearing::{Settings, Solver, Speed};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -45,21 +45,23 @@ fn seconds(mut call: impl FnMut()) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Seconds of a cold solve and of a warm one, and the sweeps of both; none if there is no answer.
-fn solver<T: Real>(work: &Work) -> Result<Option<[(f64, f64); 2]>> {
-    let bearing = Bearing::<T, BALLS>::build(&work.design)
-        .map_err(|e| anyhow!("the solver refuses a design of its own cases: {e}"))?;
-    let mut solver = Solver::<T, BALLS>::new(&bearing);
+/// Seconds of a cold solve and of a warm one, and the iterations of both; none if there is no answer.
+fn solver<T: Host>(work: &Work) -> Result<Option<[(f64, f64); 2]>> {
+    let bearing = T::built::<BALLS>(&work.design)?;
+    let mut solver = Solver::new(&bearing);
     let settings = Settings::default();
-    let [cold, warm] = [work.cold, work.warm].map(|(load, omega)| (load.map(T::of), T::of(omega)));
-    let mut ask = |(load, omega): ([T; 5], T), forget: bool| {
-        if forget {
-            solver.forget();
+    let [cold, warm] = [work.cold, work.warm]
+        .map(|(load, omega)| (load.map(T::of), Speed::rad_per_s(T::of(omega))));
+    let mut ask = |(load, speed): ([T; 5], Speed<T>), anew: bool| {
+        if anew {
+            solver.reset();
         }
-        let solution = solver.solve(black_box(load), black_box(omega), &settings);
-        black_box(solution).ok().map(|s| f64::from(s.sweeps))
+        let solution = solver.solve(black_box(load), black_box(speed), &settings);
+        let solution = black_box(solution).ok()?;
+        black_box(solution.stiffness());
+        Some(f64::from(solution.iterations))
     };
-    let (Some(cold_sweeps), Some(warm_sweeps)) = (ask(cold, true), ask(warm, false)) else {
+    let (Some(cold_count), Some(warm_count)) = (ask(cold, true), ask(warm, false)) else {
         return Ok(None);
     };
     let cold_time = seconds(|| {
@@ -70,7 +72,7 @@ fn solver<T: Real>(work: &Work) -> Result<Option<[(f64, f64); 2]>> {
         ask(cold, false);
         ask(warm, false);
     }) / 2.0;
-    Ok(Some([(cold_time, cold_sweeps), (warm_time, warm_sweeps)]))
+    Ok(Some([(cold_time, cold_count), (warm_time, warm_count)]))
 }
 
 /// What somebody needs for the cases.
@@ -80,6 +82,8 @@ struct Column {
     start: &'static str,
     times: Vec<f64>,
     ratios: Vec<f64>,
+    /// Time of the reference build over ours.
+    gains: Vec<f64>,
     passes: Vec<f64>,
     errors: Vec<f64>,
     failures: usize,
@@ -117,8 +121,8 @@ pub fn run(works: &[Work], truths: &[Truth]) -> Result<Rows> {
             columns[column].ratios.push(time / ours);
             columns[column].passes.push(passes);
         };
-        for (i, (time, sweeps)) in double.into_iter().chain(single).enumerate() {
-            note(i, time, sweeps);
+        for (i, (time, iterations)) in double.into_iter().chain(single).enumerate() {
+            note(i, time, iterations);
         }
         let reference = cases::reference(&work.design, BALLS);
         let rule: reference::Attitude = Attitude::Raceless.into();
@@ -128,6 +132,10 @@ pub fn run(works: &[Work], truths: &[Truth]) -> Result<Rows> {
                 let time = start.elapsed().as_secs_f64();
                 columns[4].times.push(time);
                 columns[4].ratios.push(time / ours);
+                for (column, (ours, _)) in columns.iter_mut().zip(double.into_iter().chain(single))
+                {
+                    column.gains.push(time / ours);
+                }
                 columns[4]
                     .errors
                     .push(stiffness_error(&solution.k, &truth.stiffness));
@@ -182,6 +190,7 @@ impl Column {
         };
         add("time", &self.times, "s");
         add("time over f64 cold", &self.ratios, "1");
+        add("time of the reference build", &self.gains, "1");
         add("passes a ball", &self.passes, "1");
         add("stiffness error", &self.errors, "1");
         rows.push(self.row("answers", "value", self.times.len() as f64, "1"));

@@ -2,7 +2,7 @@
 
 use crate::host::Limit;
 use crate::image::name;
-use crate::plan::{BALLS, BUDGETS, CORES, USUAL};
+use crate::plan::{BALLS, CORES, TOLERANCES, USUAL};
 use crate::profile::Part;
 use crate::rows::{At, Rows, Start};
 use anyhow::{Context, Result};
@@ -64,7 +64,7 @@ pub fn draw(folder: &Path, rows: &Rows) -> Result<()> {
         curves(&path, chart).with_context(|| format!("cannot draw {}", path.display()))
     };
     chart("report_pareto.svg", &pareto(rows))?;
-    chart("report_sweeps.svg", &sweeps(rows))?;
+    chart("report_tolerance.svg", &tolerances(rows))?;
     chart("report_balls.svg", &balls(rows))?;
     let bar = |file: &str, title: &str, unit: &str, bars: &[Bar]| {
         let path = folder.join(file);
@@ -73,21 +73,26 @@ pub fn draw(folder: &Path, rows: &Rows) -> Result<()> {
     bar(
         "report_study.svg",
         "The study's fixed-step scheme beside ours: ball passes of a cold solve",
-        "passes over a ball (linearisations); bar: median, line: to the 99th percentile",
+        "passes over a ball (iterations of ours); bar: median, line: to the 99th percentile",
         &study(rows),
     )?;
     let path = folder.join("report_breakdown.svg");
     breakdown(&path, rows).with_context(|| format!("cannot draw {}", path.display()))
 }
 
-/// Stiffness error over cycles, a point for every limit of sweeps.
+/// Tolerances, the largest first, and the default one.
+fn limits() -> impl Iterator<Item = Limit> {
+    let tolerances = TOLERANCES.iter().map(|t| Limit::Tolerance(*t));
+    tolerances.chain([Limit::Default])
+}
+
+/// Stiffness error over cycles, a point for every tolerance.
 fn pareto(rows: &Rows) -> Chart<'static> {
     let mut curves = Vec::new();
     for (i, (core, precision)) in CORES.into_iter().enumerate() {
         for (stat, thin) in [("99 %", true), ("median", false)] {
-            let points = BUDGETS.iter().filter_map(|most| {
-                let limit = Limit::Sweeps(*most);
-                let at = |core| at(core, precision, 16, Start::Cold);
+            let points = limits().filter_map(|limit| {
+                let at = |core| at(core, precision, 16, Start::Warm);
                 let cycles = rows.get(&at(Some(core)), &limit.metric("cycles"), "median");
                 let error = rows.get(&at(None), &limit.metric("stiffness error"), stat);
                 (cycles > 0.0 && error > 0.0).then_some((cycles, error))
@@ -101,27 +106,26 @@ fn pareto(rows: &Rows) -> Chart<'static> {
         }
     }
     Chart {
-        title: "Error of the stiffness over cycles: cold solves of 16 balls, at most 1 to 10 sweeps",
-        x: "cycles of a solve, median (modelled)",
+        title: "Error of the stiffness over cycles: warm ticks of 16 balls at tolerances from 1e-1 down",
+        x: "cycles of a tick, median (modelled)",
         y: "error of the stiffness, of its diagonal",
         x_is_log: true,
         curves,
     }
 }
 
-/// Errors over the largest number of sweeps.
-fn sweeps(rows: &Rows) -> Chart<'static> {
+/// Errors over the tolerance.
+fn tolerances(rows: &Rows) -> Chart<'static> {
     let mut curves = Vec::new();
     let mut colours = COLOURS.iter();
     for precision in [Precision::F32, Precision::F64] {
         for what in ["displacement", "force", "stiffness"] {
             let colour = *colours.next().unwrap_or(&INK);
             for (stat, thin) in [("99 %", true), ("median", false)] {
-                let points = BUDGETS.iter().filter_map(|most| {
-                    let at = at(None, precision, 16, Start::Cold);
-                    let metric = Limit::Sweeps(*most).metric(&format!("{what} error"));
-                    let error = rows.get(&at, &metric, stat);
-                    (error > 0.0).then_some((f64::from(*most), error))
+                let points = limits().filter_map(|limit| {
+                    let at = at(None, precision, 16, Start::Warm);
+                    let error = rows.get(&at, &limit.metric(&format!("{what} error")), stat);
+                    (error > 0.0).then_some((limit.settings(precision).0, error))
                 });
                 curves.push(Curve {
                     label: format!("{what}, {}", name(precision)),
@@ -133,10 +137,10 @@ fn sweeps(rows: &Rows) -> Chart<'static> {
         }
     }
     Chart {
-        title: "Errors over sweeps: cold solves of 16 balls",
-        x: "sweeps at most",
+        title: "Errors over tolerance: warm ticks of 16 balls",
+        x: "tolerance of the stiffness",
         y: "relative error",
-        x_is_log: false,
+        x_is_log: true,
         curves,
     }
 }

@@ -4,10 +4,11 @@ use crate::bench::Bench;
 use crate::host::Limit;
 use crate::image::{Image, Motion, name};
 use crate::memory::Memory;
+use crate::milling::{self, Ticks};
 use crate::plan::{OTHERS, USUAL, bar};
 use crate::scenes;
 use crate::ticks;
-use crate::workload::{self, EVERYDAY_BALLS, Work};
+use crate::workload::{self, EVERYDAY_BALLS, State, Work};
 use anyhow::{Context, Result, bail};
 use host_tests::dispatch::Precision;
 use std::path::Path;
@@ -19,8 +20,11 @@ const LEEWAY: f64 = 0.02;
 /// Mixed cases whose instructions are summed up, besides the everyday one.
 const CASES: u64 = 12;
 
-/// Scenes whose figures were promised, but for those that are measured anyway.
-const SCENES: [&str; 2] = ["axial-static", "translations-full"];
+/// Ticks of the milling cycle whose instructions are summed up, and the second of it where they begin.
+const MILLING: (usize, usize) = (11, 200);
+
+/// Scenes besides those that are measured anyway.
+const SCENES: [&str; 3] = ["axial-static", "axial-full", "translations-full"];
 
 fn measure(root: &Path) -> Result<Figures> {
     let mut programs = vec![
@@ -42,12 +46,9 @@ fn measure(root: &Path) -> Result<Figures> {
         let works = (0..CASES).map(|seed| Work::mixed(seed, EVERYDAY_BALLS, turns));
         for (number, work) in [Work::everyday()].into_iter().chain(works).enumerate() {
             bench.bearing(&work.design)?;
-            let states = match scenes::scene(scene) {
-                Some(scene) => scene
-                    .states(&work, None)
-                    .context("a scene that needs a preload")?,
-                None => [work.cold, work.warm],
-            };
+            let states: [State; 2] = scenes::scene(scene)
+                .and_then(|scene| scene.states(&work, None))
+                .context("a scene that is not there, or needs a preload")?;
             for (i, state) in states.into_iter().enumerate() {
                 let question = workload::question(state, precision, Limit::Default);
                 let instructions = bench.solve(&question)?.instructions;
@@ -65,7 +66,18 @@ fn measure(root: &Path) -> Result<Figures> {
         for (start, sum) in ["cold", "warm"].into_iter().zip(mixed) {
             figures.insert(format!("{of}: instructions, {CASES} mixed, {start}"), sum);
         }
-        figures.insert(format!("{of}: flash"), Memory::of(&bench)?.flash());
+        if (core, precision, scene) == (milling::CORE, milling::PRECISION, USUAL.name()) {
+            let (from, count) = MILLING;
+            let states = workload::milling(from, count)?;
+            let ticks = Ticks::measure(&mut bench, None, &states, Limit::Default)?;
+            figures.insert(
+                format!("{of}: instructions, milling cycle, warm ticks of {count}"),
+                ticks.instructions,
+            );
+        }
+        let memory = Memory::of(&bench)?;
+        figures.insert(format!("{of}: flash"), memory.flash());
+        figures.insert(format!("{of}: state"), memory.state.into());
         progress.inc(1);
     }
     progress.finish_and_clear();

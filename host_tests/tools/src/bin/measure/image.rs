@@ -6,6 +6,7 @@ use object::{Object, ObjectSegment, ObjectSymbol};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use tools::cross::{Build, Origin};
+use tools::report::FULL;
 use tools::timing::Core;
 
 /// Which solver of the library.
@@ -18,10 +19,10 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// What the image's build calls it.
+    /// The name of its scene.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::AtSpeed(Attitude::Raceless) => "raceless",
+            Self::AtSpeed(Attitude::Raceless) => FULL,
             Self::AtSpeed(Attitude::Outer) => "outer",
             Self::AtSpeed(Attitude::Inner) => "inner",
             Self::Static => "static",

@@ -14,6 +14,7 @@ mod host;
 mod image;
 mod machine;
 mod memory;
+mod milling;
 mod page;
 mod plan;
 mod profile;
@@ -59,6 +60,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     let cases = arguments.cases as usize;
     let (mut rows, works, truths) = plan::run(root, cases)?;
     rows.append(scenes::run(root, &works)?);
+    rows.append(milling::run(root)?);
     rows.append(ticks::run(root)?);
     rows.append(clock::run(&works, &truths)?);
     if let Some(path) = &arguments.json {

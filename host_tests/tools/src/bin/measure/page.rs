@@ -2,14 +2,17 @@
 
 use crate::host::Limit;
 use crate::image::{Motion, name};
-use crate::plan::{BALLS, BUDGETS, CORES, OTHERS, TOLERANCES, USUAL};
+use crate::milling;
+use crate::plan::{BALLS, CORES, OTHERS, TOLERANCES, USUAL};
 use crate::profile::Part;
 use crate::rows::{At, Rows, Start};
-use crate::scenes::{self, SCENES, Scene, WHOLE};
+use crate::scenes::{self, SCENES, Scene};
 use crate::terminal::thousands;
 use crate::ticks;
 use host_tests::campaign::report::table;
 use host_tests::dispatch::Precision;
+use spindle_bearing::Real;
+use tools::report::FULL;
 use tools::timing::{Class, Core};
 
 const LABEL: &str = "modelled, +-15 %, no wait states";
@@ -67,7 +70,7 @@ pub fn main_table(rows: &Rows) -> String {
                 cycles(Start::Warm, "median"),
                 cycles(Start::Cold, "median"),
                 cycles(Start::Cold, "99 %"),
-                cell(rows.get(&at.from(Start::Cold), "cycles a sweep", "mean")),
+                cell(rows.get(&at.from(Start::Cold), "cycles an iteration", "mean")),
                 error(rows.get(&any, "stiffness error", "median")),
                 error(rows.get(&any, "stiffness error", "99 %")),
                 cell(rows.get(&at, "flash", "value")),
@@ -82,7 +85,7 @@ pub fn main_table(rows: &Rows) -> String {
             "warm tick",
             "cold",
             "cold, 99 %",
-            "a sweep",
+            "an iteration",
             "error of K",
             "99 %",
             "flash / B",
@@ -112,6 +115,7 @@ pub fn page(rows: &Rows, cases: usize) -> String {
          ![Error of the stiffness over cycles](report_pareto.svg)\n\n",
         main_table(rows)
     );
+    text += &costs(rows);
     text += &advice(rows);
     text += &errors(rows);
     text += &limits(rows);
@@ -183,8 +187,8 @@ fn errors(rows: &Rows) -> String {
                     both("stiffness error"),
                     format!(
                         "{} / {}",
-                        cell(rows.get(&at, "sweeps", "median")),
-                        cell(rows.get(&at, "sweeps", "99 %"))
+                        cell(rows.get(&at, "iterations", "median")),
+                        cell(rows.get(&at, "iterations", "99 %"))
                     ),
                     format!(
                         "{} of {}",
@@ -209,7 +213,7 @@ fn errors(rows: &Rows) -> String {
                 "displacement",
                 "forces",
                 "stiffness",
-                "sweeps",
+                "iterations",
                 "solved",
                 "other"
             ],
@@ -220,22 +224,21 @@ fn errors(rows: &Rows) -> String {
 
 fn limits(rows: &Rows) -> String {
     let mut text = String::from(
-        "## What a sweep less costs\n\n![Errors over sweeps](report_sweeps.svg)\n\n\
-         Error of the stiffness (median / 99th percentile) and cycles (median) of solves that are stopped \
-         after so many sweeps, or at a tolerance. 16 balls, raceway control free.\n\n",
+        "## What accuracy costs\n\n![Errors over tolerance](report_tolerance.svg)\n\n\
+         Error of the stiffness (median / 99th percentile) and cycles (median) at a tolerance. 16 balls, \
+         raceway control free.\n\n",
     );
     for start in Start::ALL {
         let mut lines = Vec::new();
-        let limits = BUDGETS
-            .iter()
-            .map(|most| Limit::Sweeps(*most))
-            .chain(TOLERANCES.iter().map(|t| Limit::Tolerance(*t)));
-        for limit in limits {
+        let limits = TOLERANCES.iter().map(|t| Limit::Tolerance(*t));
+        for limit in limits.chain([Limit::Default]) {
             let mut line = vec![match limit {
-                Limit::Default => "default".to_owned(),
-                Limit::Sweeps(1) => "1 sweep".to_owned(),
-                Limit::Sweeps(most) => format!("{most} sweeps"),
-                Limit::Tolerance(t) => format!("tolerance {t:e}"),
+                Limit::Default => {
+                    let of = |precision| limit.settings(precision).0;
+                    let (f32, f64) = (of(Precision::F32), of(Precision::F64));
+                    format!("default, {f32:.0e} and {f64:.0e}")
+                }
+                Limit::Tolerance(t) => format!("{t:e}"),
             }];
             for precision in [Precision::F32, Precision::F64] {
                 let at = at_any(precision).from(start);
@@ -257,7 +260,7 @@ fn limits(rows: &Rows) -> String {
             if start == Start::Cold { "Cold" } else { "Warm" },
             table(
                 &[
-                    "limit",
+                    "tolerance",
                     "error, f32",
                     "error, f64",
                     "M4F, f32",
@@ -294,7 +297,10 @@ fn breakdown(rows: &Rows) -> String {
     let parts: Vec<_> = Part::ALL
         .iter()
         .map(|part| line(part.name(), &format!("cycles of {}", part.name())))
-        .chain([line("a sweep, all but start and rest", "cycles a sweep")])
+        .chain([line(
+            "an iteration, all but start and rest",
+            "cycles an iteration",
+        )])
         .collect();
     let classes: Vec<_> = Class::ALL
         .iter()
@@ -326,7 +332,7 @@ fn others(rows: &Rows) -> String {
             cycles(Start::Warm, "99 %"),
             cycles(Start::Cold, "median"),
             cycles(Start::Cold, "99 %"),
-            cell(rows.get(&at.from(Start::Cold), "cycles a sweep", "mean")),
+            cell(rows.get(&at.from(Start::Cold), "cycles an iteration", "mean")),
         ]);
     };
     for (core, precision) in CORES {
@@ -342,7 +348,7 @@ fn others(rows: &Rows) -> String {
         "## Ball counts, scenes, rules of attitude\n\n![Cycles over ball count](report_balls.svg)\n\n\
          Cycles, {LABEL}.\n\n{}\n",
         table(
-            &["solver", "warm", "99 %", "cold", "99 %", "a sweep"],
+            &["solver", "warm", "99 %", "cold", "99 %", "an iteration"],
             &lines
         )
     )
@@ -457,12 +463,13 @@ fn scenes(rows: &Rows) -> String {
     format!(
         "## Scenes\n\nA firmware with one scene alone has nothing of what the scene leaves out. {}, 16 balls; \
          cycles are medians, {LABEL}. All scenes solve the same mixed cases, less the loads for which they \
-         have no freedom, and at rest less the speed; `all-preloaded` is given the axial displacement that \
-         `{WHOLE}` finds for the cold case. The last column says how many were solved, warm and cold; only \
+         have no freedom, and at rest less the speed; `preloaded` is given the axial displacement that \
+         `{FULL}` finds for the cold case. `displacement` asks for no stiffness, `balls` and `limits` for the \
+         states of all balls or for the limits that are passed, besides. The last column says how many were solved, warm and cold; only \
          these count. Doubles, in software here, are measured of {} only, and of the first {} cases, to keep \
          the report short. Flash is code and constants that a solve reaches, without the call around it; \
          not the bearing's constants.\n\n{}\n\
-         ### What leaving out saves\n\nAgainst `{WHOLE}`, f32; less than nothing is a cost.\n\n{}\n\
+         ### What leaving out saves\n\nAgainst `{FULL}`, f32; less than nothing is a cost.\n\n{}\n\
          ### What was promised\n\nf32; cycles are medians.\n\n{}\n\
          ### Largest symbols\n\nBytes of flash, f32; inlined functions are part of who called them, \
          `Solver::solve` of `measured_solve`.\n\n{}\n",
@@ -488,12 +495,12 @@ fn scenes(rows: &Rows) -> String {
 }
 
 fn savings(rows: &Rows) -> String {
-    let Some(whole) = scenes::scene(WHOLE) else {
+    let Some(whole) = scenes::scene(FULL) else {
         return String::new();
     };
     let lines: Vec<Vec<String>> = SCENES
         .iter()
-        .filter(|scene| scene.name != WHOLE)
+        .filter(|scene| scene.name != FULL)
         .map(|scene| {
             let mut line = vec![scene.name.to_owned(), scene.without.to_owned()];
             for what in [FLASH, STATE, WARM, COLD] {
@@ -532,9 +539,9 @@ enum Most {
 const PROMISES: [(&str, Figure, Most); 7] = [
     ("axial-static", FLASH, Most::Of(1024.0)),
     ("axial-static", WARM, Most::Of(600.0)),
-    ("all-static", FLASH, Most::Of(4096.0)),
-    ("all-static", WARM, Most::Share(0.5)),
-    ("all-static", COLD, Most::Share(0.5)),
+    ("static", FLASH, Most::Of(4096.0)),
+    ("static", WARM, Most::Share(0.5)),
+    ("static", COLD, Most::Share(0.5)),
     ("translations-full", WARM, Most::Share(0.75)),
     ("translations-full", COLD, Most::Share(0.75)),
 ];
@@ -549,12 +556,12 @@ fn promises(rows: &Rows) -> String {
         .iter()
         .map(|(name, what, most)| {
             let value = get(name, *what);
-            let whole = get(WHOLE, *what);
+            let whole = get(FULL, *what);
             let (limit, told) = match most {
                 Most::Of(limit) => (*limit, cell(*limit)),
                 Most::Share(share) => {
                     let limit = share * whole;
-                    (limit, format!("{}: {} of `{WHOLE}`", cell(limit), share))
+                    (limit, format!("{}: {} of `{FULL}`", cell(limit), share))
                 }
             };
             vec![
@@ -608,6 +615,115 @@ fn short(symbol: &str) -> String {
         }
     }
     out
+}
+
+/// What the full scene takes on a Cortex-M4F in single precision, and what others make of it.
+fn costs(rows: &Rows) -> String {
+    let full = usual(Core::M4f, Precision::F32);
+    let warm = full.from(Start::Warm);
+    let cold = full.from(Start::Cold);
+    let rest = at(Some(Core::M4f), Precision::F32, Motion::Static, 16);
+    let rough = Limit::Tolerance(1e-3);
+    let of = |name: &str, what| {
+        scenes::scene(name).map_or(f64::NAN, |scene| {
+            of_scene(rows, scene, Precision::F32, what)
+        })
+    };
+    let mut lines: Vec<Vec<String>> = Vec::new();
+    let mut line = |what: &str, cycles: String, error_of_k: f64| {
+        lines.push(vec![what.to_owned(), cycles, error(error_of_k)]);
+    };
+    let k = |limit: Limit, start| {
+        let at = at_any(Precision::F32).from(start);
+        rows.get(&at, &limit.metric("stiffness error"), "99 %")
+    };
+    line(
+        "an iteration, warm",
+        cell(rows.get(&warm, "cycles an iteration", "mean")),
+        f64::NAN,
+    );
+    for limit in milling::LIMITS {
+        let figure = |what, stat| milling::figure(rows, limit, what, stat);
+        line(
+            &limit.metric("warm tick, milling cycle at 1 kHz"),
+            cell(figure("cycles", "median")),
+            figure("stiffness error", "99 %"),
+        );
+    }
+    for limit in [Limit::Default, rough] {
+        line(
+            &limit.metric("warm tick, mixed cases"),
+            cell(rows.get(&warm, &limit.metric("cycles"), "median")),
+            k(limit, Start::Warm),
+        );
+    }
+    line(
+        "cold solve, mixed cases",
+        cell(rows.get(&cold, "cycles", "median")),
+        k(Limit::Default, Start::Cold),
+    );
+    line(
+        "the same, 99 %",
+        cell(rows.get(&cold, "cycles", "99 %")),
+        f64::NAN,
+    );
+    for start in [Start::Warm, Start::Cold] {
+        let at = at_any(Precision::F32);
+        let error = At {
+            motion: Motion::Static,
+            ..at.from(start)
+        };
+        line(
+            &format!("at rest, {}", start.name()),
+            cell(rows.get(&rest.from(start), "cycles", "median")),
+            rows.get(&error, "stiffness error", "99 %"),
+        );
+    }
+    for (what, name) in [
+        ("outer race control", "outer"),
+        ("inner race control", "inner"),
+        ("centrifugal force alone", "centrifugal"),
+        ("without tilts", "translations-full"),
+        ("one ball for all", "axial-full"),
+        ("one ball for all, at rest", "axial-static"),
+    ] {
+        line(
+            &format!("warm tick, {what}"),
+            cell(of(name, WARM)),
+            f64::NAN,
+        );
+    }
+    let bytes: Vec<Vec<String>> = [
+        ("flash, full scene", of(FULL, FLASH)),
+        ("flash, at rest with all freedoms", of("static", FLASH)),
+        (
+            "flash, one ball for all, at rest",
+            of("axial-static", FLASH),
+        ),
+        ("state, full scene", rows.get(&full, "state", "value")),
+        (
+            "worst stack, full scene",
+            rows.get(&full, "worst stack", "value"),
+        ),
+        (
+            "state and worst stack, full scene",
+            rows.get(&full, "state", "value") + rows.get(&full, "worst stack", "value"),
+        ),
+    ]
+    .iter()
+    .map(|(what, bytes)| vec![(*what).to_owned(), cell(*bytes)])
+    .collect();
+    format!(
+        "## What a solve costs\n\nCortex-M4F, single precision, 16 balls, raceway control free unless said otherwise, \
+         at the default tolerance of {:.0e} unless said otherwise. Ticks of the milling cycle are those of a B7005C over \
+         `host_tests/records/milling_cycle.csv`, a state every millisecond; {} of {} have no answer. The other figures are \
+         medians of the mixed cases.\n\n{}\n{}\n",
+        f32::TOLERANCE,
+        cell(milling::figure(rows, Limit::Default, "no answer", "value")),
+        cell(milling::figure(rows, Limit::Default, "ticks", "value")),
+        table(&["what", "cycles", "error of K, 99 %"], &lines),
+        table(&["what", "bytes"], &bytes),
+    )
 }
 
 /// A figure of somebody on the host.
@@ -671,7 +787,7 @@ fn study(rows: &Rows) -> String {
     format!(
         "## The study's scheme beside ours\n\n![Ball passes](report_study.svg)\n\n\
          The study moves the ring by a tenth of Newton's step, and settles every ball by tenths of its \
-         own before each. A pass is one linearisation of a ball: what a sweep costs, divided by the balls. \
+         own before each. A pass is one linearisation of a ball; an iteration of ours condenses every ball once. \
          The same cases, one run; times are on [the page of a host](report_host.md).\n\n{}\n",
         table(
             &[
@@ -710,6 +826,7 @@ pub fn host_page(rows: &Rows) -> String {
                 ratio("5 %"),
                 ratio("median"),
                 ratio("95 %"),
+                cell(get("time of the reference build", "median")),
             ]
         })
         .collect();
@@ -718,10 +835,18 @@ pub fn host_page(rows: &Rows) -> String {
          # Times on a host\n\nOf one run on {}, one thread, 16 balls, raceway control free, the mixed cases \
          of [the report](report.md) of which all of f64, f32 and the reference build know the equilibrium. \
          Ratios are taken case by case to ours in double precision from nothing; their spread is over the \
-         cases. The study's scheme and the reference build are written for clarity, not for speed.\n\n{}",
+         cases. The last column is the time of the reference build over that of the row, median of the cases. The study's scheme and the reference build are written for clarity, not for speed.\n\n{}",
         std::env::consts::ARCH,
         table(
-            &["who", "time / us", "99 %", "ratio, 5 %", "median", "95 %"],
+            &[
+                "who",
+                "time / us",
+                "99 %",
+                "ratio, 5 %",
+                "median",
+                "95 %",
+                "reference build over it"
+            ],
             &lines
         )
     )
@@ -736,8 +861,8 @@ mod tests {
         for (symbol, expected) in [
             ("measured_solve", "measured_solve"),
             (
-                "<spindle_bearing::scene::Full<A> as spindle_bearing::scene::Motion>::linearise",
-                "<Full<A> as Motion>::linearise",
+                "<spindle_bearing::a::Full<A> as spindle_bearing::a::Motion>::cold",
+                "<Full<A> as Motion>::cold",
             ),
             ("libm::math::atan2f::atan2f", "atan2f"),
         ] {

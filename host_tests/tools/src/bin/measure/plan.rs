@@ -12,10 +12,8 @@ use rayon::prelude::*;
 use std::path::Path;
 use tools::timing::Core;
 
-/// Sweeps that solves are limited to, for error over cycles.
-pub const BUDGETS: [u16; 8] = [1, 2, 3, 4, 5, 6, 8, 10];
-/// Tolerances, for the same; those below a precision's default are left out.
-pub const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9];
+/// Tolerances, for error over cycles; those below a precision's default are left out.
+pub const TOLERANCES: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12];
 /// Ball counts.
 pub const BALLS: [usize; 3] = [7, 16, 30];
 /// The solver that all others are compared with.
@@ -66,7 +64,6 @@ fn tasks(motion: Motion, balls: usize, precision: Precision) -> Vec<Task> {
     let mut tasks = vec![(Start::Cold, Limit::Default), (Start::Warm, Limit::Default)];
     if motion == USUAL && balls == 16 {
         for start in Start::ALL {
-            tasks.extend(BUDGETS.iter().map(|most| (start, Limit::Sweeps(*most))));
             let least = Limit::Default.settings(precision).0;
             let tolerances = TOLERANCES.iter().filter(|t| **t > least);
             tasks.extend(tolerances.map(|t| (start, Limit::Tolerance(*t))));
@@ -102,7 +99,7 @@ impl Ground {
         })
     }
 
-    /// Errors and sweeps, which are the same on every core.
+    /// Errors and iterations, which are the same on every core.
     fn rows(&self) -> Rows {
         let mut rows = Rows::default();
         for asked in &self.asked {
@@ -115,29 +112,25 @@ impl Ground {
                     start: Some(*start),
                 };
                 let found = || samples.iter().flatten();
-                // What was stopped is judged as it is; what ran out of sweeps by itself is no answer.
-                let stopped = matches!(limit, Limit::Sweeps(_));
-                let judged = || found().filter(|s| stopped || s.solved);
                 for (i, what) in ["displacement", "force", "stiffness"].iter().enumerate() {
-                    let errors: Vec<f64> = judged().filter_map(|s| Some(s.errors?[i])).collect();
+                    let errors: Vec<f64> = found().filter_map(|s| Some(s.errors?[i])).collect();
                     rows.spread(&at, &limit.metric(&format!("{what} error")), &errors, "1");
                 }
-                let sweeps: Vec<f64> = found().map(|s| s.sweeps.into()).collect();
-                rows.spread(&at, &limit.metric("sweeps"), &sweeps, "1");
+                let iterations: Vec<f64> = found().map(|s| s.iterations.into()).collect();
+                rows.spread(&at, &limit.metric("iterations"), &iterations, "1");
                 if *limit == Limit::Default {
                     let mut count = |metric: &str, count: usize| {
                         rows.add(&at, metric, "value", count as f64, "1");
                     };
                     count("cases", samples.len());
-                    count("answers", found().count());
-                    count("answers solved", found().filter(|s| s.solved).count());
+                    count("answers solved", found().count());
                     count(
                         "answers compared",
-                        judged().filter(|s| s.errors.is_some()).count(),
+                        found().filter(|s| s.errors.is_some()).count(),
                     );
                     count(
                         "answers of another equilibrium",
-                        judged().filter(|s| s.other).count(),
+                        found().filter(|s| s.other).count(),
                     );
                 }
             }

@@ -14,17 +14,17 @@ use tools::timing::{self, Class, Core};
 /// A part of a solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Part {
-    /// The cold start, or the step ahead of a warm one.
+    /// The cold start, or the prediction of a warm one.
     Start,
-    /// Every ball linearised, its own unknowns eliminated.
+    /// Every ball condensed.
     BallPass,
     /// What the balls hand to the ring, summed up.
     Assembly,
-    /// The system for the ring.
+    /// The ring's step, and control.
     Ring,
-    /// The load's balance among the balls' laws.
-    Laws,
-    /// The balls moved along with the ring, and their references.
+    /// What the step changes of the stiffness.
+    Estimate,
+    /// References moved, and the second order of the balls' motion.
     Moving,
     /// Checks, scaling, results.
     Rest,
@@ -37,7 +37,7 @@ impl Part {
         Self::BallPass,
         Self::Assembly,
         Self::Ring,
-        Self::Laws,
+        Self::Estimate,
         Self::Moving,
         Self::Rest,
     ];
@@ -48,14 +48,14 @@ impl Part {
             Self::Start => "start",
             Self::BallPass => "ball pass",
             Self::Assembly => "assembly",
-            Self::Ring => "5x5",
-            Self::Laws => "laws between sweeps",
+            Self::Ring => "5x5 and control",
+            Self::Estimate => "error estimate",
             Self::Moving => "moving the balls",
             Self::Rest => "rest",
         }
     }
 
-    /// It happens once in a solve rather than once in a sweep.
+    /// It happens once in a solve rather than once in an iteration.
     pub const fn is_once(self) -> bool {
         matches!(self, Self::Start | Self::Rest)
     }
@@ -63,47 +63,21 @@ impl Part {
 
 /// What belongs to which part: the first row whose functions are all on the way to an instruction.
 #[rustfmt::skip]
-const PARTS: [(&[&str], Part); 25] = [
-    (&["Iteration::start"], Part::Start),
-    (&["Iteration::predict"], Part::Start),
-    (&["Iteration::place"], Part::Start),
-    (&["Iteration::begin"], Part::Start),
-    (&["Iteration::extrapolate"], Part::Start),
-    (&["Factors::of"], Part::Ring),
-    (&["Factors::solve"], Part::Ring),
-    (&["Iteration::descent"], Part::Ring),
-    (&["Iteration::unbalanced"], Part::Laws),
-    (&["Iteration::step"], Part::Laws),
-    (&["Iteration::sweep", "Sums::add"], Part::Assembly),
-    (&["Iteration::sweep", "Sums::force"], Part::Assembly),
-    (&["Iteration::sweep", "Sums::tangent"], Part::Assembly),
-    (&["Iteration::sweep"], Part::BallPass),
-    (&["Iteration::follow"], Part::Moving),
-    (&["Iteration::advance"], Part::Moving),
-    (&["Iteration::rebase"], Part::Moving),
-    (&["Iteration::pressed"], Part::Start),
-    (&["Iteration::evaluate", "Sums::add"], Part::Assembly),
-    (&["Iteration::evaluate", "Sums::force"], Part::Assembly),
-    (&["Iteration::evaluate", "Sums::tangent"], Part::Assembly),
-    (&["Iteration::evaluate"], Part::BallPass),
-    (&["Iteration::displace"], Part::Moving),
-    (&["Iteration::room"], Part::Moving),
-    (&["Iteration::refer"], Part::Moving),
+const PARTS: [(&[&str], Part); 8] = [
+    (&["State::newton", "Row::condense_balls"], Part::BallPass),
+    (&["State::newton", "Row::condense"], Part::Assembly),
+    (&["State::newton", "Row::estimate"], Part::Estimate),
+    (&["State::newton", "State::anchor"], Part::Moving),
+    (&["State::newton", "Row::follow"], Part::Moving),
+    (&["State::newton", "State::bend"], Part::Moving),
+    (&["State::newton"], Part::Ring),
+    (&["State::solve"], Part::Start),
 ];
 
-/// Modules and functions that only help: what they cost is their callers'.
-const HELPERS: [&str; 10] = [
-    "float::",
-    "sqrt::",
-    "contact::add",
-    "ring::dot5",
-    "ring::norm",
-    "contact::scale",
-    "contact::sub",
-    "contact::dot",
-    "ring::shift",
-    "ring::span",
-];
+/// Modules that only help: what their functions cost is the callers'.
+const HELPERS: [&str; 3] = ["float::", "sqrt::", "linalg::"];
+/// But for these.
+const COUNTED: &str = "linalg::Factors";
 
 /// Functions from the outermost to the innermost.
 type Names = Rc<[Rc<str>]>;
@@ -134,8 +108,8 @@ impl Profile {
         self.parts.values().sum()
     }
 
-    /// Cycles of what happens in every sweep.
-    pub fn sweeping(&self) -> u64 {
+    /// Cycles of what happens in every iteration.
+    pub fn iterating(&self) -> u64 {
         let parts = self.parts.iter().filter(|(part, _)| !part.is_once());
         parts.map(|(_, cycles)| cycles).sum()
     }
@@ -339,8 +313,8 @@ impl Profiler {
 }
 
 fn is_counted(name: &str) -> bool {
-    name.strip_prefix("spindle_bearing::")
-        .is_some_and(|name| !HELPERS.iter().any(|helper| name.starts_with(helper)))
+    let of_module = |module: &&str| name.contains(&format!("::{module}"));
+    name.starts_with("spindle_bearing::") && (of_module(&COUNTED) || !HELPERS.iter().any(of_module))
 }
 
 /// A name without crate and modules.
@@ -410,21 +384,18 @@ mod tests {
     #[test]
     fn names_lose_what_does_not_tell_functions_apart() {
         for (name, expected) in [
+            ("spindle_bearing::a::b::State<T,_>::step", "State::step"),
             (
-                "spindle_bearing::solver::iteration::Iteration<T,M>::descent",
-                "Iteration::descent",
+                "spindle_bearing::a::c::<impl spindle_bearing::a::b::State<T,_>>::step",
+                "State::step",
             ),
             (
-                "spindle_bearing::solver::speed::<impl spindle_bearing::solver::iteration::Iteration<T,M>>::step",
-                "Iteration::step",
+                "<spindle_bearing::a::Full<A> as spindle_bearing::a::Motion>::cold",
+                "Full::cold",
             ),
             (
-                "<spindle_bearing::scene::Full<A> as spindle_bearing::scene::Motion>::linearise",
-                "Full::linearise",
-            ),
-            (
-                "spindle_bearing::ball::Ball<T>::linearise::{{closure}}::h0123456789abcdef",
-                "Ball::linearise",
+                "spindle_bearing::a::Ball<T>::place::{{closure}}::h0123456789abcdef",
+                "Ball::place",
             ),
         ] {
             assert_eq!(short(&plain(name)), expected);
@@ -433,18 +404,34 @@ mod tests {
 
     #[test]
     fn the_first_row_that_fits_tells_the_part() {
-        let names = |all: &[&str]| -> Vec<Rc<str>> {
-            all.iter()
-                .map(|name| format!("spindle_bearing::solver::speed::{name}").into())
-                .collect()
+        let part = |all: &[&str]| {
+            let names: Vec<Rc<str>> = all
+                .iter()
+                .map(|name| format!("spindle_bearing::a::b::{name}").into())
+                .collect();
+            part(&names)
         };
-        let sweep = ["Solver::solve", "Iteration::sweep", "Sums::add"];
-        assert_eq!(part(&names(&sweep[..2])), Part::BallPass);
-        assert_eq!(part(&names(&sweep)), Part::Assembly);
+        let pass = ["Solver::solve", "State::newton", "Row::condense"];
+        assert_eq!(part(&pass), Part::Assembly);
         assert_eq!(
-            part(&names(&["Iteration::step", "Factors::of"])),
-            Part::Ring
+            part(&[&pass[..], &["Row::condense_balls"]].concat()),
+            Part::BallPass
         );
-        assert_eq!(part(&names(&["Solver::solve"])), Part::Rest);
+        assert_eq!(part(&["State::newton", "Factors::of"]), Part::Ring);
+        assert_eq!(part(&["State::solve", "Factors::of"]), Part::Start);
+        assert_eq!(part(&["Solver::solve"]), Part::Rest);
+    }
+
+    #[test]
+    fn what_helpers_cost_is_their_callers() {
+        for (name, counted) in [
+            ("spindle_bearing::float::Real::abs", false),
+            ("spindle_bearing::a::linalg::dot", false),
+            ("spindle_bearing::a::linalg::Factors::of", true),
+            ("spindle_bearing::a::Ball::place", true),
+            ("core::iter::next", false),
+        ] {
+            assert_eq!(is_counted(name), counted, "{name}");
+        }
     }
 }

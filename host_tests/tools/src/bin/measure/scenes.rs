@@ -2,25 +2,25 @@
 //!
 //! Every scene solves the same cases, restricted to its freedoms: the loads that it has no freedom for
 //! are dropped, at rest the speed, too. Under rigid preload the axial displacement is the one that the
-//! whole solver finds for the cold case.
+//! full scene finds for the cold case.
 
 use crate::bench::{self, Bench};
-use crate::host::Limit;
+use crate::host::{Host, Limit};
 use crate::image::{Image, name};
 use crate::memory::Memory;
 use crate::plan::bar;
 use crate::rows::{Row, Rows, Start};
-use crate::workload::{EVERYDAY_BALLS, Work, question};
-use anyhow::{Context, Result, anyhow, bail};
+use crate::workload::{EVERYDAY_BALLS, State, Work, question};
+use anyhow::{Context, Result, bail};
 use host_tests::campaign::report::Spread;
 use host_tests::dispatch::{Attitude, Precision};
-use probes::for_every_scene;
-use rayon::prelude::*;
-use spindle_bearing::{
-    BallStore, Bearing, Centrifugal, Conditions, Displacements, Freedoms, Full, Loads, Motion,
-    NotPutOut, OuterRaceControl, Outputs, Real, RigidPreload, Settings, Solver, Static, Status,
-    Stiffness,
+use probes::{
+    Axial, Balls, Displacement, Loads, Numbers, Passed, Question, RigidPreload, Ring,
+    for_every_scene,
 };
+use rayon::prelude::*;
+use spindle_bearing::{Centrifugal, Full, Static};
+use spindle_bearing::{InnerRaceControl, OuterRaceControl};
 use std::path::Path;
 use tools::timing::Core;
 
@@ -31,8 +31,6 @@ pub const DOUBLE_CASES: usize = 50;
 /// Cases whose stack is looked at.
 const STACKS: usize = 20;
 
-/// Loads, of which a scene takes as many as it has freedoms, and speed.
-type State = ([f64; 5], f64);
 /// The host's answers to a cold solve and to a warm one after it, as far as there are any.
 type Answers = [Option<Answer>; 2];
 
@@ -41,8 +39,7 @@ type Answers = [Option<Answer>; 2];
 struct Answer {
     displacement: [f64; 5],
     stiffness: [[f64; 5]; 5],
-    sweeps: u32,
-    solved: bool,
+    iterations: u32,
 }
 
 /// A scene of the table in `host_tests/probes`.
@@ -50,7 +47,7 @@ struct Answer {
 pub struct Scene {
     /// What the image's build calls it.
     pub name: &'static str,
-    /// What it leaves out of the whole solver, or has in its place.
+    /// What it leaves out of the full one, or has in its place.
     pub without: &'static str,
     /// The rule of attitude; none at rest.
     pub attitude: Option<Attitude>,
@@ -64,18 +61,18 @@ pub struct Scene {
 }
 
 macro_rules! scenes {
-    ($($number:literal $name:literal: $motion:ty, $freedoms:literal, $given:ty, $output:ty;
+    ($($number:literal $name:literal: $scene:ty;
         $attitude:expr, $without:literal, $double:literal, $parts:tt;)*) => {
-        /// All, the whole solver last.
+        /// All, the full one last.
         pub const SCENES: &[Scene] = &[$(Scene {
             name: $name,
             without: $without,
             attitude: $attitude,
             double: $double,
-            freedoms: $freedoms,
-            preloaded: <$given as Conditions<Freedoms<$freedoms>>>::HELD[0],
-            single: answers::<f32, $freedoms, $motion, $given, $output>,
-            doubles: answers::<f64, $freedoms, $motion, $given, $output>,
+            freedoms: <$scene as probes::Scene<f32, EVERYDAY_BALLS>>::FREEDOMS,
+            preloaded: <$scene as probes::Scene<f32, EVERYDAY_BALLS>>::PRELOADED,
+            single: answers::<f32, $scene>,
+            doubles: answers::<f64, $scene>,
         }),*];
     };
 }
@@ -84,52 +81,48 @@ const FREE: Option<Attitude> = Some(Attitude::Raceless);
 
 for_every_scene!(scenes);
 
-/// The whole solver's name.
-pub const WHOLE: &str = "all-full";
-
-/// Numbers of a stiffness, row by row, if it is put out.
-trait Elements {
-    fn elements(&self) -> Vec<f64>;
-}
-impl<T: Real, const K: usize> Elements for [[T; K]; K] {
-    fn elements(&self) -> Vec<f64> {
-        self.as_flattened().iter().map(|x| x.to_f64()).collect()
-    }
-}
-impl Elements for NotPutOut {
-    fn elements(&self) -> Vec<f64> {
-        Vec::new()
-    }
-}
-
 /// Solves one state after the other.
-fn answers<T, const D: usize, M, B, O>(work: &Work, states: [State; 2]) -> Result<Answers>
-where
-    T: Real,
-    M: Motion,
-    Freedoms<D>: BallStore,
-    B: Conditions<Freedoms<D>>,
-    O: Outputs,
-    O::Stiffness<B::Stiffness<T>>: Elements,
-{
-    let bearing = Bearing::<T, EVERYDAY_BALLS>::build(&work.design)
-        .map_err(|e| anyhow!("the solver refuses a design of its own cases: {e}"))?;
-    let mut solver = Solver::<T, EVERYDAY_BALLS, M, Freedoms<D>, B, O>::new(&bearing);
+fn answers<T: Host, S: probes::Scene<T, EVERYDAY_BALLS>>(
+    work: &Work,
+    states: [State; 2],
+) -> Result<Answers> {
+    let (tolerance, max_iterations) = (T::TOLERANCE, 100);
+    let bearing = T::built(&work.design)?;
+    let mut solver = S::solver(&bearing);
+    let wide = |x: &[T]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
     Ok(states.map(|(load, omega)| {
-        let values = std::array::from_fn(|i| T::of(load[i]));
-        let solution = solver
-            .solve(values, T::of(omega), &Settings::default())
-            .ok()?;
+        let question = Question {
+            values: S::vector(load.map(T::of)),
+            omega: T::of(omega),
+            tolerance,
+            max_iterations,
+        };
+        let answer = S::solve(&mut solver, &question).ok()?;
         Some(Answer {
-            displacement: bench::padded(&solution.displacement.map(|x| x.to_f64())),
-            stiffness: bench::square(&solution.stiffness.elements()),
-            sweeps: solution.sweeps.into(),
-            solved: matches!(solution.status, Status::Converged | Status::PrecisionLimit),
+            displacement: bench::padded(&wide(answer.displacement.numbers())),
+            stiffness: bench::square(&wide(answer.stiffness.numbers())),
+            iterations: answer.iterations,
         })
     }))
 }
 
+/// The axial displacement that the full scene finds in doubles for the cold case, a number of single precision as loads
+/// are.
+fn full_displacement(work: &Work) -> Result<Option<f64>> {
+    let [cold, _] = answers::<f64, Ring<Full, 5>>(work, [work.cold, work.warm])?;
+    Ok(cold.map(|answer| f64::from(answer.displacement[0] as f32)))
+}
+
 impl Scene {
+    /// The axial displacement of a case, if the scene is given one.
+    pub fn preload(&self, work: &Work) -> Result<Option<f64>> {
+        if self.preloaded {
+            full_displacement(work)
+        } else {
+            Ok(None)
+        }
+    }
+
     /// The states of a case that it solves; none without the preload that it needs.
     pub fn states(&self, work: &Work, preload: Option<f64>) -> Option<[State; 2]> {
         let first = if self.preloaded { Some(preload?) } else { None };
@@ -189,13 +182,7 @@ pub fn scene(name: &str) -> Option<&'static Scene> {
 pub fn run(root: &Path, works: &[Work]) -> Result<Rows> {
     let preloads = works
         .par_iter()
-        .map(|work| {
-            let [cold, _] =
-                answers::<f64, 5, Full, Loads, Stiffness>(work, [work.cold, work.warm])?;
-            // A number of single precision, as loads are.
-            let solved = cold.filter(|answer| answer.solved);
-            Ok(solved.map(|answer| f64::from(answer.displacement[0] as f32)))
-        })
+        .map(full_displacement)
         .collect::<Result<Vec<_>>>()?;
     let wanted: Vec<_> = SCENES
         .iter()
@@ -251,7 +238,7 @@ fn measure(
     let mut bench = Bench::new(image, CORE, precision)?;
     let mut cycles = [Vec::new(), Vec::new()];
     let mut instructions = [Vec::new(), Vec::new()];
-    let mut sweeps = [Vec::new(), Vec::new()];
+    let mut iterations = [Vec::new(), Vec::new()];
     let mut stack = 0;
     for (case, (work, preload)) in works.iter().zip(preloads).enumerate() {
         let Some(states) = scene.states(work, *preload) else {
@@ -261,15 +248,14 @@ fn measure(
         let expected = host(work, states)?;
         for (i, (state, expected)) in states.into_iter().zip(expected).enumerate() {
             // A tick after what has no answer would be another cold solve.
-            let Some(expected) = expected.filter(|expected| expected.solved) else {
+            let Some(expected) = expected else {
                 break;
             };
             let solve = bench.solve(&question(state, precision, Limit::Default))?;
             let answer = Answer {
                 displacement: solve.answer.displacement,
                 stiffness: solve.answer.stiffness,
-                sweeps: solve.answer.sweeps,
-                solved: solve.answer.solved,
+                iterations: solve.answer.iterations,
             };
             if !same(&answer, &expected) {
                 bail!(
@@ -279,10 +265,10 @@ fn measure(
             }
             cycles[i].push(solve.cycles as f64);
             instructions[i].push(solve.instructions as f64);
-            sweeps[i].push(f64::from(answer.sweeps));
+            iterations[i].push(f64::from(answer.iterations));
         }
         if case < STACKS {
-            bench.forget()?;
+            bench.reset()?;
             for state in states {
                 stack = stack.max(bench.stack(&question(state, precision, Limit::Default))?);
             }
@@ -294,7 +280,7 @@ fn measure(
         for (metric, values, unit) in [
             ("cycles", &cycles[i], "cycles"),
             ("instructions", &instructions[i], "instructions"),
-            ("sweeps", &sweeps[i], "1"),
+            ("iterations", &iterations[i], "1"),
         ] {
             if values.is_empty() {
                 continue;
@@ -342,5 +328,5 @@ fn same(a: &Answer, b: &Answer) -> bool {
     let bits = |x: &[f64; 5]| x.map(f64::to_bits);
     bits(&a.displacement) == bits(&b.displacement)
         && a.stiffness.map(|row| bits(&row)) == b.stiffness.map(|row| bits(&row))
-        && (a.sweeps, a.solved) == (b.sweeps, b.solved)
+        && a.iterations == b.iterations
 }

@@ -20,7 +20,6 @@ const STACKS: usize = 40;
 struct Count {
     cycles: u64,
     instructions: u64,
-    sweeps: u32,
 }
 
 /// Measures a program; fails if an answer of it is not the host's to the last bit.
@@ -36,33 +35,23 @@ pub fn measure(
     let mut profiler = Profiler::new(variant.core, &bench.image)?;
     let mut counts: Vec<Vec<Count>> = vec![Vec::new(); tasks.len()];
     let mut profiles = [Profile::default(), Profile::default()];
-    let mut sweeps = [0.0; 2];
+    let mut iterations = [0.0; 2];
     let in_software = variant.core == Core::M4f && variant.precision == Precision::F64;
     for (case, work) in works.iter().enumerate() {
         bench.bearing(&work.design)?;
-        // Counts of the solves with default settings, which a limit beyond theirs does not change.
-        let mut whole: [Option<Count>; 2] = [None, None];
         // What the machine remembers after the cold solve.
         let mut solved: Option<Vec<u8>> = None;
         for start in Start::ALL {
             let number = start as usize;
             for (task, (_, limit)) in tasks.iter().enumerate().filter(|(_, t)| t.0 == start) {
-                if in_software && !is_quick(start, *limit) {
+                if in_software && *limit != Limit::Default {
                     continue;
                 }
                 let Some(expected) = &host[task][case] else {
                     continue;
                 };
-                let known = whole[number].filter(|whole| match limit {
-                    Limit::Sweeps(most) => u32::from(*most) >= whole.sweeps,
-                    _ => false,
-                });
-                if let Some(known) = known {
-                    counts[task].push(known);
-                    continue;
-                }
                 match (start, &solved) {
-                    (Start::Cold, _) => bench.forget()?,
+                    (Start::Cold, _) => bench.reset()?,
                     (Start::Warm, Some(memory)) => bench.machine.restore(memory)?,
                     // The host could not solve the first tick, either.
                     (Start::Warm, None) => continue,
@@ -75,7 +64,7 @@ pub fn measure(
                 let answer = &solve.answer;
                 let same = bits(&answer.displacement) == bits(&expected.displacement)
                     && answer.stiffness.map(|r| bits(&r)) == expected.stiffness.map(|r| bits(&r))
-                    && answer.sweeps == u32::from(expected.sweeps);
+                    && answer.iterations == u32::from(expected.iterations);
                 if !same {
                     bail!(
                         "case {case}, {} {limit:?}, of {variant:?}: the core's answer is not the \
@@ -84,16 +73,13 @@ pub fn measure(
                         start.name()
                     );
                 }
-                let count = Count {
+                counts[task].push(Count {
                     cycles: solve.cycles,
                     instructions: solve.instructions,
-                    sweeps: answer.sweeps,
-                };
-                counts[task].push(count);
-                if *limit == Limit::Default && expected.solved {
-                    whole[number] = Some(count);
+                });
+                if *limit == Limit::Default {
                     profiles[number].add(&profiler.profile(&bench.machine, &solve.counts)?);
-                    sweeps[number] += f64::from(answer.sweeps);
+                    iterations[number] += f64::from(answer.iterations);
                     if start == Start::Cold {
                         solved = Some(bench.machine.memory()?);
                     }
@@ -129,14 +115,14 @@ pub fn measure(
             start: Some(start),
             ..at
         };
-        let (profile, sweeps) = (&profiles[start as usize], sweeps[start as usize]);
+        let (profile, iterations) = (&profiles[start as usize], iterations[start as usize]);
         let task = tasks.iter().position(|t| *t == (start, Limit::Default));
         let solves = task.map_or(0, |task| counts[task].len()) as f64;
-        if sweeps == 0.0 {
+        if iterations == 0.0 {
             continue;
         }
-        let each = profile.sweeping() as f64 / sweeps;
-        rows.add(&at, "cycles a sweep", "mean", each, "cycles");
+        let each = profile.iterating() as f64 / iterations;
+        rows.add(&at, "cycles an iteration", "mean", each, "cycles");
         for part in Part::ALL {
             let cycles = profile.parts.get(&part).copied().unwrap_or(0) as f64 / solves;
             let metric = format!("cycles of {}", part.name());
@@ -208,20 +194,11 @@ pub fn measure(
                 solve.instructions as f64,
                 "instructions",
             );
-            let metric = "sweeps of the everyday case";
-            rows.add(&at, metric, "value", solve.answer.sweeps.into(), "1");
+            let metric = "iterations of the everyday case";
+            rows.add(&at, metric, "value", solve.answer.iterations.into(), "1");
         }
     }
     Ok(rows)
-}
-
-/// Whether a task is worth the emulator's time with doubles in software.
-fn is_quick(start: Start, limit: Limit) -> bool {
-    match limit {
-        Limit::Default => true,
-        Limit::Sweeps(most) => start == Start::Cold && most <= 6,
-        Limit::Tolerance(_) => false,
-    }
 }
 
 fn bits(values: &[f64; 5]) -> [u64; 5] {

@@ -1,43 +1,45 @@
 //! `cargo reports profile`: one solver's cycles, for who works on it.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, Solve};
 use crate::host::Limit;
-use crate::image::{Image, Motion, Variant, name};
+use crate::image::{Image, name};
 use crate::memory::Memory;
+use crate::milling::{self, Ticks};
 use crate::profile::{Part, Profile, Profiler};
-use crate::workload::{Work, question};
-use anyhow::Result;
+use crate::scenes;
+use crate::workload::{self, EVERYDAY_BALLS, Work, question};
+use anyhow::{Context, Result};
 use host_tests::campaign::report::Spread;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
-use tools::report::Choice;
+use tools::report::{Choice, FULL};
+
+/// Ticks of the milling cycle, and the second of it where they begin.
+const MILLING: (usize, usize) = (11, 3000);
 
 /// Measures one solver and prints where its cycles go.
 pub fn profile(root: &Path, choice: &Choice) -> Result<()> {
-    let variant = Variant {
-        core: choice.core,
-        precision: choice.precision,
-        balls: choice.balls.into(),
-        motion: if choice.rest {
-            Motion::Static
-        } else {
-            Motion::AtSpeed(choice.attitude)
-        },
-    };
-    let mut bench = Bench::new(
-        Image::build(root, &variant)?,
-        variant.core,
-        variant.precision,
-    )?;
-    let mut profiler = Profiler::new(variant.core, &bench.image)?;
+    let &Choice {
+        core, precision, ..
+    } = choice;
+    let balls = choice.balls.into();
+    let scene = scenes::scene(&choice.scene).context("there is no such scene")?;
+    let image = Image::of_scene(root, core, precision, balls, scene.name)?;
+    let mut bench = Bench::new(image, core, precision)?;
+    let mut profiler = Profiler::new(core, &bench.image)?;
     println!(
-        "{}, {}, {} balls, {}: modelled cycles, +-15 %, no wait states\n",
-        variant.core.name(),
-        name(variant.precision),
-        variant.balls,
-        variant.motion.name()
+        "{}, {}, {balls} balls, {}: modelled cycles, +-15 %, no wait states\n",
+        core.name(),
+        name(precision),
+        scene.name
     );
 
+    let states = |work: &Work| {
+        // With a displacement given, the states take one that a solver in doubles finds.
+        let preload = scene.preload(work)?;
+        anyhow::Ok(scene.states(work, preload))
+    };
+    let ask = |state| question(state, precision, Limit::Default);
     let bar = ProgressBar::new(choice.cases as u64).with_style(ProgressStyle::with_template(
         "{bar:40} {pos} of {len} cases",
     )?);
@@ -45,54 +47,60 @@ pub fn profile(root: &Path, choice: &Choice) -> Result<()> {
     let mut warm = Measured::default();
     let mut stack = 0;
     for seed in 0..choice.cases as u64 {
-        let work = Work::mixed(seed, variant.balls, variant.motion != Motion::Static);
-        let questions =
-            [work.cold, work.warm].map(|q| question(q, variant.precision, Limit::Default));
+        let work = Work::mixed(seed, balls, scene.attitude.is_some());
+        bar.inc(1);
+        let Some(states) = states(&work)? else {
+            continue;
+        };
         bench.bearing(&work.design)?;
-        for (measured, question) in [&mut cold, &mut warm].into_iter().zip(&questions) {
-            let solve = bench.solve(question)?;
+        for (measured, state) in [&mut cold, &mut warm].into_iter().zip(states) {
+            let solve = bench.solve(&ask(state))?;
             if !solve.answer.solved {
-                measured.unsolved += 1;
+                measured.unsolved.push(seed);
                 // A tick after it would be another cold solve.
                 break;
             }
-            measured.cycles.push(solve.cycles as f64);
-            measured.instructions.push(solve.instructions as f64);
-            measured.sweeps.push(solve.answer.sweeps.into());
-            measured
-                .profile
-                .add(&profiler.profile(&bench.machine, &solve.counts)?);
+            let profile = profiler.profile(&bench.machine, &solve.counts)?;
+            measured.add(seed, &solve, &profile);
         }
-        bar.inc(1);
+        if seed < 60 {
+            bench.reset()?;
+            for state in states {
+                stack = stack.max(bench.stack(&ask(state))?);
+            }
+        }
     }
     bar.finish_and_clear();
 
     let everyday = Work::everyday();
-    let questions =
-        [everyday.cold, everyday.warm].map(|q| question(q, variant.precision, Limit::Default));
-    bench.bearing(&everyday.design)?;
-    println!("a B7005C at 20,000 rpm, 1000 N axial, 200 N radial, 3 N m:");
-    for (start, question) in ["cold", "warm"].into_iter().zip(&questions) {
-        let solve = bench.solve(question)?;
+    if let Some(states) = states(&everyday)? {
+        bench.bearing(&everyday.design)?;
         println!(
-            "  {start}: {} cycles, {} instructions, {} sweeps",
-            thousands(solve.cycles as f64),
-            thousands(solve.instructions as f64),
-            solve.answer.sweeps
+            "a B7005C at 20,000 rpm, 1000 N axial, 200 N radial, 3 N m, as far as the scene goes:"
         );
-    }
-    for seed in 0..choice.cases.min(60) as u64 {
-        let work = Work::mixed(seed, variant.balls, variant.motion != Motion::Static);
-        bench.bearing(&work.design)?;
-        for question in
-            [work.cold, work.warm].map(|q| question(q, variant.precision, Limit::Default))
-        {
-            stack = stack.max(bench.stack(&question)?);
+        for (start, state) in ["cold", "warm"].into_iter().zip(states) {
+            let solve = bench.solve(&ask(state))?;
+            println!(
+                "  {start}: {} cycles, {} instructions, {} iterations",
+                thousands(solve.cycles as f64),
+                thousands(solve.instructions as f64),
+                solve.answer.iterations
+            );
         }
     }
 
     for (start, measured) in [("cold", &cold), ("warm", &warm)] {
         measured.print(start);
+    }
+    if scene.name == FULL
+        && (core, precision, balls) == (milling::CORE, milling::PRECISION, EVERYDAY_BALLS)
+    {
+        let (from, count) = MILLING;
+        let states = workload::milling(from, count)?;
+        for limit in milling::LIMITS {
+            let ticks = Ticks::measure(&mut bench, Some(&mut profiler), &states, limit)?;
+            print_ticks(&ticks, limit);
+        }
     }
 
     let memory = Memory::of(&bench)?;
@@ -110,28 +118,69 @@ pub fn profile(root: &Path, choice: &Choice) -> Result<()> {
     Ok(())
 }
 
+fn print_ticks(ticks: &Ticks, limit: Limit) {
+    let (from, count) = MILLING;
+    println!(
+        "\n{count} ticks of the milling cycle from second {from} on, tolerance {:e}: {} warm, {} without an answer",
+        limit.settings(milling::PRECISION).0,
+        ticks.cycles.len(),
+        ticks.failed
+    );
+    let spread = Spread::of(ticks.cycles.iter().copied());
+    let errors = Spread::of(ticks.errors.iter().copied());
+    println!(
+        "  cycles       median {:>9}   99 % {:>9}   worst {:>9}",
+        thousands(spread.median),
+        thousands(spread.most),
+        thousands(spread.worst)
+    );
+    println!(
+        "  error of K   median {:>9.1e}   99 % {:>9.1e}   worst {:>9.1e}",
+        errors.median, errors.most, errors.worst
+    );
+    println!(
+        "  cycles an iteration: {}, {:.2} iterations a tick",
+        thousands(ticks.profile.iterating() as f64 / ticks.iterations),
+        ticks.iterations / ticks.cycles.len() as f64
+    );
+}
+
 #[derive(Default)]
 struct Measured {
     cycles: Vec<f64>,
     instructions: Vec<f64>,
-    sweeps: Vec<f64>,
-    unsolved: usize,
+    iterations: Vec<f64>,
+    /// Numbers of the cases that were solved, and of those that were not.
+    cases: Vec<u64>,
+    unsolved: Vec<u64>,
     profile: Profile,
 }
 
 impl Measured {
+    fn add(&mut self, case: u64, solve: &Solve, profile: &Profile) {
+        self.cases.push(case);
+        self.cycles.push(solve.cycles as f64);
+        self.instructions.push(solve.instructions as f64);
+        self.iterations.push(solve.answer.iterations.into());
+        self.profile.add(profile);
+    }
+
     fn print(&self, start: &str) {
         let solves = self.cycles.len().max(1) as f64;
-        let sweeps: f64 = self.sweeps.iter().sum();
+        let iterations: f64 = self.iterations.iter().sum();
         println!(
-            "\n{start}, {} mixed cases solved, {} not",
+            "\n{start}, {} mixed cases solved, not: {:?}",
             self.cycles.len(),
             self.unsolved
         );
+        let longest = self.cycles.iter().zip(&self.cases);
+        if let Some((_, case)) = longest.max_by(|a, b| a.0.total_cmp(b.0)) {
+            println!("  the longest is case {case}");
+        }
         for (what, values) in [
             ("cycles", &self.cycles),
             ("instructions", &self.instructions),
-            ("sweeps", &self.sweeps),
+            ("iterations", &self.iterations),
         ] {
             let spread = Spread::of(values.iter().copied());
             println!(
@@ -143,11 +192,11 @@ impl Measured {
             );
         }
         println!(
-            "  cycles a sweep: {} (all but start and rest), {} sweeps a solve",
-            thousands(self.profile.sweeping() as f64 / sweeps),
-            format_args!("{:.2}", sweeps / solves)
+            "  cycles an iteration: {} (all but start and rest), {:.2} iterations a solve",
+            thousands(self.profile.iterating() as f64 / iterations),
+            iterations / solves
         );
-        println!("\n  cycles a solve (mean)      a sweep   share   part");
+        println!("\n  cycles a solve (mean)  an iteration share   part");
         let total = self.profile.cycles() as f64;
         for part in Part::ALL {
             let cycles = self.profile.parts.get(&part).copied().unwrap_or(0) as f64;
@@ -155,27 +204,27 @@ impl Measured {
             println!(
                 "  {:>10}            {:>11} {share:>6.1} %   {}",
                 thousands(cycles / solves),
-                thousands(cycles / sweeps),
+                thousands(cycles / iterations),
                 part.name()
             );
         }
-        println!("\n  cycles a sweep: own, with what it calls; share of own; function");
+        println!("\n  cycles an iteration: own, with what it calls; share of own; function");
         let mut functions: Vec<_> = self.profile.functions.iter().collect();
         functions.sort_by_key(|(_, share)| std::cmp::Reverse(share.own));
         for (name, share) in functions {
             println!(
                 "  {:>9} {:>9} {:>6.1} %   {name}",
-                thousands(share.own as f64 / sweeps),
-                thousands(share.all as f64 / sweeps),
+                thousands(share.own as f64 / iterations),
+                thousands(share.all as f64 / iterations),
                 100.0 * share.own as f64 / total
             );
         }
-        println!("\n  instructions and cycles a sweep, by class");
+        println!("\n  instructions and cycles an iteration, by class");
         for (class, (instructions, cycles)) in &self.profile.classes {
             println!(
                 "  {:>9} {:>9}   {}",
-                thousands(*instructions as f64 / sweeps),
-                thousands(*cycles as f64 / sweeps),
+                thousands(*instructions as f64 / iterations),
+                thousands(*cycles as f64 / iterations),
                 class.name()
             );
         }

@@ -1,8 +1,8 @@
 //! The shipped monitor's chain, tick by tick: bytes in, doubts, a warm solve, judgement, life, bytes out.
 //!
-//! Input is a stretch of the recorded cycle under faults, at the pace of the port. What a tick costs
-//! besides the solve, and the longest sweep, become the constants of `CycleCost`, from which the firmware
-//! works out how many sweeps fit.
+//! Input is a stretch of the recorded cycle under faults, then loads of passing teeth, at the pace of the port.
+//! What a tick costs besides the solve, what a solve costs besides its iterations, and what an iteration costs
+//! become the constants of `CycleCost`, from which the firmware works out how many iterations fit.
 
 use crate::image::{Image, name};
 use crate::machine::Machine;
@@ -16,6 +16,7 @@ use host_tests::milling_cycle::RECORD;
 use rayon::prelude::*;
 use spindle_bearing::monitor::Past;
 use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog, TickSettings};
+use spindle_bearing::record::LoadRecord;
 use std::collections::VecDeque;
 use std::path::Path;
 use tools::report::Figures;
@@ -25,13 +26,15 @@ use tools::timing::Core;
 /// The stretch of the recorded cycle, s, and the seed of its faults: what CI runs on the emulated board.
 const SECONDS: f64 = 10.0;
 const SEED: u64 = 1;
+/// Ticks of passing teeth after that.
+const TEETH: u32 = 4000;
 /// Bytes of `MEASURED_INPUT` and `MEASURED_OUTPUT`.
 const INPUT: usize = 1024;
 const OUTPUT: usize = 8192;
 /// Where the constants are.
 const CONSTANTS: &str = "src/monitor/cost.rs";
-/// The function whose cycles are the solve's.
-const SOLVE: &str = "Solver::solve";
+/// The functions whose cycles are the solve's: the first calls the second, if it is called.
+const SOLVE: [&str; 2] = ["Solver::solve", "Solver::solve_at"];
 
 /// The host's own build of what is measured.
 #[path = "."]
@@ -39,7 +42,7 @@ mod f405 {
     use spindle_bearing::monitor::tick::CycleCost;
     pub type Precision = f32;
     pub const CORE_HZ: u32 = 168_000_000;
-    pub const COST: CycleCost = CycleCost::CORTEX_M4F.with_a_sweep_more(CORE_HZ / 1000);
+    pub const COST: CycleCost = CycleCost::CORTEX_M4F.with_an_iteration_more(CORE_HZ / 1000);
     #[path = "../../../../../examples/chain.rs"]
     pub mod chain;
     #[path = "../../../../../examples/monitor_settings.rs"]
@@ -54,7 +57,7 @@ mod h743 {
     use spindle_bearing::monitor::tick::CycleCost;
     pub type Precision = f64;
     pub const CORE_HZ: u32 = 400_000_000;
-    pub const COST: CycleCost = CycleCost::CORTEX_M7.with_a_sweep_more(CORE_HZ / 1000);
+    pub const COST: CycleCost = CycleCost::CORTEX_M7.with_an_iteration_more(CORE_HZ / 1000);
     #[path = "../../../../../examples/chain.rs"]
     pub mod chain;
     #[path = "../../../../../examples/monitor_settings.rs"]
@@ -68,7 +71,7 @@ struct Board {
     core: Core,
     precision: Precision,
     core_hz: u32,
-    /// By which it is measured, with one sweep more than the firmware allows.
+    /// By which it is measured, with one iteration more than the firmware allows.
     settings: &'static TickSettings,
     /// The firmware's constant, its name, and what is said of it.
     cost: CycleCost,
@@ -136,7 +139,7 @@ answers!(h743_answers, h743);
 struct Cost {
     all: u64,
     solve: u64,
-    sweeps: u32,
+    iterations: u32,
 }
 
 impl Cost {
@@ -144,8 +147,15 @@ impl Cost {
         (self.all - self.solve) as f64
     }
 
-    fn sweep(&self) -> f64 {
-        self.solve as f64 / f64::from(self.sweeps.max(1))
+    /// Cycles of an iteration after the first, for which a solve of one iteration takes `first`.
+    fn further(&self, first: f64) -> Option<f64> {
+        let further = self.iterations.saturating_sub(1);
+        (further > 0).then(|| (self.solve as f64 - first) / f64::from(further))
+    }
+
+    /// Cycles of the solve but for its iterations.
+    fn start(&self, iteration: f64) -> f64 {
+        (self.solve as f64 - f64::from(self.iterations) * iteration).max(0.0)
     }
 }
 
@@ -189,7 +199,7 @@ impl Board {
                 let bytes = [0, 1, 2, 3].map(|j| answer[4 * i + j]);
                 u32::from_le_bytes(bytes)
             };
-            let (sent, sweeps) = (word(2) as usize, word(3));
+            let (sent, iterations) = (word(2) as usize, word(3));
             if machine.read(output, sent)? != *expected {
                 bail!(
                     "tick {number}, {}: the core's telemetry is not the host's",
@@ -197,15 +207,17 @@ impl Board {
                 );
             }
             let profile = profiler.profile(&machine, &counts)?;
-            let solve = profile.functions.get(SOLVE).map_or(0, |share| share.all);
+            let of = |name: &str| profile.functions.get(name).map_or(0, |share| share.all);
+            let solve = SOLVE.map(of).into_iter().fold(0, u64::max);
             ensure!(
-                (sweeps == 0) | (solve > 0),
-                "tick {number} has {sweeps} sweeps, but no cycles of {SOLVE}: is it called otherwise?"
+                (iterations == 0) | (solve > 0),
+                "tick {number} has {iterations} iterations, but no cycles of {}: is it called otherwise?",
+                SOLVE[0]
             );
             all.push(Cost {
                 all: machine.cycles(&counts),
                 solve,
-                sweeps,
+                iterations,
             });
         }
         Ok(Costs { board: self, all })
@@ -213,31 +225,45 @@ impl Board {
 }
 
 impl Costs {
-    /// Solves within a bound on sweeps; what starts from nothing may pass it.
-    fn within(&self, sweeps: u16) -> impl Iterator<Item = &Cost> {
-        let most = u32::from(sweeps);
+    /// Solves within a bound on iterations; what starts from nothing may pass it.
+    fn within(&self, iterations: u16) -> impl Iterator<Item = &Cost> + Clone {
+        let most = u32::from(iterations);
         self.all
             .iter()
-            .filter(move |cost| cost.sweeps > 0 && cost.sweeps <= most)
+            .filter(move |cost| cost.iterations > 0 && cost.iterations <= most)
     }
 
-    /// Solves within the sweeps of the measurement, one more than the firmware's.
+    /// Solves within the iterations of the measurement, one more than the firmware's.
     fn warm(&self) -> impl Iterator<Item = &Cost> {
-        self.within(self.board.settings.max_sweeps())
+        self.within(self.board.settings.max_iterations())
     }
 
     /// Solves within those of the firmware.
     fn allowed(&self) -> impl Iterator<Item = &Cost> {
         let deadline = self.board.settings.deadline_cycles;
-        self.within(self.board.cost.sweeps_within(deadline))
+        self.within(self.board.cost.iterations_within(deadline))
     }
 
     /// What the constant of the board should be.
     fn constant(&self) -> CycleCost {
         let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max).ceil() as u32;
+        let iteration = Spread::of(self.iterations().into_iter()).median.ceil();
         CycleCost {
             fixed: most(&mut self.all.iter().map(Cost::rest)),
-            sweep: most(&mut self.warm().map(Cost::sweep)),
+            start: most(&mut self.warm().map(|cost| cost.start(iteration))),
+            iteration: iteration as u32,
+        }
+    }
+
+    /// Cycles of iterations after the first of a solve; of the first ones, if there are no others.
+    fn iterations(&self) -> Vec<f64> {
+        let firsts = self.within(1).map(|cost| cost.solve as f64);
+        let first = Spread::of(firsts.clone()).median;
+        let further: Vec<f64> = self.warm().filter_map(|cost| cost.further(first)).collect();
+        if further.is_empty() {
+            firsts.collect()
+        } else {
+            further
         }
     }
 
@@ -271,7 +297,13 @@ impl Costs {
         };
         spread(TICK, warm, self.allowed().map(|c| c.all as f64).collect());
         spread(REST, None, self.all.iter().map(Cost::rest).collect());
-        spread(SWEEP, warm, self.warm().map(Cost::sweep).collect());
+        spread(ITERATION, warm, self.iterations());
+        let iteration = f64::from(self.constant().iteration);
+        spread(
+            START,
+            warm,
+            self.warm().map(|cost| cost.start(iteration)).collect(),
+        );
         let deadline = u64::from(board.settings.deadline_cycles);
         let beyond = self.all.iter().filter(|cost| cost.all > deadline).count();
         for (metric, count) in [
@@ -286,10 +318,52 @@ impl Costs {
 
 const TICK: &str = "cycles of a tick with a warm solve";
 const REST: &str = "cycles of a tick but for its solve";
-const SWEEP: &str = "cycles of a warm solve, by sweeps";
+const START: &str = "cycles of a warm solve but for its iterations";
+const ITERATION: &str = "cycles of an iteration";
 const TICKS: &str = "ticks";
 const SOLVED: &str = "ticks with a warm solve";
 const BEYOND: &str = "ticks beyond the deadline";
+
+/// Records after these ones: teeth that press the shaft with a half-sine each, of two loads and at three rates, one
+/// after the other or with a pause in between.
+fn teeth(before: &[LoadRecord]) -> Vec<LoadRecord> {
+    const CUTS: [(f64, f64, f64); 8] = [
+        (125.0, 1000.0, 1.0),
+        (125.0, 1000.0, 0.5),
+        (200.0, 1000.0, 1.0),
+        (200.0, 1000.0, 0.5),
+        (400.0, 1000.0, 1.0),
+        (400.0, 1000.0, 0.5),
+        (200.0, 500.0, 0.5),
+        (400.0, 500.0, 0.5),
+    ];
+    let Some(last) = before.last() else {
+        return Vec::new();
+    };
+    let record = |tick: u32| {
+        let cut = tick as usize * CUTS.len() / TEETH as usize;
+        let (per_second, amplitude, in_cut) = CUTS[cut];
+        // A little off the rate of the ticks, which thereby meet every part of the half-sine.
+        let phase = (per_second * 1.0007e-3 * f64::from(tick))
+            .fract()
+            .min(in_cut);
+        let tooth = amplitude * (std::f64::consts::PI * phase / in_cut).sin();
+        // No channel is stuck.
+        let noise = (f64::from(tick) * 0.618_034).fract();
+        let small = |part: f64| (noise * part) as f32;
+        LoadRecord {
+            sequence: last.sequence + 1 + tick,
+            time_ms: last.time_ms + 1 + tick,
+            fx: 420.0 + small(0.4),
+            fy: (0.99 * tooth) as f32 + small(1.0),
+            fz: small(1.0),
+            my: small(0.01),
+            mz: small(0.02),
+            speed_rpm: last.speed_rpm,
+        }
+    };
+    (0..TEETH).map(record).collect()
+}
 
 /// The stream at the pace of the port, which brings no more bytes in a tick than it takes away.
 fn paced(ticks: Vec<Tick>) -> Vec<Tick> {
@@ -310,6 +384,7 @@ fn measure(root: &Path) -> Result<Vec<Costs>> {
     let recorded = records::read(RECORD, Some(SECONDS), settings.tick.period_us)?;
     let episodes = faults::schedule(SEED, &recorded);
     let mut spoiler = Spoiler::new(SEED, episodes);
+    let recorded = [recorded.clone(), teeth(&recorded)].concat();
     let ticks = paced(stream::ticks(&recorded, &mut spoiler, settings));
     let images = BOARDS
         .iter()
@@ -354,7 +429,8 @@ pub fn section(rows: &Rows) -> String {
     for board in &BOARDS {
         for (what, metric) in [
             ("all but the solve", REST),
-            ("a warm solve, by sweeps", SWEEP),
+            ("a warm solve but for its iterations", START),
+            ("an iteration", ITERATION),
             ("a tick with a warm solve", TICK),
         ] {
             let mut line = vec![format!("{}: {what}", board.name())];
@@ -366,19 +442,23 @@ pub fn section(rows: &Rows) -> String {
             lines.push(line);
         }
         // As the constants are to be, not as they were when this was compiled.
-        let [fixed, sweep] =
-            [REST, SWEEP].map(|metric| figure(rows, board, metric, "worst").ceil() as u32);
+        let [fixed, start, iteration] = [(REST, "worst"), (START, "worst"), (ITERATION, "median")]
+            .map(|(metric, stat)| figure(rows, board, metric, stat).ceil() as u32);
         let settings = TickSettings {
-            cost: CycleCost { fixed, sweep },
+            cost: CycleCost {
+                fixed,
+                start,
+                iteration,
+            },
             ..*board.settings
         };
-        let (budget, sweeps) = (settings.deadline_cycles, settings.max_sweeps());
+        let (budget, iterations) = (settings.deadline_cycles, settings.max_iterations());
         let most = settings.most_cycles();
         let count = |metric| thousands(figure(rows, board, metric, "value"));
         budgets.push(vec![
             format!("{}, {} MHz", board.name(), board.core_hz / 1_000_000),
             thousands(budget.into()),
-            sweeps.to_string(),
+            iterations.to_string(),
             thousands(most as f64),
             thousands(f64::from(budget) - most as f64),
             count(TICKS),
@@ -388,14 +468,17 @@ pub fn section(rows: &Rows) -> String {
     }
     format!(
         "{}## A tick of the monitor\n\nThe chain of the shipped firmware (`examples/chain.rs`) over the first \
-         {SECONDS} s of the recorded cycle, with the faults of `cargo emulate --seconds {SECONDS} --faults`: \
+         {SECONDS} s of the recorded cycle, with the faults of `cargo emulate --seconds {SECONDS} --faults`, \
+         and over {TEETH} ticks of passing teeth: \
          bytes of the port sorted and decoded, doubts, a warm solve, limits, judgement, life, telemetry \
          encoded and taken byte by byte. Cycles modelled as above, in brackets the part of a period of 1 ms; \
          interrupts, the log and waiting for the port are not in it. All telemetry of the emulated cores was \
          the host's to the last bit.\n\n{}\n\
-         The firmware allows as many sweeps as fit: the worst of *all but the solve* and that many times the \
-         worst of *a warm solve, by sweeps* are within the period. Solves of one sweep more count for the latter, too: \
-         what they take decides whether they fit. A solve from nothing, after one that went \
+         The firmware allows as many iterations as fit: the worst of *all but the solve*, the worst of *a warm solve \
+         but for its iterations* and that many times the median of *an iteration* are within the period. The median is \
+         that of iterations after the first. What a solve takes beyond it counts as the solve's other part: prediction \
+         or start, and balls that are placed. No solve measured takes more than that sum, those of one iteration more than \
+         fit included. A solve from nothing, after one that went \
          astray, may take longer, and is counted as an overrun.\n\n{}\n\
          `cargo reports monitor` makes this section and the constants of `CycleCost` anew.\n\n{}\n",
         MARKS[0],
@@ -404,7 +487,7 @@ pub fn section(rows: &Rows) -> String {
             &[
                 "board",
                 "period",
-                "sweeps allowed",
+                "iterations allowed",
                 "longest then",
                 "margin",
                 "ticks",
@@ -425,7 +508,7 @@ fn figures(measured: &[Costs]) -> Figures {
     let rows = rows(measured);
     let mut figures = Figures::new();
     for board in &BOARDS {
-        for metric in [TICK, REST, SWEEP] {
+        for metric in [TICK, REST, START, ITERATION] {
             for stat in ["median", "99 %", "worst"] {
                 let value = figure(&rows, board, metric, stat).ceil() as u64;
                 figures.insert(
@@ -446,7 +529,8 @@ fn hold(measured: &[Costs], leeway: f64) -> Result<()> {
             let (is, said) = (costs.constant(), costs.board.cost);
             [
                 ("fixed", is.fixed, said.fixed),
-                ("sweep", is.sweep, said.sweep),
+                ("start", is.start, said.start),
+                ("iteration", is.iteration, said.iteration),
             ]
             .into_iter()
             .filter(move |(_, is, said)| f64::from(*is) > f64::from(*said) * (1.0 + leeway))
@@ -503,10 +587,10 @@ pub fn alone(root: &Path) -> Result<()> {
     println!("written: {}, {CONSTANTS}", path.display());
     for costs in &measured {
         let [before, now] = [costs.board.cost, costs.constant()]
-            .map(|cost| cost.sweeps_within(costs.board.settings.deadline_cycles));
+            .map(|cost| cost.iterations_within(costs.board.settings.deadline_cycles));
         if now != before {
             println!(
-                "{}: {now} sweeps are allowed from now on, {before} so far: measure once more",
+                "{}: {now} iterations are allowed from now on, {before} so far: measure once more",
                 costs.board.name()
             );
         }
@@ -514,18 +598,22 @@ pub fn alone(root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Fails where not even one sweep fits: firmware with such constants does not compile, and could then not
+/// Fails where not even one iteration fits: firmware with such constants does not compile, and could then not
 /// be measured again.
 fn fits(measured: &[Costs]) -> Result<()> {
     for costs in measured {
         let (is, board) = (costs.constant(), costs.board);
-        let (most, period) = (is.fixed + is.sweep, board.settings.deadline_cycles);
+        let (most, period) = (
+            is.fixed + is.start + is.iteration,
+            board.settings.deadline_cycles,
+        );
         ensure!(
             most <= period,
-            "a tick does not fit, {}: {} + {} = {most} cycles of {period}. {CONSTANTS} is left as it is",
+            "a tick does not fit, {}: {} + {} + {} = {most} cycles of {period}. {CONSTANTS} is left as it is",
             board.name(),
             is.fixed,
-            is.sweep
+            is.start,
+            is.iteration
         );
     }
     Ok(())
@@ -539,13 +627,18 @@ fn write_constants(root: &Path, measured: &[Costs]) -> Result<()> {
                     impl CycleCost {\n"
             .to_owned();
     for costs in measured {
-        let CycleCost { fixed, sweep } = costs.constant();
+        let CycleCost {
+            fixed,
+            start,
+            iteration,
+        } = costs.constant();
         let (about, constant) = (costs.board.about, costs.board.constant);
         text += &format!(
             "    /// {about}\n    pub const {constant}: Self = Self {{\n        fixed: {},\n        \
-             sweep: {},\n    }};\n",
+             start: {},\n        iteration: {},\n    }};\n",
             grouped(fixed),
-            grouped(sweep)
+            grouped(start),
+            grouped(iteration)
         );
     }
     text += "}\n";
@@ -563,7 +656,11 @@ mod tests {
     use super::*;
 
     fn costs(all: &[(u64, u64, u32)]) -> Costs {
-        let cost = |&(all, solve, sweeps)| Cost { all, solve, sweeps };
+        let cost = |&(all, solve, iterations)| Cost {
+            all,
+            solve,
+            iterations,
+        };
         Costs {
             board: &BOARDS[0],
             all: all.iter().map(cost).collect(),
@@ -571,31 +668,37 @@ mod tests {
     }
 
     #[test]
-    fn constants_are_the_longest_rest_and_the_longest_sweep_within_the_bound() {
-        let most = u32::from(BOARDS[0].settings.max_sweeps());
+    fn no_measured_solve_takes_more_than_the_constants_say() {
+        let most = u32::from(BOARDS[0].settings.max_iterations());
         let all = [
             (100, 60, 1),
             (130, 0, 0),
-            (120, 70, 1),
+            (200, 110, 2),
+            (250, 160, 3),
             (9000, 8980, most + 1),
         ];
-        let CycleCost { fixed, sweep } = costs(&all).constant();
-        assert_eq!((fixed, sweep), (130, 70));
+        let CycleCost {
+            fixed,
+            start,
+            iteration,
+        } = costs(&all).constant();
+        assert_eq!((fixed, start, iteration), (130, 10, 50));
     }
 
     #[test]
     fn constants_that_promise_too_little_are_named() {
         let said = BOARDS[0].cost;
         let of = |part: f64| {
-            let [rest, solve] = [said.fixed, said.sweep].map(|x| (f64::from(x) * part) as u64);
-            hold(&[costs(&[(rest + solve, solve, 1)])], 0.02)
+            let scaled = |cycles: u32| (f64::from(cycles) * part) as u64;
+            let solve = |n: u32| scaled(said.start) + u64::from(n) * scaled(said.iteration);
+            let cost = |n: u32| (scaled(said.fixed) + solve(n), solve(n), n);
+            hold(&[costs(&[cost(1), cost(2)])], 0.02)
         };
         assert!(of(1.019).is_ok());
         let text = of(1.03).unwrap_err().to_string();
-        assert!(
-            text.contains("CORTEX_M4F.fixed") && text.contains("CORTEX_M4F.sweep"),
-            "{text}"
-        );
+        for field in ["fixed", "start", "iteration"] {
+            assert!(text.contains(&format!("CORTEX_M4F.{field}")), "{text}");
+        }
         assert!(text.contains("cargo reports monitor"), "{text}");
     }
 

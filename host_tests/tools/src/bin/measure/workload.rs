@@ -2,22 +2,28 @@
 
 use crate::bench::Question;
 use crate::host::Limit;
+use anyhow::Result;
 use host_tests::cases::{B7005C, Case, Random, rad_per_s};
 use host_tests::dispatch::Precision;
+use host_tests::milling_cycle::RECORD;
 use spindle_bearing::Design;
+use tools::stream::records;
 
 /// Balls of the everyday case.
 pub const EVERYDAY_BALLS: usize = 16;
+
+/// Load (N, N m) and speed (rad/s), numbers of single precision.
+pub type State = ([f64; 5], f64);
 
 /// A bearing under load, and the same a moment later.
 #[derive(Debug, Clone)]
 pub struct Work {
     /// The bearing.
     pub design: Design,
-    /// Load (N, N m) and speed (rad/s), numbers of single precision.
-    pub cold: ([f64; 5], f64),
+    /// At first.
+    pub cold: State,
     /// One tick later: every load 1 % and the speed 0.5 % larger or smaller.
-    pub warm: ([f64; 5], f64),
+    pub warm: State,
 }
 
 impl Work {
@@ -55,13 +61,27 @@ impl Work {
     }
 }
 
+/// The recorded milling cycle on a B7005C, a state every millisecond on the straight line between its rows; from a
+/// second on, so many ticks.
+pub fn milling(from_s: usize, ticks: usize) -> Result<Vec<State>> {
+    let records = records::read(RECORD, None, 1000)?;
+    let states = records.iter().skip(1000 * from_s).take(ticks);
+    let single = |x: f64| f64::from(x as f32);
+    Ok(states
+        .map(|r| {
+            let omega = single(rad_per_s(r.speed_rpm.into()));
+            (r.load().map(f64::from), omega)
+        })
+        .collect())
+}
+
 /// As a question to a solver of this precision.
-pub fn question((load, omega): ([f64; 5], f64), precision: Precision, limit: Limit) -> Question {
-    let (tolerance, sweeps) = limit.settings(precision);
+pub fn question((load, omega): State, precision: Precision, limit: Limit) -> Question {
+    let (tolerance, iterations) = limit.settings(precision);
     Question {
         load,
         omega,
         tolerance,
-        max_sweeps: sweeps.into(),
+        max_iterations: iterations.into(),
     }
 }

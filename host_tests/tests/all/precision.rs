@@ -1,0 +1,246 @@
+//! What single precision is good for, and solves that rounding or a weak ring makes hard.
+
+use super::solves::{Balls, LIFTING, PRECISIONS, Question, SKEW, cold, solver};
+use host_tests::cases::{B7005C, SKF6205, rad_per_s};
+use host_tests::compare::{stiffness_error, worse};
+use host_tests::dispatch::Precision;
+use host_tests::tolerances::allowed;
+use spindle_bearing::{Design, FreeContact, Status};
+use std::f64::consts::PI;
+
+/// As single precision holds it.
+fn rounded(x: f64) -> f64 {
+    f64::from(x as f32)
+}
+
+#[test]
+fn single_and_double_precision_agree() {
+    let [mut narrow, mut wide] =
+        PRECISIONS.map(|precision| solver(&B7005C, 16, precision, Balls::Free));
+    for rpm in [0.0, 5_000.0, 20_000.0, 40_000.0] {
+        for load in [SKEW, SKEW.map(|x| 0.2 * x), LIFTING] {
+            // Numbers that both precisions hold.
+            let (load, omega) = (load.map(rounded), rounded(rad_per_s(rpm)));
+            let [found, truth] = [&mut narrow, &mut wide].map(|solver| solver.load(load, omega));
+            let errors = found.equilibrium().errors(
+                &truth.equilibrium(),
+                B7005C.ball_diameter,
+                0.5 * B7005C.pitch_diameter,
+            );
+            assert!(
+                errors.within(allowed(Precision::F32)),
+                "{load:?} at {rpm} rpm: {errors}"
+            );
+        }
+    }
+}
+
+/// Holds 400 solves in single precision along a direction, some of which rounding ends, to their stiffness in
+/// double precision: all to their own estimates, and as many as `rounded_off` allows to the table. Returns the largest
+/// errors of those within the table and of all that rounding has ended.
+fn worst_where_rounding_ends(
+    balls: Balls,
+    direction: [f64; 5],
+    smallest: f64,
+    omega: f64,
+    rounded_off: usize,
+) -> [f64; 2] {
+    let (mut worst, mut of_all, mut beyond) = (0.0, 0.0, Vec::new());
+    let mut single = solver(&B7005C, 16, Precision::F32, balls);
+    for i in 0..400_u16 {
+        let size = smallest * 10f64.powf(f64::from(i) / 100.0);
+        let load = direction.map(|part| rounded(part * size));
+        single.reset();
+        let found = single.load(load, omega);
+        let truth = cold(&B7005C, 16, balls, load, omega);
+        let error = stiffness_error(&found.k, &truth.k);
+        let is_within = error < allowed(Precision::F32).stiffness;
+        if !is_within {
+            beyond.push((load, error));
+            let estimate = found.estimate[2];
+            assert!(error <= estimate, "{load:?}: {error:e} beyond {estimate:e}");
+        }
+        if found.status == Status::PrecisionLimit {
+            of_all = worse(of_all, error);
+            if is_within {
+                worst = worse(worst, error);
+            }
+        }
+    }
+    assert!(beyond.len() <= rounded_off, "{beyond:?}");
+    [worst, of_all]
+}
+
+/// Two in 400 loads press three balls so little that single precision hardly tells a pressed one from a free one. Their
+/// stiffness is that of a ball more or less, and their own estimate says so.
+#[test]
+fn where_rounding_ends_a_solve_at_rest_the_stiffness_is_good_or_said_not_to_be() {
+    let (balls, radial) = (Balls::Static, [0.0, 1.0, 0.3, 0.0, 0.0]);
+    let [worst, of_all] = worst_where_rounding_ends(balls, radial, 0.01, 0.0, 3);
+    assert!(worst < 4e-5, "{worst:e}");
+    assert!(of_all < 0.1, "{of_all:e}");
+}
+
+#[test]
+fn where_rounding_ends_a_solve_at_speed_the_stiffness_is_still_good() {
+    let (balls, mixed) = (Balls::Free, [0.2, 1.0, 0.3, 0.0, 0.0]);
+    let [worst, _] = worst_where_rounding_ends(balls, mixed, 0.1, 2000.0, 0);
+    assert!(worst < 2e-5, "{worst:e}");
+}
+
+/// Balls that carry nothing else are caught between the races by next to nothing. In double precision, every one is. In
+/// single precision, some are without the force of their inertia, which is then smaller than the table's error of force.
+#[test]
+fn a_bearing_that_hardly_turns_has_its_equilibria_and_balls_without_force_lack_next_to_none() {
+    let ball_mass = SKF6205.ball.density * PI / 6.0 * SKF6205.ball_diameter.powi(3);
+    let centrifugal = 0.5 * ball_mass * SKF6205.pitch_diameter;
+    for precision in PRECISIONS {
+        let (mut solves, mut unsolved, mut fast, mut lacking) = (0, 0, 0, 0);
+        let epsilon = match precision {
+            Precision::F32 => f32::EPSILON.into(),
+            Precision::F64 => f64::EPSILON,
+        };
+        let mut solver = solver(&SKF6205, 9, precision, Balls::Free);
+        for exponent in 4..15 {
+            // Centrifugal forces of all balls, over the load.
+            let inertia = 10f64.powi(-exponent);
+            for i in 0..200_u16 {
+                let (sin, cos) = (0.1 * f64::from(i)).sin_cos();
+                let size = 10f64.powf(f64::from(i % 50) / 25.0);
+                let load = [0.02 * size * sin, size * cos, size * sin, 0.0, 1e-3 * size];
+                let omega = (inertia * size / (9.0 * centrifugal)).sqrt();
+                for omega in [0.0, omega] {
+                    solver.reset();
+                    solves += 1;
+                    let Ok(found) = solver.ask(&Question::load(load, omega)) else {
+                        unsolved += 1;
+                        continue;
+                    };
+                    // A speed that the precision can tell from a standstill.
+                    if omega == 0.0 || inertia <= 9.0 * epsilon {
+                        continue;
+                    }
+                    fast += 1;
+                    let largest = found
+                        .balls
+                        .iter()
+                        .fold(0.0, |m, ball| f64::max(m, ball.q_o));
+                    let lacks = found.balls.iter().fold(0.0, |m, ball| match ball.q_o {
+                        q if q > 0.0 => m,
+                        _ => f64::max(m, ball.centrifugal_force),
+                    });
+                    lacking += usize::from(lacks > 0.0);
+                    let error = lacks / largest;
+                    let bound = allowed(precision).force;
+                    assert!(
+                        error <= bound,
+                        "{load:?}, {omega}, {precision:?}: {error:e}"
+                    );
+                }
+            }
+        }
+        // The shares of single precision are 0.9 % and 7 %.
+        let [most_unsolved, most_lacking] = match precision {
+            Precision::F32 => [0.01, 0.08],
+            Precision::F64 => [0.0; 2],
+        };
+        let counts = format!(
+            "{precision:?}: {unsolved} of {solves} unsolved, {lacking} of {fast} lack force"
+        );
+        assert!(
+            f64::from(unsolved) <= most_unsolved * f64::from(solves),
+            "{counts}"
+        );
+        assert!(lacking as f64 <= most_lacking * f64::from(fast), "{counts}");
+    }
+}
+
+#[test]
+fn a_ball_off_the_inner_race_is_held_by_its_centrifugal_force_however_small() {
+    // Of some 300,000 random loads, those at which a ball still swung on the outer race when all else had settled.
+    let cases = [
+        (
+            [
+                3.220003089897029,
+                -10.648358708824667,
+                1.715549648150182,
+                0.030708690211477967,
+                0.01501682306965175,
+            ],
+            0.4538570183943911,
+        ),
+        (
+            [
+                10.594193206089821,
+                -23.19546130927257,
+                24.992286579775016,
+                -0.10028633063705758,
+                0.08824837601646605,
+            ],
+            1.2830719864596363,
+        ),
+        (
+            [
+                82.95456935021434,
+                238.40333888785344,
+                207.86248649951796,
+                0.7824873663034885,
+                0.7953368358613754,
+            ],
+            1.721906818198178,
+        ),
+        (
+            [
+                5.28966515520123,
+                6.279224538940268,
+                -10.144649449287122,
+                -0.05121659648884388,
+                0.05207260260960266,
+            ],
+            0.4926053759485524,
+        ),
+    ];
+    let mut solver = solver(&B7005C, 16, Precision::F32, Balls::Free);
+    for (load, exponent) in cases {
+        solver.reset();
+        let found = solver.load(load, rad_per_s(10f64.powf(exponent)));
+        let largest = found.balls.iter().map(|b| b.q_o).fold(0.0, f64::max);
+        let mut off = 0;
+        for ball in found.balls.iter().filter(|ball| ball.q_i == 0.0) {
+            let missed = (ball.q_o - ball.centrifugal_force).abs() / largest;
+            assert!(missed < 1e-6, "{missed:e} of the largest force, {ball:?}");
+            off += 1;
+        }
+        assert!(off > 0, "{load:?}");
+    }
+}
+
+#[test]
+fn a_ring_that_rocks_on_few_balls_comes_to_rest_before_the_solve_ends() {
+    // Two or three of twenty balls carry, and nothing holds the ring's tilt but the lines of contact, which
+    // turn with it.
+    let design = Design {
+        ball_diameter: 56.3127e-3,
+        pitch_diameter: 414.701e-3,
+        inner_groove_factor: 0.505_473_74,
+        outer_groove_factor: 0.545_758_9,
+        free_contact: FreeContact::Angle(0.428_693_15),
+        ..B7005C
+    };
+    for fy in [240.0, 250.0, 254.0, 260.0, 270.0] {
+        let load = [0.0, fy, -1323.75, 0.0, 0.0];
+        let [found, truth] = PRECISIONS
+            .map(|precision| solver(&design, 20, precision, Balls::Static).load(load, 0.0));
+        assert!(truth.balls.iter().filter(|b| b.q_i > 0.0).count() <= 3);
+        let errors = found.equilibrium().errors(
+            &truth.equilibrium(),
+            design.ball_diameter,
+            0.5 * design.pitch_diameter,
+        );
+        assert!(
+            errors.displacement < 1e-2 && errors.stiffness < 1e-2,
+            "{load:?}: {errors}, estimated {:?}",
+            found.estimate
+        );
+    }
+}

@@ -1,0 +1,144 @@
+//! Symmetries of the bearing: turned and mirrored loads have turned and mirrored solutions.
+
+use super::solves::{Balls, LIFTING, SKEW, cold, lengths, loads, solver, vector_error};
+use host_tests::cases::{B7005C, SKF6205, rad_per_s};
+use host_tests::compare::stiffness_error;
+use host_tests::dispatch::Precision;
+use proptest::prelude::*;
+use spindle_bearing::{Design, FreeContact};
+use std::array::from_fn;
+use std::f64::consts::TAU;
+
+/// A force or displacement vector turned about the axis.
+fn turned(f: [f64; 5], (sin, cos): (f64, f64)) -> [f64; 5] {
+    [
+        f[0],
+        cos * f[1] - sin * f[2],
+        sin * f[1] + cos * f[2],
+        cos * f[3] - sin * f[4],
+        sin * f[3] + cos * f[4],
+    ]
+}
+
+/// A stiffness turned about the axis: rows and columns like vectors.
+fn turned_stiffness(k: [[f64; 5]; 5], turn: (f64, f64)) -> [[f64; 5]; 5] {
+    let transposed = |k: [[f64; 5]; 5]| -> [[f64; 5]; 5] { from_fn(|i| from_fn(|j| k[j][i])) };
+    let rows = k.map(|row| turned(row, turn));
+    transposed(transposed(rows).map(|column| turned(column, turn)))
+}
+
+/// Errors of displacement and stiffness under the turned load.
+fn errors_of_turned(
+    (design, n): (&Design, usize),
+    balls: Balls,
+    load: [f64; 5],
+    rpm: f64,
+    turn: (f64, f64),
+) -> [f64; 2] {
+    let omega = rad_per_s(rpm);
+    let one = cold(design, n, balls, load, omega);
+    let other = cold(design, n, balls, turned(load, turn), omega);
+    [
+        vector_error(other.u, turned(one.u, turn), lengths(design)),
+        stiffness_error(&other.k, &turned_stiffness(one.k, turn)),
+    ]
+}
+
+#[test]
+fn turning_the_load_by_90_degrees_swaps_radial_and_tilt_stiffness() {
+    for rpm in [0.0, 5_000.0, 20_000.0, 40_000.0] {
+        let k = |load| cold(&B7005C, 16, Balls::Free, load, rad_per_s(rpm)).k;
+        let (y, z) = (
+            k([1000.0, 200.0, 0.0, 0.0, 3.0]),
+            k([1000.0, 0.0, 200.0, -3.0, 0.0]),
+        );
+        for (a, b) in [(1, 2), (2, 1), (3, 4), (4, 3)] {
+            let e = (y[a][a] / z[b][b] - 1.0).abs();
+            assert!(e < 1e-12, "{rpm} rpm, {a} {b}: {e:.1e}");
+        }
+    }
+    for (balls, load, rpm) in [
+        (Balls::Free, SKEW, 20_000.0),
+        (Balls::Outer, SKEW, 20_000.0),
+        (Balls::Inner, SKEW, 20_000.0),
+        (Balls::Centrifugal, SKEW, 20_000.0),
+        (Balls::Static, SKEW, 0.0),
+        (Balls::Free, LIFTING, 40_000.0),
+    ] {
+        let [u, k] = errors_of_turned((&B7005C, 16), balls, load, rpm, (1.0, 0.0));
+        assert!(
+            u < 1e-13 && k < 1e-12,
+            "{balls:?}, {load:?} at {rpm} rpm: {u:.1e}, {k:.1e}"
+        );
+    }
+}
+
+#[test]
+fn the_sense_of_rotation_does_not_matter() {
+    let omega = rad_per_s(20_000.0);
+    let [forth, back] = [omega, -omega].map(|omega| cold(&B7005C, 16, Balls::Free, SKEW, omega));
+    assert_eq!(forth, back);
+}
+
+#[test]
+fn a_pushed_back_ring_carries_on_the_other_side() {
+    // Grooves are symmetric: without clearance and contact angle, axial push and pull are alike.
+    let straight = Design {
+        free_contact: FreeContact::Angle(0.0),
+        ..B7005C
+    };
+    let [push, pull] = [500.0, -500.0].map(|fx| {
+        let load = [fx, 0.0, 0.0, 0.0, 0.0];
+        cold(&straight, 16, Balls::Free, load, rad_per_s(10_000.0))
+    });
+    assert!((push.u[0] / pull.u[0] + 1.0).abs() < 1e-12);
+    assert!((push.k[0][0] / pull.k[0][0] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_moment_turned_over_turns_over_the_contact_angles() {
+    let angles = |mz: f64| -> Vec<f64> {
+        let load = [1000.0, 0.0, 0.0, 0.0, mz];
+        let balls = cold(&B7005C, 16, Balls::Static, load, 0.0).balls;
+        balls.iter().map(|ball| ball.alpha_i).collect()
+    };
+    let (level, over, back) = (angles(0.0), angles(3.0), angles(-3.0));
+    for j in 0..16 {
+        // Cosine-like: most at +y and -y, with opposite signs, and mirrored for the other sign.
+        assert!((over[j] - back[(24 - j) % 16]).abs() < 1e-12, "ball {j}");
+    }
+    assert!((over[0] - level[0]) * (over[8] - level[8]) < 0.0);
+    assert!((over[0] - over[8]).abs() > 0.02, "{} {}", over[0], over[8]);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn turning_the_load_by_a_pitch_turns_the_answer(
+        load in loads(), rpm in 0.0..40_000.0f64, pitches in 1..9u8,
+    ) {
+        let turn = (TAU * f64::from(pitches) / 9.0).sin_cos();
+        let half = load.map(|x| 0.5 * x);
+        let [u, k] = errors_of_turned((&SKF6205, 9), Balls::Free, half, 0.5 * rpm, turn);
+        prop_assert!(u < 1e-9 && k < 1e-9, "{u:.1e}, {k:.1e}");
+    }
+
+    #[test]
+    fn mirroring_the_load_mirrors_the_answer(load in loads(), rpm in 0.0..40_000.0f64) {
+        const MIRROR: [f64; 5] = [1.0, 1.0, -1.0, -1.0, 1.0];
+        let mirrored = |f: [f64; 5]| -> [f64; 5] { from_fn(|i| f[i] * MIRROR[i]) };
+        let mut solver = solver(&B7005C, 16, Precision::F64, Balls::Free);
+        let mut cold = |load| {
+            solver.reset();
+            solver.load(load, rad_per_s(rpm))
+        };
+        let (one, other) = (cold(load), cold(mirrored(load)));
+        prop_assert!(vector_error(other.u, mirrored(one.u), lengths(&B7005C)) < 1e-9);
+        let mut k = one.k.map(mirrored);
+        for (row, sign) in k.iter_mut().zip(MIRROR) {
+            *row = row.map(|x| x * sign);
+        }
+        prop_assert!(stiffness_error(&other.k, &k) < 1e-9);
+    }
+}

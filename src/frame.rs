@@ -1,0 +1,92 @@
+//! From the bearing centre, to which loads, displacements and stiffness refer, to the plane of the inner groove centres.
+//!
+//! A tilt about the bearing centre moves that plane sideways, `dy' = dy + p tz`, `dz' = dz - p ty` with the distance `p`.
+//! Displacements of the plane move a groove centre by one product each. A force with the moments `My`, `Mz` about a point
+//! of the plane has `My - p Fz` and `Mz + p Fy` about the bearing centre.
+
+use super::constants::Constants;
+use super::linalg::Matrix;
+use super::ring::Sum;
+use crate::float::Real;
+
+/// The displacement of the groove plane that belongs to one of the bearing centre.
+#[inline(always)]
+pub fn plane_of<T: Real, const D: usize>(c: &Constants<T>, u: &[T; D]) -> [T; D] {
+    let mut u = *u;
+    if D == 5 {
+        u[1] += c.plane * u[4];
+        u[2] -= c.plane * u[3];
+    }
+    u
+}
+
+/// The displacement of the bearing centre that belongs to one of the groove plane.
+#[inline(always)]
+pub fn centre_of<T: Real, const D: usize>(c: &Constants<T>, u: &[T; D]) -> [T; D] {
+    let mut u = *u;
+    if D == 5 {
+        u[1] -= c.plane * u[4];
+        u[2] += c.plane * u[3];
+    }
+    u
+}
+
+/// Refers a force on the groove plane to the bearing centre.
+#[inline(always)]
+pub fn refer<T: Real, const D: usize>(c: &Constants<T>, force: &mut [T; D]) {
+    if D == 5 {
+        force[4] += c.plane * force[1];
+        force[3] -= c.plane * force[2];
+    }
+}
+
+impl<T: Real, const D: usize> Sum<T, D> {
+    /// Refers forces and slopes at the groove plane to the bearing centre.
+    #[inline(always)]
+    pub fn refer(&mut self, c: &Constants<T>) {
+        if D == 5 {
+            refer(c, &mut self.force);
+            refer(c, &mut self.by_speed);
+            let p = c.plane;
+            for row in &mut self.k {
+                let (y, z) = (row[1], row[2]);
+                row[4] += p * y;
+                row[3] -= p * z;
+            }
+            for j in 0..D {
+                let (y, z) = (self.k[1][j], self.k[2][j]);
+                self.k[4][j] += p * y;
+                self.k[3][j] -= p * z;
+            }
+        }
+    }
+}
+
+/// Units of force and displacement of a freedom, SI.
+#[inline(always)]
+pub fn units<T: Real>(c: &Constants<T>, freedom: usize) -> (T, T) {
+    if freedom < 3 {
+        (c.force, c.length)
+    } else {
+        (c.moment, c.tilt)
+    }
+}
+
+/// A displacement in SI units.
+pub fn displacement_out<T: Real, const D: usize>(c: &Constants<T>, u: &[T; D]) -> [T; D] {
+    core::array::from_fn(|i| u[i] * units(c, i).1)
+}
+
+/// A force in SI units.
+pub fn force_out<T: Real, const D: usize>(c: &Constants<T>, f: &[T; D]) -> [T; D] {
+    core::array::from_fn(|i| f[i] * units(c, i).0)
+}
+
+/// A stiffness in SI units.
+pub fn stiffness_out<T: Real, const D: usize>(c: &Constants<T>, k: &Matrix<T, D>) -> Matrix<T, D> {
+    let per = [T::ONE / c.length, T::ONE / c.tilt];
+    core::array::from_fn(|i| {
+        let force = units(c, i).0;
+        core::array::from_fn(|j| k[i][j] * (force * per[usize::from(j >= 3)]))
+    })
+}

@@ -1,0 +1,167 @@
+//! Vectors and matrices of two, and the system of the ring's freedoms.
+//!
+//! Products come first, then their sums: an FPU like the Cortex-M4's waits where a result is used at once, and the
+//! compiler keeps this order.
+
+use crate::float::Real;
+
+/// A vector in the axial-radial plane of a ball.
+pub type Pair<T> = [T; 2];
+/// 2x2 matrix, by rows.
+pub type Matrix2<T> = [Pair<T>; 2];
+/// Matrix over the freedoms, by rows (force) and columns (displacement).
+pub type Matrix<T, const D: usize> = [[T; D]; D];
+
+#[inline(always)]
+pub fn dot<T: Real>(a: Pair<T>, b: Pair<T>) -> T {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// `a.b` and `c.d`.
+#[inline(always)]
+pub fn dots<T: Real>([a, b]: [Pair<T>; 2], [c, d]: [Pair<T>; 2]) -> Pair<T> {
+    let (p, q) = (a[0] * b[0], a[1] * b[1]);
+    let (r, s) = (c[0] * d[0], c[1] * d[1]);
+    [p + q, r + s]
+}
+
+#[inline(always)]
+pub fn add<T: Real>(a: Pair<T>, b: Pair<T>) -> Pair<T> {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+#[inline(always)]
+pub fn sub<T: Real>(a: Pair<T>, b: Pair<T>) -> Pair<T> {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+#[inline(always)]
+pub fn scale<T: Real>(a: T, v: Pair<T>) -> Pair<T> {
+    [a * v[0], a * v[1]]
+}
+
+/// `m v`.
+#[inline(always)]
+pub fn times<T: Real>(m: &Matrix2<T>, v: Pair<T>) -> Pair<T> {
+    let (a, b) = (m[0][0] * v[0], m[0][1] * v[1]);
+    let (c, d) = (m[1][0] * v[0], m[1][1] * v[1]);
+    [a + b, c + d]
+}
+
+/// `m^T v`.
+#[inline(always)]
+pub fn times_transposed<T: Real>(m: &Matrix2<T>, v: Pair<T>) -> Pair<T> {
+    let (a, b) = (m[0][0] * v[0], m[1][0] * v[1]);
+    let (c, d) = (m[0][1] * v[0], m[1][1] * v[1]);
+    [a + b, c + d]
+}
+
+/// `a b`, a column after the other.
+#[inline(always)]
+pub fn product2<T: Real>(a: &Matrix2<T>, b: &Matrix2<T>) -> Matrix2<T> {
+    let [p, q] = [0, 1].map(|i| times(a, [b[0][i], b[1][i]]));
+    [[p[0], q[0]], [p[1], q[1]]]
+}
+
+/// From axial and radial components to those along a contact's normal `n = (sin, cos)` and tangent
+/// `(cos, -sin)`, or back: the matrix is its own inverse.
+#[inline(always)]
+pub fn turn<T: Real>(n: Pair<T>, v: Pair<T>) -> Pair<T> {
+    let (a, b) = (v[0] * n[0], v[1] * n[1]);
+    let (c, d) = (v[0] * n[1], v[1] * n[0]);
+    [a + b, c - d]
+}
+
+/// Product of two vectors over the freedoms.
+#[inline(always)]
+pub fn product<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    let mut sum = T::ZERO;
+    for i in 0..D {
+        sum += a[i] * b[i];
+    }
+    sum
+}
+
+/// Length of a vector over the freedoms.
+#[inline(never)]
+pub fn norm<T: Real, const D: usize>(a: &[T; D]) -> T {
+    product(a, a).sqrt()
+}
+
+/// Lower and upper factor of a matrix, in one; the pivots inverted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factors<T, const D: usize> {
+    lu: Matrix<T, D>,
+    /// Least pivot over the diagonal element that it came of; not positive where the matrix is not
+    /// positive definite.
+    pub least: T,
+}
+
+impl<T: Real, const D: usize> Factors<T, D> {
+    /// Of no matrix.
+    pub const NONE: Self = Self {
+        lu: [[T::ZERO; D]; D],
+        least: T::ZERO,
+    };
+
+    /// Takes the factors of `k` with `shift` added to its diagonal, without pivoting.
+    #[inline(never)]
+    pub fn factor(&mut self, k: &Matrix<T, D>, shift: T) {
+        self.lu = *k;
+        let lu = &mut self.lu;
+        for i in 0..D {
+            lu[i][i] += shift;
+        }
+        // The least pivot as a quotient, with one division.
+        let (mut least, mut element) = (T::ONE, T::ONE);
+        for i in 0..D {
+            let pivot = lu[i][i];
+            let diagonal = (k[i][i].abs() + shift).at_least(T::TINY);
+            if !(pivot * element >= least * diagonal) {
+                (least, element) = (pivot, diagonal);
+            }
+            // A pivot of nothing is replaced: who asks looks at `least` first.
+            let inverse = T::ONE / if pivot.abs() > T::TINY { pivot } else { T::ONE };
+            lu[i][i] = inverse;
+            for j in i + 1..D {
+                lu[j][i] = lu[j][i] * inverse;
+            }
+            for j in i + 1..D {
+                for l in i + 1..D {
+                    let product = lu[j][i] * lu[i][l];
+                    lu[j][l] -= product;
+                }
+            }
+        }
+        self.least = least / element;
+    }
+
+    /// Largest inverse pivot: about the compliance in the direction in which the matrix resists least.
+    pub fn compliance(&self) -> T {
+        let mut largest = T::ZERO;
+        for i in 0..D {
+            largest = largest.at_least(self.lu[i][i].abs());
+        }
+        largest
+    }
+
+    /// Solves for the right-hand side `b`.
+    #[inline(never)]
+    pub fn solve(&self, b: &[T; D]) -> [T; D] {
+        let mut x = *b;
+        for i in 0..D {
+            for j in 0..i {
+                let product = self.lu[i][j] * x[j];
+                x[i] -= product;
+            }
+        }
+        for i in (0..D).rev() {
+            for j in i + 1..D {
+                let product = self.lu[i][j] * x[j];
+                x[i] -= product;
+            }
+            x[i] = x[i] * self.lu[i][i];
+        }
+        x
+    }
+}

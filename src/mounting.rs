@@ -1,0 +1,89 @@
+//! Growth of rings and balls, and the speed: what a bearing is solved at, besides its load.
+
+use super::constants::{Constants, L0};
+use super::motion::{Point, Regime};
+use crate::float::Real;
+
+/// Speed of the shaft.
+///
+/// ```
+/// use spindle_bearing::Speed;
+/// let speed = Speed::rpm(20_000.0_f64);
+/// assert!((speed.as_rad_per_s() - 2094.395).abs() < 1e-3);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Speed<T>(T);
+
+impl<T: Real> Speed<T> {
+    /// At rest.
+    pub const REST: Self = Self(T::ZERO);
+
+    /// Revolutions per minute.
+    #[inline]
+    pub fn rpm(rpm: T) -> Self {
+        Self(rpm * T::of(core::f64::consts::PI / 30.0))
+    }
+
+    /// Angular speed `omega`, rad/s.
+    #[inline]
+    pub const fn rad_per_s(omega: T) -> Self {
+        Self(omega)
+    }
+
+    /// Angular speed `omega`, rad/s.
+    #[inline]
+    pub const fn as_rad_per_s(self) -> T {
+        self.0
+    }
+}
+
+/// Growth of rings and balls by heat, rotation and fits, m: the three lengths that the equilibrium needs.
+///
+/// Stiffness constants, masses and the pitch diameter stay those of the cold bearing; their change is of the relative
+/// order of 1e-4.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Growth<T> {
+    /// Axial growth `gx` of the inner groove's centre against the outer one's, m.
+    pub axial: T,
+    /// Radial growth `gr` of the inner groove against the outer one, m.
+    pub radial: T,
+    /// Growth `gD` of the ball diameter, m.
+    pub ball: T,
+}
+
+impl<T: Real> Growth<T> {
+    /// The cold bearing.
+    pub const NONE: Self = Self {
+        axial: T::ZERO,
+        radial: T::ZERO,
+        ball: T::ZERO,
+    };
+}
+
+impl<T: Real> Point<T> {
+    /// The point of `s = m dm omega^2 / 2` and a growth, in units of length, for a ring under a load of the size `size`.
+    pub(super) fn new(c: &Constants<T>, s: T, size: T, growth: &Growth<T>) -> Self {
+        let g = growth.ball;
+        let half = T::of(0.5) * g;
+        let excess = |length: T, less: T| less * (length + length - less);
+        Self {
+            s,
+            negligible: (T::EPSILON * size) * (T::EPSILON * size),
+            regime: if s > T::ZERO {
+                Regime::Speed
+            } else {
+                Regime::Rest
+            },
+            lo: c.lo - half,
+            li: c.li - half,
+            lo_excess: excess(c.lo, half),
+            li_excess: excess(c.li, half),
+            l0_excess: excess(T::of(L0), g),
+            growth: [growth.axial, growth.radial],
+        }
+    }
+}

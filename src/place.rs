@@ -1,0 +1,110 @@
+//! Places a ball that its own Newton steps do not: near its equilibrium for the ring where that is.
+//!
+//! With inertia loads frozen, the ball's energy `2/5 Ki delta_i^(5/2) + 2/5 Ko delta_o^(5/2) - P.X` is convex, and
+//! Newton's method descends on it. The loads are worked out again at every step.
+
+use super::ball::Ball;
+use super::constants::Constants;
+use super::kinematics::Rule;
+use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
+use super::motion::Point;
+use super::pose::Pose;
+use super::tuning;
+use crate::float::Real;
+
+/// Where a ball is under the centrifugal force `fc` alone.
+///
+/// On the outer race, if it does not reach the inner one there. Else it is at the apex of the triangle of both
+/// contacts' lengths, or on the line between the grooves' centres.
+fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> {
+    let root = fc.cbrt();
+    let off = [T::ZERO, p.lo + root * root];
+    let to_inner = sub(a, off);
+    if dot(to_inner, to_inner) <= p.li * p.li {
+        return off;
+    }
+    let length = dot(a, a).at_least(T::TINY).sqrt();
+    let e = scale(T::ONE / length, a);
+    let (mut d_i, mut d_o) = (T::ZERO, root * root);
+    let mut x = off;
+    for _ in 0..3 {
+        let (ro, ri) = (p.lo + d_o, p.li + d_i);
+        if length >= ro + ri {
+            // Taut: both contacts share what is left.
+            let beyond = length - p.lo - p.li;
+            let ro = p.lo + (c.outer_share * beyond).at_least(d_o.at_most(beyond));
+            return scale(ro, e);
+        }
+        let along = T::of(0.5) * (length + (ro - ri) * (ro + ri) / length);
+        let height = (ro * ro - along * along).at_least(T::ZERO).sqrt();
+        // Bent outwards, where the centrifugal force pulls.
+        let side = if e[0] < T::ZERO { -height } else { height };
+        x = add(scale(along, e), scale(side, [-e[1], e[0]]));
+        let no = scale(T::ONE / ro, x);
+        let ni = scale(T::ONE / ri, sub(a, x));
+        let sd = (ni[0] * no[1] - ni[1] * no[0]).abs().at_least(T::of(1e-3));
+        let (qi, qo) = (fc * no[0].abs() / sd, fc * ni[0].abs() / sd);
+        let (wi, wo) = ((qi / c.ki).cbrt(), qo.cbrt());
+        d_i = wi * wi;
+        d_o = wo * wo;
+    }
+    x
+}
+
+/// Places the ball next to its equilibrium, from where it is or from the chain, whichever has less energy.
+#[inline(never)]
+pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T>) {
+    let half = T::of(0.5) * (T::ONE - c.tau * c.n0[1]);
+    let fc = p.s * half * half;
+    let x0 = add(ball.outer.vector, ball.x);
+    let a = add(add(x0, ball.inner.vector), ball.inner_offset());
+    let x = chain(c, p, a, fc);
+    let here = Pose::at_speed::<R>(ball, c, p);
+    let kept = ball.x;
+    ball.put(x);
+    let mut pose = Pose::at_speed::<R>(ball, c, p);
+    let energy_here = here.energy() - fc * x0[1];
+    let energy = pose.energy() - fc * x[1];
+    if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
+        (ball.x, pose) = (kept, here);
+    }
+    for _ in 0..12 {
+        let loads = pose.loads();
+        let (f, m) = pose.forces();
+        let r = add(f, loads);
+        let force = pose.inner.q.at_least(pose.outer.q);
+        if dot(r, r) <= T::of(tuning::PLACED * tuning::PLACED) * force * force {
+            break;
+        }
+        let mut step = bounded(&m, r, T::of(0.1) * p.lo);
+        // Shortened until the force along the step no longer turns round.
+        let (from, before) = (ball.x, dot(r, step));
+        for _ in 0..4 {
+            ball.x = add(from, step);
+            pose = Pose::at_speed::<R>(ball, c, p);
+            if dot(add(pose.forces().0, loads), step) >= -before {
+                break;
+            }
+            step = scale(T::of(0.4), step);
+        }
+    }
+    ball.move_own_references(c, p);
+}
+
+/// The step `m^-1 r`, no longer than `most`. Where a contact gives no hold, the ball moves no further than it would by
+/// the other.
+fn bounded<T: Real>(m: &Matrix2<T>, r: Pair<T>, most: T) -> Pair<T> {
+    let weak = T::of(1e-3) * (m[0][0] + m[1][1]) + T::TINY;
+    let (m00, m11) = (m[0][0] + weak, m[1][1] + weak);
+    let inverse = T::ONE / (m00 * m11 - m[0][1] * m[1][0]).at_least(T::TINY);
+    let step = [
+        inverse * (m11 * r[0] - m[0][1] * r[1]),
+        inverse * (m00 * r[1] - m[1][0] * r[0]),
+    ];
+    let length = dot(step, step).sqrt();
+    if length > most {
+        scale(most / length, step)
+    } else {
+        step
+    }
+}

@@ -1,0 +1,166 @@
+//! A ball that is somewhere: its contacts, and the inertia loads that follow from them.
+//!
+//! The same quantities as in the ball pass, without slopes: for placing a ball, and for reports.
+
+use super::ball::Ball;
+use super::constants::{Azimuth, Constants};
+use super::contact::Contact;
+use super::kinematics::{Contacts, Rule};
+use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
+use super::motion::Point;
+use crate::float::Real;
+use crate::limits::ContactState;
+
+/// State of one ball, SI units.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct BallState<T> {
+    /// Azimuth `phi`, rad from +y towards +z.
+    pub azimuth: T,
+    /// Inner contact angle, rad.
+    pub alpha_i: T,
+    /// Outer contact angle, rad.
+    pub alpha_o: T,
+    /// Inner contact force, N; 0 if the ball is off the inner race.
+    pub q_i: T,
+    /// Outer contact force, N.
+    pub q_o: T,
+    /// Deformation of the inner contact, m; negative where there is a gap.
+    pub delta_i: T,
+    /// Deformation of the outer contact, m.
+    pub delta_o: T,
+    /// Centrifugal force `Fc`, N.
+    pub centrifugal_force: T,
+    /// Gyroscopic moment `Mg`, N m.
+    pub gyroscopic_moment: T,
+}
+
+/// Both contacts of a ball, and its inertia loads.
+#[derive(Debug, Clone, Copy)]
+pub struct Pose<T> {
+    pub inner: Contact<T>,
+    pub outer: Contact<T>,
+    /// Centrifugal force, and gyroscopic couple `2 Mg / D`.
+    pub centrifugal: T,
+    pub couple: T,
+    /// Friction forces at the inner and the outer contact.
+    friction: Pair<T>,
+    /// Cage speed over shaft speed.
+    pub mu: T,
+}
+
+impl<T: Real> Pose<T> {
+    /// A ball at rest between both races: the two contacts share what `both` in series have.
+    pub fn at_rest(c: &Constants<T>, both: &Contact<T>) -> Self {
+        let outer = Contact {
+            delta: both.delta * c.outer_share,
+            ..*both
+        };
+        let inner = Contact {
+            delta: both.delta - outer.delta,
+            ..*both
+        };
+        Self {
+            inner,
+            outer,
+            centrifugal: T::ZERO,
+            couple: T::ZERO,
+            friction: [T::ZERO; 2],
+            // What all rules say where both contacts point one way.
+            mu: T::of(0.5) * (T::ONE - c.tau * both.n[1]),
+        }
+    }
+
+    /// A ball at speed, where it is.
+    #[inline(never)]
+    pub fn at_speed<R: Rule>(ball: &Ball<T>, c: &Constants<T>, p: &Point<T>) -> Self {
+        let i = Contact::at(&ball.inner, ball.inner_offset(), p.li, c.ki);
+        let o = Contact::at(&ball.outer, ball.x, p.lo, T::ONE);
+        let (d_i, d_o) = (i.delta.at_least(T::ZERO), o.delta.at_least(T::LEAST));
+        let (wi, wo) = (c.kw * d_i * d_i, d_o * d_o);
+        let eta = wi / (wi + wo);
+        let sigma = i.q / (i.q + o.q).at_least(T::TINY);
+        let m = R::speeds(
+            c.tau,
+            &Contacts {
+                inner: i.n,
+                outer: o.n,
+                sin_d: i.n[0] * o.n[1] - i.n[1] * o.n[0],
+                q: T::ONE / (T::ONE + dot(i.n, o.n)).at_least(T::of(0.01)),
+                eta,
+                rest: T::ONE - eta,
+                sigma,
+                sigma_rest: T::ONE - sigma,
+                closed: i.delta > T::NOTHING,
+            },
+        );
+        let couple = if R::FRICTION {
+            T::of(0.4) * p.s * m.mu * m.nu
+        } else {
+            T::ZERO
+        };
+        Self {
+            inner: i,
+            outer: o,
+            centrifugal: p.s * m.mu * m.mu,
+            couple,
+            friction: [m.share * couple, m.share_rest * couple],
+            mu: m.mu,
+        }
+    }
+
+    /// Inertia loads on the ball, friction included, axial and radial.
+    pub fn loads(&self) -> Pair<T> {
+        let ([si, ci], [so, co]) = (self.inner.n, self.outer.n);
+        let [ti, to] = self.friction;
+        sub(
+            add([T::ZERO, self.centrifugal], scale(ti, [ci, -si])),
+            scale(to, [co, -so]),
+        )
+    }
+
+    /// The inner and the outer contact, as the limits look at them.
+    pub fn states(&self) -> [ContactState<T>; 2] {
+        let state = |k: &Contact<T>, friction| ContactState {
+            n: k.n,
+            delta: k.delta,
+            q: k.q,
+            friction,
+        };
+        let [inner, outer] = self.friction;
+        [state(&self.inner, inner), state(&self.outer, outer)]
+    }
+
+    /// Contact forces on the ball, and minus their slope by its position.
+    pub fn forces(&self) -> (Pair<T>, Matrix2<T>) {
+        let (i, o) = (&self.inner, &self.outer);
+        let f = sub(scale(i.q, i.n), scale(o.q, o.n));
+        let ([iaa, iar, irr], [oaa, oar, orr]) = (i.tangent(), o.tangent());
+        let mixed = iar + oar;
+        (f, [[iaa + oaa, mixed], [mixed, irr + orr]])
+    }
+
+    /// The ball at the azimuth `at`, in SI units.
+    pub fn state(&self, c: &Constants<T>, at: &Azimuth<T>) -> BallState<T> {
+        let (inner, outer) = (&self.inner, &self.outer);
+        BallState {
+            azimuth: at.sin.atan2(at.cos),
+            alpha_i: inner.n[0].atan2(inner.n[1]),
+            alpha_o: outer.n[0].atan2(outer.n[1]),
+            q_i: inner.q * c.force,
+            q_o: outer.q * c.force,
+            delta_i: inner.delta * c.length,
+            delta_o: outer.delta * c.length,
+            centrifugal_force: self.centrifugal * c.force,
+            gyroscopic_moment: self.couple * (c.force * c.ball_radius),
+        }
+    }
+
+    /// Energy of the contacts.
+    pub fn energy(&self) -> T {
+        let two_fifths = T::of(0.4);
+        let (i, o) = (&self.inner, &self.outer);
+        two_fifths * (i.q * i.delta.at_least(T::ZERO) + o.q * o.delta.at_least(T::ZERO))
+    }
+}

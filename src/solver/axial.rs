@@ -1,0 +1,317 @@
+//! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
+
+use super::error::ErrorEstimate;
+use super::{Given, Outcome, Settings, State, Task, input};
+use crate::axial::{AxialRest, Centres};
+use crate::constants::{Bearing, Constants};
+use crate::float::Real;
+use crate::motion::{Body, Full, Motion, Point, Regime};
+use crate::mounting::{Growth, Speed};
+use crate::pose::BallState;
+use crate::pose::Pose;
+use crate::ring::Row;
+use crate::status::Status;
+
+/// A solver for one bearing under a purely axial load, tilts and radial displacements being zero.
+///
+/// At rest it is a closed form; at speed the same loop as in [`Solver`](super::Solver), with one ball for all.
+///
+/// ```
+/// use spindle_bearing::{AxialSolver, Bearing, Settings, Speed, Static};
+/// use spindle_bearing::{Design, FreeContact, Material};
+/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design {
+///     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+///     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+///     free_contact: FreeContact::Angle(0.2618), first_ball: 0.0,
+///     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+///     ring: Material::STEEL, ball: Material::STEEL,
+/// });
+/// let settings = Settings::default();
+/// let mut at_rest = AxialSolver::<f32, 16, Static>::of(&BEARING);
+/// let k_rest = at_rest.solve(300.0, Speed::REST, &settings)?.stiffness();
+/// let mut at_speed = AxialSolver::new(&BEARING);
+/// let k_speed = at_speed.solve(300.0, Speed::rpm(20_000.0), &settings)?.stiffness();
+/// assert!(k_speed < k_rest);
+/// # Ok::<(), spindle_bearing::Status<f32>>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
+    bearing: &'b Bearing<T, N>,
+    /// Of a bearing with one ball, which carries its share of the load.
+    state: State<T, 1>,
+    ball: M::Ball<T>,
+    /// Root of the last solution at rest, above all without one, and the grooves' centres there.
+    root: T,
+    centres: Centres<T>,
+}
+
+impl<'b, T: Real, const N: usize> AxialSolver<'b, T, N> {
+    /// A solver for the bearing at speed, with all inertia loads and no race in control.
+    pub fn new(bearing: &'b Bearing<T, N>) -> Self {
+        Self::of(bearing)
+    }
+}
+
+impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
+    /// A solver for the motion that its type names.
+    pub fn of(bearing: &'b Bearing<T, N>) -> Self {
+        Self {
+            bearing,
+            state: State::COLD,
+            ball: M::Ball::default(),
+            root: T::ONE / T::TINY,
+            centres: Centres {
+                axial: T::ZERO,
+                excess: T::ZERO,
+            },
+        }
+    }
+
+    /// Has the next solve start from nothing.
+    pub fn reset(&mut self) {
+        self.state = State::COLD;
+        self.root = T::ONE / T::TINY;
+    }
+
+    /// The equilibrium under the axial load `Fx`, N, at a speed, from the last solution if that is near.
+    ///
+    /// A negative load presses the balls on the other side of the grooves.
+    ///
+    /// # Errors
+    ///
+    /// A [`Status`] that names why there is no answer.
+    #[inline]
+    pub fn solve(
+        &mut self,
+        load: T,
+        speed: Speed<T>,
+        settings: &Settings<T>,
+    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
+        self.run(Given::Load(load), speed, None, settings)
+    }
+
+    /// The equilibrium where the load (N) or the axial displacement (m) is given, and rings and balls have grown.
+    ///
+    /// # Errors
+    ///
+    /// As for [`AxialSolver::solve`].
+    pub fn solve_at(
+        &mut self,
+        given: Given<T>,
+        speed: Speed<T>,
+        growth: &Growth<T>,
+        settings: &Settings<T>,
+    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
+        self.run(given, speed, Some(growth), settings)
+    }
+
+    /// Inlined, so that what is known of its arguments costs no flash: no growth, and a load that is given.
+    #[inline(always)]
+    fn run(
+        &mut self,
+        asked: Given<T>,
+        speed: Speed<T>,
+        growth: Option<&Growth<T>>,
+        settings: &Settings<T>,
+    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
+        let c = &self.bearing.constants;
+        let given = input::given(c, 0, asked)?;
+        let omega = input::omega(c, speed)?;
+        let growth = match growth {
+            Some(growth) => input::growth(c, growth)?,
+            None => Growth::NONE,
+        };
+        let size = match given {
+            Given::Load(load) => load.abs(),
+            Given::Displacement(_) => T::ZERO,
+        };
+        if matches!(given, Given::Load(_)) && !(size > T::TINY.sqrt()) {
+            return Err(Status::Unloaded);
+        }
+        let s = if M::AT_SPEED {
+            input::inertia(c, omega, size)
+        } else {
+            T::ZERO
+        };
+        let point = Point::new(c, s, size, &growth);
+        if M::AT_SPEED && point.regime != Regime::Rest {
+            self.state.grow(growth);
+            return self.at_speed(asked, given, point, settings);
+        }
+        self.at_rest(asked, given, point, settings)
+    }
+
+    /// Newton's method on the root of one ball's deformation.
+    #[inline(always)]
+    fn at_rest(
+        &mut self,
+        asked: Given<T>,
+        given: Given<T>,
+        point: Point<T>,
+        settings: &Settings<T>,
+    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
+        let c = &self.bearing.constants;
+        let balls = AxialRest::new(c, &point);
+        let (mut iterations, mut left) = (0, T::ZERO);
+        let (centres, contact, dx) = match given {
+            Given::Displacement(dx) => {
+                let centres = balls.centres_at(dx);
+                (centres, balls.contact(&centres), dx)
+            }
+            Given::Load(load) => {
+                let q = load.abs() / c.balls;
+                // Newton's steps leave what is of second order.
+                let limit = settings.max_iterations.max(1);
+                let found = balls.root(self.root, q, T::EPSILON, limit);
+                self.root = found.root;
+                if !found.small {
+                    return Err(Status::IterationLimit);
+                }
+                (iterations, left) = (found.iterations, found.left);
+                let mut centres = found.centres;
+                let dx = balls.displacement(&centres, load < T::ZERO);
+                if load < T::ZERO {
+                    centres.axial = -centres.axial;
+                }
+                (centres, found.contact, dx)
+            }
+        };
+        self.centres = centres;
+        let [slope, ..] = contact.tangent();
+        self.state.sum.k[0][0] = slope;
+        if M::AT_SPEED {
+            self.state.s = T::ZERO;
+        }
+        let error = T::of(6.0) * (T::EPSILON + left);
+        Ok(AxialSolution {
+            status: Status::Converged,
+            iterations,
+            error: ErrorEstimate {
+                displacement: error + balls.rounding(dx),
+                force: error,
+                stiffness: error,
+            },
+            displacement: displacement_of(asked, dx * c.length),
+            load: load_of(asked, contact.q * contact.n[0] * (c.force * c.balls)),
+            solver: self,
+            point,
+        })
+    }
+
+    /// The loop of any bearing, for one with a single ball.
+    fn at_speed(
+        &mut self,
+        asked: Given<T>,
+        given: Given<T>,
+        point: Point<T>,
+        settings: &Settings<T>,
+    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
+        let c = &self.bearing.constants;
+        let one = Constants {
+            balls: T::ONE,
+            ..*c
+        };
+        let mut task = Task {
+            load: [T::ZERO],
+            size: T::ZERO,
+            held: [None],
+            tolerance: settings.tolerance,
+        };
+        match given {
+            Given::Load(load) => {
+                task.load[0] = load / c.balls;
+                task.size = task.load[0].abs();
+            }
+            Given::Displacement(dx) => task.held[0] = Some(dx),
+        }
+        let mut row = Row {
+            c: &one,
+            azimuths: self.bearing.azimuths.get(..1).unwrap_or_default(),
+            balls: core::slice::from_mut(&mut self.ball),
+        };
+        let limit = settings.max_iterations.max(1);
+        let mut budget = limit;
+        let outcome: Outcome<T> = self.state.solve::<M>(&mut row, &task, &point, &mut budget);
+        let answer = self
+            .state
+            .conclude(&row, &[asked], &task, &point, &outcome)?;
+        let [load] = answer.load;
+        let [displacement] = answer.displacement;
+        Ok(AxialSolution {
+            status: answer.status,
+            iterations: limit - budget,
+            error: answer.error,
+            displacement,
+            load: load_of(asked, load * c.balls),
+            solver: self,
+            point,
+        })
+    }
+}
+
+/// The displacement that was given, or else the one that was found.
+#[inline(always)]
+fn displacement_of<T: Real>(asked: Given<T>, found: T) -> T {
+    match asked {
+        Given::Displacement(given) => given,
+        Given::Load(_) => found,
+    }
+}
+
+/// The load that was given, or else the reaction.
+#[inline(always)]
+fn load_of<T: Real>(asked: Given<T>, found: T) -> T {
+    match asked {
+        Given::Load(given) => given,
+        Given::Displacement(_) => found,
+    }
+}
+
+/// An equilibrium under a purely axial load, SI units.
+#[derive(Debug)]
+pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion> {
+    /// How the solve ended: `Converged` or `PrecisionLimit`.
+    pub status: Status<T>,
+    /// Iterations, those of starts included. An iteration condenses one ball.
+    pub iterations: u16,
+    /// How far the figures below can be off.
+    pub error: ErrorEstimate<T>,
+    /// Axial displacement `dx` of the inner ring, m.
+    pub displacement: T,
+    /// Axial force `Fx` on the inner ring, N; the reaction where the displacement was given.
+    pub load: T,
+    solver: &'s AxialSolver<'s, T, N, M>,
+    point: Point<T>,
+}
+
+impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
+    /// Axial stiffness `dFx/dx` at constant speed, N/m.
+    pub fn stiffness(&self) -> T {
+        let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
+        let k = if M::AT_SPEED && self.point.regime != Regime::Rest {
+            let first = self.solver.bearing.azimuths.get(..1).unwrap_or_default();
+            let ball = core::slice::from_ref(&self.solver.ball);
+            state.stiffness(c, first, ball)[0][0]
+        } else {
+            state.sum.k[0][0]
+        };
+        k * (c.force * c.balls / c.length)
+    }
+
+    /// State of the ball that stands for all, at the azimuth of the first one.
+    pub fn ball(&self) -> BallState<T> {
+        let (solver, p) = (self.solver, &self.point);
+        let c = &solver.bearing.constants;
+        let pose = if M::AT_SPEED && p.regime != Regime::Rest {
+            solver
+                .ball
+                .pose::<M::Rule>(c, p, [solver.state.v[0], T::ZERO])
+        } else {
+            Pose::at_rest(c, &AxialRest::new(c, p).contact(&solver.centres))
+        };
+        match solver.bearing.azimuths.first() {
+            Some(first) => pose.state(c, first),
+            None => BallState::default(),
+        }
+    }
+}

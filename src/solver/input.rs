@@ -1,0 +1,77 @@
+//! Input of a solve: checked, and turned into the solver's units.
+
+use super::Given;
+use crate::constants::Constants;
+use crate::float::Real;
+use crate::frame::units;
+use crate::mounting::{Growth, Speed};
+use crate::status::{Quantity, Status};
+
+/// Refuses a value that is not finite, or larger in magnitude than `limit`.
+fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Status<T>> {
+    if !value.is_finite() {
+        return Err(Status::NotFinite { quantity, value });
+    }
+    if value.abs() > limit {
+        return Err(Status::OutOfRange {
+            quantity,
+            value,
+            limit,
+        });
+    }
+    Ok(())
+}
+
+/// What is given of a freedom, in units of force or length.
+#[inline(always)]
+pub fn given<T: Real>(
+    c: &Constants<T>,
+    freedom: usize,
+    given: Given<T>,
+) -> Result<Given<T>, Status<T>> {
+    let (force, length) = units(c, freedom);
+    let [of_load, of_displacement] = Quantity::OF_FREEDOM[freedom];
+    match given {
+        // Beyond N times the force that would press a ball by the whole groove distance, nothing in the model holds.
+        Given::Load(load) => {
+            check(of_load, load, force * c.balls * T::of(512.0))?;
+            Ok(Given::Load(load / force))
+        }
+        Given::Displacement(u) => {
+            check(of_displacement, u, length * T::of(128.0))?;
+            Ok(Given::Displacement(u / length))
+        }
+    }
+}
+
+/// The speed, rad/s: at most that where a ball's centrifugal force would press it by the whole groove distance.
+#[inline(always)]
+pub fn omega<T: Real>(c: &Constants<T>, speed: Speed<T>) -> Result<T, Status<T>> {
+    let omega = speed.as_rad_per_s();
+    check(Quantity::Speed, omega, (T::of(2048.0) / c.inertia).sqrt())?;
+    Ok(omega)
+}
+
+/// Growth in units of length, at most a quarter of the groove distance each.
+pub fn growth<T: Real>(c: &Constants<T>, growth: &Growth<T>) -> Result<Growth<T>, Status<T>> {
+    let lengths = [growth.axial, growth.radial, growth.ball];
+    for (length, quantity) in lengths.into_iter().zip(Quantity::OF_GROWTH) {
+        check(quantity, length, c.length * T::of(16.0))?;
+    }
+    let per = T::ONE / c.length;
+    Ok(Growth {
+        axial: growth.axial * per,
+        radial: growth.radial * per,
+        ball: growth.ball * per,
+    })
+}
+
+/// Inertia `m dm omega^2 / 2`; 0 where it changes no figure of a ring under loads of the size `size`.
+pub fn inertia<T: Real>(c: &Constants<T>, omega: T, size: T) -> T {
+    let s = c.inertia * omega * omega;
+    if size > T::ZERO && s * c.balls < T::EPSILON * size {
+        T::ZERO
+    } else {
+        s
+    }
+}

@@ -1,0 +1,454 @@
+//! The loop: damped Newton of the ring, the balls condensed.
+
+use super::State;
+use super::error::{Estimate, rounding};
+use crate::constants::L0;
+use crate::contact::to_grid;
+use crate::float::Real;
+use crate::frame::{plane_of, refer};
+use crate::kinematics::Rule;
+use crate::linalg::{Pair, norm, product};
+use crate::motion::{Body, Point};
+use crate::ring::{Row, in_full};
+use crate::tuning;
+
+/// What a solve is for, in the units of the constants, referred to the bearing centre.
+#[derive(Debug, Clone, Copy)]
+pub struct Task<T, const D: usize> {
+    /// Load; 0 of a freedom whose displacement is given.
+    pub load: [T; D],
+    /// Its size.
+    pub size: T,
+    /// The displacement that is given of some freedoms.
+    pub held: [Option<T>; D],
+    /// Largest change of the stiffness along the last step.
+    pub tolerance: T,
+}
+
+impl<T: Real, const D: usize> Task<T, D> {
+    /// No displacement is given.
+    #[inline(always)]
+    pub fn is_free(&self) -> bool {
+        self.held.iter().all(Option::is_none)
+    }
+
+    /// The same for a start, which a solve from there refines.
+    pub fn rough(&self) -> Self {
+        Self {
+            tolerance: T::of(tuning::ROUGH),
+            ..*self
+        }
+    }
+}
+
+/// How the loop ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// The last step changes the stiffness by less than the tolerance.
+    Converged,
+    /// Rounding is larger than the tolerance.
+    Rounded,
+    /// The balls leave the ring free to move in some direction.
+    Singular,
+    /// Not within the iterations.
+    Unfinished,
+    /// A figure is not a number.
+    Lost,
+}
+
+impl End {
+    /// There is an answer.
+    pub const fn is_solved(self) -> bool {
+        matches!(self, Self::Converged | Self::Rounded)
+    }
+}
+
+/// What the loop hands on.
+#[derive(Debug, Clone, Copy)]
+pub struct Outcome<T> {
+    pub end: End,
+    pub estimate: Estimate<T>,
+    /// Unbalanced force before the last step, over the load.
+    pub residual: T,
+    /// Length of the last step.
+    pub step: T,
+    /// Undamped steps in a row that are not half as long as the one before, next to the solution: rounding makes them.
+    pub stalled: u8,
+}
+
+impl<T: Real> Outcome<T> {
+    /// Before the first iteration.
+    pub const NONE: Self = Self {
+        end: End::Unfinished,
+        estimate: Estimate {
+            k: T::ONE,
+            most: T::ONE,
+            force: T::ONE,
+            largest: T::ONE,
+            cos: T::ONE,
+        },
+        residual: T::ONE,
+        step: T::ONE,
+        stalled: 0,
+    };
+}
+
+/// A step of the ring, referred to the bearing centre, and the work that the unbalanced force before it was to do.
+struct Step<T, const D: usize> {
+    du: [T; D],
+    work: T,
+    damped: bool,
+}
+
+/// Step control: how long a step may be, and how strongly it is damped at least.
+struct Control<T, const D: usize> {
+    radius: T,
+    least: T,
+    last: Option<Step<T, D>>,
+}
+
+impl<T: Real, const D: usize> Control<T, D> {
+    const fn new(radius: T, least: T) -> Self {
+        Self {
+            radius,
+            least,
+            last: None,
+        }
+    }
+
+    /// Looks at what the last step has made of the unbalanced force `r`; what of it is to be taken back, if anything.
+    #[inline(always)]
+    fn review(&mut self, r: &[T; D]) -> Option<[T; D]> {
+        let step = self.last.as_mut().filter(|step| step.work > T::ZERO)?;
+        let work = product(r, &step.du);
+        if work < T::of(-tuning::REJECT) * step.work {
+            // Back to where the unbalanced force turned round, were it to grow with the cube.
+            let part = (step.work / (step.work - work)).cbrt();
+            let part = part.at_least(T::of(0.25));
+            let whole = step.du;
+            step.du = whole.map(|x| part * x);
+            step.work = part * step.work;
+            self.radius = norm(&step.du);
+            return Some(whole.map(|x| (part - T::ONE) * x));
+        }
+        if work < -step.work {
+            self.radius = T::of(0.5) * norm(&step.du);
+        } else if work > T::of(-0.5) * step.work {
+            // A damped step that changes nothing was too short.
+            self.least = if step.damped && work > T::of(0.5) * step.work {
+                T::of(0.1) * self.least
+            } else {
+                T::of(tuning::DAMPING)
+            };
+            if norm(&step.du) > T::of(0.4) * self.radius {
+                self.radius = T::of(0.5 * L0).at_most(self.radius + self.radius);
+            }
+        }
+        None
+    }
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// Moves the reference position next to where the ring is, and the balls' references next to where they are.
+    #[inline(never)]
+    pub(super) fn anchor<B: Body<T>>(&mut self, row: &mut Row<'_, T, B>, p: &Point<T>) {
+        for (u, v) in self.u.iter_mut().zip(&mut self.v) {
+            let to = to_grid(*u + *v);
+            *v += *u - to;
+            *u = to;
+        }
+        row.anchor(p, &in_full(&self.u), &in_full(&self.v));
+        self.grown = false;
+    }
+
+    /// Puts the ring at the displacement `u` of the groove plane, and every ball's centre at `x`.
+    #[inline(never)]
+    pub fn put<B: Body<T>>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        p: &Point<T>,
+        u: [T; D],
+        x: Pair<T>,
+    ) {
+        for ball in row.balls.iter_mut() {
+            ball.start_at(x);
+        }
+        self.put_back(row, p, [T::ZERO; D], u);
+    }
+
+    /// Puts the ring at the offset `v` from the reference position `u`, and leaves the balls where they are.
+    pub fn put_back<B: Body<T>>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        p: &Point<T>,
+        u: [T; D],
+        v: [T; D],
+    ) {
+        (self.u, self.v) = (u, v);
+        self.condensed = false;
+        self.anchor(row, p);
+    }
+
+    /// Moves the ring by the step `du` of the groove plane.
+    fn advance(&mut self, du: [T; D]) {
+        for (v, step) in self.v.iter_mut().zip(du) {
+            *v += step;
+        }
+    }
+
+    /// What of the load, less the balls' force at a relative change `ds` of `omega^2`, is not balanced. Of a freedom whose
+    /// displacement is given, that is a matter of its support.
+    fn unbalanced(&self, task: &Task<T, D>, ds: T) -> [T; D] {
+        core::array::from_fn(|i| match task.held[i] {
+            None => task.load[i] - self.sum.force[i] - ds * self.sum.by_speed[i],
+            Some(_) => T::ZERO,
+        })
+    }
+
+    /// Factors the tangent. A given displacement stands in the place of the equation of its freedom.
+    fn factor(&mut self, task: &Task<T, D>, damping: T) {
+        if task.is_free() {
+            self.factors.factor(&self.sum.k, damping);
+            return;
+        }
+        let mut k = self.sum.k;
+        for (i, held) in task.held.iter().enumerate() {
+            if held.is_some() {
+                k[i] = [T::ZERO; D];
+                k[i][i] = T::ONE;
+            }
+        }
+        self.factors.factor(&k, damping);
+    }
+
+    /// The step that the factors make of the unbalanced force `r` and of what is missing of given displacements.
+    fn resolve<B>(&self, row: &Row<'_, T, B>, task: &Task<T, D>, r: &[T; D], damping: T) -> [T; D] {
+        if task.is_free() {
+            return self.factors.solve(r);
+        }
+        let mut b = *r;
+        let u = self.displacement(row.c);
+        for i in 0..D {
+            if let Some(given) = task.held[i] {
+                b[i] = (T::ONE + damping) * (given - u[i]);
+            }
+        }
+        self.factors.solve(&b)
+    }
+
+    /// The step to where the tangent sees equilibrium under the unbalanced force `r`, its length, whether it is damped.
+    ///
+    /// It is damped where the tangent is not positive definite, or the step longer than `radius`.
+    fn step<B>(
+        &mut self,
+        row: &Row<'_, T, B>,
+        task: &Task<T, D>,
+        r: &[T; D],
+        radius: T,
+        least: T,
+    ) -> ([T; D], T, bool) {
+        let mut damping = T::ZERO;
+        loop {
+            self.factor(task, damping);
+            let du = self.resolve(row, task, r, damping);
+            let length = norm(&du);
+            if self.factors.least > T::ZERO && length <= radius {
+                return (du, length, damping > T::ZERO);
+            }
+            if damping > T::ZERO {
+                damping = T::of(tuning::DAMPING_GROWTH) * damping;
+            } else {
+                let mut largest = T::TINY;
+                for i in 0..D {
+                    largest = largest.at_least(self.sum.k[i][i].abs());
+                }
+                // Where no ball carries, the ring floats towards its load.
+                let floating = T::of(1e-3) * norm(r) / radius;
+                damping = (least * largest).at_least(floating);
+            }
+            if !(damping < T::ONE / T::TINY.sqrt()) {
+                return ([T::ZERO; D], T::ZERO, true);
+            }
+        }
+    }
+
+    /// Adds the second order of the balls' motion to the ring's offset `v`, and what it makes of the ring's.
+    #[inline(never)]
+    fn bend<B: Body<T>>(&mut self, row: &mut Row<'_, T, B>, task: &Task<T, D>, ds: T) {
+        let mut beyond = row.bend(&self.v, ds);
+        refer(row.c, &mut beyond);
+        for (beyond, held) in beyond.iter_mut().zip(task.held) {
+            *beyond = match held {
+                None => -*beyond,
+                Some(_) => T::ZERO,
+            };
+        }
+        let du = self.factors.solve(&beyond);
+        self.advance(plane_of(row.c, &du));
+    }
+
+    /// Moves the ring and the balls to where the last linearisation sees them under the task's load.
+    ///
+    /// `ds` is the relative change of `omega^2`. If `curved`, the second order of the balls' motion is added.
+    pub fn predict<B: Body<T>>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        task: &Task<T, D>,
+        ds: T,
+        curved: bool,
+    ) {
+        self.v = self.at;
+        let r = self.unbalanced(task, ds);
+        if !(task.is_free() && self.plain) {
+            self.factor(task, T::ZERO);
+        }
+        let du = self.resolve(row, task, &r, T::ZERO);
+        self.advance(plane_of(row.c, &du));
+        if curved {
+            self.bend(row, task, ds);
+        }
+    }
+
+    /// Condenses the balls where the ring is, at a relative change `ds` of `omega^2`, and sums what they hand over;
+    /// whether all are near their balance. References follow where the ring is further than `most` from its own.
+    #[inline(always)]
+    fn condense<B: Body<T>, R: Rule>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        p: &Point<T>,
+        mut ds: T,
+        most: T,
+    ) -> bool {
+        if self.grown || self.v.iter().any(|v| v.abs() > most) {
+            self.condensed = false;
+            row.follow(&in_full(&self.v), ds);
+            self.anchor(row, p);
+            ds = T::ZERO;
+        }
+        let near = self.condensed || row.condense_balls::<R>(p, &in_full(&self.v), ds);
+        row.sum(&mut self.sum);
+        self.sum.refer(row.c);
+        (self.at, self.correct, self.condensed) = (self.v, false, false);
+        near
+    }
+
+    /// Newton's method from where ring and balls are, for at most as many iterations as `budget` has left.
+    pub fn newton<B: Body<T>, R: Rule>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        task: &Task<T, D>,
+        p: &Point<T>,
+        mut ds: T,
+        budget: &mut u16,
+    ) -> Outcome<T> {
+        let [close, anchored] = [0.05 * tuning::ANCHOR, tuning::ANCHOR].map(T::of);
+        // A ring that comes from a start is anchored closer where it settles.
+        let started = self.v.iter().all(|v| v.abs() < close);
+        let settled = if started { close } else { anchored };
+        let mut control = Control::new(T::of(L0 * tuning::FIRST_RADIUS), T::of(tuning::DAMPING));
+        let mut outcome = Outcome::NONE;
+        while *budget > 0 {
+            *budget -= 1;
+            let most = if control.last.is_none() {
+                anchored
+            } else if outcome.residual < T::of(tuning::ROUGH) {
+                settled
+            } else {
+                T::of(L0)
+            };
+            let near = self.condense::<B, R>(row, p, ds, most);
+            ds = T::ZERO;
+
+            let r = self.unbalanced(task, T::ZERO);
+            let mut size = task.size;
+            if !task.is_free() {
+                size = size.at_least(norm(&self.sum.force));
+            }
+            outcome.residual = norm(&r) / size.at_least(T::TINY);
+            if !outcome.residual.is_finite() {
+                outcome.end = End::Lost;
+                break;
+            }
+            if let Some(back) = control.review(&r) {
+                self.advance(plane_of(row.c, &back));
+                continue;
+            }
+            let (du, length, damped) = self.step(row, task, &r, control.radius, control.least);
+            self.plain = task.is_free() && !damped;
+            let planar = plane_of(row.c, &du);
+            let before = outcome.estimate.k;
+            // A step that is to move the balance by so much changes the stiffness, too: no need to look.
+            let far = outcome.residual > T::of(100.0) * task.tolerance;
+            if !far {
+                outcome.estimate = row.estimate(&planar, &self.sum.k);
+            }
+            outcome.step = length;
+            self.advance(planar);
+            let work = product(&r, &du);
+            if damped {
+                // In balance, and no damping is too small to be followed further.
+                let stays = control.least < T::EPSILON || !(work > T::ZERO);
+                if outcome.residual < T::of(1e-6) && stays {
+                    outcome.end = End::Singular;
+                    break;
+                }
+            } else if near && !far && self.is_done(row, task, &mut outcome, before) {
+                break;
+            }
+            control.last = Some(Step { du, work, damped });
+        }
+        outcome
+    }
+
+    /// Whether the last step was small enough; if so, how the loop ends.
+    fn is_done<B: Body<T>>(
+        &mut self,
+        row: &mut Row<'_, T, B>,
+        task: &Task<T, D>,
+        outcome: &mut Outcome<T>,
+        before: T,
+    ) -> bool {
+        let Estimate {
+            k,
+            most,
+            force,
+            largest,
+            ..
+        } = outcome.estimate;
+        // Of the sum of the balls' forces, relative to the load.
+        let forces = row.c.balls * largest / task.size.at_least(largest);
+        let of_ball = rounding(largest);
+        let rounding = of_ball * forces.at_least(T::ONE);
+        outcome.stalled = if k > T::of(0.5) * before {
+            outcome.stalled.saturating_add(1)
+        } else {
+            0
+        };
+        // The correction of the stiffness along the step leaves what is of second order, and a small part of the first.
+        let corrected = k * (most + T::of(tuning::CORRECTED));
+        let enough = T::of(tuning::FORCE) * task.tolerance;
+        if corrected <= task.tolerance && force * most <= enough {
+            if k > task.tolerance {
+                self.correct = true;
+                outcome.estimate.k = corrected;
+            }
+            if force > enough {
+                // The step's second order is cheaper than another iteration.
+                self.bend(row, task, T::ZERO);
+                outcome.estimate.force = force * most;
+            }
+            outcome.end = End::Converged;
+        } else if outcome.stalled > 0
+            && most < T::of(tuning::ROUGH)
+            && force < of_ball
+            && outcome.residual < rounding
+        {
+            // Such a step may lead far along a weak direction: the answer is where the balance was seen.
+            self.v = self.at;
+            outcome.end = End::Rounded;
+        } else {
+            return false;
+        }
+        true
+    }
+}

@@ -1,0 +1,169 @@
+//! A ball at rest, in closed form.
+//!
+//! The grooves' centres and the ball's are collinear. Both contacts in series are one contact between the grooves'
+//! centres, `Q = Kn (|A| - L0)^(3/2)`.
+
+use super::constants::{Constants, L0, Squared};
+use super::contact::{Contact, Reference, to_grid};
+use super::curvature::{Curvature, forms};
+use super::kinematics::Rule;
+use super::linalg::{Pair, add, sub, turn};
+use super::motion::{Body, Change, Point, Share};
+use super::pose::Pose;
+use crate::float::Real;
+
+/// What is remembered of a ball at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StaticBall<T> {
+    /// From the outer to the inner groove's centre, and what the reference leaves of it.
+    pub centres: Reference<T>,
+    pub low: Pair<T>,
+    /// Offset of the inner groove's centre, where the ball was condensed.
+    pub a: Pair<T>,
+    n: Pair<T>,
+    delta: T,
+    curvature: Curvature<T>,
+    share: Share<T>,
+}
+
+/// `L0^2`, exactly.
+pub fn l0_squared<T: Real>() -> Squared<T> {
+    Squared {
+        whole: (L0 * L0 * 65_536.0) as i32,
+        rest: T::ZERO,
+    }
+}
+
+/// What a ball whose only force is that of `contact` hands to the ring.
+#[inline(always)]
+pub fn share_of<T: Real>(contact: &Contact<T>) -> Share<T> {
+    let [aa, ar, rr] = contact.tangent();
+    let force = [contact.q * contact.n[0], contact.q * contact.n[1]];
+    Share {
+        force,
+        moment: force[0],
+        h: [[aa, ar], [ar, rr]],
+        hm: [aa, ar],
+        ..Share::NONE
+    }
+}
+
+/// How a step `v` along and across the only contact changes it.
+#[inline(always)]
+pub fn change_of<T: Real>(v: Pair<T>, delta: T, per_r: T, share: &Share<T>, k: T) -> Change<T> {
+    if !(delta > T::ZERO) {
+        return closing(v[0], delta, k);
+    }
+    let depth = T::of(0.5) * (v[0].abs() / delta).at_most(T::ONE);
+    let turn = (v[1] * per_r).abs();
+    let h = share.magnitudes();
+    Change {
+        depth,
+        turn,
+        h,
+        cos: T::ONE,
+        off: T::ZERO,
+    }
+}
+
+/// How a step `v` along a contact that is open by `-delta` changes it. One that closes is taken for what it will be.
+#[cold]
+#[inline(never)]
+pub fn closing<T: Real>(v: T, delta: T, k: T) -> Change<T> {
+    let depth = delta + v;
+    // Ahead of the branch: see `sqrt`.
+    let slope = T::of(1.5) * k * depth.sqrt();
+    let (depth, slope) = if depth > T::ZERO {
+        (T::ONE, slope)
+    } else {
+        (T::ZERO, T::ZERO)
+    };
+    Change {
+        depth,
+        turn: T::ZERO,
+        cos: T::ONE,
+        off: T::ZERO,
+        h: [slope, T::ZERO, slope],
+    }
+}
+
+impl<T: Real> StaticBall<T> {
+    /// The contacts in series.
+    #[inline(always)]
+    pub fn contact(&self, c: &Constants<T>, p: &Point<T>) -> Contact<T> {
+        Contact::at(&self.centres, add(self.low, self.a), p.lo + p.li, c.kn)
+    }
+}
+
+impl<T: Real> Body<T> for StaticBall<T> {
+    const AT_SPEED: bool = false;
+
+    fn start_at(&mut self, _: Pair<T>) {}
+
+    fn follow(&mut self, _: Pair<T>, _: T) {}
+
+    fn anchor(&mut self, _: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>, a: Pair<T>) {
+        let reference = high.map(to_grid);
+        self.centres = Reference::at(reference, &l0_squared(), p.l0_excess);
+        self.low = add(sub(high, reference), add(low, p.growth));
+        self.a = a;
+    }
+
+    #[inline(always)]
+    fn condense<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>, a: Pair<T>, _: T) -> bool {
+        self.a = a;
+        let contact = self.contact(c, p);
+        self.share = share_of(&contact);
+        (self.n, self.delta) = (contact.n, contact.delta);
+        self.curvature = Curvature {
+            slope: contact.slope,
+            across: contact.across,
+            per_delta: T::ONE / contact.delta.at_least(T::NOTHING),
+            per_r: contact.per_r,
+        };
+        true
+    }
+
+    #[inline(always)]
+    fn change(&self, c: &Constants<T>, da: Pair<T>) -> Change<T> {
+        change_of(
+            turn(self.n, da),
+            self.delta,
+            self.curvature.per_r,
+            &self.share,
+            c.kn,
+        )
+    }
+
+    #[inline(always)]
+    fn share(&self) -> &Share<T> {
+        &self.share
+    }
+
+    #[inline(always)]
+    fn bend(&mut self, a: Pair<T>, _: T) -> Pair<T> {
+        let v = turn(self.n, sub(a, self.a));
+        turn(self.n, self.curvature.force(v))
+    }
+
+    #[inline(always)]
+    fn stiffening(&self, a: Pair<T>) -> [T; 3] {
+        let v = turn(self.n, sub(a, self.a));
+        let [s, c] = self.n;
+        let m = self.curvature.stiffening(v);
+        forms(m, [s, c], [c, -s])
+    }
+
+    fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
+        let ball = Self { a, ..*self };
+        Pose::at_rest(c, &ball.contact(c, p))
+    }
+
+    fn carries(&self) -> bool {
+        self.delta > T::ZERO
+    }
+
+    fn apart(&self) -> Pair<T> {
+        [T::ZERO, T::ONE]
+    }
+}
