@@ -65,7 +65,7 @@ impl Part {
 #[rustfmt::skip]
 const PARTS: [(&[&str], Part); 8] = [
     (&["State::newton", "Row::condense_balls"], Part::BallPass),
-    (&["State::newton", "Row::condense"], Part::Assembly),
+    (&["State::newton", "Row::sum"], Part::Assembly),
     (&["State::newton", "Row::estimate"], Part::Estimate),
     (&["State::newton", "State::anchor"], Part::Moving),
     (&["State::newton", "Row::follow"], Part::Moving),
@@ -411,12 +411,10 @@ mod tests {
                 .collect();
             part(&names)
         };
-        let pass = ["Solver::solve", "State::newton", "Row::condense"];
-        assert_eq!(part(&pass), Part::Assembly);
-        assert_eq!(
-            part(&[&pass[..], &["Row::condense_balls"]].concat()),
-            Part::BallPass
-        );
+        let newton = ["Solver::solve", "State::newton"];
+        let within = |name: &'static str| part(&[&newton[..], &[name]].concat());
+        assert_eq!(within("Row::sum"), Part::Assembly);
+        assert_eq!(within("Row::condense_balls"), Part::BallPass);
         assert_eq!(part(&["State::newton", "Factors::of"]), Part::Ring);
         assert_eq!(part(&["State::solve", "Factors::of"]), Part::Start);
         assert_eq!(part(&["Solver::solve"]), Part::Rest);
