@@ -1,10 +1,11 @@
 //! The balls at rest under a purely axial load, in closed form: one stands for all.
 //!
-//! With the grooves' centres `A1` apart along the axis and `A2` across, and `R = L0 - gD`,
+//! The grooves' centres are `A1` apart along the axis and `A2` across. `d` is the deformation of both contacts, and
+//! `R = L0 - gD`:
 //!
 //! `|A|^2 = R^2 + d (2 R + d)`, `F / N = Kn d^(3/2) A1 / |A|`
 //!
-//! for the deformation `d` of both contacts. `e = R^2 - A2^2` is `A1^2` where contact begins; where it is negative,
+//! `e = R^2 - A2^2` is `A1^2` where contact begins; where it is negative,
 //! growth presses the balls before the ring moves. The unknown is the root `w` of the ring's part:
 //!
 //! `A1^2 = max(e, 0) + w^2`, `d (2 R + d) = max(-e, 0) + w^2`.

@@ -1,7 +1,7 @@
 //! A ball at speed: linearised at its present place, and condensed into what it hands to the ring.
 //!
-//! With `V = A - X` and `X` the vectors along the inner and the outer contact, `n` and `t` the contacts' normals and
-//! tangents, the ball's residual is
+//! `V = A - X` and `X` are the vectors along the inner and the outer contact, `n` and `t` the contacts' normals and
+//! tangents. The ball's residual is
 //!
 //! `r = Qi ni + Ti ti - Qo no - To to + Fc er`.
 //!

@@ -7,7 +7,7 @@ use super::linalg::{Matrix2, Pair};
 use super::place::place;
 use super::pose::Pose;
 use super::ring::Row;
-use super::solver::{Outcome, State, Task, cold_at_rest, cold_at_speed};
+use super::solver::{Outcome, State, Task, at_rest, cold_at_speed};
 use super::static_ball::StaticBall;
 use super::tuning;
 use crate::float::Real;
@@ -207,7 +207,7 @@ impl Motion for Static {
         p: &Point<T>,
         budget: &mut u16,
     ) -> Outcome<T> {
-        cold_at_rest::<T, _, Self::Rule, D>(state, row, task, p, budget)
+        at_rest::<T, _, Self::Rule, D>(state, row, task, p, budget)
     }
 }
 

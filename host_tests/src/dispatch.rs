@@ -318,7 +318,8 @@ fn refusal<T: Real>(status: &Status<T>) -> Answer {
     }
 }
 
-fn widened<T: Real>(ball: &BallState<T>) -> BallState<f64> {
+/// A ball's state in doubles.
+pub fn widened<T: Real>(ball: &BallState<T>) -> BallState<f64> {
     BallState {
         azimuth: ball.azimuth.to_f64(),
         alpha_i: ball.alpha_i.to_f64(),

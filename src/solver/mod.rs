@@ -33,7 +33,7 @@ pub use error::ErrorEstimate;
 use newton::End;
 pub(crate) use newton::{Outcome, Task};
 pub use solution::{Snapshot, Solution};
-pub(crate) use start::{cold_at_rest, cold_at_speed};
+pub(crate) use start::{at_rest, cold_at_speed};
 
 /// Iteration limit and convergence tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -72,8 +72,8 @@ pub struct Outcome<T> {
     pub residual: T,
     /// Length of the last step.
     pub step: T,
-    /// Undamped steps in a row that are not half as long as the one before, next to the solution: rounding makes them.
-    pub stalled: u8,
+    /// The last undamped step changes the stiffness by more than half as much as the one before: rounding may make it.
+    pub stalled: bool,
 }
 
 impl<T: Real> Outcome<T> {
@@ -89,7 +89,7 @@ impl<T: Real> Outcome<T> {
         },
         residual: T::ONE,
         step: T::ONE,
-        stalled: 0,
+        stalled: false,
     };
 }
 
@@ -419,11 +419,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let forces = row.c.balls * largest / task.size.at_least(largest);
         let of_ball = rounding(largest);
         let rounding = of_ball * forces.at_least(T::ONE);
-        outcome.stalled = if k > T::of(0.5) * before {
-            outcome.stalled.saturating_add(1)
-        } else {
-            0
-        };
+        outcome.stalled = k > T::of(0.5) * before;
         // The correction of the stiffness along the step leaves what is of second order, and a small part of the first.
         let corrected = k * (most + T::of(tuning::CORRECTED));
         let enough = T::of(tuning::FORCE) * task.tolerance;
@@ -438,7 +434,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 outcome.estimate.force = force * most;
             }
             outcome.end = End::Converged;
-        } else if outcome.stalled > 0
+        } else if outcome.stalled
             && most < T::of(tuning::ROUGH)
             && force < of_ball
             && outcome.residual < rounding

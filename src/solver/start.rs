@@ -40,17 +40,6 @@ fn unloaded<T: Real>(c: &Constants<T>) -> Pair<T> {
     scale(c.lo, c.n0)
 }
 
-/// The bearing at rest: one attempt, since the problem is convex.
-pub(crate) fn cold_at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
-    state: &mut State<T, D>,
-    row: &mut Row<'_, T, B>,
-    task: &Task<T, D>,
-    p: &Point<T>,
-    budget: &mut u16,
-) -> Outcome<T> {
-    at_rest::<T, B, R, D>(state, row, task, p, budget)
-}
-
 /// Every start in the order in which the regime has them, then the fallback.
 pub(crate) fn cold_at_speed<T: Real, R: Rule, const D: usize>(
     state: &mut State<T, D>,
@@ -95,9 +84,9 @@ enum Start {
     OuterRace,
 }
 
-/// Newton's method on the bearing at rest.
+/// Newton's method on the bearing at rest: one attempt, since the problem is convex.
 #[inline(never)]
-pub(super) fn at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
+pub(crate) fn at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
     state: &mut State<T, D>,
     row: &mut Row<'_, T, B>,
     task: &Task<T, D>,

@@ -9,8 +9,8 @@ use spindle_bearing::{
     Speed, Static,
 };
 use spindle_bearing::{
-    BallState, Design, DesignError, ErrorEstimate, FreeContact, InnerRaceControl, Material,
-    OuterRaceControl, Real, Status,
+    BallState, Design, ErrorEstimate, FreeContact, InnerRaceControl, Material, OuterRaceControl,
+    Real, Status,
 };
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -208,26 +208,8 @@ fn with_balls<const N: usize>(run: &Run) {
     }
 }
 
-/// A precision, whose bearings are built by a function of the type.
-trait Built: Real {
-    fn built<const N: usize>(design: &Design)
-    -> std::result::Result<Bearing<Self, N>, DesignError>;
-}
-
-impl Built for f32 {
-    fn built<const N: usize>(design: &Design) -> std::result::Result<Bearing<f32, N>, DesignError> {
-        Bearing::<f32, N>::new(design)
-    }
-}
-
-impl Built for f64 {
-    fn built<const N: usize>(design: &Design) -> std::result::Result<Bearing<f64, N>, DesignError> {
-        Bearing::<f64, N>::new(design)
-    }
-}
-
-fn in_precision<T: Built, const N: usize>(run: &Run) {
-    match T::built::<N>(&run.design.0) {
+fn in_precision<T: Real, const N: usize>(run: &Run) {
+    match Bearing::<T, N>::build(&run.design.0) {
         Err(error) => assert!(!(error.value >= error.least && error.value <= error.most)),
         Ok(bearing) => match run.motion {
             AnyMotion::Static => with_ring::<T, N, Static>(run, &bearing),

@@ -8,8 +8,8 @@ use spindle_bearing::BallState;
 /// Forces that count as part of a load or of a ball's forces, of all forces about: what rounding moves is far less.
 const ABOUT: f64 = 1e-3;
 
-/// The largest imbalance of the ring and of any ball, over the load and over the ball's largest force.
-pub fn imbalance(trial: &Trial, tick: &Tick, balls: &[BallState<f64>]) -> f64 {
+/// The largest residual of the ring and of any ball, over the load and over the ball's largest force.
+pub fn residual(trial: &Trial, tick: &Tick, balls: &[BallState<f64>]) -> f64 {
     let design = &trial.case.design;
     let about = balls.iter().fold(0.0, |m, b| worse(m, b.q_i.max(b.q_o)));
     let mut force = [0.0; 5];

@@ -71,8 +71,8 @@ fn write_solve(text: &mut String, trial: &Trial, solve: &JudgedTick) -> fmt::Res
                 if let Some(estimate) = &record.estimate {
                     writeln!(text, "  estimated: {}", few_digits(estimate))?;
                 }
-                if let Some(imbalance) = record.imbalance {
-                    writeln!(text, "  imbalance {imbalance:.1e}")?;
+                if let Some(residual) = record.residual {
+                    writeln!(text, "  residual {residual:.1e}")?;
                 }
                 if let Some(branch) = record.branch {
                     writeln!(text, "  branch {branch:?}")?;

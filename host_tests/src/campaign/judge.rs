@@ -1,6 +1,6 @@
 //! One case: solved in both precisions, and judged by the reference build.
 
-use super::balance::imbalance;
+use super::balance::residual;
 use super::families::{Family, Scene, Tick, Trial};
 use crate::compare::{Ball, Equilibrium};
 use crate::dispatch::{self, Figures, Precision};
@@ -155,8 +155,8 @@ pub struct Record {
     pub errors: Option<[f64; 3]>,
     /// The solver's own estimate of them.
     pub estimate: Option<[f64; 3]>,
-    /// How far the forces of an answer are from balance: see [`imbalance`].
-    pub imbalance: Option<f64>,
+    /// How far the forces of an answer are from balance: see [`residual`].
+    pub residual: Option<f64>,
     /// Which equilibrium an answer is, where that was looked into.
     pub branch: Option<Branch>,
 }
@@ -169,7 +169,7 @@ impl Record {
 
     /// An answer whose forces do not balance.
     pub fn is_unbalanced(&self) -> bool {
-        self.imbalance.is_some_and(|imbalance| !(imbalance <= FAR))
+        self.residual.is_some_and(|residual| !(residual <= FAR))
     }
 
     /// An answer that is none: some figure is off by more than a hundredth, or its forces do not balance.
@@ -381,7 +381,7 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> JudgedTick 
             },
             errors: None,
             estimate: figures.and_then(|f| f.error),
-            imbalance: figures.map(|_| imbalance(trial, &ticks[p], &answer.balls)),
+            residual: figures.map(|_| residual(trial, &ticks[p], &answer.balls)),
             branch: None,
         }
     });

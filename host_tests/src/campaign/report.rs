@@ -552,7 +552,7 @@ pub fn list_failures(records: &[Record], out: impl io::Write) -> Result<(), csv:
         "estimate_u",
         "estimate_q",
         "estimate_k",
-        "imbalance",
+        "residual",
         "branch",
     ])?;
     let three = |x: Option<[f64; 3]>| {
@@ -583,7 +583,7 @@ pub fn list_failures(records: &[Record], out: impl io::Write) -> Result<(), csv:
         row.extend(three(record.estimate));
         row.push(
             record
-                .imbalance
+                .residual
                 .map_or(String::new(), |x| format!("{x:.2e}")),
         );
         row.push(match record.branch {

@@ -113,11 +113,11 @@ fn what_only_the_pole_of_the_cage_speed_balances_is_refused_or_nearly_balances()
         let judged = judge::judge(&Trial::new(Plan::SEED, family, index));
         for record in judged.ticks[0].records {
             let place = format!("{} {index}, {:?}", family.name(), record.precision);
-            match (record.imbalance, most) {
-                (Some(imbalance), Some(most)) => {
-                    assert!(imbalance <= most, "{place}: {imbalance:e}");
+            match (record.residual, most) {
+                (Some(residual), Some(most)) => {
+                    assert!(residual <= most, "{place}: {residual:e}");
                 }
-                (Some(imbalance), None) => panic!("{place}: an answer, {imbalance:e}"),
+                (Some(residual), None) => panic!("{place}: an answer, {residual:e}"),
                 (None, _) => assert!(is_none(record.status), "{place}: {}", record.status),
             }
         }

@@ -1,12 +1,11 @@
 //! The limits that a solution reports, held against what its balls say and against Hertz.
 
-use super::solves::Built;
 use host_tests::cases::{B218, B7005C, Random, SKF6205, rad_per_s};
 use spindle_bearing::{
     BallState, Design, Exceedance, Exceedances, FreeContact, HertzContact, InnerRaceControl, Limit,
-    Limits, Material, OuterRaceControl, Race,
+    Limits, Material, OuterRaceControl, Race, Real,
 };
-use spindle_bearing::{Centrifugal, Full, Motion, Settings, Solver, Speed, Static};
+use spindle_bearing::{Bearing, Centrifugal, Full, Motion, Settings, Solver, Speed, Static};
 
 type Outer = Full<OuterRaceControl>;
 type Inner = Full<InnerRaceControl>;
@@ -26,12 +25,12 @@ const HYBRID: Design = Design {
 pub type Scene = ([f64; 5], f64);
 
 /// Solves from nothing; `None` if there is no equilibrium.
-pub fn solve<T: Built, M: Motion>(
+pub fn solve<T: Real, M: Motion>(
     design: &Design,
     (load, omega): Scene,
     limits: &Limits<f64>,
 ) -> Option<(Exceedances<T>, Vec<BallState<T>>)> {
-    let bearing = T::built::<16>(design).unwrap();
+    let bearing = Bearing::<T, 16>::build(design).unwrap();
     let mut solver = Solver::<T, 16, M>::of(&bearing);
     let limits = Limits {
         peak_pressure: T::of(limits.peak_pressure),
@@ -196,7 +195,7 @@ fn extremes_are_those_of_the_balls_and_of_limits_that_everything_passes() {
     };
     let mut compared = 0;
     for (seed, design) in (0..).zip([B7005C, HYBRID, deep_groove, B218]) {
-        let bearing = f64::built::<16>(&design).unwrap();
+        let bearing = Bearing::<f64, 16>::new(&design).unwrap();
         let mut solver = Solver::new(&bearing);
         for (load, omega) in scenes(seed, 60) {
             solver.reset();

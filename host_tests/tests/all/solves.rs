@@ -1,15 +1,13 @@
 //! Solvers whose precision, ball count and motion are known at run time, and their solutions in doubles.
 
 use host_tests::compare::{Ball, Equilibrium, worse};
-use host_tests::dispatch::{Attitude, Precision};
+use host_tests::dispatch::{Attitude, Precision, widened};
 use proptest::strategy::Strategy;
 use spindle_bearing::{
     AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, Settings, Snapshot, Solver,
     Speed, Static,
 };
-use spindle_bearing::{
-    BallState, Design, DesignError, InnerRaceControl, OuterRaceControl, Real, Status,
-};
+use spindle_bearing::{BallState, Design, InnerRaceControl, OuterRaceControl, Real, Status};
 use std::array::from_fn;
 
 pub const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
@@ -102,21 +100,6 @@ fn grown<T: Real>(growth: Growth<f64>) -> Growth<T> {
     }
 }
 
-/// A ball's state in doubles.
-pub fn wide<T: Real>(b: &BallState<T>) -> BallState<f64> {
-    BallState {
-        azimuth: b.azimuth.to_f64(),
-        alpha_i: b.alpha_i.to_f64(),
-        alpha_o: b.alpha_o.to_f64(),
-        q_i: b.q_i.to_f64(),
-        q_o: b.q_o.to_f64(),
-        delta_i: b.delta_i.to_f64(),
-        delta_o: b.delta_o.to_f64(),
-        centrifugal_force: b.centrifugal_force.to_f64(),
-        gyroscopic_moment: b.gyroscopic_moment.to_f64(),
-    }
-}
-
 /// A solution in doubles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
@@ -136,7 +119,7 @@ impl Found {
             u: s.displacement.map(T::to_f64),
             load: s.load.map(T::to_f64),
             k: s.stiffness.map(|row| row.map(T::to_f64)),
-            balls: s.balls.iter().map(wide).collect(),
+            balls: s.balls.iter().map(widened).collect(),
             estimate: [s.error.displacement, s.error.force, s.error.stiffness].map(T::to_f64),
         }
     }
@@ -233,7 +216,7 @@ impl<T: Real, const N: usize, M: Motion> AnyAxialSolver for AxialSolver<'static,
                 u: s.displacement.to_f64(),
                 load: s.load.to_f64(),
                 k: s.stiffness().to_f64(),
-                ball: wide(&s.ball()),
+                ball: widened(&s.ball()),
                 estimate: [s.error.displacement, s.error.force, s.error.stiffness].map(T::to_f64),
             })
             .map_err(Status::to_f32)
@@ -241,11 +224,11 @@ impl<T: Real, const N: usize, M: Motion> AnyAxialSolver for AxialSolver<'static,
 }
 
 /// A bearing that lives as long as the test.
-fn kept<T: Built, const N: usize>(design: &Design) -> &'static Bearing<T, N> {
-    Box::leak(Box::new(T::built(design).unwrap()))
+fn kept<T: Real, const N: usize>(design: &Design) -> &'static Bearing<T, N> {
+    Box::leak(Box::new(Bearing::build(design).unwrap()))
 }
 
-fn five<T: Built, const N: usize>(design: &Design, balls: Balls) -> Box<dyn AnySolver> {
+fn five<T: Real, const N: usize>(design: &Design, balls: Balls) -> Box<dyn AnySolver> {
     let bearing = kept::<T, N>(design);
     match balls {
         Balls::Static => Box::new(Solver::<T, N, Static>::of(bearing)),
@@ -256,7 +239,7 @@ fn five<T: Built, const N: usize>(design: &Design, balls: Balls) -> Box<dyn AnyS
     }
 }
 
-fn one<T: Built, const N: usize>(design: &Design, balls: Balls) -> Box<dyn AnyAxialSolver> {
+fn one<T: Real, const N: usize>(design: &Design, balls: Balls) -> Box<dyn AnyAxialSolver> {
     let bearing = kept::<T, N>(design);
     match balls {
         Balls::Static => Box::new(AxialSolver::<T, N, Static>::of(bearing)),
@@ -301,23 +284,6 @@ solvers! { 9 16 19 20 }
 /// A solution in double precision from nothing.
 pub fn cold(design: &Design, n: usize, balls: Balls, load: [f64; 5], omega: f64) -> Found {
     solver(design, n, Precision::F64, balls).load(load, omega)
-}
-
-/// The precisions, with bearings that are built by a function of the type.
-pub trait Built: Real {
-    fn built<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError>;
-}
-
-impl Built for f32 {
-    fn built<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError> {
-        Bearing::<f32, N>::new(design)
-    }
-}
-
-impl Built for f64 {
-    fn built<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError> {
-        Bearing::<f64, N>::new(design)
-    }
 }
 
 /// Lengths per displacement: tilts are taken at the pitch radius.

@@ -1,12 +1,13 @@
 //! Where limits are passed, to the last bit; in both precisions; and the words for them.
 
 use super::limits::{NOTHING, close, contacts, groove, scenes, shoulder, solve};
-use super::solves::Built;
 use host_tests::cases::{B218, B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
 use host_tests::tolerances::allowed;
 use spindle_bearing::{Centrifugal, Full, Motion, Static};
-use spindle_bearing::{Design, Exceedance, InnerRaceControl, Limit, Limits, OuterRaceControl};
+use spindle_bearing::{
+    Design, Exceedance, InnerRaceControl, Limit, Limits, OuterRaceControl, Real,
+};
 
 /// The number between `off` and `on` at which a limit is first passed, to the last bits.
 fn threshold(mut off: f64, mut on: f64, passed: impl Fn(f64) -> Option<Exceedance<f64>>) -> f64 {
@@ -144,7 +145,7 @@ fn single_precision_sees_what_double_precision_sees() {
 
 #[test]
 fn every_value_is_a_number() {
-    fn check<T: Built, M: Motion>() {
+    fn check<T: Real, M: Motion>() {
         for (load, omega) in scenes(10, 100) {
             for factor in [1e-6, 1.0, 1e3] {
                 for speed in [1.0, 5.0] {

@@ -38,7 +38,7 @@ fn judge_rings<const N: usize, M: Restricted>(
     rings: &[Ring],
     tallies: &mut [Tally],
 ) {
-    let bearing = f64::built::<N>(&trial.case.design).unwrap();
+    let bearing = Bearing::<f64, N>::new(&trial.case.design).unwrap();
     let tick = &trial.ticks[0];
     // Displacements to give: some of those under the loads.
     let loads = tick.load.map(Given::Load);
@@ -61,7 +61,7 @@ fn judge_ring<T: Working, const N: usize, M: Restricted>(
     given: [f64; 5],
     tally: &mut Tally,
 ) {
-    let bearing = T::built::<N>(&trial.case.design).unwrap();
+    let bearing = Bearing::<T, N>::build(&trial.case.design).unwrap();
     let scene = Scene::of::<T, M>(&trial.reference, freedoms, held);
     let mut solver = solver::<T, N, M>(&bearing, freedoms);
     judge(trial, &scene, given, tally, &mut *solver);

@@ -1,32 +1,24 @@
 //! Solvers of every scene: the ring's freedoms, what is given of each, and how the balls move.
 
-use host_tests::dispatch::{Attitude, Precision};
+use host_tests::dispatch::{Attitude, Precision, widened};
 use host_tests::reference::Reference;
 use spindle_bearing::{
     AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, Settings, Solver, Speed, Static,
 };
 use spindle_bearing::{
-    BallState, Design, DesignError, InnerRaceControl, OuterRaceControl, RacewayControlFree, Real,
-    Status,
+    BallState, InnerRaceControl, OuterRaceControl, RacewayControlFree, Real, Status,
 };
 use std::array::from_fn;
 
 /// What the tables and the tests need of a precision.
 pub trait Working: Real {
     const PRECISION: Precision;
-    fn built<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError>;
 }
 impl Working for f32 {
     const PRECISION: Precision = Precision::F32;
-    fn built<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError> {
-        Bearing::<f32, N>::new(design)
-    }
 }
 impl Working for f64 {
     const PRECISION: Precision = Precision::F64;
-    fn built<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError> {
-        Bearing::<f64, N>::new(design)
-    }
 }
 
 /// What the reference build has to leave out to be restricted as a motion is.
@@ -87,20 +79,6 @@ pub struct Found {
     pub balls: Vec<BallState<f64>>,
     /// The solver's own estimate of its errors of displacement, force and stiffness.
     pub estimate: [f64; 3],
-}
-
-pub fn widened<T: Real>(b: &BallState<T>) -> BallState<f64> {
-    BallState {
-        azimuth: b.azimuth.to_f64(),
-        alpha_i: b.alpha_i.to_f64(),
-        alpha_o: b.alpha_o.to_f64(),
-        q_i: b.q_i.to_f64(),
-        q_o: b.q_o.to_f64(),
-        delta_i: b.delta_i.to_f64(),
-        delta_o: b.delta_o.to_f64(),
-        centrifugal_force: b.centrifugal_force.to_f64(),
-        gyroscopic_moment: b.gyroscopic_moment.to_f64(),
-    }
 }
 
 fn narrow<T: Real>(given: Given<f64>) -> Given<T> {

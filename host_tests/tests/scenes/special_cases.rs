@@ -79,7 +79,7 @@ fn holding<const D: usize>(loads: [f64; D], held: usize, u: f64) -> [Given<f64>;
 fn special_cases<T: Working, M: Motion>(omega: fn(&Design) -> f64) -> String {
     let mut report = String::new();
     for design in &DESIGNS {
-        let bearing = T::built::<9>(design).unwrap();
+        let bearing = Bearing::<T, 9>::build(design).unwrap();
         let omega = omega(design);
         let cold = |given: &[Given<f64>]| cold::<T, M>(&bearing, given, omega);
         let mut check = |name: &str, a: &Found, b: &Found, most: f64| {
@@ -175,7 +175,7 @@ fn special_cases_at_speed_are_the_same_scenes() {
 fn motions_at_rest_are_the_static_scene() {
     fn check<T: Working, M: Motion>() {
         for design in &DESIGNS {
-            let bearing = T::built::<9>(design).unwrap();
+            let bearing = Bearing::<T, 9>::build(design).unwrap();
             for load in loads(design) {
                 let load = load.map(Given::Load);
                 let rest = cold::<T, Static>(&bearing, &load, 0.0);

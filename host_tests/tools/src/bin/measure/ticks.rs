@@ -1,8 +1,8 @@
 //! The shipped monitor's chain, tick by tick: bytes in, doubts, a warm solve, judgement, life, bytes out.
 //!
 //! Input is a stretch of the recorded cycle under faults, then loads of passing teeth, at the pace of the port.
-//! What a tick costs besides the solve, what a solve costs besides its iterations, and what an iteration costs
-//! become the constants of `CycleCost`, from which the firmware works out how many iterations fit.
+//! The constants of `CycleCost` are made of it: what a tick costs besides the solve, what a solve costs besides its
+//! iterations, and what an iteration costs. The firmware works out how many iterations fit.
 
 use crate::image::{Image, name};
 use crate::machine::Machine;
