@@ -6,7 +6,7 @@
 //! | --- | --- | --- |
 //! | acquisition | [`loads`], [`speed`] | five loads and a speed, or why there are none |
 //! | plausibility | [`plausibility`] | a good sample, or the [`Marks`] of what is doubted |
-//! | tick | [`tick`], [`Monitor`] | an equilibrium within the deadline |
+//! | tick | [`tick`], `tracker`, [`Monitor`] | an equilibrium within the deadline |
 //! | judgement | [`judgement`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | telemetry | [`telemetry`] | frames for a host |
@@ -107,20 +107,6 @@
 //! - **No drift.** Times are 64 bits, counters are 64 bits and stop rather than wrap, sums over a life are
 //!   exact.
 //!
-//! # When a solve does not fit its tick
-//!
-//! A solve that runs out of iterations is no answer, but the solver keeps where it got to. The next tick goes
-//! on from there, towards the loads of its own sample. Until a solve ends there is no new estimate, and the mark
-//! is [`Mark::Unsolved`].
-//!
-//! Teeth that pass take the loads to and fro. The monitor has two solvers, and the one that stands nearer takes the
-//! sample: loads that come back find a solution where they were. A solver that was not the nearer one for 100
-//! samples takes over what the other one has.
-//!
-//! After 20 solves without an answer, one starts from nothing, with
-//! [`TickSettings::cold_iterations`](tick::TickSettings::cold_iterations). So does one where no solver has a
-//! solution. If it fails, it is tried again after longer and longer pauses.
-//!
 //! # Left out on purpose
 //!
 //! Filters before the solver (an analogue one belongs before the converter), the spectrum of vibrations,
@@ -137,6 +123,7 @@ pub mod settings;
 pub mod speed;
 pub mod telemetry;
 pub mod tick;
+mod tracker;
 
 pub use command::Command;
 pub use judgement::{Alarm, AlarmState, Baseline, Changes, Judgement};
@@ -148,16 +135,16 @@ pub use settings::{MonitorSettings, SettingsError};
 use crate::estimate::strongest_coupling;
 use crate::float::Real;
 use crate::limits::{Extreme, Limits};
-use crate::status::Status;
-use crate::{Bearing, Full, Motion, Settings, Solution, Solver, Speed};
+use crate::{Bearing, Full, Motion, Solution};
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
-use plausibility::{Plausibility, PlausibilitySettings, seconds};
+use plausibility::{Plausibility, seconds};
 use telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport, Outbox,
     Payload, RetentionReport, StatusCode,
 };
 use tick::{CycleCounter, Ticker, Watchdog};
+use tracker::Tracker;
 
 /// What happened in a tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -219,187 +206,6 @@ impl Every {
             time_us.saturating_add(period)
         };
         true
-    }
-}
-
-/// A solver, and where it stands.
-#[derive(Debug, Clone, Copy)]
-struct Follower<T: Real + 'static, const N: usize, M: Motion + Copy> {
-    solver: Solver<'static, T, N, M>,
-    /// Loads and speed of its last solve; none if it has no solution to go on from.
-    at: Option<([f32; 5], f32)>,
-    /// Solves since it was the nearer one.
-    idle: u16,
-}
-
-/// Follows the loads from equilibrium to equilibrium.
-///
-/// Teeth that pass take the loads to and fro in a tick or two, which is farther than a tick's iterations reach.
-/// Each end has a solver.
-#[derive(Debug)]
-struct Tracker<T: Real + 'static, const N: usize, M: Motion + Copy> {
-    followers: [Follower<T, N, M>; 2],
-    /// Solves in a row without an answer.
-    failed: u16,
-    /// Solves to leave out before the next one from nothing, and how many were left out last.
-    pause: u16,
-    pauses: u16,
-    /// Of the last solve.
-    iterations: u16,
-}
-
-/// Solves in a row without an answer, after which one starts from nothing.
-const PATIENCE: u16 = 20;
-/// Solves after which a solver that was not the nearer one takes over what the other one has: a tenth of a second
-/// at 1 kHz, in which several teeth pass.
-const LONGEST_IDLE: u16 = 100;
-/// The longest pause between solves from nothing, in solves.
-const LONGEST_PAUSE: u16 = 1023;
-
-/// The solve was refused for its input, and has left the solver as it was.
-fn is_refused<T>(status: &Status<T>) -> bool {
-    matches!(
-        status,
-        Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded
-    )
-}
-
-/// Shortest time in which loads and speed get from one place to another, s, if they change as fast as is
-/// plausible.
-fn distance(
-    (from, from_speed): &([f32; 5], f32),
-    load: &[f32; 5],
-    speed: f32,
-    settings: &PlausibilitySettings,
-) -> f32 {
-    let mut longest = (speed - from_speed).abs() / settings.speed_rate;
-    for ((to, from), rate) in load.iter().zip(from).zip(&settings.load_rate) {
-        longest = longest.at_least((to - from).abs() / rate);
-    }
-    longest
-}
-
-impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
-    fn new(bearing: &'static Bearing<T, N>) -> Self {
-        let follower = Follower {
-            solver: Solver::of(bearing),
-            at: None,
-            idle: 0,
-        };
-        Self {
-            followers: [follower; 2],
-            failed: 0,
-            pause: 0,
-            pauses: 0,
-            iterations: 0,
-        }
-    }
-
-    /// What `see` sees of the equilibrium under these loads, or how the solve ended without it.
-    fn solve<R>(
-        &mut self,
-        load: [f32; 5],
-        speed: f32,
-        settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
-    ) -> Result<R, StatusCode> {
-        let [first, second] = &mut self.followers;
-        let far = |follower: &Follower<T, N, M>| {
-            follower.at.as_ref().map_or(f32::INFINITY, |at| {
-                distance(at, &load, speed, &settings.plausibility)
-            })
-        };
-        let (near, other) = if far(first) <= far(second) {
-            (first, second)
-        } else {
-            (second, first)
-        };
-        if near.at.is_none() {
-            return self.start(load, speed, settings, see);
-        }
-        other.idle += 1;
-        if other.idle >= LONGEST_IDLE {
-            *other = *near;
-            other.idle = 0;
-        }
-        near.idle = 0;
-        let limit = settings.tick.max_iterations();
-        let (seen, iterations) = near.solve(load, speed, settings, limit, see);
-        self.iterations = iterations;
-        match &seen {
-            Ok(_) => self.failed = 0,
-            Err(status) if is_refused(status) => {}
-            Err(_) => {
-                self.failed += 1;
-                if self.failed >= PATIENCE {
-                    (near.at, other.at) = (None, None);
-                }
-            }
-        }
-        seen.map_err(|status| StatusCode::from(&status))
-    }
-
-    /// The same from nothing, unless it is to pause.
-    fn start<R>(
-        &mut self,
-        load: [f32; 5],
-        speed: f32,
-        settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
-    ) -> Result<R, StatusCode> {
-        self.iterations = 0;
-        if self.pause > 0 {
-            self.pause -= 1;
-            return Err(StatusCode::IterationLimit);
-        }
-        let [first, second] = &mut self.followers;
-        first.solver.reset();
-        let limit = settings.tick.cold_iterations;
-        let (seen, iterations) = first.solve(load, speed, settings, limit, see);
-        self.iterations = iterations;
-        if seen.is_ok() {
-            *second = *first;
-            (self.failed, self.pauses) = (0, 0);
-        } else {
-            first.at = None;
-            self.pauses = (2 * self.pauses + 1).min(LONGEST_PAUSE);
-            self.pause = self.pauses;
-        }
-        seen.map_err(|status| StatusCode::from(&status))
-    }
-}
-
-impl<T: Real, const N: usize, M: Motion + Copy> Follower<T, N, M> {
-    /// A solve of at most `limit` iterations, and how many it took.
-    fn solve<R>(
-        &mut self,
-        load: [f32; 5],
-        speed: f32,
-        settings: &MonitorSettings,
-        limit: u16,
-        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
-    ) -> (Result<R, Status<T>>, u16) {
-        let effort = Settings {
-            max_iterations: limit,
-            tolerance: T::from_f32(settings.tolerance),
-        };
-        let rad_per_s = Speed::rad_per_s(T::from_f32(speed));
-        match self.solver.solve(load.map(T::from_f32), rad_per_s, &effort) {
-            Ok(solution) => {
-                self.at = Some((load, speed));
-                (Ok(see(&solution)), solution.iterations)
-            }
-            Err(Status::IterationLimit) => {
-                self.at = Some((load, speed));
-                (Err(Status::IterationLimit), limit)
-            }
-            Err(status) => {
-                if !is_refused(&status) {
-                    self.at = None;
-                }
-                (Err(status), 0)
-            }
-        }
     }
 }
 
@@ -511,8 +317,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
     ///
     /// How the solve ended without an answer.
     pub fn prepare(&mut self, load: [f32; 5], speed: f32) -> Result<(), StatusCode> {
-        self.tracker.pause = 0;
-        self.tracker.start(load, speed, self.settings, |_| ())
+        self.tracker.prepare(load, speed, self.settings)
     }
 
     /// One tick: takes what the sensors say, doubts it, solves it if it is time to, judges, counts and reports.
@@ -550,7 +355,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         } else if let Some((sample, at)) = self.waiting.take() {
             self.countdown = self.settings.tick.solve_every.saturating_sub(1);
             solved = self.solve(&sample, at, &mut changes);
-            iterations = self.tracker.iterations;
+            iterations = self.tracker.iterations();
         }
 
         let mut marks = doubts;

@@ -1,0 +1,217 @@
+//! Follows the loads from equilibrium to equilibrium, within the iterations of a tick.
+//!
+//! A solve that runs out of iterations is no answer, but the solver keeps where it got to. The next tick goes
+//! on from there, towards the loads of its own sample. Until a solve ends there is no new estimate, and the mark
+//! is [`Mark::Unsolved`](super::Mark::Unsolved).
+//!
+//! Teeth that pass take the loads to and fro. The monitor has two solvers, and the one that stands nearer takes the
+//! sample: loads that come back find a solution where they were. A solver that was not the nearer one for 100
+//! samples takes over what the other one has.
+//!
+//! After 20 solves without an answer, one starts from nothing, with
+//! [`TickSettings::cold_iterations`](super::tick::TickSettings::cold_iterations). So does one where no solver has a
+//! solution. If it fails, it is tried again after longer and longer pauses.
+
+use super::MonitorSettings;
+use super::plausibility::PlausibilitySettings;
+use super::telemetry::StatusCode;
+use crate::float::Real;
+use crate::status::Status;
+use crate::{Bearing, Motion, Settings, Solution, Solver, Speed};
+
+/// A solver, and where it stands.
+#[derive(Debug, Clone, Copy)]
+struct Follower<T: Real + 'static, const N: usize, M: Motion + Copy> {
+    solver: Solver<'static, T, N, M>,
+    /// Loads and speed of its last solve; none if it has no solution to go on from.
+    at: Option<([f32; 5], f32)>,
+    /// Solves since it was the nearer one.
+    idle: u16,
+}
+
+/// Follows the loads from equilibrium to equilibrium.
+///
+/// Teeth that pass take the loads to and fro in a tick or two, which is farther than a tick's iterations reach.
+/// Each end has a solver.
+#[derive(Debug)]
+pub(super) struct Tracker<T: Real + 'static, const N: usize, M: Motion + Copy> {
+    followers: [Follower<T, N, M>; 2],
+    /// Solves in a row without an answer.
+    failed: u16,
+    /// Solves to leave out before the next one from nothing, and how many were left out last.
+    pause: u16,
+    pauses: u16,
+    /// Of the last solve.
+    iterations: u16,
+}
+
+/// Solves in a row without an answer, after which one starts from nothing.
+const PATIENCE: u16 = 20;
+/// Solves after which a solver that was not the nearer one takes over what the other one has: a tenth of a second
+/// at 1 kHz, in which several teeth pass.
+const LONGEST_IDLE: u16 = 100;
+/// The longest pause between solves from nothing, in solves.
+const LONGEST_PAUSE: u16 = 1023;
+
+/// The solve was refused for its input, and has left the solver as it was.
+fn is_refused<T>(status: &Status<T>) -> bool {
+    matches!(
+        status,
+        Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded
+    )
+}
+
+/// Shortest time in which loads and speed get from one place to another, s, if they change as fast as is
+/// plausible.
+fn distance(
+    (from, from_speed): &([f32; 5], f32),
+    load: &[f32; 5],
+    speed: f32,
+    settings: &PlausibilitySettings,
+) -> f32 {
+    let mut longest = (speed - from_speed).abs() / settings.speed_rate;
+    for ((to, from), rate) in load.iter().zip(from).zip(&settings.load_rate) {
+        longest = longest.at_least((to - from).abs() / rate);
+    }
+    longest
+}
+
+impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
+    pub(super) fn new(bearing: &'static Bearing<T, N>) -> Self {
+        let follower = Follower {
+            solver: Solver::of(bearing),
+            at: None,
+            idle: 0,
+        };
+        Self {
+            followers: [follower; 2],
+            failed: 0,
+            pause: 0,
+            pauses: 0,
+            iterations: 0,
+        }
+    }
+
+    /// Iterations of the last solve.
+    pub(super) const fn iterations(&self) -> u16 {
+        self.iterations
+    }
+
+    /// A solve from nothing, without a pause before it.
+    pub(super) fn prepare(
+        &mut self,
+        load: [f32; 5],
+        speed: f32,
+        settings: &MonitorSettings,
+    ) -> Result<(), StatusCode> {
+        self.pause = 0;
+        self.start(load, speed, settings, |_| ())
+    }
+
+    /// What `see` sees of the equilibrium under these loads, or how the solve ended without it.
+    pub(super) fn solve<R>(
+        &mut self,
+        load: [f32; 5],
+        speed: f32,
+        settings: &MonitorSettings,
+        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
+    ) -> Result<R, StatusCode> {
+        let [first, second] = &mut self.followers;
+        let far = |follower: &Follower<T, N, M>| {
+            follower.at.as_ref().map_or(f32::INFINITY, |at| {
+                distance(at, &load, speed, &settings.plausibility)
+            })
+        };
+        let (near, other) = if far(first) <= far(second) {
+            (first, second)
+        } else {
+            (second, first)
+        };
+        if near.at.is_none() {
+            return self.start(load, speed, settings, see);
+        }
+        other.idle += 1;
+        if other.idle >= LONGEST_IDLE {
+            *other = *near;
+            other.idle = 0;
+        }
+        near.idle = 0;
+        let limit = settings.tick.max_iterations();
+        let (seen, iterations) = near.solve(load, speed, settings, limit, see);
+        self.iterations = iterations;
+        match &seen {
+            Ok(_) => self.failed = 0,
+            Err(status) if is_refused(status) => {}
+            Err(_) => {
+                self.failed += 1;
+                if self.failed >= PATIENCE {
+                    (near.at, other.at) = (None, None);
+                }
+            }
+        }
+        seen.map_err(|status| StatusCode::from(&status))
+    }
+
+    /// The same from nothing, unless it is to pause.
+    fn start<R>(
+        &mut self,
+        load: [f32; 5],
+        speed: f32,
+        settings: &MonitorSettings,
+        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
+    ) -> Result<R, StatusCode> {
+        self.iterations = 0;
+        if self.pause > 0 {
+            self.pause -= 1;
+            return Err(StatusCode::IterationLimit);
+        }
+        let [first, second] = &mut self.followers;
+        first.solver.reset();
+        let limit = settings.tick.cold_iterations;
+        let (seen, iterations) = first.solve(load, speed, settings, limit, see);
+        self.iterations = iterations;
+        if seen.is_ok() {
+            *second = *first;
+            (self.failed, self.pauses) = (0, 0);
+        } else {
+            first.at = None;
+            self.pauses = (2 * self.pauses + 1).min(LONGEST_PAUSE);
+            self.pause = self.pauses;
+        }
+        seen.map_err(|status| StatusCode::from(&status))
+    }
+}
+
+impl<T: Real, const N: usize, M: Motion + Copy> Follower<T, N, M> {
+    /// A solve of at most `limit` iterations, and how many it took.
+    fn solve<R>(
+        &mut self,
+        load: [f32; 5],
+        speed: f32,
+        settings: &MonitorSettings,
+        limit: u16,
+        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
+    ) -> (Result<R, Status<T>>, u16) {
+        let effort = Settings {
+            max_iterations: limit,
+            tolerance: T::from_f32(settings.tolerance),
+        };
+        let rad_per_s = Speed::rad_per_s(T::from_f32(speed));
+        match self.solver.solve(load.map(T::from_f32), rad_per_s, &effort) {
+            Ok(solution) => {
+                self.at = Some((load, speed));
+                (Ok(see(&solution)), solution.iterations)
+            }
+            Err(Status::IterationLimit) => {
+                self.at = Some((load, speed));
+                (Err(Status::IterationLimit), limit)
+            }
+            Err(status) => {
+                if !is_refused(&status) {
+                    self.at = None;
+                }
+                (Err(status), 0)
+            }
+        }
+    }
+}
