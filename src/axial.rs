@@ -15,7 +15,7 @@
 
 use super::constants::{Constants, L0};
 use super::contact::Contact;
-use super::motion::Point;
+use super::mounting::Point;
 use crate::float::Real;
 
 /// From the outer to the inner groove's centre.

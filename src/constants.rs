@@ -12,7 +12,7 @@
 
 use crate::design::{Design, DesignError, check};
 use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
-use crate::float::Real;
+use crate::float::{EitherPrecision, Real};
 use crate::hertz::HertzContact;
 use crate::limits::Grooves;
 
@@ -270,6 +270,21 @@ macro_rules! bearing {
     };
 }
 
+/// A bearing of this design, in either precision.
+struct Build<'d, const N: usize>(&'d Design);
+
+impl<const N: usize> EitherPrecision for Build<'_, N> {
+    type In<T: Real> = Result<Bearing<T, N>, DesignError>;
+
+    fn single(self) -> Self::In<f32> {
+        Bearing::<f32, N>::new(self.0)
+    }
+
+    fn double(self) -> Self::In<f64> {
+        Bearing::<f64, N>::new(self.0)
+    }
+}
+
 impl<T: Real, const N: usize> Bearing<T, N> {
     /// [`Self::new`] for code that is generic over the precision; no `const fn`.
     ///
@@ -277,7 +292,7 @@ impl<T: Real, const N: usize> Bearing<T, N> {
     ///
     /// The first quantity of the design that is out of its range.
     pub fn build(design: &Design) -> Result<Self, DesignError> {
-        T::bearing(design)
+        T::choose(Build(design))
     }
 }
 

@@ -100,16 +100,25 @@ pub trait Real:
         if other < self { other } else { self }
     }
 
-    /// [`Bearing::build`](crate::Bearing::build), which a trait has to dispatch as long as `const`
-    /// traits are not stable.
+    /// What is made of this precision.
     #[doc(hidden)]
-    fn bearing<const N: usize>(
-        design: &crate::Design,
-    ) -> Result<crate::Bearing<Self, N>, crate::DesignError>;
+    fn choose<E: EitherPrecision>(either: E) -> E::In<Self>;
+}
+
+/// What can be made in both precisions, each by code of its own.
+///
+/// Traits with a `const fn` are not stable: code that is generic over the precision chooses this way.
+pub trait EitherPrecision {
+    /// What comes of it.
+    type In<T: Real>;
+    /// Makes it in single precision.
+    fn single(self) -> Self::In<f32>;
+    /// Makes it in double precision.
+    fn double(self) -> Self::In<f64>;
 }
 
 macro_rules! real {
-    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
+    ($t:ident, $choose:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -173,10 +182,8 @@ macro_rules! real {
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
             }
-            fn bearing<const N: usize>(
-                design: &crate::Design,
-            ) -> Result<crate::Bearing<Self, N>, crate::DesignError> {
-                crate::Bearing::<$t, N>::new(design)
+            fn choose<E: EitherPrecision>(either: E) -> E::In<Self> {
+                either.$choose()
             }
         }
     };
@@ -185,6 +192,7 @@ macro_rules! real {
 // 1.5 * 2^(mantissa bits - n) rounds to multiples of 2^-n: n = 8 and 9, 8 and 26.
 real!(
     f32,
+    single,
     2e-5,
     crate::sqrt::sqrt_f32,
     0x2a51_37a0,
@@ -197,6 +205,7 @@ real!(
 );
 real!(
     f64,
+    double,
     3e-13,
     crate::sqrt::sqrt_f64,
     0x2a9f_7893_782d_a1ce,

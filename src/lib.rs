@@ -6,6 +6,7 @@ extern crate std;
 
 mod axial;
 mod ball;
+mod body;
 mod constants;
 mod contact;
 mod curvature;

@@ -1,7 +1,7 @@
 //! Growth of rings and balls, and the speed: what a bearing is solved at, besides its load.
 
 use super::constants::{Constants, L0};
-use super::motion::{Point, Regime};
+use super::linalg::Pair;
 use crate::float::Real;
 
 /// Speed of the shaft.
@@ -64,9 +64,39 @@ impl<T: Real> Growth<T> {
     };
 }
 
+/// Speed and growth that a row is solved at, in the units of the constants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point<T> {
+    /// `m dm omega^2 / 2`.
+    pub s: T,
+    /// Square of a force on a ball that makes no difference to the ring.
+    pub negligible: T,
+    /// What the balls are taken for.
+    pub regime: Regime,
+    /// Lengths `lo` and `li`, growth of the ball included, and what growth adds to `-lo^2`, `-li^2` and `-L0^2`.
+    pub lo: T,
+    pub li: T,
+    pub lo_excess: T,
+    pub li_excess: T,
+    pub l0_excess: T,
+    /// Growth of the inner groove's centre against the outer one's, axial and radial.
+    pub growth: Pair<T>,
+}
+
+/// What the balls are taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regime {
+    /// At rest: both contacts in series.
+    Rest,
+    /// In equilibrium with their inertia.
+    Speed,
+    /// Held where centrifugal force alone presses them on the outer race.
+    Outer,
+}
+
 impl<T: Real> Point<T> {
     /// The point of `s = m dm omega^2 / 2` and a growth, in units of length, for a ring under a load of the size `size`.
-    pub(super) fn new(c: &Constants<T>, s: T, size: T, growth: &Growth<T>) -> Self {
+    pub fn new(c: &Constants<T>, s: T, size: T, growth: &Growth<T>) -> Self {
         let g = growth.ball;
         let half = T::of(0.5) * g;
         let excess = |length: T, less: T| less * (length + length - less);
@@ -85,5 +115,29 @@ impl<T: Real> Point<T> {
             l0_excess: excess(T::of(L0), g),
             growth: [growth.axial, growth.radial],
         }
+    }
+
+    /// Without growth.
+    pub fn cold(c: &Constants<T>, s: T) -> Self {
+        Self {
+            s,
+            negligible: T::ZERO,
+            regime: if s > T::ZERO {
+                Regime::Speed
+            } else {
+                Regime::Rest
+            },
+            lo: c.lo,
+            li: c.li,
+            lo_excess: T::ZERO,
+            li_excess: T::ZERO,
+            l0_excess: T::ZERO,
+            growth: [T::ZERO; 2],
+        }
+    }
+
+    /// The same at another regime.
+    pub fn with(self, regime: Regime) -> Self {
+        Self { regime, ..self }
     }
 }

@@ -7,8 +7,7 @@ use super::ball::Ball;
 use super::constants::Constants;
 use super::kinematics::Rule;
 use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
-use super::motion::Point;
-use super::pose::Pose;
+use super::mounting::Point;
 use super::tuning;
 use crate::float::Real;
 
@@ -59,10 +58,10 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
     let x0 = add(ball.outer.vector, ball.x);
     let a = add(add(x0, ball.inner.vector), ball.inner_offset());
     let x = chain(c, p, a, fc);
-    let here = Pose::at_speed::<R>(ball, c, p);
+    let here = ball.pose::<R>(c, p);
     let kept = ball.x;
     ball.put(x);
-    let mut pose = Pose::at_speed::<R>(ball, c, p);
+    let mut pose = ball.pose::<R>(c, p);
     let energy_here = here.energy() - fc * x0[1];
     let energy = pose.energy() - fc * x[1];
     if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
@@ -81,7 +80,7 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
         let (from, before) = (ball.x, dot(r, step));
         for _ in 0..4 {
             ball.x = add(from, step);
-            pose = Pose::at_speed::<R>(ball, c, p);
+            pose = ball.pose::<R>(c, p);
             if dot(add(pose.forces().0, loads), step) >= -before {
                 break;
             }

@@ -2,12 +2,11 @@
 //!
 //! The same quantities as in the ball pass, without slopes: for placing a ball, and for reports.
 
-use super::ball::Ball;
 use super::constants::{Azimuth, Constants};
 use super::contact::Contact;
 use super::kinematics::{Contacts, Rule};
 use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
-use super::motion::Point;
+use super::mounting::Point;
 use crate::float::Real;
 use crate::limits::ContactState;
 
@@ -72,11 +71,9 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// A ball at speed, where it is.
-    #[inline(never)]
-    pub fn at_speed<R: Rule>(ball: &Ball<T>, c: &Constants<T>, p: &Point<T>) -> Self {
-        let i = Contact::at(&ball.inner, ball.inner_offset(), p.li, c.ki);
-        let o = Contact::at(&ball.outer, ball.x, p.lo, T::ONE);
+    /// A ball at speed, with its inner and its outer contact.
+    #[inline(always)]
+    pub fn at_speed<R: Rule>(i: Contact<T>, o: Contact<T>, c: &Constants<T>, p: &Point<T>) -> Self {
         let (d_i, d_o) = (i.delta.at_least(T::ZERO), o.delta.at_least(T::LEAST));
         let (wi, wo) = (c.kw * d_i * d_i, d_o * d_o);
         let eta = wi / (wi + wo);

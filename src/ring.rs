@@ -3,10 +3,11 @@
 //! Order of freedoms: axial, radial y, radial z, tilt about y, tilt about z, radial displacements and moments referred to
 //! the groove plane. A solver has the first `D` of them: 1, 3 or 5.
 
+use super::body::{Body, Share};
 use super::constants::{Azimuth, Constants};
 use super::kinematics::Rule;
 use super::linalg::{Matrix, Pair};
-use super::motion::{Body, Point, Share};
+use super::mounting::Point;
 use crate::float::Real;
 
 /// Force of the balls on the ring, its slopes by the ring's displacement and by the relative change of `omega^2`.
@@ -245,6 +246,27 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         furthest.map(|(number, sin)| (number, sin.abs().atan2(least)))
     }
 
+    /// Adds the second order of the ring's motion to `v` and of `ds` to the balls' steps; returns the force it adds.
+    #[inline(never)]
+    pub fn bend<const D: usize>(&mut self, v: &[T; D], ds: T) -> [T; D] {
+        let mut force = [T::ZERO; D];
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter_mut() {
+            let Some(at) = azimuths.next() else { break };
+            let [axial, radial] = ball.bend(shift(v, at), ds);
+            force[0] += axial;
+            if D >= 3 {
+                force[1] += radial * at.cos;
+                force[2] += radial * at.sin;
+            }
+            if D == 5 {
+                force[3] += axial * at.sin;
+                force[4] -= axial * at.cos;
+            }
+        }
+        force
+    }
+
     /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`.
     #[inline(never)]
     pub fn follow(&mut self, v: &[T; 5], ds: T) {
@@ -265,4 +287,26 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
             ball.anchor(self.c, p, high, low, shift(v, at));
         }
     }
+}
+
+/// Adds the change of the stiffness along the ring's motion to `v`.
+#[inline(never)]
+pub fn stiffen<T: Real, B: Body<T>, const D: usize>(
+    balls: &[B],
+    azimuths: &[Azimuth<T>],
+    v: &[T; D],
+    sum: &mut Sum<T, D>,
+) {
+    let mut azimuths = azimuths.iter();
+    for ball in balls {
+        let Some(at) = azimuths.next() else { break };
+        let [aa, ar, rr] = ball.stiffening(shift(v, at));
+        let share = Share {
+            h: [[aa, ar], [ar, rr]],
+            hm: [aa, ar],
+            ..Share::NONE
+        };
+        sum.add_slopes(&share, &Share::NONE, at);
+    }
+    sum.finish();
 }

@@ -3,12 +3,13 @@
 //! The grooves' centres and the ball's are collinear. Both contacts in series are one contact between the grooves'
 //! centres, `Q = Kn (|A| - L0)^(3/2)`.
 
-use super::constants::{Constants, L0, Squared};
-use super::contact::{Contact, Reference, to_grid};
+use super::body::{Body, Change, Share, change_of, share_of};
+use super::constants::Constants;
+use super::contact::{Contact, Reference, l0_squared, to_grid};
 use super::curvature::{Curvature, forms};
 use super::kinematics::Rule;
 use super::linalg::{Pair, add, sub, turn};
-use super::motion::{Body, Change, Point, Share};
+use super::mounting::Point;
 use super::pose::Pose;
 use crate::float::Real;
 
@@ -24,67 +25,6 @@ pub struct StaticBall<T> {
     delta: T,
     curvature: Curvature<T>,
     share: Share<T>,
-}
-
-/// `L0^2`, exactly.
-pub fn l0_squared<T: Real>() -> Squared<T> {
-    Squared {
-        whole: (L0 * L0 * 65_536.0) as i32,
-        rest: T::ZERO,
-    }
-}
-
-/// What a ball whose only force is that of `contact` hands to the ring.
-#[inline(always)]
-pub fn share_of<T: Real>(contact: &Contact<T>) -> Share<T> {
-    let [aa, ar, rr] = contact.tangent();
-    let force = [contact.q * contact.n[0], contact.q * contact.n[1]];
-    Share {
-        force,
-        moment: force[0],
-        h: [[aa, ar], [ar, rr]],
-        hm: [aa, ar],
-        ..Share::NONE
-    }
-}
-
-/// How a step `v` along and across the only contact changes it.
-#[inline(always)]
-pub fn change_of<T: Real>(v: Pair<T>, delta: T, per_r: T, share: &Share<T>, k: T) -> Change<T> {
-    if !(delta > T::ZERO) {
-        return closing(v[0], delta, k);
-    }
-    let depth = T::of(0.5) * (v[0].abs() / delta).at_most(T::ONE);
-    let turn = (v[1] * per_r).abs();
-    let h = share.magnitudes();
-    Change {
-        depth,
-        turn,
-        h,
-        cos: T::ONE,
-        off: T::ZERO,
-    }
-}
-
-/// How a step `v` along a contact that is open by `-delta` changes it. One that closes is taken for what it will be.
-#[cold]
-#[inline(never)]
-pub fn closing<T: Real>(v: T, delta: T, k: T) -> Change<T> {
-    let depth = delta + v;
-    // Ahead of the branch: see `sqrt`.
-    let slope = T::of(1.5) * k * depth.sqrt();
-    let (depth, slope) = if depth > T::ZERO {
-        (T::ONE, slope)
-    } else {
-        (T::ZERO, T::ZERO)
-    };
-    Change {
-        depth,
-        turn: T::ZERO,
-        cos: T::ONE,
-        off: T::ZERO,
-        h: [slope, T::ZERO, slope],
-    }
 }
 
 impl<T: Real> StaticBall<T> {

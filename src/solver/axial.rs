@@ -3,10 +3,11 @@
 use super::error::ErrorEstimate;
 use super::{Given, Outcome, Settings, State, Task, input};
 use crate::axial::{AxialRest, Centres};
+use crate::body::Body;
 use crate::constants::{Bearing, Constants};
 use crate::float::Real;
-use crate::motion::{Body, Full, Motion, Point, Regime};
-use crate::mounting::{Growth, Speed};
+use crate::motion::{Full, Motion};
+use crate::mounting::{Growth, Point, Regime, Speed};
 use crate::pose::BallState;
 use crate::pose::Pose;
 use crate::ring::Row;

@@ -2,9 +2,9 @@
 
 use super::State;
 use super::newton::Outcome;
+use crate::body::Body;
 use crate::float::Real;
 use crate::linalg::{Matrix, norm};
-use crate::motion::Body;
 use crate::ring::{Row, in_full, shift};
 use crate::tuning;
 

@@ -10,7 +10,7 @@ use super::start::at_rest;
 use crate::ball::Ball;
 use crate::float::Real;
 use crate::kinematics::Rule;
-use crate::motion::{Point, Regime};
+use crate::mounting::{Point, Regime};
 use crate::place::place;
 use crate::ring::Row;
 use crate::tuning;

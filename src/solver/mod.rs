@@ -17,23 +17,22 @@ mod newton;
 mod solution;
 mod start;
 
+use crate::body::Body;
 use crate::constants::{Azimuth, Bearing, Constants};
-use crate::curvature::stiffen;
 use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out};
 use crate::linalg::{Factors, Matrix, norm, product};
-use crate::motion::{Body, Full, Motion, Point};
-use crate::mounting::{Growth, Speed};
-use crate::ring::{Row, Sum, UNSEATED};
+use crate::motion::{Full, Motion};
+use crate::mounting::{Growth, Point, Speed};
+use crate::ring::{Row, Sum, UNSEATED, stiffen};
 use crate::status::Status;
 use core::array::from_fn;
 
 pub use axial::{AxialSolution, AxialSolver};
 pub use error::ErrorEstimate;
-use newton::End;
-pub(crate) use newton::{Outcome, Task};
+use newton::{End, Outcome, Task};
 pub use solution::{Snapshot, Solution};
-pub(crate) use start::{at_rest, cold_at_speed};
+use start::{at_rest, at_speed};
 
 /// Iteration limit and convergence tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -187,7 +186,17 @@ impl<T: Real, const D: usize> State<T, D> {
             *budget += some;
         }
         if !outcome.end.is_solved() && *budget > 0 {
-            outcome = M::cold(self, row, task, p, budget);
+            outcome = match M::turning(row.balls) {
+                Some(balls) => {
+                    let mut row = Row {
+                        c: row.c,
+                        azimuths: row.azimuths,
+                        balls,
+                    };
+                    at_speed::<T, M::Rule, D>(self, &mut row, task, p, budget)
+                }
+                None => at_rest::<T, _, M::Rule, D>(self, row, task, p, budget),
+            };
         }
         self.load = task.load;
         self.size = task.size.at_least(norm(&self.sum.force));

@@ -2,13 +2,14 @@
 
 use super::State;
 use super::error::{Estimate, rounding};
+use crate::body::Body;
 use crate::constants::L0;
 use crate::contact::to_grid;
 use crate::float::Real;
 use crate::frame::{plane_of, refer};
 use crate::kinematics::Rule;
 use crate::linalg::{Pair, norm, product};
-use crate::motion::{Body, Point};
+use crate::mounting::Point;
 use crate::ring::{Row, in_full};
 use crate::tuning;
 

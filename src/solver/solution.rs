@@ -2,12 +2,13 @@
 
 use super::Solver;
 use super::error::ErrorEstimate;
+use crate::body::Body;
 use crate::float::Real;
 use crate::frame::stiffness_out;
 use crate::limits::{Exceedances, Extremes, Limits, Survey};
 use crate::linalg::Matrix;
-use crate::motion::{Body, Motion, Point};
-use crate::mounting::Speed;
+use crate::motion::Motion;
+use crate::mounting::{Point, Speed};
 use crate::pose::BallState;
 use crate::pose::Pose;
 use crate::ring::shift;

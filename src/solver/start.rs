@@ -5,12 +5,13 @@ use super::fallback::continuation;
 use super::newton::{Outcome, Task};
 use crate::axial::AxialRest;
 use crate::ball::Ball;
+use crate::body::Body;
 use crate::constants::{Constants, L0};
 use crate::float::Real;
 use crate::frame::plane_of;
 use crate::kinematics::Rule;
 use crate::linalg::{Pair, scale};
-use crate::motion::{Body, Point, Regime};
+use crate::mounting::{Point, Regime};
 use crate::place::place;
 use crate::ring::{Row, in_full};
 use crate::tuning;
@@ -41,7 +42,7 @@ fn unloaded<T: Real>(c: &Constants<T>) -> Pair<T> {
 }
 
 /// Every start in the order in which the regime has them, then the fallback.
-pub(crate) fn cold_at_speed<T: Real, R: Rule, const D: usize>(
+pub(super) fn at_speed<T: Real, R: Rule, const D: usize>(
     state: &mut State<T, D>,
     row: &mut Row<'_, T, Ball<T>>,
     task: &Task<T, D>,
@@ -86,7 +87,7 @@ enum Start {
 
 /// Newton's method on the bearing at rest: one attempt, since the problem is convex.
 #[inline(never)]
-pub(crate) fn at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
+pub(super) fn at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
     state: &mut State<T, D>,
     row: &mut Row<'_, T, B>,
     task: &Task<T, D>,

@@ -1,0 +1,151 @@
+//! A ball as the ring sees it: what it hands over, and how it follows.
+
+use super::constants::Constants;
+use super::contact::Contact;
+use super::kinematics::Rule;
+use super::linalg::{Matrix2, Pair};
+use super::mounting::Point;
+use super::pose::Pose;
+use crate::float::Real;
+use core::fmt::Debug;
+
+/// What a condensed ball hands to the ring.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Share<T> {
+    /// Axial and radial force, and moment over `Rp`.
+    pub force: Pair<T>,
+    pub moment: T,
+    /// Their slopes by the groove's centre.
+    pub h: Matrix2<T>,
+    pub hm: Pair<T>,
+    /// Their slopes by the relative change of `omega^2`.
+    pub force_by_speed: Pair<T>,
+    pub moment_by_speed: T,
+}
+
+impl<T: Real> Share<T> {
+    /// No ball.
+    pub const NONE: Self = Self {
+        force: [T::ZERO; 2],
+        moment: T::ZERO,
+        h: [[T::ZERO; 2]; 2],
+        hm: [T::ZERO; 2],
+        force_by_speed: [T::ZERO; 2],
+        moment_by_speed: T::ZERO,
+    };
+
+    /// Magnitudes of the elements `aa`, `ar`, `rr` of the stiffness.
+    #[inline(always)]
+    pub fn magnitudes(&self) -> [T; 3] {
+        [self.h[0][0].abs(), self.h[0][1].abs(), self.h[1][1].abs()]
+    }
+}
+
+/// How a step changes a ball's contacts.
+#[derive(Debug, Clone, Copy)]
+pub struct Change<T> {
+    /// Relative change of the stiffness by the deformations, and the turn of the normals, rad.
+    pub depth: T,
+    pub turn: T,
+    /// Magnitudes of the elements `aa`, `ar`, `rr` of the ball's stiffness.
+    pub h: [T; 3],
+    /// Cosine of the angle between the contacts of a ball that carries; else 1.
+    pub cos: T,
+    /// What the step leaves of the force on a ball without inner contact, of second order.
+    pub off: T,
+}
+
+/// What a ball whose only force is that of `contact` hands to the ring.
+#[inline(always)]
+pub fn share_of<T: Real>(contact: &Contact<T>) -> Share<T> {
+    let [aa, ar, rr] = contact.tangent();
+    let force = [contact.q * contact.n[0], contact.q * contact.n[1]];
+    Share {
+        force,
+        moment: force[0],
+        h: [[aa, ar], [ar, rr]],
+        hm: [aa, ar],
+        ..Share::NONE
+    }
+}
+
+/// How a step `v` along and across the only contact changes it.
+#[inline(always)]
+pub fn change_of<T: Real>(v: Pair<T>, delta: T, per_r: T, share: &Share<T>, k: T) -> Change<T> {
+    if !(delta > T::ZERO) {
+        return closing(v[0], delta, k);
+    }
+    let depth = T::of(0.5) * (v[0].abs() / delta).at_most(T::ONE);
+    let turn = (v[1] * per_r).abs();
+    let h = share.magnitudes();
+    Change {
+        depth,
+        turn,
+        h,
+        cos: T::ONE,
+        off: T::ZERO,
+    }
+}
+
+/// How a step `v` along a contact that is open by `-delta` changes it. One that closes is taken for what it will be.
+#[cold]
+#[inline(never)]
+pub fn closing<T: Real>(v: T, delta: T, k: T) -> Change<T> {
+    let depth = delta + v;
+    // Ahead of the branch: see `sqrt`.
+    let slope = T::of(1.5) * k * depth.sqrt();
+    let (depth, slope) = if depth > T::ZERO {
+        (T::ONE, slope)
+    } else {
+        (T::ZERO, T::ZERO)
+    };
+    Change {
+        depth,
+        turn: T::ZERO,
+        cos: T::ONE,
+        off: T::ZERO,
+        h: [slope, T::ZERO, slope],
+    }
+}
+
+/// A ball, as the ring sees it.
+pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
+    /// Inertia may drive it out of its groove.
+    const AT_SPEED: bool;
+
+    /// Puts the centre of a ball without history at `x`, from the outer groove's centre.
+    fn start_at(&mut self, x: Pair<T>);
+
+    /// Follows the groove's centre to `a` and a relative change `ds` of `omega^2`.
+    fn follow(&mut self, a: Pair<T>, ds: T);
+
+    /// Moves references next to where the ball is.
+    ///
+    /// The ring's reference position has the inner groove's centre at `high + low`; the present one is at `a` from there.
+    fn anchor(&mut self, c: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>, a: Pair<T>);
+
+    /// Follows the groove's centre to `a` and a relative change `ds` of `omega^2`, and condenses the ball there; whether it
+    /// is near its balance.
+    fn condense<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>, a: Pair<T>, ds: T) -> bool;
+
+    /// What it hands to the ring where it was condensed.
+    fn share(&self) -> &Share<T>;
+
+    /// Adds the second order of the ball's motion to `a` and of `ds` to its step; returns the force that this adds.
+    fn bend(&mut self, a: Pair<T>, ds: T) -> Pair<T>;
+
+    /// Change of the stiffness along the motion to `a`: elements `aa`, `ar`, `rr`.
+    fn stiffening(&self, a: Pair<T>) -> [T; 3];
+
+    /// The ball when the groove's centre is at `a`.
+    fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T>;
+
+    /// The inner contact carries.
+    fn carries(&self) -> bool;
+
+    /// Sine and cosine of the angle `ai - ao` between the contacts.
+    fn apart(&self) -> Pair<T>;
+
+    /// How the contacts change if the groove's centre moves by `da` and the ball follows.
+    fn change(&self, c: &Constants<T>, da: Pair<T>) -> Change<T>;
+}
