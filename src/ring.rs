@@ -51,9 +51,10 @@ pub fn in_full<T: Real, const D: usize>(u: &[T; D]) -> [T; 5] {
 
 impl<T: Real, const D: usize> Sum<T, D> {
     /// Adds the forces of two balls that are opposite to each other, the first at the azimuth `at`; or of one ball and
-    /// none. What two opposite balls have in common cancels exactly in radial forces and moments.
+    /// none; what they change with the speed, if `at_speed`. What two opposite balls have in common cancels exactly in radial
+    /// forces and moments.
     #[inline(always)]
-    fn add_forces(&mut self, a: &Share<T>, b: &Share<T>, at: &Azimuth<T>) {
+    fn add_forces(&mut self, a: &Share<T>, b: &Share<T>, at: &Azimuth<T>, at_speed: bool) {
         let (c, s) = (at.cos, at.sin);
         let (f, by) = (&mut self.force, &mut self.by_speed);
         let axial = a.force[0] + b.force[0];
@@ -64,13 +65,15 @@ impl<T: Real, const D: usize> Sum<T, D> {
             f[1] += y;
             f[2] += z;
         }
-        let axial = a.force_by_speed[0] + b.force_by_speed[0];
-        let radial = a.force_by_speed[1] - b.force_by_speed[1];
-        let (y, z) = (radial * c, radial * s);
-        by[0] += axial;
-        if D >= 3 {
-            by[1] += y;
-            by[2] += z;
+        if at_speed {
+            let axial = a.force_by_speed[0] + b.force_by_speed[0];
+            let radial = a.force_by_speed[1] - b.force_by_speed[1];
+            let (y, z) = (radial * c, radial * s);
+            by[0] += axial;
+            if D >= 3 {
+                by[1] += y;
+                by[2] += z;
+            }
         }
         if D == 5 {
             let moment = a.moment - b.moment;
@@ -78,9 +81,11 @@ impl<T: Real, const D: usize> Sum<T, D> {
             let (y, z) = (moment * s, moment * c);
             f[3] += y;
             f[4] -= z;
-            let (y, z) = (by_speed * s, by_speed * c);
-            by[3] += y;
-            by[4] -= z;
+            if at_speed {
+                let (y, z) = (by_speed * s, by_speed * c);
+                by[3] += y;
+                by[4] -= z;
+            }
         }
     }
 
@@ -217,7 +222,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         let none = Share::NONE;
         let mut part = Sum::NONE;
         for (a, b, at) in self.shares(&none) {
-            part.add_forces(a, b, at);
+            part.add_forces(a, b, at, B::AT_SPEED);
         }
         (sum.force, sum.by_speed) = (part.force, part.by_speed);
         for (a, b, at) in self.shares(&none) {

@@ -23,7 +23,9 @@ pub struct StaticBall<T> {
     pub a: Pair<T>,
     n: Pair<T>,
     delta: T,
-    curvature: Curvature<T>,
+    slope: T,
+    across: T,
+    per_r: T,
     share: Share<T>,
 }
 
@@ -32,6 +34,17 @@ impl<T: Real> StaticBall<T> {
     #[inline(always)]
     pub fn contact(&self, c: &Constants<T>, p: &Point<T>) -> Contact<T> {
         Contact::at(&self.centres, add(self.low, self.a), p.lo + p.li, c.kn)
+    }
+
+    /// Its second order, where the ball was condensed.
+    #[inline(always)]
+    fn curvature(&self) -> Curvature<T> {
+        Curvature {
+            slope: self.slope,
+            across: self.across,
+            per_delta: T::ONE / self.delta.at_least(T::NOTHING),
+            per_r: self.per_r,
+        }
     }
 }
 
@@ -55,24 +68,13 @@ impl<T: Real> Body<T> for StaticBall<T> {
         let contact = self.contact(c, p);
         self.share = share_of(&contact);
         (self.n, self.delta) = (contact.n, contact.delta);
-        self.curvature = Curvature {
-            slope: contact.slope,
-            across: contact.across,
-            per_delta: T::ONE / contact.delta.at_least(T::NOTHING),
-            per_r: contact.per_r,
-        };
+        (self.slope, self.across, self.per_r) = (contact.slope, contact.across, contact.per_r);
         true
     }
 
     #[inline(always)]
     fn change(&self, c: &Constants<T>, da: Pair<T>) -> Change<T> {
-        change_of(
-            turn(self.n, da),
-            self.delta,
-            self.curvature.per_r,
-            &self.share,
-            c.kn,
-        )
+        change_of(turn(self.n, da), self.delta, self.per_r, &self.share, c.kn)
     }
 
     #[inline(always)]
@@ -83,14 +85,14 @@ impl<T: Real> Body<T> for StaticBall<T> {
     #[inline(always)]
     fn bend(&mut self, a: Pair<T>, _: T) -> Pair<T> {
         let v = turn(self.n, sub(a, self.a));
-        turn(self.n, self.curvature.force(v))
+        turn(self.n, self.curvature().force(v))
     }
 
     #[inline(always)]
     fn stiffening(&self, a: Pair<T>) -> [T; 3] {
         let v = turn(self.n, sub(a, self.a));
         let [s, c] = self.n;
-        let m = self.curvature.stiffening(v);
+        let m = self.curvature().stiffening(v);
         forms(m, [s, c], [c, -s])
     }
 
