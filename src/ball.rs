@@ -200,6 +200,7 @@ impl<T: Real> Ball<T> {
             return Change {
                 turn: turn.abs(),
                 off: beyond * (l.ho + T::of(1.5) * beyond.sqrt()),
+                cos: l.cd,
                 ..closing(v[0], l.delta, c.ki)
             };
         }

@@ -49,7 +49,7 @@ pub struct Change<T> {
     pub turn: T,
     /// Magnitudes of the elements `aa`, `ar`, `rr` of the ball's stiffness.
     pub h: [T; 3],
-    /// Cosine of the angle between the contacts of a ball that carries; else 1.
+    /// Cosine of the angle between the contacts; 1 at rest.
     pub cos: T,
     /// What the step leaves of the force on a ball without inner contact, of second order.
     pub off: T,

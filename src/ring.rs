@@ -232,8 +232,8 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         sum.k = part.k;
     }
 
-    /// The ball that carries and whose contacts are furthest apart, if the cosine of that angle is below `limit`, and the
-    /// angle, rad.
+    /// The ball whose contacts are furthest apart, if the cosine of that angle is below `limit`, and the angle, rad. A
+    /// ball that does not carry is not meant until it is [`UNSEATED`].
     #[cold]
     #[inline(never)]
     pub fn furthest_apart(&self, limit: T) -> Option<(u16, T)> {
@@ -243,7 +243,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         let (mut furthest, mut least) = (None, limit);
         for (ball, number) in self.balls.iter().zip(0..) {
             let [sin, cos] = ball.apart();
-            if ball.carries() && cos < least {
+            if (ball.carries() || cos < T::of(UNSEATED)) && cos < least {
                 least = cos;
                 furthest = Some((number, sin));
             }

@@ -32,7 +32,7 @@ pub struct Estimate<T> {
     pub force: T,
     /// The largest force of a ball on the ring.
     pub largest: T,
-    /// Least cosine of the angle between the contacts of a ball that carries.
+    /// Least cosine of the angle between the contacts of a ball.
     pub cos: T,
 }
 
