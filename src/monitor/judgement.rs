@@ -1,10 +1,13 @@
 //! What estimates mean: limits, a baseline, a slow trend, and alarms that latch.
 //!
-//! - **Alarm.** A level that reaches `raise` and stays, above `clear`, for the hold time raises its alarm
-//!   ([`Threshold`]). When the level has fallen to `clear` the condition is gone, but the alarm stays latched
-//!   until somebody acknowledges it. A level that is not known changes nothing.
+//! - **Alarm.** A condition begins where a level reaches `raise`, and ends where it has fallen to `clear`
+//!   ([`Threshold`]). Its time is added up; time without it is taken off at a quarter of the rate. So a condition that
+//!   comes and goes, as teeth pass, counts like one that lasts, if it is there for more than a fifth of the time. The alarm is
+//!   raised when the sum reaches the hold time, or when the level reaches `at_once`. When the sum has run off, the
+//!   condition is gone, but the alarm stays latched until somebody acknowledges it. A level that is not known changes
+//!   nothing.
 //! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. Compared
-//!   is the *idling* spindle (radial load and tilting moment below a bound, as between cuts), within a band of
+//!   is the *idling* spindle (all five loads within bounds, as between cuts), within a band of
 //!   speed ([`Baseline`]): what is left to change the stiffness there is preload, wear and heat. The baseline is
 //!   learnt on the good spindle: the mean diagonal of the stiffness in every band. The loss is that of the
 //!   element that has lost most, over the baseline.
@@ -14,6 +17,7 @@
 //!   raises [`Alarm::PreloadLoss`] before [`Alarm::StiffnessLoss`] comes.
 
 use super::plausibility::seconds;
+use crate::float::Real;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +34,8 @@ pub enum Alarm {
     Slip,
     /// Balls off the inner race: their number.
     UnloadedBalls,
+    /// Loads as they are measured, doubted or not, over what the spindle may carry: the largest of five parts of 1.
+    Overload,
     /// Stiffness lost against the baseline: part of 1, of the element that has lost most.
     StiffnessLoss,
     /// Stiffness that sinks slowly: the loss to be expected at the end of the time that the trend is
@@ -41,13 +47,15 @@ pub enum Alarm {
     Sensor,
     /// The estimate is old: seconds since the sample it belongs to.
     StaleEstimate,
+    /// The monitor is blind: ticks of a second without a fresh estimate, part of 1.
+    Availability,
     /// Ticks miss their deadline: how many within the last second or two.
     Deadline,
 }
 
 impl Alarm {
     /// How many there are.
-    pub const COUNT: usize = 10;
+    pub const COUNT: usize = 12;
 
     /// All alarms, the most serious first.
     pub const ALL: [Self; Self::COUNT] = [
@@ -55,11 +63,13 @@ impl Alarm {
         Self::ContactAngle,
         Self::Slip,
         Self::UnloadedBalls,
+        Self::Overload,
         Self::StiffnessLoss,
         Self::PreloadLoss,
         Self::LifeUsed,
         Self::Sensor,
         Self::StaleEstimate,
+        Self::Availability,
         Self::Deadline,
     ];
 
@@ -70,11 +80,13 @@ impl Alarm {
             Self::ContactAngle => "contact-angle",
             Self::Slip => "slip",
             Self::UnloadedBalls => "unloaded-balls",
+            Self::Overload => "overload",
             Self::StiffnessLoss => "stiffness-loss",
             Self::PreloadLoss => "preload-loss",
             Self::LifeUsed => "life-used",
             Self::Sensor => "sensor",
             Self::StaleEstimate => "stale-estimate",
+            Self::Availability => "availability",
             Self::Deadline => "deadline",
         }
     }
@@ -86,9 +98,11 @@ impl Alarm {
             Self::ContactAngle => "rad",
             Self::Slip
             | Self::UnloadedBalls
+            | Self::Overload
             | Self::StiffnessLoss
             | Self::PreloadLoss
             | Self::LifeUsed
+            | Self::Availability
             | Self::Deadline => "",
             Self::Sensor | Self::StaleEstimate => "s",
         }
@@ -108,7 +122,7 @@ pub enum AlarmState {
     /// No condition, nothing to acknowledge.
     #[default]
     Clear,
-    /// The condition is there, but not yet for its hold time.
+    /// The condition is there, or was, but not yet for its hold time.
     Pending,
     /// The condition stands, and nobody has acknowledged it.
     Raised,
@@ -139,14 +153,19 @@ pub struct Threshold {
     pub raise: f32,
     /// The condition ends at this level, below `raise`.
     pub clear: f32,
-    /// So long it must last, us.
+    /// So much of its time must add up, us.
     pub hold_us: u32,
+    /// This level raises the alarm at once; infinite for none.
+    pub at_once: f32,
 }
 
 impl Threshold {
-    /// `clear` below `raise`, both numbers.
+    /// `clear` below `raise`, both numbers, and `at_once` not below.
     pub(super) const fn is_sound(&self) -> bool {
-        self.raise.is_finite() && self.clear.is_finite() && self.clear < self.raise
+        self.raise.is_finite()
+            && self.clear.is_finite()
+            && self.clear < self.raise
+            && self.at_once >= self.raise
     }
 }
 
@@ -170,13 +189,18 @@ impl Level {
 /// What happened to an alarm.
 pub use super::telemetry::AlarmChange;
 
+/// Time without a condition takes this part of itself off the condition's time.
+const FADE: u32 = 4;
+
 /// One alarm's memory.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AlarmMachine {
     state: AlarmState,
-    /// Since when the condition lasts, us.
-    since_us: u64,
+    /// The condition is there, as of this time, us; and its time, added up.
+    there: bool,
+    seen_us: u64,
+    held_us: u32,
     level: f32,
     ball: Option<u16>,
     raised: u32,
@@ -215,30 +239,36 @@ impl AlarmMachine {
             return None;
         }
         (self.level, self.ball) = (level.value, level.ball);
-        let active = matches!(self.state, S::Pending | S::Raised | S::Acknowledged);
-        let condition = if active {
+        let since = time_us.saturating_sub(self.seen_us).min(u32::MAX.into()) as u32;
+        self.seen_us = time_us;
+        self.held_us = if self.there {
+            self.held_us.saturating_add(since).min(threshold.hold_us)
+        } else {
+            self.held_us.saturating_sub(since / FADE)
+        };
+        self.there = if self.there {
             level.value > threshold.clear
         } else {
             level.value >= threshold.raise
         };
-        if condition && !active {
-            self.since_us = time_us;
+        if level.value >= threshold.at_once {
+            self.held_us = threshold.hold_us;
         }
-        let held = time_us.saturating_sub(self.since_us) >= threshold.hold_us.into();
-        match (self.state, condition) {
-            (S::Clear, true) if !held => {
-                self.state = S::Pending;
+        let gone = !self.there && self.held_us == 0;
+        let held = !gone && self.held_us >= threshold.hold_us;
+        match self.state {
+            S::Clear | S::Pending if held => self.raise(),
+            S::Clear | S::Pending => {
+                self.state = if gone { S::Clear } else { S::Pending };
                 None
             }
             // A latched alarm is known to be one, and needs no hold time to be one again.
-            (S::Clear | S::Pending, true) if held => self.raise(),
-            (S::Latched, true) => self.raise(),
-            (S::Pending, false) => {
-                self.state = S::Clear;
-                None
+            S::Latched if self.there => {
+                self.held_us = threshold.hold_us;
+                self.raise()
             }
-            (S::Raised, false) => self.clear(S::Latched),
-            (S::Acknowledged, false) => self.clear(S::Clear),
+            S::Raised if gone => self.clear(S::Latched),
+            S::Acknowledged if gone => self.clear(S::Clear),
             _ => None,
         }
     }
@@ -283,6 +313,8 @@ pub const BANDS: usize = 16;
 pub struct BaselineSettings {
     /// Width of a band of speed, rad/s. The last of the [`BANDS`] is open to above.
     pub band_width: f32,
+    /// Lowest and highest axial load `Fx` of an idling spindle, N: what preload and tool make of it.
+    pub idle_axial: [f32; 2],
     /// Largest radial load of an idling spindle, N.
     pub idle_radial: f32,
     /// Largest tilting moment of an idling spindle, N m.
@@ -310,9 +342,12 @@ impl Baseline {
 
     /// The band of a speed, if the spindle idles.
     fn band(settings: &BaselineSettings, load: &[f32; 5], speed: f32) -> Option<usize> {
-        let [_, fy, fz, my, mz] = load;
+        let [fx, fy, fz, my, mz] = load;
+        let [low, high] = settings.idle_axial;
         let square = |x: f32| x * x;
-        if !(fy * fy + fz * fz <= square(settings.idle_radial)
+        if !(*fx >= low
+            && *fx <= high
+            && fy * fy + fz * fz <= square(settings.idle_radial)
             && my * my + mz * mz <= square(settings.idle_moment))
         {
             return None;
@@ -492,6 +527,8 @@ fn seconds_long(from: u64, to: u64) -> f32 {
 pub struct JudgementSettings {
     /// One for each alarm, in the order of [`Alarm::ALL`].
     pub thresholds: [Threshold; Alarm::COUNT],
+    /// Largest amount of each load that the spindle may carry, N, N m.
+    pub overload: [f32; 5],
     /// The baseline.
     pub baseline: BaselineSettings,
     /// The trend.
@@ -677,6 +714,28 @@ impl Judgement {
         }
     }
 
+    /// Holds loads as they are measured, whatever is doubted, against what the spindle may carry.
+    pub fn measured(
+        &mut self,
+        time_us: u64,
+        load: &[f32; 5],
+        settings: &JudgementSettings,
+        changes: &mut Changes,
+    ) {
+        let mut largest = 0.0_f32;
+        for (load, most) in load.iter().zip(&settings.overload) {
+            // One that is not a number is passed over.
+            largest = largest.at_least(load.abs() / most);
+        }
+        self.level(
+            time_us,
+            Alarm::Overload,
+            Level::of(largest),
+            settings,
+            changes,
+        );
+    }
+
     /// A tick has ended, late or not.
     pub fn ticked(
         &mut self,
@@ -710,6 +769,7 @@ mod tests {
         raise: 10.0,
         clear: 8.0,
         hold_us: 3000,
+        at_once: 100.0,
     };
 
     fn run(machine: &mut AlarmMachine, from: u64, levels: &[f32]) -> Vec<(u64, AlarmChange)> {
@@ -726,21 +786,40 @@ mod tests {
     fn an_alarm_is_raised_after_its_hold_time_and_stays_until_acknowledged() {
         let mut a = AlarmMachine::default();
         // Too short, then long enough though it falls below the upper level meanwhile.
-        let changes = run(&mut a, 0, &[9.9, 10.0, 12.0, 8.0, 10.0, 9.0, 9.0, 8.1, 9.0]);
-        assert_eq!(changes, [(7, AlarmChange::Raised)]);
-        assert_eq!(
-            run(&mut a, 9, &[f32::NAN, 8.0, 9.9]),
-            [(10, AlarmChange::Cleared)]
-        );
+        let changes = run(&mut a, 0, &[9.9, 10.0, 12.0, 8.0, 10.0, 9.0, 8.1]);
+        assert_eq!(changes, [(6, AlarmChange::Raised)]);
+        // Gone when its three milliseconds have run off, at a quarter of the rate.
+        let mut quiet = [8.0; 13];
+        quiet[0] = f32::NAN;
+        assert_eq!(run(&mut a, 7, &quiet), []);
+        assert_eq!(run(&mut a, 20, &[9.9]), [(20, AlarmChange::Cleared)]);
         assert_eq!(a.state(), AlarmState::Latched);
         // Latched, it needs no hold time.
-        assert_eq!(run(&mut a, 12, &[10.0, 10.0]), [(12, AlarmChange::Raised)]);
+        assert_eq!(run(&mut a, 21, &[10.0, 10.0]), [(21, AlarmChange::Raised)]);
         assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
         assert_eq!(a.acknowledge(), None);
         assert_eq!(a.state(), AlarmState::Acknowledged);
-        assert_eq!(run(&mut a, 14, &[10.0, 0.0]), [(15, AlarmChange::Cleared)]);
+        assert_eq!(run(&mut a, 23, &[0.0; 14]), [(35, AlarmChange::Cleared)]);
         assert_eq!((a.state(), a.counts()), (AlarmState::Clear, (2, 2)));
         assert_eq!(a.acknowledge(), None);
+    }
+
+    #[test]
+    fn a_condition_that_comes_and_goes_counts_and_a_rare_one_does_not() {
+        let (mut often, mut rare) = (AlarmMachine::default(), AlarmMachine::default());
+        let levels = |every: u32| -> Vec<f32> {
+            (0..1000)
+                .map(|i| if i % every == 0 { 10.0 } else { 0.0 })
+                .collect()
+        };
+        assert_eq!(run(&mut often, 0, &levels(4))[0].1, AlarmChange::Raised);
+        assert_eq!(run(&mut often, 1000, &levels(4)), []);
+        assert_eq!(run(&mut rare, 0, &levels(6)), []);
+        // A level that is far too high is not waited for.
+        assert_eq!(
+            run(&mut rare, 1000, &[100.0]),
+            [(1000, AlarmChange::Raised)]
+        );
     }
 
     #[test]
@@ -759,6 +838,7 @@ mod tests {
 
     const BASELINE: BaselineSettings = BaselineSettings {
         band_width: 100.0,
+        idle_axial: [0.0, 500.0],
         idle_radial: 50.0,
         idle_moment: 0.5,
         least_estimates: 3,
@@ -781,6 +861,8 @@ mod tests {
         assert_eq!(baseline.ratio(&BASELINE, &IDLE, 300.0, &now), None);
         let cutting = [400.0, 60.0, 0.0, 0.0, 0.0];
         assert_eq!(baseline.ratio(&BASELINE, &cutting, 250.0, &now), None);
+        let drilling = [600.0, 0.0, 0.0, 0.0, 0.0];
+        assert_eq!(baseline.ratio(&BASELINE, &drilling, 250.0, &now), None);
         // The fastest band is open, and a speed that is no number has one, too.
         baseline.learn(&BASELINE, &IDLE, f32::INFINITY, &[1.0; 5]);
         assert_eq!(baseline.estimates[BANDS - 1], 1);
@@ -829,9 +911,11 @@ mod tests {
             raise,
             clear: 0.5 * raise,
             hold_us,
+            at_once: f32::INFINITY,
         };
         let settings = JudgementSettings {
             thresholds: [limit(0.1, 0); Alarm::COUNT],
+            overload: [1.0; 5],
             baseline: BASELINE,
             trend: TREND,
         };

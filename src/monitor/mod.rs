@@ -112,6 +112,7 @@
 //! Filters before the solver (an analogue one belongs before the converter), the spectrum of vibrations,
 //! lubrication, and more than one bearing.
 
+mod availability;
 pub mod command;
 mod cost;
 pub mod judgement;
@@ -136,6 +137,7 @@ use crate::estimate::strongest_coupling;
 use crate::float::Real;
 use crate::limits::{Extreme, Limits};
 use crate::{Bearing, Full, Motion, Solution};
+use availability::Availability;
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
 use plausibility::{Plausibility, seconds};
@@ -226,6 +228,7 @@ pub struct Monitor<
     ticker: Ticker,
     judgement: Judgement,
     life: Life,
+    availability: Availability,
     outbox: Outbox<FRAMES>,
     estimate: Option<Estimate<N>>,
     /// How the last solve ended.
@@ -268,6 +271,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             ticker: Ticker::new(&settings.tick),
             judgement: Judgement::new(Baseline::EMPTY),
             life: Life::NEW,
+            availability: Availability::NEW,
             outbox: Outbox::new(),
             estimate: None,
             status: StatusCode::Unloaded,
@@ -335,6 +339,10 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         let mut changes = Changes::new();
         let judging = &self.settings.judgement;
 
+        if let Ok(Some(sample)) = &readings.loads {
+            self.judgement
+                .measured(time_us, &sample.load, judging, &mut changes);
+        }
         let (doubts, good) =
             self.plausibility
                 .judge(time_us, readings, &self.settings.plausibility);
@@ -376,6 +384,12 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         ] {
             self.judgement
                 .level(time_us, alarm, Level::of(value), judging, &mut changes);
+        }
+        let missed = self.ticker.missed();
+        if let Some(blind) = self.availability.count(time_us, marks.is_empty(), missed) {
+            let level = Level::of(blind);
+            self.judgement
+                .level(time_us, Alarm::Availability, level, judging, &mut changes);
         }
         // A tick knows how long it took when it is over: the next one judges it.
         self.judgement
@@ -524,6 +538,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             life_used: self.life.used(),
             marks: self.doubts,
             retention: self.retention,
+            availability: self.availability.shares(),
         }
     }
 

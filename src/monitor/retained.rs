@@ -154,6 +154,9 @@ impl Identity {
         let mut digest = CHECKSUM.digest();
         digest.update(&bearing.to_le_bytes());
         digest.update(&baseline.band_width.to_bits().to_le_bytes());
+        let [low, high] = baseline.idle_axial;
+        digest.update(&low.to_bits().to_le_bytes());
+        digest.update(&high.to_bits().to_le_bytes());
         digest.update(&baseline.idle_radial.to_bits().to_le_bytes());
         digest.update(&baseline.idle_moment.to_bits().to_le_bytes());
         Self {

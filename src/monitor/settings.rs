@@ -103,6 +103,7 @@ const fn threshold(raise: f32, clear: f32, hold_ms: u32) -> Threshold {
         raise,
         clear,
         hold_us: hold_ms * 1000,
+        at_once: f32::INFINITY,
     }
 }
 
@@ -146,19 +147,27 @@ impl MonitorSettings {
             judgement: JudgementSettings {
                 // In the order of the alarms.
                 thresholds: [
-                    threshold(2.0e9, 1.9e9, 100),
+                    Threshold {
+                        at_once: 2.5e9,
+                        ..threshold(2.0e9, 1.9e9, 100)
+                    },
                     threshold(0.0, -0.035, 100),
                     threshold(0.06, 0.05, 500),
                     threshold(0.5, 0.25, 500),
+                    threshold(1.0, 0.9, 0),
                     threshold(0.15, 0.12, 5000),
                     threshold(0.15, 0.10, 0),
                     threshold(0.8, 0.79, 0),
                     threshold(0.1, 0.05, 0),
                     threshold(0.1, 0.05, 0),
+                    threshold(0.1, 0.05, 0),
                     threshold(10.0, 5.0, 0),
                 ],
+                overload: [10e3, 10e3, 10e3, 200.0, 200.0],
                 baseline: BaselineSettings {
                     band_width: 150.0,
+                    // Heavy preload is some 3 % of the load rating.
+                    idle_axial: [-0.05 * dynamic as f32, 0.05 * dynamic as f32],
                     idle_radial: 40.0,
                     idle_moment: 0.6,
                     least_estimates: 100,
@@ -257,7 +266,16 @@ impl MonitorSettings {
             demand!(
                 self.judgement.thresholds[i].is_sound(),
                 "judgement.thresholds",
-                "numbers, each to clear below that to raise"
+                "numbers, each to clear below that to raise, and at_once not below"
+            );
+            i += 1;
+        }
+        let mut i = 0;
+        while i < 5 {
+            demand!(
+                positive(self.judgement.overload[i]),
+                "judgement.overload",
+                "positive"
             );
             i += 1;
         }
@@ -266,6 +284,12 @@ impl MonitorSettings {
             positive(b.band_width) && b.band_width * BANDS as f32 <= f32::MAX,
             "judgement.baseline.band_width",
             "positive and finite"
+        );
+        let [low, high] = b.idle_axial;
+        demand!(
+            low < high,
+            "judgement.baseline.idle_axial",
+            "low, then high"
         );
         demand!(
             positive(b.idle_radial),
@@ -339,7 +363,7 @@ mod tests {
                 "plausibility.residual",
             ),
             (
-                |s| s.judgement.thresholds[9].clear = 99.0,
+                |s| s.judgement.thresholds[Alarm::Deadline as usize].clear = 99.0,
                 "judgement.thresholds",
             ),
             (

@@ -32,7 +32,7 @@ use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
 /// Version of the format.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 8;
@@ -281,6 +281,8 @@ pub struct HealthReport {
     pub marks: Marks,
     /// What is kept over a power cycle.
     pub retention: RetentionReport,
+    /// Share of ticks with a fresh estimate, in the last second and in the last minute, parts of 1.
+    pub availability: [f32; 2],
 }
 
 /// What became of something that was to be kept, when the monitor started.
@@ -630,6 +632,7 @@ mod tests {
                 written: u32::MAX,
                 failed: u32::MAX,
             },
+            availability: [f32::MAX; 2],
         })
     }
 
@@ -672,9 +675,9 @@ mod tests {
 
     /// The bytes that a decoder in another language has to expect.
     #[test]
-    fn the_wire_format_is_that_of_version_2() {
+    fn the_wire_format_is_that_of_version_3() {
         let frame = Frame {
-            version: 2,
+            version: 3,
             sequence: 300,
             time_us: 5,
             payload: Payload::Alarm(AlarmReport {
@@ -691,7 +694,7 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            2, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+            3, 0xac, 0x02, 5, 2, 6, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
         ];
         assert_eq!(bytes, expected);
     }

@@ -90,6 +90,8 @@ struct Row {
     kept_damaged: Option<u16>,
     kept_written: Option<u32>,
     kept_failed: Option<u32>,
+    available_second: Option<f32>,
+    available_minute: Option<f32>,
 }
 
 const STATUSES: [StatusCode; 9] = [
@@ -215,6 +217,8 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
             kept_damaged: Some(report.retention.damaged),
             kept_written: Some(report.retention.written),
             kept_failed: Some(report.retention.failed),
+            available_second: Some(report.availability[0]),
+            available_minute: Some(report.availability[1]),
             marks: Some(report.marks.to_string()),
             ..head
         }],
@@ -441,6 +445,7 @@ fn health(row: &Row) -> Option<HealthReport> {
             written: row.kept_written?,
             failed: row.kept_failed?,
         },
+        availability: [row.available_second?, row.available_minute?],
     })
 }
 

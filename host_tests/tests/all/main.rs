@@ -5,6 +5,7 @@ mod axial;
 mod balance;
 mod campaign;
 mod compile_fail;
+mod cutting;
 mod designs;
 mod double_double;
 mod frames;

@@ -8,7 +8,6 @@ use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::{Mock as SpiMock, Transaction};
 use host_tests::milling_cycle::milling_cycle;
-use rayon::prelude::*;
 use spindle_bearing::monitor::judgement::AlarmChange;
 use spindle_bearing::monitor::loads::{
     AdcError, Ads131m08, Ads131m08Bridges, Ads131m08Config, BridgeAdc, Calibration,
@@ -42,13 +41,13 @@ static BEARING: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&DESIGN) {
 };
 
 /// Ten iterations fit into a tick.
-static SETTINGS: MonitorSettings = settings(10, 1);
+pub(super) static SETTINGS: MonitorSettings = settings(10, 1);
 /// One iteration fits into a tick.
 static TIGHT: MonitorSettings = settings(1, 1);
 /// Solved at every fifth tick.
 static SELDOM: MonitorSettings = settings(10, 5);
 
-const fn settings(iterations: u32, solve_every: u16) -> MonitorSettings {
+pub(super) const fn settings(iterations: u32, solve_every: u16) -> MonitorSettings {
     let mut settings = MonitorSettings::new(&DESIGN, 16);
     let cost = CycleCost::CORTEX_M4F;
     settings.tick.deadline_cycles = cost.fixed + cost.start + iterations * cost.iteration;
@@ -57,8 +56,8 @@ const fn settings(iterations: u32, solve_every: u16) -> MonitorSettings {
 }
 const _: () = assert!(SETTINGS.check().is_ok() && TIGHT.check().is_ok() && DAY.check().is_ok());
 
-const IDLE: [f32; 5] = [420.0, 5.0, -8.0, 0.05, -0.1];
-const SPEED: f32 = 1500.0;
+pub(super) const IDLE: [f32; 5] = [420.0, 5.0, -8.0, 0.05, -0.1];
+pub(super) const SPEED: f32 = 1500.0;
 
 /// Cycles as a test says.
 #[derive(Default)]
@@ -90,8 +89,8 @@ impl Watchdog for Dog {
 }
 
 /// A monitor, and a host at the end of its link that knows what must arrive.
-struct Rig {
-    monitor: Monitor<16>,
+pub(super) struct Rig {
+    pub(super) monitor: Monitor<16>,
     counter: Counter,
     dog: Dog,
     time_us: u64,
@@ -102,7 +101,7 @@ struct Rig {
     /// Marks of every tick, by its time in ms.
     marks: Vec<Marks>,
     /// What happened to alarms, and what arrived of it.
-    happened: Vec<(Alarm, AlarmChange)>,
+    pub(super) happened: Vec<(Alarm, AlarmChange)>,
     arrived: Vec<(Alarm, AlarmChange)>,
     /// Counts in the last report of each alarm.
     counts: [(u32, u32); Alarm::COUNT],
@@ -113,7 +112,7 @@ struct Rig {
 }
 
 impl Rig {
-    fn new(settings: &'static MonitorSettings) -> Self {
+    pub(super) fn new(settings: &'static MonitorSettings) -> Self {
         let mut monitor = Monitor::new(&BEARING, settings);
         monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).unwrap();
         Self {
@@ -135,7 +134,7 @@ impl Rig {
     }
 
     /// One tick, and the laws.
-    fn tick(&mut self, readings: &Readings) -> Outcome {
+    pub(super) fn tick(&mut self, readings: &Readings) -> Outcome {
         let outcome = self
             .monitor
             .tick(self.time_us, readings, &mut self.counter, &mut self.dog);
@@ -192,7 +191,7 @@ impl Rig {
 
     /// At the end: every alarm that there was is known at the other end of the link, by its own frame or by
     /// the counts of a later one.
-    fn no_alarm_is_lost(&mut self) {
+    pub(super) fn no_alarm_is_lost(&mut self) {
         self.receive(usize::MAX);
         assert!(self.monitor.outbox().is_empty());
         for alarm in Alarm::ALL {
@@ -211,7 +210,7 @@ impl Rig {
         load.map(|x| x * (1.0 + 1e-3 * self.jitter) + 1e-3 * self.jitter)
     }
 
-    fn good(&mut self, load: [f32; 5], speed: f32) -> Outcome {
+    pub(super) fn good(&mut self, load: [f32; 5], speed: f32) -> Outcome {
         let sample = self.sample(load);
         self.tick(&Readings {
             loads: Ok(Some(sample)),
@@ -219,7 +218,7 @@ impl Rig {
         })
     }
 
-    fn sample(&mut self, load: [f32; 5]) -> LoadSample {
+    pub(super) fn sample(&mut self, load: [f32; 5]) -> LoadSample {
         LoadSample {
             time_us: self.time_us,
             load: self.near(load),
@@ -230,7 +229,7 @@ impl Rig {
     }
 
     /// Brings the spindle to its speed, as fast as it can.
-    fn run_up(&mut self) {
+    pub(super) fn run_up(&mut self) {
         for ms in 0..1000 {
             self.good(IDLE, SPEED * ms as f32 / 1000.0);
         }
@@ -238,7 +237,7 @@ impl Rig {
         assert!(outcome.marks.is_empty(), "{outcome:?}");
     }
 
-    fn state(&mut self, alarm: Alarm) -> AlarmState {
+    pub(super) fn state(&mut self, alarm: Alarm) -> AlarmState {
         self.monitor.judgement().alarm(alarm).state()
     }
 }
@@ -615,7 +614,8 @@ fn a_link_that_is_shut_costs_estimates_and_no_alarm() {
         }
     }
     let health = rig.monitor.health();
-    assert_eq!((health.alarms_raised, health.alarms_cleared), (120, 120));
+    // And one that stands: most ticks are without an estimate.
+    assert_eq!((health.alarms_raised, health.alarms_cleared), (121, 120));
     assert!(health.frames_dropped > 300, "{health:?}");
     rig.no_alarm_is_lost();
     // The first ones came one by one, in their order.
@@ -1301,64 +1301,6 @@ fn a_bus_exchanges_byte_for_byte_and_one_that_is_dead_is_an_error() {
     let mut bus = bus::Bus::new(dying, embedded_hal_mock::eh1::delay::NoopDelay::new());
     assert_eq!(bus.transfer_in_place(&mut [1, 2]), Ok(()));
     assert_eq!(bus.transfer_in_place(&mut [3, 4]), Err(ErrorKind::Other));
-}
-
-// --- teeth that pass ----------------------------------------------------------------------------
-
-/// What the firmware of the STM32F405 has for settings.
-#[path = "."]
-#[allow(dead_code, reason = "the firmware has more of them")]
-mod f405 {
-    use spindle_bearing::monitor::tick::CycleCost;
-
-    type Precision = f32;
-    const CORE_HZ: u32 = 168_000_000;
-    const COST: CycleCost = CycleCost::CORTEX_M4F;
-    #[path = "../../../examples/monitor_settings.rs"]
-    pub mod monitor_settings;
-    #[path = "../../../examples/monitored.rs"]
-    mod monitored;
-}
-
-/// Every tooth presses the shaft with a half-sine of a radial load, on top of the preload. Teeth follow each other
-/// without a pause, or with one as long as a tooth's time in the cut.
-#[test]
-fn loads_of_passing_teeth_are_solved_in_the_tick_that_brings_them() {
-    const TICKS: u32 = 3000;
-    let mut cases = Vec::new();
-    for per_second in [50.0, 125.0, 200.0, 400.0] {
-        for amplitude in [200.0, 500.0, 1000.0] {
-            cases.extend([1.0, 0.5].map(|in_cut| (per_second, amplitude, in_cut)));
-        }
-    }
-    let stale: Vec<_> = cases
-        .into_par_iter()
-        .map(|(per_second, amplitude, in_cut)| {
-            let mut rig = Rig::new(&f405::monitor_settings::MONITOR);
-            rig.run_up();
-            let fresh = |tick: &u32| {
-                // A little off the rate of the ticks, which thereby meet every part of the half-sine.
-                let phase = (per_second * 1.0007e-3 * f64::from(*tick)).fract();
-                let part = (std::f64::consts::PI * phase.min(in_cut) / in_cut).sin();
-                let mut sample = rig.sample(IDLE);
-                sample.load[1] += (amplitude * part) as f32;
-                let readings = Readings {
-                    loads: Ok(Some(sample)),
-                    speed: Some(Some(SPEED)),
-                };
-                rig.tick(&readings).age == Some(0)
-            };
-            let fresh = (0..TICKS).filter(fresh).count();
-            (
-                fresh as f64 / f64::from(TICKS),
-                per_second,
-                amplitude,
-                in_cut,
-            )
-        })
-        .filter(|(fresh, ..)| *fresh < 0.99)
-        .collect();
-    assert!(stale.is_empty(), "{stale:?}");
 }
 
 // --- a day --------------------------------------------------------------------------------------

@@ -550,6 +550,7 @@ fn another_spindles_past_is_refused_by_name() {
     // Other bands are another baseline, but the same bearing.
     for change in [
         |b: &mut BaselineSettings| b.band_width *= 1.01,
+        |b: &mut BaselineSettings| b.idle_axial[0] -= 1.0,
         |b: &mut BaselineSettings| b.idle_radial += 1.0,
         |b: &mut BaselineSettings| b.idle_moment += 0.1,
     ] {

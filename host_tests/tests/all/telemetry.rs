@@ -132,6 +132,7 @@ prop_compose! {
         life_used in number(),
         marks in prop::collection::vec(prop::sample::select(Mark::ALL.to_vec()), 0..5),
         retention in any_retention(),
+        availability in prop::array::uniform2(number()),
     ) -> HealthReport {
         HealthReport {
             ticks: counts[0],
@@ -148,6 +149,7 @@ prop_compose! {
             life_used,
             marks: marks.into_iter().fold(Marks::NONE, Marks::with),
             retention,
+            availability,
         }
     }
 }

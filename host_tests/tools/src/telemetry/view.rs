@@ -62,7 +62,7 @@ fn render(state: &State, area: Rect, buffer: &mut Buffer) {
         Constraint::Length(2),
         Constraint::Min(8),
         Constraint::Length(alarms + 2),
-        Constraint::Length(6),
+        Constraint::Length(7),
     ])
     .areas(area);
     // Cells are about twice as high as wide.
@@ -421,6 +421,13 @@ fn counters(state: &State) -> Paragraph<'_> {
                 h.alarms_cleared,
                 h.frames_dropped
             )));
+            let [second, minute] = h.availability.map(|share| 100.0 * share);
+            lines.push(Line::styled(
+                format!(
+                    " fresh estimates in {second:.1} % of the ticks of the last second, {minute:.1} % of the last minute"
+                ),
+                if second < 90.0 { warning() } else { Style::new() },
+            ));
             let r = &h.retention;
             let refused = [r.baseline, r.life]
                 .iter()

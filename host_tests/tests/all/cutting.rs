@@ -1,0 +1,175 @@
+//! The monitor while it cuts: teeth that pass, overloads, crashes, and what passes for idling.
+
+use super::monitor::{IDLE, Rig, SETTINGS, SPEED, settings};
+use rayon::prelude::*;
+use spindle_bearing::monitor::judgement::AlarmChange;
+use spindle_bearing::monitor::settings::MonitorSettings;
+use spindle_bearing::monitor::{Alarm, AlarmState, Outcome, Readings};
+
+/// What the firmware of the STM32F405 has for settings.
+#[path = "."]
+#[allow(dead_code, reason = "the firmware has more of them")]
+mod f405 {
+    use spindle_bearing::monitor::tick::CycleCost;
+
+    type Precision = f32;
+    const CORE_HZ: u32 = 168_000_000;
+    const COST: CycleCost = CycleCost::CORTEX_M4F;
+    #[path = "../../../examples/monitor_settings.rs"]
+    pub mod monitor_settings;
+    #[path = "../../../examples/monitored.rs"]
+    mod monitored;
+}
+
+/// Every tooth presses the shaft with a half-sine of a radial load, on top of the preload. Teeth follow each other
+/// without a pause, or with one as long as a tooth's time in the cut.
+#[test]
+fn loads_of_passing_teeth_are_solved_in_the_tick_that_brings_them() {
+    const TICKS: u32 = 3000;
+    let mut cases = Vec::new();
+    for per_second in [50.0, 125.0, 200.0, 400.0] {
+        for amplitude in [200.0, 500.0, 1000.0] {
+            cases.extend([1.0, 0.5].map(|in_cut| (per_second, amplitude, in_cut)));
+        }
+    }
+    let stale: Vec<_> = cases
+        .into_par_iter()
+        .map(|(per_second, amplitude, in_cut)| {
+            let mut rig = Rig::new(&f405::monitor_settings::MONITOR);
+            rig.run_up();
+            let fresh = |tick: &u32| {
+                // A little off the rate of the ticks, which thereby meet every part of the half-sine.
+                let phase = (per_second * 1.0007e-3 * f64::from(*tick)).fract();
+                let part = (std::f64::consts::PI * phase.min(in_cut) / in_cut).sin();
+                let mut sample = rig.sample(IDLE);
+                sample.load[1] += (amplitude * part) as f32;
+                let readings = Readings {
+                    loads: Ok(Some(sample)),
+                    speed: Some(Some(SPEED)),
+                };
+                rig.tick(&readings).age == Some(0)
+            };
+            let fresh = (0..TICKS).filter(fresh).count();
+            (
+                fresh as f64 / f64::from(TICKS),
+                per_second,
+                amplitude,
+                in_cut,
+            )
+        })
+        .filter(|(fresh, ..)| *fresh < 0.999)
+        .collect();
+    assert!(stale.is_empty(), "{stale:?}");
+}
+
+/// A tick under the idling loads and so much more radial load.
+fn pressed(rig: &mut Rig, radial: f32) -> Outcome {
+    let mut sample = rig.sample(IDLE);
+    sample.load[1] += radial;
+    rig.tick(&Readings {
+        loads: Ok(Some(sample)),
+        speed: Some(Some(SPEED)),
+    })
+}
+
+/// Whether the alarm was raised in so many ticks under the load of each.
+fn raises(rig: &mut Rig, alarm: Alarm, ticks: u32, radial: impl Fn(u32) -> f32) -> bool {
+    let before = rig.happened.len();
+    for tick in 0..ticks {
+        pressed(rig, radial(tick));
+    }
+    rig.happened[before..].contains(&(alarm, AlarmChange::Raised))
+}
+
+#[test]
+fn pressure_that_every_tooth_brings_anew_is_an_alarm() {
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    let half_sine =
+        |tick: u32| 2500.0 * (std::f32::consts::PI * (0.125 * tick as f32).fract()).sin();
+    assert!(raises(&mut rig, Alarm::PeakPressure, 1000, half_sine));
+    // It comes and goes with every tooth, and is one alarm.
+    assert_eq!(
+        rig.monitor.judgement().alarm(Alarm::PeakPressure).counts(),
+        (1, 0)
+    );
+    rig.no_alarm_is_lost();
+}
+
+#[test]
+fn a_crash_is_an_alarm_however_short_and_a_load_below_the_limit_is_none() {
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    assert!(!raises(&mut rig, Alarm::PeakPressure, 500, |_| 300.0));
+    // Loads change in several ticks, as the shaft's inertia has them.
+    let crash = |tick: u32| match tick {
+        0..95 => (600.0 * tick as f32).min(4500.0),
+        _ => 0.0,
+    };
+    assert!(raises(&mut rig, Alarm::PeakPressure, 600, crash));
+    assert_eq!(rig.state(Alarm::PeakPressure), AlarmState::Latched);
+    rig.no_alarm_is_lost();
+}
+
+/// Loads out of the range of what is plausible have no equilibrium, and an alarm.
+#[test]
+fn an_overload_needs_no_equilibrium() {
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    assert!(raises(&mut rig, Alarm::Overload, 2, |_| 12e3));
+    assert!(!pressed(&mut rig, 12e3).solved);
+    assert!(!raises(&mut rig, Alarm::Overload, 50, |_| 0.0));
+    assert_eq!(rig.state(Alarm::Overload), AlarmState::Latched);
+    rig.no_alarm_is_lost();
+}
+
+/// Learns on the idling spindle.
+static BASELINE: MonitorSettings = settings(10, 1);
+
+#[test]
+fn drilling_is_no_idling() {
+    let mut rig = Rig::new(&BASELINE);
+    rig.run_up();
+    rig.monitor.judgement().start_learning();
+    for _ in 0..300 {
+        rig.good(IDLE, SPEED);
+    }
+    let drilling = [1200.0, 5.0, -8.0, 0.05, -0.1];
+    for _ in 0..300 {
+        rig.good(drilling, SPEED);
+    }
+    rig.monitor.judgement().stop_learning();
+    let learnt: u32 = rig.monitor.judgement().baseline().estimates.iter().sum();
+    assert_eq!(learnt, 300);
+    // Nor is it lost preload.
+    for _ in 0..6000 {
+        rig.good(drilling, SPEED);
+    }
+    assert_eq!(rig.state(Alarm::StiffnessLoss), AlarmState::Clear);
+}
+
+#[test]
+fn a_monitor_that_is_blind_says_so() {
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    for _ in 0..60_000 {
+        rig.good(IDLE, SPEED);
+    }
+    assert_eq!(rig.monitor.health().availability, [1.0; 2]);
+    // Every second sample is bad: no single age is long.
+    for tick in 0..6000 {
+        if tick % 2 == 0 {
+            rig.good(IDLE, SPEED);
+        } else {
+            rig.tick(&Readings {
+                loads: Err(spindle_bearing::monitor::Mark::Corrupt.into()),
+                speed: Some(Some(SPEED)),
+            });
+        }
+    }
+    assert_eq!(rig.state(Alarm::Availability), AlarmState::Raised);
+    assert_eq!(rig.state(Alarm::StaleEstimate), AlarmState::Clear);
+    let [second, minute] = rig.monitor.health().availability;
+    assert!((second - 0.5).abs() < 0.01 && (0.9..0.96).contains(&minute));
+    rig.no_alarm_is_lost();
+}
