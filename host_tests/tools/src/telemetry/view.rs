@@ -57,7 +57,7 @@ pub fn screen(state: &State, width: u16, height: u16) -> Buffer {
 }
 
 fn render(state: &State, area: Rect, buffer: &mut Buffer) {
-    let alarms = state.standing().count().clamp(1, 10) as u16;
+    let alarms = state.standing().count().max(1) as u16;
     let [head, middle, below, health] = Layout::vertical([
         Constraint::Length(2),
         Constraint::Min(8),
