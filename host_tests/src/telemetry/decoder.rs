@@ -28,8 +28,10 @@ pub enum Gap {
     None,
     /// So many frames that did not arrive, or not undamaged.
     Lost(u32),
-    /// The numbers went back: the sender has started again. What it sent before the frame that
-    /// arrived first is not known.
+    /// The number went back, once: an old frame again, or the first of a sender that has started again.
+    Behind,
+    /// The numbers went back and go on from there: the sender has started again, with the frame before this one. What it
+    /// sent before that is not known.
     Restart,
 }
 
@@ -46,6 +48,8 @@ pub struct Tally {
     pub damaged: u64,
     /// Of these, undamaged frames of another version or another protocol.
     pub foreign: u64,
+    /// Frames whose number went back.
+    pub behind: u64,
     /// New starts of the sender.
     pub restarts: u64,
 }
@@ -60,6 +64,9 @@ impl fmt::Display for Tally {
         if self.foreign > 0 {
             write!(f, " ({} of another version or protocol)", self.foreign)?;
         }
+        if self.behind > self.restarts {
+            write!(f, ", {} old frames again", self.behind - self.restarts)?;
+        }
         if self.restarts > 0 {
             write!(f, ", {} restarts of the sender", self.restarts)?;
         }
@@ -67,11 +74,16 @@ impl fmt::Display for Tally {
     }
 }
 
+/// So many numbers at most lie between the first two frames of a new start.
+const IN_STEP: u32 = 1000;
+
 /// Takes a stream apart.
 #[derive(Debug, Default)]
 pub struct Decoder {
     reader: FrameReader,
     expected: Option<u32>,
+    /// What follows a frame whose number went back, if that was the first of a new start.
+    anew: Option<u32>,
     tally: Tally,
 }
 
@@ -87,10 +99,15 @@ impl Decoder {
         match self.reader.push(byte)? {
             Ok(frame) => {
                 let gap = self.gap_before(frame.sequence);
-                self.expected = Some(frame.sequence.wrapping_add(1));
+                let next = Some(frame.sequence.wrapping_add(1));
+                (self.expected, self.anew) = match gap {
+                    Gap::Behind => (self.expected, next),
+                    _ => (next, None),
+                };
                 self.tally.frames += 1;
                 match gap {
                     Gap::None => {}
+                    Gap::Behind => self.tally.behind += 1,
                     Gap::Lost(count) => self.tally.lost += u64::from(count),
                     Gap::Restart => self.tally.restarts += 1,
                 }
@@ -112,7 +129,13 @@ impl Decoder {
             0 => Gap::None,
             // Half of all numbers lie ahead; at a thousand frames a second they take 24 days.
             count @ 1..=0x7fff_ffff => Gap::Lost(count),
-            _ => Gap::Restart,
+            _ if self
+                .anew
+                .is_some_and(|next| sequence.wrapping_sub(next) < IN_STEP) =>
+            {
+                Gap::Restart
+            }
+            _ => Gap::Behind,
         }
     }
 

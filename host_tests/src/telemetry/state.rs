@@ -4,7 +4,7 @@ use super::decoder::{Event, Gap, Tally};
 use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    AlarmReport, BallReport, EstimateReport, HealthReport, Payload,
+    AlarmReport, BallReport, EstimateReport, Frame, HealthReport, Payload,
 };
 use std::collections::VecDeque;
 
@@ -67,6 +67,8 @@ pub struct State {
     pub tally: Tally,
     /// The last damage.
     pub last_damage: Option<FrameError>,
+    /// The last frame whose number went back: the first one of a new start, if that goes on.
+    pub behind: Option<Frame>,
     /// What was last said to the board.
     pub said: Option<String>,
 }
@@ -82,7 +84,12 @@ impl State {
             }
             Event::Frame { frame, gap } => (frame, *gap),
         };
+        if gap == Gap::Behind {
+            self.behind = Some(frame.clone());
+            return;
+        }
         if gap == Gap::Restart {
+            let first = self.behind.take();
             // Time, counters and alarms begin anew.
             *self = Self {
                 tally,
@@ -90,7 +97,15 @@ impl State {
                 said: self.said.take(),
                 ..Self::default()
             };
+            if let Some(first) = first {
+                self.take(&first);
+            }
         }
+        self.take(frame);
+    }
+
+    /// Takes what a frame says.
+    fn take(&mut self, frame: &Frame) {
         let time_us = frame.time_us;
         self.time_us = self.time_us.max(time_us);
         match &frame.payload {

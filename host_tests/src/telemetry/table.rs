@@ -176,6 +176,7 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
         lost_before: Some(match gap {
             Gap::None => "0".into(),
             Gap::Lost(count) => count.to_string(),
+            Gap::Behind => "behind".into(),
             Gap::Restart => "restart".into(),
         }),
         version: Some(frame.version),

@@ -300,7 +300,7 @@ proptest! {
 #[test]
 fn numbers_that_wrap_are_no_gap_and_numbers_that_go_back_are_a_restart() {
     let health = |n| frame(n, Payload::Health(health()));
-    let frames = [u32::MAX - 1, u32::MAX, 0, 1, 5, 0, 1].map(health);
+    let frames = [u32::MAX - 1, u32::MAX, 0, 1, 5, 3, 6, 0, 1, 2].map(health);
     let (events, decoder) = decoded(&stream(&frames));
     let gaps: Vec<Gap> = events
         .iter()
@@ -310,8 +310,15 @@ fn numbers_that_wrap_are_no_gap_and_numbers_that_go_back_are_a_restart() {
         })
         .collect();
     let (none, lost) = (Gap::None, Gap::Lost(3));
-    assert_eq!(gaps, [none, none, none, none, lost, Gap::Restart, none]);
-    assert_eq!((decoder.tally().lost, decoder.tally().restarts), (3, 1));
+    let (behind, restart) = (Gap::Behind, Gap::Restart);
+    assert_eq!(
+        gaps,
+        [
+            none, none, none, none, lost, behind, none, behind, restart, none
+        ]
+    );
+    let tally = decoder.tally();
+    assert_eq!((tally.lost, tally.behind, tally.restarts), (3, 2, 1));
 }
 
 #[test]
@@ -448,6 +455,27 @@ fn the_history_is_bounded_and_keeps_the_newest() {
 }
 
 #[test]
+fn an_old_frame_again_wipes_no_alarm() {
+    let mut decoder = Decoder::new();
+    let mut state = State::default();
+    let raised = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
+    let old = frame(7, Payload::Health(health()));
+    let frames = [
+        old.clone(),
+        frame(100, Payload::Alarm(raised)),
+        old,
+        frame(101, Payload::Estimate(estimate(5e7))),
+    ];
+    for byte in stream(&frames) {
+        if let Some(event) = decoder.push(byte) {
+            state.note(&event, decoder.tally());
+        }
+    }
+    assert_eq!((state.standing().count(), state.history.len()), (1, 1));
+    assert_eq!(state.tally.restarts, 0);
+}
+
+#[test]
 fn a_restart_forgets_what_was_and_goes_on_counting() {
     let mut decoder = Decoder::new();
     let mut state = State::default();
@@ -455,16 +483,26 @@ fn a_restart_forgets_what_was_and_goes_on_counting() {
     let frames = [
         frame(100, Payload::Alarm(raised)),
         frame(101, Payload::Estimate(estimate(5e7))),
-        frame(0, Payload::Health(health())),
+        frame(
+            0,
+            Payload::Alarm(alarm(
+                Alarm::Sensor,
+                AlarmChange::Raised,
+                AlarmState::Raised,
+            )),
+        ),
+        frame(1, Payload::Health(health())),
     ];
     for byte in stream(&frames) {
         if let Some(event) = decoder.push(byte) {
             state.note(&event, decoder.tally());
         }
     }
-    assert_eq!(state.standing().count(), 0);
-    assert_eq!((state.history.len(), state.time_us), (0, 0));
-    assert_eq!((state.tally.frames, state.tally.restarts), (3, 1));
+    // All but what the new start has said, from its first frame on.
+    let standing: Vec<Alarm> = state.standing().map(|at| at.report.alarm).collect();
+    assert_eq!(standing, [Alarm::Sensor]);
+    assert_eq!((state.history.len(), state.time_us), (0, 1000));
+    assert_eq!((state.tally.frames, state.tally.restarts), (4, 1));
 }
 
 // --- commands -----------------------------------------------------------------------------------

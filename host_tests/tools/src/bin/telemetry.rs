@@ -1,17 +1,17 @@
 //! `cargo telemetry`: reads the monitor's telemetry from a port, a file or a pipe, prints what it says,
 //! writes it as a table, or shows it live.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{ArgGroup, Parser, ValueEnum};
 use host_tests::design_file::SHIPPED;
 use host_tests::milling_cycle::RECORD;
-use host_tests::telemetry::decoder::{Decoder, Event, Gap};
+use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
 use host_tests::telemetry::simulated;
 use host_tests::telemetry::state::State;
 use host_tests::telemetry::table::{Writer, change_name};
 use host_tests::{design_file, loads};
 use spindle_bearing::monitor::command::Command;
-use spindle_bearing::monitor::telemetry::Payload;
+use spindle_bearing::monitor::telemetry::{Payload, VERSION};
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ const SCREEN: (u16, u16) = (120, 40);
     group(ArgGroup::new("source").required(true)),
     after_help = "Exit status:\n  \
         0  the stream has ended, or the view was left; damage and losses are told, not counted as failure\n  \
-        1  the stream cannot be read, or an output cannot be written"
+        1  the stream cannot be read, nothing in it is telemetry, or an output cannot be written"
 )]
 struct Arguments {
     /// Serial port, as /dev/ttyUSB0 or COM3
@@ -149,12 +149,33 @@ fn run(arguments: &Arguments) -> Result<()> {
         table.flush()?;
     }
     ended?;
+    anything(&state.tally, arguments)?;
     if let Some(path) = &arguments.picture {
         let (width, height) = SCREEN;
         let svg = picture::svg(&view::screen(&state, width, height));
         std::fs::write(path, svg).with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(())
+}
+
+/// Something among the bytes was telemetry.
+fn anything(tally: &Tally, arguments: &Arguments) -> Result<()> {
+    if tally.frames > 0 {
+        return Ok(());
+    }
+    match (&arguments.port, tally.bytes) {
+        (Some(port), 0) => {
+            bail!("{port} says nothing: is the board powered, and its TX on this port's RX?")
+        }
+        (Some(port), bytes) => bail!(
+            "none of the {bytes} bytes from {port} was telemetry at {} baud: is that the board's rate (--baud)?",
+            arguments.baud
+        ),
+        (None, _) if tally.foreign > 0 => bail!(
+            "every frame is of another version than {VERSION}: use the tools of the firmware that sent it"
+        ),
+        (None, bytes) => bail!("none of the {bytes} bytes is telemetry"),
+    }
 }
 
 /// Where the bytes come from, and for a port, who says something to it.
@@ -223,6 +244,10 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
             let to = frame.sequence.wrapping_sub(1);
             writeln!(out, "lost: {count} frames, {from} to {to}")?;
         }
+        Gap::Behind => writeln!(
+            out,
+            "behind: an old frame again, or a new start of the sender"
+        )?,
         Gap::Restart => writeln!(out, "the sender has started again")?,
     }
     let time = frame.time_us as f64 * 1e-6;
