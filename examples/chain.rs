@@ -87,9 +87,10 @@ impl<S: Sensors> Chain<S> {
         match self.sorter.push(byte, |byte| sensors.push(byte))? {
             Command::Tick(room) => return Some(room),
             Command::Acknowledge(alarm) => self.monitor.acknowledge(self.time_us, alarm),
-            Command::Learn(true) => self.monitor.judgement().start_learning(),
-            Command::Learn(false) => self.monitor.judgement().stop_learning(),
-            Command::ReplaceBearing => self.monitor.replace_bearing(),
+            Command::Learn(on) => self.monitor.learn(on),
+            Command::ReplaceBearing => {
+                self.monitor.replace_bearing();
+            }
         }
         None
     }

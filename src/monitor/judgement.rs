@@ -16,6 +16,7 @@
 //!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit, and so
 //!   raises [`Alarm::PreloadLoss`] before [`Alarm::StiffnessLoss`] comes.
 
+use super::learning::{Learning, LearningReport};
 use super::plausibility::seconds;
 use crate::float::Real;
 use core::fmt;
@@ -580,7 +581,9 @@ pub type Changes = heapless::Vec<Change, { Alarm::COUNT }>;
 pub struct Judgement {
     alarms: [AlarmMachine; Alarm::COUNT],
     baseline: Baseline,
-    learning: bool,
+    /// What is being learnt, and how the last learning ended.
+    shadow: Option<Baseline>,
+    learning: LearningReport,
     learnt: u32,
     trend: Trend,
     /// Alarms raised and cleared so far.
@@ -597,7 +600,8 @@ impl Judgement {
         Self {
             alarms: [AlarmMachine::default(); Alarm::COUNT],
             baseline,
-            learning: false,
+            shadow: None,
+            learning: LearningReport::default(),
             learnt: 0,
             trend: Trend::EMPTY,
             raised: 0,
@@ -623,25 +627,47 @@ impl Judgement {
         &self.baseline
     }
 
-    /// Begins to learn a new baseline. Stiffness is not judged until [`Judgement::stop_learning`].
+    /// Begins to learn a new baseline, aside: stiffness is held against the old one meanwhile.
     pub const fn start_learning(&mut self) {
-        self.baseline = Baseline::EMPTY;
-        self.trend = Trend::EMPTY;
-        self.learning = true;
+        self.shadow = Some(Baseline::EMPTY);
     }
 
-    /// From now on stiffness is held against what was learnt.
-    pub const fn stop_learning(&mut self) {
-        if self.learning {
-            self.learning = false;
+    /// Ends the learning. From now on stiffness is held against what was learnt, if that is enough and plausible; else
+    /// the old baseline stays.
+    pub fn stop_learning(&mut self, settings: &BaselineSettings) -> Learning {
+        let Some(shadow) = self.shadow.take() else {
+            return self.learning.state;
+        };
+        let state = self.baseline.take_over(&shadow, settings);
+        if state == Learning::Taken {
+            self.trend = Trend::EMPTY;
             self.learnt = self.learnt.wrapping_add(1);
+        }
+        self.learning = LearningReport {
+            state,
+            bands: shadow.bands(settings),
+        };
+        state
+    }
+
+    /// Where the learning stands.
+    pub fn learning(&self, settings: &BaselineSettings) -> LearningReport {
+        let Some(shadow) = &self.shadow else {
+            return self.learning;
+        };
+        LearningReport {
+            state: Learning::Running,
+            bands: shadow.bands(settings),
         }
     }
 
     /// Forgets the baseline, as that of another bearing, until the next one is learnt.
-    pub const fn forget_baseline(&mut self) {
-        self.start_learning();
-        self.stop_learning();
+    pub fn forget_baseline(&mut self) {
+        self.baseline = Baseline::EMPTY;
+        self.trend = Trend::EMPTY;
+        self.shadow = None;
+        self.learning = LearningReport::default();
+        self.learnt = self.learnt.wrapping_add(1);
     }
 
     /// How often there was another baseline to be kept, learnt or forgotten; wraps.
@@ -693,10 +719,8 @@ impl Judgement {
             stiffness,
             ..
         } = findings;
-        if self.learning {
-            let baseline = &settings.baseline;
-            self.baseline.learn(baseline, load, *speed, stiffness);
-            return;
+        if let Some(shadow) = &mut self.shadow {
+            shadow.learn(&settings.baseline, load, *speed, stiffness);
         }
         let Some(ratio) = self
             .baseline

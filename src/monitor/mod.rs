@@ -116,6 +116,7 @@ mod availability;
 pub mod command;
 mod cost;
 pub mod judgement;
+pub mod learning;
 pub mod life;
 pub mod loads;
 pub mod plausibility;
@@ -308,10 +309,25 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         self.retention = store.report();
     }
 
-    /// The spindle has a new bearing of the same design: without a baseline, and with all of its life before it.
-    pub const fn replace_bearing(&mut self) {
-        self.judgement.forget_baseline();
-        self.life = Life::NEW;
+    /// Begins to learn the baseline, or ends it ([`Judgement::stop_learning`]).
+    pub fn learn(&mut self, on: bool) {
+        if on {
+            self.judgement.start_learning();
+        } else {
+            self.judgement
+                .stop_learning(&self.settings.judgement.baseline);
+        }
+    }
+
+    /// The spindle has a new bearing of the same design: without a baseline, and with all of its life before it. Only
+    /// while the shaft stands still; whether that was so.
+    pub fn replace_bearing(&mut self) -> bool {
+        let stands_still = self.plausibility.stands_still();
+        if stands_still {
+            self.judgement.forget_baseline();
+            self.life = Life::NEW;
+        }
+        stands_still
     }
 
     /// Solves a first equilibrium (loads in N, N m; speed in rad/s) to start from, before ticks begin: it may
@@ -539,6 +555,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             marks: self.doubts,
             retention: self.retention,
             availability: self.availability.shares(),
+            learning: self.judgement.learning(&self.settings.judgement.baseline),
         }
     }
 

@@ -280,6 +280,9 @@ pub struct GoodSample {
     pub speed: f32,
 }
 
+/// Speed below which the shaft stands still, rad/s.
+const STANDSTILL: f32 = 1.0;
+
 /// Holds samples against what is plausible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plausibility {
@@ -316,6 +319,12 @@ impl Plausibility {
             Some((speed, _)) => speed,
             None => 0.0,
         }
+    }
+
+    /// The shaft stands still, beyond doubt.
+    pub const fn stands_still(&self) -> bool {
+        matches!(self.speed, Some((speed, _)) if speed.abs() <= STANDSTILL)
+            && self.speed_doubts.is_empty()
     }
 
     /// Judges what came in a tick. With a new sample that nothing speaks against, returns it; without

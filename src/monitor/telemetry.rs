@@ -24,6 +24,7 @@
 //! which makes up for frames that the link itself loses.
 
 use super::judgement::{Alarm, AlarmState};
+use super::learning::LearningReport;
 use super::plausibility::Marks;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
 use crate::limits::Limit;
@@ -283,6 +284,8 @@ pub struct HealthReport {
     pub retention: RetentionReport,
     /// Share of ticks with a fresh estimate, in the last second and in the last minute, parts of 1.
     pub availability: [f32; 2],
+    /// The learning of the baseline.
+    pub learning: LearningReport,
 }
 
 /// What became of something that was to be kept, when the monitor started.
@@ -546,6 +549,7 @@ pub type Read = Result<Frame, FrameError>;
 
 #[cfg(test)]
 mod tests {
+    use super::super::learning::Learning;
     use super::*;
     use std::vec::Vec as Bytes;
 
@@ -633,6 +637,10 @@ mod tests {
                 failed: u32::MAX,
             },
             availability: [f32::MAX; 2],
+            learning: LearningReport {
+                state: Learning::Implausible,
+                bands: u8::MAX,
+            },
         })
     }
 

@@ -11,16 +11,12 @@ use std::io::Write;
 #[derive(Debug)]
 pub struct Operator<W> {
     to: W,
-    learning: bool,
 }
 
 impl<W: Write> Operator<W> {
     /// One whose words go there.
     pub const fn new(to: W) -> Self {
-        Self {
-            to,
-            learning: false,
-        }
+        Self { to }
     }
 
     /// Sends a command.
@@ -69,9 +65,7 @@ impl<W: Write> Operator<W> {
     ///
     /// As for [`Operator::send`].
     pub fn learn(&mut self, on: bool) -> Result<()> {
-        self.send(Command::Learn(on))?;
-        self.learning = on;
-        Ok(())
+        self.send(Command::Learn(on))
     }
 
     /// What a key of the view says; returns what was done, in a few words, `None` if the key means nothing.
@@ -86,10 +80,13 @@ impl<W: Write> Operator<W> {
                 let plural = if count == 1 { "" } else { "s" };
                 Some(format!("{count} alarm{plural} acknowledged"))
             }
-            'l' => {
-                self.learn(!self.learning)?;
-                let what = if self.learning { "begun" } else { "ended" };
-                Some(format!("learning of the baseline {what}"))
+            's' => {
+                self.learn(true)?;
+                Some("asked to learn the baseline".into())
+            }
+            'e' => {
+                self.learn(false)?;
+                Some("asked to end the learning".into())
             }
             _ => None,
         })

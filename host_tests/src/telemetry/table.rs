@@ -9,6 +9,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use spindle_bearing::Limit;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
@@ -92,6 +93,8 @@ struct Row {
     kept_failed: Option<u32>,
     available_second: Option<f32>,
     available_minute: Option<f32>,
+    learning: Option<String>,
+    learnt_bands: Option<u8>,
 }
 
 const STATUSES: [StatusCode; 9] = [
@@ -220,6 +223,8 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
             kept_failed: Some(report.retention.failed),
             available_second: Some(report.availability[0]),
             available_minute: Some(report.availability[1]),
+            learning: Some(report.learning.state.name().into()),
+            learnt_bands: Some(report.learning.bands),
             marks: Some(report.marks.to_string()),
             ..head
         }],
@@ -447,6 +452,10 @@ fn health(row: &Row) -> Option<HealthReport> {
             failed: row.kept_failed?,
         },
         availability: [row.available_second?, row.available_minute?],
+        learning: LearningReport {
+            state: by_name(&Learning::ALL, |of| of.name(), row.learning.as_deref()?)?,
+            bands: row.learnt_bands?,
+        },
     })
 }
 

@@ -2,9 +2,10 @@
 
 use super::monitor::{IDLE, Rig, SETTINGS, SPEED, settings};
 use rayon::prelude::*;
-use spindle_bearing::monitor::judgement::AlarmChange;
+use spindle_bearing::monitor::judgement::{AlarmChange, Baseline, Changes, Findings, Level};
+use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::settings::MonitorSettings;
-use spindle_bearing::monitor::{Alarm, AlarmState, Outcome, Readings};
+use spindle_bearing::monitor::{Alarm, AlarmState, Judgement, Outcome, Readings};
 
 /// What the firmware of the STM32F405 has for settings.
 #[path = "."]
@@ -130,7 +131,7 @@ static BASELINE: MonitorSettings = settings(10, 1);
 fn drilling_is_no_idling() {
     let mut rig = Rig::new(&BASELINE);
     rig.run_up();
-    rig.monitor.judgement().start_learning();
+    rig.monitor.learn(true);
     for _ in 0..300 {
         rig.good(IDLE, SPEED);
     }
@@ -138,7 +139,7 @@ fn drilling_is_no_idling() {
     for _ in 0..300 {
         rig.good(drilling, SPEED);
     }
-    rig.monitor.judgement().stop_learning();
+    rig.monitor.learn(false);
     let learnt: u32 = rig.monitor.judgement().baseline().estimates.iter().sum();
     assert_eq!(learnt, 300);
     // Nor is it lost preload.
@@ -172,4 +173,65 @@ fn a_monitor_that_is_blind_says_so() {
     let [second, minute] = rig.monitor.health().availability;
     assert!((second - 0.5).abs() < 0.01 && (0.9..0.96).contains(&minute));
     rig.no_alarm_is_lost();
+}
+
+/// A spindle whose preload has gone raises its alarm, whatever the board is told while it runs.
+#[test]
+fn no_command_blinds_the_monitor() {
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    rig.monitor.learn(true);
+    for _ in 0..300 {
+        rig.good(IDLE, SPEED);
+    }
+    rig.monitor.learn(false);
+    let learnt = *rig.monitor.judgement().baseline();
+    assert_eq!(rig.monitor.health().learning.state, Learning::Taken);
+    // Begun and ended, with nothing learnt.
+    rig.monitor.learn(true);
+    rig.monitor.learn(false);
+    assert_eq!(rig.monitor.health().learning.state, Learning::TooLittle);
+    assert!(!rig.monitor.replace_bearing());
+    assert_eq!(*rig.monitor.judgement().baseline(), learnt);
+    // Begun, and never ended.
+    rig.monitor.learn(true);
+    let lost = [150.0, 5.0, -8.0, 0.05, -0.1];
+    for _ in 0..8000 {
+        rig.good(lost, SPEED);
+    }
+    assert_eq!(rig.state(Alarm::StiffnessLoss), AlarmState::Raised);
+    let progress = rig.monitor.health().learning;
+    assert_eq!((progress.state, progress.bands), (Learning::Running, 1));
+    // What is learnt of a spindle that stands still after all is its next bearing's.
+    for ms in 0..1000 {
+        rig.good(IDLE, SPEED - SPEED * ms as f32 / 999.0);
+    }
+    assert!(rig.monitor.replace_bearing());
+    rig.no_alarm_is_lost();
+}
+
+#[test]
+fn a_baseline_that_cannot_be_the_same_bearing_is_not_taken() {
+    let settings = &SETTINGS.judgement;
+    let quiet = Level::of(0.0);
+    let mut judgement = Judgement::new(Baseline::EMPTY);
+    let mut learn = |k: f32| {
+        judgement.start_learning();
+        for ms in 0..200 {
+            let findings = Findings {
+                pressure: quiet,
+                contact_angle: quiet,
+                slip: quiet,
+                unloaded: quiet,
+                load: IDLE,
+                speed: SPEED,
+                stiffness: [k; 5],
+            };
+            judgement.judge(ms * 1000, &findings, settings, &mut Changes::new());
+        }
+        judgement.stop_learning(&settings.baseline)
+    };
+    let ended = [1e8, 0.8e8, 0.3e8, 2e8, 1.2e8].map(&mut learn);
+    let (taken, implausible) = (Learning::Taken, Learning::Implausible);
+    assert_eq!(ended, [taken, taken, implausible, implausible, taken]);
 }

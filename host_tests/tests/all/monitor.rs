@@ -627,11 +627,11 @@ fn a_link_that_is_shut_costs_estimates_and_no_alarm() {
 fn lost_preload_is_told_from_cutting() {
     let mut rig = Rig::new(&LEARNING);
     rig.run_up();
-    rig.monitor.judgement().start_learning();
+    rig.monitor.learn(true);
     for _ in 0..300 {
         rig.good(IDLE, SPEED);
     }
-    rig.monitor.judgement().stop_learning();
+    rig.monitor.learn(false);
     // Cutting changes stiffness by more than the limit, but is not idling.
     for _ in 0..300 {
         rig.good([250.0, 200.0, 0.0, 0.0, 2.0], SPEED);

@@ -12,6 +12,7 @@ use host_tests::telemetry::{simulated, table};
 use proptest::prelude::*;
 use spindle_bearing::monitor::command::{Command, Sorter};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame,
@@ -133,6 +134,8 @@ prop_compose! {
         marks in prop::collection::vec(prop::sample::select(Mark::ALL.to_vec()), 0..5),
         retention in any_retention(),
         availability in prop::array::uniform2(number()),
+        state in prop::sample::select(Learning::ALL.to_vec()),
+        bands in any::<u8>(),
     ) -> HealthReport {
         HealthReport {
             ticks: counts[0],
@@ -150,6 +153,7 @@ prop_compose! {
             marks: marks.into_iter().fold(Marks::NONE, Marks::with),
             retention,
             availability,
+            learning: LearningReport { state, bands },
         }
     }
 }
@@ -545,16 +549,13 @@ fn only_alarms_that_nobody_has_acknowledged_are_acknowledged() {
 }
 
 #[test]
-fn learning_begins_and_ends_by_one_key_and_all_alarms_are_acknowledged_unseen() {
+fn each_key_says_one_thing_and_all_alarms_are_acknowledged_unseen() {
     let state = State::default();
     let mut operator = Operator::new(Vec::new());
-    let mut press = || operator.press('l', &state).unwrap().unwrap();
+    let mut press = |key| operator.press(key, &state).unwrap().unwrap();
     assert_eq!(
-        [press(), press()],
-        [
-            "learning of the baseline begun",
-            "learning of the baseline ended"
-        ]
+        ['s', 'e'].map(&mut press),
+        ["asked to learn the baseline", "asked to end the learning"]
     );
     operator.acknowledge_all().unwrap();
     let mut expected = vec![Command::Learn(true), Command::Learn(false)];
@@ -574,7 +575,7 @@ fn a_port_that_takes_no_bytes_is_told_of() {
         }
     }
     let error = Operator::new(Gone)
-        .press('l', &State::default())
+        .press('s', &State::default())
         .unwrap_err();
     assert_eq!(error.to_string(), "cannot send a command to the board");
 }

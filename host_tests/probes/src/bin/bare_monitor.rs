@@ -170,11 +170,7 @@ mod bare {
             let outcome = monitor.tick(time_us, &readings, &mut Unknown, &mut Unknown);
             black_box(outcome);
             monitor.acknowledge(time_us, black_box(Alarm::Slip));
-            if black_box(true) {
-                monitor.judgement().start_learning();
-            } else {
-                monitor.judgement().stop_learning();
-            }
+            monitor.learn(black_box(true));
             if black_box(true) {
                 monitor.replace_bearing();
             }

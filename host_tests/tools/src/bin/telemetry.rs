@@ -43,8 +43,8 @@ struct Arguments {
     #[arg(long, requires = "port")]
     acknowledge: bool,
 
-    /// Have the board learn the baseline of the stiffness from now on, or no longer; with --view, the key l
-    /// does it
+    /// Have the board learn the baseline of the stiffness from now on, or no longer; with --view, the keys s
+    /// and e do it
     #[arg(long, value_name = "WHEN", requires = "port")]
     learn: Option<Learning>,
 
@@ -72,7 +72,7 @@ struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<String>,
 
-    /// Show the stream live; q leaves, and with a port, a acknowledges alarms and l learns the baseline
+    /// Show the stream live; q leaves, and with a port, a acknowledges alarms, s starts to learn the baseline and e ends it
     #[arg(long)]
     view: bool,
 

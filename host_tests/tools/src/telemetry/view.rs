@@ -14,6 +14,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle, Points};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph, Widget};
 use spindle_bearing::monitor::judgement::AlarmState;
+use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::telemetry::{Recovery, RetentionReport};
 use std::collections::VecDeque;
 use std::sync::mpsc::RecvTimeoutError;
@@ -62,7 +63,7 @@ fn render(state: &State, area: Rect, buffer: &mut Buffer) {
         Constraint::Length(2),
         Constraint::Min(8),
         Constraint::Length(alarms + 2),
-        Constraint::Length(7),
+        Constraint::Length(8),
     ])
     .areas(area);
     // Cells are about twice as high as wide.
@@ -427,6 +428,18 @@ fn counters(state: &State) -> Paragraph<'_> {
                     " fresh estimates in {second:.1} % of the ticks of the last second, {minute:.1} % of the last minute"
                 ),
                 if second < 90.0 { warning() } else { Style::new() },
+            ));
+            let learning = &h.learning;
+            lines.push(Line::styled(
+                format!(
+                    " learning of the baseline: {}, {} bands of speed",
+                    learning.state.name(),
+                    learning.bands
+                ),
+                match learning.state {
+                    Learning::TooLittle | Learning::Implausible => warning(),
+                    _ => Style::new(),
+                },
             ));
             let r = &h.retention;
             let refused = [r.baseline, r.life]

@@ -1,0 +1,98 @@
+//! Learning the baseline: aside, so that the one in use goes on judging until the new one can take its place.
+
+use super::judgement::{BANDS, Baseline, BaselineSettings};
+use serde::{Deserialize, Serialize};
+
+/// Where the learning of the baseline stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Learning {
+    /// Nothing was learnt since the start.
+    #[default]
+    Off,
+    /// A baseline is being learnt, the one in use being kept.
+    Running,
+    /// What was learnt last is in use.
+    Taken,
+    /// What was learnt last was too little for any band of speed: the old baseline is kept.
+    TooLittle,
+    /// What was learnt last is more than a factor of 2 away from the old baseline, which is kept. A bearing that was
+    /// replaced has to be told of.
+    Implausible,
+}
+
+impl Learning {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::Off,
+        Self::Running,
+        Self::Taken,
+        Self::TooLittle,
+        Self::Implausible,
+    ];
+
+    /// Short name in lower case, as tables print it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Running => "running",
+            Self::Taken => "taken",
+            Self::TooLittle => "too-little",
+            Self::Implausible => "implausible",
+        }
+    }
+}
+
+/// The learning of the baseline, and how far it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LearningReport {
+    /// Where it stands.
+    pub state: Learning,
+    /// Bands of speed that have enough estimates of the idling spindle, in what is being learnt or was learnt last.
+    pub bands: u8,
+}
+
+/// The largest factor between a baseline and the one before it.
+const PLAUSIBLE: f32 = 2.0;
+
+impl Baseline {
+    /// Bands with enough estimates.
+    pub(super) fn bands(&self, settings: &BaselineSettings) -> u8 {
+        let enough = |count: &&u32| **count >= settings.least_estimates.max(1);
+        self.estimates.iter().filter(enough).count() as u8
+    }
+
+    /// Takes over the bands of `newer` that have enough estimates, unless one of them is implausible.
+    pub(super) fn take_over(&mut self, newer: &Self, settings: &BaselineSettings) -> Learning {
+        if newer.bands(settings) == 0 {
+            return Learning::TooLittle;
+        }
+        let enough = |count: u32| count >= settings.least_estimates.max(1);
+        let mut next = *self;
+        for band in 0..BANDS {
+            let (Some(old), Some(new)) = (self.stiffness.get(band), newer.stiffness.get(band))
+            else {
+                continue;
+            };
+            let counts = (self.estimates.get(band), newer.estimates.get(band));
+            let (Some(known), Some(count)) = counts else {
+                continue;
+            };
+            if !enough(*count) {
+                continue;
+            }
+            let near =
+                |(old, new): (&f32, &f32)| *new <= PLAUSIBLE * old && *old <= PLAUSIBLE * new;
+            if enough(*known) && !old.iter().zip(new).all(near) {
+                return Learning::Implausible;
+            }
+            if let (Some(k), Some(n)) = (next.stiffness.get_mut(band), next.estimates.get_mut(band))
+            {
+                (*k, *n) = (*new, *count);
+            }
+        }
+        *self = next;
+        Learning::Taken
+    }
+}
