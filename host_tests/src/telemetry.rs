@@ -6,7 +6,7 @@
 //! | [`table`] | frames to CSV, and back |
 //! | [`operator`] | commands to the board |
 //! | [`state`] | what the frames so far say of the spindle |
-//! | [`simulated`] | telemetry of a recording, made by the host's own solver |
+//! | [`simulated`] | telemetry of a recording, by the shipped monitor on this machine |
 
 pub mod decoder;
 pub mod operator;

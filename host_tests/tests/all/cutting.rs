@@ -1,26 +1,12 @@
 //! The monitor while it cuts: teeth that pass, overloads, crashes, and what passes for idling.
 
 use super::monitor::{IDLE, Rig, SETTINGS, SPEED, settings};
+use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use rayon::prelude::*;
 use spindle_bearing::monitor::judgement::{AlarmChange, Baseline, Changes, Findings, Level};
 use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::{Alarm, AlarmState, Judgement, Outcome, Readings};
-
-/// What the firmware of the STM32F405 has for settings.
-#[path = "."]
-#[allow(dead_code, reason = "the firmware has more of them")]
-mod f405 {
-    use spindle_bearing::monitor::tick::CycleCost;
-
-    type Precision = f32;
-    const CORE_HZ: u32 = 168_000_000;
-    const COST: CycleCost = CycleCost::CORTEX_M4F;
-    #[path = "../../../examples/monitor_settings.rs"]
-    pub mod monitor_settings;
-    #[path = "../../../examples/monitored.rs"]
-    mod monitored;
-}
 
 /// Every tooth presses the shaft with a half-sine of a radial load, on top of the preload. Teeth follow each other
 /// without a pause, or with one as long as a tooth's time in the cut.
@@ -36,7 +22,7 @@ fn loads_of_passing_teeth_are_solved_in_the_tick_that_brings_them() {
     let stale: Vec<_> = cases
         .into_par_iter()
         .map(|(per_second, amplitude, in_cut)| {
-            let mut rig = Rig::new(&f405::monitor_settings::MONITOR);
+            let mut rig = Rig::new(&MONITOR);
             rig.run_up();
             let fresh = |tick: &u32| {
                 // A little off the rate of the ticks, which thereby meet every part of the half-sine.

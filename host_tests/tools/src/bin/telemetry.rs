@@ -3,18 +3,17 @@
 
 use anyhow::{Context, Result, bail};
 use clap::{ArgGroup, Parser, ValueEnum};
-use host_tests::design_file::SHIPPED;
+use host_tests::loads;
 use host_tests::milling_cycle::RECORD;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
 use host_tests::telemetry::simulated;
 use host_tests::telemetry::state::State;
 use host_tests::telemetry::table::{Writer, change_name};
-use host_tests::{design_file, loads};
 use spindle_bearing::monitor::command::Command;
 use spindle_bearing::monitor::telemetry::{Payload, VERSION};
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use tools::telemetry::source::{self, Chunks, PortOperator};
 use tools::telemetry::{picture, view};
@@ -60,7 +59,7 @@ struct Arguments {
     #[arg(long, value_name = "FILE", group = "source")]
     file: Option<String>,
 
-    /// Without a board: the project's milling cycle, solved by this machine
+    /// Without a board: the shipped monitor on this machine, fed with the project's milling cycle
     #[arg(long, group = "source")]
     simulate: bool,
 
@@ -187,7 +186,6 @@ fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
     if let Some(path) = &arguments.file {
         return Ok((source::file(path)?, None));
     }
-    let design = design_file::DesignFile::read(Path::new(SHIPPED).join("b7005c.toml"))?;
     let mut rows = Vec::new();
     for row in loads::read(RECORD)? {
         let row = row?;
@@ -196,7 +194,7 @@ fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
         }
         rows.push(row);
     }
-    let bytes = simulated::stream(&design.design, &rows)?;
+    let bytes = simulated::stream(&rows);
     Ok((source::stream(Cursor::new(bytes)), None))
 }
 
