@@ -21,6 +21,9 @@ type Precision = f32;
 const CORE_HZ: u32 = 168_000_000;
 const COST: CycleCost = CycleCost::CORTEX_M4F;
 
+/// One revolution per minute.
+const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
+
 /// No cycle is counted.
 struct NoCycles;
 
@@ -30,33 +33,32 @@ impl CycleCounter for NoCycles {
     }
 }
 
-/// The bytes that the monitor sends while the rows of a recording come in at their times.
+/// The bytes that the monitor sends while it samples a recording in every tick, in a straight line between two rows.
 pub fn stream(rows: &[LoadRow]) -> Vec<u8> {
     let mut monitor: Monitor<BALLS> = Monitor::new(&BEARING, &MONITOR);
     // A start without a solution is one that the first ticks make up for.
     let _ = monitor.prepare(IDLE, 0.0);
-    let period = u64::from(MONITOR.tick.period_us);
     let mut bytes = Vec::new();
-    let (mut time_us, mut rows) = (0, rows.iter().peekable());
-    while rows.peek().is_some() {
-        let mut newest = None;
-        while let Some(row) = rows.next_if(|row| row.time_s * 1e6 <= time_us as f64 + 0.5) {
-            newest = Some(row);
+    let mut time_us = 0;
+    for (from, to) in rows.iter().zip(rows.iter().skip(1)) {
+        while (time_us as f64) < to.time_s * 1e6 {
+            let part = (time_us as f64 * 1e-6 - from.time_s) / (to.time_s - from.time_s);
+            let between = |from: f64, to: f64| (from + part * (to - from)) as f32;
+            let sample = LoadSample {
+                time_us,
+                load: core::array::from_fn(|i| between(from.load[i], to.load[i])),
+                speed: Some(RAD_PER_S * between(from.speed_rpm, to.speed_rpm)),
+                residual: 0.0,
+                doubts: Marks::NONE,
+            };
+            let readings = Readings {
+                loads: Ok(Some(sample)),
+                speed: None,
+            };
+            monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
+            bytes.extend(core::iter::from_fn(|| monitor.outbox().next_byte()));
+            time_us += u64::from(MONITOR.tick.period_us);
         }
-        let loads = newest.map(|row| LoadSample {
-            time_us,
-            load: row.load.map(|load| load as f32),
-            speed: Some((row.speed_rpm * std::f64::consts::PI / 30.0) as f32),
-            residual: 0.0,
-            doubts: Marks::NONE,
-        });
-        let readings = Readings {
-            loads: Ok(loads),
-            speed: None,
-        };
-        monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
-        bytes.extend(core::iter::from_fn(|| monitor.outbox().next_byte()));
-        time_us += period;
     }
     bytes
 }

@@ -391,8 +391,8 @@ fn a_table_with_a_wrong_row_is_refused_by_its_number() {
 }
 
 #[test]
-fn the_simulation_solves_every_row_of_the_recording() {
-    let (rows, bytes) = cycle(10.0);
+fn the_simulation_solves_the_recording_in_every_tick() {
+    let (_, bytes) = cycle(10.0);
     let (events, decoder) = decoded(&bytes);
     let tally = decoder.tally();
     assert_eq!((tally.lost, tally.damaged, tally.restarts), (0, 0, 0));
@@ -412,16 +412,9 @@ fn the_simulation_solves_every_row_of_the_recording() {
     // Estimates every 20 ms, pictures of two frames every 200 ms.
     assert_eq!((estimates, reports), (500, 100));
     let health = state.health.unwrap().report;
-    let came = rows
-        .iter()
-        .filter(|row| row.time_s * 1e3 <= health.ticks as f64)
-        .count();
     // The first turns of the shaft may take longer than a tick.
-    assert_eq!(
-        (health.ticks, health.estimates + health.refusals),
-        (9000, came as u64)
-    );
-    assert!(health.refusals <= 1, "{health:?}");
+    assert_eq!(health.estimates + health.refusals, health.ticks + 1);
+    assert!(health.refusals <= 2, "{health:?}");
     assert!(health.availability.iter().all(|share| *share > 0.99));
 }
 
@@ -440,12 +433,11 @@ fn the_balls_at_rest_carry_the_load_that_came_in() {
             pictured = frame.time_us as f64 * 1e-6;
         }
     }
-    // The row that was the newest then.
-    let row = rows
-        .iter()
-        .rfind(|row| row.time_s <= pictured + 1e-6)
-        .unwrap();
-    assert_eq!(row.speed_rpm, 0.0);
+    // The load between two rows.
+    let next = rows.iter().position(|row| row.time_s > pictured).unwrap();
+    let (from, to) = (&rows[next - 1], &rows[next]);
+    assert_eq!((from.speed_rpm, to.speed_rpm), (0.0, 0.0));
+    let part = (pictured - from.time_s) / (to.time_s - from.time_s);
     let mut carried = [0.0; 3];
     for (i, ball) in state.balls.balls.iter().enumerate() {
         let ball = ball.unwrap();
@@ -456,7 +448,8 @@ fn the_balls_at_rest_carry_the_load_that_came_in() {
         carried[1] += force * cos * towards_y;
         carried[2] += force * cos * towards_z;
     }
-    for (carried, load) in carried.into_iter().zip(row.load) {
+    for (i, carried) in carried.into_iter().enumerate() {
+        let load = from.load[i] + part * (to.load[i] - from.load[i]);
         assert!((carried - load).abs() < 0.02, "{carried} and {load} N");
     }
 }
