@@ -367,6 +367,8 @@ impl<T: Real, const D: usize> State<T, D> {
             }
             outcome.residual = norm(&r) / size.at_least(T::TINY);
             if !outcome.residual.is_finite() {
+                // No figure that is not a number is handed on.
+                outcome.residual = T::ONE;
                 outcome.end = End::Lost;
                 break;
             }
