@@ -22,6 +22,8 @@ pub static MONITOR: MonitorSettings = {
         [-60.0, 60.0],
         [-60.0, 60.0],
     ];
+    // What is beyond that range has no estimate, but an alarm.
+    settings.judgement.overload = [3e3, 3e3, 3e3, 60.0, 60.0];
     // All of a tick's time.
     settings.tick.deadline_cycles = CORE_HZ / 1_000_000 * settings.tick.period_us;
     settings.tick.cost = COST;

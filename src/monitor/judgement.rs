@@ -5,7 +5,7 @@
 //!   comes and goes, as teeth pass, counts like one that lasts, if it is there for more than a fifth of the time. The alarm is
 //!   raised when the sum reaches the hold time, or when the level reaches `at_once`. When the sum has run off, the
 //!   condition is gone, but the alarm stays latched until somebody acknowledges it. A level that is not known changes
-//!   nothing.
+//!   nothing, and the time without one counts for neither.
 //! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. Compared
 //!   is the *idling* spindle (all five loads within bounds, as between cuts), within a band of
 //!   speed ([`Baseline`]): what is left to change the stiffness there is preload, wear and heat. The baseline is
@@ -190,6 +190,9 @@ impl Level {
 /// What happened to an alarm.
 pub use super::telemetry::AlarmChange;
 
+/// A level stands for so much time at most, us: what comes after it, without a level, is not known.
+const KNOWN_US: u32 = 20_000;
+
 /// Time without a condition takes this part of itself off the condition's time.
 const FADE: u32 = 4;
 
@@ -240,7 +243,7 @@ impl AlarmMachine {
             return None;
         }
         (self.level, self.ball) = (level.value, level.ball);
-        let since = time_us.saturating_sub(self.seen_us).min(u32::MAX.into()) as u32;
+        let since = time_us.saturating_sub(self.seen_us).min(KNOWN_US.into()) as u32;
         self.seen_us = time_us;
         self.held_us = if self.there {
             self.held_us.saturating_add(since).min(threshold.hold_us)
@@ -748,8 +751,9 @@ impl Judgement {
     ) {
         let mut largest = 0.0_f32;
         for (load, most) in load.iter().zip(&settings.overload) {
-            // One that is not a number is passed over.
-            largest = largest.at_least(load.abs() / most);
+            if load.is_finite() {
+                largest = largest.at_least(load.abs() / most);
+            }
         }
         self.level(
             time_us,
@@ -839,6 +843,15 @@ mod tests {
         assert_eq!(run(&mut often, 0, &levels(4))[0].1, AlarmChange::Raised);
         assert_eq!(run(&mut often, 1000, &levels(4)), []);
         assert_eq!(run(&mut rare, 0, &levels(6)), []);
+        // Of what comes after a level, only so much is known.
+        let mut unknown = AlarmMachine::default();
+        let hold = Threshold {
+            hold_us: 100_000,
+            ..THRESHOLD
+        };
+        for (ms, level) in [(0, 10.0), (10_000, 10.0), (20_000, 0.0)] {
+            assert_eq!(unknown.update(ms * 1000, Level::of(level), &hold), None);
+        }
         // A level that is far too high is not waited for.
         assert_eq!(
             run(&mut rare, 1000, &[100.0]),

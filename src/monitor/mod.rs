@@ -402,7 +402,10 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
                 .level(time_us, alarm, Level::of(value), judging, &mut changes);
         }
         let missed = self.ticker.missed();
-        if let Some(blind) = self.availability.count(time_us, marks.is_empty(), missed) {
+        let apart = u32::from(self.settings.tick.solve_every) * self.settings.tick.period_us;
+        let oldest = self.settings.plausibility.fresh_us.max(apart);
+        let fresh = marks.is_empty() && time_us.saturating_sub(estimated_us) <= oldest.into();
+        if let Some(blind) = self.availability.count(time_us, fresh, missed) {
             let level = Level::of(blind);
             self.judgement
                 .level(time_us, Alarm::Availability, level, judging, &mut changes);

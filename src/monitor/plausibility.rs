@@ -247,6 +247,8 @@ pub struct PlausibilitySettings {
     pub stuck_after: u16,
     /// Time without a sample that is one without loads, us.
     pub missing_after_us: u32,
+    /// Age of an estimate beyond which it is no longer fresh, us, unless solves are further apart.
+    pub fresh_us: u32,
     /// Largest residual of redundant channels, counts.
     pub residual: f32,
     /// Highest speed in either direction, rad/s.

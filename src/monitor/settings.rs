@@ -139,6 +139,7 @@ impl MonitorSettings {
                 load_rate: [1e6, 1e6, 1e6, 2e4, 2e4],
                 stuck_after: 100,
                 missing_after_us: 50_000,
+                fresh_us: 20_000,
                 residual: f32::INFINITY,
                 speed: 5e3,
                 speed_rate: 2e4,
@@ -154,7 +155,7 @@ impl MonitorSettings {
                     threshold(0.0, -0.035, 100),
                     threshold(0.06, 0.05, 500),
                     threshold(0.5, 0.25, 500),
-                    threshold(1.0, 0.9, 0),
+                    threshold(1.0, 0.9, 3),
                     threshold(0.15, 0.12, 5000),
                     threshold(0.15, 0.10, 0),
                     threshold(0.8, 0.79, 0),
@@ -246,6 +247,11 @@ impl MonitorSettings {
         demand!(
             p.missing_after_us >= t.period_us,
             "plausibility.missing_after_us",
+            "at least a tick"
+        );
+        demand!(
+            p.fresh_us >= t.period_us,
+            "plausibility.fresh_us",
             "at least a tick"
         );
         demand!(positive(p.residual), "plausibility.residual", "positive");

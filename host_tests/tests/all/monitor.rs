@@ -228,6 +228,13 @@ impl Rig {
         }
     }
 
+    /// So many ticks do not begin.
+    pub(super) fn leave_out(&mut self, ticks: usize) {
+        let marks = self.marks.last().copied().unwrap_or_default();
+        self.marks.resize(self.marks.len() + ticks, marks);
+        self.time_us += 1000 * ticks as u64;
+    }
+
     /// Brings the spindle to its speed, as fast as it can.
     pub(super) fn run_up(&mut self) {
         for ms in 0..1000 {
