@@ -194,12 +194,13 @@ impl<T: Real> Ball<T> {
         // Normal and tangent of the outer contact are (cd, -sd) and (sd, cd).
         let [across, along] = turn([l.sd, l.cd], dx);
         if !(l.delta > T::ZERO) {
-            // It swings on the outer race.
+            // It swings on the outer race, and sinks into it.
             let turn = across * l.per_ro;
             let beyond = T::of(0.5) * across * turn;
+            let sunk = T::of(0.25) * along * (along * l.per_do);
             return Change {
                 turn: turn.abs(),
-                off: beyond * (l.ho + T::of(1.5) * beyond.sqrt()),
+                off: (beyond + sunk) * l.ho + T::of(1.5) * beyond * beyond.sqrt(),
                 cos: l.cd,
                 ..closing(v[0], l.delta, c.ki)
             };
