@@ -89,7 +89,7 @@ impl<S: Sensors> Chain<S> {
             Command::Acknowledge(alarm) => self.monitor.acknowledge(self.time_us, alarm),
             Command::Learn(on) => self.monitor.learn(on),
             Command::ReplaceBearing => {
-                self.monitor.replace_bearing();
+                self.monitor.replace_bearing(self.time_us);
             }
         }
         None

@@ -5,7 +5,7 @@
 //!
 //! `|A|^2 = R^2 + d (2 R + d)`, `F / N = Kn d^(3/2) A1 / |A|`
 //!
-//! `e = R^2 - A2^2` is `A1^2` where contact begins; where it is negative,
+//! `e = R^2 - A2^2` is `A1^2` where contact begins. Where it is negative,
 //! growth presses the balls before the ring moves. The unknown is the root `w` of the ring's part:
 //!
 //! `A1^2 = max(e, 0) + w^2`, `d (2 R + d) = max(-e, 0) + w^2`.

@@ -7,7 +7,7 @@
 //! | tilt | length unit over `Rp`, so that a tilt of 1 shifts a groove centre by 1 |
 //! | moment | force unit times `Rp` |
 //!
-//! In these units deformations are of the order of 1, and positions are multiples of 1/256 that integers hold
+//! In these units deformations are of the order of 1. Positions are multiples of 1/256, which integers hold
 //! exactly, plus small offsets.
 
 use crate::design::{Design, DesignError, check};

@@ -117,25 +117,6 @@ impl<T: Real> Point<T> {
         }
     }
 
-    /// Without growth.
-    pub fn cold(c: &Constants<T>, s: T) -> Self {
-        Self {
-            s,
-            negligible: T::ZERO,
-            regime: if s > T::ZERO {
-                Regime::Speed
-            } else {
-                Regime::Rest
-            },
-            lo: c.lo,
-            li: c.li,
-            lo_excess: T::ZERO,
-            li_excess: T::ZERO,
-            l0_excess: T::ZERO,
-            growth: [T::ZERO; 2],
-        }
-    }
-
     /// The same at another regime.
     pub fn with(self, regime: Regime) -> Self {
         Self { regime, ..self }

@@ -630,18 +630,21 @@ impl Judgement {
         &self.baseline
     }
 
-    /// Begins to learn a new baseline, aside: stiffness is held against the old one meanwhile.
-    pub const fn start_learning(&mut self) {
-        self.shadow = Some(Baseline::EMPTY);
+    /// Begins to learn a new baseline, aside: stiffness is held against the old one meanwhile. Where that is going on, it
+    /// goes on.
+    pub fn start_learning(&mut self) {
+        self.shadow.get_or_insert(Baseline::EMPTY);
     }
 
     /// Ends the learning. From now on stiffness is held against what was learnt, if that is enough and plausible; else
     /// the old baseline stays.
-    pub fn stop_learning(&mut self, settings: &BaselineSettings) -> Learning {
+    pub fn stop_learning(&mut self, settings: &JudgementSettings) -> Learning {
         let Some(shadow) = self.shadow.take() else {
             return self.learning.state;
         };
-        let state = self.baseline.take_over(&shadow, settings);
+        let most = settings.of(Alarm::StiffnessLoss).clear;
+        let settings = &settings.baseline;
+        let state = self.baseline.take_over(&shadow, most, settings);
         if state == Learning::Taken {
             self.trend = Trend::EMPTY;
             self.learnt = self.learnt.wrapping_add(1);

@@ -16,8 +16,8 @@ pub enum Learning {
     Taken,
     /// What was learnt last was too little for any band of speed: the old baseline is kept.
     TooLittle,
-    /// What was learnt last is more than a factor of 2 away from the old baseline, which is kept. A bearing that was
-    /// replaced has to be told of.
+    /// What was learnt last differs from the old baseline by a loss, or a gain, that is worth an alarm: the old one is
+    /// kept. Another bearing has to be told of ([`Monitor::replace_bearing`](super::Monitor::replace_bearing)).
     Implausible,
 }
 
@@ -53,9 +53,6 @@ pub struct LearningReport {
     pub bands: u8,
 }
 
-/// The largest factor between a baseline and the one before it.
-const PLAUSIBLE: f32 = 2.0;
-
 impl Baseline {
     /// Bands with enough estimates.
     pub(super) fn bands(&self, settings: &BaselineSettings) -> u8 {
@@ -63,8 +60,14 @@ impl Baseline {
         self.estimates.iter().filter(enough).count() as u8
     }
 
-    /// Takes over the bands of `newer` that have enough estimates, unless one of them is implausible.
-    pub(super) fn take_over(&mut self, newer: &Self, settings: &BaselineSettings) -> Learning {
+    /// Takes over the bands of `newer` that have enough estimates, unless one has lost or gained `most` of the stiffness,
+    /// part of 1: a loss cannot be learnt away.
+    pub(super) fn take_over(
+        &mut self,
+        newer: &Self,
+        most: f32,
+        settings: &BaselineSettings,
+    ) -> Learning {
         if newer.bands(settings) == 0 {
             return Learning::TooLittle;
         }
@@ -82,8 +85,10 @@ impl Baseline {
             if !enough(*count) {
                 continue;
             }
-            let near =
-                |(old, new): (&f32, &f32)| *new <= PLAUSIBLE * old && *old <= PLAUSIBLE * new;
+            let near = |(old, new): (&f32, &f32)| {
+                let (less, more) = if new < old { (new, old) } else { (old, new) };
+                *less > (1.0 - most) * more
+            };
             if enough(*known) && !old.iter().zip(new).all(near) {
                 return Learning::Implausible;
             }

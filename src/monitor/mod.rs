@@ -314,15 +314,15 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         if on {
             self.judgement.start_learning();
         } else {
-            self.judgement
-                .stop_learning(&self.settings.judgement.baseline);
+            self.judgement.stop_learning(&self.settings.judgement);
         }
     }
 
     /// The spindle has a new bearing of the same design: without a baseline, and with all of its life before it. Only
     /// while the shaft stands still; whether that was so.
-    pub fn replace_bearing(&mut self) -> bool {
-        let stands_still = self.plausibility.stands_still();
+    pub fn replace_bearing(&mut self, time_us: u64) -> bool {
+        let oldest_us = self.settings.plausibility.missing_after_us;
+        let stands_still = self.plausibility.stands_still(time_us, oldest_us);
         if stands_still {
             self.judgement.forget_baseline();
             self.life = Life::NEW;

@@ -323,10 +323,12 @@ impl Plausibility {
         }
     }
 
-    /// The shaft stands still, beyond doubt.
-    pub const fn stands_still(&self) -> bool {
-        matches!(self.speed, Some((speed, _)) if speed.abs() <= STANDSTILL)
-            && self.speed_doubts.is_empty()
+    /// The shaft stands still, beyond doubt, as of a speed that is not older than `oldest_us`.
+    pub fn stands_still(&self, time_us: u64, oldest_us: u32) -> bool {
+        let still = |(speed, then): (f32, u64)| {
+            speed.abs() <= STANDSTILL && time_us.saturating_sub(then) <= oldest_us.into()
+        };
+        self.speed.is_some_and(still) && self.speed_doubts.is_empty()
     }
 
     /// Judges what came in a tick. With a new sample that nothing speaks against, returns it; without

@@ -83,7 +83,7 @@ pub struct Decoder {
     reader: FrameReader,
     expected: Option<u32>,
     /// What follows a frame whose number went back, if that was the first of a new start.
-    anew: Option<u32>,
+    after_first: Option<u32>,
     tally: Tally,
 }
 
@@ -100,7 +100,7 @@ impl Decoder {
             Ok(frame) => {
                 let gap = self.gap_before(frame.sequence);
                 let next = Some(frame.sequence.wrapping_add(1));
-                (self.expected, self.anew) = match gap {
+                (self.expected, self.after_first) = match gap {
                     Gap::Behind => (self.expected, next),
                     _ => (next, None),
                 };
@@ -130,7 +130,7 @@ impl Decoder {
             // Half of all numbers lie ahead; at a thousand frames a second they take 24 days.
             count @ 1..=0x7fff_ffff => Gap::Lost(count),
             _ if self
-                .anew
+                .after_first
                 .is_some_and(|next| sequence.wrapping_sub(next) < IN_STEP) =>
             {
                 Gap::Restart

@@ -8,11 +8,10 @@ use monitor_settings::{IDLE, MONITOR};
 use monitored::{BALLS, BEARING};
 use spindle_bearing::monitor::loads::LoadSample;
 use spindle_bearing::monitor::plausibility::Marks;
-use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
+use spindle_bearing::monitor::tick::{CycleCost, NoCycles, NoWatchdog};
 use spindle_bearing::monitor::{Monitor, Readings};
 
 #[path = "../../../examples/monitor_settings.rs"]
-#[allow(dead_code, reason = "the firmware has more of them")]
 pub mod monitor_settings;
 #[path = "../../../examples/monitored.rs"]
 mod monitored;
@@ -23,15 +22,6 @@ const COST: CycleCost = CycleCost::CORTEX_M4F;
 
 /// One revolution per minute.
 const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
-
-/// No cycle is counted.
-struct NoCycles;
-
-impl CycleCounter for NoCycles {
-    fn cycles(&mut self) -> u32 {
-        0
-    }
-}
 
 /// The bytes that the monitor sends while it samples a recording in every tick, in a straight line between two rows.
 pub fn stream(rows: &[LoadRow]) -> Vec<u8> {

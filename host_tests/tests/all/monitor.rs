@@ -93,7 +93,7 @@ pub(super) struct Rig {
     pub(super) monitor: Monitor<16>,
     counter: Counter,
     dog: Dog,
-    time_us: u64,
+    pub(super) time_us: u64,
     ticks: u64,
     /// Bytes that the link takes in a tick.
     link: usize,

@@ -16,7 +16,7 @@ use spindle_bearing::monitor::retained::{
 };
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::telemetry::{Recovery, RetentionReport};
-use spindle_bearing::monitor::tick::{CycleCounter, NoWatchdog};
+use spindle_bearing::monitor::tick::{NoCycles, NoWatchdog};
 use spindle_bearing::monitor::{Judgement, Life, Marks, Monitor, Readings};
 use spindle_bearing::{Design, FreeContact, Material};
 use std::collections::BTreeSet;
@@ -187,6 +187,20 @@ type WideWords = Memory<32, 4096, true>;
 
 const IDLE: [f32; 5] = [420.0, 0.0, 0.0, 0.0, 0.0];
 
+/// What an idling spindle of this stiffness looks like to the one who judges it, without any limit near.
+pub(super) fn idling(speed: f32, stiffness: [f32; 5]) -> Findings {
+    let quiet = Level::of(0.0);
+    Findings {
+        pressure: quiet,
+        contact_angle: quiet,
+        slip: quiet,
+        unloaded: quiet,
+        load: IDLE,
+        speed,
+        stiffness,
+    }
+}
+
 /// One power cycle of a board.
 struct Board<F> {
     store: Store<F>,
@@ -208,25 +222,20 @@ impl<F: NorFlash> Board<F> {
         }
     }
 
-    /// Learns the spindle with a stiffness of `k`.
+    /// Learns the spindle with a stiffness of `k`, as that of another bearing.
     fn learn(&mut self, k: f32) {
+        self.judgement.forget_baseline();
         self.judgement.start_learning();
-        let quiet = Level::of(0.0);
         for i in 0..200 * BANDS {
-            let findings = Findings {
-                pressure: quiet,
-                contact_angle: quiet,
-                slip: quiet,
-                unloaded: quiet,
-                load: IDLE,
-                speed: (i % BANDS) as f32 * 150.0,
-                stiffness: [k, 1.1 * k, 1.2 * k, 0.01 * k + i as f32, 0.02 * k],
-            };
+            let findings = idling(
+                (i % BANDS) as f32 * 150.0,
+                [k, 1.1 * k, 1.2 * k, 0.01 * k + i as f32, 0.02 * k],
+            );
             let changes = &mut Changes::new();
             self.judgement
                 .judge(self.time_us, &findings, &SETTINGS.judgement, changes);
         }
-        let ended = self.judgement.stop_learning(&SETTINGS.judgement.baseline);
+        let ended = self.judgement.stop_learning(&SETTINGS.judgement);
         assert_eq!(ended, Learning::Taken);
     }
 
@@ -495,8 +504,6 @@ proptest! {
                 Recovery::NoMemory | Recovery::OtherSpindle => prop_assert!(false),
             }
         }
-        // A baseline that was found may be far from this one.
-        board.judgement.forget_baseline();
         board.learn(3e8);
         board.turn(3601);
         let past = Past { life: Board::start(board.store.into_flash()).found.life,
@@ -696,14 +703,6 @@ fn a_flash_that_does_not_erase_is_told_of() {
 
 // --- the monitor -------------------------------------------------------------------------------
 
-struct NoCycles;
-
-impl CycleCounter for NoCycles {
-    fn cycles(&mut self) -> u32 {
-        0
-    }
-}
-
 /// Idling and cutting in turns.
 fn readings(time_us: u64) -> Readings {
     let step = time_us / 1000;
@@ -791,13 +790,15 @@ fn a_monitor_goes_on_after_a_power_cycle_with_the_same_judgement() {
     assert_eq!(lived(&other, past.life), lived(&without, (0, 0)));
     assert_eq!(losses, 0);
     assert_eq!(other.health().retention.baseline, Recovery::Recovered);
-    assert!(!other.replace_bearing());
+    assert!(!other.replace_bearing(3_000_000));
     let mut standing = readings(9_999_000);
     if let Ok(Some(sample)) = &mut standing.loads {
         sample.speed = Some(0.0);
     }
     other.tick(9_999_000, &standing, &mut NoCycles, &mut NoWatchdog);
-    assert!(other.replace_bearing());
+    // A standstill of long ago is none.
+    assert!(!other.replace_bearing(10_100_000));
+    assert!(other.replace_bearing(9_999_000));
     tick(&mut other, &mut store, 10_000_000);
     while store.step() {}
     let (_, past) = Store::open(store.into_flash(), IDENTITY);

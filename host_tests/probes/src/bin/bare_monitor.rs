@@ -172,7 +172,7 @@ mod bare {
             monitor.acknowledge(time_us, black_box(Alarm::Slip));
             monitor.learn(black_box(true));
             if black_box(true) {
-                monitor.replace_bearing();
+                monitor.replace_bearing(time_us);
             }
             monitor.retain(time_us, &mut store);
             black_box((store.step(), store.error()));

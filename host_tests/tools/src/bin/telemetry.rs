@@ -1,16 +1,16 @@
 //! `cargo telemetry`: reads the monitor's telemetry from a port, a file or a pipe, prints what it says,
 //! writes it as a table, or shows it live.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::{ArgGroup, Parser, ValueEnum};
 use host_tests::loads;
 use host_tests::milling_cycle::RECORD;
-use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
+use host_tests::telemetry::decoder::{Decoder, Event, Gap};
 use host_tests::telemetry::simulated;
 use host_tests::telemetry::state::State;
 use host_tests::telemetry::table::{Writer, change_name};
 use spindle_bearing::monitor::command::Command;
-use spindle_bearing::monitor::telemetry::{Payload, VERSION};
+use spindle_bearing::monitor::telemetry::Payload;
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};
 use std::path::PathBuf;
@@ -71,7 +71,7 @@ struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<String>,
 
-    /// Show the stream live; q leaves, and with a port, a acknowledges alarms, s starts to learn the baseline and e ends it
+    /// Show the stream live; q leaves. With a port, a acknowledges alarms, s starts learning the baseline, e ends it
     #[arg(long)]
     view: bool,
 
@@ -140,7 +140,7 @@ fn run(arguments: &Arguments) -> Result<()> {
         };
         view::view(&chunks, pace, &mut state, write, press)
     } else {
-        read(&chunks, quiet, &mut state, write)
+        read(&chunks, port_of(arguments), quiet, &mut state, write)
     };
     // A port that was unplugged is told of after what came from it.
     eprintln!("{}", state.tally);
@@ -148,7 +148,7 @@ fn run(arguments: &Arguments) -> Result<()> {
         table.flush()?;
     }
     ended?;
-    anything(&state.tally, arguments)?;
+    source::is_telemetry(&state.tally, port_of(arguments))?;
     if let Some(path) = &arguments.picture {
         let (width, height) = SCREEN;
         let svg = picture::svg(&view::screen(&state, width, height));
@@ -157,24 +157,9 @@ fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Something among the bytes was telemetry.
-fn anything(tally: &Tally, arguments: &Arguments) -> Result<()> {
-    if tally.frames > 0 {
-        return Ok(());
-    }
-    match (&arguments.port, tally.bytes) {
-        (Some(port), 0) => {
-            bail!("{port} says nothing: is the board powered, and its TX on this port's RX?")
-        }
-        (Some(port), bytes) => bail!(
-            "none of the {bytes} bytes from {port} was telemetry at {} baud: is that the board's rate (--baud)?",
-            arguments.baud
-        ),
-        (None, _) if tally.foreign > 0 => bail!(
-            "every frame is of another version than {VERSION}: use the tools of the firmware that sent it"
-        ),
-        (None, bytes) => bail!("none of the {bytes} bytes is telemetry"),
-    }
+/// The port and its rate, if bytes come from one.
+fn port_of(arguments: &Arguments) -> Option<(&str, u32)> {
+    arguments.port.as_deref().map(|port| (port, arguments.baud))
 }
 
 /// Where the bytes come from, and for a port, who says something to it.
@@ -206,9 +191,13 @@ fn create(path: &str) -> Result<Box<dyn Write>> {
     Ok(Box::new(BufWriter::new(file)))
 }
 
+/// Damaged pieces after which a port without a single frame is given up.
+const HOPELESS: u64 = 100;
+
 /// Reads to the end of the stream.
 fn read(
     chunks: &Chunks,
+    port: Option<(&str, u32)>,
     quiet: bool,
     state: &mut State,
     mut each: impl FnMut(&Event) -> Result<()>,
@@ -224,6 +213,10 @@ fn read(
                     print(&mut out, &event)?;
                 }
             }
+        }
+        let tally = decoder.tally();
+        if port.is_some() && tally.damaged >= HOPELESS {
+            source::is_telemetry(&tally, port)?;
         }
     }
     Ok(())

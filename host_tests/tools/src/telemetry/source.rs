@@ -1,8 +1,10 @@
 //! Where the bytes come from. They are read by a thread of their own, so that a view goes on while
 //! nothing comes.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
+use host_tests::telemetry::decoder::Tally;
 use host_tests::telemetry::operator::Operator;
+use spindle_bearing::monitor::telemetry::VERSION;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::sync::mpsc::{self, Receiver, SyncSender};
@@ -77,6 +79,37 @@ fn pump(mut source: impl Read, sender: &SyncSender<io::Result<Vec<u8>>>) {
         if sender.send(chunk).is_err() || last {
             return;
         }
+    }
+}
+
+/// Whether there was telemetry among the bytes of a stream, which came from a port with its rate or from elsewhere.
+///
+/// # Errors
+///
+/// There was none, and what to look at.
+pub fn is_telemetry(tally: &Tally, port: Option<(&str, u32)>) -> Result<()> {
+    let Tally {
+        bytes,
+        frames,
+        foreign,
+        ..
+    } = *tally;
+    if frames > 0 {
+        return Ok(());
+    }
+    if foreign > 0 {
+        bail!(
+            "every frame is of another version than {VERSION}: use the tools of the firmware that sent it"
+        );
+    }
+    match port {
+        Some((port, _)) if bytes == 0 => {
+            bail!("{port} says nothing: is the board powered, and its TX on this port's RX?")
+        }
+        Some((port, baud)) => bail!(
+            "none of the {bytes} bytes from {port} was telemetry at {baud} baud: is that the board's rate (--baud)?"
+        ),
+        None => bail!("none of the {bytes} bytes is telemetry"),
     }
 }
 

@@ -25,6 +25,23 @@ fn text(state: &State) -> String {
 }
 
 #[test]
+fn a_stream_without_telemetry_is_an_error_that_says_what_to_look_at() {
+    let tally = |bytes: &[u8]| {
+        let mut decoder = Decoder::new();
+        decoder.push_all(bytes).count();
+        decoder.tally()
+    };
+    let noise = tally(&[9, 1, 1, 0, 7, 0]);
+    let said = |tally, port| source::is_telemetry(tally, port).unwrap_err().to_string();
+    assert!(said(&noise, None).contains("6 bytes"));
+    assert!(said(&noise, Some(("COM3", 9600))).contains("at 9600 baud"));
+    assert!(said(&tally(&[]), Some(("COM3", 9600))).contains("powered"));
+    let mut bytes = vec![9, 1, 1, 0];
+    bytes.extend(encode(&frame(0, Payload::Health(health()))));
+    assert!(source::is_telemetry(&tally(&bytes), None).is_ok());
+}
+
+#[test]
 fn a_stream_that_breaks_off_gives_what_came_and_then_its_error() {
     struct Breaking(Cursor<Vec<u8>>);
     impl std::io::Read for Breaking {

@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use spindle_bearing::monitor::command::{self, Command};
 use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::telemetry::HealthReport;
-use spindle_bearing::monitor::tick::{CycleCounter, NoWatchdog};
+use spindle_bearing::monitor::tick::{NoCycles, NoWatchdog};
 use spindle_bearing::monitor::{Mark, Past};
 use spindle_bearing::record::LoadRecord;
 use tools::stream::{
@@ -29,15 +29,6 @@ pub struct Plan {
     pub episodes: Vec<Episode>,
     /// Counters at the end.
     pub health: HealthReport,
-}
-
-/// A core that counts no cycles, as that of the emulator.
-struct NoCycles;
-
-impl CycleCounter for NoCycles {
-    fn cycles(&mut self) -> u32 {
-        0
-    }
 }
 
 /// Makes the run of these records, spoilt.

@@ -52,8 +52,8 @@ fn solver<T: Host>(work: &Work) -> Result<Option<[(f64, f64); 2]>> {
     let settings = Settings::default();
     let [cold, warm] = [work.cold, work.warm]
         .map(|(load, omega)| (load.map(T::of), Speed::rad_per_s(T::of(omega))));
-    let mut ask = |(load, speed): ([T; 5], Speed<T>), anew: bool| {
-        if anew {
+    let mut ask = |(load, speed): ([T; 5], Speed<T>), cold: bool| {
+        if cold {
             solver.reset();
         }
         let solution = solver.solve(black_box(load), black_box(speed), &settings);

@@ -1,6 +1,6 @@
 //! The shipped monitor's chain, tick by tick: bytes in, doubts, a warm solve, judgement, life, bytes out.
 //!
-//! Input is a stretch of the recorded cycle under faults, then loads of passing teeth, at the pace of the port.
+//! Input is a part of the recorded cycle under faults, then loads of passing teeth, at the pace of the port.
 //! The constants of `CycleCost` are made of it: what a tick costs besides the solve, what a solve costs besides its
 //! iterations, and what an iteration costs. The firmware works out how many iterations fit.
 
@@ -15,7 +15,7 @@ use host_tests::dispatch::Precision;
 use host_tests::milling_cycle::RECORD;
 use rayon::prelude::*;
 use spindle_bearing::monitor::Past;
-use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog, TickSettings};
+use spindle_bearing::monitor::tick::{CycleCost, NoCycles, NoWatchdog, TickSettings};
 use spindle_bearing::record::LoadRecord;
 use std::collections::VecDeque;
 use std::path::Path;
@@ -23,7 +23,7 @@ use tools::report::Figures;
 use tools::stream::{self, ROOM, Tick, faults, faults::Spoiler, records};
 use tools::timing::Core;
 
-/// The stretch of the recorded cycle, s, and the seed of its faults: what CI runs on the emulated board.
+/// The part of the recorded cycle, s, and the seed of its faults: what CI runs on the emulated board.
 const SECONDS: f64 = 10.0;
 const SEED: u64 = 1;
 /// Ticks of passing teeth after that.
@@ -102,14 +102,6 @@ const BOARDS: [Board; 2] = [
         host: h743_answers,
     },
 ];
-
-struct NoCycles;
-
-impl CycleCounter for NoCycles {
-    fn cycles(&mut self) -> u32 {
-        0
-    }
-}
 
 macro_rules! answers {
     ($name:ident, $board:ident) => {
