@@ -470,7 +470,7 @@ pub fn section(rows: &Rows) -> String {
          but for its iterations* and that many times the median of *an iteration* are within the period. The median is \
          that of iterations after the first. What a solve takes beyond it counts as the solve's other part: prediction \
          or start, and balls that are placed. No solve measured takes more than that sum, those of one iteration more than \
-         fit included. A solve from nothing, after one that went \
+         fit included; *beyond the period* counts those, too. A solve from nothing, after one that went \
          astray, may take longer, and is counted as an overrun.\n\n{}\n\
          `cargo reports monitor` makes this section and the constants of `CycleCost` anew.\n\n{}\n",
         MARKS[0],
