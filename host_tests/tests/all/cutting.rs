@@ -70,7 +70,7 @@ fn raises(rig: &mut Rig, alarm: Alarm, ticks: u32, radial: impl Fn(u32) -> f32) 
 }
 
 #[test]
-fn pressure_that_every_tooth_brings_anew_is_an_alarm() {
+fn pressure_that_every_tooth_brings_again_is_an_alarm() {
     let mut rig = Rig::new(&SETTINGS);
     rig.run_up();
     let half_sine =
