@@ -212,12 +212,45 @@ pub fn install(missing: &Missing<'_>) -> Result<()> {
     if let Err(error) = apt(&["update"]) {
         eprintln!("warning: {error:#}");
     }
-    let all = [
-        &["install", "-y", "--no-remove", "--no-install-recommends"],
-        missing.debian,
-    ]
-    .concat();
-    apt(&all).with_context(|| format!("{what} could not be installed; try by hand: {by_hand}"))
+    let install = ["install", "-y", "--no-remove", "--no-install-recommends"];
+    let Err(error) = apt(&[&install, missing.debian].concat()) else {
+        return Ok(());
+    };
+    let failed = || format!("{what} could not be installed; try by hand: {by_hand}");
+    // What is newer here than the release does not get along with the release's own packages.
+    let Some(backports) = backports()? else {
+        return Err(error).with_context(failed);
+    };
+    eprintln!("{error:#}; to be tried from {}", backports.suite);
+    apt(&["-o", &backports.sources, "update"]).with_context(failed)?;
+    let from = ["-o", &backports.sources, "-t", &backports.suite];
+    apt(&[&from, &install[..], missing.debian].concat()).with_context(failed)
+}
+
+/// Debian's backports, as a further source for one call of apt.
+struct Backports {
+    suite: String,
+    sources: String,
+}
+
+/// Those of this release; none where it is not Debian's. The system's own sources are left alone.
+fn backports() -> Result<Option<Backports>> {
+    let release = release();
+    let named = |name: &str| {
+        let mut pairs = release.lines().filter_map(|line| line.split_once('='));
+        let (_, value) = pairs.find(|(key, _)| *key == name)?;
+        Some(value.trim_matches('"').to_owned())
+    };
+    let (Some("debian"), Some(codename)) = (named("ID").as_deref(), named("VERSION_CODENAME"))
+    else {
+        return Ok(None);
+    };
+    let suite = format!("{codename}-backports");
+    let list = std::env::temp_dir().join(format!("{suite}.list"));
+    let line = format!("deb http://deb.debian.org/debian {suite} main\n");
+    std::fs::write(&list, line).with_context(|| format!("cannot write {}", list.display()))?;
+    let sources = format!("Dir::Etc::SourceList={}", list.display());
+    Ok(Some(Backports { suite, sources }))
 }
 
 /// Whether the person at the terminal agrees, if there is one. Who answers nothing does; a program that nobody
@@ -236,10 +269,14 @@ fn is_yes(answer: &str) -> bool {
     matches!(answer.trim().to_lowercase().as_str(), "" | "y" | "yes")
 }
 
+/// What the system says that it is.
+fn release() -> String {
+    std::fs::read_to_string("/etc/os-release").unwrap_or_default()
+}
+
 /// Debian, Ubuntu, and what is made from them.
 fn is_debian() -> bool {
-    let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
-    release
+    release()
         .lines()
         .filter_map(|line| line.split_once('='))
         .filter(|(key, _)| matches!(*key, "ID" | "ID_LIKE"))
