@@ -245,9 +245,19 @@ fn backports() -> Result<Option<Backports>> {
     else {
         return Ok(None);
     };
+    // Where the release itself comes from.
+    let format = "$(CODENAME) $(REPO_URI)";
+    let sources = output(Command::new("apt-get").args(["indextargets", "--format", format]));
+    let archive = sources.as_deref().and_then(|sources| {
+        let mut pairs = sources.lines().filter_map(|line| line.split_once(' '));
+        pairs.find_map(|(of, archive)| (of == codename).then_some(archive))
+    });
+    let Some(archive) = archive else {
+        return Ok(None);
+    };
     let suite = format!("{codename}-backports");
     let list = std::env::temp_dir().join(format!("{suite}.list"));
-    let line = format!("deb http://deb.debian.org/debian {suite} main\n");
+    let line = format!("deb {archive} {suite} main\n");
     std::fs::write(&list, line).with_context(|| format!("cannot write {}", list.display()))?;
     let sources = format!("Dir::Etc::SourceList={}", list.display());
     Ok(Some(Backports { suite, sources }))
