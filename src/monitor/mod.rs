@@ -179,6 +179,15 @@ struct Estimate<const N: usize> {
     balls: [[[f32; 3]; 2]; N],
 }
 
+/// What is to be solved.
+#[derive(Debug, Clone, Copy)]
+enum Wanted {
+    /// The estimate of a good sample.
+    Estimate(GoodSample),
+    /// What so many times the loads of this sample take of the life.
+    Wear(GoodSample, f32),
+}
+
 /// A ball as the telemetry has it.
 fn ball_report([[q_i, sin_i, cos_i], [q_o, sin_o, cos_o]]: &[[f32; 3]; 2]) -> BallReport {
     BallReport {
@@ -236,8 +245,8 @@ pub struct Monitor<
     status: StatusCode,
     /// The last solve gave no estimate.
     unsolved: bool,
-    /// The newest good sample that is still to be solved, and its tick.
-    waiting: Option<(GoodSample, u64)>,
+    /// The newest sample that is still to be solved, and its tick.
+    waiting: Option<(Wanted, u64)>,
     /// Ticks until the next solve.
     countdown: u16,
     /// The tick before this one was late.
@@ -337,7 +346,13 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
     ///
     /// How the solve ended without an answer.
     pub fn prepare(&mut self, load: [f32; 5], speed: f32) -> Result<(), StatusCode> {
-        self.tracker.prepare(load, speed, self.settings)
+        let settings = self.settings;
+        let damage = self
+            .tracker
+            .prepare(load, speed, settings, |solution| damage(solution, settings))?;
+        self.life.measure(settings.plausibility.part(&load));
+        self.life.set_damage(damage);
+        Ok(())
     }
 
     /// One tick: takes what the sensors say, doubts it, solves it if it is time to, judges, counts and reports.
@@ -363,22 +378,26 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             self.plausibility
                 .judge(time_us, readings, &self.settings.plausibility);
         if let Some(sample) = good {
-            self.waiting = Some((sample, tick));
+            self.waiting = Some((Wanted::Estimate(sample), tick));
         }
+        let wear = self.measure(time_us, readings, doubts);
         if doubts.is_empty() {
             self.good_us = Some(time_us);
         } else {
             // What was good a tick ago is not solved under the doubts of now.
-            self.waiting = None;
+            self.waiting = wear.map(|wear| (wear, tick));
             self.marked = self.marked.saturating_add(1);
         }
 
         let (mut solved, mut iterations) = (false, 0);
         if self.countdown > 0 {
             self.countdown -= 1;
-        } else if let Some((sample, at)) = self.waiting.take() {
+        } else if let Some((wanted, at)) = self.waiting.take() {
             self.countdown = self.settings.tick.solve_every.saturating_sub(1);
-            solved = self.solve(&sample, at, &mut changes);
+            match wanted {
+                Wanted::Estimate(sample) => solved = self.solve(&sample, at, &mut changes),
+                Wanted::Wear(sample, scale) => self.wear(&sample, scale),
+            }
             iterations = self.tracker.iterations();
         }
 
@@ -431,6 +450,44 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
     fn age(&self, tick: u64) -> Option<u32> {
         let age = |e: &Estimate<N>| tick.saturating_sub(e.tick).min(u32::MAX.into()) as u32;
         self.estimate.as_ref().map(age)
+    }
+
+    /// Tells the life what the measured loads are. Returns what is to be solved for the life alone: loads that are too
+    /// large or came too fast, if nothing else speaks against them, scaled into their range.
+    fn measure(&mut self, time_us: u64, readings: &Readings, doubts: Marks) -> Option<Wanted> {
+        let believed = doubts.is_within(Marks::from(Mark::Range).with(Mark::Rate));
+        let Ok(Some(sample)) = &readings.loads else {
+            if !believed {
+                self.life.measure(0.0);
+            }
+            return None;
+        };
+        let part = self.settings.plausibility.part(&sample.load);
+        let believed = believed && part <= life::LARGEST_GROWTH;
+        self.life.measure(if believed { part } else { 0.0 });
+        if doubts.is_empty() || !believed {
+            return None;
+        }
+        let scale = 1.0_f32.at_least(part);
+        let sample = GoodSample {
+            time_us,
+            load: sample.load.map(|load| load / scale),
+            speed: self.plausibility.speed_of(time_us)?,
+        };
+        Some(Wanted::Wear(sample, scale))
+    }
+
+    /// Solves a sample for the life alone, under so many times its loads.
+    fn wear(&mut self, sample: &GoodSample, scale: f32) {
+        let settings = self.settings;
+        let damage = self
+            .tracker
+            .solve(sample.load, sample.speed, settings, |solution| {
+                damage(solution, settings)
+            });
+        if let Ok(damage) = damage {
+            self.life.set_damage(damage * scale * scale * scale);
+        }
     }
 
     /// Solves and judges a sample; whether there is a new estimate.
@@ -576,6 +633,17 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
     pub const fn life(&self) -> &Life {
         &self.life
     }
+}
+
+/// What an equilibrium costs of the life.
+fn damage<T: Real, const N: usize, M: Motion>(
+    solution: &Solution<'_, T, N, M, 5>,
+    settings: &MonitorSettings,
+) -> f32 {
+    let forces = solution.contact_forces();
+    settings
+        .rating
+        .damage(forces.map(|(q_i, q_o)| (q_i.to_f32(), q_o.to_f32())))
 }
 
 /// What is kept of an equilibrium, what judgement is to know, and what it costs of the life.

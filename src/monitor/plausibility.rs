@@ -143,6 +143,11 @@ impl Marks {
         Self(self.0 | (1 << mark as u32))
     }
 
+    /// Whether there is nothing in it that is not in the other set.
+    pub const fn is_within(self, other: Self) -> bool {
+        self.0 & !other.0 == 0
+    }
+
     /// What is in either set.
     #[must_use]
     pub const fn union(self, other: Self) -> Self {
@@ -260,6 +265,22 @@ pub struct PlausibilitySettings {
     pub speed_difference: [f32; 2],
 }
 
+impl PlausibilitySettings {
+    /// The part of its range that the load farthest out takes: above 1 outside, no number if a load is none.
+    pub fn part(&self, load: &[f32; 5]) -> f32 {
+        let mut part: f32 = 0.0;
+        for (load, [low, high]) in load.iter().zip(&self.load) {
+            let bound = if *load < 0.0 { low } else { high };
+            // Zero is within any range.
+            let of = if *load == 0.0 { 0.0 } else { load / bound };
+            if !(of <= part) {
+                part = of;
+            }
+        }
+        part
+    }
+}
+
 /// What the sensors say in a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -370,6 +391,12 @@ impl Plausibility {
             _ => None,
         };
         (marks, good)
+    }
+
+    /// The speed, if it was believed in the tick of this time.
+    pub(super) fn speed_of(&self, time_us: u64) -> Option<f32> {
+        let (speed, then) = self.speed?;
+        (then == time_us && self.speed_doubts.is_empty()).then_some(speed)
     }
 
     fn loads(

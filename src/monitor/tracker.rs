@@ -98,14 +98,15 @@ impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
     }
 
     /// A solve from nothing, without a pause before it.
-    pub(super) fn prepare(
+    pub(super) fn prepare<R>(
         &mut self,
         load: [f32; 5],
         speed: f32,
         settings: &MonitorSettings,
-    ) -> Result<(), StatusCode> {
+        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
+    ) -> Result<R, StatusCode> {
         self.pause = 0;
-        self.start(load, speed, settings, |_| ())
+        self.start(load, speed, settings, see)
     }
 
     /// What `see` sees of the equilibrium under these loads, or how the solve ended without it.

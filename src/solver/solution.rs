@@ -67,6 +67,14 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         self.poses().map(move |pose| pose.inner.q * force)
     }
 
+    /// Forces on the inner and the outer contact of every ball, N.
+    #[cfg(feature = "monitor")]
+    pub(crate) fn contact_forces(&self) -> impl ExactSizeIterator<Item = (T, T)> + '_ {
+        let force = self.solver.bearing.constants.force;
+        self.poses()
+            .map(move |pose| (pose.inner.q * force, pose.outer.q * force))
+    }
+
     /// Cage speed `omega_m` of every ball about the bearing's axis, rad/s, in the order of the balls.
     ///
     /// The contact angles of a loaded bearing differ, and with them the speeds: the cage turns at about their mean. A

@@ -11,6 +11,7 @@ mod double_double;
 mod frames;
 mod given;
 mod growth;
+mod life;
 mod limits;
 mod malformed;
 mod monitor;

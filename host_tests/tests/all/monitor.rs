@@ -35,7 +35,7 @@ const DESIGN: Design = Design {
     ring: Material::STEEL,
     ball: Material::STEEL,
 };
-static BEARING: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&DESIGN) {
+pub(super) static BEARING: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&DESIGN) {
     Ok(bearing) => bearing,
     Err(_) => panic!("this bearing cannot be built"),
 };
