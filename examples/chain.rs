@@ -24,6 +24,11 @@ pub trait Sensors {
 
     /// What there is at a tick.
     fn readings(&mut self, time_us: u64) -> Readings;
+
+    /// Records that came over the port.
+    fn counts(&self) -> FrameCounts {
+        FrameCounts::default()
+    }
 }
 
 /// Records of the port, which carry the speed.
@@ -37,6 +42,10 @@ impl Sensors for FramedLoads {
             loads: self.sample(time_us),
             speed: None,
         }
+    }
+
+    fn counts(&self) -> FrameCounts {
+        Self::counts(self)
     }
 }
 
@@ -56,8 +65,8 @@ impl Chain {
 
     /// What came over the port.
     #[allow(dead_code, reason = "the host's side")]
-    pub const fn counts(&self) -> FrameCounts {
-        self.sensors.counts()
+    pub fn counts(&self) -> FrameCounts {
+        Sensors::counts(&self.sensors)
     }
 }
 
@@ -104,6 +113,7 @@ impl<S: Sensors> Chain<S> {
     ) -> Outcome {
         self.time_us = time_us;
         let readings = self.sensors.readings(time_us);
+        self.monitor.note_records(self.sensors.counts());
         self.monitor.tick(time_us, &readings, counter, watchdog)
     }
 

@@ -24,6 +24,10 @@ pub static MONITOR: MonitorSettings = {
     ];
     // What is beyond that range has no estimate, but an alarm.
     settings.judgement.overload = [3e3, 3e3, 3e3, 60.0, 60.0];
+    if BRIDGES {
+        // A tachometer's speed is measured, and is never quite the same for ten seconds.
+        settings.plausibility.speed_stuck_after = 10_000;
+    }
     // All of a tick's time.
     settings.tick.deadline_cycles = CORE_HZ / 1_000_000 * settings.tick.period_us;
     settings.tick.cost = COST;

@@ -33,6 +33,7 @@ use core::fmt;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal::spi::SpiDevice;
+use serde::{Deserialize, Serialize};
 
 /// The five loads at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,19 +66,36 @@ pub trait LoadSource {
 /// Loads from a serial line: feed it the bytes as they come.
 ///
 /// Of several records between two calls, the newest is the sample. A damaged frame is an error if no
-/// good one followed it. A record that is older than the one before, or the same, is out of order; since
-/// the sender may have started anew, the records after it are counted from there.
+/// good one followed it.
+///
+/// - **Order.** A record that is older than the one before, or the same, is out of order, and so is one whose number is
+///   farther ahead than any sender gets in the time. None of these is a sample.
+/// - **A sender that began anew** counts from its start again. A record that is behind is the first of a new count if its
+///   sender can have started since the last record that came, in order or not: its time is not longer than the time
+///   since then. A stretch of records that comes again, from a buffer or a recording, is older than that.
+/// - **Age.** Records differ in how long they were under way, the sender's clock being held against the monitor's. One
+///   that took 20 ms longer than the fastest is late ([`Mark::Late`]). A sender whose time is always 0 has no clock, and
+///   its records have no age.
 #[derive(Debug)]
 pub struct FramedLoads {
     reader: FrameReader<MESSAGE_LENGTH>,
     newest: Option<LoadRecord>,
+    /// Number of the newest record in order, and that of the last sample with its time, us.
     sequence: Option<u32>,
+    sampled: Option<(u32, u64)>,
+    /// When the last record came that was not damaged, us.
+    heard_us: u64,
+    /// Records in order since the last sample, and the last one that was behind.
+    in_order: u32,
+    behind: Option<LoadRecord>,
+    /// Time of the monitor less that of the record, for the fastest record, ms; and when that was set, ms.
+    fastest: Option<(u32, u32)>,
     doubts: Marks,
     counts: FrameCounts,
 }
 
 /// What came over the line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrameCounts {
     /// Records that arrived.
@@ -90,7 +108,17 @@ pub struct FrameCounts {
     pub disordered: u64,
     /// Records that a newer one replaced before they were used.
     pub passed_over: u64,
+    /// Records that came late.
+    pub late: u64,
 }
+
+/// Longest that a record may take over the fastest one, ms: an estimate of that age is no longer fresh.
+const LATE_MS: u32 = 20;
+/// Time in which two clocks part by a millisecond at most, ms: 200 millionths, four times what a crystal has.
+const DRIFT_MS: u32 = 5000;
+/// Numbers of records that a sender may get ahead by, at once and in every millisecond.
+const AHEAD: u64 = 1000;
+const AHEAD_PER_MS: u64 = 10;
 
 impl Default for FramedLoads {
     fn default() -> Self {
@@ -105,6 +133,11 @@ impl FramedLoads {
             reader: FrameReader::new(),
             newest: None,
             sequence: None,
+            sampled: None,
+            heard_us: 0,
+            in_order: 0,
+            behind: None,
+            fastest: None,
             doubts: Marks::NONE,
             counts: FrameCounts {
                 received: 0,
@@ -112,6 +145,7 @@ impl FramedLoads {
                 lost: 0,
                 disordered: 0,
                 passed_over: 0,
+                late: 0,
             },
         }
     }
@@ -137,38 +171,104 @@ impl FramedLoads {
     }
 
     fn take(&mut self, record: LoadRecord) {
-        let counts = &mut self.counts;
-        counts.received = counts.received.saturating_add(1);
-        let ahead = match self.sequence.replace(record.sequence) {
+        self.counts.received = self.counts.received.saturating_add(1);
+        let ahead = match self.sequence {
             None => 1,
             Some(last) => record.sequence.wrapping_sub(last),
         };
         // The nearer way around.
         if ahead == 0 || ahead > u32::MAX / 2 {
-            counts.disordered = counts.disordered.saturating_add(1);
-            self.doubts.mark_if(true, Mark::Order);
+            self.disordered();
+            if ahead != 0 {
+                self.behind = Some(record);
+            }
             return;
         }
-        counts.lost = counts.lost.saturating_add((ahead - 1).into());
+        self.sequence = Some(record.sequence);
+        self.in_order = self.in_order.saturating_add(1);
         if self.newest.replace(record).is_some() {
-            counts.passed_over = counts.passed_over.saturating_add(1);
+            self.counts.passed_over = self.counts.passed_over.saturating_add(1);
         }
         // A good record makes up for what was damaged before it.
         self.doubts = Marks::NONE;
+    }
+
+    fn disordered(&mut self) {
+        self.counts.disordered = self.counts.disordered.saturating_add(1);
+        self.doubts.mark_if(true, Mark::Order);
+    }
+
+    /// The newest record, if it is in order.
+    fn next(&mut self, time_us: u64) -> Option<LoadRecord> {
+        let in_order = core::mem::take(&mut self.in_order);
+        let behind = self.behind.take();
+        let Some(record) = self.newest.take() else {
+            if let Some(record) = behind {
+                let silent_ms = time_us.saturating_sub(self.heard_us) / 1000;
+                self.heard_us = time_us;
+                if u64::from(record.time_ms) <= silent_ms.saturating_add(LATE_MS.into()) {
+                    // Its sender can have started since.
+                    self.sequence = Some(record.sequence);
+                    self.sampled = Some((record.sequence, time_us));
+                    self.fastest = None;
+                }
+            }
+            return None;
+        };
+        self.heard_us = time_us;
+        if let Some((last, then)) = self.sampled {
+            let since_ms = time_us.saturating_sub(then) / 1000;
+            let ahead = record.sequence.wrapping_sub(last);
+            if u64::from(ahead) > AHEAD.saturating_add(AHEAD_PER_MS.saturating_mul(since_ms)) {
+                self.sequence = Some(last);
+                self.disordered();
+                return None;
+            }
+            let lost = ahead.saturating_sub(in_order);
+            self.counts.lost = self.counts.lost.saturating_add(lost.into());
+        }
+        self.sampled = Some((record.sequence, time_us));
+        Some(record)
+    }
+
+    /// Whether a record took much longer than the fastest one.
+    fn is_late(&mut self, time_us: u64, record: &LoadRecord) -> bool {
+        if record.time_ms == 0 {
+            return false;
+        }
+        // Modulo 2^32 ms, as the record's time is.
+        let now_ms = (time_us / 1000) as u32;
+        let under_way = now_ms.wrapping_sub(record.time_ms);
+        let (fastest, since) = self.fastest.unwrap_or((under_way, now_ms));
+        let drift = now_ms.wrapping_sub(since) / DRIFT_MS;
+        let longer = under_way.wrapping_sub(fastest) as i32;
+        let late = longer > (LATE_MS.saturating_add(drift)) as i32;
+        self.fastest = Some(if longer <= 0 || (drift > 0 && !late) {
+            let slower = longer.min(drift as i32);
+            (fastest.wrapping_add(slower as u32), now_ms)
+        } else {
+            (fastest, since)
+        });
+        self.counts.late = self.counts.late.saturating_add(late.into());
+        late
     }
 }
 
 impl LoadSource for FramedLoads {
     fn sample(&mut self, time_us: u64) -> Result<Option<LoadSample>, Marks> {
-        let doubts = core::mem::take(&mut self.doubts);
-        match self.newest.take() {
-            Some(record) => Ok(Some(LoadSample {
-                time_us,
-                load: record.load(),
-                speed: Some(record.omega()),
-                residual: 0.0,
-                doubts,
-            })),
+        let record = self.next(time_us);
+        let mut doubts = core::mem::take(&mut self.doubts);
+        match record {
+            Some(record) => {
+                doubts.mark_if(self.is_late(time_us, &record), Mark::Late);
+                Ok(Some(LoadSample {
+                    time_us,
+                    load: record.load(),
+                    speed: Some(record.omega()),
+                    residual: 0.0,
+                    doubts,
+                }))
+            }
             None if doubts.is_empty() => Ok(None),
             None => Err(doubts),
         }

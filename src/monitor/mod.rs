@@ -141,10 +141,11 @@ use crate::{Bearing, Full, Motion, Solution};
 use availability::Availability;
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
+use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{
-    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport, Outbox,
-    Payload, RetentionReport, StatusCode,
+    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport,
+    InputsReport, Outbox, Payload, RetentionReport, StatusCode,
 };
 use tick::{CycleCounter, Ticker, Watchdog};
 use tracker::Tracker;
@@ -260,9 +261,11 @@ pub struct Monitor<
     /// Doubts since the last health report.
     doubts: Marks,
     retention: RetentionReport,
+    records: FrameCounts,
     due_estimate: Every,
     due_balls: Every,
     due_health: Every,
+    due_inputs: Every,
     due_standing: Every,
 }
 
@@ -296,9 +299,13 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             marked: 0,
             doubts: Marks::NONE,
             retention: RetentionReport::NO_MEMORY,
+            records: FrameCounts::default(),
             due_estimate: part(1),
             due_balls: part(2),
             due_health: now,
+            due_inputs: Every {
+                next_us: u64::from(settings.telemetry.health_us) / 2,
+            },
             due_standing: part(3),
         }
     }
@@ -316,6 +323,11 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
     pub fn retain<F: NorFlash>(&mut self, time_us: u64, store: &mut Store<F>) {
         store.look(time_us, &self.judgement, &self.life);
         self.retention = store.report();
+    }
+
+    /// What came over the line of the load records, for the telemetry ([`InputsReport`]).
+    pub const fn note_records(&mut self, counts: FrameCounts) {
+        self.records = counts;
     }
 
     /// Begins to learn the baseline, or ends it ([`Judgement::stop_learning`]).
@@ -535,6 +547,10 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             self.doubts = Marks::NONE;
             self.outbox.post(time_us, Payload::Health(health));
         }
+        if self.due_inputs.is_due(time_us, every.health_us) {
+            let inputs = self.inputs();
+            self.outbox.post(time_us, Payload::Inputs(inputs));
+        }
         let (estimate_due, balls_due) = (
             self.due_estimate.is_due(time_us, every.estimate_us),
             self.due_balls.is_due(time_us, every.balls_us),
@@ -616,6 +632,15 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             retention: self.retention,
             availability: self.availability.shares(),
             learning: self.judgement.learning(&self.settings.judgement.baseline),
+        }
+    }
+
+    /// What came in since the start, and what was counted without it.
+    pub fn inputs(&self) -> InputsReport {
+        InputsReport {
+            records: self.records,
+            doubtful_revolutions: self.life.doubtful_revolutions(),
+            life_estimated: self.life.estimated(),
         }
     }
 

@@ -7,6 +7,7 @@
 //! | stuck value | the same bits so many times, in any channel ([`StuckWatch`]; bridges watch their counts) |
 //! | saturation | a converter's rail (known to its source) |
 //! | missing samples | a time without any |
+//! | order and age | numbers and times of records (known to their source) |
 //! | disagreement | what redundant channels leave of one another, and two sources of speed |
 //!
 //! A value that changed too fast is not the new truth at once: it is held against the last good one, whose
@@ -58,11 +59,15 @@ pub enum Mark {
     Unsolved,
     /// There is no estimate yet.
     NoEstimate,
+    /// A record came much later than others do.
+    Late,
+    /// The speed has been one and the same for so long that it must be stuck.
+    SpeedStuck,
 }
 
 impl Mark {
     /// All marks, in the order of their bits from the lowest.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::NotFinite,
         Self::Range,
         Self::Rate,
@@ -81,6 +86,8 @@ impl Mark {
         Self::SpeedDisagreement,
         Self::Unsolved,
         Self::NoEstimate,
+        Self::Late,
+        Self::SpeedStuck,
     ];
 
     /// Short name in lower case, as tables print it.
@@ -104,6 +111,8 @@ impl Mark {
             Self::SpeedDisagreement => "speed-disagreement",
             Self::Unsolved => "unsolved",
             Self::NoEstimate => "no-estimate",
+            Self::Late => "late",
+            Self::SpeedStuck => "speed-stuck",
         }
     }
 }
@@ -261,6 +270,9 @@ pub struct PlausibilitySettings {
     /// Fastest change of speed, rad/s^2, from tick to tick: a source that has a new value every few
     /// ticks only makes the change of all of them in one.
     pub speed_rate: f32,
+    /// A speed other than 0 that is one and the same to the bit so many times is stuck; 0 for never, which is right where a
+    /// control hands on the speed that it was told.
+    pub speed_stuck_after: u16,
     /// By how much two sources of speed may differ, rad/s, and as a part of the speed.
     pub speed_difference: [f32; 2],
 }
@@ -315,6 +327,7 @@ pub struct Plausibility {
     /// Speed from the source of loads, which may sample more slowly than ticks go.
     carried: Option<f32>,
     stuck: StuckWatch<5>,
+    speed_stuck: StuckWatch<1>,
     /// When the last sample came, good or not.
     heard: Option<u64>,
     /// Doubts about the last sample, and about the last speed, which hold until the next one.
@@ -330,6 +343,7 @@ impl Plausibility {
             speed: None,
             carried: None,
             stuck: StuckWatch::new(settings.stuck_after),
+            speed_stuck: StuckWatch::new(settings.speed_stuck_after),
             heard: None,
             doubts: Marks::NONE,
             speed_doubts: Marks::NONE.with(Mark::SpeedMissing),
@@ -456,6 +470,8 @@ impl Plausibility {
         let speed = own.or(carried).flatten();
         if let Some(speed) = speed {
             marks.mark_if(!(speed.abs() <= settings.speed), Mark::SpeedRange);
+            let stuck = self.speed_stuck.watch([speed.to_bits() as i32]);
+            marks.mark_if(stuck && speed != 0.0, Mark::SpeedStuck);
             if let Some((last, then)) = self.speed {
                 let change = (speed - last).abs();
                 let allowed = settings.speed_rate * seconds(then, time_us);

@@ -143,6 +143,7 @@ impl MonitorSettings {
                 residual: f32::INFINITY,
                 speed: 5e3,
                 speed_rate: 2e4,
+                speed_stuck_after: 0,
                 speed_difference: [10.0, 0.02],
             },
             judgement: JudgementSettings {

@@ -9,7 +9,7 @@
 //! | payload | when | in need |
 //! | --- | --- | --- |
 //! | [`Payload::Alarm`] | an alarm changed its state; again and again while it stands | never dropped |
-//! | [`Payload::Health`] | at a fixed interval | the newest is kept |
+//! | [`Payload::Health`], [`Payload::Inputs`] | at a fixed interval | the newest is kept |
 //! | [`Payload::Estimate`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
 //!
@@ -25,6 +25,7 @@
 
 use super::judgement::{Alarm, AlarmState};
 use super::learning::LearningReport;
+use super::loads::FrameCounts;
 use super::plausibility::Marks;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
 use crate::limits::Limit;
@@ -33,7 +34,7 @@ use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
 /// Version of the format.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 8;
@@ -80,6 +81,8 @@ pub enum Payload {
     Alarm(AlarmReport),
     /// Counters.
     Health(HealthReport),
+    /// What came in.
+    Inputs(InputsReport),
 }
 
 /// How the last solve ended: [`Status`] without its numbers.
@@ -288,6 +291,18 @@ pub struct HealthReport {
     pub learning: LearningReport,
 }
 
+/// What came in since the start, and what was counted without it.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct InputsReport {
+    /// Load records over the line; all 0 where loads come from elsewhere.
+    pub records: FrameCounts,
+    /// Revolutions at a doubtful speed or under doubtful loads.
+    pub doubtful_revolutions: u64,
+    /// The part of [`HealthReport::life_used`] that was counted in these, an upper bound.
+    pub life_estimated: f32,
+}
+
 /// What became of something that was to be kept, when the monitor started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -384,6 +399,7 @@ pub struct Outbox<const FRAMES: usize> {
     alarms: Deque<(u64, AlarmReport), ALARM_QUEUE>,
     held_back: [Option<HeldBack>; Alarm::COUNT],
     health: Option<(u64, HealthReport)>,
+    inputs: Option<(u64, InputsReport)>,
     frames: Deque<Waiting, FRAMES>,
     sequence: u32,
     dropped: u64,
@@ -405,6 +421,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             alarms: Deque::new(),
             held_back: [None; Alarm::COUNT],
             health: None,
+            inputs: None,
             frames: Deque::new(),
             sequence: 0,
             dropped: 0,
@@ -429,6 +446,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             && self.alarms.is_empty()
             && self.held_back.iter().all(Option::is_none)
             && self.health.is_none()
+            && self.inputs.is_none()
             && self.frames.is_empty()
     }
 
@@ -437,6 +455,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         match payload {
             Payload::Alarm(report) => self.post_alarm(time_us, report),
             Payload::Health(report) => self.health = Some((time_us, report)),
+            Payload::Inputs(report) => self.inputs = Some((time_us, report)),
             payload @ (Payload::Estimate(_) | Payload::Balls(_)) => {
                 // What is newest is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
@@ -486,6 +505,10 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         }
         if let Some((time_us, report)) = self.health.take() {
             let payload = Payload::Health(report);
+            return Some(Waiting { time_us, payload });
+        }
+        if let Some((time_us, report)) = self.inputs.take() {
+            let payload = Payload::Inputs(report);
             return Some(Waiting { time_us, payload });
         }
         self.frames.pop_front()
@@ -644,6 +667,21 @@ mod tests {
         })
     }
 
+    fn inputs() -> Payload {
+        Payload::Inputs(InputsReport {
+            records: FrameCounts {
+                received: u64::MAX,
+                corrupt: u64::MAX,
+                lost: u64::MAX,
+                disordered: u64::MAX,
+                passed_over: u64::MAX,
+                late: u64::MAX,
+            },
+            doubtful_revolutions: u64::MAX,
+            life_estimated: f32::MAX,
+        })
+    }
+
     fn read(bytes: &[u8]) -> Bytes<Read> {
         let mut reader = FrameReader::new();
         bytes.iter().filter_map(|b| reader.push(*b)).collect()
@@ -661,6 +699,7 @@ mod tests {
             estimate(u16::MAX),
             alarm(Alarm::Deadline, AlarmChange::Standing, u32::MAX),
             health(),
+            inputs(),
         ] {
             let frame = longest(payload);
             let bytes = encode(&frame);
@@ -683,9 +722,9 @@ mod tests {
 
     /// The bytes that a decoder in another language has to expect.
     #[test]
-    fn the_wire_format_is_that_of_version_3() {
+    fn the_wire_format_is_that_of_version_4() {
         let frame = Frame {
-            version: 3,
+            version: 4,
             sequence: 300,
             time_us: 5,
             payload: Payload::Alarm(AlarmReport {
@@ -702,7 +741,7 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            3, 0xac, 0x02, 5, 2, 6, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+            4, 0xac, 0x02, 5, 2, 6, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
         ];
         assert_eq!(bytes, expected);
     }

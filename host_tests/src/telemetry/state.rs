@@ -4,7 +4,7 @@ use super::decoder::{Event, Gap, Tally};
 use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    AlarmReport, BallReport, EstimateReport, Frame, HealthReport, Payload,
+    AlarmReport, BallReport, EstimateReport, Frame, HealthReport, InputsReport, Payload,
 };
 use std::collections::VecDeque;
 
@@ -63,6 +63,8 @@ pub struct State {
     pub alarms: [Option<At<AlarmReport>>; Alarm::COUNT],
     /// The last counters.
     pub health: Option<At<HealthReport>>,
+    /// The last report of what came in.
+    pub inputs: Option<At<InputsReport>>,
     /// Counts of the decoder.
     pub tally: Tally,
     /// The last damage.
@@ -152,6 +154,10 @@ impl State {
             Payload::Health(report) => {
                 let report = *report;
                 self.health = Some(At { time_us, report });
+            }
+            Payload::Inputs(report) => {
+                let report = *report;
+                self.inputs = Some(At { time_us, report });
             }
         }
     }

@@ -10,10 +10,11 @@ use serde::{Deserialize, Serialize};
 use spindle_bearing::Limit;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
+use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
-    Payload, Recovery, RetentionReport, StatusCode,
+    InputsReport, Payload, Recovery, RetentionReport, StatusCode,
 };
 use std::io::{Read, Write};
 
@@ -95,6 +96,15 @@ struct Row {
     available_minute: Option<f32>,
     learning: Option<String>,
     learnt_bands: Option<u8>,
+
+    records_received: Option<u64>,
+    records_corrupt: Option<u64>,
+    records_lost: Option<u64>,
+    records_disordered: Option<u64>,
+    records_passed_over: Option<u64>,
+    records_late: Option<u64>,
+    doubtful_revolutions: Option<u64>,
+    life_estimated: Option<f32>,
 }
 
 const STATUSES: [StatusCode; 9] = [
@@ -228,6 +238,18 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
             marks: Some(report.marks.to_string()),
             ..head
         }],
+        Payload::Inputs(report) => vec![Row {
+            kind: "inputs".into(),
+            records_received: Some(report.records.received),
+            records_corrupt: Some(report.records.corrupt),
+            records_lost: Some(report.records.lost),
+            records_disordered: Some(report.records.disordered),
+            records_passed_over: Some(report.records.passed_over),
+            records_late: Some(report.records.late),
+            doubtful_revolutions: Some(report.doubtful_revolutions),
+            life_estimated: Some(report.life_estimated),
+            ..head
+        }],
     }
 }
 
@@ -346,6 +368,7 @@ fn frame(row: &Row) -> Result<Frame> {
             "ball" => Payload::Balls(balls(row).context("a field is missing")?),
             "alarm" => Payload::Alarm(alarm(row).context("a field is missing or not known")?),
             "health" => Payload::Health(health(row).context("a field is missing")?),
+            "inputs" => Payload::Inputs(inputs(row).context("a field is missing")?),
             other => bail!("no such kind of row: `{other}`"),
         },
     })
@@ -456,6 +479,21 @@ fn health(row: &Row) -> Option<HealthReport> {
             state: by_name(&Learning::ALL, |of| of.name(), row.learning.as_deref()?)?,
             bands: row.learnt_bands?,
         },
+    })
+}
+
+fn inputs(row: &Row) -> Option<InputsReport> {
+    Some(InputsReport {
+        records: FrameCounts {
+            received: row.records_received?,
+            corrupt: row.records_corrupt?,
+            lost: row.records_lost?,
+            disordered: row.records_disordered?,
+            passed_over: row.records_passed_over?,
+            late: row.records_late?,
+        },
+        doubtful_revolutions: row.doubtful_revolutions?,
+        life_estimated: row.life_estimated?,
     })
 }
 

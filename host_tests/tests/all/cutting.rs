@@ -186,6 +186,24 @@ fn a_monitor_that_is_blind_says_so() {
     rig.no_alarm_is_lost();
 }
 
+/// 46 % of the samples are rejected, in no order.
+#[test]
+fn a_sensor_that_is_doubted_nearly_half_of_the_time_is_told() {
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    for tick in 0..5000_u32 {
+        let rejected = tick.wrapping_mul(0x9e37_79b9) >> 16 < 30_147;
+        let mut sample = rig.sample(IDLE);
+        sample.load[1] += if rejected { 2e4 } else { 0.0 };
+        rig.tick(&Readings {
+            loads: Ok(Some(sample)),
+            speed: Some(Some(SPEED)),
+        });
+    }
+    assert_eq!(rig.state(Alarm::Availability), AlarmState::Raised);
+    rig.no_alarm_is_lost();
+}
+
 /// One record in fifty arrives: too often to be missing, too seldom to see.
 #[test]
 fn a_link_that_loses_nearly_all_says_so() {
@@ -217,6 +235,16 @@ fn ticks_that_never_begin_are_told() {
     }
     assert_eq!(rig.state(Alarm::Availability), AlarmState::Raised);
     assert!(rig.monitor.health().availability[0] < 0.25);
+    // One in 24 begins.
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    let before = rig.monitor.health().missed_ticks;
+    for _ in 0..2089 {
+        rig.good(IDLE, SPEED);
+        rig.leave_out(23);
+    }
+    assert!(rig.monitor.health().missed_ticks - before >= 47_996);
+    assert_eq!(rig.state(Alarm::Availability), AlarmState::Raised);
 }
 
 /// A spindle whose preload has gone raises its alarm, whatever the board is told while it runs.

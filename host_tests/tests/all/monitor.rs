@@ -184,7 +184,7 @@ impl Rig {
                     self.balls.truncate(report.first.into());
                     self.balls.extend(report.balls);
                 }
-                Payload::Health(_) => {}
+                Payload::Health(_) | Payload::Inputs(_) => {}
             }
         }
     }
@@ -681,6 +681,128 @@ const RECORD: LoadRecord = LoadRecord {
     mz: -0.1,
     speed_rpm: 12_000.0,
 };
+
+/// A source that gets a record in every millisecond, and the marks of what comes of it.
+fn marks_of(records: impl IntoIterator<Item = (u64, LoadRecord)>) -> (Vec<Marks>, FramedLoads) {
+    let mut source = FramedLoads::new();
+    let marks = records.into_iter().map(|(ms, record)| {
+        for byte in record::encode(&record) {
+            source.push(byte);
+        }
+        match source.sample(1000 * ms) {
+            Ok(sample) => sample.map_or(Marks::NONE, |sample| sample.doubts),
+            Err(marks) => marks,
+        }
+    });
+    (marks.collect(), source)
+}
+
+const fn numbered(sequence: u32, time_ms: u32) -> LoadRecord {
+    LoadRecord {
+        sequence,
+        time_ms,
+        ..RECORD
+    }
+}
+
+/// From the tenth second on, the five seconds before it again and again, or their very records once more.
+#[test]
+fn a_stretch_of_records_that_comes_again_is_out_of_order_all_along() {
+    let (marks, source) = marks_of((0..30_000).map(|ms| {
+        let n = match ms {
+            0..10_000 => ms,
+            _ => 5000 + ms % 5000,
+        };
+        (u64::from(ms), numbered(n, n))
+    }));
+    assert!(marks[..10_000].iter().all(|marks| marks.is_empty()));
+    let order = Marks::from(Mark::Order);
+    assert!(marks[10_000..].iter().all(|marks| *marks == order));
+    assert_eq!(source.counts().disordered, 20_000);
+}
+
+#[test]
+fn a_sender_that_begins_anew_is_believed_from_its_second_record_on() {
+    // It takes a second to start, and its clock begins with it.
+    let first = (0..5000).map(|ms| (u64::from(ms), numbered(700 + ms, 90_000 + ms)));
+    let again = (0..5000).map(|ms| (u64::from(6000 + ms), numbered(ms, ms)));
+    let (marks, source) = marks_of(first.chain(again));
+    let order = Marks::from(Mark::Order);
+    let doubted: Vec<_> = (0..).zip(&marks).filter(|(_, m)| !m.is_empty()).collect();
+    assert_eq!(doubted, [(5000, &order)]);
+    assert_eq!((source.counts().disordered, source.counts().lost), (1, 0));
+}
+
+/// One frame of another sender, whose number is far ahead, does not shut the true one out.
+#[test]
+fn a_number_that_no_sender_gets_to_is_out_of_order() {
+    let (marks, source) = marks_of((0..3000).map(|ms| {
+        let sequence = if ms == 1000 { 2_000_000_000 } else { ms };
+        (u64::from(ms), numbered(sequence, ms))
+    }));
+    let doubted: Vec<_> = (0..).zip(&marks).filter(|(_, m)| !m.is_empty()).collect();
+    assert_eq!(doubted, [(1000, &Mark::Order.into())]);
+    assert_eq!((source.counts().disordered, source.counts().lost), (1, 1));
+}
+
+#[test]
+fn records_that_come_ten_seconds_late_are_marked_and_counted() {
+    // A gateway stops for ten seconds, and then hands on what it has kept, in order and at its pace.
+    let (marks, source) = marks_of((0..10_000_u32).map(|n| {
+        let late = if n < 5000 { 0 } else { 10_000 };
+        (u64::from(n + late), numbered(n, n + 1))
+    }));
+    assert!(marks[..5000].iter().all(|marks| marks.is_empty()));
+    let late = Marks::from(Mark::Late);
+    assert!(marks[5000..].iter().all(|marks| *marks == late));
+    assert_eq!(source.counts().late, 5000);
+}
+
+/// An hour with clocks that part by 100 millionths, records 0 to 15 ms under way, across the wrap of the sender's clock.
+#[test]
+fn clocks_that_part_and_a_line_that_dawdles_make_no_record_late() {
+    for drift in [-100, 0, 100] {
+        let (marks, source) = marks_of((0..180_000_i64).map(|n| {
+            let ms = 20 * n;
+            let sent = (ms + ms * drift / 1_000_000) as u32;
+            let under_way = (7 * n % 16) as u64;
+            (
+                100 + ms as u64 + under_way,
+                numbered(n as u32, sent.wrapping_sub(1_000_000)),
+            )
+        }));
+        assert!(marks.iter().all(|marks| marks.is_empty()), "{drift}");
+        assert_eq!(source.counts().late, 0);
+    }
+}
+
+#[test]
+fn a_speed_that_is_frozen_at_its_source_is_doubted_and_a_standstill_is_not() {
+    static WATCHED: MonitorSettings = {
+        let mut settings = settings(10, 1);
+        settings.plausibility.speed_stuck_after = 1000;
+        settings
+    };
+    let mut rig = Rig::new(&WATCHED);
+    for _ in 0..5000 {
+        assert!(rig.good(IDLE, 0.0).marks.is_empty());
+    }
+    rig.run_up();
+    for tick in 0..5000 {
+        // A tachometer's last digit moves.
+        let speed = SPEED + 1e-3 * (tick % 7) as f32;
+        assert!(rig.good(IDLE, speed).marks.is_empty());
+    }
+    for _ in 0..1000 {
+        rig.good(IDLE, SPEED);
+    }
+    assert_eq!(rig.good(IDLE, SPEED).marks, Mark::SpeedStuck.into());
+    for _ in 0..300 {
+        rig.good(IDLE, SPEED);
+    }
+    assert_eq!(rig.state(Alarm::Sensor), AlarmState::Raised);
+    rig.no_alarm_is_lost();
+}
 
 #[test]
 fn damaged_and_lost_frames_are_counted_and_marked() {
@@ -1393,8 +1515,8 @@ fn a_day_passes_without_drift_or_overflow() {
         (0, 0, 0)
     );
     assert_eq!((health.estimates, health.refusals), (86_400, 0));
-    // Estimates every ten seconds, two pictures and a report every minute.
-    assert!((8639..=8641).contains(&(frames - 3 * 1440)), "{frames}");
+    // Estimates every ten seconds, two pictures and two reports every minute.
+    assert!((8639..=8641).contains(&(frames - 4 * 1440)), "{frames}");
     // No drift: the same cycle gives the same stiffness, and takes the same part of the life.
     assert_eq!(seen.len(), 24);
     for k in &seen {

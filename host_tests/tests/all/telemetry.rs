@@ -12,10 +12,11 @@ use proptest::prelude::*;
 use spindle_bearing::monitor::command::{Command, Sorter};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
+use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame,
-    HealthReport, Payload, Recovery, RetentionReport, StatusCode, VERSION, encode,
+    HealthReport, InputsReport, Payload, Recovery, RetentionReport, StatusCode, VERSION, encode,
 };
 
 fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
@@ -170,12 +171,27 @@ prop_compose! {
     }
 }
 
+prop_compose! {
+    fn any_inputs()(
+        counts in prop::array::uniform7(any::<u64>()),
+        life_estimated in number(),
+    ) -> InputsReport {
+        let [received, corrupt, lost, disordered, passed_over, late, doubtful_revolutions] = counts;
+        InputsReport {
+            records: FrameCounts { received, corrupt, lost, disordered, passed_over, late },
+            doubtful_revolutions,
+            life_estimated,
+        }
+    }
+}
+
 fn any_payload() -> impl Strategy<Value = Payload> {
     prop_oneof![
         any_estimate().prop_map(Payload::Estimate),
         any_balls().prop_map(Payload::Balls),
         any_alarm().prop_map(Payload::Alarm),
         any_health().prop_map(Payload::Health),
+        any_inputs().prop_map(Payload::Inputs),
     ]
 }
 

@@ -292,6 +292,16 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
             report.retention.baseline.name(),
             report.retention.life.name()
         )?,
+        Payload::Inputs(report) => writeln!(
+            out,
+            "inputs    {} records, {} corrupt, {} lost, {} out of order, {} late; of the life {:.3e} estimated",
+            report.records.received,
+            report.records.corrupt,
+            report.records.lost,
+            report.records.disordered,
+            report.records.late,
+            report.life_estimated
+        )?,
     }
     Ok(())
 }

@@ -63,7 +63,7 @@ fn render(state: &State, area: Rect, buffer: &mut Buffer) {
         Constraint::Length(2),
         Constraint::Min(8),
         Constraint::Length(alarms + 2),
-        Constraint::Length(8),
+        Constraint::Length(9),
     ])
     .areas(area);
     // Cells are about twice as high as wide.
@@ -441,6 +441,17 @@ fn counters(state: &State) -> Paragraph<'_> {
                     _ => Style::new(),
                 },
             ));
+            if let Some(at) = &state.inputs {
+                let (r, life) = (&at.report.records, at.report.life_estimated);
+                let bad = r.corrupt + r.lost + r.disordered + r.late;
+                lines.push(Line::styled(
+                    format!(
+                        " records: {} received, {} corrupt, {} lost, {} out of order, {} late; of the life {} estimated",
+                        r.received, r.corrupt, r.lost, r.disordered, r.late, Short(life)
+                    ),
+                    if bad > 0 { warning() } else { Style::new() },
+                ));
+            }
             let r = &h.retention;
             let refused = [r.baseline, r.life]
                 .iter()

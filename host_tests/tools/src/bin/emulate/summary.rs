@@ -33,7 +33,7 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     let mut text = String::new();
     let mut health: Option<HealthReport> = None;
     let mut alarms = [Story::default(); Alarm::COUNT];
-    let mut kinds = [0_u64; 4];
+    let mut kinds = [0_u64; 5];
     for frame in &answer.frames {
         match &frame.payload {
             Payload::Estimate(_) => kinds[0] += 1,
@@ -49,6 +49,7 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
                 kinds[3] += 1;
                 health = Some(*report);
             }
+            Payload::Inputs(_) => kinds[4] += 1,
         }
     }
     let health = health.context("the board has sent no counters")?;
@@ -88,6 +89,7 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
         ("records corrupt", plan.counts.corrupt),
         ("records lost", plan.counts.lost),
         ("records out of order", plan.counts.disordered),
+        ("records late", plan.counts.late),
         ("estimates", health.estimates),
         ("refusals", health.refusals),
         ("samples marked", health.marked_samples),
@@ -117,7 +119,10 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
             }
         }
     }
-    for (name, count) in ["estimates", "balls", "alarms", "health"].iter().zip(kinds) {
+    for (name, count) in ["estimates", "balls", "alarms", "health", "inputs"]
+        .iter()
+        .zip(kinds)
+    {
         line(&format!("frames of {name}"), count)?;
     }
     line("frames dropped", health.frames_dropped)?;
