@@ -4,7 +4,7 @@
 //! Two kinds of frames come in over one port: load records, and now and then a [`Command`].
 
 use super::Precision;
-use super::monitor_settings::{IDLE, MONITOR};
+use super::monitor_settings::{IDLE, KEY, MONITOR};
 use super::monitored::{BALLS, BEARING};
 use spindle_bearing::Full;
 use spindle_bearing::monitor::command::{Command, Sorter};
@@ -74,7 +74,9 @@ impl<S: Sensors> Chain<S> {
     /// At the beginning, with what was kept over a power cycle.
     pub fn with(sensors: S, past: &Past) -> Self {
         Self {
-            monitor: Monitor::new(&BEARING, &MONITOR).with_past(past),
+            monitor: Monitor::new(&BEARING, &MONITOR)
+                .with_past(past)
+                .with_key(KEY),
             sensors,
             sorter: Sorter::new(),
             time_us: 0,
@@ -94,14 +96,12 @@ impl<S: Sensors> Chain<S> {
     pub fn push(&mut self, byte: u8) -> Option<u16> {
         let sensors = &mut self.sensors;
         match self.sorter.push(byte, |byte| sensors.push(byte))? {
-            Command::Tick(room) => return Some(room),
-            Command::Acknowledge(alarm) => self.monitor.acknowledge(self.time_us, alarm),
-            Command::Learn(on) => self.monitor.learn(on),
-            Command::ReplaceBearing => {
-                self.monitor.replace_bearing(self.time_us);
+            Command::Tick(room) => Some(room),
+            Command::Ask(request) => {
+                self.monitor.ask(self.time_us, &request);
+                None
             }
         }
-        None
     }
 
     /// A tick at this time.

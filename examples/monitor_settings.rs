@@ -4,6 +4,7 @@
 use super::monitored::{BALLS, DESIGN};
 use super::{CORE_HZ, COST};
 use spindle_bearing::monitor::Identity;
+use spindle_bearing::monitor::command::{self, Key};
 use spindle_bearing::monitor::loads::Calibration;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::speed::SpeedSettings;
@@ -43,6 +44,17 @@ const _: () = match MONITOR.check() {
 /// Whose baseline and life are kept over a power cycle: another bearing, or other bands, do not take them.
 #[allow(dead_code, reason = "the boards'")]
 pub const IDENTITY: Identity = Identity::new(&DESIGN, BALLS, &MONITOR.judgement.baseline);
+
+/// The key that orders of an operator are authenticated by; none, unless `SPINDLE_KEY` is in the environment of the
+/// build, as 32 hexadecimal digits. `cargo telemetry` takes it from its own environment.
+#[allow(dead_code, reason = "the chain's")]
+pub const KEY: Option<Key> = match option_env!("SPINDLE_KEY") {
+    None => None,
+    Some(digits) => match command::key(digits) {
+        None => panic!("SPINDLE_KEY must be 32 hexadecimal digits"),
+        key => key,
+    },
+};
 
 /// Whether loads come from strain bridges and speed from a tachometer at the board, and not as records over the
 /// port: set it here, or build with `SPINDLE_SENSORS=bridges` in the environment.

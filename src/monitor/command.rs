@@ -4,29 +4,258 @@
 //! [`encode`] is the host's side. [`Sorter`] is the board's: it takes commands out of the stream and hands
 //! on the rest, which is for [`FramedLoads`](super::loads::FramedLoads). Commands are told from load records
 //! by their length: they are shorter than any record, so that none is held back for long.
+//!
+//! # Requests
+//!
+//! What an operator wants is an [`Order`] in a [`Request`]. The board answers every request with an
+//! [`Answer`], and carries an order out once:
+//!
+//! - **Nonce.** A request has the number that the board tells in its telemetry, once a second and with every answer. It
+//!   changes with every order: a request that was recorded, or was long under way, is out of date.
+//! - **Repeats.** A host that hears no answer sends the very request again. Where only the answer was lost, the board
+//!   gives it again.
+//! - **State of the spindle.** Learning starts on the idling spindle alone, and a bearing is replaced at a standstill. An
+//!   acknowledgement names the occurrence that somebody has seen, and is none of a later one.
+//!
+//! # Who is trusted
+//!
+//! Whoever can send to the port can send load records, and so make up what the monitor sees; the port belongs inside the
+//! machine. By itself, the nonce keeps out accidents: repeats, recordings, a tool that talks to the wrong board. Where
+//! others share the link, a key of 16 bytes that board and host have in common
+//! ([`Monitor::with_key`](super::Monitor::with_key)) authenticates orders, and nothing else: SipHash-2-4
+//! (Aumasson and Bernstein 2012) of the request. A guess of its 64 bits is right once in 1.8e19. Load records stay
+//! unauthenticated.
 
 use super::judgement::Alarm;
 use crate::framing::{self, CHECKSUM_LENGTH, DELIMITER, FrameReader};
+use core::hash::Hasher;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
+use siphasher::sip::SipHasher24;
 
 /// What a host says besides loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
-    /// Somebody has seen this alarm: it may clear.
-    Acknowledge(Alarm),
-    /// From now on (or no longer), learn the baseline of the stiffness.
-    Learn(bool),
     /// In lock-step only, as `cargo emulate` has it: a tick, in which the telemetry's link takes so many
     /// bytes.
     Tick(u16),
+    /// An operator wants something.
+    Ask(Request),
+}
+
+/// What an operator wants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Order {
+    /// Somebody has seen this occurrence of an alarm: it may clear.
+    Acknowledge {
+        /// The alarm.
+        alarm: Alarm,
+        /// How often it had been raised ([`AlarmReport::raised`](super::telemetry::AlarmReport::raised)).
+        raised: u32,
+    },
+    /// From now on (or no longer), learn the baseline of the stiffness.
+    Learn(bool),
     /// The bearing was replaced by a new one of the same design: baseline and life used are forgotten.
     ReplaceBearing,
 }
 
-/// Longest message of a command, checksum included: variant, and a varint of 16 bits.
-const MESSAGE_LENGTH: usize = 1 + 3 + CHECKSUM_LENGTH;
+/// An order on its way to the board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Request {
+    /// The sender's, for the answer to name.
+    pub number: u16,
+    /// The one that the board told last.
+    pub nonce: u32,
+    /// What is wanted.
+    pub order: Order,
+    /// [`Request::tag`], or zeros to a board without a key.
+    pub tag: [u8; 8],
+}
+
+/// The key that board and host have in common.
+pub type Key = [u8; 16];
+
+/// A key from its 32 hexadecimal digits; none if they are not that.
+pub const fn key(digits: &str) -> Option<Key> {
+    let digits = digits.as_bytes();
+    if digits.len() != 32 {
+        return None;
+    }
+    let mut key = [0; 16];
+    let mut i = 0;
+    while i < 32 {
+        let value = match digits[i] {
+            digit @ b'0'..=b'9' => digit - b'0',
+            digit @ b'a'..=b'f' => digit - b'a' + 10,
+            digit @ b'A'..=b'F' => digit - b'A' + 10,
+            _ => return None,
+        };
+        key[i / 2] = key[i / 2] << 4 | value;
+        i += 1;
+    }
+    Some(key)
+}
+
+impl Request {
+    /// A request, authenticated if there is a key.
+    pub fn new(number: u16, nonce: u32, order: Order, key: Option<&Key>) -> Self {
+        let mut request = Self {
+            number,
+            nonce,
+            order,
+            tag: [0; 8],
+        };
+        if let Some(key) = key {
+            request.tag = request.tag(key);
+        }
+        request
+    }
+
+    /// SipHash-2-4 of the request as it is sent, without its tag; little-endian.
+    pub fn tag(&self, key: &Key) -> [u8; 8] {
+        let mut bytes = [0; MESSAGE_LENGTH];
+        let content = (self.number, self.nonce, self.order);
+        // The lengths below make room for every request.
+        let written: &[u8] =
+            postcard::to_slice(&content, &mut bytes).map_or(&[], |written| written);
+        let mut hasher = SipHasher24::new_with_key(key);
+        hasher.write(written);
+        hasher.finish().to_le_bytes()
+    }
+
+    /// Whether the sender has the key.
+    fn is_authentic(&self, key: &Key) -> bool {
+        // All eight bytes in any case, so that the time tells nothing.
+        let mut differ = 0;
+        for (a, b) in self.tag.iter().zip(self.tag(key)) {
+            differ |= a ^ b;
+        }
+        differ == 0
+    }
+}
+
+/// What became of an order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Outcome {
+    /// Carried out.
+    Done,
+    /// The request has another nonce than the board's.
+    OutOfDate,
+    /// The request was made with another key, or with none.
+    NotAuthentic,
+    /// The shaft turns, or it is not known whether it does.
+    NotAtStandstill,
+    /// The spindle does not idle, or has no fresh estimate.
+    NotIdling,
+    /// The alarm does not stand, or was raised again since.
+    NoSuchOccurrence,
+    /// What was learnt is too little for any band of speed; the old baseline is kept.
+    TooLittleLearnt,
+    /// What was learnt cannot be the same bearing's; the old baseline is kept.
+    Implausible,
+}
+
+impl Outcome {
+    /// All of them, in the order of the format.
+    pub const ALL: [Self; 8] = [
+        Self::Done,
+        Self::OutOfDate,
+        Self::NotAuthentic,
+        Self::NotAtStandstill,
+        Self::NotIdling,
+        Self::NoSuchOccurrence,
+        Self::TooLittleLearnt,
+        Self::Implausible,
+    ];
+
+    /// Short name in lower case, as tables print it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::OutOfDate => "out-of-date",
+            Self::NotAuthentic => "not-authentic",
+            Self::NotAtStandstill => "not-at-standstill",
+            Self::NotIdling => "not-idling",
+            Self::NoSuchOccurrence => "no-such-occurrence",
+            Self::TooLittleLearnt => "too-little-learnt",
+            Self::Implausible => "implausible",
+        }
+    }
+}
+
+/// What the board answers to a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Answer {
+    /// That of the request.
+    pub number: u16,
+    /// That of the request.
+    pub order: Order,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// The board's nonce from now on.
+    pub nonce: u32,
+}
+
+/// The board's side: carries each order out once.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Desk {
+    key: Option<Key>,
+    nonce: u32,
+    last: Option<(Request, Outcome)>,
+}
+
+impl Desk {
+    pub(super) const fn new(key: Option<Key>, nonce: u32) -> Self {
+        Self {
+            key,
+            nonce,
+            last: None,
+        }
+    }
+
+    pub(super) const fn nonce(&self) -> u32 {
+        self.nonce
+    }
+
+    /// The answer to a request; has the order carried out if the request is authentic, of now, and none that was
+    /// answered.
+    pub(super) fn answer(
+        &mut self,
+        request: &Request,
+        carry_out: impl FnOnce(Order) -> Outcome,
+    ) -> Answer {
+        let authentic = self
+            .key
+            .as_ref()
+            .is_none_or(|key| request.is_authentic(key));
+        let outcome = match &self.last {
+            _ if !authentic => Outcome::NotAuthentic,
+            Some((last, outcome)) if last == request => *outcome,
+            _ if request.nonce != self.nonce => Outcome::OutOfDate,
+            _ => {
+                let outcome = carry_out(request.order);
+                self.last = Some((*request, outcome));
+                self.nonce = self.nonce.wrapping_add(1);
+                outcome
+            }
+        };
+        Answer {
+            number: request.number,
+            order: request.order,
+            outcome,
+            nonce: self.nonce,
+        }
+    }
+}
+
+/// Longest message of a command, checksum included: two variants, number and nonce, an alarm and its occurrence, and
+/// the tag.
+const MESSAGE_LENGTH: usize = 2 + 3 + 5 + 1 + 5 + 8 + CHECKSUM_LENGTH;
 
 /// Length of its frame, delimiter included.
 pub const COMMAND_LENGTH: usize = framing::frame_length(MESSAGE_LENGTH);
@@ -97,9 +326,31 @@ mod tests {
     use std::vec::Vec as Bytes;
 
     fn commands() -> Bytes<Command> {
-        let mut all: Bytes<_> = Alarm::ALL.map(Command::Acknowledge).into();
-        all.extend([Command::Learn(true), Command::Learn(false)]);
-        all.push(Command::ReplaceBearing);
+        let ask = |order| {
+            let tag = [u8::MAX; 8];
+            Command::Ask(Request {
+                number: u16::MAX,
+                nonce: u32::MAX,
+                order,
+                tag,
+            })
+        };
+        let mut all: Bytes<_> = Alarm::ALL
+            .map(|alarm| {
+                ask(Order::Acknowledge {
+                    alarm,
+                    raised: u32::MAX,
+                })
+            })
+            .into();
+        all.extend(
+            [
+                Order::Learn(true),
+                Order::Learn(false),
+                Order::ReplaceBearing,
+            ]
+            .map(ask),
+        );
         all.extend([0, 1, 127, 128, 46, u16::MAX].map(Command::Tick));
         all
     }
@@ -151,5 +402,65 @@ mod tests {
         }
         assert_eq!(found, sent);
         assert_eq!(rest, records);
+    }
+
+    /// An order that is carried out leaves a mark in a count.
+    fn answer(desk: &mut Desk, count: &mut u32, request: Request) -> (Outcome, u32) {
+        let answer = desk.answer(&request, |_| {
+            *count += 1;
+            Outcome::Done
+        });
+        assert_eq!(
+            (answer.number, answer.order),
+            (request.number, request.order)
+        );
+        (answer.outcome, answer.nonce)
+    }
+
+    #[test]
+    fn an_order_is_carried_out_once_however_often_its_request_comes() {
+        let (mut desk, mut count) = (Desk::new(None, u32::MAX), 0);
+        let first = Request::new(1, u32::MAX, Order::Learn(true), None);
+        for _ in 0..3 {
+            assert_eq!(answer(&mut desk, &mut count, first), (Outcome::Done, 0));
+        }
+        assert_eq!(count, 1);
+        let second = Request::new(2, 0, Order::Learn(false), None);
+        assert_eq!(answer(&mut desk, &mut count, second), (Outcome::Done, 1));
+        // Recorded, and played again.
+        assert_eq!(
+            answer(&mut desk, &mut count, first),
+            (Outcome::OutOfDate, 1)
+        );
+        assert_eq!(count, 2);
+    }
+
+    #[test]
+    fn without_the_key_no_order_is_carried_out() {
+        let key: Key = core::array::from_fn(|i| i as u8);
+        let other = [7; 16];
+        let (mut desk, mut count) = (Desk::new(Some(key), 5), 0);
+        for stranger in [None, Some(&other)] {
+            let request = Request::new(1, 5, Order::ReplaceBearing, stranger);
+            let refused = (Outcome::NotAuthentic, 5);
+            assert_eq!(answer(&mut desk, &mut count, request), refused);
+        }
+        let good = Request::new(1, 5, Order::ReplaceBearing, Some(&key));
+        for bit in 0..64 {
+            let mut bent = good;
+            bent.tag[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(answer(&mut desk, &mut count, bent).0, Outcome::NotAuthentic);
+        }
+        // The tag is that of this order alone.
+        let other = Request {
+            order: Order::Learn(true),
+            ..good
+        };
+        assert_eq!(
+            answer(&mut desk, &mut count, other).0,
+            Outcome::NotAuthentic
+        );
+        assert_eq!(count, 0);
+        assert_eq!(answer(&mut desk, &mut count, good), (Outcome::Done, 6));
     }
 }

@@ -327,6 +327,18 @@ pub struct BaselineSettings {
     pub least_estimates: u32,
 }
 
+impl BaselineSettings {
+    /// Whether these are loads of an idling spindle.
+    pub fn idles(&self, [fx, fy, fz, my, mz]: &[f32; 5]) -> bool {
+        let [low, high] = self.idle_axial;
+        let square = |x: f32| x * x;
+        *fx >= low
+            && *fx <= high
+            && fy * fy + fz * fz <= square(self.idle_radial)
+            && my * my + mz * mz <= square(self.idle_moment)
+    }
+}
+
 /// Stiffness of the good spindle, idling, by bands of speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -346,14 +358,7 @@ impl Baseline {
 
     /// The band of a speed, if the spindle idles.
     fn band(settings: &BaselineSettings, load: &[f32; 5], speed: f32) -> Option<usize> {
-        let [fx, fy, fz, my, mz] = load;
-        let [low, high] = settings.idle_axial;
-        let square = |x: f32| x * x;
-        if !(*fx >= low
-            && *fx <= high
-            && fy * fy + fz * fz <= square(settings.idle_radial)
-            && my * my + mz * mz <= square(settings.idle_moment))
-        {
+        if !settings.idles(load) {
             return None;
         }
         // The cast saturates.

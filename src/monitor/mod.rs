@@ -127,7 +127,7 @@ pub mod telemetry;
 pub mod tick;
 mod tracker;
 
-pub use command::Command;
+pub use command::{Command, Order};
 pub use judgement::{Alarm, AlarmState, Baseline, Changes, Judgement};
 pub use life::Life;
 pub use plausibility::{GoodSample, Mark, Marks, Readings};
@@ -139,8 +139,10 @@ use crate::float::Real;
 use crate::limits::{Extreme, Limits};
 use crate::{Bearing, Full, Motion, Solution};
 use availability::Availability;
+use command::Desk;
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
+use learning::Learning;
 use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{
@@ -262,6 +264,7 @@ pub struct Monitor<
     doubts: Marks,
     retention: RetentionReport,
     records: FrameCounts,
+    desk: Desk,
     due_estimate: Every,
     due_balls: Every,
     due_health: Every,
@@ -300,6 +303,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             doubts: Marks::NONE,
             retention: RetentionReport::NO_MEMORY,
             records: FrameCounts::default(),
+            desk: Desk::new(None, 0),
             due_estimate: part(1),
             due_balls: part(2),
             due_health: now,
@@ -316,6 +320,63 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         self.judgement = Judgement::new(past.baseline);
         self.life = Life::resume(past.life.0, past.life.1);
         self
+    }
+
+    /// Carries out the orders of those alone who have this key ([`command`]).
+    #[must_use]
+    pub const fn with_key(mut self, key: Option<command::Key>) -> Self {
+        self.desk = Desk::new(key, self.desk.nonce());
+        self
+    }
+
+    /// An operator wants something: carries it out, unless it is out of place, and answers in the telemetry. As long as
+    /// no room is left for the answer, a request is as one that was not heard.
+    pub fn ask(&mut self, time_us: u64, request: &command::Request) {
+        if self.outbox.is_full_of_answers() {
+            return;
+        }
+        let mut desk = self.desk;
+        let answer = desk.answer(request, |order| self.carry_out(time_us, order));
+        self.desk = desk;
+        self.outbox.post(time_us, Payload::Answer(answer));
+    }
+
+    fn carry_out(&mut self, time_us: u64, order: Order) -> command::Outcome {
+        use command::Outcome as O;
+        match order {
+            Order::Acknowledge { alarm, raised } => {
+                let machine = self.judgement.alarm(alarm);
+                if machine.counts().0 != raised || !machine.stands() {
+                    return O::NoSuchOccurrence;
+                }
+                self.acknowledge(time_us, alarm);
+                O::Done
+            }
+            Order::Learn(true) if !self.idles(time_us) => O::NotIdling,
+            Order::Learn(on) => {
+                let before = self.judgement.learnt();
+                self.learn(on);
+                let learning = self.judgement.learning(&self.settings.judgement.baseline);
+                match learning.state {
+                    Learning::TooLittle if !on => O::TooLittleLearnt,
+                    Learning::Implausible if !on => O::Implausible,
+                    Learning::Off if !on && before == self.judgement.learnt() => O::TooLittleLearnt,
+                    _ => O::Done,
+                }
+            }
+            Order::ReplaceBearing if self.replace_bearing(time_us) => O::Done,
+            Order::ReplaceBearing => O::NotAtStandstill,
+        }
+    }
+
+    /// The spindle idles, as of a fresh estimate.
+    fn idles(&self, time_us: u64) -> bool {
+        let settings = self.settings;
+        self.estimate.as_ref().is_some_and(|estimate| {
+            let age = time_us.saturating_sub(estimate.time_us);
+            age <= settings.plausibility.fresh_us.into()
+                && settings.judgement.baseline.idles(&estimate.report.load)
+        })
     }
 
     /// Has a store keep what is new. To be called between ticks, as often as it likes; it is the store that
@@ -641,6 +702,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             records: self.records,
             doubtful_revolutions: self.life.doubtful_revolutions(),
             life_estimated: self.life.estimated(),
+            nonce: self.desk.nonce(),
         }
     }
 

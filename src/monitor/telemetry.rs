@@ -9,6 +9,7 @@
 //! | payload | when | in need |
 //! | --- | --- | --- |
 //! | [`Payload::Alarm`] | an alarm changed its state; again and again while it stands | never dropped |
+//! | [`Payload::Answer`] | an operator has asked for something | never dropped |
 //! | [`Payload::Health`], [`Payload::Inputs`] | at a fixed interval | the newest is kept |
 //! | [`Payload::Estimate`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
@@ -23,6 +24,7 @@
 //! sees from these counts what happened meanwhile. An alarm that stands is sent again at an interval,
 //! which makes up for frames that the link itself loses.
 
+use super::command::Answer;
 use super::judgement::{Alarm, AlarmState};
 use super::learning::LearningReport;
 use super::loads::FrameCounts;
@@ -83,6 +85,8 @@ pub enum Payload {
     Health(HealthReport),
     /// What came in.
     Inputs(InputsReport),
+    /// What became of an operator's order.
+    Answer(Answer),
 }
 
 /// How the last solve ended: [`Status`] without its numbers.
@@ -301,6 +305,8 @@ pub struct InputsReport {
     pub doubtful_revolutions: u64,
     /// The part of [`HealthReport::life_used`] that was counted in these, an upper bound.
     pub life_estimated: f32,
+    /// What the next request of an operator must have ([`command`](super::command)).
+    pub nonce: u32,
 }
 
 /// What became of something that was to be kept, when the monitor started.
@@ -376,6 +382,9 @@ impl RetentionReport {
 /// Alarm reports that wait in order.
 const ALARM_QUEUE: usize = 4 * Alarm::COUNT;
 
+/// Answers that wait: an operator sends a request for each alarm that stands, at most.
+const ANSWER_QUEUE: usize = Alarm::COUNT;
+
 /// A payload and when it was.
 #[derive(Debug, Clone, PartialEq)]
 struct Waiting {
@@ -397,6 +406,7 @@ struct HeldBack {
 #[derive(Debug)]
 pub struct Outbox<const FRAMES: usize> {
     alarms: Deque<(u64, AlarmReport), ALARM_QUEUE>,
+    answers: Deque<(u64, Answer), ANSWER_QUEUE>,
     held_back: [Option<HeldBack>; Alarm::COUNT],
     health: Option<(u64, HealthReport)>,
     inputs: Option<(u64, InputsReport)>,
@@ -419,6 +429,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
     pub const fn new() -> Self {
         Self {
             alarms: Deque::new(),
+            answers: Deque::new(),
             held_back: [None; Alarm::COUNT],
             health: None,
             inputs: None,
@@ -444,10 +455,16 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
     pub fn is_empty(&self) -> bool {
         self.gone >= self.current.len()
             && self.alarms.is_empty()
+            && self.answers.is_empty()
             && self.held_back.iter().all(Option::is_none)
             && self.health.is_none()
             && self.inputs.is_none()
             && self.frames.is_empty()
+    }
+
+    /// Whether another answer would have to be dropped.
+    pub fn is_full_of_answers(&self) -> bool {
+        self.answers.is_full()
     }
 
     /// Queues a payload of this time. What has to give way for want of room is counted.
@@ -456,6 +473,10 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             Payload::Alarm(report) => self.post_alarm(time_us, report),
             Payload::Health(report) => self.health = Some((time_us, report)),
             Payload::Inputs(report) => self.inputs = Some((time_us, report)),
+            Payload::Answer(answer) => {
+                // Who posts one has seen to it that there is room.
+                let _ = self.answers.push_back((time_us, answer));
+            }
             payload @ (Payload::Estimate(_) | Payload::Balls(_)) => {
                 // What is newest is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
@@ -502,6 +523,10 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
                 time_us: held.time_us,
                 payload: Payload::Alarm(held.report),
             });
+        }
+        if let Some((time_us, answer)) = self.answers.pop_front() {
+            let payload = Payload::Answer(answer);
+            return Some(Waiting { time_us, payload });
         }
         if let Some((time_us, report)) = self.health.take() {
             let payload = Payload::Health(report);
@@ -572,6 +597,7 @@ pub type Read = Result<Frame, FrameError>;
 
 #[cfg(test)]
 mod tests {
+    use super::super::command::{Order, Outcome};
     use super::super::learning::Learning;
     use super::*;
     use std::vec::Vec as Bytes;
@@ -679,6 +705,19 @@ mod tests {
             },
             doubtful_revolutions: u64::MAX,
             life_estimated: f32::MAX,
+            nonce: u32::MAX,
+        })
+    }
+
+    fn answer() -> Payload {
+        Payload::Answer(Answer {
+            number: u16::MAX,
+            order: Order::Acknowledge {
+                alarm: Alarm::Deadline,
+                raised: u32::MAX,
+            },
+            outcome: Outcome::Implausible,
+            nonce: u32::MAX,
         })
     }
 
@@ -700,6 +739,7 @@ mod tests {
             alarm(Alarm::Deadline, AlarmChange::Standing, u32::MAX),
             health(),
             inputs(),
+            answer(),
         ] {
             let frame = longest(payload);
             let bytes = encode(&frame);

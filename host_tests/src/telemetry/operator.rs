@@ -1,99 +1,215 @@
-//! What an operator tells the board: alarms seen, and when to learn the baseline.
+//! What an operator tells the board: alarms seen, when to learn the baseline, and that a bearing was replaced.
+//!
+//! The board carries out what has the nonce that it told last, and answers ([`command`]). An operator therefore
+//! listens: [`Operator::follow`] sends what is wanted as soon as a nonce is known, and sends it again until it is
+//! answered.
 
 use super::state::State;
 use anyhow::{Context, Result};
-use spindle_bearing::monitor::Alarm;
-use spindle_bearing::monitor::command::{self, Command};
+use spindle_bearing::monitor::command::{self, Answer, Command, Key, Order, Request};
 use spindle_bearing::monitor::judgement::AlarmState;
+use std::collections::VecDeque;
 use std::io::Write;
 
-/// Sends commands.
+/// Time of the board after which a request is sent again, us, and how often it is sent.
+const REPEAT_US: u64 = 1_000_000;
+const TRIES: u32 = 5;
+/// Time of the board in which it has told of all that stands, us: alarms are sent again every ten seconds.
+const TOLD_US: u64 = 11_000_000;
+
+/// A request on its way.
+#[derive(Debug)]
+struct Sent {
+    request: Request,
+    time_us: u64,
+    tries: u32,
+}
+
+/// Sends what an operator wants.
 #[derive(Debug)]
 pub struct Operator<W> {
     to: W,
+    key: Option<Key>,
+    number: u16,
+    /// The nonce that the board told last, and the next one: the board counts on with every order.
+    nonce: Option<(u32, u32)>,
+    wanted: VecDeque<Order>,
+    sent: Vec<Sent>,
+    unanswered: Vec<Order>,
+    /// Acknowledge what the board tells of until this time, us.
+    acknowledging: Option<Option<u64>>,
+    /// A key that waits for a yes.
+    asked: Option<char>,
+}
+
+/// An order in a few words.
+pub fn words(order: &Order) -> String {
+    match order {
+        Order::Acknowledge { alarm, raised } => format!("acknowledge {alarm}, occurrence {raised}"),
+        Order::Learn(true) => "learn the baseline".into(),
+        Order::Learn(false) => "end the learning".into(),
+        Order::ReplaceBearing => "take the bearing for a new one".into(),
+    }
+}
+
+/// An answer in a few words.
+pub fn answer_words(answer: &Answer) -> String {
+    format!("{}: {}", words(&answer.order), answer.outcome.name())
 }
 
 impl<W: Write> Operator<W> {
-    /// One whose words go there.
-    pub const fn new(to: W) -> Self {
-        Self { to }
+    /// One whose words go there, authenticated if there is a key.
+    pub const fn new(to: W, key: Option<Key>) -> Self {
+        Self {
+            to,
+            key,
+            number: 0,
+            nonce: None,
+            wanted: VecDeque::new(),
+            sent: Vec::new(),
+            unanswered: Vec::new(),
+            acknowledging: None,
+            asked: None,
+        }
     }
 
-    /// Sends a command.
+    /// Wants something, as soon as the board has told its nonce.
+    pub fn want(&mut self, order: Order) {
+        self.wanted.push_back(order);
+    }
+
+    /// Wants all alarms acknowledged that the board tells of in its first eleven seconds.
+    pub const fn want_all_acknowledged(&mut self) {
+        self.acknowledging = Some(None);
+    }
+
+    /// Wants acknowledged what the board has told of and nobody has acknowledged; returns how many alarms that are.
+    pub fn acknowledge(&mut self, state: &State) -> usize {
+        let mut count = 0;
+        for at in state.standing() {
+            let (alarm, raised) = (at.report.alarm, at.report.raised);
+            let order = Order::Acknowledge { alarm, raised };
+            let known = self.wanted.contains(&order)
+                || self.sent.iter().any(|sent| sent.request.order == order);
+            if at.report.state != AlarmState::Acknowledged && !known {
+                self.want(order);
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// What the board did not answer, however often it was sent.
+    pub fn unanswered(&self) -> &[Order] {
+        &self.unanswered
+    }
+
+    /// Sends what is wanted, and again what was not answered. To be called after every event of the stream.
     ///
     /// # Errors
     ///
     /// The port takes no bytes.
-    pub fn send(&mut self, command: Command) -> Result<()> {
+    pub fn follow(&mut self, state: &State) -> Result<()> {
+        if let Some(at) = &state.answer {
+            let number = at.report.number;
+            self.sent.retain(|sent| sent.request.number != number);
+        }
+        if let Some(until) = self.acknowledging {
+            let until = until.unwrap_or(state.time_us + TOLD_US);
+            self.acknowledging = (state.time_us < until).then_some(Some(until));
+            self.acknowledge(state);
+        }
+        let now = state.time_us;
+        let mut again = Vec::new();
+        let unanswered = &mut self.unanswered;
+        self.sent.retain_mut(|sent| {
+            if now.saturating_sub(sent.time_us) < REPEAT_US {
+                return true;
+            }
+            if sent.tries == TRIES {
+                unanswered.push(sent.request.order);
+                return false;
+            }
+            sent.tries += 1;
+            sent.time_us = now;
+            again.push(sent.request);
+            true
+        });
+        for request in again {
+            self.send(request)?;
+        }
+        let Some(told) = state.nonce else {
+            return Ok(());
+        };
+        while let Some(order) = self.wanted.pop_front() {
+            let nonce = match self.nonce {
+                Some((known, next)) if known == told => next,
+                _ => told,
+            };
+            self.nonce = Some((told, nonce.wrapping_add(1)));
+            self.number = self.number.wrapping_add(1);
+            let request = Request::new(self.number, nonce, order, self.key.as_ref());
+            self.send(request)?;
+            self.sent.push(Sent {
+                request,
+                time_us: now,
+                tries: 1,
+            });
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, request: Request) -> Result<()> {
         self.to
-            .write_all(&command::encode(command))
+            .write_all(&command::encode(Command::Ask(request)))
             .and_then(|()| self.to.flush())
             .context("cannot send a command to the board")
     }
 
-    /// Acknowledges every alarm, whether it is known here or not: those that stand are acknowledged, and the
-    /// board takes no notice of the rest.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Operator::send`].
-    pub fn acknowledge_all(&mut self) -> Result<()> {
-        Alarm::ALL
-            .into_iter()
-            .try_for_each(|alarm| self.send(Command::Acknowledge(alarm)))
-    }
-
-    /// Acknowledges what the board has told of and nobody has acknowledged; returns how many that were.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Operator::send`].
-    pub fn acknowledge(&mut self, state: &State) -> Result<usize> {
-        let mut count = 0;
-        for at in state.standing() {
-            if at.report.state != AlarmState::Acknowledged {
-                self.send(Command::Acknowledge(at.report.alarm))?;
-                count += 1;
-            }
+    /// What a key of the view says; returns what to show, `None` if the key means nothing. A key that wants something
+    /// is asked back, and `y` has it done.
+    pub fn press(&mut self, key: char, state: &State) -> Option<String> {
+        let asked = self.asked.take();
+        if asked.is_some() && key != 'y' {
+            return Some("nothing was sent".into());
         }
-        Ok(count)
+        match asked {
+            Some('a') => {
+                let count = self.acknowledge(state);
+                return Some(format!("{count} to be acknowledged"));
+            }
+            Some(asked) => {
+                let order = order_of(asked)?;
+                self.want(order);
+                return Some(format!("asked to {}", words(&order)));
+            }
+            None => {}
+        }
+        let question = match key {
+            'a' if state.unacknowledged() == 0 => return Some("no alarm to acknowledge".into()),
+            'a' => format!("acknowledge {}", state.unacknowledged()),
+            _ => words(&order_of(key)?),
+        };
+        self.asked = Some(key);
+        Some(format!("{question}? y, or any other key"))
     }
 
-    /// Has the board learn the baseline from now on, or no longer.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Operator::send`].
-    pub fn learn(&mut self, on: bool) -> Result<()> {
-        self.send(Command::Learn(on))
+    /// Where the words go.
+    pub const fn get_mut(&mut self) -> &mut W {
+        &mut self.to
     }
+}
 
-    /// What a key of the view says; returns what was done, in a few words, `None` if the key means nothing.
-    ///
-    /// # Errors
-    ///
-    /// As for [`Operator::send`].
-    pub fn press(&mut self, key: char, state: &State) -> Result<Option<String>> {
-        Ok(match key {
-            'a' => {
-                let count = self.acknowledge(state)?;
-                let plural = if count == 1 { "" } else { "s" };
-                Some(format!("{count} alarm{plural} acknowledged"))
-            }
-            's' => {
-                self.learn(true)?;
-                Some("asked to learn the baseline".into())
-            }
-            'e' => {
-                self.learn(false)?;
-                Some("asked to end the learning".into())
-            }
-            _ => None,
-        })
-    }
+const fn order_of(key: char) -> Option<Order> {
+    Some(match key {
+        's' => Order::Learn(true),
+        'e' => Order::Learn(false),
+        'r' => Order::ReplaceBearing,
+        _ => return None,
+    })
+}
 
-    /// Where the words went.
-    pub fn into_inner(self) -> W {
-        self.to
-    }
+/// Whether a key of the view would tell a board something.
+pub const fn wants_a_board(key: char) -> bool {
+    key == 'a' || order_of(key).is_some()
 }

@@ -1,7 +1,9 @@
 //! What the frames so far say of the spindle.
 
 use super::decoder::{Event, Gap, Tally};
+use super::operator::answer_words;
 use spindle_bearing::framing::FrameError;
+use spindle_bearing::monitor::command::Answer;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::telemetry::{
     AlarmReport, BallReport, EstimateReport, Frame, HealthReport, InputsReport, Payload,
@@ -65,13 +67,17 @@ pub struct State {
     pub health: Option<At<HealthReport>>,
     /// The last report of what came in.
     pub inputs: Option<At<InputsReport>>,
+    /// The last answer to an order.
+    pub answer: Option<At<Answer>>,
+    /// The nonce that the board told last.
+    pub nonce: Option<u32>,
     /// Counts of the decoder.
     pub tally: Tally,
     /// The last damage.
     pub last_damage: Option<FrameError>,
     /// The last frame whose number went back: the first one of a new start, if that goes on.
     pub behind: Option<Frame>,
-    /// What was last said to the board.
+    /// What was last said to the board, or by it.
     pub said: Option<String>,
 }
 
@@ -157,7 +163,14 @@ impl State {
             }
             Payload::Inputs(report) => {
                 let report = *report;
+                self.nonce = Some(report.nonce);
                 self.inputs = Some(At { time_us, report });
+            }
+            Payload::Answer(answer) => {
+                let report = *answer;
+                self.nonce = Some(report.nonce);
+                self.said = Some(format!("board: {}", answer_words(&report)));
+                self.answer = Some(At { time_us, report });
             }
         }
     }

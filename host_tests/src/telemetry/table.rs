@@ -8,6 +8,7 @@ use super::decoder::{Event, Gap};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use spindle_bearing::Limit;
+use spindle_bearing::monitor::command::{Answer, Order, Outcome};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::loads::FrameCounts;
@@ -105,6 +106,12 @@ struct Row {
     records_late: Option<u64>,
     doubtful_revolutions: Option<u64>,
     life_estimated: Option<f32>,
+    nonce: Option<u32>,
+
+    request: Option<u16>,
+    order: Option<String>,
+    occurrence: Option<u32>,
+    outcome: Option<String>,
 }
 
 const STATUSES: [StatusCode; 9] = [
@@ -248,6 +255,23 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
             records_late: Some(report.records.late),
             doubtful_revolutions: Some(report.doubtful_revolutions),
             life_estimated: Some(report.life_estimated),
+            nonce: Some(report.nonce),
+            ..head
+        }],
+        Payload::Answer(answer) => vec![Row {
+            kind: "answer".into(),
+            request: Some(answer.number),
+            order: Some(order_name(&answer.order).into()),
+            alarm: match answer.order {
+                Order::Acknowledge { alarm, .. } => Some(alarm.name().into()),
+                _ => None,
+            },
+            occurrence: match answer.order {
+                Order::Acknowledge { raised, .. } => Some(raised),
+                _ => None,
+            },
+            outcome: Some(answer.outcome.name().into()),
+            nonce: Some(answer.nonce),
             ..head
         }],
     }
@@ -368,6 +392,7 @@ fn frame(row: &Row) -> Result<Frame> {
             "ball" => Payload::Balls(balls(row).context("a field is missing")?),
             "alarm" => Payload::Alarm(alarm(row).context("a field is missing or not known")?),
             "health" => Payload::Health(health(row).context("a field is missing")?),
+            "answer" => Payload::Answer(answer(row).context("a field is missing or not known")?),
             "inputs" => Payload::Inputs(inputs(row).context("a field is missing")?),
             other => bail!("no such kind of row: `{other}`"),
         },
@@ -494,6 +519,40 @@ fn inputs(row: &Row) -> Option<InputsReport> {
         },
         doubtful_revolutions: row.doubtful_revolutions?,
         life_estimated: row.life_estimated?,
+        nonce: row.nonce?,
+    })
+}
+
+/// Short name in lower case of an order.
+const fn order_name(order: &Order) -> &'static str {
+    match order {
+        Order::Acknowledge { .. } => "acknowledge",
+        Order::Learn(true) => "learn-on",
+        Order::Learn(false) => "learn-off",
+        Order::ReplaceBearing => "replace-bearing",
+    }
+}
+
+fn answer(row: &Row) -> Option<Answer> {
+    let orders = [
+        Order::Learn(true),
+        Order::Learn(false),
+        Order::ReplaceBearing,
+    ];
+    let name = row.order.as_deref()?;
+    let order = match orders.into_iter().find(|order| order_name(order) == name) {
+        Some(order) => order,
+        None if name == "acknowledge" => Order::Acknowledge {
+            alarm: by_name(&Alarm::ALL, Alarm::name, row.alarm.as_deref()?)?,
+            raised: row.occurrence?,
+        },
+        None => return None,
+    };
+    Some(Answer {
+        number: row.request?,
+        order,
+        outcome: by_name(&Outcome::ALL, Outcome::name, row.outcome.as_deref()?)?,
+        nonce: row.nonce?,
     })
 }
 

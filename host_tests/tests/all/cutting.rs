@@ -4,10 +4,11 @@ use super::monitor::{IDLE, Rig, SETTINGS, SPEED, settings};
 use super::retained::idling;
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use rayon::prelude::*;
+use spindle_bearing::monitor::command::{Order, Outcome, Request};
 use spindle_bearing::monitor::judgement::{AlarmChange, Baseline, Changes};
 use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::settings::MonitorSettings;
-use spindle_bearing::monitor::{Alarm, AlarmState, Judgement, Mark, Outcome, Readings};
+use spindle_bearing::monitor::{self, Alarm, AlarmState, Judgement, Mark, Readings};
 
 /// Every tooth presses the shaft with a half-sine of a radial load, on top of the preload. Teeth follow each other
 /// without a pause, or with one as long as a tooth's time in the cut.
@@ -51,7 +52,7 @@ fn loads_of_passing_teeth_are_solved_in_the_tick_that_brings_them() {
 }
 
 /// A tick under the idling loads and so much more radial load.
-fn pressed(rig: &mut Rig, radial: f32) -> Outcome {
+fn pressed(rig: &mut Rig, radial: f32) -> monitor::Outcome {
     let mut sample = rig.sample(IDLE);
     sample.load[1] += radial;
     rig.tick(&Readings {
@@ -279,6 +280,95 @@ fn no_command_blinds_the_monitor() {
         rig.good(IDLE, SPEED - SPEED * ms as f32 / 999.0);
     }
     assert!(rig.monitor.replace_bearing(rig.time_us));
+    rig.no_alarm_is_lost();
+}
+
+/// What an operator asks for, and the outcome.
+fn ask(rig: &mut Rig, order: Order) -> Outcome {
+    let nonce = rig.monitor.inputs().nonce;
+    let request = Request::new(nonce as u16, nonce, order, None);
+    rig.monitor.ask(rig.time_us, &request);
+    // Asked for once more, it is answered once more, and not done again.
+    rig.monitor.ask(rig.time_us, &request);
+    rig.good(IDLE, SPEED);
+    let answers: Vec<_> = rig.answers.drain(..).collect();
+    let [first, again] = answers[..] else {
+        panic!("{answers:?}");
+    };
+    assert_eq!(first, again);
+    assert_eq!((first.order, first.nonce), (order, nonce.wrapping_add(1)));
+    first.outcome
+}
+
+#[test]
+fn an_order_that_is_out_of_place_is_refused_by_its_reason() {
+    let mut rig = Rig::new(&SETTINGS);
+    // No estimate yet.
+    assert_eq!(ask(&mut rig, Order::Learn(true)), Outcome::NotIdling);
+    rig.run_up();
+    for _ in 0..300 {
+        pressed(&mut rig, 1500.0);
+    }
+    assert_eq!(ask(&mut rig, Order::Learn(true)), Outcome::NotIdling);
+    assert_eq!(ask(&mut rig, Order::Learn(false)), Outcome::TooLittleLearnt);
+    assert_eq!(
+        ask(&mut rig, Order::ReplaceBearing),
+        Outcome::NotAtStandstill
+    );
+    rig.good(IDLE, SPEED);
+    assert_eq!(ask(&mut rig, Order::Learn(true)), Outcome::Done);
+    assert_eq!(ask(&mut rig, Order::Learn(false)), Outcome::TooLittleLearnt);
+    assert_eq!(ask(&mut rig, Order::Learn(true)), Outcome::Done);
+    for _ in 0..200 {
+        rig.good(IDLE, SPEED);
+    }
+    assert_eq!(ask(&mut rig, Order::Learn(false)), Outcome::Done);
+    rig.no_alarm_is_lost();
+}
+
+#[test]
+fn an_acknowledgement_of_one_occurrence_is_none_of_the_next() {
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    let occur = |rig: &mut Rig| {
+        assert!(raises(rig, Alarm::PeakPressure, 300, |_| 2500.0));
+        assert!(!raises(rig, Alarm::PeakPressure, 900, |_| 0.0));
+        assert_eq!(rig.state(Alarm::PeakPressure), AlarmState::Latched);
+    };
+    let first = Order::Acknowledge {
+        alarm: Alarm::PeakPressure,
+        raised: 1,
+    };
+    occur(&mut rig);
+    occur(&mut rig);
+    assert_eq!(ask(&mut rig, first), Outcome::NoSuchOccurrence);
+    assert_eq!(rig.state(Alarm::PeakPressure), AlarmState::Latched);
+    let second = Order::Acknowledge {
+        alarm: Alarm::PeakPressure,
+        raised: 2,
+    };
+    assert_eq!(ask(&mut rig, second), Outcome::Done);
+    assert_eq!(rig.state(Alarm::PeakPressure), AlarmState::Clear);
+    assert_eq!(ask(&mut rig, second), Outcome::NoSuchOccurrence);
+    rig.no_alarm_is_lost();
+}
+
+/// A shut link holds answers back, and orders with them: none is carried out without an answer.
+#[test]
+fn no_order_is_carried_out_without_an_answer() {
+    let mut rig = Rig::new(&SETTINGS);
+    rig.run_up();
+    let mut done = 0;
+    for number in 0..100 {
+        let nonce = rig.monitor.inputs().nonce;
+        let order = Order::Learn(number % 2 == 0);
+        rig.monitor
+            .ask(rig.time_us, &Request::new(number, nonce, order, None));
+        done += u32::from(rig.monitor.inputs().nonce != nonce);
+    }
+    assert!(done < 100);
+    rig.good(IDLE, SPEED);
+    assert_eq!(rig.answers.len(), done as usize);
     rig.no_alarm_is_lost();
 }
 

@@ -8,6 +8,7 @@ use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
 use embedded_hal_mock::eh1::spi::{Mock as SpiMock, Transaction};
 use host_tests::milling_cycle::milling_cycle;
+use spindle_bearing::monitor::command::Answer;
 use spindle_bearing::monitor::judgement::AlarmChange;
 use spindle_bearing::monitor::loads::{
     AdcError, Ads131m08, Ads131m08Bridges, Ads131m08Config, BridgeAdc, Calibration,
@@ -109,6 +110,8 @@ pub(super) struct Rig {
     /// The last report of every ball.
     balls: Vec<BallReport>,
     jitter: f32,
+    /// Answers that arrived.
+    pub(super) answers: Vec<Answer>,
 }
 
 impl Rig {
@@ -130,6 +133,7 @@ impl Rig {
             stiffness: Vec::new(),
             balls: Vec::new(),
             jitter: 0.0,
+            answers: Vec::new(),
         }
     }
 
@@ -185,6 +189,7 @@ impl Rig {
                     self.balls.extend(report.balls);
                 }
                 Payload::Health(_) | Payload::Inputs(_) => {}
+                Payload::Answer(answer) => self.answers.push(answer),
             }
         }
     }

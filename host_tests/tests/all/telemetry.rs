@@ -9,7 +9,7 @@ use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::{HISTORY, State};
 use host_tests::telemetry::{simulated, table};
 use proptest::prelude::*;
-use spindle_bearing::monitor::command::{Command, Sorter};
+use spindle_bearing::monitor::command::{self, Answer, Command, Order, Sorter};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::loads::FrameCounts;
@@ -175,13 +175,31 @@ prop_compose! {
     fn any_inputs()(
         counts in prop::array::uniform7(any::<u64>()),
         life_estimated in number(),
+        nonce in any::<u32>(),
     ) -> InputsReport {
         let [received, corrupt, lost, disordered, passed_over, late, doubtful_revolutions] = counts;
         InputsReport {
             records: FrameCounts { received, corrupt, lost, disordered, passed_over, late },
             doubtful_revolutions,
             life_estimated,
+            nonce,
         }
+    }
+}
+
+prop_compose! {
+    fn any_answer()(
+        number in any::<u16>(),
+        order in prop_oneof![
+            (prop::sample::select(Alarm::ALL.to_vec()), any::<u32>())
+                .prop_map(|(alarm, raised)| Order::Acknowledge { alarm, raised }),
+            any::<bool>().prop_map(Order::Learn),
+            Just(Order::ReplaceBearing),
+        ],
+        outcome in prop::sample::select(command::Outcome::ALL.to_vec()),
+        nonce in any::<u32>(),
+    ) -> Answer {
+        Answer { number, order, outcome, nonce }
     }
 }
 
@@ -192,6 +210,7 @@ fn any_payload() -> impl Strategy<Value = Payload> {
         any_alarm().prop_map(Payload::Alarm),
         any_health().prop_map(Payload::Health),
         any_inputs().prop_map(Payload::Inputs),
+        any_answer().prop_map(Payload::Answer),
     ]
 }
 
@@ -542,10 +561,38 @@ fn commands(bytes: &[u8]) -> Vec<Command> {
     bytes.iter().filter_map(found).collect()
 }
 
+/// The orders in what an operator has sent, with their nonces.
+fn orders(operator: &mut Operator<Vec<u8>>) -> Vec<(u32, Order)> {
+    let sent = std::mem::take(operator.get_mut());
+    let order = |command| match command {
+        Command::Ask(request) => (request.nonce, request.order),
+        Command::Tick(_) => panic!("no operator asks for a tick"),
+    };
+    commands(&sent).into_iter().map(order).collect()
+}
+
+fn note(state: &mut State, decoder: &mut Decoder, frame: &Frame) {
+    for byte in encode(frame) {
+        if let Some(event) = decoder.push(byte) {
+            state.note(&event, decoder.tally());
+        }
+    }
+}
+
+fn told(sequence: u32, time_us: u64, nonce: u32) -> Frame {
+    let inputs = InputsReport {
+        nonce,
+        ..InputsReport::default()
+    };
+    Frame {
+        time_us,
+        ..frame(sequence, Payload::Inputs(inputs))
+    }
+}
+
 #[test]
-fn only_alarms_that_nobody_has_acknowledged_are_acknowledged() {
-    let mut state = State::default();
-    let mut decoder = Decoder::new();
+fn only_alarms_that_nobody_has_acknowledged_are_acknowledged_by_their_occurrence() {
+    let (mut state, mut decoder) = (State::default(), Decoder::new());
     let reports = [
         alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised),
         alarm(Alarm::Sensor, AlarmChange::Cleared, AlarmState::Latched),
@@ -556,35 +603,99 @@ fn only_alarms_that_nobody_has_acknowledged_are_acknowledged() {
         ),
         alarm(Alarm::LifeUsed, AlarmChange::Cleared, AlarmState::Clear),
     ];
+    let mut expected = Vec::new();
     for (sequence, report) in (0..).zip(reports) {
-        for byte in encode(&frame(sequence, Payload::Alarm(report))) {
-            if let Some(event) = decoder.push(byte) {
-                state.note(&event, decoder.tally());
-            }
+        if matches!(report.alarm, Alarm::Slip | Alarm::Sensor) {
+            expected.push((report.alarm, report.raised));
         }
+        note(
+            &mut state,
+            &mut decoder,
+            &frame(sequence, Payload::Alarm(report)),
+        );
     }
-    let mut operator = Operator::new(Vec::new());
+    let mut operator = Operator::new(Vec::new(), None);
+    // Asked back, and not sent before the board's nonce is known.
     let said = operator.press('a', &state).unwrap();
-    assert_eq!(said.as_deref(), Some("2 alarms acknowledged"));
-    assert_eq!(operator.press('x', &state).unwrap(), None);
-    let mut sent = commands(&operator.into_inner());
-    sent.sort_by_key(|command| format!("{command:?}"));
-    assert_eq!(sent, [Alarm::Sensor, Alarm::Slip].map(Command::Acknowledge));
+    assert!(said.starts_with("acknowledge 2?"), "{said}");
+    assert_eq!(
+        operator.press('y', &state).as_deref(),
+        Some("2 to be acknowledged")
+    );
+    assert_eq!(operator.press('x', &state), None);
+    operator.follow(&state).unwrap();
+    assert_eq!(orders(&mut operator), []);
+    note(&mut state, &mut decoder, &told(4, 1000, 7));
+    operator.follow(&state).unwrap();
+    let sent: Vec<_> = orders(&mut operator)
+        .into_iter()
+        .map(|(nonce, order)| match order {
+            Order::Acknowledge { alarm, raised } => (nonce, (alarm, raised)),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    expected.sort_by_key(|(alarm, _)| *alarm as usize);
+    assert_eq!(sent, [(7, expected[0]), (8, expected[1])]);
 }
 
 #[test]
-fn each_key_says_one_thing_and_all_alarms_are_acknowledged_unseen() {
-    let state = State::default();
-    let mut operator = Operator::new(Vec::new());
-    let mut press = |key| operator.press(key, &state).unwrap().unwrap();
+fn each_key_says_one_thing_and_a_no_sends_nothing() {
+    let (mut state, mut decoder) = (State::default(), Decoder::new());
+    note(&mut state, &mut decoder, &told(0, 1000, 7));
+    let mut operator = Operator::new(Vec::new(), None);
+    for key in ['s', 'e', 'r'] {
+        assert!(operator.press(key, &state).unwrap().contains("? y"));
+        assert_eq!(operator.press('n', &state).unwrap(), "nothing was sent");
+        operator.press(key, &state);
+        operator.press('y', &state);
+    }
+    operator.follow(&state).unwrap();
+    let wanted = [
+        Order::Learn(true),
+        Order::Learn(false),
+        Order::ReplaceBearing,
+    ];
     assert_eq!(
-        ['s', 'e'].map(&mut press),
-        ["asked to learn the baseline", "asked to end the learning"]
+        orders(&mut operator),
+        [(7, wanted[0]), (8, wanted[1]), (9, wanted[2])]
     );
-    operator.acknowledge_all().unwrap();
-    let mut expected = vec![Command::Learn(true), Command::Learn(false)];
-    expected.extend(Alarm::ALL.map(Command::Acknowledge));
-    assert_eq!(commands(&operator.into_inner()), expected);
+}
+
+#[test]
+fn an_order_is_sent_again_until_it_is_answered_and_is_given_up_in_the_end() {
+    let (mut state, mut decoder) = (State::default(), Decoder::new());
+    let mut operator = Operator::new(Vec::new(), None);
+    operator.want(Order::Learn(true));
+    operator.want(Order::Learn(false));
+    let mut sent = Vec::new();
+    for second in 0..10 {
+        note(
+            &mut state,
+            &mut decoder,
+            &told(2 * second, 1_000_000 * u64::from(second), 7),
+        );
+        if second == 2 {
+            let answer = Payload::Answer(Answer {
+                number: 1,
+                order: Order::Learn(true),
+                outcome: command::Outcome::NotIdling,
+                nonce: 8,
+            });
+            note(&mut state, &mut decoder, &frame(5, answer));
+            assert_eq!(
+                state.said.as_deref(),
+                Some("board: learn the baseline: not-idling")
+            );
+        }
+        operator.follow(&state).unwrap();
+        sent.extend(orders(&mut operator).into_iter().map(|(_, order)| order));
+    }
+    let times = |order| sent.iter().filter(|sent| **sent == order).count();
+    assert_eq!(
+        (times(Order::Learn(true)), times(Order::Learn(false))),
+        (2, 5)
+    );
+    assert_eq!(operator.unanswered(), [Order::Learn(false)]);
 }
 
 #[test]
@@ -598,8 +709,12 @@ fn a_port_that_takes_no_bytes_is_told_of() {
             Ok(())
         }
     }
-    let error = Operator::new(Gone)
-        .press('s', &State::default())
-        .unwrap_err();
+    let mut operator = Operator::new(Gone, None);
+    operator.want(Order::Learn(true));
+    let state = State {
+        nonce: Some(0),
+        ..State::default()
+    };
+    let error = operator.follow(&state).unwrap_err();
     assert_eq!(error.to_string(), "cannot send a command to the board");
 }

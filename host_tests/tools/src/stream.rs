@@ -4,17 +4,21 @@
 pub mod faults;
 pub mod records;
 
+use anyhow::Result;
 use faults::Spoiler;
-use spindle_bearing::monitor::command::{self, Command};
-use spindle_bearing::monitor::{Alarm, MonitorSettings};
+use host_tests::telemetry::decoder::Decoder;
+use host_tests::telemetry::operator::Operator;
+use host_tests::telemetry::state::State;
+use spindle_bearing::monitor::MonitorSettings;
+use spindle_bearing::monitor::command::Order;
 use spindle_bearing::record::LoadRecord;
 
 /// Bytes that the link takes in a tick: those of 460,800 baud in a millisecond.
 pub const ROOM: u16 = 46;
 /// Ticks between two looks of the operator, who then acknowledges what there is.
 const LOOK: usize = 2000;
-/// Ticks in which the baseline is learnt.
-const LEARNING: usize = 2000;
+/// Ticks at which the operator has the baseline learnt, and no longer.
+const LEARNING: [usize; 2] = [600, 2000];
 
 /// What happens between two ticks, and in the second.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,40 +29,55 @@ pub struct Tick {
     pub room: u16,
 }
 
-/// The run of these records, spoilt. The last tick is one with a health report, so that the board's own
-/// counters are the last word, and all that waits is sent in it.
+/// The run of these records, spoilt.
+///
+/// `board` is what runs them, and returns its telemetry of a tick, which the operator
+/// hears. The last tick is one with a health report, so that the board's own counters are the last word, and all that
+/// waits is sent in it.
+///
+/// # Errors
+///
+/// `board` failed.
 pub fn ticks(
     records: &[LoadRecord],
     spoiler: &mut Spoiler,
     settings: &MonitorSettings,
-) -> Vec<Tick> {
+    mut board: impl FnMut(&Tick) -> Result<Vec<u8>>,
+) -> Result<Vec<Tick>> {
     let period = settings.tick.period_us;
     let per_report = (settings.telemetry.health_us / period).max(1) as usize;
     let ticks = records.len().div_ceil(per_report) * per_report + 1;
-    (0..ticks)
-        .map(|tick| {
-            let mut bytes = Vec::new();
-            if tick == 0 || tick == LEARNING {
-                bytes.extend(command::encode(Command::Learn(tick == 0)));
+    let (mut state, mut decoder) = (State::default(), Decoder::new());
+    let mut operator = Operator::new(Vec::new(), None);
+    let mut run = Vec::with_capacity(ticks);
+    for tick in 0..ticks {
+        if LEARNING.contains(&tick) {
+            operator.want(Order::Learn(tick == LEARNING[0]));
+        }
+        if tick % LOOK == LOOK - 1 || tick + 2 == ticks {
+            operator.acknowledge(&state);
+        }
+        operator.follow(&state)?;
+        let mut bytes = std::mem::take(operator.get_mut());
+        let mut shut = false;
+        if let Some(record) = records.get(tick) {
+            let spoilt = spoiler.spoil(tick, record);
+            bytes.extend(spoilt.bytes);
+            shut = spoilt.shut;
+        }
+        let last = tick + 1 == ticks;
+        let room = match (last, shut) {
+            (true, _) => u16::MAX,
+            (_, true) => 0,
+            _ => ROOM,
+        };
+        let tick = Tick { bytes, room };
+        for byte in board(&tick)? {
+            if let Some(event) = decoder.push(byte) {
+                state.note(&event, decoder.tally());
             }
-            let mut shut = false;
-            if let Some(record) = records.get(tick) {
-                let spoilt = spoiler.spoil(tick, record);
-                bytes.extend(spoilt.bytes);
-                shut = spoilt.shut;
-            }
-            if tick % LOOK == LOOK - 1 || tick + 2 == ticks {
-                for alarm in Alarm::ALL {
-                    bytes.extend(command::encode(Command::Acknowledge(alarm)));
-                }
-            }
-            let last = tick + 1 == ticks;
-            let room = match (last, shut) {
-                (true, _) => u16::MAX,
-                (_, true) => 0,
-                _ => ROOM,
-            };
-            Tick { bytes, room }
-        })
-        .collect()
+        }
+        run.push(tick);
+    }
+    Ok(run)
 }

@@ -1,15 +1,16 @@
 //! `cargo telemetry`: reads the monitor's telemetry from a port, a file or a pipe, prints what it says,
 //! writes it as a table, or shows it live.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{ArgGroup, Parser, ValueEnum};
 use host_tests::loads;
 use host_tests::milling_cycle::RECORD;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap};
+use host_tests::telemetry::operator::{answer_words, words};
 use host_tests::telemetry::simulated;
 use host_tests::telemetry::state::State;
 use host_tests::telemetry::table::{Writer, change_name};
-use spindle_bearing::monitor::command::Command;
+use spindle_bearing::monitor::command::{self, Order};
 use spindle_bearing::monitor::telemetry::Payload;
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};
@@ -38,18 +39,23 @@ struct Arguments {
     #[arg(long, value_name = "PORT", group = "source")]
     port: Option<String>,
 
-    /// Acknowledge all alarms, then go on; with --view, the key a does it
+    /// Acknowledge what the board tells of in its next eleven seconds, and go on; with --view, the key a does it
     #[arg(long, requires = "port")]
     acknowledge: bool,
 
-    /// Have the board learn the baseline of the stiffness from now on, or no longer; with --view, the keys s
+    /// Have the board, idling, learn the baseline of the stiffness from now on, or no longer; with --view, the keys s
     /// and e do it
     #[arg(long, value_name = "WHEN", requires = "port")]
     learn: Option<Learning>,
 
-    /// Tell the board that the bearing was replaced by a new one: it forgets its baseline and the life used
+    /// Tell the board, at a standstill, that the bearing was replaced by a new one: it forgets its baseline and the
+    /// life used
     #[arg(long, requires = "port")]
     new_bearing: bool,
+
+    /// Key of the board, 32 hexadecimal digits, if it was built with one
+    #[arg(long, value_name = "HEX", env = "SPINDLE_KEY", hide_env_values = true)]
+    key: Option<String>,
 
     /// Baud rate of the port
     #[arg(long, value_name = "BAUD", default_value_t = 460_800)]
@@ -71,7 +77,8 @@ struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<String>,
 
-    /// Show the stream live; q leaves. With a port, a acknowledges alarms, s starts learning the baseline, e ends it
+    /// Show the stream live; q leaves. With a port, a acknowledges alarms, s starts learning the baseline, e ends it,
+    /// r tells of a new bearing
     #[arg(long)]
     view: bool,
 
@@ -112,13 +119,13 @@ fn run(arguments: &Arguments) -> Result<()> {
     let (chunks, mut operator) = open(arguments)?;
     if let Some(operator) = &mut operator {
         if arguments.acknowledge {
-            operator.acknowledge_all()?;
+            operator.want_all_acknowledged();
         }
         if arguments.new_bearing {
-            operator.send(Command::ReplaceBearing)?;
+            operator.want(Order::ReplaceBearing);
         }
         if let Some(when) = arguments.learn {
-            operator.learn(when == Learning::On)?;
+            operator.want(Order::Learn(when == Learning::On));
         }
     }
     let mut table = match &arguments.csv {
@@ -134,13 +141,10 @@ fn run(arguments: &Arguments) -> Result<()> {
     let mut state = State::default();
     let ended = if arguments.view {
         let pace = (arguments.port.is_none() && arguments.pace > 0.0).then_some(arguments.pace);
-        let press = |key, state: &State| match &mut operator {
-            Some(operator) => operator.press(key, state),
-            None => Ok(None),
-        };
-        view::view(&chunks, pace, &mut state, write, press)
+        view::view(&chunks, pace, &mut state, write, operator.as_mut())
     } else {
-        read(&chunks, port_of(arguments), quiet, &mut state, write)
+        let from = (&chunks, port_of(arguments));
+        read(from, quiet, &mut state, write, operator.as_mut())
     };
     // A port that was unplugged is told of after what came from it.
     eprintln!("{}", state.tally);
@@ -165,7 +169,14 @@ fn port_of(arguments: &Arguments) -> Option<(&str, u32)> {
 /// Where the bytes come from, and for a port, who says something to it.
 fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
     if let Some(port) = &arguments.port {
-        let (chunks, operator) = source::port(port, arguments.baud)?;
+        let key = match &arguments.key {
+            None => None,
+            Some(digits) => {
+                let key = command::key(digits).context("--key must be 32 hexadecimal digits")?;
+                Some(key)
+            }
+        };
+        let (chunks, operator) = source::port(port, arguments.baud, key)?;
         return Ok((chunks, Some(operator)));
     }
     if let Some(path) = &arguments.file {
@@ -196,11 +207,11 @@ const HOPELESS: u64 = 100;
 
 /// Reads to the end of the stream.
 fn read(
-    chunks: &Chunks,
-    port: Option<(&str, u32)>,
+    (chunks, port): (&Chunks, Option<(&str, u32)>),
     quiet: bool,
     state: &mut State,
     mut each: impl FnMut(&Event) -> Result<()>,
+    mut operator: Option<&mut PortOperator>,
 ) -> Result<()> {
     let mut decoder = Decoder::new();
     let mut out = io::stdout().lock();
@@ -211,6 +222,15 @@ fn read(
                 state.note(&event, decoder.tally());
                 if !quiet {
                     print(&mut out, &event)?;
+                }
+                if let Some(operator) = &mut operator {
+                    operator.follow(state)?;
+                    if let Some(order) = operator.unanswered().first() {
+                        bail!(
+                            "the board does not answer the order to {}: is its RX on this port's TX?",
+                            words(order)
+                        );
+                    }
                 }
             }
         }
@@ -302,6 +322,7 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
             report.records.late,
             report.life_estimated
         )?,
+        Payload::Answer(answer) => writeln!(out, "answer    {}", answer_words(answer))?,
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 use anyhow::{Context, Result, bail};
 use host_tests::telemetry::decoder::Tally;
 use host_tests::telemetry::operator::Operator;
+use spindle_bearing::monitor::command::Key;
 use spindle_bearing::monitor::telemetry::VERSION;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -23,19 +24,19 @@ pub type Chunks = Receiver<io::Result<Vec<u8>>>;
 /// Says something to a port.
 pub type PortOperator = Operator<Box<dyn Write + Send>>;
 
-/// Opens a serial port, 8N1: what comes in, and who sends commands out.
+/// Opens a serial port, 8N1: what comes in, and who sends commands out, authenticated if there is a key.
 ///
 /// # Errors
 ///
 /// The port is not there, not free, or does not know the baud rate.
-pub fn port(name: &str, baud: u32) -> Result<(Chunks, PortOperator)> {
+pub fn port(name: &str, baud: u32, key: Option<Key>) -> Result<(Chunks, PortOperator)> {
     let open = || {
         let port = serialport::new(name, baud).timeout(PORT_TIMEOUT).open()?;
         Ok::<_, serialport::Error>((port.try_clone()?, port))
     };
     let (writer, reader) =
         open().with_context(|| format!("cannot open the serial port {name} at {baud} baud"))?;
-    Ok((stream(reader), Operator::new(Box::new(writer))))
+    Ok((stream(reader), Operator::new(Box::new(writer), key)))
 }
 
 /// Opens a file; `-` is standard input, where an emulator's output can be led to.
@@ -116,15 +117,16 @@ pub fn is_telemetry(tally: &Tally, port: Option<(&str, u32)>) -> Result<()> {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+    use host_tests::telemetry::state::State;
     use serialport::{SerialPort, TTYPort};
-    use spindle_bearing::monitor::command::{self, Command};
+    use spindle_bearing::monitor::command::{self, Command, Order, Request};
 
     /// A pseudo-terminal is a port to whoever opens it.
     #[test]
     fn the_bytes_of_a_port_arrive_as_they_were_sent_silence_is_no_end_and_unplugging_is() {
         let (mut sender, port_side) = TTYPort::pair().unwrap();
         let name = port_side.name().unwrap();
-        let (chunks, mut operator) = port(&name, 460_800).unwrap();
+        let (chunks, mut operator) = port(&name, 460_800, None).unwrap();
         let receive = |count: usize| -> Vec<u8> {
             let mut bytes = Vec::new();
             while bytes.len() < count {
@@ -140,10 +142,17 @@ mod tests {
             assert_eq!(receive(sent.len()), sent);
             thread::sleep(2 * PORT_TIMEOUT);
         }
-        operator.send(Command::Learn(true)).unwrap();
-        let mut command = vec![0; command::encode(Command::Learn(true)).len()];
+        operator.want(Order::Learn(true));
+        let state = State {
+            nonce: Some(9),
+            ..State::default()
+        };
+        operator.follow(&state).unwrap();
+        let wanted = Command::Ask(Request::new(1, 9, Order::Learn(true), None));
+        let wanted = command::encode(wanted);
+        let mut command = vec![0; wanted.len()];
         sender.read_exact(&mut command).unwrap();
-        assert_eq!(command, *command::encode(Command::Learn(true)));
+        assert_eq!(command, *wanted);
         drop((sender, port_side));
         let last = chunks.recv_timeout(Duration::from_secs(10));
         assert!(!matches!(last, Ok(Ok(_))), "{last:?}");

@@ -1,8 +1,9 @@
 //! The live view: stiffness over time, the balls' forces as a polar picture, alarms and counters.
 
-use super::source::Chunks;
+use super::source::{Chunks, PortOperator};
 use anyhow::Result;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
+use host_tests::telemetry::operator::{wants_a_board, words};
 use host_tests::telemetry::state::{Balls, Point, State};
 use ratatui::Frame;
 use ratatui::buffer::Buffer;
@@ -499,18 +500,19 @@ fn counters(state: &State) -> Paragraph<'_> {
 /// Shows a stream until its reader presses q, Esc or Ctrl-C. At the end of the stream the view stays.
 ///
 /// `pace` is how many times as fast as the monitor's own time the frames are shown; `None` shows them as
-/// they come. `each` is called for every event, and `state` is what they say, also if there is an error. `press`
-/// is told of keys, and returns what it did about one, for the view to show.
+/// they come. `each` is called for every event, and `state` is what they say, also if there is an error. `operator`
+/// is told of keys, where there is a board.
 ///
 /// # Errors
 ///
-/// The terminal cannot be used, the stream cannot be read, or `each` or `press` failed.
+/// The terminal cannot be used, the stream cannot be read, `each` failed, or the port takes no
+/// bytes.
 pub fn view(
     chunks: &Chunks,
     pace: Option<f64>,
     state: &mut State,
     mut each: impl FnMut(&Event) -> Result<()>,
-    mut press: impl FnMut(char, &State) -> Result<Option<String>>,
+    mut operator: Option<&mut PortOperator>,
 ) -> Result<()> {
     let mut terminal = ratatui::try_init()?;
     let shown = (|| {
@@ -535,6 +537,13 @@ pub fn view(
                     each(event)?;
                     state.note(event, *tally);
                     waiting.pop_front();
+                    if let Some(operator) = &mut operator {
+                        operator.follow(state)?;
+                        if let Some(order) = operator.unanswered().last() {
+                            let order = words(order);
+                            state.said = Some(format!("the board does not answer: {order}"));
+                        }
+                    }
                 }
                 let left = next.saturating_duration_since(Instant::now());
                 if left.is_zero() {
@@ -567,9 +576,12 @@ pub fn view(
                     KeyCode::Char('q') | KeyCode::Esc => return Ok(()),
                     KeyCode::Char('c') if control => return Ok(()),
                     KeyCode::Char(other) => {
-                        if let Some(said) = press(other, state)? {
-                            state.said = Some(said);
-                        }
+                        let said = match &mut operator {
+                            Some(operator) => operator.press(other, state),
+                            None => wants_a_board(other)
+                                .then(|| "not from a port: there is no board to tell".into()),
+                        };
+                        state.said = said.or(state.said.take());
                     }
                     _ => {}
                 }

@@ -59,7 +59,7 @@ fn a_stream_that_breaks_off_gives_what_came_and_then_its_error() {
     assert_eq!(chunks.len(), 2);
     assert_eq!(chunks[0].as_ref().unwrap(), &bytes);
     assert_eq!(chunks[1].as_ref().unwrap_err().to_string(), "unplugged");
-    let error = source::port("/dev/there_is_no_such_port", 460_800)
+    let error = source::port("/dev/there_is_no_such_port", 460_800, None)
         .err()
         .unwrap();
     assert!(error.to_string().contains("there_is_no_such_port"));

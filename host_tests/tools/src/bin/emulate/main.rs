@@ -197,13 +197,7 @@ fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
                 drop(manner);
                 answer
             });
-            view::view(
-                &chunks,
-                Some(1.0),
-                &mut State::default(),
-                |_| Ok(()),
-                |_, _| Ok(None),
-            )?;
+            view::view(&chunks, Some(1.0), &mut State::default(), |_| Ok(()), None)?;
             drop(chunks);
             running.join().map_err(|_| anyhow!("the run panicked"))?
         })?

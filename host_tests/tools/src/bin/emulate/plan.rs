@@ -41,9 +41,10 @@ pub fn plan(records: &[LoadRecord], mut spoiler: Spoiler) -> Result<Plan> {
     let prepared = chain.prepare();
     ensure!(prepared.is_ok(), "no equilibrium to start from");
     let (mut done, mut told) = (0, 0);
-    for tick in stream::ticks(records, &mut spoiler, &MONITOR) {
-        input.extend(tick.bytes);
+    stream::ticks(records, &mut spoiler, &MONITOR, |tick| {
+        input.extend(&tick.bytes);
         input.extend(command::encode(Command::Tick(tick.room)));
+        let answered = expected.len();
         for byte in &input[told..] {
             let Some(room) = chain.push(*byte) else {
                 continue;
@@ -58,7 +59,8 @@ pub fn plan(records: &[LoadRecord], mut spoiler: Spoiler) -> Result<Plan> {
             expected.extend(bytes);
         }
         told = input.len();
-    }
+        Ok(expected[answered..].to_vec())
+    })?;
     Ok(Plan {
         input,
         expected,

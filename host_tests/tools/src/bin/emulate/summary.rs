@@ -33,7 +33,7 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     let mut text = String::new();
     let mut health: Option<HealthReport> = None;
     let mut alarms = [Story::default(); Alarm::COUNT];
-    let mut kinds = [0_u64; 5];
+    let mut kinds = [0_u64; 6];
     for frame in &answer.frames {
         match &frame.payload {
             Payload::Estimate(_) => kinds[0] += 1,
@@ -50,6 +50,7 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
                 health = Some(*report);
             }
             Payload::Inputs(_) => kinds[4] += 1,
+            Payload::Answer(_) => kinds[5] += 1,
         }
     }
     let health = health.context("the board has sent no counters")?;
@@ -119,9 +120,16 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
             }
         }
     }
-    for (name, count) in ["estimates", "balls", "alarms", "health", "inputs"]
-        .iter()
-        .zip(kinds)
+    for (name, count) in [
+        "estimates",
+        "balls",
+        "alarms",
+        "health",
+        "inputs",
+        "answers",
+    ]
+    .iter()
+    .zip(kinds)
     {
         line(&format!("frames of {name}"), count)?;
     }

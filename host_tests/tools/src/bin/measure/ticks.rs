@@ -104,27 +104,34 @@ const BOARDS: [Board; 2] = [
 ];
 
 macro_rules! answers {
-    ($name:ident, $board:ident) => {
-        fn $name(ticks: &[Tick]) -> Result<Vec<Vec<u8>>> {
+    ($start:ident, $name:ident, $board:ident) => {
+        /// The host's build of the board, tick by tick.
+        fn $start() -> Result<impl FnMut(&Tick) -> Vec<u8>> {
             let mut chain = $board::chain::Chain::new(&Past::NONE);
             ensure!(
                 chain.prepare().is_ok(),
                 "the host has no equilibrium to start from"
             );
             let period = u64::from($board::monitor_settings::MONITOR.tick.period_us);
-            let answer = |(number, tick): (u64, &Tick)| {
+            let mut number = 0;
+            Ok(move |tick: &Tick| {
                 for byte in &tick.bytes {
                     chain.push(*byte);
                 }
                 chain.tick(number * period, &mut NoCycles, &mut NoWatchdog);
+                number += 1;
                 (0..tick.room).map_while(|_| chain.next_byte()).collect()
-            };
-            Ok((0..).zip(ticks).map(answer).collect())
+            })
+        }
+
+        fn $name(ticks: &[Tick]) -> Result<Vec<Vec<u8>>> {
+            let board = $start()?;
+            Ok(ticks.iter().map(board).collect())
         }
     };
 }
-answers!(f405_answers, f405);
-answers!(h743_answers, h743);
+answers!(f405_board, f405_answers, f405);
+answers!(h743_board, h743_answers, h743);
 
 /// What a tick cost, cycles.
 #[derive(Debug, Clone, Copy)]
@@ -377,7 +384,9 @@ fn measure(root: &Path) -> Result<Vec<Costs>> {
     let episodes = faults::schedule(SEED, &recorded);
     let mut spoiler = Spoiler::new(SEED, episodes);
     let recorded = [recorded.clone(), teeth(&recorded)].concat();
-    let ticks = paced(stream::ticks(&recorded, &mut spoiler, settings));
+    let mut board = f405_board()?;
+    let ticks = stream::ticks(&recorded, &mut spoiler, settings, |tick| Ok(board(tick)))?;
+    let ticks = paced(ticks);
     let images = BOARDS
         .iter()
         .map(|board| {
