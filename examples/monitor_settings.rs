@@ -23,6 +23,8 @@ pub static MONITOR: MonitorSettings = {
         [-60.0, 60.0],
         [-60.0, 60.0],
     ];
+    // A tooth of 1,000 N that is there from one tick to the next, and a fifth more.
+    settings.plausibility.load_rate = [1.2e6, 1.2e6, 1.2e6, 2e4, 2e4];
     // What is beyond that range has no estimate, but an alarm.
     settings.judgement.overload = [3e3, 3e3, 3e3, 60.0, 60.0];
     if BRIDGES {
