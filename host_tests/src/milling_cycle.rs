@@ -1,9 +1,8 @@
 //! A synthetic recording: what the front bearing of a small milling spindle carries in one cycle.
 //!
-//! Nothing here was measured. The forces are those of teeth passing through the work in a textbook
-//! cutting law (force proportional to chip thickness), with run-out, uneven material, unbalance,
-//! preload that grows with heat, and sensor noise; levels and timing are made up, within what a
-//! B7005C carries in practice. `records/README.md` tells what happens when.
+//! Nothing here was measured. Every tooth presses the shaft with a half-sine of a force that turns with the tooth, with
+//! run-out, uneven material, unbalance, preload that grows with heat, and sensor noise. Levels and timing are made up,
+//! within what a B7005C carries in practice, but for a crash. `records/README.md` tells what happens when.
 //!
 //! The same rows come out everywhere: the noise comes from a generator with a fixed seed, and sines
 //! from `libm` rather than from the platform.
@@ -15,181 +14,273 @@ use std::io::{self, Write};
 /// Where the recording is kept.
 pub const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/milling_cycle.csv");
 
-/// Time between two rows, ms.
-const PERIOD_MS: u32 = 10;
+/// Length of the cycle, ms: a row each.
+const LENGTH_MS: u32 = 20_000;
 
-/// Length of the cycle, ms.
-const LENGTH_MS: u32 = 72_000;
+/// The time in which the tool runs into something, s.
+pub const CRASH: [f64; 2] = [9.3, 9.395];
 
-/// Speed of a spindle that carries nothing, `(s, rpm)`; between these points it changes smoothly.
-const SPEED: [(f64, f64); 10] = [
+/// The time in which the tool drills, s.
+pub const DRILLING: [f64; 2] = [5.6, 6.8];
+
+/// Speed of a spindle that carries nothing, `(s, rpm)`; between these points it changes smoothly. Teeth pass at rates that
+/// are no multiples or simple fractions of those of ticks and of telemetry, which thereby meet every part of a tooth's load.
+const SPEED: [(f64, f64); 19] = [
     (0.0, 0.0),
-    (3.0, 0.0),
-    (8.0, 20_000.0),
-    (31.0, 20_000.0),
-    (35.0, 0.0),
-    (42.0, 0.0),
-    (46.0, 12_000.0),
-    (65.0, 12_000.0),
-    (69.0, 0.0),
-    (72.0, 0.0),
+    (0.2, 0.0),
+    (1.4, 11_900.0),
+    (3.55, 11_900.0),
+    (3.85, 5_700.0),
+    (5.35, 5_700.0),
+    (5.5, 4_250.0),
+    (7.75, 4_250.0),
+    (8.15, 11_900.0),
+    (10.15, 11_900.0),
+    (10.85, 0.0),
+    (11.8, 0.0),
+    (13.3, 19_000.0),
+    (14.65, 19_000.0),
+    (15.2, 7_300.0),
+    (16.35, 7_300.0),
+    (16.65, 3_150.0),
+    (19.1, 3_150.0),
+    (19.6, 0.0),
 ];
 
 /// What springs and the tool's clamping press axially onto the bearing, `(s, N)`.
-const CLAMPING: [(f64, f64); 12] = [
-    (0.0, 420.0),
-    (36.5, 420.0),
+const CLAMPING: [(f64, f64); 8] = [
+    (10.95, 420.0),
     // The release cylinder pushes the tool out.
-    (36.8, 800.0),
-    (37.1, 800.0),
-    (37.4, 320.0),
+    (11.05, 800.0),
+    (11.2, 800.0),
+    (11.3, 320.0),
     // No tool.
-    (39.3, 320.0),
+    (11.45, 320.0),
     // The next tool is drawn in.
-    (39.5, 690.0),
-    (39.7, 690.0),
-    (40.0, 450.0),
-    (50.0, 450.0),
-    (60.0, 450.0),
-    (72.0, 450.0),
+    (11.5, 690.0),
+    (11.6, 690.0),
+    (11.7, 450.0),
 ];
 
 /// Loads of a shaft that is a little askew, N m.
 const MISALIGNMENT: [f64; 2] = [0.05, -0.12];
 
-/// Moment about the bearing for a radial force at the tool: the front bearing's share of it, m.
-const ARM: f64 = 0.010;
+/// Moment about the bearing for a radial force at the tool, m: that of an overhang of 50 mm but for what the bearings
+/// behind take of it. A shaft that turns by 0.1 mrad under 1,000 N tilts a B7005C with some 3 N m.
+const ARM: f64 = 0.003;
+
+/// Axial force over radial force at a tooth: that of a helix of 17 degrees.
+const AXIAL: f64 = 0.3;
 
 struct Tool {
     /// From this time on, s.
     from: f64,
     teeth: u32,
-    /// Radial offset of the cutter over the feed per tooth.
-    run_out: f64,
     /// Unbalance, kg m.
     unbalance: f64,
 }
 
-const TOOLS: [Tool; 3] = [
+const TOOLS: [Tool; 2] = [
+    // It also drills.
     Tool {
         from: 0.0,
-        teeth: 3,
-        run_out: 0.15,
+        teeth: 2,
+        unbalance: 6.0e-6,
+    },
+    Tool {
+        from: 11.3,
+        teeth: 1,
         unbalance: 3.0e-6,
     },
-    Tool {
-        from: 37.3,
-        teeth: 4,
-        run_out: 0.0,
-        unbalance: 1.0e-6,
-    },
-    Tool {
-        from: 39.4,
-        teeth: 4,
-        run_out: 0.2,
-        unbalance: 12.0e-6,
-    },
 ];
+
+/// Force of the last tooth over that of the first: the cutter's run-out.
+const RUN_OUT: f64 = 0.85;
 
 struct Cut {
     /// Start and end, s.
     time: [f64; 2],
-    /// Feed direction, rad from +y towards +z.
-    feed: f64,
-    /// Tangential force of a tooth at full chip thickness, N.
+    /// Direction of the force in the middle of a tooth's time in the cut, rad from +y towards +z.
+    towards: f64,
+    /// Largest radial force of a tooth, N.
     force: f64,
-    /// Part of a turn during which a tooth cuts, from and to, rad from the feed direction.
-    engaged: [f64; 2],
-    /// Axial force over tangential force.
-    axial: f64,
+    /// Time of a tooth in the cut over the time between two teeth.
+    engaged: f64,
 }
 
-const CUTS: [Cut; 6] = [
+const CUTS: [Cut; 8] = [
+    // Slots at 395 teeth a second: one tooth leaves as the next one enters.
     Cut {
-        time: [10.0, 15.5],
-        feed: 0.0,
-        force: 230.0,
-        engaged: [0.0, 0.5 * PI],
-        axial: 0.35,
+        time: [2.05, 3.5],
+        towards: 0.0,
+        force: 500.0,
+        engaged: 1.0,
     },
+    // Shoulders at 190.
     Cut {
-        time: [17.0, 22.5],
-        feed: PI,
-        force: 230.0,
-        engaged: [0.0, 0.5 * PI],
-        axial: 0.35,
+        time: [3.95, 5.3],
+        towards: 0.5 * PI,
+        force: 1000.0,
+        engaged: 0.4,
     },
+    // Slots at 140.
     Cut {
-        time: [24.0, 27.0],
-        feed: 0.0,
-        force: 70.0,
-        engaged: [0.0, 0.25 * PI],
-        axial: 0.3,
+        time: [6.9, 7.7],
+        towards: PI,
+        force: 400.0,
+        engaged: 1.0,
     },
+    // Shoulders at 395.
     Cut {
-        time: [27.8, 30.5],
-        feed: 0.0,
-        force: 45.0,
-        engaged: [0.0, 0.25 * PI],
-        axial: 0.3,
+        time: [8.2, 9.0],
+        towards: -0.25 * PI,
+        force: 1000.0,
+        engaged: 0.5,
     },
+    // Slots with one tooth, at 316 a second.
     Cut {
-        time: [48.0, 55.0],
-        feed: 0.5 * PI,
+        time: [13.5, 14.6],
+        towards: 0.75 * PI,
+        force: 500.0,
+        engaged: 0.5,
+    },
+    // Slots at 120.
+    Cut {
+        time: [15.3, 16.3],
+        towards: -0.5 * PI,
+        force: 800.0,
+        engaged: 0.5,
+    },
+    // Shoulders at 52.
+    Cut {
+        time: [16.7, 17.7],
+        towards: 0.0,
+        force: 1000.0,
+        engaged: 0.3,
+    },
+    // What plunging leaves of it.
+    Cut {
+        time: [17.8, 18.5],
+        towards: 0.25 * PI,
         force: 150.0,
-        engaged: [0.0, PI],
-        axial: 0.4,
-    },
-    Cut {
-        time: [61.5, 64.0],
-        feed: 0.5 * PI,
-        force: 60.0,
-        engaged: [0.0, 0.25 * PI],
-        axial: 0.3,
+        engaged: 0.5,
     },
 ];
 
-/// Plunging: start and end, s, and axial force, N.
-const PLUNGE: ([f64; 2], f64) = ([56.5, 60.0], 430.0);
+/// A thrust along the shaft.
+struct Thrust {
+    /// Start and end, s.
+    time: [f64; 2],
+    /// Axial force, N.
+    force: f64,
+}
+
+const THRUSTS: [Thrust; 2] = [
+    // With the preload some 1,200 N, and hardly any radial load.
+    Thrust {
+        time: DRILLING,
+        force: 800.0,
+    },
+    Thrust {
+        time: [17.8, 18.5],
+        force: 500.0,
+    },
+];
+
+/// A force that comes and goes.
+struct Push {
+    /// When it begins, s.
+    from: f64,
+    /// Force along x, y and z, parts of 1.
+    along: [f64; 3],
+    /// Its course, `(ms, N)`, straight between these points.
+    course: &'static [(f64, f64)],
+}
+
+/// Up and down by 200 N/ms.
+const RADIAL_RAMP: &[(f64, f64)] = &[(0.0, 0.0), (7.5, 1500.0), (40.0, 1500.0), (47.5, 0.0)];
+const AXIAL_RAMP: &[(f64, f64)] = &[(0.0, 0.0), (10.0, 2000.0), (40.0, 2000.0), (50.0, 0.0)];
+
+const PUSHES: [Push; 4] = [
+    // The tool bends, the holder hits, the tool breaks.
+    Push {
+        from: CRASH[0],
+        along: [AXIAL, 0.8, -0.6],
+        course: &[
+            (0.0, 0.0),
+            (9.0, 2700.0),
+            (30.0, 2700.0),
+            (36.0, 4500.0),
+            (75.0, 4500.0),
+            (80.0, 2600.0),
+            (90.0, 2400.0),
+            (95.0, 0.0),
+        ],
+    },
+    Push {
+        from: 18.65,
+        along: [0.0, 1.0, 0.0],
+        course: RADIAL_RAMP,
+    },
+    Push {
+        from: 18.8,
+        along: [0.0, 0.0, -1.0],
+        course: RADIAL_RAMP,
+    },
+    Push {
+        from: 18.95,
+        along: [1.0, 0.0, 0.0],
+        course: AXIAL_RAMP,
+    },
+];
 
 /// The recording.
 pub fn milling_cycle() -> Vec<LoadRow> {
     let mut noise = Noise(0x5EED_0FB7_005C);
     let mut turns = 0.0;
     let mut heat = 0.0;
-    let mut uneven = 0.0;
-    let period = f64::from(PERIOD_MS) / 1e3;
-    (0..=LENGTH_MS / PERIOD_MS)
-        .map(|i| {
-            let time = f64::from(i * PERIOD_MS) / 1e3;
+    let mut hard = 0.5;
+    let period = 1e-3;
+    (0..=LENGTH_MS)
+        .map(|ms| {
+            let time = f64::from(ms) / 1e3;
             let tool = TOOLS
                 .iter()
                 .rfind(|tool| time >= tool.from)
                 .unwrap_or(&TOOLS[0]);
-            uneven += 0.04 * (noise.next() - uneven);
-            let free = profile(&SPEED, time);
+            // Part of the material's hardness that varies, 0 to 1.
+            hard += 0.01 * (noise.uniform() - hard);
+            let material = 0.9 + 0.1 * hard;
             let effort: f64 = CUTS
                 .iter()
-                .map(|cut| cut.force * presence(cut.time, time))
+                .map(|cut| cut.force * cut.engaged * presence(cut.time, time))
                 .sum();
+            let free = profile(&SPEED, time);
             // Under load the drive gives way by half a percent, give or take.
-            let speed = free * (1.0 - 2.3e-5 * effort * (1.0 + 0.3 * uneven));
+            let speed = free * (1.0 - 1e-5 * effort * material);
             turns += speed / 60.0 * period;
             heat += period / 25.0 * (free / 20e3 - heat);
 
             let angle = TAU * turns.fract();
-            let mut axial = profile(&CLAMPING, time) + 110.0 * heat;
-            axial += PLUNGE.1 * presence(PLUNGE.0, time) * (1.0 + 0.3 * uneven);
             let omega = speed * PI / 30.0;
             let unbalance = tool.unbalance * omega * omega;
+            let mut axial = profile(&CLAMPING, time) + 110.0 * heat;
             let mut radial = [unbalance * libm::cos(angle), unbalance * libm::sin(angle)];
             for cut in &CUTS {
-                let share = presence(cut.time, time) * (1.0 + uneven);
-                let [along, across, up] = cut.forces(tool, angle);
-                let (sin, cos) = (libm::sin(cut.feed), libm::cos(cut.feed));
-                radial[0] += share * (along * cos - across * sin);
-                radial[1] += share * (along * sin + across * cos);
-                axial += share * up;
+                let share = material * presence(cut.time, time);
+                let [x, y, z] = cut.force_of(tool, turns);
+                axial += share * x;
+                radial[0] += share * y;
+                radial[1] += share * z;
+            }
+            for thrust in &THRUSTS {
+                axial += thrust.force * material * presence(thrust.time, time);
+            }
+            for push in &PUSHES {
+                let force = straight(push.course, 1e3 * (time - push.from));
+                axial += force * push.along[0];
+                radial[0] += force * push.along[1];
+                radial[1] += force * push.along[2];
             }
             let [fy, fz] = radial.map(|force| force + 1.2 * noise.next());
             LoadRow {
@@ -227,27 +318,20 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
 }
 
 impl Cut {
-    /// Force on the cutter along the feed, across it, and axial, at an angle of the spindle.
-    fn forces(&self, tool: &Tool, angle: f64) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for tooth in 0..tool.teeth {
-            let place = f64::from(tooth) / f64::from(tool.teeth);
-            let at = (angle + TAU * place) % TAU;
-            if at < self.engaged[0] || at > self.engaged[1] {
-                continue;
-            }
-            let (sin, cos) = (libm::sin(at), libm::cos(at));
-            // In finishing, teeth touch near the thin end of the chip only; the force is scaled to
-            // be the same there.
-            let thickest = libm::sin(self.engaged[1].min(0.5 * PI));
-            let chip = sin / thickest + tool.run_out * libm::cos(TAU * place);
-            let tangential = self.force * chip.max(0.0);
-            let radial = 0.35 * tangential;
-            sum[0] -= tangential * cos + radial * sin;
-            sum[1] += tangential * sin - radial * cos;
-            sum[2] += self.axial * tangential;
+    /// Force on the cutter along x, y and z after so many turns of the spindle.
+    fn force_of(&self, tool: &Tool, turns: f64) -> [f64; 3] {
+        let teeth = f64::from(tool.teeth);
+        let passed = turns * teeth;
+        let part = passed.fract() / self.engaged;
+        if part >= 1.0 {
+            return [0.0; 3];
         }
-        sum
+        let is_last = passed.rem_euclid(teeth) >= teeth - 1.0 && tool.teeth > 1;
+        let run_out = if is_last { RUN_OUT } else { 1.0 };
+        let force = self.force * run_out * libm::sin(PI * part);
+        // The force turns with the tooth.
+        let at = self.towards + TAU * self.engaged / teeth * (part - 0.5);
+        [AXIAL * force, force * libm::cos(at), force * libm::sin(at)]
     }
 }
 
@@ -257,21 +341,32 @@ fn smooth(x: f64) -> f64 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// 1 during a time span, with soft ends of a third of a second inside it.
+/// 1 during a time span, with soft ends of a tenth of a second inside it.
 fn presence([start, end]: [f64; 2], time: f64) -> f64 {
-    const SOFT: f64 = 1.0 / 3.0;
+    const SOFT: f64 = 0.1;
     smooth((time - start) / SOFT) * smooth((end - time) / SOFT)
 }
 
-/// Value at a time of a curve through points, smooth between them.
+/// Value at `x` of a curve through points, each piece of it shaped by `shape`; that of the first or last point beyond
+/// them.
+fn curve(points: &[(f64, f64)], x: f64, shape: impl Fn(f64) -> f64) -> f64 {
+    let after = points.partition_point(|point| point.0 <= x);
+    let (x0, y0) = points[after.saturating_sub(1)];
+    let (x1, y1) = points[after.min(points.len() - 1)];
+    if x1 <= x0 || x <= x0 {
+        return y0;
+    }
+    y0 + (y1 - y0) * shape((x - x0) / (x1 - x0))
+}
+
+/// The same, smooth between points.
 fn profile(points: &[(f64, f64)], time: f64) -> f64 {
-    points
-        .windows(2)
-        .find(|ends| time <= ends[1].0)
-        .map_or(points[points.len() - 1].1, |ends| {
-            let ((t0, y0), (t1, y1)) = (ends[0], ends[1]);
-            y0 + (y1 - y0) * smooth((time - t0) / (t1 - t0))
-        })
+    curve(points, time, smooth)
+}
+
+/// The same, straight between points.
+fn straight(points: &[(f64, f64)], x: f64) -> f64 {
+    curve(points, x, |part| part)
 }
 
 /// Rounded to a fraction of 1, as sensors deliver it; never a negative zero.

@@ -15,7 +15,7 @@ use std::path::Path;
 use tools::report::{Choice, FULL};
 
 /// Ticks of the milling cycle, and the second of it where they begin.
-const MILLING: (usize, usize) = (11, 3000);
+const MILLING: (usize, usize) = (2, 3000);
 
 /// Measures one solver and prints where its cycles go.
 pub fn profile(root: &Path, choice: &Choice) -> Result<()> {

@@ -61,8 +61,7 @@ impl Work {
     }
 }
 
-/// The recorded milling cycle on a B7005C, a state every millisecond on the straight line between its rows; from a
-/// second on, so many ticks.
+/// The recorded milling cycle on a B7005C, a state every millisecond; from a second on, so many ticks.
 pub fn milling(from_s: usize, ticks: usize) -> Result<Vec<State>> {
     let records = records::read(RECORD, None, 1000)?;
     let states = records.iter().skip(1000 * from_s).take(ticks);
