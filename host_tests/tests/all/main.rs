@@ -6,6 +6,7 @@ mod balance;
 mod campaign;
 mod compile_fail;
 mod cutting;
+mod cycle;
 mod designs;
 mod double_double;
 mod frames;

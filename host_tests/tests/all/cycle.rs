@@ -1,0 +1,189 @@
+//! The recorded cycle, a row a tick, through the shipped settings; and loads that rise and fall as fast as they do there.
+
+use super::monitor::{IDLE, Rig, SPEED};
+use host_tests::loads::LoadRow;
+use host_tests::milling_cycle::{CRASH, DRILLING, milling_cycle};
+use host_tests::telemetry::simulated::monitor_settings::MONITOR;
+use rayon::prelude::*;
+use spindle_bearing::monitor::judgement::{AlarmChange, BANDS};
+use spindle_bearing::monitor::learning::Learning;
+use spindle_bearing::monitor::loads::LoadSample;
+use spindle_bearing::monitor::{Alarm, AlarmState, Mark, Marks, Outcome, Readings};
+
+/// A tick with a row of the recording, which carries the speed.
+fn tick(rig: &mut Rig, row: &LoadRow) -> Outcome {
+    rig.tick(&Readings {
+        loads: Ok(Some(LoadSample {
+            time_us: rig.time_us,
+            load: row.load.map(|load| load as f32),
+            speed: Some(row.omega() as f32),
+            residual: 0.0,
+            doubts: Marks::NONE,
+        })),
+        speed: None,
+    })
+}
+
+fn is_within(time: f64, [start, end]: [f64; 2]) -> bool {
+    time >= start && time <= end
+}
+
+#[test]
+fn nearly_every_tick_of_the_cycle_has_a_fresh_estimate() {
+    let mut rig = Rig::new(&MONITOR);
+    let (mut plausible, mut fresh) = (0, 0);
+    let mut stale = Vec::new();
+    for row in milling_cycle() {
+        let outcome = tick(&mut rig, &row);
+        let mut loads = row.load.iter().zip(&MONITOR.plausibility.load);
+        if !loads.all(|(load, [low, high])| (*low..=*high).contains(&(*load as f32))) {
+            assert_eq!(outcome.marks, Mark::Range.into());
+            assert!(is_within(row.time_s, CRASH));
+            continue;
+        }
+        // What is real is not doubted.
+        assert!(
+            outcome.marks.is_empty() || outcome.marks == Mark::Unsolved.into(),
+            "{row:?} {}",
+            outcome.marks
+        );
+        plausible += 1;
+        if outcome.age == Some(0) && outcome.marks.is_empty() {
+            fresh += 1;
+        } else {
+            stale.push(row.time_s);
+        }
+    }
+    let share = f64::from(fresh) / f64::from(plausible);
+    assert!(share >= 0.999, "{fresh} of {plausible}, stale at {stale:?}");
+}
+
+#[test]
+fn the_crash_of_the_cycle_is_an_overload_and_too_high_a_pressure_and_nothing_else_is_an_alarm() {
+    let mut rig = Rig::new(&MONITOR);
+    let mut raised = Vec::new();
+    for row in milling_cycle() {
+        // Somebody sees to it in the next second.
+        if rig.time_us == 10_300_000 {
+            for alarm in [Alarm::PeakPressure, Alarm::Overload] {
+                assert_eq!(rig.state(alarm), AlarmState::Latched);
+                rig.monitor.acknowledge(rig.time_us, alarm);
+            }
+        }
+        for change in tick(&mut rig, &row).changes {
+            if change.change == AlarmChange::Raised {
+                assert!(is_within(row.time_s, CRASH), "{change:?} at {}", row.time_s);
+                raised.push(change.alarm);
+            }
+        }
+    }
+    assert_eq!(raised, [Alarm::PeakPressure, Alarm::Overload]);
+    assert_eq!(rig.state(Alarm::PeakPressure), AlarmState::Clear);
+    rig.no_alarm_is_lost();
+}
+
+/// Once with the baseline being learnt, and once against it.
+#[test]
+fn drilling_in_the_cycle_neither_teaches_the_baseline_nor_is_lost_preload() {
+    let rows = milling_cycle();
+    let mut rig = Rig::new(&MONITOR);
+    rig.monitor.learn(true);
+    let idling = &MONITOR.judgement.baseline;
+    let band = |row: &LoadRow| (row.omega() as f32 / idling.band_width) as usize;
+    let (mut idle, mut drilling) = ([0; BANDS], 0);
+    for row in &rows {
+        let outcome = tick(&mut rig, row);
+        let [fx, fy, fz, my, mz] = row.load.map(|load| load as f32);
+        let [low, high] = idling.idle_axial;
+        let idles = (low..=high).contains(&fx)
+            && fy.hypot(fz) <= idling.idle_radial
+            && my.hypot(mz) <= idling.idle_moment;
+        if idles && outcome.solved {
+            idle[band(row)] += 1;
+        }
+        if is_within(row.time_s, DRILLING) && fx > 1100.0 {
+            assert!(outcome.solved && !idles, "{row:?}");
+            drilling += 1;
+        }
+    }
+    rig.monitor.learn(false);
+    assert!(drilling > 900, "{drilling}");
+    assert_eq!(rig.monitor.health().learning.state, Learning::Taken);
+    let baseline = *rig.monitor.judgement().baseline();
+    // Bands with too little keep what they had, nothing.
+    let enough = idle.map(|count| {
+        if count < idling.least_estimates {
+            0
+        } else {
+            count
+        }
+    });
+    assert_eq!(baseline.estimates, enough);
+    let is_drilling = |row: &&LoadRow| is_within(row.time_s, DRILLING);
+    assert!(
+        rows.iter()
+            .filter(is_drilling)
+            .all(|row| enough[band(row)] > 0)
+    );
+    for row in &rows {
+        tick(&mut rig, row);
+        // The spindle without a tool has less preload, but not for long.
+        let state = rig.state(Alarm::StiffnessLoss);
+        let is_possible = match state {
+            AlarmState::Clear => true,
+            state => state == AlarmState::Pending && !is_drilling(&row),
+        };
+        assert!(is_possible, "{state:?} at {}", row.time_s);
+    }
+}
+
+/// From idling to 2,500 N more and back, by up to 200 N/ms, in each radial direction and along the shaft.
+#[test]
+fn ramps_are_solved_in_the_tick_that_brings_them() {
+    const TICKS: u32 = 3000;
+    const FORCE: f64 = 2500.0;
+    /// At each end, ms: not in step with the ticks.
+    const PAUSE: f64 = 20.3;
+    let directions = [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+        [0.0, 0.6, 0.8],
+    ];
+    let mut cases = Vec::new();
+    for rate in [50.0, 100.0, 200.0] {
+        cases.extend(directions.map(|along| (rate, along)));
+    }
+    let shares: Vec<_> = cases
+        .into_par_iter()
+        .map(|(rate, along)| {
+            let mut rig = Rig::new(&MONITOR);
+            rig.run_up();
+            let rise = FORCE / rate;
+            let mut is_fresh = |tick: &u32| {
+                let at = f64::from(*tick) % (2.0 * (rise + PAUSE));
+                let up = (at - PAUSE).clamp(0.0, rise);
+                let down = (at - 2.0 * PAUSE - rise).clamp(0.0, rise);
+                let mut sample = rig.sample(IDLE);
+                for (load, part) in sample.load.iter_mut().zip(along) {
+                    *load += (part * rate * (up - down)) as f32;
+                }
+                let readings = Readings {
+                    loads: Ok(Some(sample)),
+                    speed: Some(Some(SPEED)),
+                };
+                let outcome = rig.tick(&readings);
+                outcome.age == Some(0) && outcome.marks.is_empty()
+            };
+            let fresh = (0..TICKS).filter(&mut is_fresh).count();
+            (fresh as f64 / f64::from(TICKS), rate, along)
+        })
+        .collect();
+    let stale: Vec<_> = shares
+        .into_iter()
+        .filter(|(fresh, ..)| *fresh < 0.999)
+        .collect();
+    assert!(stale.is_empty(), "{stale:?}");
+}
