@@ -23,8 +23,9 @@ pub const CRASH: [f64; 2] = [9.3, 9.395];
 /// The time in which the tool drills, s.
 pub const DRILLING: [f64; 2] = [5.6, 6.8];
 
-/// Speed of a spindle that carries nothing, `(s, rpm)`; between these points it changes smoothly. Teeth pass at rates that
-/// are no multiples or simple fractions of those of ticks and of telemetry, which thereby meet every part of a tooth's load.
+/// Speed of a spindle that carries nothing, `(s, rpm)`; between these points it changes smoothly. Teeth pass at rates
+/// that are no multiples or simple fractions of those of ticks and of telemetry, which thereby meet every part of a
+/// tooth's load.
 const SPEED: [(f64, f64); 19] = [
     (0.0, 0.0),
     (0.2, 0.0),

@@ -1,4 +1,4 @@
-//! The recorded cycle, a row a tick, through the shipped settings; and loads that rise and fall as fast as they do there.
+//! The recorded cycle, a row a tick, with the shipped settings; and loads that rise and fall as fast as there.
 
 use super::monitor::{IDLE, Rig, SPEED};
 use host_tests::loads::LoadRow;
