@@ -146,23 +146,48 @@ impl<T: Real> Ball<T> {
         add(self.low, sub(self.a, self.x))
     }
 
+    /// At rest: both contacts in series, the groove's centre at `a`.
+    #[inline(always)]
+    pub fn in_series(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Contact<T> {
+        let vector = add(self.outer.vector, self.inner.vector);
+        let centres = Reference::at(vector, &l0_squared(), p.l0_excess);
+        Contact::at(&centres, add(self.low, a), p.lo + p.li, c.kn)
+    }
+
     /// The contact of a ball that is taken for one: at rest both in series, on the outer race the inner one.
     pub fn only_contact(&self, c: &Constants<T>, p: &Point<T>) -> Contact<T> {
-        let (reference, offset, length, k) = if p.regime == Regime::Outer {
-            (self.inner, self.inner_offset(), p.li, c.ki)
+        if p.regime == Regime::Outer {
+            Contact::at(&self.inner, self.inner_offset(), p.li, c.ki)
         } else {
-            let vector = add(self.outer.vector, self.inner.vector);
-            let centres = Reference::at(vector, &l0_squared(), p.l0_excess);
-            (centres, add(self.low, self.a), p.lo + p.li, c.kn)
-        };
-        Contact::at(&reference, offset, length, k)
+            self.in_series(c, p, self.a)
+        }
     }
 
     /// The ball at speed, where it is.
     #[inline(never)]
     pub fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>) -> Pose<T> {
-        let inner = Contact::at(&self.inner, self.inner_offset(), p.li, c.ki);
-        let outer = Contact::at(&self.outer, self.x, p.lo, T::ONE);
+        self.pose_at::<R>(c, p, self.inner_offset(), self.x)
+    }
+
+    /// The ball at speed, where it follows the groove's centre to `a`.
+    #[inline(always)]
+    pub fn pose_for<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
+        let step = add(self.z, times(&self.d, sub(a, self.a)));
+        let x = add(self.x, turn(self.n, step));
+        self.pose_at::<R>(c, p, add(self.low, sub(a, x)), x)
+    }
+
+    /// The ball at speed, its contacts at these offsets from their references.
+    #[inline(always)]
+    fn pose_at<R: Rule>(
+        &self,
+        c: &Constants<T>,
+        p: &Point<T>,
+        inner: Pair<T>,
+        outer: Pair<T>,
+    ) -> Pose<T> {
+        let inner = Contact::at(&self.inner, inner, p.li, c.ki);
+        let outer = Contact::at(&self.outer, outer, p.lo, T::ONE);
         Pose::at_speed::<R>(inner, outer, c, p)
     }
 

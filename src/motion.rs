@@ -141,11 +141,9 @@ impl<T: Real> Body<T> for Ball<T> {
     }
 
     fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
-        let mut ball = *self;
-        ball.advance(a, T::ZERO);
         match p.regime {
-            Regime::Rest => Pose::at_rest(c, &ball.only_contact(c, p)),
-            _ => ball.pose::<R>(c, p),
+            Regime::Rest => Pose::at_rest(c, &self.in_series(c, p, a)),
+            _ => self.pose_for::<R>(c, p, a),
         }
     }
 
