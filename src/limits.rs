@@ -458,9 +458,322 @@ pub struct ContactState<T> {
     pub friction: T,
 }
 
-/// What is kept of the balls past a limit.
+/// A measure of the angle whose sine and cosine are given that grows with it from -90 to 270
+/// degrees; its sine up to 90.
+#[inline(always)]
+fn grown<T: Real>(sin: T, cos: T) -> T {
+    if cos >= T::ZERO {
+        sin
+    } else {
+        T::ONE + T::ONE - sin
+    }
+}
+
+/// Friction force over contact force. One that is nothing beside the friction must not make an infinity of it.
+fn demand<T: Real>([friction, force]: Pair<T>) -> T {
+    friction / force.at_least(T::EPSILON * friction)
+}
+
+impl<T: Real> Grooves<T> {
+    fn of_race(&self, race: Race) -> &Groove<T> {
+        match race {
+            Race::Inner => &self.inner,
+            Race::Outer => &self.outer,
+        }
+    }
+
+    /// The sine of a contact angle as it counts towards the shoulder: both sides of a deep groove are the side of its
+    /// shoulder.
+    #[inline(always)]
+    fn side(&self, sine: T) -> T {
+        if self.symmetric { sine.abs() } else { sine }
+    }
+}
+
+impl<T: Real> Groove<T> {
+    /// Sine of the contact angle less the shoulder's.
+    #[inline(always)]
+    fn sin_past(&self, [side, cosine]: Pair<T>) -> T {
+        side * self.shoulder_cos - cosine * self.shoulder_sin
+    }
+
+    /// Its cosine.
+    #[inline(always)]
+    fn cos_past(&self, [side, cosine]: Pair<T>) -> T {
+        cosine * self.shoulder_cos + side * self.shoulder_sin
+    }
+
+    /// On the other side only a contact within a quarter turn below the shoulder can reach it; for the rest the sine
+    /// means something else.
+    #[inline(always)]
+    fn reaches(&self, n: Pair<T>) -> bool {
+        n[0] > T::ZERO || self.cos_past(n) > T::ZERO
+    }
+}
+
+/// The contact is on the other side of the groove. `held` by the inner race: without that, the outer contact is radial
+/// but for rounding.
+#[inline(never)]
+fn is_reversed<T: Real>([side, cosine]: Pair<T>, held: bool) -> bool {
+    side < T::ZERO && held && grown(-side, cosine) > T::of(64.0) * T::EPSILON
+}
+
+/// What a ball off the inner race leaves between the races, in the solver's unit of length.
+fn gap<T: Real>([inner, outer]: &[ContactState<T>; 2]) -> T {
+    let gap = -(inner.delta + outer.delta.at_most(T::ZERO));
+    gap.at_least(T::ZERO)
+}
+
+/// The worst contacts of a race, in the solver's units.
+///
+/// All measures of a contact in one groove grow with its deformation, its angle, or the quotient of two forces: roots and
+/// quotients are worked out of the worst alone.
 #[derive(Clone, Copy)]
-struct Worst<T> {
+struct Seen<T> {
+    /// Largest deformation; 0 if no contact carries.
+    depth: T,
+    deepest: u16,
+    /// Friction and contact force whose quotient is largest.
+    demand: Pair<T>,
+    slipping: u16,
+    /// Largest contact angle, and the measure of it.
+    n: Pair<T>,
+    angle: T,
+    steepest: u16,
+}
+
+impl<T: Real> Seen<T> {
+    /// Below all that there is.
+    fn none() -> Self {
+        Self {
+            depth: T::ZERO,
+            deepest: 0,
+            demand: [-T::ONE, T::ONE],
+            slipping: 0,
+            n: [T::ZERO; 2],
+            angle: -(T::ONE + T::ONE),
+            steepest: 0,
+        }
+    }
+
+    /// A contact more than a quarter turn from the groove's plane.
+    #[cold]
+    #[inline(never)]
+    fn note_beyond(&mut self, ball: u16, n: Pair<T>) {
+        let angle = grown(n[0], n[1]);
+        if n[0] > T::ZERO && angle > self.angle {
+            (self.angle, self.n, self.steepest) = (angle, n, ball);
+        }
+    }
+}
+
+/// What one pass over the balls finds.
+pub(crate) struct Survey<'s, T> {
+    grooves: &'s Grooves<T>,
+    limits: &'s Limits<T>,
+    inner: Seen<T>,
+    outer: Seen<T>,
+    truncated: bool,
+    reversed: bool,
+    /// Balls off the inner race, the one with the largest gap, and that gap.
+    off: (u16, u16, T),
+}
+
+impl<'s, T: Real> Survey<'s, T> {
+    /// Looks at every ball once, its inner and its outer contact, and hands each on with its number.
+    #[inline(always)]
+    pub(crate) fn of(
+        grooves: &'s Grooves<T>,
+        limits: &'s Limits<T>,
+        balls: impl Iterator<Item = [ContactState<T>; 2]>,
+        mut each: impl FnMut(u16, &[ContactState<T>; 2]),
+    ) -> Self {
+        let mut survey = Self {
+            grooves,
+            limits,
+            inner: Seen::none(),
+            outer: Seen::none(),
+            truncated: false,
+            reversed: false,
+            off: (0, 0, T::ZERO),
+        };
+        let mut ball = 0_u16;
+        balls.for_each(|contacts| {
+            each(ball, &contacts);
+            survey.ball(ball, &contacts);
+            ball = ball.saturating_add(1);
+        });
+        survey
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn off(&mut self, ball: u16, gap: T) {
+        let (balls, worst, largest) = &mut self.off;
+        if *balls == 0 || gap > *largest {
+            (*worst, *largest) = (ball, gap);
+        }
+        *balls = balls.saturating_add(1);
+    }
+
+    #[inline(always)]
+    fn ball(&mut self, ball: u16, contacts: &[ContactState<T>; 2]) {
+        let [inner, outer] = contacts;
+        let held = inner.q > T::ZERO;
+        if held {
+            self.contact(ball, Race::Inner, inner, held);
+        } else {
+            self.off(ball, gap(contacts));
+        }
+        if outer.q > T::ZERO {
+            self.contact(ball, Race::Outer, outer, held);
+        }
+    }
+
+    // In line, so that the groove is known.
+    #[inline(always)]
+    fn contact(&mut self, ball: u16, race: Race, k: &ContactState<T>, held: bool) {
+        let groove = self.grooves.of_race(race);
+        let [sine, cosine] = k.n;
+        let side = self.grooves.side(sine);
+        let n = [side, cosine];
+        let seen = match race {
+            Race::Inner => &mut self.inner,
+            Race::Outer => &mut self.outer,
+        };
+        if k.delta > seen.depth {
+            (seen.depth, seen.deepest) = (k.delta, ball);
+        }
+        let friction = k.friction.abs();
+        let [most, of] = seen.demand;
+        if friction * of > most * k.q {
+            (seen.demand, seen.slipping) = ([friction, k.q], ball);
+        }
+        if cosine > T::ZERO {
+            if side > seen.angle {
+                (seen.angle, seen.n, seen.steepest) = (side, n, ball);
+            }
+        } else {
+            seen.note_beyond(ball, n);
+        }
+        // Short of the shoulder, as `Worst::contact` has it, but for the root of the deformation.
+        let past = groove.sin_past(n);
+        let reach = groove.semi_major * groove.semi_major * k.delta;
+        if reach > past * past {
+            self.truncated |= groove.reaches(n);
+        }
+        if side < T::ZERO {
+            self.reversed |= is_reversed(n, held);
+        }
+    }
+
+    fn races(&self) -> [(Race, &'s Groove<T>, &Seen<T>); 2] {
+        [
+            (Race::Inner, &self.grooves.inner, &self.inner),
+            (Race::Outer, &self.grooves.outer, &self.outer),
+        ]
+    }
+
+    fn pressure(&self) -> Option<Extreme<T>> {
+        larger(self.races().map(|(race, groove, seen)| {
+            let value = groove.pressure * seen.depth.sqrt();
+            (seen.depth > T::ZERO).then_some(Extreme {
+                value,
+                ball: seen.deepest,
+                race,
+            })
+        }))
+    }
+
+    fn friction(&self) -> Option<Extreme<T>> {
+        larger(self.races().map(|(race, _, seen)| {
+            (seen.depth > T::ZERO).then(|| Extreme {
+                value: demand(seen.demand),
+                ball: seen.slipping,
+                race,
+            })
+        }))
+    }
+
+    /// The measure of the contact angle less the shoulder's, and its sine and cosine.
+    fn shoulder(&self) -> Option<(Extreme<T>, Pair<T>)> {
+        let [inner, outer] = self.races().map(|(race, groove, seen)| {
+            let past = [groove.sin_past(seen.n), groove.cos_past(seen.n)];
+            (seen.angle >= -T::ONE && groove.reaches(seen.n)).then(|| {
+                let extreme = Extreme {
+                    value: grown(past[0], past[1]),
+                    ball: seen.steepest,
+                    race,
+                };
+                (extreme, past)
+            })
+        });
+        match (inner, outer) {
+            (Some(inner), Some(outer)) if outer.0.value > inner.0.value => Some(outer),
+            (inner, outer) => inner.or(outer),
+        }
+    }
+
+    /// The worst contacts.
+    pub(crate) fn extremes(&self) -> Extremes<T> {
+        let (off, ball, _) = self.off;
+        Extremes {
+            pressure: self.pressure(),
+            shoulder: self.shoulder().map(|(most, [sin, cos])| Extreme {
+                value: sin.atan2(cos),
+                ..most
+            }),
+            friction: self.friction(),
+            off: (off, (off > 0).then_some(ball)),
+        }
+    }
+
+    /// The limits that were passed, by the extremes of the same survey.
+    pub(crate) fn limits(&self, extremes: &Extremes<T>) -> LimitSet {
+        let above = |extreme: &Option<Extreme<T>>, limit| {
+            extreme
+                .as_ref()
+                .is_some_and(|extreme| extreme.value > limit)
+        };
+        let passed = |limit: Limit| match limit {
+            Limit::PeakPressure => above(&extremes.pressure, self.limits.peak_pressure),
+            Limit::Shoulder => above(&extremes.shoulder, T::ZERO),
+            // A contact past the shoulder is truncated, too.
+            Limit::Truncation => self.truncated || above(&extremes.shoulder, T::ZERO),
+            Limit::Reversal => self.reversed,
+            Limit::Friction => above(&extremes.friction, self.limits.friction),
+            Limit::InnerContact => self.off.0 > 0,
+        };
+        let set = |set, limit| set | u8::from(passed(limit)) << limit as u8;
+        LimitSet(Limit::ALL.into_iter().fold(0, set))
+    }
+
+    /// The limits that were passed, and where. The balls are those of the survey, and are looked at again only if there
+    /// is such a limit. `length` is the unit of deformation, m.
+    pub(crate) fn exceedances(
+        &self,
+        length: T,
+        balls: impl Iterator<Item = [ContactState<T>; 2]>,
+    ) -> Exceedances<T> {
+        let extremes = self.extremes();
+        if self.limits(&extremes).is_empty() {
+            return Exceedances([None; Limit::ALL.len()]);
+        }
+        Worst::of(self.grooves, self.limits, balls).exceedances(length, &extremes)
+    }
+}
+
+/// The larger one; the first of two that are the same.
+fn larger<T: Real>([a, b]: [Option<Extreme<T>>; 2]) -> Option<Extreme<T>> {
+    match (a, b) {
+        (Some(a), Some(b)) if b.value > a.value => Some(b),
+        (a, b) => a.or(b),
+    }
+}
+
+/// The balls past a limit.
+#[derive(Clone, Copy)]
+struct Tally<T> {
     balls: u16,
     /// The ball counted last, plus 1.
     counted: u16,
@@ -472,7 +785,7 @@ struct Worst<T> {
     contact: [T; 3],
 }
 
-impl<T: Real> Worst<T> {
+impl<T: Real> Tally<T> {
     const NONE: Self = Self {
         balls: 0,
         counted: 0,
@@ -500,133 +813,64 @@ impl<T: Real> Worst<T> {
     }
 }
 
-/// A measure of the angle whose sine and cosine are given that grows with it from -90 to 270
-/// degrees; its sine up to 90.
-fn grown<T: Real>(sin: T, cos: T) -> T {
-    if cos >= T::ZERO {
-        sin
-    } else {
-        T::ONE + T::ONE - sin
-    }
-}
-
-/// What one pass over the balls finds.
-pub(crate) struct Survey<'s, T> {
+/// The balls past each limit.
+struct Worst<'s, T> {
     grooves: &'s Grooves<T>,
-    /// Unit of deformation, m.
-    length: T,
     limits: &'s Limits<T>,
-    found: [Worst<T>; Limit::ALL.len()],
-    /// Largest over all contacts that carry: peak pressure, friction over contact force, and the measure
-    /// of the contact angle less the shoulder's, with sine and cosine of that angle.
-    pressure: Option<Extreme<T>>,
-    friction: Option<Extreme<T>>,
-    shoulder: Option<(Extreme<T>, Pair<T>)>,
+    found: [Tally<T>; Limit::ALL.len()],
 }
 
-/// Notes what is larger than all before.
-#[inline(always)]
-fn raise<T: Real>(most: &mut Option<Extreme<T>>, value: T, ball: u16, race: Race) {
-    if !most.is_some_and(|most| most.value >= value) {
-        *most = Some(Extreme { value, ball, race });
-    }
-}
-
-impl<'s, T: Real> Survey<'s, T> {
-    /// Looks at every ball once, its inner and its outer contact, and hands each on with its number. `length` is the
-    /// unit of deformation, m.
-    #[inline(always)]
-    pub(crate) fn of(
+impl<'s, T: Real> Worst<'s, T> {
+    #[inline(never)]
+    fn of(
         grooves: &'s Grooves<T>,
-        length: T,
         limits: &'s Limits<T>,
         balls: impl Iterator<Item = [ContactState<T>; 2]>,
-        mut each: impl FnMut(u16, &[ContactState<T>; 2]),
     ) -> Self {
-        let mut survey = Self {
+        let mut worst = Self {
             grooves,
-            length,
             limits,
-            found: [Worst::NONE; Limit::ALL.len()],
-            pressure: None,
-            friction: None,
-            shoulder: None,
+            found: [Tally::NONE; Limit::ALL.len()],
         };
         let mut ball = 0_u16;
         balls.for_each(|contacts| {
-            each(ball, &contacts);
-            survey.ball(ball, &contacts);
+            let [inner, outer] = &contacts;
+            let held = inner.q > T::ZERO;
+            if !held {
+                let gap = gap(&contacts);
+                worst.note(Limit::InnerContact, ball, Race::Inner, gap, [T::ZERO; 3]);
+            }
+            worst.contact(ball, Race::Inner, inner, held);
+            worst.contact(ball, Race::Outer, outer, held);
             ball = ball.saturating_add(1);
         });
-        survey
+        worst
     }
 
-    #[cold]
-    #[inline(never)]
     fn note(&mut self, limit: Limit, ball: u16, race: Race, rank: T, contact: [T; 3]) {
         self.found[limit as usize].note(ball, race, rank, contact);
     }
 
-    fn groove(&self, race: Race) -> &'s Groove<T> {
-        match race {
-            Race::Inner => &self.grooves.inner,
-            Race::Outer => &self.grooves.outer,
-        }
-    }
-
-    fn ball(&mut self, ball: u16, [inner, outer]: &[ContactState<T>; 2]) {
-        let held = inner.q > T::ZERO;
-        if !held {
-            let gap = -(inner.delta + outer.delta.at_most(T::ZERO));
-            let gap = gap.at_least(T::ZERO);
-            self.note(Limit::InnerContact, ball, Race::Inner, gap, [T::ZERO; 3]);
-        }
-        self.contact(ball, Race::Inner, inner, held);
-        self.contact(ball, Race::Outer, outer, held);
-    }
-
-    // In line, so that the groove is known.
-    #[inline(always)]
     fn contact(&mut self, ball: u16, race: Race, k: &ContactState<T>, held: bool) {
         if !(k.q > T::ZERO) {
             return;
         }
-        let groove = self.groove(race);
+        let groove = self.grooves.of_race(race);
         let root = k.delta.at_least(T::ZERO).sqrt();
         let pressure = groove.pressure * root;
-        raise(&mut self.pressure, pressure, ball, race);
         if pressure > self.limits.peak_pressure {
             self.note(Limit::PeakPressure, ball, race, pressure, [T::ZERO; 3]);
         }
-
-        let friction = k.friction.abs();
-        // A force that is nothing beside the friction must not make an infinity of the ratio.
-        let demand = friction / k.q.at_least(T::EPSILON * friction);
-        raise(&mut self.friction, demand, ball, race);
+        let demand = demand([k.friction.abs(), k.q]);
         if demand > self.limits.friction {
             self.note(Limit::Friction, ball, race, demand, [T::ZERO; 3]);
         }
-
-        // Both sides of a deep groove are the side of its shoulder.
         let [sine, cosine] = k.n;
-        let side = if self.grooves.symmetric {
-            sine.abs()
-        } else {
-            sine
-        };
+        let n = [self.grooves.side(sine), cosine];
         let semi_major = groove.semi_major * root;
         let contact = [sine, cosine, semi_major];
-        // The contact angle less the shoulder's.
-        let sin = side * groove.shoulder_cos - cosine * groove.shoulder_sin;
-        let cos = cosine * groove.shoulder_cos + side * groove.shoulder_sin;
-        // On the other side only a contact within a quarter turn below the shoulder can reach it;
-        // for the rest the sine means something else.
-        if side > T::ZERO || cos > T::ZERO {
-            let past = grown(sin, cos);
-            if !self.shoulder.is_some_and(|(most, _)| most.value >= past) {
-                let value = past;
-                self.shoulder = Some((Extreme { value, ball, race }, [sin, cos]));
-            }
+        if groove.reaches(n) {
+            let past = grown(groove.sin_past(n), groove.cos_past(n));
             if past > T::ZERO {
                 self.note(Limit::Shoulder, ball, race, past, contact);
             }
@@ -636,54 +880,41 @@ impl<'s, T: Real> Survey<'s, T> {
                 self.note(Limit::Truncation, ball, race, past + semi_major, contact);
             }
         }
-        // Without an inner contact, the outer one is radial but for rounding.
-        let reversed = grown(-side, cosine);
-        if held && reversed > T::of(64.0) * T::EPSILON && side < T::ZERO {
+        if is_reversed(n, held) {
+            let reversed = grown(-n[0], cosine);
             self.note(Limit::Reversal, ball, race, reversed, contact);
         }
     }
 
-    /// The limits that were passed.
-    #[cfg(feature = "monitor")]
-    pub(crate) fn limits(&self) -> LimitSet {
-        let passed = |limit: &Limit| self.found[*limit as usize].balls > 0;
-        let bits = Limit::ALL.into_iter().filter(passed);
-        LimitSet(bits.fold(0, |set, limit| set | 1 << limit as u8))
+    fn exceedances(&self, length: T, extremes: &Extremes<T>) -> Exceedances<T> {
+        Exceedances(Limit::ALL.map(|limit| self.exceedance(limit, length, extremes)))
     }
 
-    /// The worst contacts.
-    pub(crate) fn extremes(&self) -> Extremes<T> {
-        let off = &self.found[Limit::InnerContact as usize];
-        Extremes {
-            pressure: self.pressure,
-            shoulder: self.shoulder.map(|(most, [sin, cos])| Extreme {
-                value: sin.atan2(cos),
-                ..most
-            }),
-            friction: self.friction,
-            off: (off.balls, (off.balls > 0).then_some(off.ball)),
-        }
-    }
-
-    /// The limits that were passed, and where.
-    pub(crate) fn exceedances(&self) -> Exceedances<T> {
-        Exceedances(Limit::ALL.map(|limit| self.exceedance(limit)))
-    }
-
-    fn exceedance(&self, limit: Limit) -> Option<Exceedance<T>> {
+    fn exceedance(&self, limit: Limit, length: T, extremes: &Extremes<T>) -> Option<Exceedance<T>> {
         let worst = &self.found[limit as usize];
         if worst.balls == 0 {
             return None;
         }
+        // Where quotients are the same but for rounding, the extremes have chosen.
+        let extreme = match limit {
+            Limit::PeakPressure => extremes.pressure,
+            Limit::Friction => extremes.friction,
+            _ => None,
+        };
+        let extreme = extreme.unwrap_or(Extreme {
+            value: worst.rank,
+            ball: worst.ball,
+            race: worst.race,
+        });
         let [sin, cos, semi_major] = worst.contact;
-        let shoulder = self.groove(worst.race).shoulder;
+        let shoulder = self.grooves.of_race(worst.race).shoulder;
         // A deep groove's negative angles are past its other shoulder.
         let sign = if sin < T::ZERO { -T::ONE } else { T::ONE };
         let side = if self.grooves.symmetric { sign } else { T::ONE };
         let (value, allowed) = match limit {
-            Limit::PeakPressure => (worst.rank, self.limits.peak_pressure),
-            Limit::Friction => (worst.rank, self.limits.friction),
-            Limit::InnerContact => (worst.rank * self.length, T::ZERO),
+            Limit::PeakPressure => (extreme.value, self.limits.peak_pressure),
+            Limit::Friction => (extreme.value, self.limits.friction),
+            Limit::InnerContact => (extreme.value * length, T::ZERO),
             Limit::Reversal => (sin.atan2(cos), T::ZERO),
             Limit::Shoulder => (sin.atan2(cos), side * shoulder),
             Limit::Truncation => {
@@ -696,8 +927,8 @@ impl<'s, T: Real> Survey<'s, T> {
         Some(Exceedance {
             limit,
             balls: worst.balls,
-            ball: worst.ball,
-            race: worst.race,
+            ball: extreme.ball,
+            race: extreme.race,
             value,
             allowed,
         })

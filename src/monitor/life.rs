@@ -185,20 +185,24 @@ impl LifeRating {
     /// `1 / L10` under these inner and outer contact forces (N), per million revolutions.
     pub fn damage(&self, forces: impl Iterator<Item = (f32, f32)>) -> f32 {
         let (mut inner, mut outer, mut balls) = (0.0_f32, 0.0_f32, 0.0_f32);
-        let (per_inner, per_outer) = (1.0 / self.inner, 1.0 / self.outer);
         for (q_i, q_o) in forces {
-            let (i, o) = (
-                0.0_f32.at_least(q_i) * per_inner,
-                0.0_f32.at_least(q_o) * per_outer,
-            );
+            let (i, o) = (0.0_f32.at_least(q_i), 0.0_f32.at_least(q_o));
             inner += i * i * i;
             outer += o * o * o * Real::cbrt(o);
             balls += 1.0;
         }
+        self.damage_of_sums(inner, outer, balls)
+    }
+
+    /// The same of so many `balls`, from the sum of the cubes of the inner contact forces (N^3), and from that of the outer
+    /// ones to 10/3.
+    pub fn damage_of_sums(&self, inner: f32, outer: f32, balls: f32) -> f32 {
         if !(balls > 0.0) {
             return 0.0;
         }
-        let (inner, outer) = (inner / balls, outer / balls);
+        let cube = |q: f32| q * q * q;
+        let inner = inner / (balls * cube(self.inner));
+        let outer = outer / (balls * cube(self.outer) * Real::cbrt(self.outer));
         // (mean of cubes)^(10/9).
         let inner = inner * Real::cbrt(Real::cbrt(inner));
         let sum = inner + outer;

@@ -798,17 +798,25 @@ fn observe<T: Real, const N: usize, M: Motion>(
         peak_pressure: T::from_f32(settings.limits.peak_pressure),
         friction: T::from_f32(settings.limits.friction),
     };
+    let unit = solution.unit_of_force().to_f32();
+    let (mut inner, mut outer) = (0.0_f32, 0.0_f32);
     let survey = solution.survey(&limits, |ball, contacts| {
-        let contacts = contacts.map(|contact| contact.map(T::to_f32));
-        let [[q_i, ..], _] = contacts;
-        if q_i < least {
-            least = q_i;
+        let [i, o] = contacts
+            .each_ref()
+            .map(|k| [unit * k.q.to_f32(), k.n[0].to_f32(), k.n[1].to_f32()]);
+        let q = i[0];
+        if q < least {
+            least = q;
         }
-        if q_i > largest {
-            largest = q_i;
+        if q > largest {
+            largest = q;
         }
+        inner += q * q * q;
+        // In units, an outer contact's force is the deformation to 3/2, so that the force to 10/3 is a square.
+        let root = contacts[1].q.to_f32() * contacts[1].delta.to_f32();
+        outer += root * root;
         if let Some(to) = balls.get_mut(usize::from(ball)) {
-            *to = contacts;
+            *to = [i, o];
         }
     });
     let extremes = survey.extremes();
@@ -834,13 +842,9 @@ fn observe<T: Real, const N: usize, M: Motion>(
         solution.error.force.to_f32(),
         solution.error.stiffness.to_f32(),
     ];
-    estimate.limits = survey.limits().bits();
-    let damage = settings.rating.damage(
-        estimate
-            .balls
-            .iter()
-            .map(|[[q_i, ..], [q_o, ..]]| (*q_i, *q_o)),
-    );
+    estimate.limits = survey.limits(&extremes).bits();
+    let outer = outer * unit * unit * unit * Real::cbrt(unit);
+    let damage = settings.rating.damage_of_sums(inner, outer, N as f32);
     let findings = Findings {
         pressure: level(extremes.pressure, 0.0),
         contact_angle: level(extremes.shoulder, f32::NEG_INFINITY),

@@ -5,7 +5,7 @@ use super::error::ErrorEstimate;
 use crate::body::Body;
 use crate::float::Real;
 use crate::frame::stiffness_out;
-use crate::limits::{Exceedances, Extremes, Limits, Survey};
+use crate::limits::{ContactState, Exceedances, Extremes, Limits, Survey};
 use crate::linalg::Matrix;
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
@@ -110,7 +110,9 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
-        self.survey(limits, |_, _| ()).exceedances()
+        let length = self.solver.bearing.constants.length;
+        self.survey(limits, |_, _| ())
+            .exceedances(length, self.poses().map(|pose| pose.states()))
     }
 
     /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
@@ -137,18 +139,20 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         self.survey(&Limits::none(), |_, _| ()).extremes()
     }
 
-    /// Looks at every ball once, and hands each on: its number, then force (N) and sine and cosine of the contact
-    /// angle of its inner and of its outer contact.
+    /// Looks at every ball once, and hands each on: its number, its inner and its outer contact, in the solver's units.
     pub(crate) fn survey<'l>(
         &'l self,
         limits: &'l Limits<T>,
-        mut each: impl FnMut(u16, [[T; 3]; 2]),
+        each: impl FnMut(u16, &[ContactState<T>; 2]),
     ) -> Survey<'l, T> {
-        let c = &self.solver.bearing.constants;
         let states = self.poses().map(|pose| pose.states());
-        Survey::of(&c.grooves, c.length, limits, states, |ball, contacts| {
-            each(ball, contacts.map(|k| [k.q * c.force, k.n[0], k.n[1]]));
-        })
+        Survey::of(&self.solver.bearing.constants.grooves, limits, states, each)
+    }
+
+    /// Unit of force of the contacts, N.
+    #[cfg(feature = "monitor")]
+    pub(crate) fn unit_of_force(&self) -> T {
+        self.solver.bearing.constants.force
     }
 
     /// A copy that borrows nothing.
