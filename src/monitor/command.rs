@@ -140,7 +140,7 @@ impl Request {
 /// What became of an order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Outcome {
+pub enum AnswerCode {
     /// Carried out.
     Done,
     /// The request has another nonce than the board's.
@@ -159,7 +159,7 @@ pub enum Outcome {
     Implausible,
 }
 
-impl Outcome {
+impl AnswerCode {
     /// All of them, in the order of the format.
     pub const ALL: [Self; 8] = [
         Self::Done,
@@ -196,7 +196,7 @@ pub struct Answer {
     /// That of the request.
     pub order: Order,
     /// What became of it.
-    pub outcome: Outcome,
+    pub outcome: AnswerCode,
     /// The board's nonce from now on.
     pub nonce: u32,
 }
@@ -206,7 +206,7 @@ pub struct Answer {
 pub(super) struct Desk {
     key: Option<Key>,
     nonce: u32,
-    last: Option<(Request, Outcome)>,
+    last: Option<(Request, AnswerCode)>,
 }
 
 impl Desk {
@@ -227,16 +227,16 @@ impl Desk {
     pub(super) fn answer(
         &mut self,
         request: &Request,
-        carry_out: impl FnOnce(Order) -> Outcome,
+        carry_out: impl FnOnce(Order) -> AnswerCode,
     ) -> Answer {
         let authentic = self
             .key
             .as_ref()
             .is_none_or(|key| request.is_authentic(key));
         let outcome = match &self.last {
-            _ if !authentic => Outcome::NotAuthentic,
+            _ if !authentic => AnswerCode::NotAuthentic,
             Some((last, outcome)) if last == request => *outcome,
-            _ if request.nonce != self.nonce => Outcome::OutOfDate,
+            _ if request.nonce != self.nonce => AnswerCode::OutOfDate,
             _ => {
                 let outcome = carry_out(request.order);
                 self.last = Some((*request, outcome));
@@ -405,10 +405,10 @@ mod tests {
     }
 
     /// An order that is carried out leaves a mark in a count.
-    fn answer(desk: &mut Desk, count: &mut u32, request: Request) -> (Outcome, u32) {
+    fn answer(desk: &mut Desk, count: &mut u32, request: Request) -> (AnswerCode, u32) {
         let answer = desk.answer(&request, |_| {
             *count += 1;
-            Outcome::Done
+            AnswerCode::Done
         });
         assert_eq!(
             (answer.number, answer.order),
@@ -422,15 +422,15 @@ mod tests {
         let (mut desk, mut count) = (Desk::new(None, u32::MAX), 0);
         let first = Request::new(1, u32::MAX, Order::Learn(true), None);
         for _ in 0..3 {
-            assert_eq!(answer(&mut desk, &mut count, first), (Outcome::Done, 0));
+            assert_eq!(answer(&mut desk, &mut count, first), (AnswerCode::Done, 0));
         }
         assert_eq!(count, 1);
         let second = Request::new(2, 0, Order::Learn(false), None);
-        assert_eq!(answer(&mut desk, &mut count, second), (Outcome::Done, 1));
+        assert_eq!(answer(&mut desk, &mut count, second), (AnswerCode::Done, 1));
         // Recorded, and played again.
         assert_eq!(
             answer(&mut desk, &mut count, first),
-            (Outcome::OutOfDate, 1)
+            (AnswerCode::OutOfDate, 1)
         );
         assert_eq!(count, 2);
     }
@@ -442,14 +442,17 @@ mod tests {
         let (mut desk, mut count) = (Desk::new(Some(key), 5), 0);
         for stranger in [None, Some(&other)] {
             let request = Request::new(1, 5, Order::ReplaceBearing, stranger);
-            let refused = (Outcome::NotAuthentic, 5);
+            let refused = (AnswerCode::NotAuthentic, 5);
             assert_eq!(answer(&mut desk, &mut count, request), refused);
         }
         let good = Request::new(1, 5, Order::ReplaceBearing, Some(&key));
         for bit in 0..64 {
             let mut bent = good;
             bent.tag[bit / 8] ^= 1 << (bit % 8);
-            assert_eq!(answer(&mut desk, &mut count, bent).0, Outcome::NotAuthentic);
+            assert_eq!(
+                answer(&mut desk, &mut count, bent).0,
+                AnswerCode::NotAuthentic
+            );
         }
         // The tag is that of this order alone.
         let other = Request {
@@ -458,9 +461,9 @@ mod tests {
         };
         assert_eq!(
             answer(&mut desk, &mut count, other).0,
-            Outcome::NotAuthentic
+            AnswerCode::NotAuthentic
         );
         assert_eq!(count, 0);
-        assert_eq!(answer(&mut desk, &mut count, good), (Outcome::Done, 6));
+        assert_eq!(answer(&mut desk, &mut count, good), (AnswerCode::Done, 6));
     }
 }

@@ -68,14 +68,12 @@ pub trait LoadSource {
 /// Of several records between two calls, the newest is the sample. A damaged frame is an error if no
 /// good one followed it.
 ///
-/// - **Order.** A record that is older than the one before, or the same, is out of order, and so is one whose number is
-///   farther ahead than any sender gets in the time. None of these is a sample.
-/// - **A sender that began anew** counts from its start again. A record that is behind is the first of a new count if its
-///   sender can have started since the last record that came, in order or not: its time is not longer than the time
-///   since then. A stretch of records that comes again, from a buffer or a recording, is older than that.
-/// - **Age.** Records differ in how long they were under way, the sender's clock being held against the monitor's. One
-///   that took 20 ms longer than the fastest is late ([`Mark::Late`]). A sender whose time is always 0 has no clock, and
-///   its records have no age.
+/// - **Order.** Numbers of records grow. A record is out of order if its number is not larger than the last one, or
+///   larger than any sender reaches in the time since. It is then no sample.
+/// - **Restart.** A sender that restarts counts from 0. A record with a smaller number begins a new count if its own time
+///   is not longer than the time since any record came. Replayed records are older than that, and stay out of order.
+/// - **Age.** The sender's clock is compared with the monitor's. A record that took 20 ms longer than the fastest one is
+///   late ([`Mark::Late`]). A sender whose time is always 0 has no clock, and its records have no age.
 #[derive(Debug)]
 pub struct FramedLoads {
     reader: FrameReader<MESSAGE_LENGTH>,

@@ -139,7 +139,7 @@ use crate::float::Real;
 use crate::limits::{Extreme, Limits};
 use crate::{Bearing, Full, Motion, Solution};
 use availability::Availability;
-use command::Desk;
+use command::{AnswerCode, Desk};
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
 use learning::Learning;
@@ -393,31 +393,32 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         self.outbox.post(time_us, Payload::Answer(answer));
     }
 
-    fn carry_out(&mut self, time_us: u64, order: Order) -> command::Outcome {
-        use command::Outcome as O;
+    fn carry_out(&mut self, time_us: u64, order: Order) -> AnswerCode {
         match order {
             Order::Acknowledge { alarm, raised } => {
                 let machine = self.judgement.alarm(alarm);
                 if machine.counts().0 != raised || !machine.stands() {
-                    return O::NoSuchOccurrence;
+                    return AnswerCode::NoSuchOccurrence;
                 }
                 self.acknowledge(time_us, alarm);
-                O::Done
+                AnswerCode::Done
             }
-            Order::Learn(true) if !self.idles(time_us) => O::NotIdling,
+            Order::Learn(true) if !self.idles(time_us) => AnswerCode::NotIdling,
             Order::Learn(on) => {
                 let before = self.judgement.learnt();
                 self.learn(on);
                 let learning = self.judgement.learning(&self.settings.judgement.baseline);
                 match learning.state {
-                    Learning::TooLittle if !on => O::TooLittleLearnt,
-                    Learning::Implausible if !on => O::Implausible,
-                    Learning::Off if !on && before == self.judgement.learnt() => O::TooLittleLearnt,
-                    _ => O::Done,
+                    Learning::TooLittle if !on => AnswerCode::TooLittleLearnt,
+                    Learning::Implausible if !on => AnswerCode::Implausible,
+                    Learning::Off if !on && before == self.judgement.learnt() => {
+                        AnswerCode::TooLittleLearnt
+                    }
+                    _ => AnswerCode::Done,
                 }
             }
-            Order::ReplaceBearing if self.replace_bearing(time_us) => O::Done,
-            Order::ReplaceBearing => O::NotAtStandstill,
+            Order::ReplaceBearing if self.replace_bearing(time_us) => AnswerCode::Done,
+            Order::ReplaceBearing => AnswerCode::NotAtStandstill,
         }
     }
 

@@ -270,8 +270,8 @@ pub struct PlausibilitySettings {
     /// Fastest change of speed, rad/s^2, from tick to tick: a source that has a new value every few
     /// ticks only makes the change of all of them in one.
     pub speed_rate: f32,
-    /// A speed other than 0 that is one and the same to the bit so many times is stuck; 0 for never, which is right where a
-    /// control hands on the speed that it was told.
+    /// Equal speeds in a row, other than 0, after which the speed is stuck. 0: never, for a control that sends the speed
+    /// it commands instead of one it measures.
     pub speed_stuck_after: u16,
     /// By how much two sources of speed may differ, rad/s, and as a part of the speed.
     pub speed_difference: [f32; 2],

@@ -597,7 +597,7 @@ pub type Read = Result<Frame, FrameError>;
 
 #[cfg(test)]
 mod tests {
-    use super::super::command::{Order, Outcome};
+    use super::super::command::{AnswerCode, Order};
     use super::super::learning::Learning;
     use super::*;
     use std::vec::Vec as Bytes;
@@ -716,7 +716,7 @@ mod tests {
                 alarm: Alarm::Deadline,
                 raised: u32::MAX,
             },
-            outcome: Outcome::Implausible,
+            outcome: AnswerCode::Implausible,
             nonce: u32::MAX,
         })
     }

@@ -8,7 +8,7 @@ use super::decoder::{Event, Gap};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use spindle_bearing::Limit;
-use spindle_bearing::monitor::command::{Answer, Order, Outcome};
+use spindle_bearing::monitor::command::{Answer, AnswerCode, Order};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::loads::FrameCounts;
@@ -551,7 +551,7 @@ fn answer(row: &Row) -> Option<Answer> {
     Some(Answer {
         number: row.request?,
         order,
-        outcome: by_name(&Outcome::ALL, Outcome::name, row.outcome.as_deref()?)?,
+        outcome: by_name(&AnswerCode::ALL, AnswerCode::name, row.outcome.as_deref()?)?,
         nonce: row.nonce?,
     })
 }

@@ -4,7 +4,7 @@ use super::monitor::{IDLE, Rig, SETTINGS, SPEED, settings};
 use super::retained::idling;
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use rayon::prelude::*;
-use spindle_bearing::monitor::command::{Order, Outcome, Request};
+use spindle_bearing::monitor::command::{AnswerCode, Order, Request};
 use spindle_bearing::monitor::judgement::{AlarmChange, Baseline, Changes};
 use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::settings::MonitorSettings;
@@ -284,7 +284,7 @@ fn no_command_blinds_the_monitor() {
 }
 
 /// What an operator asks for, and the outcome.
-fn ask(rig: &mut Rig, order: Order) -> Outcome {
+fn ask(rig: &mut Rig, order: Order) -> AnswerCode {
     let nonce = rig.monitor.inputs().nonce;
     let request = Request::new(nonce as u16, nonce, order, None);
     rig.monitor.ask(rig.time_us, &request);
@@ -304,25 +304,31 @@ fn ask(rig: &mut Rig, order: Order) -> Outcome {
 fn an_order_that_is_out_of_place_is_refused_by_its_reason() {
     let mut rig = Rig::new(&SETTINGS);
     // No estimate yet.
-    assert_eq!(ask(&mut rig, Order::Learn(true)), Outcome::NotIdling);
+    assert_eq!(ask(&mut rig, Order::Learn(true)), AnswerCode::NotIdling);
     rig.run_up();
     for _ in 0..300 {
         pressed(&mut rig, 1500.0);
     }
-    assert_eq!(ask(&mut rig, Order::Learn(true)), Outcome::NotIdling);
-    assert_eq!(ask(&mut rig, Order::Learn(false)), Outcome::TooLittleLearnt);
+    assert_eq!(ask(&mut rig, Order::Learn(true)), AnswerCode::NotIdling);
+    assert_eq!(
+        ask(&mut rig, Order::Learn(false)),
+        AnswerCode::TooLittleLearnt
+    );
     assert_eq!(
         ask(&mut rig, Order::ReplaceBearing),
-        Outcome::NotAtStandstill
+        AnswerCode::NotAtStandstill
     );
     rig.good(IDLE, SPEED);
-    assert_eq!(ask(&mut rig, Order::Learn(true)), Outcome::Done);
-    assert_eq!(ask(&mut rig, Order::Learn(false)), Outcome::TooLittleLearnt);
-    assert_eq!(ask(&mut rig, Order::Learn(true)), Outcome::Done);
+    assert_eq!(ask(&mut rig, Order::Learn(true)), AnswerCode::Done);
+    assert_eq!(
+        ask(&mut rig, Order::Learn(false)),
+        AnswerCode::TooLittleLearnt
+    );
+    assert_eq!(ask(&mut rig, Order::Learn(true)), AnswerCode::Done);
     for _ in 0..200 {
         rig.good(IDLE, SPEED);
     }
-    assert_eq!(ask(&mut rig, Order::Learn(false)), Outcome::Done);
+    assert_eq!(ask(&mut rig, Order::Learn(false)), AnswerCode::Done);
     rig.no_alarm_is_lost();
 }
 
@@ -341,15 +347,15 @@ fn an_acknowledgement_of_one_occurrence_is_none_of_the_next() {
     };
     occur(&mut rig);
     occur(&mut rig);
-    assert_eq!(ask(&mut rig, first), Outcome::NoSuchOccurrence);
+    assert_eq!(ask(&mut rig, first), AnswerCode::NoSuchOccurrence);
     assert_eq!(rig.state(Alarm::PeakPressure), AlarmState::Latched);
     let second = Order::Acknowledge {
         alarm: Alarm::PeakPressure,
         raised: 2,
     };
-    assert_eq!(ask(&mut rig, second), Outcome::Done);
+    assert_eq!(ask(&mut rig, second), AnswerCode::Done);
     assert_eq!(rig.state(Alarm::PeakPressure), AlarmState::Clear);
-    assert_eq!(ask(&mut rig, second), Outcome::NoSuchOccurrence);
+    assert_eq!(ask(&mut rig, second), AnswerCode::NoSuchOccurrence);
     rig.no_alarm_is_lost();
 }
 

@@ -196,7 +196,7 @@ prop_compose! {
             any::<bool>().prop_map(Order::Learn),
             Just(Order::ReplaceBearing),
         ],
-        outcome in prop::sample::select(command::Outcome::ALL.to_vec()),
+        outcome in prop::sample::select(command::AnswerCode::ALL.to_vec()),
         nonce in any::<u32>(),
     ) -> Answer {
         Answer { number, order, outcome, nonce }
@@ -679,7 +679,7 @@ fn an_order_is_sent_again_until_it_is_answered_and_is_given_up_in_the_end() {
             let answer = Payload::Answer(Answer {
                 number: 1,
                 order: Order::Learn(true),
-                outcome: command::Outcome::NotIdling,
+                outcome: command::AnswerCode::NotIdling,
                 nonce: 8,
             });
             note(&mut state, &mut decoder, &frame(5, answer));

@@ -39,17 +39,16 @@ struct Arguments {
     #[arg(long, value_name = "PORT", group = "source")]
     port: Option<String>,
 
-    /// Acknowledge what the board tells of in its next eleven seconds, and go on; with --view, the key a does it
+    /// Acknowledge the alarms that stand, and go on; with --view, press a
     #[arg(long, requires = "port")]
     acknowledge: bool,
 
-    /// Have the board, idling, learn the baseline of the stiffness from now on, or no longer; with --view, the keys s
-    /// and e do it
+    /// Start or end learning the baseline of the stiffness, with the spindle idling; with --view, press s or e
     #[arg(long, value_name = "WHEN", requires = "port")]
     learn: Option<Learning>,
 
-    /// Tell the board, at a standstill, that the bearing was replaced by a new one: it forgets its baseline and the
-    /// life used
+    /// The bearing was replaced: forget its baseline and the life used, with the spindle at a standstill; with --view,
+    /// press r
     #[arg(long, requires = "port")]
     new_bearing: bool,
 
@@ -77,8 +76,8 @@ struct Arguments {
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<String>,
 
-    /// Show the stream live; q leaves. With a port, a acknowledges alarms, s starts learning the baseline, e ends it,
-    /// r tells of a new bearing
+    /// Show the stream live; q leaves. With a port: a acknowledges alarms, s and e start and end learning the baseline,
+    /// r replaces the bearing
     #[arg(long)]
     view: bool,
 
@@ -99,9 +98,9 @@ struct Arguments {
 /// Whether the board is to learn the baseline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Learning {
-    /// From now on
+    /// Start
     On,
-    /// No longer
+    /// End
     Off,
 }
 
