@@ -6,14 +6,14 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 55_426,
-        start: 8_470,
-        iteration: 19_520,
+        fixed: 40_773,
+        start: 25_979,
+        iteration: 19_303,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 54_288,
-        start: 19_009,
-        iteration: 43_179,
+        fixed: 42_943,
+        start: 41_714,
+        iteration: 43_274,
     };
 }
