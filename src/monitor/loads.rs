@@ -149,11 +149,18 @@ impl FramedLoads {
     }
 
     /// Takes the next byte.
+    #[inline]
     pub fn push(&mut self, byte: u8) {
-        match self.reader.push(byte) {
-            None => {}
-            Some(Ok(record)) => self.take(record),
-            Some(Err(error)) => self.damaged(error),
+        if let Some(read) = self.reader.push(byte) {
+            self.read(read);
+        }
+    }
+
+    #[inline(never)]
+    fn read(&mut self, read: Result<LoadRecord, FrameError>) {
+        match read {
+            Ok(record) => self.take(record),
+            Err(error) => self.damaged(error),
         }
     }
 
