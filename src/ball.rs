@@ -166,7 +166,9 @@ impl<T: Real> Ball<T> {
     /// The ball at speed, where it is.
     #[inline(never)]
     pub fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>) -> Pose<T> {
-        self.pose_at::<R>(c, p, self.inner_offset(), self.x)
+        let inner = Contact::at(&self.inner, self.inner_offset(), p.li, c.ki);
+        let outer = Contact::at(&self.outer, self.x, p.lo, T::ONE);
+        Pose::at_speed::<R>(inner, outer, c, p)
     }
 
     /// The ball at speed, where it follows the groove's centre to `a`.
@@ -174,20 +176,12 @@ impl<T: Real> Ball<T> {
     pub fn pose_for<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
         let step = add(self.z, times(&self.d, sub(a, self.a)));
         let x = add(self.x, turn(self.n, step));
-        self.pose_at::<R>(c, p, add(self.low, sub(a, x)), x)
-    }
-
-    /// The ball at speed, its contacts at these offsets from their references.
-    #[inline(always)]
-    fn pose_at<R: Rule>(
-        &self,
-        c: &Constants<T>,
-        p: &Point<T>,
-        inner: Pair<T>,
-        outer: Pair<T>,
-    ) -> Pose<T> {
-        let inner = Contact::at(&self.inner, inner, p.li, c.ki);
-        let outer = Contact::at(&self.outer, outer, p.lo, T::ONE);
+        let [inner, outer] = Contact::both_at(
+            [&self.inner, &self.outer],
+            [add(self.low, sub(a, x)), x],
+            [p.li, p.lo],
+            [c.ki, T::ONE],
+        );
         Pose::at_speed::<R>(inner, outer, c, p)
     }
 

@@ -191,18 +191,19 @@ impl LifeRating {
             outer += o * o * o * Real::cbrt(o);
             balls += 1.0;
         }
-        self.damage_of_sums(inner, outer, balls)
+        self.damage_of_sums(1.0, inner, outer, balls)
     }
 
-    /// The same of so many `balls`, from the sum of the cubes of the inner contact forces (N^3), and from that of the outer
-    /// ones to 10/3.
-    pub fn damage_of_sums(&self, inner: f32, outer: f32, balls: f32) -> f32 {
+    /// The same of so many `balls`, from the sum of the cubes of the inner contact forces, and from that of the outer ones to
+    /// 10/3, forces in a `unit` (N).
+    pub fn damage_of_sums(&self, unit: f32, inner: f32, outer: f32, balls: f32) -> f32 {
         if !(balls > 0.0) {
             return 0.0;
         }
-        let cube = |q: f32| q * q * q;
-        let inner = inner / (balls * cube(self.inner));
-        let outer = outer / (balls * cube(self.outer) * Real::cbrt(self.outer));
+        let (i, o) = (unit / self.inner, unit / self.outer);
+        let per_ball = 1.0 / balls;
+        let inner = i * i * i * (inner * per_ball);
+        let outer = o * o * o * Real::cbrt(o) * (outer * per_ball);
         // (mean of cubes)^(10/9).
         let inner = inner * Real::cbrt(Real::cbrt(inner));
         let sum = inner + outer;

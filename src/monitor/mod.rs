@@ -802,22 +802,21 @@ fn observe<T: Real, const N: usize, M: Motion>(
     let unit = solution.unit_of_force().to_f32();
     let (mut inner, mut outer) = (0.0_f32, 0.0_f32);
     let survey = solution.survey(&limits, |ball, contacts| {
-        let [i, o] = contacts
-            .each_ref()
-            .map(|k| [unit * k.q.to_f32(), k.n[0].to_f32(), k.n[1].to_f32()]);
-        let q = i[0];
+        let force = contacts.each_ref().map(|k| k.q.to_f32());
+        let q = unit * force[0];
         if q < least {
             least = q;
         }
         if q > largest {
             largest = q;
         }
-        inner += q * q * q;
+        inner += force[0] * force[0] * force[0];
         // In units, an outer contact's force is the deformation to 3/2, so that the force to 10/3 is a square.
-        let root = contacts[1].q.to_f32() * contacts[1].delta.to_f32();
+        let root = force[1] * contacts[1].delta.to_f32();
         outer += root * root;
         if let Some(to) = balls.get_mut(usize::from(ball)) {
-            *to = [i, o];
+            let [i, o] = contacts.each_ref().map(|k| k.n.map(T::to_f32));
+            *to = [[q, i[0], i[1]], [unit * force[1], o[0], o[1]]];
         }
     });
     let extremes = survey.extremes();
@@ -844,8 +843,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
         solution.error.stiffness.to_f32(),
     ];
     estimate.limits = survey.limits(&extremes).bits();
-    let outer = outer * unit * unit * unit * Real::cbrt(unit);
-    let damage = settings.rating.damage_of_sums(inner, outer, N as f32);
+    let damage = settings.rating.damage_of_sums(unit, inner, outer, N as f32);
     let findings = Findings {
         pressure: level(extremes.pressure, 0.0),
         contact_angle: level(extremes.shoulder, f32::NEG_INFINITY),
