@@ -168,9 +168,10 @@ const CLEARLY: f32 = 1.02;
 pub(crate) fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
     let mut place = (0, 1);
     let mut strongest: f32 = 0.0;
+    let per: [f32; 5] = core::array::from_fn(|i| 1.0 / k[i][i].abs());
     for i in 0..5 {
         for j in 0..5 {
-            let ratio = k[i][j] * k[i][j] / (k[i][i] * k[j][j]).abs();
+            let ratio = (k[i][j] * per[i]) * (k[i][j] * per[j]);
             // False for 0/0, too: a direction without stiffness couples with nothing.
             if i != j && ratio > CLEARLY * strongest {
                 strongest = ratio;

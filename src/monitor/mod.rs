@@ -243,6 +243,19 @@ enum Wanted {
     Wear(GoodSample, f32),
 }
 
+/// Balls that are reported in a tick: their angles cost it as much as their frame does.
+const BALLS_PER_TICK: usize = 4;
+const _: () = assert!(BALLS_PER_TICK <= BALLS_PER_FRAME);
+
+/// All balls at one time, on their way into the outbox.
+#[derive(Debug, Clone, Copy)]
+struct Picture<const N: usize> {
+    time_us: u64,
+    /// As an [`Estimate`] has them, and how many of them are reported.
+    balls: [[[f32; 3]; 2]; N],
+    reported: usize,
+}
+
 /// A ball as the telemetry has it.
 fn ball_report([[q_i, sin_i, cos_i], [q_o, sin_o, cos_o]]: &[[f32; 3]; 2]) -> BallReport {
     BallReport {
@@ -296,6 +309,7 @@ pub struct Monitor<
     availability: Availability,
     outbox: Outbox<FRAMES>,
     estimate: Option<Estimate<N>>,
+    picture: Option<Picture<N>>,
     /// How the last solve ended.
     status: StatusCode,
     /// The last solve gave no estimate.
@@ -342,6 +356,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             availability: Availability::NEW,
             outbox: Outbox::new(),
             estimate: None,
+            picture: None,
             status: StatusCode::Unloaded,
             unsolved: false,
             waiting: None,
@@ -675,18 +690,31 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             self.outbox.post(time_us, Payload::Estimate(report));
         }
         if balls_due && let Some(estimate) = &self.estimate {
-            for (first, balls) in (0..)
-                .step_by(BALLS_PER_FRAME)
-                .zip(estimate.balls.chunks(BALLS_PER_FRAME))
-            {
-                let report = BallsReport {
-                    first,
-                    count: N as u16,
-                    first_azimuth: self.settings.first_azimuth,
-                    balls: balls.iter().map(ball_report).collect(),
-                };
-                self.outbox.post(time_us, Payload::Balls(report));
-            }
+            self.picture = Some(Picture {
+                time_us,
+                balls: estimate.balls,
+                reported: 0,
+            });
+        }
+        self.report_balls();
+    }
+
+    /// Puts the next balls of the picture into the outbox.
+    fn report_balls(&mut self) {
+        let Some(picture) = &mut self.picture else {
+            return;
+        };
+        let rest = picture.balls.iter().skip(picture.reported);
+        let report = BallsReport {
+            first: picture.reported as u16,
+            count: N as u16,
+            first_azimuth: self.settings.first_azimuth,
+            balls: rest.take(BALLS_PER_TICK).map(ball_report).collect(),
+        };
+        self.outbox.post(picture.time_us, Payload::Balls(report));
+        picture.reported += BALLS_PER_TICK;
+        if picture.reported >= N {
+            self.picture = None;
         }
     }
 

@@ -445,8 +445,8 @@ fn the_simulation_solves_the_recording_in_every_tick() {
             _ => {}
         }
     }
-    // Estimates every 20 ms, pictures of two frames every 200 ms.
-    assert_eq!((estimates, reports), (450, 90));
+    // Estimates every 20 ms, pictures of four frames every 200 ms.
+    assert_eq!((estimates, reports), (450, 180));
     let health = state.health.unwrap().report;
     // The first turns of the shaft may take longer than a tick.
     assert_eq!(health.estimates + health.refusals, health.ticks + 1);
