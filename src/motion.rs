@@ -140,6 +140,8 @@ impl<T: Real> Body<T> for Ball<T> {
         Ball::stiffening(self, a)
     }
 
+    // In line, so that whoever looks at a ball has what it looks at in registers.
+    #[inline(always)]
     fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
         match p.regime {
             Regime::Rest => Pose::at_rest(c, &self.in_series(c, p, a)),

@@ -3,6 +3,7 @@
 use super::Solver;
 use super::error::ErrorEstimate;
 use crate::body::Body;
+use crate::constants::Azimuth;
 use crate::float::Real;
 use crate::frame::stiffness_out;
 use crate::limits::{ContactState, Exceedances, Extremes, Limits, Survey};
@@ -43,13 +44,17 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         stiffness_out(c, &k)
     }
 
+    #[inline(always)]
+    fn pose(&self, ball: &M::Ball<T>, at: &Azimuth<T>) -> Pose<T> {
+        let a = shift(&self.solver.state.v, at);
+        ball.pose::<M::Rule>(&self.solver.bearing.constants, &self.point, a)
+    }
+
     fn poses(&self) -> impl ExactSizeIterator<Item = Pose<T>> + '_ {
-        let bearing = self.solver.bearing;
-        let balls = self.solver.balls.iter().zip(&bearing.azimuths);
-        balls.map(move |(ball, at)| {
-            let a = shift(&self.solver.state.v, at);
-            ball.pose::<M::Rule>(&bearing.constants, &self.point, a)
-        })
+        let balls = self.solver.balls.iter();
+        balls
+            .zip(&self.solver.bearing.azimuths)
+            .map(|(ball, at)| self.pose(ball, at))
     }
 
     /// States of the balls, in the order of their azimuths.
@@ -145,7 +150,11 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         limits: &'l Limits<T>,
         each: impl FnMut(u16, &[ContactState<T>; 2]),
     ) -> Survey<'l, T> {
-        let states = self.poses().map(|pose| pose.states());
+        // Not `poses`, whose closure is no longer in line once something else calls it (+1,500 cycles).
+        let balls = self.solver.balls.iter();
+        let states = balls
+            .zip(&self.solver.bearing.azimuths)
+            .map(|(ball, at)| self.pose(ball, at).states());
         Survey::of(&self.solver.bearing.constants.grooves, limits, states, each)
     }
 
