@@ -238,6 +238,12 @@ impl AlarmMachine {
         threshold: &Threshold,
     ) -> Option<AlarmChange> {
         use AlarmState as S;
+        // Most levels are far off: a third of the cost.
+        let clear = self.state == S::Clear && !self.there && self.held_us == 0;
+        if clear && level.value < threshold.raise && level.value < threshold.at_once {
+            (self.level, self.ball, self.seen_us) = (level.value, level.ball, time_us);
+            return None;
+        }
         // A level that is no number tells nothing.
         if level.value.is_nan() {
             return None;
