@@ -12,8 +12,10 @@
 
 use core::fmt;
 use core::marker::PhantomData;
+use core::slice::IterMut;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
+use postcard::ser_flavors::Flavor;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -61,7 +63,7 @@ fn write<T: Serialize, const FRAME: usize>(message: &T, frame: &mut Vec<u8, FRAM
     frame.resize_default(FRAME).ok()?;
     // Behind the place of the first code.
     let (_, content) = frame.split_first_mut()?;
-    let written = postcard::to_slice(message, content).ok()?.len();
+    let written = postcard::serialize_with_flavor(message, Bytes::into(content)).ok()?;
     let (message, rest) = content.split_at_mut_checked(written)?;
     *rest.first_chunk_mut()? = CHECKSUM.checksum(message).to_le_bytes();
     let end = written.checked_add(CHECKSUM_LENGTH)?;
@@ -74,6 +76,36 @@ fn write<T: Serialize, const FRAME: usize>(message: &T, frame: &mut Vec<u8, FRAM
         frame.truncate(length);
     }
     frame.push(DELIMITER).ok()
+}
+
+/// Where a message goes, byte by byte; in the end, how many. `postcard`'s own copies every varint by a call of `memcpy`.
+struct Bytes<'a> {
+    room: IterMut<'a, u8>,
+    length: usize,
+}
+
+impl<'a> Bytes<'a> {
+    fn into(room: &'a mut [u8]) -> Self {
+        Self {
+            length: room.len(),
+            room: room.iter_mut(),
+        }
+    }
+}
+
+impl Flavor for Bytes<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        let to = self.room.next();
+        *to.ok_or(postcard::Error::SerializeBufferFull)? = byte;
+        Ok(())
+    }
+
+    fn finalize(self) -> postcard::Result<usize> {
+        Ok(self.length.saturating_sub(self.room.len()))
+    }
 }
 
 /// COBS of at most [`LONGEST_RUN`] bytes behind a zero: every zero becomes the way to the next one. `cobs` has it byte by
@@ -252,7 +284,7 @@ fn parse<T: DeserializeOwned>(message: &[u8]) -> Result<T, FrameError> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use std::vec::Vec as Bytes;
+    use std::vec::Vec as List;
 
     proptest! {
         #[test]
@@ -273,7 +305,7 @@ mod tests {
             const LENGTH: usize = 32 * 19 + CHECKSUM_LENGTH;
             let frame = encode::<_, { frame_length(LENGTH) }>(&message).unwrap();
             let mut reader = FrameReader::<[[u8; 32]; 19], LENGTH>::new();
-            let read: Bytes<_> = frame.iter().filter_map(|byte| reader.push(*byte)).collect();
+            let read: List<_> = frame.iter().filter_map(|byte| reader.push(*byte)).collect();
             prop_assert_eq!(read, [Ok(message)]);
         }
 
@@ -283,7 +315,7 @@ mod tests {
         ) {
             let mut reader = FrameReader::<(), 600>::new();
             let mut state = cobs::DecoderState::Idle;
-            let mut message = Bytes::new();
+            let mut message = List::new();
             for byte in bytes {
                 let ended = match state.feed(byte) {
                     Ok(cobs::DecodeResult::DataContinue(byte)) => {

@@ -512,31 +512,36 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         });
     }
 
-    /// The next frame that is worth the link, and drops it from the queue.
-    fn next(&mut self) -> Option<Waiting> {
+    /// Makes a frame of what is worth the link most, and drops it from the queue.
+    fn encode_next(&mut self) {
         if let Some((time_us, report)) = self.alarms.pop_front() {
-            let payload = Payload::Alarm(report);
-            return Some(Waiting { time_us, payload });
+            return self.encode(time_us, &Payload::Alarm(report));
         }
-        if let Some(slot) = self.held_back.iter_mut().find(|slot| slot.is_some()) {
-            return slot.take().map(|held| Waiting {
-                time_us: held.time_us,
-                payload: Payload::Alarm(held.report),
-            });
+        if let Some(slot) = self.held_back.iter_mut().find(|slot| slot.is_some())
+            && let Some(held) = slot.take()
+        {
+            return self.encode(held.time_us, &Payload::Alarm(held.report));
         }
         if let Some((time_us, answer)) = self.answers.pop_front() {
-            let payload = Payload::Answer(answer);
-            return Some(Waiting { time_us, payload });
+            return self.encode(time_us, &Payload::Answer(answer));
         }
         if let Some((time_us, report)) = self.health.take() {
-            let payload = Payload::Health(report);
-            return Some(Waiting { time_us, payload });
+            return self.encode(time_us, &Payload::Health(report));
         }
         if let Some((time_us, report)) = self.inputs.take() {
-            let payload = Payload::Inputs(report);
-            return Some(Waiting { time_us, payload });
+            return self.encode(time_us, &Payload::Inputs(report));
         }
-        self.frames.pop_front()
+        if let Some(Waiting { time_us, payload }) = self.frames.front() {
+            // Where it lies: a copy of a payload takes some hundred cycles.
+            encode_numbered(self.sequence, *time_us, payload, &mut self.current);
+            self.sequence = self.sequence.wrapping_add(1);
+            self.frames.pop_front();
+        }
+    }
+
+    fn encode(&mut self, time_us: u64, payload: &Payload) {
+        encode_numbered(self.sequence, time_us, payload, &mut self.current);
+        self.sequence = self.sequence.wrapping_add(1);
     }
 
     /// Makes sure that there are bytes on their way; false if there is nothing to send.
@@ -544,19 +549,9 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         if self.gone < self.current.len() {
             return true;
         }
-        let Some(Waiting { time_us, payload }) = self.next() else {
-            return false;
-        };
-        let frame = Frame {
-            version: VERSION,
-            sequence: self.sequence,
-            time_us,
-            payload,
-        };
-        self.sequence = self.sequence.wrapping_add(1);
         self.gone = 0;
-        // The lengths above make room for every frame; the tests see to it.
-        framing::encode_into(&frame, &mut self.current);
+        self.current.clear();
+        self.encode_next();
         !self.current.is_empty()
     }
 
@@ -585,6 +580,27 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         }
         filled
     }
+}
+
+/// A [`Frame`] whose payload lies elsewhere.
+#[derive(Serialize)]
+struct Numbered<'a> {
+    version: u8,
+    sequence: u32,
+    time_us: u64,
+    payload: &'a Payload,
+}
+
+#[inline(never)]
+fn encode_numbered(sequence: u32, time_us: u64, payload: &Payload, to: &mut Vec<u8, FRAME_LENGTH>) {
+    let frame = Numbered {
+        version: VERSION,
+        sequence,
+        time_us,
+        payload,
+    };
+    // The lengths above make room for every frame; the tests see to it.
+    framing::encode_into(&frame, to);
 }
 
 /// The frame of a record, delimiter included; empty if it is longer than any that this version knows.
