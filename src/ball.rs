@@ -455,11 +455,11 @@ impl<T: Real> Ball<T> {
 
     /// Motions of the inner contact and of the ball, along and across the inner contact.
     ///
-    /// The groove's centre moves to `a`, and `omega^2` changes by `ds`.
+    /// The groove's centre moves to `a`, and the ball by `beyond` what it follows that.
     #[inline(always)]
-    fn motions(&self, a: Pair<T>, ds: T) -> (Pair<T>, Pair<T>) {
+    fn motions(&self, a: Pair<T>, beyond: impl FnOnce(Pair<T>) -> Pair<T>) -> (Pair<T>, Pair<T>) {
         let da = sub(a, self.a);
-        let dx = add(add(self.z, times(&self.d, da)), scale(ds, self.xs));
+        let dx = beyond(add(self.z, times(&self.d, da)));
         (sub(turn(self.n, da), dx), dx)
     }
 
@@ -467,7 +467,7 @@ impl<T: Real> Ball<T> {
     #[inline(always)]
     pub fn bend(&mut self, a: Pair<T>, ds: T) -> Pair<T> {
         let l = &self.local;
-        let (v, dx) = self.motions(a, ds);
+        let (v, dx) = self.motions(a, |dx| add(dx, scale(ds, self.xs)));
         let (inner, outer) = self.curvatures();
         let p = inner.force(v);
         let [on, ot] = outer.force(self.outer_of(dx));
@@ -482,7 +482,7 @@ impl<T: Real> Ball<T> {
     /// the contacts' part is in it.
     #[inline(always)]
     pub fn stiffening(&self, a: Pair<T>) -> [T; 3] {
-        let (v, dx) = self.motions(a, T::ZERO);
+        let (v, dx) = self.motions(a, |dx| dx);
         let (inner, outer) = self.curvatures();
         let ([s, c], d) = (self.n, &self.d);
         // How the inner contact and the ball move with the groove's centre, axially and radially.

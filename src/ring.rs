@@ -294,7 +294,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     }
 }
 
-/// Adds the change of the stiffness along the ring's motion to `v`.
+/// Adds the change of the stiffness along the ring's motion to `v`. Opposite balls together where there are any.
 #[inline(never)]
 pub fn stiffen<T: Real, B: Body<T>, const D: usize>(
     balls: &[B],
@@ -302,16 +302,21 @@ pub fn stiffen<T: Real, B: Body<T>, const D: usize>(
     v: &[T; D],
     sum: &mut Sum<T, D>,
 ) {
-    let mut azimuths = azimuths.iter();
-    for ball in balls {
-        let Some(at) = azimuths.next() else { break };
+    let change = |(ball, at): (&B, &Azimuth<T>)| {
         let [aa, ar, rr] = ball.stiffening(shift(v, at));
-        let share = Share {
+        Share {
             h: [[aa, ar], [ar, rr]],
             hm: [aa, ar],
             ..Share::NONE
-        };
-        sum.add_slopes(&share, &Share::NONE, at);
+        }
+    };
+    let n = balls.len();
+    let alone = if n.is_multiple_of(2) { n / 2 } else { n };
+    let (first, second) = balls.split_at(alone);
+    let mut second = second.iter().zip(azimuths.iter().skip(alone));
+    for (ball, at) in first.iter().zip(azimuths) {
+        let opposite = second.next().map_or(Share::NONE, change);
+        sum.add_slopes(&change((ball, at)), &opposite, at);
     }
     sum.finish();
 }
