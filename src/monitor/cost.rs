@@ -6,14 +6,14 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 40_773,
-        start: 25_979,
-        iteration: 19_303,
+        fixed: 32_336,
+        start: 25_984,
+        iteration: 19_302,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 42_943,
-        start: 41_714,
-        iteration: 43_274,
+        fixed: 38_607,
+        start: 41_758,
+        iteration: 43_260,
     };
 }
