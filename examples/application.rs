@@ -25,6 +25,7 @@ pub fn run() -> ! {
             "the timer"
         }
     );
+    defmt::info!("started by {=str}", board.report.reset.name());
     let (keeper, past) = Keeper::start(board.memory.take(), board.clock.core_hz);
     // The compiler leaves out what is not chosen.
     if BRIDGES && let Some(sensors) = board.sensors.take() {
@@ -130,6 +131,7 @@ fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board, keeper: 
     if let Err(status) = chain.prepare() {
         defmt::warn!("no equilibrium to start from: {=str}", status.name());
     }
+    chain.set_board(board.report);
     if board.lock_step {
         in_lock_step(chain, board, keeper)
     } else {

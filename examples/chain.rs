@@ -12,7 +12,7 @@ use spindle_bearing::monitor::loads::{FrameCounts, FramedLoads, LoadSource};
 use spindle_bearing::monitor::retained::NorFlash;
 use spindle_bearing::monitor::telemetry::{HealthReport, StatusCode};
 use spindle_bearing::monitor::tick::{CycleCounter, Watchdog};
-use spindle_bearing::monitor::{Monitor, Outcome, Past, Readings, Store};
+use spindle_bearing::monitor::{BoardReport, Monitor, Outcome, Past, Readings, Store};
 
 /// Estimates and pictures of balls that wait for a slow link.
 const FRAMES: usize = 12;
@@ -102,6 +102,12 @@ impl<S: Sensors> Chain<S> {
                 None
             }
         }
+    }
+
+    /// Takes what the board says of itself, for the telemetry.
+    #[allow(dead_code, reason = "the boards'")]
+    pub fn set_board(&mut self, report: BoardReport) {
+        self.monitor.set_board(report);
     }
 
     /// A tick at this time.

@@ -1,16 +1,27 @@
-//! Ways out of a panic and of a fault. A monitor is without its operator: say what happened, and start
-//! again.
+//! Ways out of a panic, of a fault, and of an interrupt that nobody handles. A monitor is without its operator: say
+//! what happened, and start again. The next start reports a reset by software.
 
 use super::log;
 use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
 
+/// Says what happened, if there is a way, and starts again.
+fn start_again(tell: impl FnOnce()) -> ! {
+    static TELLING: AtomicBool = AtomicBool::new(false);
+    cortex_m::interrupt::disable();
+    // A failure inside the log, or while another one is told, has no way to tell.
+    if log::is_free() && !TELLING.swap(true, Ordering::Relaxed) {
+        tell();
+        defmt::flush();
+    }
+    SCB::sys_reset()
+}
+
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    cortex_m::interrupt::disable();
-    // A panic inside the log itself has no way to tell.
-    if log::is_free() {
+    start_again(|| {
         let (file, line) = info
             .location()
             .map_or(("?", 0), |place| (place.file(), place.line()));
@@ -21,17 +32,17 @@ fn panic(info: &PanicInfo) -> ! {
             line,
             what
         );
-        defmt::flush();
-    }
-    SCB::sys_reset()
+    })
 }
 
 #[exception]
 #[allow(unsafe_code, reason = "a fault handler is declared unsafe")]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    if log::is_free() {
-        defmt::error!("hard fault at {=u32:#x}, starting again", frame.pc());
-        defmt::flush();
-    }
-    SCB::sys_reset()
+    start_again(|| defmt::error!("hard fault at {=u32:#x}, starting again", frame.pc()))
+}
+
+#[exception]
+#[allow(unsafe_code, reason = "so is that of everything else")]
+unsafe fn DefaultHandler(number: i16) -> ! {
+    start_again(|| defmt::error!("interrupt {=i16} without a handler, starting again", number))
 }

@@ -8,6 +8,7 @@ mod faults;
 mod flash;
 mod log;
 mod receiver;
+mod reset;
 mod sensors;
 mod serial;
 mod spi;
@@ -23,6 +24,7 @@ pub type Memory = flash::Flash<cells::Memory>;
 
 use crate::monitor_settings::BRIDGES;
 use cortex_m::peripheral::SYST;
+use spindle_bearing::monitor::BoardReport;
 use stm32f4::stm32f405 as pac;
 
 /// The board once it is started.
@@ -40,6 +42,8 @@ pub struct Board {
     /// PC0 is wired to ground: ticks are asked for over the port. On an emulated board, which has no pins,
     /// every input is low.
     pub lock_step: bool,
+    /// What the board says of itself: why it started.
+    pub report: BoardReport,
     /// Strain bridges and tachometer, if they are chosen.
     pub sensors: Option<Measured>,
     /// Flash for what is kept over a power cycle; none on an emulated board.
@@ -50,6 +54,10 @@ pub struct Board {
 pub fn start() -> Option<Board> {
     let p = pac::Peripherals::take()?;
     let mut core = cortex_m::Peripherals::take()?;
+    let report = BoardReport {
+        reset: reset::cause(&p.RCC),
+        ..BoardReport::NONE
+    };
     let clock = clock::start(&p.RCC, &p.FLASH);
     let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
     p.RCC.ahb1enr().modify(|_, w| w.gpiocen().enabled());
@@ -74,6 +82,7 @@ pub fn start() -> Option<Board> {
         iwdg: p.IWDG,
         timer: core.SYST,
         lock_step,
+        report,
         sensors,
         memory: cells::start(p.FLASH).map(flash::Flash),
     })

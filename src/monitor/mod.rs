@@ -10,6 +10,7 @@
 //! | judgement | [`judgement`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | telemetry | [`telemetry`] | frames for a host |
+//! | the board | [`board`] | why it started, and whether it is sound |
 //! | commands | [`command`] | what the host says besides loads |
 //! | retention | [`retained`] | baseline and life used, over a power cycle |
 //!
@@ -113,6 +114,7 @@
 //! lubrication, and more than one bearing.
 
 mod availability;
+pub mod board;
 pub mod command;
 mod cost;
 pub mod judgement;
@@ -127,6 +129,7 @@ pub mod telemetry;
 pub mod tick;
 mod tracker;
 
+pub use board::BoardReport;
 pub use command::{Command, Order};
 pub use judgement::{Alarm, AlarmState, Baseline, Changes, Judgement};
 pub use life::Life;
@@ -266,6 +269,9 @@ fn ball_report([[q_i, sin_i, cos_i], [q_o, sin_o, cos_o]]: &[[f32; 3]; 2]) -> Ba
     }
 }
 
+/// Health reports from one report of the board to the next.
+const BOARD_EVERY: u32 = 10;
+
 /// Something that is due now and then.
 #[derive(Debug, Clone, Copy)]
 struct Every {
@@ -331,10 +337,12 @@ pub struct Monitor<
     retention: RetentionReport,
     records: FrameCounts,
     desk: Desk,
+    board: BoardReport,
     due_estimate: Every,
     due_balls: Every,
     due_health: Every,
     due_inputs: Every,
+    due_board: Every,
     due_standing: Every,
 }
 
@@ -371,12 +379,14 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             retention: RetentionReport::NO_MEMORY,
             records: FrameCounts::default(),
             desk: Desk::new(None, 0),
+            board: BoardReport::NONE,
             due_estimate: part(1),
             due_balls: part(2),
             due_health: now,
             due_inputs: Every {
                 next_us: u64::from(settings.telemetry.health_us) / 2,
             },
+            due_board: now,
             due_standing: part(3),
         }
     }
@@ -457,6 +467,14 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
     /// What came over the line of the load records, for the telemetry ([`InputsReport`]).
     pub const fn note_records(&mut self, counts: FrameCounts) {
         self.records = counts;
+    }
+
+    /// Takes what the board says of itself. What is new, but for the stack, is reported in the next tick.
+    pub fn set_board(&mut self, report: BoardReport) {
+        if report.differs(&self.board) {
+            self.due_board = Every { next_us: 0 };
+        }
+        self.board = report;
     }
 
     /// Begins to learn the baseline, or ends it ([`Judgement::stop_learning`]).
@@ -681,6 +699,10 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         if self.due_inputs.is_due(time_us, every.health_us) {
             let inputs = self.inputs();
             self.outbox.post(time_us, Payload::Inputs(inputs));
+        }
+        let board_us = every.health_us.saturating_mul(BOARD_EVERY);
+        if self.due_board.is_due(time_us, board_us) {
+            self.outbox.post(time_us, Payload::Board(self.board));
         }
         let (estimate_due, balls_due) = (
             self.due_estimate.is_due(time_us, every.estimate_us),

@@ -13,6 +13,7 @@
 //! | [`Payload::Health`], [`Payload::Inputs`] | at a fixed interval | the newest is kept |
 //! | [`Payload::Estimate`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
+//! | [`Payload::Board`] | at the start, at changes, with every tenth health report | the newest is kept |
 //!
 //! [`Outbox`] is the queue. The link takes bytes out of it whenever it can; alarms go first. Sequence
 //! numbers are given when a frame goes out, so that a gap in them is a frame that the link lost, and
@@ -24,6 +25,7 @@
 //! sees from these counts what happened meanwhile. An alarm that stands is sent again at an interval,
 //! which makes up for frames that the link itself loses.
 
+use super::board::BoardReport;
 use super::command::Answer;
 use super::judgement::{Alarm, AlarmState};
 use super::learning::LearningReport;
@@ -87,6 +89,8 @@ pub enum Payload {
     Inputs(InputsReport),
     /// What became of an operator's order.
     Answer(Answer),
+    /// What the board says of itself.
+    Board(BoardReport),
 }
 
 /// How the last solve ended: [`Status`] without its numbers.
@@ -410,6 +414,7 @@ pub struct Outbox<const FRAMES: usize> {
     held_back: [Option<HeldBack>; Alarm::COUNT],
     health: Option<(u64, HealthReport)>,
     inputs: Option<(u64, InputsReport)>,
+    board: Option<(u64, BoardReport)>,
     frames: Deque<Waiting, FRAMES>,
     sequence: u32,
     dropped: u64,
@@ -433,6 +438,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             held_back: [None; Alarm::COUNT],
             health: None,
             inputs: None,
+            board: None,
             frames: Deque::new(),
             sequence: 0,
             dropped: 0,
@@ -459,6 +465,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             && self.held_back.iter().all(Option::is_none)
             && self.health.is_none()
             && self.inputs.is_none()
+            && self.board.is_none()
             && self.frames.is_empty()
     }
 
@@ -477,6 +484,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
                 // Who posts one has seen to it that there is room.
                 let _ = self.answers.push_back((time_us, answer));
             }
+            Payload::Board(report) => self.board = Some((time_us, report)),
             payload @ (Payload::Estimate(_) | Payload::Balls(_)) => {
                 // What is newest is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
@@ -530,6 +538,9 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         }
         if let Some((time_us, report)) = self.inputs.take() {
             return self.encode(time_us, &Payload::Inputs(report));
+        }
+        if let Some((time_us, report)) = self.board.take() {
+            return self.encode(time_us, &Payload::Board(report));
         }
         if let Some(Waiting { time_us, payload }) = self.frames.front() {
             // Where it lies: a copy of a payload takes some hundred cycles.
@@ -613,6 +624,7 @@ pub type Read = Result<Frame, FrameError>;
 
 #[cfg(test)]
 mod tests {
+    use super::super::board::{Check, ResetCause};
     use super::super::command::{AnswerCode, Order};
     use super::super::learning::Learning;
     use super::*;
@@ -737,6 +749,16 @@ mod tests {
         })
     }
 
+    fn board() -> Payload {
+        Payload::Board(BoardReport {
+            reset: ResetCause::Unknown,
+            known_answer: Check::Failed,
+            image: Check::Failed,
+            unused_stack: Some(u32::MAX),
+            brown_out: Some(u8::MAX),
+        })
+    }
+
     fn read(bytes: &[u8]) -> Bytes<Read> {
         let mut reader = FrameReader::new();
         bytes.iter().filter_map(|b| reader.push(*b)).collect()
@@ -756,6 +778,7 @@ mod tests {
             health(),
             inputs(),
             answer(),
+            board(),
         ] {
             let frame = longest(payload);
             let bytes = encode(&frame);

@@ -15,6 +15,7 @@ mod flash;
 mod log;
 #[path = "../../board/receiver.rs"]
 mod receiver;
+mod reset;
 #[path = "../../board/sensors.rs"]
 mod sensors;
 mod serial;
@@ -31,6 +32,7 @@ pub type Memory = flash::Flash<cells::Memory>;
 
 use crate::monitor_settings::BRIDGES;
 use cortex_m::peripheral::SYST;
+use spindle_bearing::monitor::BoardReport;
 use stm32h7::stm32h743 as pac;
 
 /// The board once it is started.
@@ -47,6 +49,8 @@ pub struct Board {
     pub timer: SYST,
     /// PC0 is wired to ground: ticks are asked for over the port.
     pub lock_step: bool,
+    /// What the board says of itself: why it started.
+    pub report: BoardReport,
     /// Strain bridges and tachometer, if they are chosen.
     pub sensors: Option<Measured>,
     /// Flash for what is kept over a power cycle.
@@ -61,6 +65,10 @@ pub fn start() -> Option<Board> {
     // have to be told of.
     core.SCB.enable_icache();
     core.SCB.enable_dcache(&mut core.CPUID);
+    let report = BoardReport {
+        reset: reset::cause(&p.RCC),
+        ..BoardReport::NONE
+    };
     let clock = clock::start(&p.RCC, &p.PWR, &p.FLASH);
     let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
     p.RCC.ahb4enr().modify(|_, w| w.gpiocen().enabled());
@@ -89,6 +97,7 @@ pub fn start() -> Option<Board> {
         iwdg: p.IWDG,
         timer: core.SYST,
         lock_step,
+        report,
         sensors,
         memory: cells::start(p.FLASH, core.SCB).map(flash::Flash),
     })

@@ -3,6 +3,7 @@
 use super::decoder::{Event, Gap, Tally};
 use super::operator::answer_words;
 use spindle_bearing::framing::FrameError;
+use spindle_bearing::monitor::BoardReport;
 use spindle_bearing::monitor::command::Answer;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::telemetry::{
@@ -71,6 +72,8 @@ pub struct State {
     pub answer: Option<At<Answer>>,
     /// The nonce that the board told last.
     pub nonce: Option<u32>,
+    /// What the board last said of itself.
+    pub board: Option<At<BoardReport>>,
     /// Counts of the decoder.
     pub tally: Tally,
     /// The last damage.
@@ -171,6 +174,10 @@ impl State {
                 self.nonce = Some(report.nonce);
                 self.said = Some(format!("board: {}", answer_words(&report)));
                 self.answer = Some(At { time_us, report });
+            }
+            Payload::Board(report) => {
+                let report = *report;
+                self.board = Some(At { time_us, report });
             }
         }
     }

@@ -8,6 +8,7 @@ use super::decoder::{Event, Gap};
 use anyhow::{Context, Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use spindle_bearing::Limit;
+use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
 use spindle_bearing::monitor::command::{Answer, AnswerCode, Order};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
@@ -112,6 +113,11 @@ struct Row {
     order: Option<String>,
     occurrence: Option<u32>,
     outcome: Option<String>,
+    reset: Option<String>,
+    known_answer: Option<String>,
+    image: Option<String>,
+    unused_stack_bytes: Option<u32>,
+    brown_out_level: Option<u8>,
 }
 
 const STATUSES: [StatusCode; 9] = [
@@ -274,6 +280,15 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
             nonce: Some(answer.nonce),
             ..head
         }],
+        Payload::Board(report) => vec![Row {
+            kind: "board".into(),
+            reset: Some(report.reset.name().into()),
+            known_answer: Some(report.known_answer.name().into()),
+            image: Some(report.image.name().into()),
+            unused_stack_bytes: report.unused_stack,
+            brown_out_level: report.brown_out,
+            ..head
+        }],
     }
 }
 
@@ -394,6 +409,7 @@ fn frame(row: &Row) -> Result<Frame> {
             "health" => Payload::Health(health(row).context("a field is missing")?),
             "answer" => Payload::Answer(answer(row).context("a field is missing or not known")?),
             "inputs" => Payload::Inputs(inputs(row).context("a field is missing")?),
+            "board" => Payload::Board(board(row).context("a field is missing or not known")?),
             other => bail!("no such kind of row: `{other}`"),
         },
     })
@@ -553,6 +569,17 @@ fn answer(row: &Row) -> Option<Answer> {
         order,
         outcome: by_name(&AnswerCode::ALL, AnswerCode::name, row.outcome.as_deref()?)?,
         nonce: row.nonce?,
+    })
+}
+
+fn board(row: &Row) -> Option<BoardReport> {
+    let check = |name: &Option<String>| by_name(&Check::ALL, Check::name, name.as_deref()?);
+    Some(BoardReport {
+        reset: by_name(&ResetCause::ALL, ResetCause::name, row.reset.as_deref()?)?,
+        known_answer: check(&row.known_answer)?,
+        image: check(&row.image)?,
+        unused_stack: row.unused_stack_bytes,
+        brown_out: row.brown_out_level,
     })
 }
 

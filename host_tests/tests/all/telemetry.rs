@@ -9,6 +9,7 @@ use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::{HISTORY, State};
 use host_tests::telemetry::{simulated, table};
 use proptest::prelude::*;
+use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
 use spindle_bearing::monitor::command::{self, Answer, Command, Order, Sorter};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
@@ -203,6 +204,18 @@ prop_compose! {
     }
 }
 
+prop_compose! {
+    fn any_board()(
+        reset in prop::sample::select(ResetCause::ALL.to_vec()),
+        checks in prop::array::uniform2(prop::sample::select(Check::ALL.to_vec())),
+        unused_stack in any::<Option<u32>>(),
+        brown_out in any::<Option<u8>>(),
+    ) -> BoardReport {
+        let [known_answer, image] = checks;
+        BoardReport { reset, known_answer, image, unused_stack, brown_out }
+    }
+}
+
 fn any_payload() -> impl Strategy<Value = Payload> {
     prop_oneof![
         any_estimate().prop_map(Payload::Estimate),
@@ -211,6 +224,7 @@ fn any_payload() -> impl Strategy<Value = Payload> {
         any_health().prop_map(Payload::Health),
         any_inputs().prop_map(Payload::Inputs),
         any_answer().prop_map(Payload::Answer),
+        any_board().prop_map(Payload::Board),
     ]
 }
 

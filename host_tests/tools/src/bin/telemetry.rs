@@ -322,6 +322,21 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
             report.life_estimated
         )?,
         Payload::Answer(answer) => writeln!(out, "answer    {}", answer_words(answer))?,
+        Payload::Board(report) => {
+            let stack = report.unused_stack.map_or("not measured".into(), |bytes| {
+                format!("{bytes} bytes never used")
+            });
+            let level = report
+                .brown_out
+                .map_or("unknown".into(), |level| level.to_string());
+            writeln!(
+                out,
+                "board     reset by {}; known answer {}, image {}; stack {stack}; brown-out level {level}",
+                report.reset.name(),
+                report.known_answer.name(),
+                report.image.name(),
+            )?;
+        }
     }
     Ok(())
 }

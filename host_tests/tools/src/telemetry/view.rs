@@ -491,6 +491,21 @@ fn counters(state: &State) -> Paragraph<'_> {
     let mut block = Block::bordered()
         .title(" health ")
         .border_style(Style::new().fg(FAINT));
+    if let Some(at) = &state.board {
+        let report = &at.report;
+        let text = format!(
+            " started by {}, known answer {}, image {} ",
+            report.reset.name(),
+            report.known_answer.name(),
+            report.image.name()
+        );
+        let style = if report.is_broken() {
+            warning()
+        } else {
+            Style::new()
+        };
+        block = block.title(Line::styled(text, style).right_aligned());
+    }
     if let Some(said) = &state.said {
         block = block.title_bottom(format!(" {said} "));
     }

@@ -51,6 +51,12 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
             }
             Payload::Inputs(_) => kinds[4] += 1,
             Payload::Answer(_) => kinds[5] += 1,
+            Payload::Board(report) => {
+                ensure!(
+                    !report.is_broken(),
+                    "a self-check of the board failed: {report:?}"
+                );
+            }
         }
     }
     let health = health.context("the board has sent no counters")?;

@@ -1,0 +1,20 @@
+//! What resets this chip, and what it says of its last reset.
+
+use super::pac::RCC;
+use spindle_bearing::monitor::board::ResetCause;
+
+/// What reset the chip last. Clears it, so that the next reset is told from this one.
+pub fn cause(rcc: &RCC) -> ResetCause {
+    let flags = rcc.csr().read();
+    rcc.csr().modify(|_, w| w.rmvf().clear());
+    ResetCause::among(|cause| match cause {
+        ResetCause::PowerOn => flags.porrstf().is_reset(),
+        ResetCause::BrownOut => flags.borrstf().is_reset(),
+        ResetCause::Pin => flags.padrstf().is_reset(),
+        ResetCause::Watchdog => flags.wdgrstf().is_reset(),
+        ResetCause::WindowWatchdog => flags.wwdgrstf().is_reset(),
+        ResetCause::Software => flags.sftrstf().is_reset(),
+        ResetCause::LowPower => flags.lpwrrstf().is_reset(),
+        ResetCause::Unknown => false,
+    })
+}

@@ -1,0 +1,21 @@
+//! What resets this chip, and what it says of its last reset.
+
+use super::pac::RCC;
+use spindle_bearing::monitor::board::ResetCause;
+
+/// What reset the chip last. Clears it, so that the next reset is told from this one.
+pub fn cause(rcc: &RCC) -> ResetCause {
+    let flags = rcc.rsr().read();
+    rcc.rsr().modify(|_, w| w.rmvf().reset());
+    rcc.rsr().modify(|_, w| w.rmvf().not_activated());
+    ResetCause::among(|cause| match cause {
+        ResetCause::PowerOn => flags.porrstf().is_reset_occurred(),
+        ResetCause::BrownOut => flags.borrstf().is_reset_occurred(),
+        ResetCause::Pin => flags.pinrstf().is_reset_occurred(),
+        ResetCause::Watchdog => flags.iwdg1rstf().is_reset_occurred(),
+        ResetCause::WindowWatchdog => flags.wwdg1rstf().is_reset_occurred(),
+        ResetCause::Software => flags.sftrstf().is_reset_occurred(),
+        ResetCause::LowPower => flags.lpwrrstf().is_reset_occurred(),
+        ResetCause::Unknown => false,
+    })
+}
