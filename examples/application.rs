@@ -26,6 +26,7 @@ pub fn run() -> ! {
         }
     );
     defmt::info!("started by {=str}", board.report.reset.name());
+    board::feed_at_start();
     let (keeper, past) = Keeper::start(board.memory.take(), board.clock.core_hz);
     // The compiler leaves out what is not chosen.
     if BRIDGES && let Some(sensors) = board.sensors.take() {
@@ -128,6 +129,7 @@ fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board, keeper: 
     let Some(chain) = chain else {
         unreachable!("main runs once, and makes one monitor");
     };
+    board::feed_at_start();
     if let Err(status) = chain.prepare() {
         defmt::warn!("no equilibrium to start from: {=str}", status.name());
     }
@@ -142,7 +144,7 @@ fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board, keeper: 
 /// Ticks by the timer. Between them, bytes come in and go out.
 fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: Keeper) -> ! {
     board::start_timer(board.timer, board.clock.core_hz, MONITOR.tick.period_us);
-    let mut dog = Dog::start(board.iwdg);
+    let mut dog = Dog::strict(board.iwdg, board.window, &board.clock);
     let mut last = board::ticks();
     let mut clock = Widened::new(32, last);
     let mut lost = 0;
@@ -177,10 +179,11 @@ fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: 
 /// Ticks as they are asked for: what the monitor does is then a matter of the bytes alone, and can be held
 /// against another machine.
 fn in_lock_step<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: Keeper) -> ! {
-    let mut dog = Dog::asleep();
+    let mut dog = Dog::patient(board.iwdg);
     let mut time_us = 0_u64;
     loop {
         let Some(byte) = board::received() else {
+            dog.feed();
             keeper.step();
             // An emulator gets no further while its registers are looked at.
             cortex_m::asm::delay(4000);

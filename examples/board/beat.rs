@@ -1,12 +1,10 @@
-//! What gives the monitor its beat: SysTick, the core's cycle counter, and the independent watchdog. The
-//! same on every Cortex-M of this family.
+//! What gives the monitor its beat: SysTick, and the core's cycle counter. The same on every Cortex-M.
 
-use super::pac::IWDG;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DCB, DWT, SYST};
 use cortex_m_rt::exception;
-use spindle_bearing::monitor::tick::{CycleCounter, Watchdog};
+use spindle_bearing::monitor::tick::CycleCounter;
 
 /// Ticks of the timer; wraps.
 static TICKS: AtomicU32 = AtomicU32::new(0);
@@ -56,35 +54,5 @@ impl Cycles {
 impl CycleCounter for Cycles {
     fn cycles(&mut self) -> u32 {
         DWT::cycle_count()
-    }
-}
-
-/// The independent watchdog, on an oscillator of its own: resets the board a second, some tens of per cent
-/// more or less, after it was fed last. A solve from nothing on the slowest clock takes less.
-pub struct Dog(Option<IWDG>);
-
-impl Dog {
-    /// One that never bites: for lock-step, where a tick comes when the other side asks for it.
-    pub const fn asleep() -> Self {
-        Self(None)
-    }
-
-    /// Starts it; nothing stops it again.
-    pub fn start(iwdg: IWDG) -> Self {
-        iwdg.kr().write(|w| w.key().start());
-        iwdg.kr().write(|w| w.key().unlock());
-        // 32 kHz by 32: 1000 counts are a second.
-        iwdg.pr().write(|w| w.pr().divide_by32());
-        iwdg.rlr().write(|w| w.rl().set(1000));
-        iwdg.kr().write(|w| w.key().feed());
-        Self(Some(iwdg))
-    }
-}
-
-impl Watchdog for Dog {
-    fn feed(&mut self) {
-        if let Some(iwdg) = &self.0 {
-            iwdg.kr().write(|w| w.key().feed());
-        }
     }
 }

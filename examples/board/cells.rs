@@ -5,6 +5,7 @@
 
 #![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
 
+use super::dog::feed_at_start;
 use super::flash::{Cells, SECTOR};
 use super::{pac, within};
 use pac::FLASH;
@@ -46,9 +47,12 @@ fn command(flash: &FLASH, what: impl FnOnce(&mut pac::flash::cr::W) -> &mut pac:
 }
 
 impl Memory {
-    /// Waits for the end, and whether that was a good one.
-    fn ends(&self, patience: u32) -> bool {
-        let idle = within(patience, || self.0.sr().read().bsy().is_not_busy());
+    /// Waits for the end, and whether that was a good one. In between it does something else.
+    fn ends(&self, patience: u32, meanwhile: impl Fn()) -> bool {
+        let idle = within(patience, || {
+            meanwhile();
+            self.0.sr().read().bsy().is_not_busy()
+        });
         let status = self.0.sr().read();
         let errors = status.wrperr().is_active()
             || status.pgaerr().is_active()
@@ -104,7 +108,7 @@ impl Cells for Memory {
         // SAFETY: as above; the linker has put nothing there, and the controller takes it for a word to write.
         unsafe { word(at).write_volatile(u32::from_le_bytes(bytes)) };
         cortex_m::asm::dsb();
-        let good = self.ends(PATIENCE);
+        let good = self.ends(PATIENCE, || {});
         command(&self.0, |w| w);
         self.forget_cached();
         good
@@ -123,7 +127,8 @@ impl Cells for Memory {
         erase_command(false);
         erase_command(true);
         cortex_m::asm::dsb();
-        let good = self.ends(ERASE_PATIENCE);
+        // The watchdog would not wait for the longest erasing and a slow look at it.
+        let good = self.ends(ERASE_PATIENCE, feed_at_start);
         command(&self.0, |w| w);
         self.forget_cached();
         good

@@ -4,6 +4,7 @@ mod beat;
 mod bus;
 mod cells;
 mod clock;
+mod dog;
 mod faults;
 mod flash;
 mod log;
@@ -13,8 +14,9 @@ mod sensors;
 mod serial;
 mod spi;
 
-pub use beat::{Cycles, Dog, left, start_timer, ticks};
+pub use beat::{Cycles, left, start_timer, ticks};
 pub use clock::Clock;
+pub use dog::{Dog, feed_at_start};
 pub use receiver::Receiver;
 pub use sensors::Measured;
 pub use serial::{BAUD, is_free, received, send};
@@ -35,8 +37,10 @@ pub struct Board {
     pub receiver: Receiver,
     /// Counts cycles.
     pub cycles: Cycles,
-    /// The watchdog: not started yet.
+    /// The independent watchdog, which runs.
     pub iwdg: pac::IWDG,
+    /// The window to feed it in: not watched yet.
+    pub window: reset::Window,
     /// The timer: not started yet.
     pub timer: SYST,
     /// PC0 is wired to ground: ticks are asked for over the port. On an emulated board, which has no pins,
@@ -50,7 +54,7 @@ pub struct Board {
     pub memory: Option<Memory>,
 }
 
-/// Starts everything but timer and watchdog; `None` if it was started before.
+/// Starts everything but the timer; `None` if it was started before.
 pub fn start() -> Option<Board> {
     let p = pac::Peripherals::take()?;
     let mut core = cortex_m::Peripherals::take()?;
@@ -58,6 +62,11 @@ pub fn start() -> Option<Board> {
         reset: reset::cause(&p.RCC),
         ..BoardReport::NONE
     };
+    // Not while a debugger holds the core.
+    p.DBGMCU
+        .apb1_fz()
+        .modify(|_, w| w.dbg_iwdg_stop().set_bit().dbg_wwdg_stop().set_bit());
+    p.RCC.apb1enr().modify(|_, w| w.wwdgen().enabled());
     let clock = clock::start(&p.RCC, &p.FLASH);
     let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
     p.RCC.ahb1enr().modify(|_, w| w.gpiocen().enabled());
@@ -80,6 +89,7 @@ pub fn start() -> Option<Board> {
         receiver,
         cycles,
         iwdg: p.IWDG,
+        window: reset::Window::new(p.WWDG),
         timer: core.SYST,
         lock_step,
         report,

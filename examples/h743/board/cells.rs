@@ -6,6 +6,7 @@
 
 #![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
 
+use super::dog::feed_at_start;
 use super::flash::{Cells, SECTOR};
 use super::{pac, within};
 use core::arch::asm;
@@ -63,10 +64,11 @@ fn command(
 }
 
 impl Memory {
-    /// Waits for the end, and whether that was a good one.
-    fn ends(&self, patience: u32) -> bool {
+    /// Waits for the end, and whether that was a good one. In between it does something else.
+    fn ends(&self, patience: u32, meanwhile: impl Fn()) -> bool {
         let bank = self.flash.bank2();
         let idle = within(patience, || {
+            meanwhile();
             let status = bank.sr().read();
             status.qw().bit_is_clear() && status.bsy().bit_is_clear()
         });
@@ -155,7 +157,7 @@ impl Cells for Memory {
             }
         }
         cortex_m::asm::dsb();
-        let good = self.ends(PATIENCE);
+        let good = self.ends(PATIENCE, || {});
         command(&self.flash, |w| w);
         self.forget_cached(at, WORD as u32);
         good
@@ -174,7 +176,8 @@ impl Cells for Memory {
         erase_command(false);
         erase_command(true);
         cortex_m::asm::dsb();
-        let good = self.ends(ERASE_PATIENCE);
+        // The watchdog would not wait for the longest erasing and a slow look at it.
+        let good = self.ends(ERASE_PATIENCE, feed_at_start);
         command(&self.flash, |w| w);
         self.forget_cached(sector * SECTOR, SECTOR);
         good

@@ -7,6 +7,8 @@ mod beat;
 mod bus;
 mod cells;
 mod clock;
+#[path = "../../board/dog.rs"]
+mod dog;
 #[path = "../../board/faults.rs"]
 mod faults;
 #[path = "../../board/flash.rs"]
@@ -21,8 +23,9 @@ mod sensors;
 mod serial;
 mod spi;
 
-pub use beat::{Cycles, Dog, left, start_timer, ticks};
+pub use beat::{Cycles, left, start_timer, ticks};
 pub use clock::Clock;
+pub use dog::{Dog, feed_at_start};
 pub use receiver::Receiver;
 pub use sensors::Measured;
 pub use serial::{BAUD, is_free, received, send};
@@ -43,8 +46,10 @@ pub struct Board {
     pub receiver: Receiver,
     /// Counts cycles.
     pub cycles: Cycles,
-    /// The watchdog: not started yet.
+    /// The independent watchdog, which runs.
     pub iwdg: pac::IWDG,
+    /// The window to feed it in: not watched yet.
+    pub window: reset::Window,
     /// The timer: not started yet.
     pub timer: SYST,
     /// PC0 is wired to ground: ticks are asked for over the port.
@@ -57,7 +62,7 @@ pub struct Board {
     pub memory: Option<Memory>,
 }
 
-/// Starts everything but timer and watchdog; `None` if it was started before.
+/// Starts everything but the timer; `None` if it was started before.
 pub fn start() -> Option<Board> {
     let p = pac::Peripherals::take()?;
     let mut core = cortex_m::Peripherals::take()?;
@@ -69,6 +74,8 @@ pub fn start() -> Option<Board> {
         reset: reset::cause(&p.RCC),
         ..BoardReport::NONE
     };
+    // Not while a debugger holds the core.
+    p.DBGMCU.apb4fz1().modify(|_, w| w.dbg_iwdg1().set_bit());
     let clock = clock::start(&p.RCC, &p.PWR, &p.FLASH);
     let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
     p.RCC.ahb4enr().modify(|_, w| w.gpiocen().enabled());
@@ -95,6 +102,7 @@ pub fn start() -> Option<Board> {
         receiver,
         cycles,
         iwdg: p.IWDG,
+        window: reset::Window,
         timer: core.SYST,
         lock_step,
         report,
