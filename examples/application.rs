@@ -5,6 +5,7 @@
 use super::board::{self, Board, Cycles, Dog, Measured, Memory};
 use super::chain::{Chain, Sensors};
 use super::monitor_settings::{BRIDGES, IDENTITY, MONITOR};
+use super::self_check::SelfCheck;
 use spindle_bearing::monitor::retained::WriteError;
 use spindle_bearing::monitor::tick::{Watchdog, Widened};
 use spindle_bearing::monitor::{Outcome, Past, Store};
@@ -97,18 +98,18 @@ impl Keeper {
         }
     }
 
-    /// Between ticks, so many cycles before the next one.
-    fn step_within(&mut self, left: u32) {
-        if left > self.step {
-            self.step();
-        }
+    /// Between ticks, so many cycles before the next one. Whether there was something to do.
+    fn step_within(&mut self, left: u32) -> bool {
+        left > self.step && self.step()
     }
 
-    fn step(&mut self) {
+    fn step(&mut self) -> bool {
         self.waited = 0;
-        if self.store.as_mut().is_some_and(keep) {
+        let stepped = self.store.as_mut().is_some_and(keep);
+        if stepped {
             self.tell();
         }
+        stepped
     }
 
     fn tell(&mut self) {
@@ -125,7 +126,7 @@ impl Keeper {
 }
 
 /// Runs a chain.
-fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board, keeper: Keeper) -> ! {
+fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, mut board: Board, keeper: Keeper) -> ! {
     let Some(chain) = chain else {
         unreachable!("main runs once, and makes one monitor");
     };
@@ -133,16 +134,27 @@ fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, board: Board, keeper: 
     if let Err(status) = chain.prepare() {
         defmt::warn!("no equilibrium to start from: {=str}", status.name());
     }
-    chain.set_board(board.report);
+    let core_hz = board.clock.core_hz;
+    let started = SelfCheck::start(board.report, board.lock_step, core_hz, &mut board.cycles);
+    let Some(checks) = cortex_m::singleton!(: SelfCheck = started) else {
+        unreachable!("main runs once, and checks one board");
+    };
+    chain.set_board(checks.report());
+    board::feed_at_start();
     if board.lock_step {
-        in_lock_step(chain, board, keeper)
+        in_lock_step(chain, board, keeper, checks)
     } else {
-        by_the_timer(chain, board, keeper)
+        by_the_timer(chain, board, keeper, checks)
     }
 }
 
 /// Ticks by the timer. Between them, bytes come in and go out.
-fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: Keeper) -> ! {
+fn by_the_timer<S: Sensors>(
+    chain: &mut Chain<S>,
+    mut board: Board,
+    mut keeper: Keeper,
+    checks: &mut SelfCheck,
+) -> ! {
     board::start_timer(board.timer, board.clock.core_hz, MONITOR.tick.period_us);
     let mut dog = Dog::strict(board.iwdg, board.window, &board.clock);
     let mut last = board::ticks();
@@ -161,7 +173,9 @@ fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: 
         let left = board::left();
         let now = board::ticks();
         if now == last {
-            keeper.step_within(left);
+            if !keeper.step_within(left) {
+                check(checks, left, chain);
+            }
             continue;
         }
         last = now;
@@ -169,6 +183,7 @@ fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: 
         let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
         tell(&outcome);
         keeper.look(chain);
+        checks.ticked();
         if board.receiver.lost() != lost {
             lost = board.receiver.lost();
             defmt::warn!("receiver lost {=u32} bytes", lost);
@@ -178,13 +193,19 @@ fn by_the_timer<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: 
 
 /// Ticks as they are asked for: what the monitor does is then a matter of the bytes alone, and can be held
 /// against another machine.
-fn in_lock_step<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: Keeper) -> ! {
+fn in_lock_step<S: Sensors>(
+    chain: &mut Chain<S>,
+    mut board: Board,
+    mut keeper: Keeper,
+    checks: &mut SelfCheck,
+) -> ! {
     let mut dog = Dog::patient(board.iwdg);
     let mut time_us = 0_u64;
     loop {
         let Some(byte) = board::received() else {
             dog.feed();
             keeper.step();
+            check(checks, u32::MAX, chain);
             // An emulator gets no further while its registers are looked at.
             cortex_m::asm::delay(4000);
             continue;
@@ -195,6 +216,7 @@ fn in_lock_step<S: Sensors>(chain: &mut Chain<S>, mut board: Board, mut keeper: 
         let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
         tell(&outcome);
         keeper.look(chain);
+        checks.ticked();
         time_us = time_us.saturating_add(MONITOR.tick.period_us.into());
         for _ in 0..room {
             let Some(byte) = chain.next_byte() else {
@@ -212,6 +234,15 @@ fn tell(outcome: &Outcome) {
     }
 }
 
+/// A step of the self-checks between ticks, if there is time for one.
+fn check<S: Sensors>(checks: &mut SelfCheck, left: u32, chain: &mut Chain<S>) {
+    let before = checks.report();
+    if check_step(checks, left) {
+        checks.tell(before);
+        chain.set_board(checks.report());
+    }
+}
+
 // All that is to be proved free of panics, kept apart from `run`, which has some: `cargo check-firmware`
 // looks at what these call.
 
@@ -223,6 +254,11 @@ fn recall(memory: Memory) -> (Store<Memory>, Past) {
 #[inline(never)]
 fn keep(store: &mut Store<Memory>) -> bool {
     store.step()
+}
+
+#[inline(never)]
+fn check_step(checks: &mut SelfCheck, left: u32) -> bool {
+    checks.step_within(left)
 }
 
 #[inline(never)]

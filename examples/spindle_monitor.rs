@@ -23,6 +23,8 @@ mod chain;
 mod monitor_settings;
 #[cfg(target_os = "none")]
 mod monitored;
+#[cfg(target_os = "none")]
+mod self_check;
 
 #[cfg(target_os = "none")]
 use spindle_bearing::monitor::tick::CycleCost;

@@ -16,6 +16,8 @@ mod chain;
 mod monitor_settings;
 #[path = "../monitored.rs"]
 mod monitored;
+#[path = "../self_check.rs"]
+mod self_check;
 
 use spindle_bearing::monitor::tick::CycleCost;
 

@@ -10,7 +10,7 @@
 //! | judgement | [`judgement`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | telemetry | [`telemetry`] | frames for a host |
-//! | the board | [`board`] | why it started, and whether it is sound |
+//! | the board | [`board`], [`self_check`] | why it started, and whether it is sound |
 //! | commands | [`command`] | what the host says besides loads |
 //! | retention | [`retained`] | baseline and life used, over a power cycle |
 //!
@@ -123,6 +123,7 @@ pub mod life;
 pub mod loads;
 pub mod plausibility;
 pub mod retained;
+pub mod self_check;
 pub mod settings;
 pub mod speed;
 pub mod telemetry;

@@ -15,6 +15,8 @@ mod faults;
 mod flash;
 #[path = "../../board/log.rs"]
 mod log;
+#[path = "../../board/memory.rs"]
+mod memory;
 #[path = "../../board/receiver.rs"]
 mod receiver;
 mod reset;
@@ -26,6 +28,7 @@ mod spi;
 pub use beat::{Cycles, left, start_timer, ticks};
 pub use clock::Clock;
 pub use dog::{Dog, feed_at_start};
+pub use memory::{Stack, image, seal};
 pub use receiver::Receiver;
 pub use sensors::Measured;
 pub use serial::{BAUD, is_free, received, send};

@@ -20,6 +20,7 @@ mod precision;
 mod recordings;
 mod refusals;
 mod retained;
+mod self_check;
 mod solution;
 mod solves;
 mod starts;

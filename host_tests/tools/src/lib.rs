@@ -7,6 +7,7 @@ pub mod figure;
 pub mod graph;
 pub mod replay;
 pub mod report;
+pub mod seal;
 pub mod stream;
 pub mod telemetry;
 pub mod timing;

@@ -201,7 +201,7 @@ fn shipped(
     if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
         bail!("this check is blind: it does not see the panics of the firmware's main");
     }
-    let roots = ["recall", "take", "tick", "keep"]
+    let roots = ["recall", "take", "tick", "keep", "check_step"]
         .map(|function| format!("{name}::application::{function}"));
     let is_root = |name: &str| {
         let is = |root: &String| {

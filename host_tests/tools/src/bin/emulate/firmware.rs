@@ -6,6 +6,7 @@ use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tools::cross::{Build, TARGET};
+use tools::seal::sealed;
 
 /// The example that it is.
 const PROGRAM: &str = "spindle_monitor";
@@ -49,7 +50,7 @@ impl fmt::Display for Memory {
     }
 }
 
-/// Builds the firmware of the project in `root`.
+/// Builds the firmware of the project in `root`, and seals it.
 pub fn build(root: &Path) -> Result<Firmware> {
     let built = root
         .join("target")
@@ -72,6 +73,8 @@ pub fn build(root: &Path) -> Result<Firmware> {
     let script =
         fs::read_to_string(&script).with_context(|| format!("cannot read {}", script.display()))?;
     let memory = measure(&elf, &script)?;
+    let (elf, path) = (sealed(&elf)?, path.with_extension("sealed"));
+    fs::write(&path, &elf).with_context(|| format!("cannot write {}", path.display()))?;
     Ok(Firmware { path, elf, memory })
 }
 

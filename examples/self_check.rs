@@ -1,0 +1,171 @@
+//! The board's self-checks: all of them before ticks begin, and then again and again between ticks.
+
+use super::Precision;
+use super::board::{Stack, feed_at_start, image, seal};
+use super::monitor_settings::{IDLE, MONITOR};
+use super::monitored::{BALLS, BEARING};
+use spindle_bearing::monitor::BoardReport;
+use spindle_bearing::monitor::board::Check;
+use spindle_bearing::monitor::self_check::{ImageCheck, KnownAnswer, Seal};
+use spindle_bearing::monitor::tick::CycleCounter;
+
+/// Ticks from one solve whose answer is known to the next: a minute.
+const MINUTE: u32 = 60_000_000 / MONITOR.tick.period_us;
+/// Bytes of the image, and words of the stack, in a step between ticks, and cycles that are enough for both: ten for a
+/// byte, with wait states of the flash, and some for a word. 100 KiB of flash are gone through in 400 ticks.
+const BYTES: usize = 256;
+const WORDS: u32 = 64;
+const CYCLES: u32 = 5000;
+
+/// The checks, and what they have come to.
+pub struct SelfCheck {
+    image: Option<ImageCheck>,
+    answer: KnownAnswer<Precision, BALLS>,
+    /// Checksum that the answer is to have.
+    expected: Option<u32>,
+    /// Cycles that the longest step of that solve took at the start, and a quarter more.
+    answer_cycles: u32,
+    stack: Stack,
+    /// The stack is a part of the report.
+    tells_stack: bool,
+    report: BoardReport,
+    /// Ticks since the last solve began.
+    ticks: u32,
+    /// There was a step since the last tick.
+    stepped: bool,
+}
+
+impl SelfCheck {
+    /// Makes all checks once. `lock_step` is to give the same report as a host, which has no stack to measure.
+    pub fn start(
+        report: BoardReport,
+        lock_step: bool,
+        core_hz: u32,
+        counter: &mut impl CycleCounter,
+    ) -> Self {
+        let (image, expected) = match seal() {
+            Seal::Closed { image: sum, answer } => {
+                (Some(ImageCheck::new(image(), sum)), Some(answer))
+            }
+            Seal::Open { .. } | Seal::Damaged => (None, None),
+        };
+        let mut checks = Self {
+            image,
+            answer: KnownAnswer::new(&BEARING, IDLE[0]),
+            expected,
+            answer_cycles: 0,
+            stack: Stack::default(),
+            tells_stack: !lock_step,
+            report,
+            ticks: 0,
+            stepped: false,
+        };
+        checks.report.image = match seal() {
+            Seal::Open { .. } => Check::Unchecked,
+            // Without its seal there is no telling what else is damaged.
+            Seal::Damaged => Check::Failed,
+            Seal::Closed { .. } => Check::NotYet,
+        };
+        let us = |from: u32, to: u32| to.wrapping_sub(from) / (core_hz / 1_000_000).max(1);
+
+        let began = counter.cycles();
+        while checks.report.image == Check::NotYet {
+            feed_at_start();
+            checks.step_image(16 * BYTES);
+        }
+        let read = counter.cycles();
+        while checks.report.known_answer == Check::NotYet {
+            feed_at_start();
+            let before = counter.cycles();
+            checks.step_answer();
+            let took = counter.cycles().wrapping_sub(before);
+            checks.answer_cycles = checks.answer_cycles.max(took.saturating_add(took / 4));
+        }
+        let solved = counter.cycles();
+        let length = checks.image.as_ref().map_or(0, ImageCheck::length);
+        defmt::info!(
+            "self-check: image {=str}, {=usize} bytes in {=u32} us; known answer {=str} in {=u32} us",
+            checks.report.image.name(),
+            length,
+            us(began, read),
+            checks.report.known_answer.name(),
+            us(read, solved)
+        );
+        let unused = loop {
+            feed_at_start();
+            if let Some(bytes) = checks.stack.step(16 * WORDS) {
+                break bytes;
+            }
+        };
+        checks.measured(unused);
+        defmt::info!("{=u32} bytes of stack not used so far", unused);
+        checks.tell(BoardReport::NONE);
+        checks
+    }
+
+    /// What they have come to.
+    pub const fn report(&self) -> BoardReport {
+        self.report
+    }
+
+    /// After a tick.
+    pub fn ticked(&mut self) {
+        self.ticks = self.ticks.saturating_add(1);
+        self.stepped = false;
+    }
+
+    /// Between ticks, so many cycles before the next one. One step a tick, so that bytes go in and out meanwhile.
+    /// Whether there is something new.
+    pub fn step_within(&mut self, left: u32) -> bool {
+        if self.stepped {
+            return false;
+        }
+        let before = self.report;
+        // A core that never has the time takes it after another minute.
+        let is_late = self.ticks >= 2 * MINUTE;
+        if self.ticks >= MINUTE && (left > self.answer_cycles || is_late) {
+            self.stepped = true;
+            self.step_answer();
+        } else if left > CYCLES {
+            self.stepped = true;
+            self.step_image(BYTES);
+            if let Some(bytes) = self.stack.step(WORDS) {
+                self.measured(bytes);
+            }
+        }
+        self.report != before
+    }
+
+    /// What has failed goes into the log, if it had not failed before.
+    pub fn tell(&self, before: BoardReport) {
+        let failed = |now: Check, before: Check| now == Check::Failed && before != now;
+        if failed(self.report.image, before.image) {
+            defmt::error!("self-check: the image in flash is not the one that was flashed");
+        }
+        if failed(self.report.known_answer, before.known_answer) {
+            defmt::error!("self-check: a solve does not give the answer that is known");
+        }
+    }
+
+    fn step_image(&mut self, bytes: usize) {
+        if let Some(passed) = self.image.as_mut().and_then(|image| image.step(bytes)) {
+            self.report.image = self.report.image.and(passed);
+        }
+    }
+
+    fn step_answer(&mut self) {
+        if let Some(sum) = self.answer.step() {
+            self.ticks = 0;
+            self.report.known_answer = match self.expected {
+                None => Check::Unchecked,
+                Some(expected) => self.report.known_answer.and(sum == expected),
+            };
+        }
+    }
+
+    fn measured(&mut self, unused: u32) {
+        if self.tells_stack {
+            self.report.unused_stack = Some(unused);
+        }
+    }
+}

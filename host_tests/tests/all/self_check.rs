@@ -1,0 +1,54 @@
+//! The solve whose answer is known, on the shipped bearing in both boards' precisions.
+
+use spindle_bearing::monitor::self_check::KnownAnswer;
+use spindle_bearing::{Bearing, Real};
+
+type Precision = f32;
+#[path = "../../../examples/monitored.rs"]
+mod monitored;
+use monitored::{BALLS, BEARING, DESIGN};
+
+/// The bearing of the other board.
+static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&DESIGN);
+
+/// The spindle's preload, N.
+const PRELOAD: f32 = 420.0;
+
+/// The answer's checksum, and the steps to it.
+fn answer<T: Real, const N: usize>(known: &mut KnownAnswer<T, N>) -> (u32, usize) {
+    let mut steps = 1;
+    loop {
+        match known.step() {
+            Some(sum) => return (sum, steps),
+            None => steps += 1,
+        }
+    }
+}
+
+#[test]
+fn a_known_answer_is_the_same_every_time_and_another_one_for_another_load() {
+    fn holds<T: Real, const N: usize>(known: impl Fn(f32) -> KnownAnswer<T, N>) {
+        let mut first = known(PRELOAD);
+        let (sum, steps) = answer(&mut first);
+        // Two solves of an iteration each at least, neither of which fails.
+        assert!((4..=20).contains(&steps), "{steps}");
+        for _ in 0..3 {
+            assert_eq!(answer(&mut first), (sum, steps));
+        }
+        assert_eq!(answer(&mut known(PRELOAD)), (sum, steps));
+        let (other, _) = answer(&mut known(PRELOAD.next_up()));
+        assert_ne!(other, sum);
+    }
+    holds(|preload| KnownAnswer::<f32, _>::new(&BEARING, preload));
+    holds(|preload| KnownAnswer::<f64, _>::new(&DOUBLE, preload));
+}
+
+#[test]
+fn a_solve_that_has_no_answer_has_a_checksum_too() {
+    for preload in [0.0, f32::NAN, f32::INFINITY, f32::MAX, -1e-30] {
+        let known = || KnownAnswer::<f32, _>::new(&BEARING, preload);
+        let (sum, steps) = answer(&mut known());
+        assert!(steps <= 101, "{preload}: {steps}");
+        assert_eq!(answer(&mut known()), (sum, steps));
+    }
+}

@@ -1,0 +1,284 @@
+//! Self-checks of a board: arithmetic by a solve whose answer is known, flash by a checksum.
+//!
+//! What is expected is written into the image after it is linked: the image's checksum, and that of the answer, as
+//! another machine has computed it with the same source ([`Seal`]). Both checks go step by step, so that they fit
+//! between ticks.
+
+use crate::float::Real;
+use crate::framing::CHECKSUM;
+use crate::limits::Limits;
+use crate::{Bearing, Full, Motion, Settings, Solution, Solver, Speed, Status};
+use crc::Digest;
+
+/// A checksum of many pieces: CRC-32 (ISO-HDLC), as frames have it.
+#[derive(Clone)]
+pub struct Checksum(Digest<'static, u32>);
+
+impl Default for Checksum {
+    fn default() -> Self {
+        Self(CHECKSUM.digest())
+    }
+}
+
+impl Checksum {
+    /// Takes the next piece.
+    pub fn add(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+
+    /// Of all pieces.
+    pub fn finish(self) -> u32 {
+        self.0.finalize()
+    }
+}
+
+/// What an image is to be like, in words that no checksum of the image covers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seal {
+    /// As the linker leaves it: nothing is known.
+    Open {
+        /// Bytes of a number in the solver's precision.
+        precision: u32,
+    },
+    /// As it was flashed.
+    Closed {
+        /// Checksum of the image.
+        image: u32,
+        /// Checksum of [`KnownAnswer`].
+        answer: u32,
+    },
+    /// Neither of them.
+    Damaged,
+}
+
+impl Seal {
+    /// Reads it.
+    pub const fn read(words: [u32; 4]) -> Self {
+        match words {
+            [precision @ (4 | 8), 0, 0, 0] => Self::Open { precision },
+            [image, a, answer, b] if a == !image && b == !answer => Self::Closed { image, answer },
+            _ => Self::Damaged,
+        }
+    }
+
+    /// The words that say so.
+    pub const fn words(self) -> [u32; 4] {
+        match self {
+            Self::Open { precision } => [precision, 0, 0, 0],
+            Self::Closed { image, answer } => [image, !image, answer, !answer],
+            Self::Damaged => [0; 4],
+        }
+    }
+}
+
+/// Parts of an image: what the linker leaves between them belongs to nobody.
+pub const PARTS: usize = 4;
+
+/// Holds an image against its checksum, again and again.
+#[derive(Clone)]
+pub struct ImageCheck {
+    parts: [&'static [u8]; PARTS],
+    expected: u32,
+    left: [&'static [u8]; PARTS],
+    sum: Checksum,
+}
+
+impl ImageCheck {
+    /// At the beginning.
+    pub fn new(parts: [&'static [u8]; PARTS], expected: u32) -> Self {
+        Self {
+            parts,
+            expected,
+            left: parts,
+            sum: Checksum::default(),
+        }
+    }
+
+    /// Takes up to so many more bytes. At the end of the image, whether it is as expected; the next step begins
+    /// again.
+    pub fn step(&mut self, bytes: usize) -> Option<bool> {
+        let Some(left) = self.left.iter_mut().find(|left| !left.is_empty()) else {
+            let sum = core::mem::take(&mut self.sum).finish();
+            self.left = self.parts;
+            return Some(sum == self.expected);
+        };
+        let (now, later) = left.split_at_checked(bytes.max(1)).unwrap_or((left, &[]));
+        self.sum.add(now);
+        *left = later;
+        None
+    }
+
+    /// Bytes of the image.
+    pub fn length(&self) -> usize {
+        self.parts.iter().map(|part| part.len()).sum()
+    }
+}
+
+/// Two solves on the monitored bearing, from nothing and from the first one's answer, at fixed loads and speeds. Their
+/// answers have the same bits on every machine.
+#[derive(Debug)]
+pub struct KnownAnswer<T: Real + 'static, const N: usize, M: Motion + Copy = Full> {
+    solver: Solver<'static, T, N, M>,
+    preload: f32,
+    /// Solves that have ended, and steps of the one that has not.
+    solves: u8,
+    steps: u16,
+    sum: u32,
+}
+
+/// Loads in parts of the preload (the moments in its parts by a metre) and speeds (rad/s) of the solves: some hundred
+/// to some thousand rpm, and a lateral load that is most of the preload.
+const SOLVES: [([f32; 5], f32); 2] = [
+    ([1.25, 0.25, -0.125, 0.0005, -0.001], 1024.0),
+    ([1.3125, 0.375, -0.25, 0.0015, -0.0005], 1088.0),
+];
+/// Steps of a solve that ends, by far: from nothing, some ten.
+const MOST_STEPS: u16 = 50;
+
+impl<T: Real, const N: usize, M: Motion + Copy> KnownAnswer<T, N, M> {
+    /// On this bearing, under a preload (N) that it carries in normal use.
+    pub fn new(bearing: &'static Bearing<T, N>, preload: f32) -> Self {
+        Self {
+            solver: Solver::of(bearing),
+            preload,
+            solves: 0,
+            steps: 0,
+            sum: 0,
+        }
+    }
+
+    /// An iteration. At the end, the checksum of the answers; the next step begins again.
+    pub fn step(&mut self) -> Option<u32> {
+        let Some((parts, speed)) = SOLVES.get(usize::from(self.solves)) else {
+            self.solver.reset();
+            let sum = self.sum;
+            (self.solves, self.steps, self.sum) = (0, 0, 0);
+            return Some(sum);
+        };
+        let load = parts.map(|part| T::from_f32(part * self.preload));
+        let settings = Settings {
+            max_iterations: 1,
+            ..Settings::default()
+        };
+        let speed = Speed::rad_per_s(T::from_f32(*speed));
+        let mut sum = Checksum::default();
+        sum.add(&self.sum.to_le_bytes());
+        sum.add(&self.steps.to_le_bytes());
+        self.steps += 1;
+        match self.solver.solve(load, speed, &settings) {
+            Err(Status::IterationLimit) if self.steps < MOST_STEPS => return None,
+            Err(status) => sum.add(status.name().as_bytes()),
+            Ok(solution) => add(&mut sum, &solution),
+        }
+        self.sum = sum.finish();
+        (self.solves, self.steps) = (self.solves + 1, 0);
+        None
+    }
+}
+
+/// Takes the bits of a number, as many singles as it has room for.
+fn add_number<T: Real>(sum: &mut Checksum, number: T) {
+    let mut rest = number;
+    for _ in 0..size_of::<T>().div_ceil(3) {
+        let single = rest.to_f32();
+        sum.add(&single.to_bits().to_le_bytes());
+        rest -= T::from_f32(single);
+    }
+}
+
+/// Takes what a monitor uses of an answer.
+fn add<T: Real, const N: usize, M: Motion>(sum: &mut Checksum, of: &Solution<'_, T, N, M, 5>) {
+    let stiffness = of.stiffness();
+    for x in of.displacement.iter().chain(stiffness.iter().flatten()) {
+        add_number(sum, *x);
+    }
+    let limits = Limits::default();
+    let survey = of.survey(&limits, |_, contacts| {
+        for contact in contacts {
+            let [sin, cos] = contact.n;
+            for x in [contact.q, sin, cos] {
+                add_number(sum, x);
+            }
+        }
+    });
+    let extremes = survey.extremes();
+    sum.add(&[survey.limits(&extremes).bits()]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_seal_is_read_as_it_was_written_and_no_damage_makes_it_another() {
+        for seal in [
+            Seal::Open { precision: 4 },
+            Seal::Open { precision: 8 },
+            Seal::Closed {
+                image: 0,
+                answer: 0,
+            },
+            Seal::Closed {
+                image: 0xdead_beef,
+                answer: u32::MAX,
+            },
+        ] {
+            let words = seal.words();
+            assert_eq!(Seal::read(words), seal);
+            for bit in 0..128 {
+                let mut damaged = words;
+                damaged[bit / 32] ^= 1 << (bit % 32);
+                let read = Seal::read(damaged);
+                assert_eq!(read, Seal::Damaged, "{seal:?}, bit {bit}");
+            }
+        }
+        assert_eq!(Seal::read(Seal::Damaged.words()), Seal::Damaged);
+        // As flash is when it is blank.
+        assert_eq!(Seal::read([u32::MAX; 4]), Seal::Damaged);
+    }
+
+    fn ends(check: &mut ImageCheck, bytes: usize) -> (bool, usize) {
+        let mut steps = 0;
+        loop {
+            steps += 1;
+            if let Some(passed) = check.step(bytes) {
+                return (passed, steps);
+            }
+        }
+    }
+
+    static TEXT: [u8; 1000] = [0x5a; 1000];
+
+    #[test]
+    fn an_image_is_what_its_parts_are_together_whatever_the_steps() {
+        let mut whole = Checksum::default();
+        whole.add(&TEXT[..613]);
+        whole.add(b"data");
+        let expected = whole.finish();
+        let parts = [&TEXT[..600], &TEXT[..13], &[], b"data"];
+        for (bytes, most) in [(0, 618), (1, 618), (7, 90), (256, 6), (4096, 4)] {
+            let mut check = ImageCheck::new(parts, expected);
+            assert_eq!(check.length(), 617);
+            // Again and again.
+            for _ in 0..3 {
+                let (passed, steps) = ends(&mut check, bytes);
+                assert!(passed && steps <= most, "{bytes}: {steps}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_image_with_a_wrong_bit_fails() {
+        let mut sum = Checksum::default();
+        sum.add(&TEXT);
+        let mut check = ImageCheck::new([&TEXT, &[], &[], &[]], sum.finish());
+        assert!(ends(&mut check, 64).0);
+        for bit in [0, 4001, 7999] {
+            let mut damaged = TEXT.to_vec();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            check.left[0] = damaged.leak();
+            assert!(!ends(&mut check, 64).0);
+            assert!(ends(&mut check, 64).0);
+        }
+    }
+}
