@@ -5,7 +5,8 @@
 //!   [`telemetry`](spindle_bearing::monitor::telemetry).
 //! - USART2 (PA2), the same baud rate: a defmt log. `ready: ...` once, then alarms that change, and
 //!   received bytes that were lost.
-//! - PC0 to ground: lock-step. There is no timer then, and a tick is what the other side asks for.
+//! - PC0 to ground and PC1 to PC2: lock-step, as on an emulator. There is no timer then, and a tick is what the other
+//!   side asks for.
 //!
 //! `cargo emulate` runs it without a board, `cargo flash-f405` brings it onto one with an 8 MHz crystal.
 //! `h743` beside this file has the same for another board.

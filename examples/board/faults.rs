@@ -14,7 +14,7 @@ fn start_again(tell: impl FnOnce()) -> ! {
     // A failure inside the log, or while another one is told, has no way to tell.
     if log::is_free() && !TELLING.swap(true, Ordering::Relaxed) {
         tell();
-        defmt::flush();
+        log::finish();
     }
     SCB::sys_reset()
 }

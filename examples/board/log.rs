@@ -29,6 +29,11 @@ pub fn is_free() -> bool {
     !TAKEN.load(Ordering::Acquire)
 }
 
+/// Waits until all of it has left, before a reset.
+pub fn finish() {
+    serial::flush_log();
+}
+
 fn send(bytes: &[u8]) {
     bytes.iter().copied().for_each(serial::log);
 }
@@ -46,7 +51,7 @@ unsafe impl Logger for Log {
     }
 
     unsafe fn flush() {
-        serial::flush_log();
+        finish();
     }
 
     unsafe fn release() {

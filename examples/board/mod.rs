@@ -7,13 +7,16 @@ mod clock;
 mod dog;
 mod faults;
 mod flash;
+#[cfg_attr(feature = "rtt", path = "rtt.rs")]
 mod log;
 mod memory;
 mod receiver;
 mod reset;
 mod sensors;
+#[cfg_attr(feature = "rtt", allow(dead_code, reason = "the log's port"))]
 mod serial;
 mod spi;
+mod strap;
 
 pub use beat::{Cycles, left, start_timer, ticks};
 pub use clock::Clock;
@@ -45,8 +48,7 @@ pub struct Board {
     pub window: reset::Window,
     /// The timer: not started yet.
     pub timer: SYST,
-    /// PC0 is wired to ground: ticks are asked for over the port. On an emulated board, which has no pins,
-    /// every input is low.
+    /// PC0 is wired to ground and PC1 to PC2, or the board is an emulated one: ticks are asked for over the port.
     pub lock_step: bool,
     /// What the board says of itself: why it started.
     pub report: BoardReport,
@@ -73,10 +75,10 @@ pub fn start() -> Option<Board> {
     let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
     p.RCC.ahb1enr().modify(|_, w| w.gpiocen().enabled());
     let _ = p.RCC.ahb1enr().read();
-    p.GPIOC.pupdr().modify(|_, w| w.pupdr0().pull_up());
-    // The pull-up takes a few microseconds to charge the pin.
-    cortex_m::asm::delay(clock.core_hz / 10_000);
-    let lock_step = p.GPIOC.idr().read().idr0().bit_is_clear();
+    // An emulated board has no number of a chip.
+    let is_emulated = p.DBGMCU.idcode().read().bits() == 0;
+    let lock_step = strap::is_grounded(&p.GPIOC, clock.core_hz)
+        && (is_emulated || strap::is_wired(&p.GPIOC, clock.core_hz));
     let receiver = serial::start((p.USART1, p.USART2), &p.RCC, &p.GPIOA, &clock, lock_step)?;
     let sensors = BRIDGES.then(|| {
         p.RCC.ahb1enr().modify(|_, w| w.gpioben().enabled());

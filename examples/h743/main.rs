@@ -2,7 +2,8 @@
 //! its solver in double precision.
 //!
 //! Records and commands come in, and telemetry goes out, over USART3 (PD9 and PD8), which that board leads to
-//! its USB plug; the log goes out over USART2 (PD5). 460,800 baud, 8N1. PC0 to ground: lock-step. `cargo flash-h743` builds it and brings it onto the board.
+//! its USB plug; the log goes out over USART2 (PD5). 460,800 baud, 8N1. PC0
+//! to ground and PC1 to PC2: lock-step. `cargo flash-h743` builds it and brings it onto the board.
 
 #![no_std]
 #![no_main]

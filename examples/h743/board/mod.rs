@@ -13,7 +13,8 @@ mod dog;
 mod faults;
 #[path = "../../board/flash.rs"]
 mod flash;
-#[path = "../../board/log.rs"]
+#[cfg_attr(not(feature = "rtt"), path = "../../board/log.rs")]
+#[cfg_attr(feature = "rtt", path = "../../board/rtt.rs")]
 mod log;
 #[path = "../../board/memory.rs"]
 mod memory;
@@ -22,8 +23,11 @@ mod receiver;
 mod reset;
 #[path = "../../board/sensors.rs"]
 mod sensors;
+#[cfg_attr(feature = "rtt", allow(dead_code, reason = "the log's port"))]
 mod serial;
 mod spi;
+#[path = "../../board/strap.rs"]
+mod strap;
 
 pub use beat::{Cycles, left, start_timer, ticks};
 pub use clock::Clock;
@@ -55,7 +59,7 @@ pub struct Board {
     pub window: reset::Window,
     /// The timer: not started yet.
     pub timer: SYST,
-    /// PC0 is wired to ground: ticks are asked for over the port.
+    /// PC0 is wired to ground and PC1 to PC2: ticks are asked for over the port.
     pub lock_step: bool,
     /// What the board says of itself: why it started.
     pub report: BoardReport,
@@ -83,11 +87,8 @@ pub fn start() -> Option<Board> {
     let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
     p.RCC.ahb4enr().modify(|_, w| w.gpiocen().enabled());
     let _ = p.RCC.ahb4enr().read();
-    p.GPIOC.moder().modify(|_, w| w.moder0().input());
-    p.GPIOC.pupdr().modify(|_, w| w.pupdr0().pull_up());
-    // The pull-up takes a few microseconds to charge the pin.
-    cortex_m::asm::delay(clock.core_hz / 10_000);
-    let lock_step = p.GPIOC.idr().read().idr0().bit_is_clear();
+    let lock_step =
+        strap::is_grounded(&p.GPIOC, clock.core_hz) && strap::is_wired(&p.GPIOC, clock.core_hz);
     let receiver = serial::start((p.USART3, p.USART2), &p.RCC, &p.GPIOD, &clock, lock_step)?;
     let sensors = BRIDGES.then(|| {
         p.RCC
