@@ -27,6 +27,11 @@ pub fn run() -> ! {
         }
     );
     defmt::info!("started by {=str}", board.report.reset.name());
+    if board.report.brown_out == Some(0) {
+        defmt::warn!(
+            "brown-out reset is off: the chip runs on where the supply is too low for its flash"
+        );
+    }
     board::feed_at_start();
     let (keeper, past) = Keeper::start(board.memory.take(), board.clock.core_hz);
     // The compiler leaves out what is not chosen.

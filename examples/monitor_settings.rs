@@ -63,6 +63,12 @@ pub const KEY: Option<Key> = match option_env!("SPINDLE_KEY") {
 #[allow(dead_code, reason = "the boards'")]
 pub const BRIDGES: bool = option_env!("SPINDLE_SENSORS").is_some();
 
+/// Whether the firmware programs the highest brown-out level into the chip's option bytes.
+///
+/// They stay so whatever is flashed later. Set it here, or build with `SPINDLE_BROWN_OUT=set` in the environment.
+#[allow(dead_code, reason = "the boards'")]
+pub const SET_BROWN_OUT: bool = option_env!("SPINDLE_BROWN_OUT").is_some();
+
 /// Counts of six bridges per N and N m, rows of the bridges: **to be replaced by those of your spindle**. These
 /// are of bridges that each see one load, the sixth one all forces.
 #[allow(dead_code, reason = "the boards'")]

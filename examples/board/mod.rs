@@ -1,6 +1,7 @@
 //! An STM32F405 as the monitor needs it: a clock, a beat, serial ports, a log, and a way out of a panic.
 
 mod beat;
+mod brown_out;
 mod bus;
 mod cells;
 mod clock;
@@ -29,7 +30,7 @@ pub use serial::{BAUD, is_free, received, send};
 /// Flash for what is kept over a power cycle.
 pub type Memory = flash::Flash<cells::Memory>;
 
-use crate::monitor_settings::BRIDGES;
+use crate::monitor_settings::{BRIDGES, SET_BROWN_OUT};
 use cortex_m::peripheral::SYST;
 use spindle_bearing::monitor::BoardReport;
 use stm32f4::stm32f405 as pac;
@@ -50,7 +51,7 @@ pub struct Board {
     pub timer: SYST,
     /// PC0 is wired to ground and PC1 to PC2, or the board is an emulated one: ticks are asked for over the port.
     pub lock_step: bool,
-    /// What the board says of itself: why it started.
+    /// What the board says of itself: why it started, and its brown-out level.
     pub report: BoardReport,
     /// Strain bridges and tachometer, if they are chosen.
     pub sensors: Option<Measured>,
@@ -64,6 +65,7 @@ pub fn start() -> Option<Board> {
     let mut core = cortex_m::Peripherals::take()?;
     let report = BoardReport {
         reset: reset::cause(&p.RCC),
+        brown_out: brown_out::level(&p.FLASH),
         ..BoardReport::NONE
     };
     // Not while a debugger holds the core.
@@ -80,6 +82,13 @@ pub fn start() -> Option<Board> {
     let lock_step = strap::is_grounded(&p.GPIOC, clock.core_hz)
         && (is_emulated || strap::is_wired(&p.GPIOC, clock.core_hz));
     let receiver = serial::start((p.USART1, p.USART2), &p.RCC, &p.GPIOA, &clock, lock_step)?;
+    if SET_BROWN_OUT && report.brown_out.is_some_and(|of| of < brown_out::HIGHEST) {
+        if brown_out::set(&p.FLASH) {
+            defmt::warn!("brown-out level set to the highest, from the next power-on on");
+        } else {
+            defmt::error!("the brown-out level cannot be set");
+        }
+    }
     let sensors = BRIDGES.then(|| {
         p.RCC.ahb1enr().modify(|_, w| w.gpioben().enabled());
         p.RCC.apb1enr().modify(|_, w| w.tim2en().enabled());

@@ -3,6 +3,7 @@
 
 #[path = "../../board/beat.rs"]
 mod beat;
+mod brown_out;
 #[path = "../../board/bus.rs"]
 mod bus;
 mod cells;
@@ -40,7 +41,7 @@ pub use serial::{BAUD, is_free, received, send};
 /// Flash for what is kept over a power cycle.
 pub type Memory = flash::Flash<cells::Memory>;
 
-use crate::monitor_settings::BRIDGES;
+use crate::monitor_settings::{BRIDGES, SET_BROWN_OUT};
 use cortex_m::peripheral::SYST;
 use spindle_bearing::monitor::BoardReport;
 use stm32h7::stm32h743 as pac;
@@ -61,7 +62,7 @@ pub struct Board {
     pub timer: SYST,
     /// PC0 is wired to ground and PC1 to PC2: ticks are asked for over the port.
     pub lock_step: bool,
-    /// What the board says of itself: why it started.
+    /// What the board says of itself: why it started, and its brown-out level.
     pub report: BoardReport,
     /// Strain bridges and tachometer, if they are chosen.
     pub sensors: Option<Measured>,
@@ -79,6 +80,7 @@ pub fn start() -> Option<Board> {
     core.SCB.enable_dcache(&mut core.CPUID);
     let report = BoardReport {
         reset: reset::cause(&p.RCC),
+        brown_out: brown_out::level(&p.FLASH),
         ..BoardReport::NONE
     };
     // Not while a debugger holds the core.
@@ -90,6 +92,13 @@ pub fn start() -> Option<Board> {
     let lock_step =
         strap::is_grounded(&p.GPIOC, clock.core_hz) && strap::is_wired(&p.GPIOC, clock.core_hz);
     let receiver = serial::start((p.USART3, p.USART2), &p.RCC, &p.GPIOD, &clock, lock_step)?;
+    if SET_BROWN_OUT && report.brown_out.is_some_and(|of| of < brown_out::HIGHEST) {
+        if brown_out::set(&p.FLASH) {
+            defmt::warn!("brown-out level set to the highest, from the next power-on on");
+        } else {
+            defmt::error!("the brown-out level cannot be set");
+        }
+    }
     let sensors = BRIDGES.then(|| {
         p.RCC
             .ahb4enr()
