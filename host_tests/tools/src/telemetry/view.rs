@@ -4,7 +4,7 @@ use super::source::{Chunks, PortOperator};
 use anyhow::Result;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
 use host_tests::telemetry::operator::{wants_a_board, words};
-use host_tests::telemetry::state::{Balls, Point, State};
+use host_tests::telemetry::state::{At, Balls, Point, State};
 use ratatui::Frame;
 use ratatui::buffer::Buffer;
 use ratatui::crossterm::event::{self, KeyCode, KeyEventKind, KeyModifiers};
@@ -14,6 +14,7 @@ use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle, Points};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph, Widget};
+use spindle_bearing::monitor::BoardReport;
 use spindle_bearing::monitor::judgement::AlarmState;
 use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::telemetry::{Recovery, RetentionReport};
@@ -491,8 +492,9 @@ fn counters(state: &State) -> Paragraph<'_> {
     let mut block = Block::bordered()
         .title(" health ")
         .border_style(Style::new().fg(FAINT));
-    if let Some(at) = &state.board {
-        let report = &at.report;
+    if let Some(At { report, .. }) = &state.board
+        && *report != BoardReport::NONE
+    {
         let text = format!(
             " started by {}, known answer {}, image {} ",
             report.reset.name(),

@@ -3,6 +3,7 @@
 use crate::frames::{alarm, balls, estimate, frame, health, state_of, stream};
 use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::state::State;
+use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
@@ -245,6 +246,20 @@ fn losses_and_counters_are_on_the_health_lines() {
     ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
+}
+
+#[test]
+fn a_board_says_why_it_started_and_a_monitor_without_one_says_nothing() {
+    let report = BoardReport {
+        reset: ResetCause::WindowWatchdog,
+        known_answer: Check::Passed,
+        image: Check::Failed,
+        ..BoardReport::NONE
+    };
+    let shown = |report| text(&state_of([Payload::Board(report)]));
+    let said = "started by window-watchdog, known answer passed, image failed";
+    assert!(shown(report).contains(said), "{}", shown(report));
+    assert!(!shown(BoardReport::NONE).contains("started by"));
 }
 
 #[test]
