@@ -6,6 +6,7 @@ use super::board::{self, Board, Cycles, Dog, Measured, Memory};
 use super::chain::{Chain, Sensors};
 use super::monitor_settings::{BRIDGES, IDENTITY, MONITOR};
 use super::self_check::SelfCheck;
+use spindle_bearing::monitor::board::ResetCause;
 use spindle_bearing::monitor::retained::WriteError;
 use spindle_bearing::monitor::tick::{Watchdog, Widened};
 use spindle_bearing::monitor::{Outcome, Past, Store};
@@ -26,14 +27,14 @@ pub fn run() -> ! {
             "the timer"
         }
     );
-    defmt::info!("started by {=str}", board.report.reset.name());
+    defmt::info!("started by {=str}", board.reset.name());
     if board.report.brown_out == Some(0) {
         defmt::warn!(
             "brown-out reset is off: the chip runs on where the supply is too low for its flash"
         );
     }
     board::feed_at_start();
-    let (keeper, past) = Keeper::start(board.memory.take(), board.clock.core_hz);
+    let (keeper, past) = Keeper::start(board.memory.take(), board.reset, board.clock.core_hz);
     // The compiler leaves out what is not chosen.
     if BRIDGES && let Some(sensors) = board.sensors.take() {
         let chain = cortex_m::singleton!(: Chain<Measured> = Chain::with(sensors, &past));
@@ -63,19 +64,21 @@ const PATIENCE: u16 = 1000;
 
 impl Keeper {
     /// Reads what was kept. May take some seconds, if there is something to erase.
-    fn start(memory: Option<Memory>, core_hz: u32) -> (Self, Past) {
+    fn start(memory: Option<Memory>, cause: ResetCause, core_hz: u32) -> (Self, Past) {
         let (store, past) = match memory {
             None => {
                 defmt::warn!("no flash to write: what is learnt is lost with the power");
-                (None, Past::NONE)
+                (None, Past::without_memory(cause))
             }
             Some(memory) => {
-                let (store, past) = recall(memory);
+                let (store, past) = recall(memory, cause);
                 let report = store.report();
                 defmt::info!(
-                    "kept over the power cycle: baseline {=str}, life {=str}, {=u16} damaged pieces",
+                    "start {=u32}, kept over the power cycle: baseline {=str}, life {=str}, alarms {=str}, {=u16} damaged pieces",
+                    past.start.boots,
                     report.baseline.name(),
                     report.life.name(),
+                    past.alarms.name(),
                     report.damaged
                 );
                 (Some(store), past)
@@ -252,8 +255,8 @@ fn check<S: Sensors>(checks: &mut SelfCheck, left: u32, chain: &mut Chain<S>) {
 // looks at what these call.
 
 #[inline(never)]
-fn recall(memory: Memory) -> (Store<Memory>, Past) {
-    Store::open(memory, IDENTITY)
+fn recall(memory: Memory, cause: ResetCause) -> (Store<Memory>, Past) {
+    Store::open(memory, IDENTITY, cause)
 }
 
 #[inline(never)]

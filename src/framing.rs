@@ -224,15 +224,30 @@ impl<T: DeserializeOwned, const CAP: usize> FrameReader<T, CAP> {
     /// frame of no bytes is no error: senders may separate with more than one delimiter.
     #[inline(always)]
     pub fn push(&mut self, byte: u8) -> Option<Result<T, FrameError>> {
+        self.push_with(byte, decode)
+    }
+}
+
+impl<T, const CAP: usize> FrameReader<T, CAP> {
+    /// The same with another way to read the bytes of an undamaged message.
+    #[inline(always)]
+    pub(crate) fn push_with<R>(
+        &mut self,
+        byte: u8,
+        read: impl FnOnce(&[u8]) -> Result<R, FrameError>,
+    ) -> Option<Result<R, FrameError>> {
         if byte == DELIMITER {
-            return self.end();
+            return self.end(read);
         }
         self.take(byte);
         None
     }
 
     #[inline(never)]
-    fn end(&mut self) -> Option<Result<T, FrameError>> {
+    fn end<R>(
+        &mut self,
+        read: impl FnOnce(&[u8]) -> Result<R, FrameError>,
+    ) -> Option<Result<R, FrameError>> {
         let result = if !self.begun {
             return None;
         } else if self.overflow {
@@ -240,7 +255,8 @@ impl<T: DeserializeOwned, const CAP: usize> FrameReader<T, CAP> {
         } else if self.run > 0 {
             Err(FrameError::Stuffing)
         } else {
-            parse(self.message.get(..self.length).unwrap_or_default())
+            let message = self.message.get(..self.length).unwrap_or_default();
+            undamaged(message).and_then(read)
         };
         self.length = 0;
         self.run = 0;
@@ -265,8 +281,8 @@ pub(crate) fn version<'de, D: serde::Deserializer<'de>, const V: u8>(
     ))
 }
 
-/// What the bytes of a frame hold.
-fn parse<T: DeserializeOwned>(message: &[u8]) -> Result<T, FrameError> {
+/// The bytes of a message without their checksum, if that is right.
+fn undamaged(message: &[u8]) -> Result<&[u8], FrameError> {
     let (content, sum) = message
         .split_last_chunk::<CHECKSUM_LENGTH>()
         .ok_or(FrameError::Truncated)?;
@@ -274,6 +290,11 @@ fn parse<T: DeserializeOwned>(message: &[u8]) -> Result<T, FrameError> {
     if CHECKSUM.checksum(content) != u32::from_le_bytes(*sum) {
         return Err(FrameError::Checksum);
     }
+    Ok(content)
+}
+
+/// What the bytes of an undamaged message hold.
+pub(crate) fn decode<T: DeserializeOwned>(content: &[u8]) -> Result<T, FrameError> {
     match postcard::take_from_bytes(content) {
         Ok((message, [])) => Ok(message),
         _ => Err(FrameError::Content),

@@ -32,7 +32,7 @@ pub type Memory = flash::Flash<cells::Memory>;
 
 use crate::monitor_settings::{BRIDGES, SET_BROWN_OUT};
 use cortex_m::peripheral::SYST;
-use spindle_bearing::monitor::BoardReport;
+use spindle_bearing::monitor::board::{BoardReport, ResetCause};
 use stm32f4::stm32f405 as pac;
 
 /// The board once it is started.
@@ -53,6 +53,8 @@ pub struct Board {
     pub lock_step: bool,
     /// What the board says of itself: why it started, and its brown-out level.
     pub report: BoardReport,
+    /// Why it started.
+    pub reset: ResetCause,
     /// Strain bridges and tachometer, if they are chosen.
     pub sensors: Option<Measured>,
     /// Flash for what is kept over a power cycle; none on an emulated board.
@@ -63,8 +65,8 @@ pub struct Board {
 pub fn start() -> Option<Board> {
     let p = pac::Peripherals::take()?;
     let mut core = cortex_m::Peripherals::take()?;
+    let reset = reset::cause(&p.RCC);
     let report = BoardReport {
-        reset: reset::cause(&p.RCC),
         brown_out: brown_out::level(&p.FLASH),
         ..BoardReport::NONE
     };
@@ -106,6 +108,7 @@ pub fn start() -> Option<Board> {
         timer: core.SYST,
         lock_step,
         report,
+        reset,
         sensors,
         memory: cells::start(p.FLASH).map(flash::Flash),
     })

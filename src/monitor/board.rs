@@ -118,8 +118,6 @@ impl Check {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BoardReport {
-    /// Why it started.
-    pub reset: ResetCause,
     /// A solve whose answer is known to the last bit.
     pub known_answer: Check,
     /// Code and constants in flash, against their checksum.
@@ -133,7 +131,6 @@ pub struct BoardReport {
 impl BoardReport {
     /// Without a board.
     pub const NONE: Self = Self {
-        reset: ResetCause::Unknown,
         known_answer: Check::NotYet,
         image: Check::NotYet,
         unused_stack: None,

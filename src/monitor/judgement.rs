@@ -295,6 +295,13 @@ impl AlarmMachine {
         Some(AlarmChange::Cleared)
     }
 
+    /// It was raised before a power cycle, and nobody has acknowledged it.
+    const fn latch(&mut self) {
+        if matches!(self.state, AlarmState::Clear | AlarmState::Pending) {
+            self.state = AlarmState::Latched;
+        }
+    }
+
     /// Somebody has seen it.
     pub const fn acknowledge(&mut self) -> Option<AlarmChange> {
         self.state = match self.state {
@@ -629,6 +636,26 @@ impl Judgement {
     pub fn alarm(&self, alarm: Alarm) -> &AlarmMachine {
         // As many as there are names.
         &self.alarms[alarm as usize]
+    }
+
+    /// Alarms that were raised and that nobody has acknowledged: one bit each, in the order of [`Alarm::ALL`] from the
+    /// lowest. To be kept over a power cycle.
+    pub fn unacknowledged(&self) -> u32 {
+        let open = |alarm: &Alarm| {
+            let state = self.alarm(*alarm).state();
+            matches!(state, AlarmState::Raised | AlarmState::Latched)
+        };
+        let open = Alarm::ALL.into_iter().filter(open);
+        open.fold(0, |bits, alarm| bits | 1 << alarm as u32)
+    }
+
+    /// Latches the alarms that nobody had acknowledged before a power cycle ([`Judgement::unacknowledged`]).
+    pub fn latch(&mut self, alarms: u32) {
+        for (i, machine) in self.alarms.iter_mut().enumerate() {
+            if alarms & (1 << i) != 0 {
+                machine.latch();
+            }
+        }
     }
 
     /// Alarms raised and cleared so far.

@@ -12,7 +12,7 @@
 //! | telemetry | [`telemetry`] | frames for a host |
 //! | the board | [`board`], [`self_check`] | why it started, and whether it is sound |
 //! | commands | [`command`] | what the host says besides loads |
-//! | retention | [`retained`] | baseline and life used, over a power cycle |
+//! | retention | [`retained`] | baseline, life used and alarms, over a power cycle |
 //!
 //! Read [`Monitor::tick`] first, then [`settings`], which has all that is particular to a spindle. The
 //! whole of a firmware's loop:
@@ -151,7 +151,7 @@ use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport,
-    InputsReport, Outbox, Payload, RetentionReport, StatusCode,
+    InputsReport, Outbox, Payload, RetentionReport, StartReport, StatusCode,
 };
 use tick::{CycleCounter, Ticker, Watchdog};
 use tracker::Tracker;
@@ -272,6 +272,8 @@ fn ball_report([[q_i, sin_i, cos_i], [q_o, sin_o, cos_o]]: &[[f32; 3]; 2]) -> Ba
 
 /// Health reports from one report of the board to the next.
 const BOARD_EVERY: u32 = 10;
+/// Time between two reports of the start, us: for hosts that join in later.
+const START_US: u32 = 60_000_000;
 
 /// Something that is due now and then.
 #[derive(Debug, Clone, Copy)]
@@ -339,12 +341,14 @@ pub struct Monitor<
     records: FrameCounts,
     desk: Desk,
     board: BoardReport,
+    start: StartReport,
     due_estimate: Every,
     due_balls: Every,
     due_health: Every,
     due_inputs: Every,
     due_board: Every,
     due_standing: Every,
+    due_start: Every,
 }
 
 impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, M, FRAMES, T> {
@@ -381,6 +385,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             records: FrameCounts::default(),
             desk: Desk::new(None, 0),
             board: BoardReport::NONE,
+            start: Past::NONE.report(),
             due_estimate: part(1),
             due_balls: part(2),
             due_health: now,
@@ -389,14 +394,17 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             },
             due_board: now,
             due_standing: part(3),
+            due_start: now,
         }
     }
 
-    /// Goes on with what was kept over a power cycle ([`retained`]).
+    /// Goes on with what was kept over a power cycle ([`retained`]). Alarms that nobody had acknowledged are latched.
     #[must_use]
     pub fn with_past(mut self, past: &Past) -> Self {
         self.judgement = Judgement::new(past.baseline);
+        self.judgement.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
+        self.start = past.report();
         self
     }
 
@@ -476,6 +484,11 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             self.due_board = Every { next_us: 0 };
         }
         self.board = report;
+    }
+
+    /// Has a store keep life and alarms at once, since the supply is about to go ([`Store::power_fails`]).
+    pub fn power_fails<F: NorFlash>(&self, time_us: u64, store: &mut Store<F>) -> bool {
+        store.power_fails(time_us, &self.judgement, &self.life)
     }
 
     /// Begins to learn the baseline, or ends it ([`Judgement::stop_learning`]).
@@ -704,6 +717,9 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         let board_us = every.health_us.saturating_mul(BOARD_EVERY);
         if self.due_board.is_due(time_us, board_us) {
             self.outbox.post(time_us, Payload::Board(self.board));
+        }
+        if self.due_start.is_due(time_us, START_US) {
+            self.outbox.post(time_us, Payload::Start(self.start));
         }
         let (estimate_due, balls_due) = (
             self.due_estimate.is_due(time_us, every.estimate_us),

@@ -11,6 +11,7 @@
 //! | [`Payload::Alarm`] | an alarm changed its state; again and again while it stands | never dropped |
 //! | [`Payload::Answer`] | an operator has asked for something | never dropped |
 //! | [`Payload::Health`], [`Payload::Inputs`] | at a fixed interval | the newest is kept |
+//! | [`Payload::Start`] | at the start, and once a minute | the newest is kept |
 //! | [`Payload::Estimate`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Board`] | at the start, at changes, with every tenth health report | the newest is kept |
@@ -25,7 +26,7 @@
 //! sees from these counts what happened meanwhile. An alarm that stands is sent again at an interval,
 //! which makes up for frames that the link itself loses.
 
-use super::board::BoardReport;
+use super::board::{BoardReport, ResetCause};
 use super::command::Answer;
 use super::judgement::{Alarm, AlarmState};
 use super::learning::LearningReport;
@@ -91,6 +92,8 @@ pub enum Payload {
     Answer(Answer),
     /// What the board says of itself.
     Board(BoardReport),
+    /// This start, and what was kept of those before.
+    Start(StartReport),
 }
 
 /// How the last solve ended: [`Status`] without its numbers.
@@ -330,17 +333,20 @@ pub enum Recovery {
     OtherVersion,
     /// What there is cannot be read.
     Damaged,
+    /// It was found, and goes on, but a newer one was written that cannot be read.
+    OlderCopy,
 }
 
 impl Recovery {
     /// All of them, in the order of the format.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::NoMemory,
         Self::Blank,
         Self::Recovered,
         Self::OtherSpindle,
         Self::OtherVersion,
         Self::Damaged,
+        Self::OlderCopy,
     ];
 
     /// Short name in lower case.
@@ -352,6 +358,7 @@ impl Recovery {
             Self::OtherSpindle => "other-spindle",
             Self::OtherVersion => "other-version",
             Self::Damaged => "damaged",
+            Self::OlderCopy => "older-copy",
         }
     }
 }
@@ -381,6 +388,33 @@ impl RetentionReport {
         written: 0,
         failed: 0,
     };
+}
+
+/// A start of the monitor, and what was kept of those before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StartReport {
+    /// Starts so far, this one included; 0 without a memory.
+    pub boots: u32,
+    /// Why this one was.
+    pub cause: ResetCause,
+    /// What became of the alarms.
+    pub recovery: Recovery,
+    /// Alarms that nobody had acknowledged before, and that were latched again: one bit each, in the order of
+    /// [`Alarm::ALL`] from the lowest.
+    pub alarms: u32,
+    /// How often each alarm was raised before, in all starts, in that order.
+    pub raised: [u16; Alarm::COUNT],
+}
+
+impl StartReport {
+    /// The alarms that were latched again, the most serious first.
+    pub fn latched(&self) -> impl Iterator<Item = Alarm> {
+        let bits = self.alarms;
+        Alarm::ALL
+            .into_iter()
+            .filter(move |alarm| bits & (1 << *alarm as u32) != 0)
+    }
 }
 
 /// Alarm reports that wait in order.
@@ -415,6 +449,7 @@ pub struct Outbox<const FRAMES: usize> {
     health: Option<(u64, HealthReport)>,
     inputs: Option<(u64, InputsReport)>,
     board: Option<(u64, BoardReport)>,
+    start: Option<(u64, StartReport)>,
     frames: Deque<Waiting, FRAMES>,
     sequence: u32,
     dropped: u64,
@@ -439,6 +474,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             health: None,
             inputs: None,
             board: None,
+            start: None,
             frames: Deque::new(),
             sequence: 0,
             dropped: 0,
@@ -466,6 +502,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             && self.health.is_none()
             && self.inputs.is_none()
             && self.board.is_none()
+            && self.start.is_none()
             && self.frames.is_empty()
     }
 
@@ -485,6 +522,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
                 let _ = self.answers.push_back((time_us, answer));
             }
             Payload::Board(report) => self.board = Some((time_us, report)),
+            Payload::Start(report) => self.start = Some((time_us, report)),
             payload @ (Payload::Estimate(_) | Payload::Balls(_)) => {
                 // What is newest is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
@@ -538,6 +576,9 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         }
         if let Some((time_us, report)) = self.inputs.take() {
             return self.encode(time_us, &Payload::Inputs(report));
+        }
+        if let Some((time_us, report)) = self.start.take() {
+            return self.encode(time_us, &Payload::Start(report));
         }
         if let Some((time_us, report)) = self.board.take() {
             return self.encode(time_us, &Payload::Board(report));
@@ -751,11 +792,20 @@ mod tests {
 
     fn board() -> Payload {
         Payload::Board(BoardReport {
-            reset: ResetCause::Unknown,
             known_answer: Check::Failed,
             image: Check::Failed,
             unused_stack: Some(u32::MAX),
             brown_out: Some(u8::MAX),
+        })
+    }
+
+    fn start() -> Payload {
+        Payload::Start(StartReport {
+            boots: u32::MAX,
+            cause: ResetCause::Unknown,
+            recovery: Recovery::OlderCopy,
+            alarms: u32::MAX,
+            raised: [u16::MAX; Alarm::COUNT],
         })
     }
 
@@ -779,6 +829,7 @@ mod tests {
             inputs(),
             answer(),
             board(),
+            start(),
         ] {
             let frame = longest(payload);
             let bytes = encode(&frame);

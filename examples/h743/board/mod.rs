@@ -43,7 +43,7 @@ pub type Memory = flash::Flash<cells::Memory>;
 
 use crate::monitor_settings::{BRIDGES, SET_BROWN_OUT};
 use cortex_m::peripheral::SYST;
-use spindle_bearing::monitor::BoardReport;
+use spindle_bearing::monitor::board::{BoardReport, ResetCause};
 use stm32h7::stm32h743 as pac;
 
 /// The board once it is started.
@@ -64,6 +64,8 @@ pub struct Board {
     pub lock_step: bool,
     /// What the board says of itself: why it started, and its brown-out level.
     pub report: BoardReport,
+    /// Why it started.
+    pub reset: ResetCause,
     /// Strain bridges and tachometer, if they are chosen.
     pub sensors: Option<Measured>,
     /// Flash for what is kept over a power cycle.
@@ -78,8 +80,8 @@ pub fn start() -> Option<Board> {
     // have to be told of.
     core.SCB.enable_icache();
     core.SCB.enable_dcache(&mut core.CPUID);
+    let reset = reset::cause(&p.RCC);
     let report = BoardReport {
-        reset: reset::cause(&p.RCC),
         brown_out: brown_out::level(&p.FLASH),
         ..BoardReport::NONE
     };
@@ -119,6 +121,7 @@ pub fn start() -> Option<Board> {
         timer: core.SYST,
         lock_step,
         report,
+        reset,
         sensors,
         memory: cells::start(p.FLASH, core.SCB).map(flash::Flash),
     })

@@ -8,6 +8,7 @@ use spindle_bearing::monitor::command::Answer;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::telemetry::{
     AlarmReport, BallReport, EstimateReport, Frame, HealthReport, InputsReport, Payload,
+    StartReport,
 };
 use std::collections::VecDeque;
 
@@ -74,6 +75,8 @@ pub struct State {
     pub nonce: Option<u32>,
     /// What the board last said of itself.
     pub board: Option<At<BoardReport>>,
+    /// What the board says of its start.
+    pub start: Option<At<StartReport>>,
     /// Counts of the decoder.
     pub tally: Tally,
     /// The last damage.
@@ -178,6 +181,10 @@ impl State {
             Payload::Board(report) => {
                 let report = *report;
                 self.board = Some(At { time_us, report });
+            }
+            Payload::Start(report) => {
+                let report = *report;
+                self.start = Some(At { time_us, report });
             }
         }
     }

@@ -16,7 +16,7 @@ use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
-    InputsReport, Payload, Recovery, RetentionReport, StatusCode,
+    InputsReport, Payload, Recovery, RetentionReport, StartReport, StatusCode,
 };
 use std::io::{Read, Write};
 
@@ -113,11 +113,15 @@ struct Row {
     order: Option<String>,
     occurrence: Option<u32>,
     outcome: Option<String>,
-    reset: Option<String>,
     known_answer: Option<String>,
     image: Option<String>,
     unused_stack_bytes: Option<u32>,
     brown_out_level: Option<u8>,
+    boots: Option<u32>,
+    reset_cause: Option<String>,
+    kept_alarms: Option<String>,
+    alarms_before: Option<u32>,
+    raised_before: Option<String>,
 }
 
 const STATUSES: [StatusCode; 9] = [
@@ -282,11 +286,19 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
         }],
         Payload::Board(report) => vec![Row {
             kind: "board".into(),
-            reset: Some(report.reset.name().into()),
             known_answer: Some(report.known_answer.name().into()),
             image: Some(report.image.name().into()),
             unused_stack_bytes: report.unused_stack,
             brown_out_level: report.brown_out,
+            ..head
+        }],
+        Payload::Start(report) => vec![Row {
+            kind: "start".into(),
+            boots: Some(report.boots),
+            reset_cause: Some(report.cause.name().into()),
+            kept_alarms: Some(report.recovery.name().into()),
+            alarms_before: Some(report.alarms),
+            raised_before: Some(report.raised.map(|count| count.to_string()).join(" ")),
             ..head
         }],
     }
@@ -410,6 +422,7 @@ fn frame(row: &Row) -> Result<Frame> {
             "answer" => Payload::Answer(answer(row).context("a field is missing or not known")?),
             "inputs" => Payload::Inputs(inputs(row).context("a field is missing")?),
             "board" => Payload::Board(board(row).context("a field is missing or not known")?),
+            "start" => Payload::Start(start(row).context("a field is missing or not known")?),
             other => bail!("no such kind of row: `{other}`"),
         },
     })
@@ -575,11 +588,28 @@ fn answer(row: &Row) -> Option<Answer> {
 fn board(row: &Row) -> Option<BoardReport> {
     let check = |name: &Option<String>| by_name(&Check::ALL, Check::name, name.as_deref()?);
     Some(BoardReport {
-        reset: by_name(&ResetCause::ALL, ResetCause::name, row.reset.as_deref()?)?,
         known_answer: check(&row.known_answer)?,
         image: check(&row.image)?,
         unused_stack: row.unused_stack_bytes,
         brown_out: row.brown_out_level,
+    })
+}
+
+fn start(row: &Row) -> Option<StartReport> {
+    let counts = row.raised_before.as_deref()?.split_whitespace();
+    let raised: Vec<u16> = counts
+        .map(|count| count.parse().ok())
+        .collect::<Option<_>>()?;
+    Some(StartReport {
+        boots: row.boots?,
+        cause: by_name(
+            &ResetCause::ALL,
+            ResetCause::name,
+            row.reset_cause.as_deref()?,
+        )?,
+        recovery: recovery(&row.kept_alarms)?,
+        alarms: row.alarms_before?,
+        raised: raised.try_into().ok()?,
     })
 }
 

@@ -188,7 +188,8 @@ impl Rig {
                     self.balls.truncate(report.first.into());
                     self.balls.extend(report.balls);
                 }
-                Payload::Health(_) | Payload::Inputs(_) | Payload::Board(_) => {}
+                Payload::Health(_) | Payload::Inputs(_) | Payload::Board(_) | Payload::Start(_) => {
+                }
                 Payload::Answer(answer) => self.answers.push(answer),
             }
         }
@@ -1527,8 +1528,9 @@ fn a_day_passes_without_drift_or_overflow() {
         (0, 0, 0)
     );
     assert_eq!((health.estimates, health.refusals), (86_400, 0));
-    // Estimates every ten seconds, a picture of four frames and two reports every minute, and the board's every tenth.
-    let reports = 6 * 1440 + 144;
+    // Estimates every ten seconds; a picture of four frames, two reports and the start every minute; the board's report
+    // every tenth.
+    let reports = 7 * 1440 + 144;
     assert!((8639..=8641).contains(&(frames - reports)), "{frames}");
     // No drift: the same cycle gives the same stiffness, and takes the same part of the life.
     assert_eq!(seen.len(), 24);

@@ -17,7 +17,8 @@ use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
     AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame,
-    HealthReport, InputsReport, Payload, Recovery, RetentionReport, StatusCode, VERSION, encode,
+    HealthReport, InputsReport, Payload, Recovery, RetentionReport, StartReport, StatusCode,
+    VERSION, encode,
 };
 
 fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
@@ -206,13 +207,24 @@ prop_compose! {
 
 prop_compose! {
     fn any_board()(
-        reset in prop::sample::select(ResetCause::ALL.to_vec()),
         checks in prop::array::uniform2(prop::sample::select(Check::ALL.to_vec())),
         unused_stack in any::<Option<u32>>(),
         brown_out in any::<Option<u8>>(),
     ) -> BoardReport {
         let [known_answer, image] = checks;
-        BoardReport { reset, known_answer, image, unused_stack, brown_out }
+        BoardReport { known_answer, image, unused_stack, brown_out }
+    }
+}
+
+prop_compose! {
+    fn any_start()(
+        boots in any::<u32>(),
+        cause in prop::sample::select(ResetCause::ALL.to_vec()),
+        recovery in prop::sample::select(Recovery::ALL.to_vec()),
+        alarms in any::<u32>(),
+        raised in any::<[u16; Alarm::COUNT]>(),
+    ) -> StartReport {
+        StartReport { boots, cause, recovery, alarms, raised }
     }
 }
 
@@ -225,6 +237,7 @@ fn any_payload() -> impl Strategy<Value = Payload> {
         any_inputs().prop_map(Payload::Inputs),
         any_answer().prop_map(Payload::Answer),
         any_board().prop_map(Payload::Board),
+        any_start().prop_map(Payload::Start),
     ]
 }
 

@@ -22,6 +22,7 @@ mod bare {
     use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
     use embedded_hal::spi::{self, Operation, SpiDevice};
     use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
+    use spindle_bearing::monitor::board::ResetCause;
     use spindle_bearing::monitor::loads::{
         Ads131m08, Ads131m08Bridges, Calibration, FramedLoads, LoadSource, StrainBridge,
     };
@@ -123,7 +124,8 @@ mod bare {
     fn run() {
         let bands = &SETTINGS.judgement.baseline;
         let identity = Identity::new(&monitored::DESIGN, monitored::BALLS, bands);
-        let (mut store, past) = Store::open(Unknown, black_box(identity));
+        let (mut store, past) =
+            Store::open(Unknown, black_box(identity), black_box(ResetCause::Pin));
         let mut monitor: Monitor<{ monitored::BALLS }> =
             Monitor::new(&monitored::BEARING, &SETTINGS).with_past(&past);
         let _ = monitor.prepare(black_box([420.0; 5]), black_box(0.0));
@@ -176,6 +178,7 @@ mod bare {
             }
             monitor.retain(time_us, &mut store);
             black_box((store.step(), store.error()));
+            black_box(monitor.power_fails(time_us, &mut store));
             black_box(monitor.life().kept());
             let mut buffer = [0; 64];
             black_box(monitor.outbox().fill(&mut buffer));

@@ -331,11 +331,23 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
                 .map_or("unknown".into(), |level| level.to_string());
             writeln!(
                 out,
-                "board     reset by {}; known answer {}, image {}; stack {stack}; brown-out level {level}",
-                report.reset.name(),
+                "board     known answer {}, image {}; stack {stack}; brown-out level {level}",
                 report.known_answer.name(),
                 report.image.name(),
             )?;
+        }
+        Payload::Start(report) => {
+            write!(
+                out,
+                "start     {}, reset by {}; alarms before {}:",
+                report.boots,
+                report.cause.name(),
+                report.recovery.name()
+            )?;
+            for alarm in report.latched() {
+                write!(out, " {alarm}")?;
+            }
+            writeln!(out)?;
         }
     }
     Ok(())

@@ -15,7 +15,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle, Points};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph, Widget};
 use spindle_bearing::monitor::BoardReport;
-use spindle_bearing::monitor::judgement::AlarmState;
+use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::telemetry::{Recovery, RetentionReport};
 use std::collections::VecDeque;
@@ -65,7 +65,7 @@ fn render(state: &State, area: Rect, buffer: &mut Buffer) {
         Constraint::Length(2),
         Constraint::Min(8),
         Constraint::Length(alarms + 2),
-        Constraint::Length(9),
+        Constraint::Length(10),
     ])
     .areas(area);
     // Cells are about twice as high as wide.
@@ -480,6 +480,27 @@ fn counters(state: &State) -> Paragraph<'_> {
             ));
         }
     }
+    if let Some(start) = &state.start {
+        let report = &start.report;
+        let latched: Vec<_> = report.latched().map(Alarm::name).collect();
+        lines.push(Line::styled(
+            format!(
+                " start {}, reset by {}; alarms before {}: {}",
+                report.boots,
+                report.cause.name(),
+                report.recovery.name(),
+                if latched.is_empty() {
+                    "none".into()
+                } else {
+                    latched.join(" ")
+                }
+            ),
+            match report.recovery {
+                Recovery::NoMemory | Recovery::Blank | Recovery::Recovered => Style::new(),
+                _ => warning(),
+            },
+        ));
+    }
     let hurt = state.tally.lost + state.tally.damaged > 0;
     let mut link = format!(" link: {}", state.tally);
     if let Some(error) = state.last_damage {
@@ -496,8 +517,7 @@ fn counters(state: &State) -> Paragraph<'_> {
         && *report != BoardReport::NONE
     {
         let text = format!(
-            " started by {}, known answer {}, image {} ",
-            report.reset.name(),
+            " known answer {}, image {} ",
             report.known_answer.name(),
             report.image.name()
         );

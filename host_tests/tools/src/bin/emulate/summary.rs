@@ -57,6 +57,7 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
                     "a self-check of the board failed: {report:?}"
                 );
             }
+            Payload::Start(_) => {}
         }
     }
     let health = health.context("the board has sent no counters")?;
