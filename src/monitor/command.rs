@@ -11,7 +11,8 @@
 //! [`Answer`], and carries an order out once:
 //!
 //! - **Nonce.** A request has the number that the board tells in its telemetry, once a second and with every answer. It
-//!   changes with every order: a request that was recorded, or was long under way, is out of date.
+//!   changes with every order, and from start to start where there is a memory: a request that was recorded, or was long
+//!   under way, is out of date.
 //! - **Repeats.** A host that hears no answer sends the very request again. Where only the answer was lost, the board
 //!   gives it again.
 //! - **State of the spindle.** Learning starts on the idling spindle alone, and a bearing is replaced at a standstill. An
@@ -210,12 +211,21 @@ pub(super) struct Desk {
 }
 
 impl Desk {
-    pub(super) const fn new(key: Option<Key>, nonce: u32) -> Self {
-        Self {
-            key,
-            nonce,
-            last: None,
-        }
+    pub(super) const NEW: Self = Self {
+        key: None,
+        nonce: 0,
+        last: None,
+    };
+
+    /// The same with another key.
+    pub(super) const fn with_key(self, key: Option<Key>) -> Self {
+        Self { key, ..self }
+    }
+
+    /// The same after so many starts. None of them gets to the nonces of the next one: that would take 65,536 orders.
+    pub(super) const fn after_starts(self, boots: u32) -> Self {
+        let nonce = boots << 16;
+        Self { nonce, ..self }
     }
 
     pub(super) const fn nonce(&self) -> u32 {
@@ -419,7 +429,11 @@ mod tests {
 
     #[test]
     fn an_order_is_carried_out_once_however_often_its_request_comes() {
-        let (mut desk, mut count) = (Desk::new(None, u32::MAX), 0);
+        let mut desk = Desk {
+            nonce: u32::MAX,
+            ..Desk::NEW
+        };
+        let mut count = 0;
         let first = Request::new(1, u32::MAX, Order::Learn(true), None);
         for _ in 0..3 {
             assert_eq!(answer(&mut desk, &mut count, first), (AnswerCode::Done, 0));
@@ -436,10 +450,33 @@ mod tests {
     }
 
     #[test]
+    fn an_order_of_another_start_is_out_of_date() {
+        let mut count = 0;
+        let first = Request::new(
+            1,
+            Desk::NEW.after_starts(1).nonce(),
+            Order::Learn(true),
+            None,
+        );
+        for boots in [2, 3, u32::MAX] {
+            let mut desk = Desk::NEW.after_starts(boots);
+            assert_eq!(
+                answer(&mut desk, &mut count, first).0,
+                AnswerCode::OutOfDate
+            );
+        }
+        assert_eq!(count, 0);
+    }
+
+    #[test]
     fn without_the_key_no_order_is_carried_out() {
         let key: Key = core::array::from_fn(|i| i as u8);
         let other = [7; 16];
-        let (mut desk, mut count) = (Desk::new(Some(key), 5), 0);
+        let mut desk = Desk {
+            nonce: 5,
+            ..Desk::NEW.with_key(Some(key))
+        };
+        let mut count = 0;
         for stranger in [None, Some(&other)] {
             let request = Request::new(1, 5, Order::ReplaceBearing, stranger);
             let refused = (AnswerCode::NotAuthentic, 5);

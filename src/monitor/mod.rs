@@ -383,7 +383,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             doubts: Marks::NONE,
             retention: RetentionReport::NO_MEMORY,
             records: FrameCounts::default(),
-            desk: Desk::new(None, 0),
+            desk: Desk::NEW,
             board: BoardReport::NONE,
             start: Past::NONE.report(),
             due_estimate: part(1),
@@ -404,6 +404,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         self.judgement = Judgement::new(past.baseline);
         self.judgement.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
+        self.desk = self.desk.after_starts(past.start.boots);
         self.start = past.report();
         self
     }
@@ -411,7 +412,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
     /// Carries out the orders of those alone who have this key ([`command`]).
     #[must_use]
     pub const fn with_key(mut self, key: Option<command::Key>) -> Self {
-        self.desk = Desk::new(key, self.desk.nonce());
+        self.desk = self.desk.with_key(key);
         self
     }
 
