@@ -7,20 +7,22 @@ use super::Precision;
 use super::monitor_settings::{IDLE, KEY, MONITOR};
 use super::monitored::{BALLS, BEARING};
 use spindle_bearing::Full;
-use spindle_bearing::monitor::command::{Command, Sorter};
+use spindle_bearing::framing::FrameError;
+use spindle_bearing::monitor::command::{Command, PortReader, Received};
 use spindle_bearing::monitor::loads::{FrameCounts, FramedLoads, LoadSource};
 use spindle_bearing::monitor::retained::NorFlash;
 use spindle_bearing::monitor::telemetry::{HealthReport, StatusCode};
 use spindle_bearing::monitor::tick::{CycleCounter, Watchdog};
 use spindle_bearing::monitor::{BoardReport, Monitor, Outcome, Past, Readings, Store};
+use spindle_bearing::record::LoadRecord;
 
 /// Estimates and pictures of balls that wait for a slow link.
 const FRAMES: usize = 12;
 
 /// Where loads and speed come from.
 pub trait Sensors {
-    /// A byte of the port that belongs to no command.
-    fn push(&mut self, _: u8) {}
+    /// A load record of the port, or a damaged frame.
+    fn take(&mut self, _: Result<LoadRecord, FrameError>) {}
 
     /// What there is at a tick.
     fn readings(&mut self, time_us: u64) -> Readings;
@@ -33,8 +35,8 @@ pub trait Sensors {
 
 /// Records of the port, which carry the speed.
 impl Sensors for FramedLoads {
-    fn push(&mut self, byte: u8) {
-        Self::push(self, byte);
+    fn take(&mut self, read: Result<LoadRecord, FrameError>) {
+        Self::take(self, read);
     }
 
     fn readings(&mut self, time_us: u64) -> Readings {
@@ -53,7 +55,7 @@ impl Sensors for FramedLoads {
 pub struct Chain<S = FramedLoads> {
     monitor: Monitor<BALLS, Full, FRAMES, Precision>,
     sensors: S,
-    sorter: Sorter,
+    port: PortReader,
     time_us: u64,
 }
 
@@ -78,7 +80,7 @@ impl<S: Sensors> Chain<S> {
                 .with_past(past)
                 .with_key(KEY),
             sensors,
-            sorter: Sorter::new(),
+            port: PortReader::new(),
             time_us: 0,
         }
     }
@@ -94,14 +96,15 @@ impl<S: Sensors> Chain<S> {
 
     /// Takes a byte of the port. Returns how many bytes the link takes if it is a tick that is asked for.
     pub fn push(&mut self, byte: u8) -> Option<u16> {
-        let sensors = &mut self.sensors;
-        match self.sorter.push(byte, |byte| sensors.push(byte))? {
-            Command::Tick(room) => Some(room),
-            Command::Ask(request) => {
+        match self.port.push(byte)? {
+            Ok(Received::Command(Command::Tick(room))) => return Some(room),
+            Ok(Received::Command(Command::Ask(request))) => {
                 self.monitor.ask(self.time_us, &request);
-                None
             }
+            Ok(Received::Record(record)) => self.sensors.take(Ok(record)),
+            Err(error) => self.sensors.take(Err(error)),
         }
+        None
     }
 
     /// Takes what the board says of itself, for the telemetry.

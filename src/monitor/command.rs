@@ -1,9 +1,8 @@
 //! What a host says to the monitor besides loads: one command, one frame of
 //! [`framing`], over the port that load records come in by.
 //!
-//! [`encode`] is the host's side. [`Sorter`] is the board's: it takes commands out of the stream and hands
-//! on the rest, which is for [`FramedLoads`](super::loads::FramedLoads). Commands are told from load records
-//! by their length: they are shorter than any record, so that none is held back for long.
+//! [`encode`] is the host's side. [`PortReader`] is the board's: it tells commands from load records, which are for
+//! [`FramedLoads`](super::loads::FramedLoads), by their length. Commands are shorter than any record.
 //!
 //! # Requests
 //!
@@ -28,7 +27,8 @@
 //! unauthenticated.
 
 use super::judgement::Alarm;
-use crate::framing::{self, CHECKSUM_LENGTH, DELIMITER, FrameReader};
+use crate::framing::{self, CHECKSUM_LENGTH, FrameError, FrameReader};
+use crate::record::{self, LoadRecord};
 use core::hash::Hasher;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -117,7 +117,7 @@ impl Request {
 
     /// SipHash-2-4 of the request as it is sent, without its tag; little-endian.
     pub fn tag(&self, key: &Key) -> [u8; 8] {
-        let mut bytes = [0; MESSAGE_LENGTH];
+        let mut bytes = [0; CONTENT_LENGTH];
         let content = (self.number, self.nonce, self.order);
         // The lengths below make room for every request.
         let written: &[u8] =
@@ -263,12 +263,11 @@ impl Desk {
     }
 }
 
-/// Longest message of a command, checksum included: two variants, number and nonce, an alarm and its occurrence, and
-/// the tag.
-const MESSAGE_LENGTH: usize = 2 + 3 + 5 + 1 + 5 + 8 + CHECKSUM_LENGTH;
+/// Longest command without its checksum: two variants, number and nonce, an alarm and its occurrence, and the tag.
+const CONTENT_LENGTH: usize = 2 + 3 + 5 + 1 + 5 + 8;
 
 /// Length of its frame, delimiter included.
-pub const COMMAND_LENGTH: usize = framing::frame_length(MESSAGE_LENGTH);
+pub const COMMAND_LENGTH: usize = framing::frame_length(CONTENT_LENGTH + CHECKSUM_LENGTH);
 
 /// The frame of a command.
 pub fn encode(command: Command) -> Vec<u8, COMMAND_LENGTH> {
@@ -276,63 +275,50 @@ pub fn encode(command: Command) -> Vec<u8, COMMAND_LENGTH> {
     framing::encode(&command).unwrap_or_default()
 }
 
-/// Tells commands from load records.
-#[derive(Debug)]
-pub struct Sorter {
-    reader: FrameReader<Command, MESSAGE_LENGTH>,
-    /// The frame so far, as long as it may be a command.
-    held: Vec<u8, COMMAND_LENGTH>,
-    /// It is too long for one.
-    record: bool,
+/// A frame that came over the port.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Received {
+    /// A command.
+    Command(Command),
+    /// Measured loads.
+    Record(LoadRecord),
 }
 
-impl Default for Sorter {
-    fn default() -> Self {
-        Self::new()
-    }
+/// Takes what comes over the port apart, byte by byte: commands, and load records.
+#[derive(Debug, Default)]
+pub struct PortReader {
+    reader: FrameReader<Received, { record::MESSAGE_LENGTH }>,
 }
 
-impl Sorter {
+impl PortReader {
     /// At the start of a frame.
     pub const fn new() -> Self {
         Self {
             reader: FrameReader::new(),
-            held: Vec::new(),
-            record: false,
         }
     }
 
-    /// Takes a byte; returns a command that it completes, and hands on the bytes of what is none, damaged
-    /// frames included.
-    pub fn push(&mut self, byte: u8, mut hand_on: impl FnMut(u8)) -> Option<Command> {
-        // The reader has given up on a record; its delimiter is the next that matters to it.
-        if self.record && byte != DELIMITER {
-            hand_on(byte);
-            return None;
-        }
-        let command = self.reader.push(byte).and_then(Result::ok);
-        if command.is_none() {
-            let kept = !self.record && self.held.push(byte).is_ok();
-            if !kept || byte == DELIMITER {
-                self.held.iter().copied().for_each(&mut hand_on);
-                self.held.clear();
+    /// Takes the next byte; at the end of a frame returns what it holds.
+    ///
+    /// # Errors
+    ///
+    /// Why a frame was skipped; it counts as a load record ([`FramedLoads::take`](super::loads::FramedLoads::take)).
+    #[inline(always)]
+    pub fn push(&mut self, byte: u8) -> Option<Result<Received, FrameError>> {
+        self.reader.push_with(byte, |content| {
+            if content.len() <= CONTENT_LENGTH {
+                framing::decode(content).map(Received::Command)
+            } else {
+                framing::decode(content).map(Received::Record)
             }
-            if !kept {
-                hand_on(byte);
-            }
-            self.record = byte != DELIMITER && !kept;
-        } else {
-            self.held.clear();
-            self.record = false;
-        }
-        command
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::{self, LoadRecord};
+    use crate::framing::DELIMITER;
     use std::vec::Vec as Bytes;
 
     fn commands() -> Bytes<Command> {
@@ -387,31 +373,23 @@ mod tests {
     }
 
     #[test]
-    fn commands_and_records_come_apart_in_any_order_and_no_byte_is_lost() {
-        let mut sorter = Sorter::new();
-        let (mut found, mut rest) = (Bytes::new(), Bytes::new());
-        let (mut sent, mut records) = (Bytes::new(), Bytes::new());
-        let mut stream = Bytes::new();
+    fn commands_and_records_come_apart_in_any_order_and_no_frame_is_lost() {
+        let mut reader = PortReader::new();
+        let (mut stream, mut sent) = (Bytes::new(), Bytes::new());
         for (sequence, command) in (0..).zip(commands()) {
             let frame = record::encode(&record(sequence));
             for _ in 0..sequence % 3 {
                 stream.extend_from_slice(&frame);
-                records.extend_from_slice(&frame);
+                sent.push(Ok(Received::Record(record(sequence))));
             }
-            // A damaged frame is the load source's to count.
-            let mut damaged = frame.to_vec();
-            damaged.truncate(4);
-            damaged.push(DELIMITER);
-            stream.extend_from_slice(&damaged);
-            records.extend_from_slice(&damaged);
+            stream.extend_from_slice(&frame[..4]);
+            stream.push(DELIMITER);
+            sent.push(Err(FrameError::Truncated));
             stream.extend_from_slice(&encode(command));
-            sent.push(command);
+            sent.push(Ok(Received::Command(command)));
         }
-        for byte in stream {
-            found.extend(sorter.push(byte, |byte| rest.push(byte)));
-        }
-        assert_eq!(found, sent);
-        assert_eq!(rest, records);
+        let read: Bytes<_> = stream.iter().filter_map(|b| reader.push(*b)).collect();
+        assert_eq!(read, sent);
     }
 
     /// An order that is carried out leaves a mark in a count.

@@ -152,14 +152,15 @@ impl FramedLoads {
     #[inline]
     pub fn push(&mut self, byte: u8) {
         if let Some(read) = self.reader.push(byte) {
-            self.read(read);
+            self.take(read);
         }
     }
 
+    /// Takes a record, or a frame that was damaged, which somebody else has read from the line.
     #[inline(never)]
-    fn read(&mut self, read: Result<LoadRecord, FrameError>) {
+    pub fn take(&mut self, read: Result<LoadRecord, FrameError>) {
         match read {
-            Ok(record) => self.take(record),
+            Ok(record) => self.arrived(record),
             Err(error) => self.damaged(error),
         }
     }
@@ -175,7 +176,7 @@ impl FramedLoads {
         self.doubts.mark_if(true, Mark::Corrupt);
     }
 
-    fn take(&mut self, record: LoadRecord) {
+    fn arrived(&mut self, record: LoadRecord) {
         self.counts.received = self.counts.received.saturating_add(1);
         let ahead = match self.sequence {
             None => 1,

@@ -10,7 +10,7 @@ use host_tests::telemetry::state::{HISTORY, State};
 use host_tests::telemetry::{simulated, table};
 use proptest::prelude::*;
 use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
-use spindle_bearing::monitor::command::{self, Answer, Command, Order, Sorter};
+use spindle_bearing::monitor::command::{self, Answer, Command, Order, PortReader, Received};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::loads::FrameCounts;
@@ -584,9 +584,13 @@ fn a_restart_forgets_what_was_and_goes_on_counting() {
 
 /// The commands in a stream of bytes, as the board finds them.
 fn commands(bytes: &[u8]) -> Vec<Command> {
-    let mut sorter = Sorter::new();
-    let found = |byte: &u8| sorter.push(*byte, |other| panic!("{other} is no command's"));
-    bytes.iter().filter_map(found).collect()
+    let mut reader = PortReader::new();
+    let frames = bytes.iter().filter_map(|byte| reader.push(*byte));
+    let command = |frame| match frame {
+        Ok(Received::Command(command)) => command,
+        other => panic!("{other:?} is no command"),
+    };
+    frames.map(command).collect()
 }
 
 /// The orders in what an operator has sent, with their nonces.
