@@ -12,6 +12,7 @@ mod double_double;
 mod frames;
 mod given;
 mod growth;
+mod hostile;
 mod life;
 mod limits;
 mod malformed;

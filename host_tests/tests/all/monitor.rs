@@ -107,6 +107,8 @@ pub(super) struct Rig {
     /// Counts in the last report of each alarm.
     counts: [(u32, u32); Alarm::COUNT],
     stiffness: Vec<(u64, [f32; 5])>,
+    /// Loads of the estimates that arrived.
+    pub(super) loads: Vec<[f32; 5]>,
     /// The last report of every ball.
     balls: Vec<BallReport>,
     jitter: f32,
@@ -131,6 +133,7 @@ impl Rig {
             arrived: Vec::new(),
             counts: [(0, 0); Alarm::COUNT],
             stiffness: Vec::new(),
+            loads: Vec::new(),
             balls: Vec::new(),
             jitter: 0.0,
             answers: Vec::new(),
@@ -177,6 +180,7 @@ impl Rig {
                     assert_eq!(report.marks, self.marks[tick]);
                     assert!(report.stiffness.iter().all(|k| k.is_finite() && *k > 0.0));
                     self.stiffness.push((frame.time_us, report.stiffness));
+                    self.loads.push(report.load);
                 }
                 Payload::Alarm(report) => {
                     self.counts[report.alarm as usize] = (report.raised, report.cleared);

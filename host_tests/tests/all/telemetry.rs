@@ -21,13 +21,13 @@ use spindle_bearing::monitor::telemetry::{
     VERSION, encode,
 };
 
-fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
+pub(super) fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
     let mut decoder = Decoder::new();
     let events = decoder.push_all(bytes).collect();
     (events, decoder)
 }
 
-fn frames_of(events: &[Event]) -> Vec<&Frame> {
+pub(super) fn frames_of(events: &[Event]) -> Vec<&Frame> {
     let frames = events.iter().filter_map(|event| match event {
         Event::Frame { frame, .. } => Some(frame),
         Event::Damaged(_) => None,
@@ -36,7 +36,7 @@ fn frames_of(events: &[Event]) -> Vec<&Frame> {
 }
 
 /// The recording up to a time, and what the monitor sends of it.
-fn cycle(seconds: f64) -> (Vec<LoadRow>, Vec<u8>) {
+pub(super) fn cycle(seconds: f64) -> (Vec<LoadRow>, Vec<u8>) {
     let rows: Result<Vec<_>, _> = loads::read(RECORD)
         .unwrap()
         .take_while(|row| row.as_ref().is_ok_and(|row| row.time_s < seconds))
