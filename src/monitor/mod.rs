@@ -361,7 +361,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         };
         Self {
             settings,
-            tracker: Tracker::new(bearing),
+            tracker: Tracker::new(bearing, &settings.plausibility),
             plausibility: Plausibility::new(&settings.plausibility),
             ticker: Ticker::new(&settings.tick),
             judgement: Judgement::new(Baseline::EMPTY),

@@ -36,6 +36,7 @@ struct Follower<T: Real + 'static, const N: usize, M: Motion + Copy> {
 #[derive(Debug)]
 pub(super) struct Tracker<T: Real + 'static, const N: usize, M: Motion + Copy> {
     followers: [Follower<T, N, M>; 2],
+    scale: Scale,
     /// Solves in a row without an answer.
     failed: u16,
     /// Solves to leave out before the next one from nothing, and how many were left out last.
@@ -61,23 +62,31 @@ fn is_refused<T>(status: &Status<T>) -> bool {
     )
 }
 
-/// Shortest time in which loads and speed get from one place to another, s, if they change as fast as is
-/// plausible.
-fn distance(
-    (from, from_speed): &([f32; 5], f32),
-    load: &[f32; 5],
-    speed: f32,
-    settings: &PlausibilitySettings,
-) -> f32 {
-    let mut longest = (speed - from_speed).abs() / settings.speed_rate;
-    for ((to, from), rate) in load.iter().zip(from).zip(&settings.load_rate) {
-        longest = longest.at_least((to - from).abs() / rate);
+/// Shortest times in which each load, and the speed, change by one unit, if they change as fast as is plausible: s/N,
+/// s/(N m), s/(rad/s).
+#[derive(Debug, Clone, Copy)]
+struct Scale([f32; 5], f32);
+
+impl Scale {
+    fn of(settings: &PlausibilitySettings) -> Self {
+        Self(
+            settings.load_rate.map(|rate| 1.0 / rate),
+            1.0 / settings.speed_rate,
+        )
     }
-    longest
+
+    /// Shortest time in which loads and speed get from one place to another, s.
+    fn distance(&self, (from, from_speed): &([f32; 5], f32), load: &[f32; 5], speed: f32) -> f32 {
+        let mut longest = (speed - from_speed).abs() * self.1;
+        for ((to, from), scale) in load.iter().zip(from).zip(&self.0) {
+            longest = longest.at_least((to - from).abs() * scale);
+        }
+        longest
+    }
 }
 
 impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
-    pub(super) fn new(bearing: &'static Bearing<T, N>) -> Self {
+    pub(super) fn new(bearing: &'static Bearing<T, N>, settings: &PlausibilitySettings) -> Self {
         let follower = Follower {
             solver: Solver::of(bearing),
             at: None,
@@ -85,6 +94,7 @@ impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
         };
         Self {
             followers: [follower; 2],
+            scale: Scale::of(settings),
             failed: 0,
             pause: 0,
             pauses: 0,
@@ -118,10 +128,10 @@ impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
         see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
     ) -> Result<R, StatusCode> {
         let [first, second] = &mut self.followers;
+        let scale = &self.scale;
         let far = |follower: &Follower<T, N, M>| {
-            follower.at.as_ref().map_or(f32::INFINITY, |at| {
-                distance(at, &load, speed, &settings.plausibility)
-            })
+            let at = follower.at.as_ref();
+            at.map_or(f32::INFINITY, |at| scale.distance(at, &load, speed))
         };
         let (near, other) = if far(first) <= far(second) {
             (first, second)
