@@ -502,8 +502,8 @@ impl<T: Real> Ball<T> {
 mod tests {
     use super::*;
     use crate::constants::Bearing;
+    use crate::growth::Growth;
     use crate::kinematics::RacewayControlFree;
-    use crate::mounting::Growth;
     use crate::place::place;
     use crate::{Design, FreeContact, Material};
 

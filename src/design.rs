@@ -16,7 +16,7 @@ pub struct Material {
     pub youngs_modulus: f64,
     /// Poisson's ratio `nu`.
     pub poissons_ratio: f64,
-    /// Density `rho`, kg/m^3. Only that of the balls matters.
+    /// Density `rho`, kg/m^3. That of the rings matters for [`Growth::by_rotation`](crate::Growth::by_rotation) alone.
     pub density: f64,
 }
 

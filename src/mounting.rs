@@ -1,6 +1,7 @@
-//! Growth of rings and balls, and the speed: what a bearing is solved at, besides its load.
+//! The speed, and the growth of rings and balls in the solver's units: what a bearing is solved at, besides its load.
 
 use super::constants::{Constants, L0};
+use super::growth::Growth;
 use super::linalg::Pair;
 use crate::float::Real;
 
@@ -37,31 +38,6 @@ impl<T: Real> Speed<T> {
     pub const fn as_rad_per_s(self) -> T {
         self.0
     }
-}
-
-/// Growth of rings and balls by heat, rotation and fits, m: the three lengths that the equilibrium needs.
-///
-/// Stiffness constants, masses and the pitch diameter stay those of the cold bearing; their change is of the relative
-/// order of 1e-4.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Growth<T> {
-    /// Axial growth `gx` of the inner groove's centre against the outer one's, m.
-    pub axial: T,
-    /// Radial growth `gr` of the inner groove against the outer one, m.
-    pub radial: T,
-    /// Growth `gD` of the ball diameter, m.
-    pub ball: T,
-}
-
-impl<T: Real> Growth<T> {
-    /// The cold bearing.
-    pub const NONE: Self = Self {
-        axial: T::ZERO,
-        radial: T::ZERO,
-        ball: T::ZERO,
-    };
 }
 
 /// Speed and growth that a row is solved at, in the units of the constants.

@@ -4,7 +4,8 @@ use super::Given;
 use crate::constants::Constants;
 use crate::float::Real;
 use crate::frame::units;
-use crate::mounting::{Growth, Speed};
+use crate::growth::Growth;
+use crate::mounting::Speed;
 use crate::status::{Quantity, Status};
 
 /// Refuses a value that is not finite, or larger in magnitude than `limit`.

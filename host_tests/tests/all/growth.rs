@@ -4,7 +4,7 @@ use super::solves::{Balls, PRECISIONS, Question, SKEW, forces, lengths, solver, 
 use host_tests::cases::{self, B7005C};
 use host_tests::compare::{Errors, worse};
 use host_tests::dispatch::Precision;
-use spindle_bearing::Growth;
+use spindle_bearing::{Expansion, FreeContact, Growth};
 
 #[test]
 fn rows_of_solved_sets_have_their_loads_and_displacements() {
@@ -95,4 +95,105 @@ fn a_bearing_that_warms_up_is_followed() {
             assert!(u < 1e-11 && k < 1e-11, "{step}, {balls:?}: {u:e}, {k:e}");
         }
     }
+}
+
+/// A disc of the rings' material from one radius to another, turning at `omega`: the displacement at the outer radius and
+/// the stress at both, from the displacement at the inner radius and its slope. Equilibrium of an element, integrated.
+fn disc([a, b]: [f64; 2], omega: f64, mut u: f64, mut slope: f64) -> (f64, [f64; 2]) {
+    const STEPS: u32 = 2000;
+    let ring = &B7005C.ring;
+    let nu = ring.poissons_ratio;
+    let pull = (1.0 - nu * nu) * ring.density * omega * omega / ring.youngs_modulus;
+    let stress =
+        |r: f64, u: f64, slope: f64| ring.youngs_modulus / (1.0 - nu * nu) * (slope + nu * u / r);
+    let curvature = |r: f64, u: f64, slope: f64| u / (r * r) - slope / r - pull * r;
+    let at_bore = stress(a, u, slope);
+    let h = (b - a) / f64::from(STEPS);
+    for step in 0..STEPS {
+        let r = a + h * f64::from(step);
+        let (k1, l1) = (slope, curvature(r, u, slope));
+        let (k2, l2) = (
+            slope + 0.5 * h * l1,
+            curvature(r + 0.5 * h, u + 0.5 * h * k1, slope + 0.5 * h * l1),
+        );
+        let (k3, l3) = (
+            slope + 0.5 * h * l2,
+            curvature(r + 0.5 * h, u + 0.5 * h * k2, slope + 0.5 * h * l2),
+        );
+        let (k4, l4) = (slope + h * l3, curvature(r + h, u + h * k3, slope + h * l3));
+        u += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+        slope += h / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
+    }
+    (u, [at_bore, stress(b, u, slope)])
+}
+
+/// Displacements at the inner and the outer radius of a disc whose rims carry these stresses: the disc is linear in what
+/// it starts from.
+fn displacements(radii: [f64; 2], omega: f64, [at_bore, at_rim]: [f64; 2]) -> [f64; 2] {
+    let start = |u, slope| disc(radii, omega, u, slope);
+    let (none, by_u, by_slope) = (start(0.0, 0.0), start(1e-6, 0.0), start(0.0, 1e-3));
+    let column = |of: &(f64, [f64; 2])| [of.1[0] - none.1[0], of.1[1] - none.1[1]];
+    let ([a, c], [b, d]) = (column(&by_u), column(&by_slope));
+    let missing = [at_bore - none.1[0], at_rim - none.1[1]];
+    let determinant = a * d - b * c;
+    let x = (missing[0] * d - b * missing[1]) / determinant;
+    let y = (a * missing[1] - missing[0] * c) / determinant;
+    let rim = none.0 + x * (by_u.0 - none.0) + y * (by_slope.0 - none.0);
+    [1e-6 * x, rim]
+}
+
+fn inner_groove() -> f64 {
+    let FreeContact::Angle(angle) = B7005C.free_contact else {
+        unreachable!("an angular contact bearing")
+    };
+    0.5 * (B7005C.pitch_diameter - B7005C.ball_diameter * angle.cos())
+}
+
+#[test]
+fn a_turning_ring_grows_as_a_disc_in_equilibrium_does() {
+    for (bore, rpm) in [(2e-3, 20_000.0), (10e-3, 20_000.0), (10e-3, 60_000.0)] {
+        let omega = rpm * std::f64::consts::PI / 30.0;
+        let [_, rim] = displacements([bore, inner_groove()], omega, [0.0; 2]);
+        let found = Growth::by_rotation(&B7005C, bore, omega).radial;
+        assert!((found / rim - 1.0).abs() < 1e-6, "{found:e} {rim:e}");
+    }
+}
+
+#[test]
+fn a_ring_on_a_shaft_grows_until_both_press_each_other_alike() {
+    let (seat, groove, interference) = (12.5e-3, inner_groove(), 4e-6);
+    for bore in [1e-3, 6e-3, 11e-3] {
+        // Under a pressure of 1 MPa, and so under any.
+        let pressure = -1e6;
+        let [_, shaft] = displacements([bore, seat], 0.0, [0.0, pressure]);
+        let [ring, rim] = displacements([seat, groove], 0.0, [pressure, 0.0]);
+        let expected = rim * interference / (ring - shaft);
+        let found = Growth::by_fit(&B7005C, seat, bore, interference).radial;
+        assert!(
+            (found / expected - 1.0).abs() < 1e-6,
+            "{found:e} {expected:e}"
+        );
+    }
+}
+
+#[test]
+fn heat_that_is_everywhere_the_same_grows_rings_alike_and_a_hot_shaft_closes_the_bearing() {
+    let even = Growth::by_heat(&B7005C, &Expansion::STEEL, [10.0; 3]);
+    // Grooves and balls grow as the bearing would as a whole: by the same part.
+    let part = 10.0 * Expansion::STEEL.ring;
+    let FreeContact::Angle(angle) = B7005C.free_contact else {
+        unreachable!("an angular contact bearing")
+    };
+    assert!((even.ball / (part * B7005C.ball_diameter) - 1.0).abs() < 1e-12);
+    let gap = -part * B7005C.ball_diameter * angle.cos();
+    assert!((even.radial / gap - 1.0).abs() < 1e-9, "{even:?}");
+    let hot_shaft = Growth::by_heat(&B7005C, &Expansion::HYBRID, [10.0, 0.0, 0.0]);
+    assert!(hot_shaft.radial > 1e-6 && hot_shaft.ball == 0.0);
+    // What is linear may be added up.
+    let [a, b] = [[3.0, 1.0, 2.0], [4.0, -1.0, 0.0]]
+        .map(|kelvin| Growth::by_heat(&B7005C, &Expansion::HYBRID, kelvin));
+    let both = Growth::by_heat(&B7005C, &Expansion::HYBRID, [10.0, 1.0, 4.0]);
+    let sum = a * 2.0 + b;
+    assert!((sum.radial / both.radial - 1.0).abs() < 1e-12, "{sum:?}");
+    assert!((sum.ball / both.ball - 1.0).abs() < 1e-12);
 }

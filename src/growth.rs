@@ -1,0 +1,173 @@
+//! Growth of rings and balls by heat, rotation and fits.
+
+use crate::design::Design;
+use crate::float::Real;
+use core::ops::{Add, Mul};
+
+/// Growth of rings and balls by heat, rotation and fits, m: the three lengths that the equilibrium needs.
+///
+/// They come from anywhere, or from [`Growth::by_heat`], [`Growth::by_rotation`] and [`Growth::by_fit`]. Each of these is
+/// linear: in temperature, square of the speed, or interference. So the compiler can make the growth of one unit, and
+/// firmware scales it and adds it up.
+///
+/// Stiffness constants, masses and the pitch diameter stay those of the cold bearing; their change is of the relative
+/// order of 1e-4.
+///
+/// ```
+/// use spindle_bearing::{Expansion, Growth};
+/// # use spindle_bearing::{Design, FreeContact, Material};
+/// # const DESIGN: Design = Design {
+/// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+/// #     free_contact: FreeContact::Angle(0.2618), first_ball: 0.0,
+/// #     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+/// #     ring: Material::STEEL, ball: Material::STEEL,
+/// # };
+/// const PER_KELVIN: Growth<f32> = Growth::by_heat(&DESIGN, &Expansion::STEEL, [1.0, 0.0, 0.5]).to_f32();
+/// const PER_SPEED_SQUARED: Growth<f32> = Growth::by_rotation(&DESIGN, 0.01, 1.0).to_f32();
+/// let (warmer, omega) = (8.0, 2094.0);
+/// let growth = PER_KELVIN * warmer + PER_SPEED_SQUARED * (omega * omega);
+/// assert!(growth.radial > 1e-6 && growth.radial < 5e-6);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Growth<T> {
+    /// Axial growth `gx` of the inner groove's centre against the outer one's, m.
+    pub axial: T,
+    /// Radial growth `gr` of the inner groove against the outer one, m.
+    pub radial: T,
+    /// Growth `gD` of the ball diameter, m.
+    pub ball: T,
+}
+
+impl<T: Real> Growth<T> {
+    /// The cold bearing at rest.
+    pub const NONE: Self = Self {
+        axial: T::ZERO,
+        radial: T::ZERO,
+        ball: T::ZERO,
+    };
+}
+
+impl<T: Real> Add for Growth<T> {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            axial: self.axial + other.axial,
+            radial: self.radial + other.radial,
+            ball: self.ball + other.ball,
+        }
+    }
+}
+
+impl<T: Real> Mul<T> for Growth<T> {
+    type Output = Self;
+
+    fn mul(self, by: T) -> Self {
+        Self {
+            axial: self.axial * by,
+            radial: self.radial * by,
+            ball: self.ball * by,
+        }
+    }
+}
+
+/// Coefficients of thermal expansion `a`, 1/K.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Expansion {
+    /// Of both rings.
+    pub ring: f64,
+    /// Of the balls.
+    pub ball: f64,
+}
+
+impl Expansion {
+    /// Rings and balls of bearing steel: 11.5e-6 per K.
+    pub const STEEL: Self = Self {
+        ring: 11.5e-6,
+        ball: 11.5e-6,
+    };
+    /// Steel rings and balls of silicon nitride: 11.5e-6 and 3.2e-6 per K.
+    pub const HYBRID: Self = Self {
+        ring: 11.5e-6,
+        ball: 3.2e-6,
+    };
+}
+
+impl Design {
+    /// Radius of the grooves where the balls touch them in the unloaded bearing, inner and outer, m:
+    /// `dm/2 -+ (D/2) cos alpha0`.
+    pub(crate) const fn groove_radii(&self) -> [f64; 2] {
+        let (_, cos) = self.free_contact_angle();
+        let [middle, ball] = [0.5 * self.pitch_diameter, 0.5 * self.ball_diameter * cos];
+        [middle - ball, middle + ball]
+    }
+}
+
+impl Growth<f64> {
+    /// By heat: inner ring, outer ring and balls are this much warmer (K) than where the bearing has its free contact
+    /// angle.
+    ///
+    /// `gr = a (Ti ri - To ro)` with the radii of the grooves, `gD = a_ball Tb D`. The axial growth depends on what
+    /// holds the rings, and is 0 here.
+    pub const fn by_heat(
+        design: &Design,
+        expansion: &Expansion,
+        [inner, outer, balls]: [f64; 3],
+    ) -> Self {
+        let [ri, ro] = design.groove_radii();
+        Self {
+            axial: 0.0,
+            radial: expansion.ring * (inner * ri - outer * ro),
+            ball: expansion.ball * balls * design.ball_diameter,
+        }
+    }
+
+    /// By rotation at `omega` (rad/s) of the inner ring on a hollow shaft of the same material, whose bore has this
+    /// radius (m).
+    ///
+    /// Ring and shaft are one disc from the bore's radius `a` to the groove's `b`, free at both:
+    /// `gr = rho omega^2 b / (4 E) [(3 + nu) a^2 + (1 - nu) b^2]`. S. P. Timoshenko and J. N. Goodier, Theory of
+    /// Elasticity, rotating discs. For a solid shaft the bore is 0.
+    pub const fn by_rotation(design: &Design, bore: f64, omega: f64) -> Self {
+        let [b, _] = design.groove_radii();
+        let ring = &design.ring;
+        let nu = ring.poissons_ratio;
+        let form = (3.0 + nu) * bore * bore + (1.0 - nu) * b * b;
+        Self {
+            axial: 0.0,
+            radial: ring.density * omega * omega * b / (4.0 * ring.youngs_modulus) * form,
+            ball: 0.0,
+        }
+    }
+
+    /// By the interference of the inner ring on a hollow shaft of the same material.
+    ///
+    /// `seat` is the radius of the shaft under the ring (m), `bore` that of its bore (m, 0 for a solid shaft),
+    /// `interference` the difference of the radii before mounting (m, half of that of the diameters). Two thick-walled
+    /// cylinders under the pressure between them (Lame 1852; Timoshenko, Strength of Materials II) widen the groove's radius
+    /// `b` by `gr = interference (b/seat) (seat^2 - bore^2)/(b^2 - bore^2)`. The seat grows apart from the shaft at
+    /// speed: the interference is that which is left then.
+    pub const fn by_fit(design: &Design, seat: f64, bore: f64, interference: f64) -> Self {
+        let [b, _] = design.groove_radii();
+        let hole = bore * bore;
+        Self {
+            axial: 0.0,
+            radial: interference * (b / seat) * ((seat * seat - hole) / (b * b - hole)),
+            ball: 0.0,
+        }
+    }
+
+    /// In single precision.
+    pub const fn to_f32(self) -> Growth<f32> {
+        Growth {
+            axial: self.axial as f32,
+            radial: self.radial as f32,
+            ball: self.ball as f32,
+        }
+    }
+}
