@@ -1,6 +1,6 @@
 //! Learning the baseline: aside, so that the one in use goes on judging until the new one can take its place.
 
-use super::judgement::{BANDS, Baseline, BaselineSettings};
+use super::baseline::{BANDS, Baseline, BaselineSettings};
 use serde::{Deserialize, Serialize};
 
 /// Where the learning of the baseline stands.

@@ -26,7 +26,7 @@
 //!
 //! [`BridgeAdc`] is all that another converter has to be.
 
-use super::plausibility::{Mark, Marks, StuckWatch};
+use super::marks::{Mark, Marks, StuckWatch};
 use crate::framing::FrameError;
 use crate::record::{FrameReader, LoadRecord, MESSAGE_LENGTH};
 use core::fmt;

@@ -5,9 +5,9 @@
 //! | step | module | gives |
 //! | --- | --- | --- |
 //! | acquisition | [`loads`], [`speed`] | five loads and a speed, or why there are none |
-//! | plausibility | [`plausibility`] | a good sample, or the [`Marks`] of what is doubted |
+//! | plausibility | [`plausibility`] | a good sample, or the [`marks`] of what is doubted |
 //! | tick | [`tick`], `tracker`, [`Monitor`] | an equilibrium within the deadline |
-//! | judgement | [`judgement`] | alarms that latch |
+//! | judgement | [`judgement`], [`baseline`], [`learning`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | telemetry | [`telemetry`] | frames for a host |
 //! | the board | [`board`], [`self_check`] | why it started, and whether it is sound |
@@ -114,6 +114,7 @@
 //! lubrication, and more than one bearing.
 
 mod availability;
+pub mod baseline;
 pub mod board;
 pub mod command;
 mod cost;
@@ -121,6 +122,7 @@ pub mod judgement;
 pub mod learning;
 pub mod life;
 pub mod loads;
+pub mod marks;
 pub mod plausibility;
 pub mod retained;
 pub mod self_check;
@@ -130,11 +132,13 @@ pub mod telemetry;
 pub mod tick;
 mod tracker;
 
+pub use baseline::Baseline;
 pub use board::BoardReport;
 pub use command::{Command, Order};
-pub use judgement::{Alarm, AlarmState, Baseline, Changes, Judgement};
+pub use judgement::{Alarm, AlarmState, Changes, Judgement};
 pub use life::Life;
-pub use plausibility::{GoodSample, Mark, Marks, Readings};
+pub use marks::{Mark, Marks};
+pub use plausibility::{GoodSample, Readings};
 pub use retained::{Identity, Past, Store};
 pub use settings::{MonitorSettings, SettingsError};
 

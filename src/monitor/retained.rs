@@ -77,8 +77,9 @@
 //! a sector's worth of RAM, writes words twice, and can panic. Framing, checksum and encoding are by libraries, as
 //! everywhere in the monitor.
 
+use super::baseline::{BANDS, Baseline, BaselineSettings};
 use super::board::ResetCause;
-use super::judgement::{Alarm, BANDS, Baseline, BaselineSettings, Judgement};
+use super::judgement::{Alarm, Judgement};
 use super::life::Life;
 use super::telemetry::{Recovery, RetentionReport, StartReport};
 use crate::design::{Design, FreeContact, Material};

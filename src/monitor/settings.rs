@@ -1,8 +1,7 @@
 //! Everything that makes a monitor that of one spindle, in one place, for the compiler to check.
 
-use super::judgement::{
-    Alarm, BANDS, BaselineSettings, JudgementSettings, TREND_SPANS, Threshold, TrendSettings,
-};
+use super::baseline::{BANDS, BaselineSettings};
+use super::judgement::{Alarm, JudgementSettings, TREND_SPANS, Threshold, TrendSettings};
 use super::life::LifeRating;
 use super::plausibility::PlausibilitySettings;
 use super::tick::{CycleCost, TickSettings};

@@ -28,10 +28,10 @@
 
 use super::board::{BoardReport, ResetCause};
 use super::command::Answer;
-use super::judgement::{Alarm, AlarmState};
+use super::judgement::{Alarm, AlarmChange, AlarmState};
 use super::learning::LearningReport;
 use super::loads::FrameCounts;
-use super::plausibility::Marks;
+use super::marks::Marks;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
 use crate::limits::Limit;
 use crate::status::Status;
@@ -226,20 +226,6 @@ pub struct BallReport {
     pub alpha_i: f32,
     /// Outer contact angle, rad.
     pub alpha_o: f32,
-}
-
-/// What an alarm report is sent for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum AlarmChange {
-    /// The condition has stood for its hold time.
-    Raised,
-    /// The condition is gone.
-    Cleared,
-    /// Somebody has acknowledged the alarm.
-    Acknowledged,
-    /// Nothing changed: the alarm stands, or is in the state that a full queue held back.
-    Standing,
 }
 
 /// An alarm's state, and what led to it.
@@ -697,7 +683,7 @@ mod tests {
 
     fn estimate(iterations: u16) -> Payload {
         let mut marks = Marks::NONE;
-        for mark in super::super::plausibility::Mark::ALL {
+        for mark in super::super::marks::Mark::ALL {
             marks = marks.with(mark);
         }
         Payload::Estimate(EstimateReport {

@@ -12,8 +12,8 @@
 //! [`TickSettings::cold_iterations`](super::tick::TickSettings::cold_iterations). So does one where no solver has a
 //! solution. If it fails, it is tried again after longer and longer pauses.
 
-use super::MonitorSettings;
 use super::plausibility::PlausibilitySettings;
+use super::settings::MonitorSettings;
 use super::telemetry::StatusCode;
 use crate::float::Real;
 use crate::status::Status;

@@ -6,8 +6,8 @@
 use crate::loads::LoadRow;
 use monitor_settings::{IDLE, MONITOR};
 use monitored::{BALLS, BEARING};
+use spindle_bearing::monitor::Marks;
 use spindle_bearing::monitor::loads::LoadSample;
-use spindle_bearing::monitor::plausibility::Marks;
 use spindle_bearing::monitor::tick::{CycleCost, NoCycles, NoWatchdog};
 use spindle_bearing::monitor::{Monitor, Readings};
 

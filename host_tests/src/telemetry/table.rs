@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 use spindle_bearing::Limit;
 use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
 use spindle_bearing::monitor::command::{Answer, AnswerCode, Order};
-use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::loads::FrameCounts;
-use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
-    AlarmChange, AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
-    InputsReport, Payload, Recovery, RetentionReport, StartReport, StatusCode,
+    AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport, InputsReport,
+    Payload, Recovery, RetentionReport, StartReport, StatusCode,
 };
+use spindle_bearing::monitor::{Mark, Marks};
 use std::io::{Read, Write};
 
 /// A row of the file.

@@ -2,11 +2,11 @@
 
 use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::state::State;
-use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
-use spindle_bearing::monitor::plausibility::Marks;
+use spindle_bearing::monitor::Marks;
+use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame,
-    HealthReport, Payload, StatusCode, VERSION, encode,
+    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
+    Payload, StatusCode, VERSION, encode,
 };
 
 pub fn estimate(stiffness: f32) -> EstimateReport {

@@ -7,10 +7,9 @@ use embedded_storage::nor_flash::{
 use proptest::prelude::*;
 use spindle_bearing::Bearing;
 use spindle_bearing::framing;
+use spindle_bearing::monitor::baseline::{BANDS, Baseline, BaselineSettings};
 use spindle_bearing::monitor::board::ResetCause;
-use spindle_bearing::monitor::judgement::{
-    Alarm, AlarmState, BANDS, Baseline, BaselineSettings, Changes, Findings, Level,
-};
+use spindle_bearing::monitor::judgement::{Alarm, AlarmState, Changes, Findings, Level};
 use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::loads::LoadSample;
 use spindle_bearing::monitor::retained::{

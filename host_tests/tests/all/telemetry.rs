@@ -11,15 +11,14 @@ use host_tests::telemetry::{simulated, table};
 use proptest::prelude::*;
 use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
 use spindle_bearing::monitor::command::{self, Answer, Command, Order, PortReader, Received};
-use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
+use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::loads::FrameCounts;
-use spindle_bearing::monitor::plausibility::{Mark, Marks};
 use spindle_bearing::monitor::telemetry::{
-    AlarmChange, AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame,
-    HealthReport, InputsReport, Payload, Recovery, RetentionReport, StartReport, StatusCode,
-    VERSION, encode,
+    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
+    InputsReport, Payload, Recovery, RetentionReport, StartReport, StatusCode, VERSION, encode,
 };
+use spindle_bearing::monitor::{Mark, Marks};
 
 pub(super) fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
     let mut decoder = Decoder::new();

@@ -4,11 +4,11 @@ use crate::frames::{alarm, balls, estimate, frame, health, state_of, stream};
 use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::state::State;
 use spindle_bearing::monitor::board::{BoardReport, Check};
-use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
-use spindle_bearing::monitor::plausibility::{Mark, Marks};
+use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    AlarmChange, EstimateReport, HealthReport, Payload, Recovery, RetentionReport, encode,
+    EstimateReport, HealthReport, Payload, Recovery, RetentionReport, encode,
 };
+use spindle_bearing::monitor::{Mark, Marks};
 use std::io::Cursor;
 use tools::telemetry::{picture, source, view};
 
