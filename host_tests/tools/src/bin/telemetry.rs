@@ -22,6 +22,9 @@ use tools::telemetry::{picture, view};
 /// Size of the screen of `--picture`, cells.
 const SCREEN: (u16, u16) = (120, 40);
 
+/// Sources that nobody can give an order to. clap drops a `requires` whose argument conflicts with one that is there.
+const NO_BOARD: [&str; 2] = ["file", "simulate"];
+
 /// Reads the monitor's telemetry, and prints it, writes it as a table, or shows it live.
 ///
 /// Damaged and missing frames are counted, and told at the end.
@@ -40,16 +43,16 @@ struct Arguments {
     port: Option<String>,
 
     /// Acknowledge the alarms that stand, and go on; with --view, press a
-    #[arg(long, requires = "port")]
+    #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     acknowledge: bool,
 
     /// Start or end learning the baseline of the stiffness, with the spindle idling; with --view, press s or e
-    #[arg(long, value_name = "WHEN", requires = "port")]
+    #[arg(long, value_name = "WHEN", requires = "port", conflicts_with_all = NO_BOARD)]
     learn: Option<Learning>,
 
     /// The bearing was replaced: forget its baseline and the life used, with the spindle at a standstill; with --view,
     /// press r
-    #[arg(long, requires = "port")]
+    #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     new_bearing: bool,
 
     /// Key of the board, 32 hexadecimal digits, if it was built with one
@@ -69,7 +72,7 @@ struct Arguments {
     simulate: bool,
 
     /// Stop the simulation after so much recorded time
-    #[arg(long, value_name = "S", requires = "simulate")]
+    #[arg(long, value_name = "S", requires = "simulate", conflicts_with_all = ["port", "file"])]
     seconds: Option<f64>,
 
     /// Write every frame to this table; `-` is standard output
@@ -234,6 +237,8 @@ fn read(
             }
         }
         let tally = decoder.tally();
+        // Bytes without an end of a frame are no event.
+        state.tally = tally;
         if port.is_some() && tally.damaged >= HOPELESS {
             source::is_telemetry(&tally, port)?;
         }
@@ -351,4 +356,31 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_source_cannot_do_is_refused() {
+        let parse = |words: &[&str]| Arguments::try_parse_from([&["telemetry"], words].concat());
+        for order in [
+            &["--acknowledge"][..],
+            &["--learn", "on"],
+            &["--new-bearing"],
+        ] {
+            assert!(parse(&[&["--port", "COM3"], order].concat()).is_ok());
+            for source in [&["--simulate"][..], &["--file", "stream"]] {
+                let refused = parse(&[source, order].concat()).unwrap_err();
+                assert!(
+                    refused.to_string().contains("cannot be used with"),
+                    "{refused}"
+                );
+            }
+            assert!(parse(order).is_err());
+        }
+        assert!(parse(&["--simulate", "--seconds", "2"]).is_ok());
+        assert!(parse(&["--file", "stream", "--seconds", "2"]).is_err());
+    }
 }
