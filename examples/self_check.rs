@@ -12,7 +12,7 @@ use spindle_bearing::monitor::tick::CycleCounter;
 /// Ticks from one solve whose answer is known to the next: a minute.
 const MINUTE: u32 = 60_000_000 / MONITOR.tick.period_us;
 /// Bytes of the image, and words of the stack, in a step between ticks, and cycles that are enough for both: ten for a
-/// byte, with wait states of the flash, and some for a word. 100 KiB of flash are gone through in 400 ticks.
+/// byte, with wait states of the flash, and some for a word. 127 KB of flash are gone through in 500 ticks.
 const BYTES: usize = 256;
 const WORDS: u32 = 64;
 const CYCLES: u32 = 5000;
