@@ -2,7 +2,7 @@
 //!
 //! A tilt about the bearing centre moves that plane sideways, `dy' = dy + p tz`, `dz' = dz - p ty` with the distance `p`.
 //! Displacements of the plane move a groove centre by one product each. A force with the moments `My`, `Mz` about a point
-//! of the plane has `My - p Fz` and `Mz + p Fy` about the bearing centre.
+//! of the plane has `My - p Fz` and `Mz + p Fy` about the bearing centre. Distances along the axis are over `Rp`.
 
 use super::constants::Constants;
 use super::linalg::Matrix;
@@ -11,43 +11,43 @@ use crate::float::Real;
 
 /// The displacement of the groove plane that belongs to one of the bearing centre.
 #[inline(always)]
-pub fn plane_of<T: Real, const D: usize>(c: &Constants<T>, u: &[T; D]) -> [T; D] {
+pub fn plane_of<T: Real, const D: usize>(plane: T, u: &[T; D]) -> [T; D] {
     let mut u = *u;
-    if D == 5 {
-        u[1] += c.plane * u[4];
-        u[2] -= c.plane * u[3];
+    if D >= 5 {
+        u[1] += plane * u[4];
+        u[2] -= plane * u[3];
     }
     u
 }
 
 /// The displacement of the bearing centre that belongs to one of the groove plane.
 #[inline(always)]
-pub fn centre_of<T: Real, const D: usize>(c: &Constants<T>, u: &[T; D]) -> [T; D] {
+pub fn centre_of<T: Real, const D: usize>(plane: T, u: &[T; D]) -> [T; D] {
     let mut u = *u;
-    if D == 5 {
-        u[1] -= c.plane * u[4];
-        u[2] += c.plane * u[3];
+    if D >= 5 {
+        u[1] -= plane * u[4];
+        u[2] += plane * u[3];
     }
     u
 }
 
 /// Refers a force on the groove plane to the bearing centre.
 #[inline(always)]
-pub fn refer<T: Real, const D: usize>(c: &Constants<T>, force: &mut [T; D]) {
-    if D == 5 {
-        force[4] += c.plane * force[1];
-        force[3] -= c.plane * force[2];
+pub fn refer<T: Real, const D: usize>(plane: T, force: &mut [T; D]) {
+    if D >= 5 {
+        force[4] += plane * force[1];
+        force[3] -= plane * force[2];
     }
 }
 
 impl<T: Real, const D: usize> Sum<T, D> {
     /// Refers forces and slopes at the groove plane to the bearing centre.
     #[inline(always)]
-    pub fn refer(&mut self, c: &Constants<T>) {
-        if D == 5 {
-            refer(c, &mut self.force);
-            refer(c, &mut self.by_speed);
-            let p = c.plane;
+    pub fn refer(&mut self, plane: T) {
+        if D >= 5 {
+            refer(plane, &mut self.force);
+            refer(plane, &mut self.by_speed);
+            let p = plane;
             for row in &mut self.k {
                 let (y, z) = (row[1], row[2]);
                 row[4] += p * y;

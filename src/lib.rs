@@ -24,6 +24,7 @@ mod mounting;
 mod place;
 mod pose;
 mod ring;
+mod rows;
 mod solver;
 #[allow(unsafe_code, reason = "an instruction that has no safe name")]
 mod sqrt;

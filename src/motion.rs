@@ -4,7 +4,7 @@ use super::ball::Ball;
 use super::body::{Body, Change, Share};
 use super::constants::Constants;
 use super::kinematics::{Frictionless, Rule};
-use super::linalg::Pair;
+use super::linalg::{Pair, scale};
 use super::mounting::{Point, Regime};
 use super::place::place;
 use super::pose::Pose;
@@ -26,10 +26,6 @@ pub trait Motion: 'static {
     type Rule: Rule;
     /// The shaft turns.
     const AT_SPEED: bool = <Self::Ball<f32> as Body<f32>>::AT_SPEED;
-
-    /// The balls, if they turn.
-    #[doc(hidden)]
-    fn turning<T: Real>(balls: &mut [Self::Ball<T>]) -> Option<&mut [Ball<T>]>;
 }
 
 /// The bearing at rest.
@@ -47,31 +43,16 @@ pub struct Full<A = crate::kinematics::RacewayControlFree>(PhantomData<A>);
 impl Motion for Static {
     type Ball<T: Real> = StaticBall<T>;
     type Rule = crate::kinematics::OuterRaceControl;
-
-    #[inline(always)]
-    fn turning<T: Real>(_: &mut [Self::Ball<T>]) -> Option<&mut [Ball<T>]> {
-        None
-    }
 }
 
 impl<A: Rule> Motion for Centrifugal<A> {
     type Ball<T: Real> = Ball<T>;
     type Rule = Frictionless<A>;
-
-    #[inline(always)]
-    fn turning<T: Real>(balls: &mut [Self::Ball<T>]) -> Option<&mut [Ball<T>]> {
-        Some(balls)
-    }
 }
 
 impl<A: Rule> Motion for Full<A> {
     type Ball<T: Real> = Ball<T>;
     type Rule = A;
-
-    #[inline(always)]
-    fn turning<T: Real>(balls: &mut [Self::Ball<T>]) -> Option<&mut [Ball<T>]> {
-        Some(balls)
-    }
 }
 
 impl<T: Real> Body<T> for Ball<T> {
@@ -92,6 +73,20 @@ impl<T: Real> Body<T> for Ball<T> {
     fn anchor(&mut self, c: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>, a: Pair<T>) {
         self.move_references(c, p, high, low);
         self.a = a;
+    }
+
+    fn place<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) {
+        place::<T, R>(self, c, p);
+    }
+
+    fn take_up<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) {
+        if self.local.delta > T::ZERO {
+            let outer = p.lo + c.outer_share * self.local.delta;
+            self.put(scale(outer, self.n));
+            self.move_own_references(c, p);
+        } else {
+            place::<T, R>(self, c, p);
+        }
     }
 
     #[inline(always)]

@@ -179,6 +179,7 @@ pub const UNSEATED: f64 = -0.866;
 /// One row of balls: a bearing at a point of speed and growth.
 pub struct Row<'s, T, B> {
     pub c: &'s Constants<T>,
+    pub p: Point<T>,
     pub azimuths: &'s [Azimuth<T>],
     pub balls: &'s mut [B],
 }
@@ -187,12 +188,12 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all
     /// are near their balance.
     #[inline(never)]
-    pub fn condense_balls<R: Rule>(&mut self, p: &Point<T>, v: &[T; 5], ds: T) -> bool {
+    pub fn condense_balls<R: Rule>(&mut self, v: &[T; 5], ds: T) -> bool {
         let mut near = true;
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter_mut() {
             let Some(at) = azimuths.next() else { break };
-            near &= ball.condense::<R>(self.c, p, shift(v, at), ds);
+            near &= ball.condense::<R>(self.c, &self.p, shift(v, at), ds);
         }
         near
     }
@@ -218,7 +219,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
 
     /// Sums what the balls hand to the ring. Forces and slopes in loops of their own, whose sums stay in registers.
     #[inline(never)]
-    pub fn sum<const D: usize>(&self, sum: &mut Sum<T, D>) {
+    pub fn sum_up<const D: usize>(&self, sum: &mut Sum<T, D>) {
         let none = Share::NONE;
         let mut part = Sum::NONE;
         for (a, b, at) in self.shares(&none) {
@@ -236,7 +237,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     /// ball that does not carry is not meant until it is [`UNSEATED`].
     #[cold]
     #[inline(never)]
-    pub fn furthest_apart(&self, limit: T) -> Option<(u16, T)> {
+    pub fn furthest(&self, limit: T) -> Option<(u16, T)> {
         if !B::AT_SPEED {
             return None;
         }
@@ -253,7 +254,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
 
     /// Adds the second order of the ring's motion to `v` and of `ds` to the balls' steps; returns the force it adds.
     #[inline(never)]
-    pub fn bend<const D: usize>(&mut self, v: &[T; D], ds: T) -> [T; D] {
+    pub fn bend_balls<const D: usize>(&mut self, v: &[T; D], ds: T) -> [T; D] {
         let mut force = [T::ZERO; D];
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter_mut() {
@@ -274,7 +275,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
 
     /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`.
     #[inline(never)]
-    pub fn follow(&mut self, v: &[T; 5], ds: T) {
+    pub fn follow_to(&mut self, v: &[T; 5], ds: T) {
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter_mut() {
             let Some(at) = azimuths.next() else { return };
@@ -284,24 +285,79 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
 
     /// Moves the balls' references next to where they are, for a ring at the offset `v` from its reference position `u`.
     #[inline(never)]
-    pub fn anchor(&mut self, p: &Point<T>, u: &[T; 5], v: &[T; 5]) {
+    pub fn anchor_at(&mut self, u: &[T; 5], v: &[T; 5]) {
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter_mut() {
             let Some(at) = azimuths.next() else { return };
             let (high, low) = groove_centre(self.c, u, at);
-            ball.anchor(self.c, p, high, low, shift(v, at));
+            ball.anchor(self.c, &self.p, high, low, shift(v, at));
+        }
+    }
+
+    /// Changes of the stiffness's diagonal if the ring makes the step `du`, and the balls follow.
+    ///
+    /// Every ball's part changes with the relative change of its deformations, and with the turn of its normals.
+    #[inline(never)]
+    pub fn changes_by(&self, du: &[T; 5]) -> Changes<T, 5> {
+        let mut sums = [T::ZERO; 5];
+        let (mut most, mut lost, mut largest, mut cos) = (T::ZERO, T::ZERO, T::TINY, T::ONE);
+        let mut azimuths = self.azimuths.iter();
+        for ball in self.balls.iter() {
+            let Some(at) = azimuths.next() else { break };
+            let change = ball.change(self.c, shift(du, at));
+            let turn = change.turn + change.turn;
+            let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
+            let relative = change.depth + turn;
+            most = most.at_least(relative);
+            cos = cos.at_most(change.cos);
+            let [axial, radial] = ball.share().force;
+            let force = axial.abs() + radial.abs();
+            largest = largest.at_least(force);
+            lost = lost.at_least(relative * relative * force + change.off);
+            let mixed = turn * change.h[1];
+            let (axial, radial) = (change.depth * change.h[0], change.depth * change.h[2]);
+            let (axial, radial) = (axial + mixed, radial + mixed);
+            let (yy, zz) = (radial * cc, radial * ss);
+            sums[1] += yy;
+            sums[2] += zz;
+            let (yy, zz) = (axial * ss, axial * cc);
+            sums[3] += yy;
+            sums[4] += zz;
+        }
+        sums[0] = sums[3] + sums[4];
+        Changes {
+            k: sums,
+            most,
+            lost,
+            largest,
+            cos,
         }
     }
 }
 
-/// Adds the change of the stiffness along the ring's motion to `v`. Opposite balls together where there are any.
+/// What a step changes of rows of balls.
+#[derive(Debug, Clone, Copy)]
+pub struct Changes<T, const D: usize> {
+    /// Changes of the stiffness's diagonal.
+    pub k: [T; D],
+    /// Largest relative change of a ball's stiffness.
+    pub most: T,
+    /// Largest square of it as it counts in the force of a ball, and the largest force of a ball.
+    pub lost: T,
+    pub largest: T,
+    /// Least cosine of the angle between the contacts of a ball.
+    pub cos: T,
+}
+
+/// Change of the stiffness along the ring's motion to `v`, referred to the groove plane. Opposite balls together where
+/// there are any.
 #[inline(never)]
-pub fn stiffen<T: Real, B: Body<T>, const D: usize>(
+pub fn stiffening<T: Real, B: Body<T>, const D: usize>(
     balls: &[B],
     azimuths: &[Azimuth<T>],
     v: &[T; D],
-    sum: &mut Sum<T, D>,
-) {
+) -> Sum<T, D> {
+    let mut sum = Sum::NONE;
     let change = |(ball, at): (&B, &Azimuth<T>)| {
         let [aa, ar, rr] = ball.stiffening(shift(v, at));
         Share {
@@ -319,4 +375,5 @@ pub fn stiffen<T: Real, B: Body<T>, const D: usize>(
         sum.add_slopes(&change((ball, at)), &opposite, at);
     }
     sum.finish();
+    sum
 }

@@ -228,15 +228,14 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         }
         let mut row = Row {
             c: &one,
+            p: point,
             azimuths: self.bearing.azimuths.get(..1).unwrap_or_default(),
             balls: core::slice::from_mut(&mut self.ball),
         };
         let limit = settings.max_iterations.max(1);
         let mut budget = limit;
-        let outcome: Outcome<T> = self.state.solve::<M>(&mut row, &task, &point, &mut budget);
-        let answer = self
-            .state
-            .conclude(&row, &[asked], &task, &point, &outcome)?;
+        let outcome: Outcome<T> = self.state.solve::<_, M::Rule>(&mut row, &task, &mut budget);
+        let answer = self.state.conclude(&row, &[asked], &task, &outcome)?;
         let [load] = answer.load;
         let [displacement] = answer.displacement;
         Ok(AxialSolution {
@@ -293,7 +292,7 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
         let k = if M::AT_SPEED && self.point.regime != Regime::Rest {
             let first = self.solver.bearing.azimuths.get(..1).unwrap_or_default();
             let ball = core::slice::from_ref(&self.solver.ball);
-            state.stiffness(c, first, ball)[0][0]
+            state.stiffness_of(c, first, ball)[0][0]
         } else {
             state.sum.k[0][0]
         };

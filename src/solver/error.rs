@@ -2,10 +2,9 @@
 
 use super::State;
 use super::newton::Outcome;
-use crate::body::Body;
 use crate::float::Real;
 use crate::linalg::{Matrix, norm};
-use crate::ring::{Row, in_full, shift};
+use crate::ring::Changes;
 use crate::tuning;
 
 /// Estimated errors of a solution, relative.
@@ -36,61 +35,26 @@ pub struct Estimate<T> {
     pub cos: T,
 }
 
-impl<T: Real, B: Body<T>> Row<'_, T, B> {
-    /// Change of the stiffness `k` if the ring makes the step `du`, and the balls follow.
-    ///
-    /// Every ball's part changes with the relative change of its deformations, and with the turn of its normals.
-    pub fn estimate<const D: usize>(&self, du: &[T; D], k: &Matrix<T, D>) -> Estimate<T> {
-        let (sums, most, [lost, largest_force, cos]) = self.changes(&in_full(du));
+impl<T: Real> Estimate<T> {
+    /// Of a step that makes these changes of the stiffness `k`.
+    #[inline(always)]
+    pub fn of<const D: usize>(changes: &Changes<T, D>, k: &Matrix<T, D>) -> Self {
         // The largest quotient, with one division.
         let (mut change, mut element) = (T::ZERO, T::ONE);
         for i in 0..D {
             let diagonal = k[i][i].abs().at_least(T::TINY);
-            if sums[i] * element > change * diagonal {
-                (change, element) = (sums[i], diagonal);
+            if changes.k[i] * element > change * diagonal {
+                (change, element) = (changes.k[i], diagonal);
             }
         }
         let largest = change / element;
-        Estimate {
+        Self {
             k: T::of(3.0) * largest,
-            most,
-            force: lost / largest_force,
-            largest: largest_force,
-            cos,
+            most: changes.most,
+            force: changes.lost / changes.largest,
+            largest: changes.largest,
+            cos: changes.cos,
         }
-    }
-
-    /// Changes of the stiffness's diagonal if the ring makes the step `du`, the largest relative one of a
-    /// ball, and its square as it counts in the balls' forces; the largest of these, and the least cosine between contacts.
-    #[inline(never)]
-    fn changes(&self, du: &[T; 5]) -> ([T; 5], T, [T; 3]) {
-        let mut sums = [T::ZERO; 5];
-        let (mut most, mut lost, mut largest, mut cos) = (T::ZERO, T::ZERO, T::TINY, T::ONE);
-        let mut azimuths = self.azimuths.iter();
-        for ball in self.balls.iter() {
-            let Some(at) = azimuths.next() else { break };
-            let change = ball.change(self.c, shift(du, at));
-            let turn = change.turn + change.turn;
-            let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
-            let relative = change.depth + turn;
-            most = most.at_least(relative);
-            cos = cos.at_most(change.cos);
-            let [axial, radial] = ball.share().force;
-            let force = axial.abs() + radial.abs();
-            largest = largest.at_least(force);
-            lost = lost.at_least(relative * relative * force + change.off);
-            let mixed = turn * change.h[1];
-            let (axial, radial) = (change.depth * change.h[0], change.depth * change.h[2]);
-            let (axial, radial) = (axial + mixed, radial + mixed);
-            let (yy, zz) = (radial * cc, radial * ss);
-            sums[1] += yy;
-            sums[2] += zz;
-            let (yy, zz) = (axial * ss, axial * cc);
-            sums[3] += yy;
-            sums[4] += zz;
-        }
-        sums[0] = sums[3] + sums[4];
-        (sums, most, [lost, largest, cos])
     }
 }
 

@@ -7,51 +7,47 @@
 use super::State;
 use super::newton::{End, Outcome, Task};
 use super::start::at_rest;
-use crate::ball::Ball;
+use crate::body::Body;
 use crate::float::Real;
 use crate::kinematics::Rule;
-use crate::mounting::{Point, Regime};
-use crate::place::place;
-use crate::ring::Row;
+use crate::rows::Rows;
 use crate::tuning;
 
-/// Follows the branch of equilibria from rest to the speed of `p`, in steps of `omega^2` that grow while they succeed.
+/// Follows the branch of equilibria from rest to the speed of the rows, in steps of `omega^2` that grow while they
+/// succeed.
 #[inline(never)]
-pub(super) fn continuation<T: Real, R: Rule, const D: usize>(
+pub(super) fn continuation<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     state: &mut State<T, D>,
-    row: &mut Row<'_, T, Ball<T>>,
+    rows: &mut S,
     task: &Task<T, D>,
-    p: &Point<T>,
     budget: &mut u16,
 ) -> Outcome<T> {
+    let whole = rows.inertia();
     let rough = task.rough();
-    at_rest::<T, _, R, D>(state, row, &rough, p, budget);
+    at_rest::<T, S, R, D>(state, rows, &rough, budget);
     let mut s = T::ZERO;
-    let mut step = (T::of(tuning::LIGHT) * task.size / row.c.balls).at_most(p.s);
+    let mut step = (T::of(tuning::LIGHT) * task.size / rows.balls()).at_most(whole);
     let (mut u, mut v) = (state.u, state.v);
     // Whether the balls are at the last solution.
     let mut follows = false;
     while *budget > 0 {
-        let next = (s + step).at_most(p.s);
-        let there = Point {
-            s: next,
-            regime: Regime::Speed,
-            ..*p
-        };
+        let next = (s + step).at_most(whole);
+        rows.turn_at(next);
         let mut ds = T::ZERO;
         if follows {
             ds = next / s - T::ONE;
-            state.predict(row, task, ds, true);
+            state.predict(rows, task, ds, true);
         } else {
-            for ball in row.balls.iter_mut() {
-                place::<T, R>(ball, row.c, &there);
-            }
+            rows.each(|row, _, _| {
+                for ball in row.balls.iter_mut() {
+                    ball.place::<R>(row.c, &row.p);
+                }
+            });
         }
-        let last = next >= p.s;
+        let last = next >= whole;
         let mut some = (*budget).min(tuning::WARM);
         *budget -= some;
-        let outcome =
-            state.newton::<_, R>(row, if last { task } else { &rough }, &there, ds, &mut some);
+        let outcome = state.newton::<S, R>(rows, if last { task } else { &rough }, ds, &mut some);
         *budget += some;
         if outcome.end.is_solved() {
             if last {
@@ -62,13 +58,14 @@ pub(super) fn continuation<T: Real, R: Rule, const D: usize>(
             follows = true;
         } else {
             step = T::of(0.25) * step;
-            if step < T::of(1e-3) * (s + T::of(0.01) * p.s) {
+            if step < T::of(1e-3) * (s + T::of(0.01) * whole) {
                 break;
             }
-            state.put_back(row, &there, u, v);
+            state.put_back(rows, u, v);
             follows = false;
         }
     }
+    rows.turn_at(whole);
     Outcome {
         end: if *budget > 0 {
             End::Lost

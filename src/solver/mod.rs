@@ -22,10 +22,12 @@ use crate::constants::{Azimuth, Bearing, Constants};
 use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out};
 use crate::growth::Growth;
+use crate::kinematics::Rule;
 use crate::linalg::{Factors, Matrix, norm, product};
 use crate::motion::{Full, Motion};
-use crate::mounting::{Point, Speed};
-use crate::ring::{Row, Sum, UNSEATED, stiffen};
+use crate::mounting::{Point, Regime, Speed};
+use crate::ring::{Row, Sum, UNSEATED, stiffening};
+use crate::rows::Rows;
 use crate::status::Status;
 use core::array::from_fn;
 
@@ -121,31 +123,37 @@ impl<T: Real, const D: usize> State<T, D> {
         grown: false,
     };
 
-    /// Displacement of the bearing centre.
-    fn displacement(&self, c: &Constants<T>) -> [T; D] {
-        centre_of(c, &from_fn(|i| self.u[i] + self.v[i]))
+    /// Displacement of the centre.
+    fn displacement(&self, plane: T) -> [T; D] {
+        centre_of(plane, &from_fn(|i| self.u[i] + self.v[i]))
     }
 
-    /// The stiffness after the last step.
-    fn stiffness<B: Body<T>>(
+    /// The stiffness after the last step, with what `change` says of its change along the motion from where the balls
+    /// were condensed.
+    fn stiffness(&self, change: impl FnOnce(&[T; D]) -> Matrix<T, D>) -> Matrix<T, D> {
+        let mut k = self.sum.k;
+        if self.correct {
+            for (row, change) in k.iter_mut().zip(&change(&self.v)) {
+                for (x, change) in row.iter_mut().zip(change) {
+                    *x += *change;
+                }
+            }
+        }
+        k
+    }
+
+    /// The same for one row.
+    fn stiffness_of<B: Body<T>>(
         &self,
         c: &Constants<T>,
         azimuths: &[Azimuth<T>],
         balls: &[B],
     ) -> Matrix<T, D> {
-        if !self.correct {
-            return self.sum.k;
-        }
-        let mut change = Sum::NONE;
-        stiffen(balls, azimuths, &self.v, &mut change);
-        change.refer(c);
-        let mut k = self.sum.k;
-        for (row, change) in k.iter_mut().zip(&change.k) {
-            for (x, change) in row.iter_mut().zip(change) {
-                *x += *change;
-            }
-        }
-        k
+        self.stiffness(|v| {
+            let mut change = stiffening(balls, azimuths, v);
+            change.refer(c.plane);
+            change.k
+        })
     }
 
     /// Takes note of the growth that the next solve is at: the references have yet to follow it. A solution is no start
@@ -165,115 +173,109 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// One solve: from the last solution, if that is near, or from a start.
-    fn solve<M: Motion>(
+    fn solve<S: Rows<T, D>, R: Rule>(
         &mut self,
-        row: &mut Row<'_, T, M::Ball<T>>,
+        rows: &mut S,
         task: &Task<T, D>,
-        p: &Point<T>,
         budget: &mut u16,
     ) -> Outcome<T> {
         let mut outcome = Outcome::NONE;
-        if self.is_near(row.c, task, p) {
-            let ds = if p.s > T::ZERO {
-                p.s / self.s - T::ONE
+        let s = rows.inertia();
+        if self.is_near(rows, task) {
+            let ds = if s > T::ZERO {
+                s / self.s - T::ONE
             } else {
                 T::ZERO
             };
             let curved = task.tolerance < T::of(crate::tuning::CURVED);
-            self.predict(row, task, ds, curved);
+            self.predict(rows, task, ds, curved);
             let mut some = (*budget).min(crate::tuning::WARM);
             *budget -= some;
-            outcome = self.newton::<_, M::Rule>(row, task, p, ds, &mut some);
+            outcome = self.newton::<S, R>(rows, task, ds, &mut some);
             *budget += some;
         }
         if !outcome.end.is_solved() && *budget > 0 {
-            outcome = match M::turning(row.balls) {
-                Some(balls) => {
-                    let mut row = Row {
-                        c: row.c,
-                        azimuths: row.azimuths,
-                        balls,
-                    };
-                    at_speed::<T, M::Rule, D>(self, &mut row, task, p, budget)
-                }
-                None => at_rest::<T, _, M::Rule, D>(self, row, task, p, budget),
+            outcome = if S::Ball::AT_SPEED && rows.regime() == Regime::Speed {
+                at_speed::<T, S, R, D>(self, rows, task, budget)
+            } else {
+                at_rest::<T, S, R, D>(self, rows, task, budget)
             };
         }
         self.load = task.load;
-        self.size = task.size.at_least(norm(&self.sum.force));
-        self.s = p.s;
+        self.size = task
+            .size
+            .at_least(norm(&self.sum.force))
+            .at_least(rows.internal());
+        self.s = s;
         outcome
     }
 
     /// Whether the last solve ended so near that the next one may start there.
-    fn is_near(&self, c: &Constants<T>, task: &Task<T, D>, p: &Point<T>) -> bool {
+    fn is_near<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>) -> bool {
         let half = T::of(0.5);
-        let at = self.displacement(c);
+        let (s, balls) = (rows.inertia(), rows.balls());
+        let at = self.displacement(rows.plane());
         let change: [T; D] = from_fn(|i| match task.held[i] {
             None => task.load[i] - self.load[i],
             Some(u) => self.sum.k[i][i] * (u - at[i]),
         });
         let smaller = if task.is_free() {
-            self.size.at_most(task.size)
+            self.size.at_most(task.size.at_least(rows.internal()))
         } else {
             self.size
         };
         self.size > T::ZERO
             && norm(&change) <= smaller
-            && (p.s - self.s).abs() * c.balls <= half * (self.s * c.balls + self.size)
-            && (p.s > T::ZERO) == (self.s > T::ZERO)
+            && (s - self.s).abs() * balls <= half * (self.s * balls + self.size)
+            && (s > T::ZERO) == (self.s > T::ZERO)
     }
 
-    /// The solution, or why there is none.
+    /// Why there is no solution, if there is none.
+    fn refuse<S: Rows<T, D>>(&mut self, rows: &S, outcome: &Outcome<T>) -> Result<(), Status<T>> {
+        let is_solved = outcome.end.is_solved();
+        if is_solved && outcome.estimate.cos >= T::of(UNSEATED) {
+            return Ok(());
+        }
+        if outcome.end != End::Unfinished {
+            *self = Self::COLD;
+        }
+        // Contacts more than 90 degrees apart do not hold a ball: that is why.
+        let limit = if is_solved { T::of(UNSEATED) } else { T::ZERO };
+        let driven_out = rows.furthest_apart(limit);
+        Err(match (outcome.end, driven_out) {
+            (End::Singular, _) => Status::Indeterminate {
+                loaded_balls: rows.loaded(),
+            },
+            (_, Some((ball, apart))) => Status::Unseated { ball, apart },
+            (End::Unfinished, None) => Status::IterationLimit,
+            _ => Status::Diverged {
+                residual: outcome.residual,
+            },
+        })
+    }
+
+    /// The balls' force on a freedom whose displacement is given: what the tangent says of it after the last step.
+    fn reactions<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>) -> [T; D] {
+        let du = centre_of(rows.plane(), &from_fn(|i| self.v[i] - self.at[i]));
+        from_fn(|i| match task.held[i] {
+            None => task.load[i],
+            Some(_) => self.sum.force[i] + product(&self.sum.k[i], &du),
+        })
+    }
+
+    /// The solution of a bearing, or why there is none.
     fn conclude<B: Body<T>>(
         &mut self,
         row: &Row<'_, T, B>,
         given: &[Given<T>; D],
         task: &Task<T, D>,
-        p: &Point<T>,
         outcome: &Outcome<T>,
     ) -> Result<Answer<T, D>, Status<T>> {
-        let residual = outcome.residual;
-        let status = match outcome.end {
-            End::Converged => Status::Converged,
-            End::Rounded => Status::PrecisionLimit,
-            End::Singular => {
-                let loaded = row.balls.iter().filter(|ball| ball.carries()).count();
-                Status::Indeterminate {
-                    loaded_balls: loaded as u16,
-                }
-            }
-            End::Unfinished => Status::IterationLimit,
-            End::Lost => Status::Diverged { residual },
-        };
-        if outcome.end.is_solved() && outcome.estimate.cos < T::of(UNSEATED) {
-            *self = Self::COLD;
-            let (ball, apart) = row.furthest_apart(T::of(UNSEATED)).unwrap_or_default();
-            return Err(Status::Unseated { ball, apart });
-        }
-        if !outcome.end.is_solved() {
-            if outcome.end != End::Unfinished {
-                *self = Self::COLD;
-            }
-            // Contacts more than 90 degrees apart do not hold a ball: that is why.
-            let driven_out = row.furthest_apart(T::ZERO);
-            return Err(match driven_out {
-                Some((ball, apart)) if outcome.end != End::Singular => {
-                    Status::Unseated { ball, apart }
-                }
-                _ => status,
-            });
-        }
+        self.refuse(row, outcome)?;
         let c = row.c;
-        let u = self.displacement(c);
+        let u = self.displacement(c.plane);
         let displacement = displacement_out(c, &u);
-        // What the tangent says of the force after the last step.
-        let du = centre_of(c, &from_fn(|i| self.v[i] - self.at[i]));
-        let force: [T; D] = from_fn(|i| match task.held[i] {
-            None => task.load[i],
-            Some(_) => self.sum.force[i] + product(&self.sum.k[i], &du),
-        });
-        let load = force_out(c, &force);
+        let load = force_out(c, &self.reactions(row, task));
         // A tangent of other than numbers makes no undamped step.
         if !(are_finite(&displacement) && are_finite(&load)) {
             *self = Self::COLD;
@@ -287,7 +289,11 @@ impl<T: Real, const D: usize> State<T, D> {
             Given::Load(load) => load,
             Given::Displacement(_) => load[i],
         });
-        let error = error::errors(outcome, self, &u, self.size + p.s * c.balls);
+        let error = error::errors(outcome, self, &u, self.size + row.p.s * c.balls);
+        let status = match outcome.end {
+            End::Rounded => Status::PrecisionLimit,
+            _ => Status::Converged,
+        };
         Ok(Answer {
             status,
             error,
@@ -404,11 +410,12 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         let mut budget = limit;
         let mut row = Row {
             c: &self.bearing.constants,
+            p,
             azimuths: &self.bearing.azimuths,
             balls: &mut self.balls,
         };
-        let outcome = self.state.solve::<M>(&mut row, &task, &p, &mut budget);
-        let answer = self.state.conclude(&row, given, &task, &p, &outcome)?;
+        let outcome = self.state.solve::<_, M::Rule>(&mut row, &task, &mut budget);
+        let answer = self.state.conclude(&row, given, &task, &outcome)?;
         Ok(Solution {
             status: answer.status,
             iterations: limit - budget,

@@ -1,16 +1,16 @@
-//! The loop: damped Newton of the ring, the balls condensed.
+//! The loop: damped Newton of the shaft, the balls condensed.
 
 use super::State;
 use super::error::{Estimate, rounding};
 use crate::body::Body;
-use crate::constants::L0;
+use crate::constants::{Constants, L0};
 use crate::contact::to_grid;
 use crate::float::Real;
-use crate::frame::{plane_of, refer};
+use crate::frame::plane_of;
 use crate::kinematics::Rule;
 use crate::linalg::{Pair, norm, product};
 use crate::mounting::Point;
-use crate::ring::{Row, in_full};
+use crate::rows::Rows;
 use crate::tuning;
 
 /// What a solve is for, in the units of the constants, referred to the bearing centre.
@@ -150,44 +150,40 @@ impl<T: Real, const D: usize> Control<T, D> {
 }
 
 impl<T: Real, const D: usize> State<T, D> {
-    /// Moves the reference position next to where the ring is, and the balls' references next to where they are.
+    /// Moves the reference position next to where the shaft is, and the balls' references next to where they are.
     #[inline(never)]
-    pub(super) fn anchor<B: Body<T>>(&mut self, row: &mut Row<'_, T, B>, p: &Point<T>) {
+    pub(super) fn anchor<S: Rows<T, D>>(&mut self, rows: &mut S) {
         for (u, v) in self.u.iter_mut().zip(&mut self.v) {
             let to = to_grid(*u + *v);
             *v += *u - to;
             *u = to;
         }
-        row.anchor(p, &in_full(&self.u), &in_full(&self.v));
+        rows.anchor(&self.u, &self.v);
         self.grown = false;
     }
 
-    /// Puts the ring at the displacement `u` of the groove plane, and every ball's centre at `x`.
+    /// Puts the shaft at the displacement `u` of the groove plane, and the centre of every ball of a row at `x`.
     #[inline(never)]
-    pub fn put<B: Body<T>>(
+    pub fn put<S: Rows<T, D>>(
         &mut self,
-        row: &mut Row<'_, T, B>,
-        p: &Point<T>,
+        rows: &mut S,
         u: [T; D],
-        x: Pair<T>,
+        x: impl Fn(&Constants<T>, &Point<T>) -> Pair<T>,
     ) {
-        for ball in row.balls.iter_mut() {
-            ball.start_at(x);
-        }
-        self.put_back(row, p, [T::ZERO; D], u);
+        rows.each(|row, _, _| {
+            let x = x(row.c, &row.p);
+            for ball in row.balls.iter_mut() {
+                ball.start_at(x);
+            }
+        });
+        self.put_back(rows, [T::ZERO; D], u);
     }
 
-    /// Puts the ring at the offset `v` from the reference position `u`, and leaves the balls where they are.
-    pub fn put_back<B: Body<T>>(
-        &mut self,
-        row: &mut Row<'_, T, B>,
-        p: &Point<T>,
-        u: [T; D],
-        v: [T; D],
-    ) {
+    /// Puts the shaft at the offset `v` from the reference position `u`, and leaves the balls where they are.
+    pub fn put_back<S: Rows<T, D>>(&mut self, rows: &mut S, u: [T; D], v: [T; D]) {
         (self.u, self.v) = (u, v);
         self.condensed = false;
-        self.anchor(row, p);
+        self.anchor(rows);
     }
 
     /// Moves the ring by the step `du` of the groove plane.
@@ -223,12 +219,12 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// The step that the factors make of the unbalanced force `r` and of what is missing of given displacements.
-    fn resolve<B>(&self, row: &Row<'_, T, B>, task: &Task<T, D>, r: &[T; D], damping: T) -> [T; D] {
+    fn resolve(&self, plane: T, task: &Task<T, D>, r: &[T; D], damping: T) -> [T; D] {
         if task.is_free() {
             return self.factors.solve(r);
         }
         let mut b = *r;
-        let u = self.displacement(row.c);
+        let u = self.displacement(plane);
         for i in 0..D {
             if let Some(given) = task.held[i] {
                 b[i] = (T::ONE + damping) * (given - u[i]);
@@ -240,9 +236,9 @@ impl<T: Real, const D: usize> State<T, D> {
     /// The step to where the tangent sees equilibrium under the unbalanced force `r`, its length, whether it is damped.
     ///
     /// It is damped where the tangent is not positive definite, or the step longer than `radius`.
-    fn step<B>(
+    fn step(
         &mut self,
-        row: &Row<'_, T, B>,
+        plane: T,
         task: &Task<T, D>,
         r: &[T; D],
         radius: T,
@@ -251,7 +247,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let mut damping = T::ZERO;
         loop {
             self.factor(task, damping);
-            let du = self.resolve(row, task, r, damping);
+            let du = self.resolve(plane, task, r, damping);
             let length = norm(&du);
             if self.factors.least > T::ZERO && length <= radius {
                 return (du, length, damping > T::ZERO);
@@ -265,7 +261,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 }
                 // Where no ball carries, the ring floats towards its load.
                 let floating = T::of(1e-3) * norm(r) / radius;
-                damping = (least * largest).at_least(floating);
+                damping = (least * largest).at_least(floating).at_least(T::TINY);
             }
             if !(damping < T::ONE / T::TINY.sqrt()) {
                 return ([T::ZERO; D], T::ZERO, true);
@@ -273,11 +269,10 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// Adds the second order of the balls' motion to the ring's offset `v`, and what it makes of the ring's.
+    /// Adds the second order of the balls' motion to the shaft's offset `v`, and what it makes of the shaft's.
     #[inline(never)]
-    fn bend<B: Body<T>>(&mut self, row: &mut Row<'_, T, B>, task: &Task<T, D>, ds: T) {
-        let mut beyond = row.bend(&self.v, ds);
-        refer(row.c, &mut beyond);
+    fn bend<S: Rows<T, D>>(&mut self, rows: &mut S, task: &Task<T, D>, ds: T) {
+        let mut beyond = rows.bend(&self.v, ds);
         for (beyond, held) in beyond.iter_mut().zip(task.held) {
             *beyond = match held {
                 None => -*beyond,
@@ -285,63 +280,50 @@ impl<T: Real, const D: usize> State<T, D> {
             };
         }
         let du = self.factors.solve(&beyond);
-        self.advance(plane_of(row.c, &du));
+        self.advance(plane_of(rows.plane(), &du));
     }
 
-    /// Moves the ring and the balls to where the last linearisation sees them under the task's load.
+    /// Moves shaft and balls to where the last linearisation sees them under the task's load.
     ///
     /// `ds` is the relative change of `omega^2`. If `curved`, the second order of the balls' motion is added.
-    pub fn predict<B: Body<T>>(
-        &mut self,
-        row: &mut Row<'_, T, B>,
-        task: &Task<T, D>,
-        ds: T,
-        curved: bool,
-    ) {
+    pub fn predict<S: Rows<T, D>>(&mut self, rows: &mut S, task: &Task<T, D>, ds: T, curved: bool) {
         self.v = self.at;
         let r = self.unbalanced(task, ds);
         if !(task.is_free() && self.plain) {
             self.factor(task, T::ZERO);
         }
-        let du = self.resolve(row, task, &r, T::ZERO);
-        self.advance(plane_of(row.c, &du));
+        let du = self.resolve(rows.plane(), task, &r, T::ZERO);
+        self.advance(plane_of(rows.plane(), &du));
         if curved {
-            self.bend(row, task, ds);
+            self.bend(rows, task, ds);
         }
     }
 
-    /// Condenses the balls where the ring is, at a relative change `ds` of `omega^2`, and sums what they hand over;
-    /// whether all are near their balance. References follow where the ring is further than `most` from its own.
+    /// Condenses the balls where the shaft is, at a relative change `ds` of `omega^2`, and sums what they hand over;
+    /// whether all are near their balance. References follow where a row is further than `most` from its own.
     #[inline(always)]
-    fn condense<B: Body<T>, R: Rule>(
-        &mut self,
-        row: &mut Row<'_, T, B>,
-        p: &Point<T>,
-        mut ds: T,
-        most: T,
-    ) -> bool {
-        if self.grown || self.v.iter().any(|v| v.abs() > most) {
+    fn condense<S: Rows<T, D>, R: Rule>(&mut self, rows: &mut S, mut ds: T, most: T) -> bool {
+        if self.grown || rows.strays(&self.v, most) {
             self.condensed = false;
-            row.follow(&in_full(&self.v), ds);
-            self.anchor(row, p);
+            rows.follow(&self.v, ds);
+            self.anchor(rows);
             ds = T::ZERO;
         }
-        let near = self.condensed || row.condense_balls::<R>(p, &in_full(&self.v), ds);
-        row.sum(&mut self.sum);
-        self.sum.refer(row.c);
+        let near = self.condensed || rows.condense::<R>(&self.v, ds);
+        rows.sum(&mut self.sum);
         (self.at, self.correct, self.condensed) = (self.v, false, false);
         near
     }
 
     /// Newton's method from where ring and balls are, for at most as many iterations as `budget` has left.
-    pub fn newton<B: Body<T>, R: Rule>(
+    pub fn newton<S: Rows<T, D>, R: Rule>(
         &mut self,
-        row: &mut Row<'_, T, B>,
+        rows: &mut S,
         task: &Task<T, D>,
-        p: &Point<T>,
         mut ds: T,
         budget: &mut u16,
     ) -> Outcome<T> {
+        let plane = rows.plane();
         let [close, anchored] = [0.05 * tuning::ANCHOR, tuning::ANCHOR].map(T::of);
         // A ring that comes from a start is anchored closer where it settles.
         let started = self.v.iter().all(|v| v.abs() < close);
@@ -357,11 +339,11 @@ impl<T: Real, const D: usize> State<T, D> {
             } else {
                 T::of(L0)
             };
-            let near = self.condense::<B, R>(row, p, ds, most);
+            let near = self.condense::<S, R>(rows, ds, most);
             ds = T::ZERO;
 
             let r = self.unbalanced(task, T::ZERO);
-            let mut size = task.size;
+            let mut size = task.size.at_least(rows.internal());
             if !task.is_free() {
                 size = size.at_least(norm(&self.sum.force));
             }
@@ -373,17 +355,17 @@ impl<T: Real, const D: usize> State<T, D> {
                 break;
             }
             if let Some(back) = control.review(&r) {
-                self.advance(plane_of(row.c, &back));
+                self.advance(plane_of(plane, &back));
                 continue;
             }
-            let (du, length, damped) = self.step(row, task, &r, control.radius, control.least);
+            let (du, length, damped) = self.step(plane, task, &r, control.radius, control.least);
             self.plain = task.is_free() && !damped;
-            let planar = plane_of(row.c, &du);
+            let planar = plane_of(plane, &du);
             let before = outcome.estimate.k;
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
             let far = outcome.residual > T::of(100.0) * task.tolerance;
             if !far {
-                outcome.estimate = row.estimate(&planar, &self.sum.k);
+                outcome.estimate = Estimate::of(&rows.changes(&planar), &self.sum.k);
             }
             outcome.step = length;
             self.advance(planar);
@@ -395,7 +377,7 @@ impl<T: Real, const D: usize> State<T, D> {
                     outcome.end = End::Singular;
                     break;
                 }
-            } else if near && !far && self.is_done(row, task, &mut outcome, before) {
+            } else if near && !far && self.is_done(rows, task, &mut outcome, before) {
                 break;
             }
             control.last = Some(Step { du, work, damped });
@@ -404,9 +386,9 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Whether the last step was small enough; if so, how the loop ends.
-    fn is_done<B: Body<T>>(
+    fn is_done<S: Rows<T, D>>(
         &mut self,
-        row: &mut Row<'_, T, B>,
+        rows: &mut S,
         task: &Task<T, D>,
         outcome: &mut Outcome<T>,
         before: T,
@@ -419,7 +401,7 @@ impl<T: Real, const D: usize> State<T, D> {
             ..
         } = outcome.estimate;
         // Of the sum of the balls' forces, relative to the load.
-        let forces = row.c.balls * largest / task.size.at_least(largest);
+        let forces = rows.balls() * largest / task.size.at_least(rows.internal()).at_least(largest);
         let of_ball = rounding(largest);
         let rounding = of_ball * forces.at_least(T::ONE);
         outcome.stalled = k > T::of(0.5) * before;
@@ -433,7 +415,7 @@ impl<T: Real, const D: usize> State<T, D> {
             }
             if force > enough {
                 // The step's second order is cheaper than another iteration.
-                self.bend(row, task, T::ZERO);
+                self.bend(rows, task, T::ZERO);
                 outcome.estimate.force = force * most;
             }
             outcome.end = End::Converged;

@@ -40,7 +40,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
         let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
-        let k = state.stiffness(c, &self.solver.bearing.azimuths, &self.solver.balls);
+        let k = state.stiffness_of(c, &self.solver.bearing.azimuths, &self.solver.balls);
         stiffness_out(c, &k)
     }
 

@@ -4,7 +4,6 @@ use super::State;
 use super::fallback::continuation;
 use super::newton::{Outcome, Task};
 use crate::axial::AxialRest;
-use crate::ball::Ball;
 use crate::body::Body;
 use crate::constants::{Constants, L0};
 use crate::float::Real;
@@ -12,47 +11,108 @@ use crate::frame::plane_of;
 use crate::kinematics::Rule;
 use crate::linalg::{Pair, scale};
 use crate::mounting::{Point, Regime};
-use crate::place::place;
-use crate::ring::{Row, in_full};
+use crate::ring::shift;
+use crate::rows::{Rows, Stance};
 use crate::tuning;
 
-/// The axial load and so much preload that radial load and moment do not unload balls at first sight, and its side.
-fn pressing<T: Real, const D: usize>(load: &[T; D]) -> (T, T) {
-    let mut pressing = load[0].abs();
-    if D >= 3 {
-        pressing += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt();
-    }
-    if D == 5 {
-        pressing += (load[3] * load[3] + load[4] * load[4]).sqrt();
-    }
-    let side = if load[0] < T::ZERO { -T::ONE } else { T::ONE };
-    (pressing, side)
+/// What a spring presses the sliding rows with.
+fn spring<T: Real, const D: usize>(task: &Task<T, D>) -> T {
+    if D == 6 { task.load[5] } else { T::ZERO }
 }
 
-/// Axial displacement of the bearing at rest whose balls carry `q` axially each.
-fn pressed<T: Real>(c: &Constants<T>, p: &Point<T>, q: T, side: T) -> T {
-    let balls = AxialRest::new(c, p);
-    let loaded = balls.root(T::ONE / T::TINY, q, T::of(1e-6), 24);
-    balls.displacement(&loaded.centres, side < T::ZERO)
+/// The axial load that holds some rows in a start, in their own frame, and its side.
+struct Pressing<T> {
+    force: T,
+    side: T,
+}
+
+impl<T: Real> Pressing<T> {
+    /// Of fixed rows: the axial load less what the sliding ones carry. Rows that do not hold each other have so
+    /// much more that radial load and moment do not unload balls at first sight.
+    fn of<S: Rows<T, D>, const D: usize>(rows: &S, task: &Task<T, D>) -> Self {
+        let load = &task.load;
+        let fixed = rows.fixed();
+        let mut own = fixed.seat.facing * load[0];
+        if let Some(sliding) = rows.sliding() {
+            own -= fixed.seat.facing * sliding.seat.facing * spring(task);
+        }
+        let side = if own < T::ZERO { -T::ONE } else { T::ONE };
+        let mut force = own.abs();
+        if D == 6 || fixed.opposed {
+            return Self { force, side };
+        }
+        if D >= 3 {
+            force += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt();
+        }
+        if D == 5 {
+            force += (load[3] * load[3] + load[4] * load[4]).sqrt();
+        }
+        Self { force, side }
+    }
+
+    /// Axial displacement of the rows at rest that carry this.
+    fn displacement(&self, rows: &Stance<'_, T>) -> T {
+        let q = self.force / (rows.balls * rows.seat.force);
+        let balls = AxialRest::new(rows.c, rows.p);
+        let loaded = balls.root(T::ONE / T::TINY, q, T::of(1e-6), 24);
+        balls.displacement(&loaded.centres, self.side < T::ZERO)
+    }
+}
+
+/// Displacement of the groove plane: what is given, and else such that fixed and sliding rows are displaced axially by so
+/// much in their own frames. Rows that hold each other stay where they are.
+fn displaced<T: Real, S: Rows<T, D>, const D: usize>(
+    rows: &S,
+    task: &Task<T, D>,
+    fixed: impl Fn(&Stance<'_, T>) -> T,
+    sliding: impl Fn(&Stance<'_, T>) -> T,
+) -> [T; D] {
+    // A displacement of the shaft from one of a row.
+    let shaft = |rows: &Stance<'_, T>, own: T| (own - rows.seat.closure) / rows.seat.length;
+    let mut u = [T::ZERO; D];
+    let holding = rows.fixed();
+    if !holding.opposed {
+        u[0] = holding.seat.facing * shaft(&holding, fixed(&holding));
+    }
+    if D == 6
+        && let Some(pressed) = rows.sliding()
+    {
+        u[5] = shaft(&pressed, sliding(&pressed)) - pressed.seat.facing * u[0];
+    }
+    for (u, held) in u.iter_mut().zip(task.held) {
+        *u = held.unwrap_or(*u);
+    }
+    plane_of(rows.plane(), &u)
+}
+
+/// The same for rows at rest.
+fn pressed<T: Real, S: Rows<T, D>, const D: usize>(rows: &S, task: &Task<T, D>) -> [T; D] {
+    let holding = Pressing::of(rows, task);
+    let spring = Pressing {
+        force: spring(task),
+        side: T::ONE,
+    };
+    displaced(
+        rows,
+        task,
+        |rows| holding.displacement(rows),
+        |rows| spring.displacement(rows),
+    )
 }
 
 /// Centre of a ball of the unloaded bearing.
-fn unloaded<T: Real>(c: &Constants<T>) -> Pair<T> {
+fn unloaded<T: Real>(c: &Constants<T>, _: &Point<T>) -> Pair<T> {
     scale(c.lo, c.n0)
 }
 
 /// Every start in the order in which the regime has them, then the fallback.
-pub(super) fn at_speed<T: Real, R: Rule, const D: usize>(
+pub(super) fn at_speed<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     state: &mut State<T, D>,
-    row: &mut Row<'_, T, Ball<T>>,
+    rows: &mut S,
     task: &Task<T, D>,
-    p: &Point<T>,
     budget: &mut u16,
 ) -> Outcome<T> {
-    if p.regime == Regime::Rest {
-        return at_rest::<T, _, R, D>(state, row, task, p, budget);
-    }
-    let (inertia, size) = (p.s * row.c.balls, task.size);
+    let (inertia, size) = (rows.inertia() * rows.balls(), task.size);
     let order = if inertia < T::of(tuning::LIGHT) * size {
         [Start::Rest, Start::Axisymmetric, Start::OuterRace]
     } else if inertia > T::of(tuning::HEAVY) * size {
@@ -64,17 +124,17 @@ pub(super) fn at_speed<T: Real, R: Rule, const D: usize>(
         let mut some = (*budget).min(tuning::ATTEMPT);
         *budget -= some;
         match start {
-            Start::Rest => from_rest::<T, R, D>(state, row, task, p, &mut some),
-            Start::Axisymmetric => axisymmetric::<T, R, D>(state, row, task, p),
-            Start::OuterRace => from_outer_race::<T, R, D>(state, row, task, p, &mut some),
+            Start::Rest => from_rest::<T, S, R, D>(state, rows, task, &mut some),
+            Start::Axisymmetric => axisymmetric::<T, S, R, D>(state, rows, task),
+            Start::OuterRace => from_outer_race::<T, S, R, D>(state, rows, task, &mut some),
         }
-        let outcome = state.newton::<_, R>(row, task, p, T::ZERO, &mut some);
+        let outcome = state.newton::<S, R>(rows, task, T::ZERO, &mut some);
         *budget += some;
         if outcome.end.is_solved() || *budget == 0 {
             return outcome;
         }
     }
-    continuation::<T, R, D>(state, row, task, p, budget)
+    continuation::<T, S, R, D>(state, rows, task, budget)
 }
 
 /// Where a solve at speed may start.
@@ -85,126 +145,120 @@ enum Start {
     OuterRace,
 }
 
-/// Newton's method on the bearing at rest: one attempt, since the problem is convex.
+/// Newton's method on the shaft at rest: one attempt, since the problem is convex.
 #[inline(never)]
-pub(super) fn at_rest<T: Real, B: Body<T>, R: Rule, const D: usize>(
+pub(super) fn at_rest<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     state: &mut State<T, D>,
-    row: &mut Row<'_, T, B>,
+    rows: &mut S,
     task: &Task<T, D>,
-    p: &Point<T>,
     budget: &mut u16,
 ) -> Outcome<T> {
-    let (pressing, side) = pressing(&task.load);
-    let p = p.with(Regime::Rest);
-    let dx = pressed(row.c, &p, pressing / row.c.balls, side);
-    state.put(row, &p, from_given(row.c, task, dx), unloaded(row.c));
-    state.newton::<B, R>(row, task, &p, T::ZERO, budget)
-}
-
-/// The axial displacement `dx`, and what is given.
-fn from_given<T: Real, const D: usize>(c: &Constants<T>, task: &Task<T, D>, dx: T) -> [T; D] {
-    let mut u = [T::ZERO; D];
-    u[0] = dx;
-    for (u, held) in u.iter_mut().zip(task.held) {
-        *u = held.unwrap_or(*u);
-    }
-    plane_of(c, &u)
+    let regime = rows.regime();
+    rows.take_for(Regime::Rest);
+    let u = pressed(rows, task);
+    state.put(rows, u, unloaded);
+    let outcome = state.newton::<S, R>(rows, task, T::ZERO, budget);
+    rows.take_for(regime);
+    outcome
 }
 
 /// The solution at rest, roughly, and the balls placed there.
 #[inline(never)]
-fn from_rest<T: Real, R: Rule, const D: usize>(
+fn from_rest<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     state: &mut State<T, D>,
-    row: &mut Row<'_, T, Ball<T>>,
+    rows: &mut S,
     task: &Task<T, D>,
-    p: &Point<T>,
     budget: &mut u16,
 ) {
-    at_rest::<T, _, R, D>(state, row, &task.rough(), p, budget);
-    take_up::<T, R>(row, p);
-}
-
-/// Puts balls that were condensed at rest where the speed of `p` has them.
-///
-/// Those that carry stay in line with both grooves' centres, which is near where their inertia is small.
-pub(super) fn take_up<T: Real, R: Rule>(row: &mut Row<'_, T, Ball<T>>, p: &Point<T>) {
-    for ball in row.balls.iter_mut() {
-        if ball.local.delta > T::ZERO {
-            let outer = p.lo + row.c.outer_share * ball.local.delta;
-            ball.put(scale(outer, ball.n));
-            ball.move_own_references(row.c, p);
-        } else {
-            place::<T, R>(ball, row.c, p);
+    at_rest::<T, S, R, D>(state, rows, &task.rough(), budget);
+    rows.each(|row, _, _| {
+        for ball in row.balls.iter_mut() {
+            ball.take_up::<R>(row.c, &row.p);
         }
-    }
+    });
 }
 
-/// The axisymmetric state at speed: the first ball stands for all, and Newton's method moves the ring along the axis.
+/// The axisymmetric state at speed: the first ball of a row stands for all, and Newton's method moves the shaft along the
+/// axis.
 ///
 /// This is also where [`AxialSolver`](super::AxialSolver) starts, whose loop is that of every solve.
 #[inline(never)]
-fn axisymmetric<T: Real, R: Rule, const D: usize>(
+fn axisymmetric<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     state: &mut State<T, D>,
-    row: &mut Row<'_, T, Ball<T>>,
+    rows: &mut S,
     task: &Task<T, D>,
-    p: &Point<T>,
 ) {
-    let c = row.c;
-    let (pressing, side) = pressing(&task.load);
-    let q = side * pressing / c.balls;
+    let pressing = Pressing::of(rows, task);
+    let fixed = rows.fixed();
+    let (along, opposed) = (fixed.seat.facing, fixed.opposed);
+    let (facing, sliding) = match rows.sliding() {
+        Some(rows) => (rows.seat.facing, rows.balls),
+        None => (T::ONE, T::ONE),
+    };
+    // A ball's mean part: of the fixed rows along the shaft, and of the sliding ones in their own frame, which do not feel
+    // the shaft.
+    let balls = [fixed.balls, sliding];
+    let wanted = [
+        along * pressing.side * pressing.force / balls[0],
+        spring(task) / balls[1],
+    ];
     let longest = T::of(L0 * tuning::FIRST_RADIUS);
-    let u = from_given(c, task, pressed(c, p, q.abs(), side));
-    let Some(first) = row.balls.first_mut() else {
-        return;
-    };
-    let mut one = Row {
-        c,
-        azimuths: row.azimuths.get(..1).unwrap_or_default(),
-        balls: core::slice::from_mut(first),
-    };
-    state.put(&mut one, p, u, unloaded(c));
-    for ball in one.balls.iter_mut() {
-        place::<T, R>(ball, c, p);
-    }
+    let u = pressed(rows, task);
+    state.put(rows, u, unloaded);
+    rows.each(|row, _, _| {
+        if let Some(first) = row.balls.first_mut() {
+            first.place::<R>(row.c, &row.p);
+        }
+    });
     let mut fits = false;
     if task.held[0].is_none() {
         for _ in 0..20 {
-            let near = one.condense_balls::<R>(p, &in_full(&state.v), T::ZERO);
-            let Some(ball) = one.balls.first() else {
-                return;
-            };
-            let missing = q - ball.share.force[0];
-            if missing.abs() <= T::of(tuning::ROUGH) * q.abs() {
-                fits = near;
+            let v = state.v;
+            let (mut near, mut force, mut slope) = (true, [T::ZERO; 2], [T::ZERO; 2]);
+            rows.each(|row, seat, base| {
+                let (Some(first), Some(at)) = (row.balls.first_mut(), row.azimuths.first()) else {
+                    return;
+                };
+                near &=
+                    first.condense::<R>(row.c, &row.p, shift(&seat.offset(base, &v), at), T::ZERO);
+                let share = first.share();
+                let group = usize::from(seat.sliding);
+                let part = seat.force * (row.c.balls / balls[group]);
+                let along = if seat.sliding { T::ONE } else { seat.facing };
+                force[group] += part * (along * share.force[0]);
+                slope[group] += part * (seat.length * share.h[0][0]);
+            });
+            let missing = [wanted[0] - force[0], wanted[1] - force[1]];
+            let is_small = |i: usize| missing[i].abs() <= T::of(tuning::ROUGH) * wanted[i].abs();
+            if (opposed || is_small(0)) && is_small(1) {
+                fits = near && !opposed;
                 break;
             }
-            let step = missing / ball.share.h[0][0].at_least(T::TINY);
-            let step = step.at_least(-longest).at_most(longest);
-            state.v[0] += step;
+            let step = |i: usize| {
+                let step = missing[i] / slope[i].at_least(T::TINY);
+                step.at_least(-longest).at_most(longest)
+            };
+            let dx = step(0);
+            state.v[0] += dx;
+            if D == 6 {
+                state.v[5] += step(1) - facing * dx;
+            }
         }
     }
-    if let Some((first, others)) = row.balls.split_first_mut() {
-        for ball in others {
-            ball.clone_from(first);
+    rows.each(|row, _, _| {
+        if let Some((first, others)) = row.balls.split_first_mut() {
+            for ball in others {
+                ball.clone_from(first);
+            }
         }
-    }
-    state.anchor(row, p);
+    });
+    state.anchor(rows);
     // All balls are as the first is: that saves the first pass of the loop.
     state.condensed = fits && task.is_free();
 }
 
-/// Balls that centrifugal force alone holds on the outer race, and the ring that they carry.
-#[inline(never)]
-fn from_outer_race<T: Real, R: Rule, const D: usize>(
-    state: &mut State<T, D>,
-    row: &mut Row<'_, T, Ball<T>>,
-    task: &Task<T, D>,
-    p: &Point<T>,
-    budget: &mut u16,
-) {
-    let c = row.c;
-    let (pressing, side) = pressing(&task.load);
-    // Cage speed and place of a ball there whose inner contact is about to close.
+/// Place of a ball that centrifugal force alone holds on the outer race, whose inner contact is about to close: radial.
+fn held_outside<T: Real>(c: &Constants<T>, p: &Point<T>) -> T {
     let height = T::of(L0) * c.n0[1];
     let mut radial = p.lo;
     for _ in 0..4 {
@@ -213,11 +267,35 @@ fn from_outer_race<T: Real, R: Rule, const D: usize>(
         let root = (p.s * mu * mu).cbrt();
         radial = p.lo + root * root;
     }
-    let root = (pressing / (c.balls * c.ki)).cbrt();
-    let (across, long) = (height - radial, p.li + root * root);
-    let along = (long * long - across * across).at_least(T::ZERO).sqrt();
-    let dx = side * along - T::of(L0) * c.n0[0];
-    let p = p.with(Regime::Outer);
-    state.put(row, &p, from_given(c, task, dx), [T::ZERO, radial]);
-    state.newton::<_, R>(row, &task.rough(), &p, T::ZERO, budget);
+    radial
+}
+
+/// Balls that centrifugal force alone holds on the outer race, and the ring that they carry.
+#[inline(never)]
+fn from_outer_race<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
+    state: &mut State<T, D>,
+    rows: &mut S,
+    task: &Task<T, D>,
+    budget: &mut u16,
+) {
+    let carried = |rows: &Stance<'_, T>, force: T, side: T| {
+        let c = rows.c;
+        let root = (force / (rows.balls * rows.seat.force * c.ki)).cbrt();
+        let across = T::of(L0) * c.n0[1] - held_outside(c, rows.p);
+        let long = rows.p.li + root * root;
+        let along = (long * long - across * across).at_least(T::ZERO).sqrt();
+        side * along - T::of(L0) * c.n0[0]
+    };
+    let pressing = Pressing::of(rows, task);
+    let u = displaced(
+        rows,
+        task,
+        |rows| carried(rows, pressing.force, pressing.side),
+        |rows| carried(rows, spring(task), T::ONE),
+    );
+    let regime = rows.regime();
+    rows.take_for(Regime::Outer);
+    state.put(rows, u, |c, p| [T::ZERO, held_outside(c, p)]);
+    state.newton::<S, R>(rows, &task.rough(), T::ZERO, budget);
+    rows.take_for(regime);
 }

@@ -1,0 +1,271 @@
+//! What the solver moves: the balls of one bearing, or of all bearings on a shaft.
+
+use super::body::Body;
+use super::constants::Constants;
+use super::float::Real;
+use super::frame::refer;
+use super::kinematics::Rule;
+use super::mounting::{Point, Regime};
+use super::ring::{Changes, Row, Sum, in_full};
+
+/// How a row sits on the shaft, and what turns the shaft's motion and force into the row's.
+///
+/// Shaft and row have frames and units of their own: those of the shaft are those of its first row. A row that faces
+/// against the axis is mirrored. Its motion is `r P v` with the shaft's motion `v` of the groove plane, the force on the shaft
+/// `phi P^T F`:
+///
+/// `P v = (s (vx + e), vy + l vtz, vz - l vty, s m vty, s m vtz)`
+///
+/// with the motion `s e` of the row's sleeve, if that slides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Seat<T> {
+    /// `s`: 1, or -1 for a row that faces against the axis.
+    pub facing: T,
+    /// `r` and `phi`: the shaft's unit of length over the row's, the row's unit of force over the shaft's.
+    pub length: T,
+    pub force: T,
+    /// `l`: the row's groove plane beyond the shaft's, over the shaft's `Rp`.
+    pub lever: T,
+    /// `m`: `Rp` of the row over that of the shaft.
+    pub arm: T,
+    /// Inertia `m dm omega^2 / 2` of a ball over that of the first row's, in either row's unit of force.
+    pub inertia: T,
+    /// Closure, in the row's unit of length.
+    pub closure: T,
+    /// The row's sleeve slides under a spring.
+    pub sliding: bool,
+}
+
+impl<T: Real> Seat<T> {
+    /// Of a bearing alone.
+    pub const PLAIN: Self = Self {
+        facing: T::ONE,
+        length: T::ONE,
+        force: T::ONE,
+        lever: T::ZERO,
+        arm: T::ONE,
+        inertia: T::ONE,
+        closure: T::ZERO,
+        sliding: false,
+    };
+
+    /// The row's motion when the shaft makes the motion `v`.
+    #[inline(always)]
+    pub fn motion<const D: usize>(&self, v: &[T; D]) -> [T; 5] {
+        let r = self.length;
+        let mut own = in_full(v);
+        if D == 6 && self.sliding {
+            own[0] += self.facing * v[5];
+        }
+        if D >= 5 {
+            own[1] += self.lever * own[4];
+            own[2] -= self.lever * own[3];
+        }
+        own[0] = r * (self.facing * own[0]);
+        own[1] = r * own[1];
+        own[2] = r * own[2];
+        let turn = r * (self.facing * self.arm);
+        own[3] = turn * own[3];
+        own[4] = turn * own[4];
+        own
+    }
+
+    /// The row's offset from its own reference position, which is `base` for a shaft without offset `v`.
+    #[inline(always)]
+    pub fn offset<const D: usize>(&self, base: &[T; 5], v: &[T; D]) -> [T; 5] {
+        let mut own = self.motion(v);
+        for (own, base) in own.iter_mut().zip(base) {
+            *own += *base;
+        }
+        own
+    }
+}
+
+/// Rows that hold the shaft together, or are pressed by one spring: as a start sees them.
+pub struct Stance<'a, T> {
+    pub c: &'a Constants<T>,
+    pub p: &'a Point<T>,
+    pub seat: Seat<T>,
+    /// Number of their balls.
+    pub balls: T,
+    /// Rows of either facing are among them, so that they hold each other.
+    pub opposed: bool,
+}
+
+/// What the solver moves and condenses. Displacements and offsets are those of the shaft's groove plane; what is summed is
+/// referred to its centre.
+pub trait Rows<T: Real, const D: usize> {
+    /// What is remembered of a ball.
+    type Ball: Body<T>;
+
+    /// Axial position of the groove plane, from the centre, over `Rp`.
+    fn plane(&self) -> T;
+
+    /// Number of balls, weighted with their inertia in units of the first row.
+    fn balls(&self) -> T;
+
+    /// Inertia `m dm omega^2 / 2` of a ball of the first row.
+    fn inertia(&self) -> T;
+
+    /// What the balls are taken for.
+    fn regime(&self) -> Regime;
+
+    /// Every row, how it sits, and its offset from its own reference position for a shaft without one.
+    fn each(&mut self, f: impl FnMut(&mut Row<'_, T, Self::Ball>, &Seat<T>, &[T; 5]));
+
+    /// The rows that do not slide, and those that do.
+    fn fixed(&self) -> Stance<'_, T>;
+    fn sliding(&self) -> Option<Stance<'_, T>>;
+
+    /// Size of the forces by which rows hold each other.
+    fn internal(&self) -> T;
+
+    /// Whether an offset is larger than `most`.
+    fn strays(&self, v: &[T; D], most: T) -> bool;
+
+    /// Has every ball follow to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all are near
+    /// their balance.
+    fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool;
+
+    /// Sums what the balls hand over.
+    fn sum(&mut self, sum: &mut Sum<T, D>);
+
+    /// What a step `du` changes of the rows.
+    fn changes(&self, du: &[T; D]) -> Changes<T, D>;
+
+    /// Adds the second order of the motion to `v` and of `ds` to the balls' steps; returns the force it adds.
+    fn bend(&mut self, v: &[T; D], ds: T) -> [T; D];
+
+    /// Has every ball follow to `v` and a relative change `ds` of `omega^2`.
+    fn follow(&mut self, v: &[T; D], ds: T);
+
+    /// Moves the balls' references next to where they are, for a shaft at the offset `v` from its reference position `u`.
+    fn anchor(&mut self, u: &[T; D], v: &[T; D]);
+
+    /// Number of balls that carry, and that of the ball whose contacts are furthest apart, with that angle, if the cosine
+    /// is below `limit`: see [`Row::furthest_apart`].
+    fn loaded(&self) -> u16;
+    fn furthest_apart(&self, limit: T) -> Option<(u16, T)>;
+
+    /// Takes the balls for something else.
+    fn take_for(&mut self, regime: Regime) {
+        self.each(|row, _, _| row.p.regime = regime);
+    }
+
+    /// Has the shaft turn at another speed: `s` is the inertia of a ball of the first row.
+    fn turn_at(&mut self, s: T) {
+        self.each(|row, seat, _| {
+            row.p.s = s * seat.inertia;
+            row.p.regime = Regime::Speed;
+        });
+    }
+}
+
+impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
+    type Ball = B;
+
+    #[inline(always)]
+    fn plane(&self) -> T {
+        self.c.plane
+    }
+
+    #[inline(always)]
+    fn balls(&self) -> T {
+        self.c.balls
+    }
+
+    #[inline(always)]
+    fn inertia(&self) -> T {
+        self.p.s
+    }
+
+    #[inline(always)]
+    fn regime(&self) -> Regime {
+        self.p.regime
+    }
+
+    #[inline(always)]
+    fn each(&mut self, mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
+        f(self, &Seat::PLAIN, &[T::ZERO; 5]);
+    }
+
+    #[inline(always)]
+    fn fixed(&self) -> Stance<'_, T> {
+        Stance {
+            c: self.c,
+            p: &self.p,
+            seat: Seat::PLAIN,
+            balls: self.c.balls,
+            opposed: false,
+        }
+    }
+
+    #[inline(always)]
+    fn sliding(&self) -> Option<Stance<'_, T>> {
+        None
+    }
+
+    #[inline(always)]
+    fn internal(&self) -> T {
+        T::ZERO
+    }
+
+    #[inline(always)]
+    fn strays(&self, v: &[T; D], most: T) -> bool {
+        v.iter().any(|v| v.abs() > most)
+    }
+
+    #[inline(always)]
+    fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
+        self.condense_balls::<R>(&in_full(v), ds)
+    }
+
+    #[inline(always)]
+    fn sum(&mut self, sum: &mut Sum<T, D>) {
+        self.sum_up(sum);
+        sum.refer(self.c.plane);
+    }
+
+    #[inline(always)]
+    fn changes(&self, du: &[T; D]) -> Changes<T, D> {
+        let of_row = self.changes_by(&in_full(du));
+        let mut k = [T::ZERO; D];
+        k.copy_from_slice(&of_row.k[..D]);
+        Changes {
+            k,
+            most: of_row.most,
+            lost: of_row.lost,
+            largest: of_row.largest,
+            cos: of_row.cos,
+        }
+    }
+
+    #[inline(always)]
+    fn bend(&mut self, v: &[T; D], ds: T) -> [T; D] {
+        let mut force = self.bend_balls(v, ds);
+        refer(self.c.plane, &mut force);
+        force
+    }
+
+    #[inline(always)]
+    fn follow(&mut self, v: &[T; D], ds: T) {
+        self.follow_to(&in_full(v), ds);
+    }
+
+    #[inline(always)]
+    fn anchor(&mut self, u: &[T; D], v: &[T; D]) {
+        self.anchor_at(&in_full(u), &in_full(v));
+    }
+
+    #[inline(always)]
+    fn loaded(&self) -> u16 {
+        let loaded = self.balls.iter().filter(|ball| ball.carries());
+        loaded.count() as u16
+    }
+
+    #[inline(always)]
+    fn furthest_apart(&self, limit: T) -> Option<(u16, T)> {
+        self.furthest(limit)
+    }
+}
