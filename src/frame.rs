@@ -40,25 +40,30 @@ pub fn refer<T: Real, const D: usize>(plane: T, force: &mut [T; D]) {
     }
 }
 
+/// Refers a stiffness at the groove plane to the bearing centre.
+#[inline(always)]
+pub fn refer_stiffness<T: Real, const D: usize>(plane: T, k: &mut Matrix<T, D>) {
+    if D >= 5 {
+        for row in k.iter_mut() {
+            let (y, z) = (row[1], row[2]);
+            row[4] += plane * y;
+            row[3] -= plane * z;
+        }
+        for j in 0..D {
+            let (y, z) = (k[1][j], k[2][j]);
+            k[4][j] += plane * y;
+            k[3][j] -= plane * z;
+        }
+    }
+}
+
 impl<T: Real, const D: usize> Sum<T, D> {
     /// Refers forces and slopes at the groove plane to the bearing centre.
     #[inline(always)]
     pub fn refer(&mut self, plane: T) {
-        if D >= 5 {
-            refer(plane, &mut self.force);
-            refer(plane, &mut self.by_speed);
-            let p = plane;
-            for row in &mut self.k {
-                let (y, z) = (row[1], row[2]);
-                row[4] += p * y;
-                row[3] -= p * z;
-            }
-            for j in 0..D {
-                let (y, z) = (self.k[1][j], self.k[2][j]);
-                self.k[4][j] += p * y;
-                self.k[3][j] -= p * z;
-            }
-        }
+        refer(plane, &mut self.force);
+        refer(plane, &mut self.by_speed);
+        refer_stiffness(plane, &mut self.k);
     }
 }
 

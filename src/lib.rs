@@ -26,6 +26,7 @@ mod pose;
 mod ring;
 mod rows;
 mod solver;
+mod spindle;
 #[allow(unsafe_code, reason = "an instruction that has no safe name")]
 mod sqrt;
 mod static_ball;
@@ -54,5 +55,9 @@ pub use pose::BallState;
 pub use solver::{
     AxialSolution, AxialSolver, ErrorEstimate, Given, RingVector, Settings, Snapshot, Solution,
     Solver,
+};
+pub use spindle::{
+    Arrangement, Facing, Mounted, Preload, RowSolution, ShaftEnd, Spindle, SpindleError,
+    SpindleSolution, SpindleSolver,
 };
 pub use status::{Quantity, Status};

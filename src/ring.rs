@@ -198,41 +198,6 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         near
     }
 
-    /// What the balls hand to the ring, with its azimuth: opposite balls together where there are any, else every
-    /// ball and `none`.
-    #[inline(always)]
-    fn shares<'a>(
-        &'a self,
-        none: &'a Share<T>,
-    ) -> impl Iterator<Item = (&'a Share<T>, &'a Share<T>, &'a Azimuth<T>)> {
-        let n = self.balls.len();
-        let alone = if n.is_multiple_of(2) { n / 2 } else { n };
-        let (first, second) = self.balls.split_at(alone);
-        let (mut first, mut second) = (first.iter(), second.iter());
-        let mut azimuths = self.azimuths.iter();
-        // Not `zip`, which the compiler unrolls (+1.2 kB).
-        core::iter::from_fn(move || {
-            let (ball, at) = (first.next()?, azimuths.next()?);
-            Some((ball.share(), second.next().map_or(none, B::share), at))
-        })
-    }
-
-    /// Sums what the balls hand to the ring. Forces and slopes in loops of their own, whose sums stay in registers.
-    #[inline(never)]
-    pub fn sum_up<const D: usize>(&self, sum: &mut Sum<T, D>) {
-        let none = Share::NONE;
-        let mut part = Sum::NONE;
-        for (a, b, at) in self.shares(&none) {
-            part.add_forces(a, b, at, B::AT_SPEED);
-        }
-        (sum.force, sum.by_speed) = (part.force, part.by_speed);
-        for (a, b, at) in self.shares(&none) {
-            part.add_slopes(a, b, at);
-        }
-        part.finish();
-        sum.k = part.k;
-    }
-
     /// The ball whose contacts are furthest apart, if the cosine of that angle is below `limit`, and the angle, rad. A
     /// ball that does not carry is not meant until it is [`UNSEATED`].
     #[cold]
@@ -376,4 +341,45 @@ pub fn stiffening<T: Real, B: Body<T>, const D: usize>(
     }
     sum.finish();
     sum
+}
+
+/// What the balls hand to the ring, with its azimuth: opposite balls together where there are any, else every
+/// ball and `none`.
+#[inline(always)]
+fn shares<'a, T: Real, B: Body<T>>(
+    balls: &'a [B],
+    azimuths: &'a [Azimuth<T>],
+    none: &'a Share<T>,
+) -> impl Iterator<Item = (&'a Share<T>, &'a Share<T>, &'a Azimuth<T>)> {
+    let n = balls.len();
+    let alone = if n.is_multiple_of(2) { n / 2 } else { n };
+    let (first, second) = balls.split_at(alone);
+    let (mut first, mut second) = (first.iter(), second.iter());
+    let mut azimuths = azimuths.iter();
+    // Not `zip`, which the compiler unrolls (+1.2 kB).
+    core::iter::from_fn(move || {
+        let (ball, at) = (first.next()?, azimuths.next()?);
+        Some((ball.share(), second.next().map_or(none, B::share), at))
+    })
+}
+
+/// Sums what the balls hand to the ring, referred to the groove plane. Forces and slopes in loops of their own, whose sums
+/// stay in registers.
+#[inline(never)]
+pub fn sum_up<T: Real, B: Body<T>, const D: usize>(
+    balls: &[B],
+    azimuths: &[Azimuth<T>],
+    sum: &mut Sum<T, D>,
+) {
+    let none = Share::NONE;
+    let mut part = Sum::NONE;
+    for (a, b, at) in shares(balls, azimuths, &none) {
+        part.add_forces(a, b, at, B::AT_SPEED);
+    }
+    (sum.force, sum.by_speed) = (part.force, part.by_speed);
+    for (a, b, at) in shares(balls, azimuths, &none) {
+        part.add_slopes(a, b, at);
+    }
+    part.finish();
+    sum.k = part.k;
 }

@@ -6,7 +6,7 @@ use super::float::Real;
 use super::frame::refer;
 use super::kinematics::Rule;
 use super::mounting::{Point, Regime};
-use super::ring::{Changes, Row, Sum, in_full};
+use super::ring::{Changes, Row, Sum, in_full, sum_up};
 
 /// How a row sits on the shaft, and what turns the shaft's motion and force into the row's.
 ///
@@ -14,9 +14,9 @@ use super::ring::{Changes, Row, Sum, in_full};
 /// against the axis is mirrored. Its motion is `r P v` with the shaft's motion `v` of the groove plane, the force on the shaft
 /// `phi P^T F`:
 ///
-/// `P v = (s (vx + e), vy + l vtz, vz - l vty, s m vty, s m vtz)`
+/// `P v = (s vx + e, vy + l vtz, vz - l vty, s m vty, s m vtz)`
 ///
-/// with the motion `s e` of the row's sleeve, if that slides.
+/// with the motion `e` of the row's sleeve towards its balls, if that slides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Seat<T> {
@@ -118,7 +118,7 @@ pub trait Rows<T: Real, const D: usize> {
     fn fixed(&self) -> Stance<'_, T>;
     fn sliding(&self) -> Option<Stance<'_, T>>;
 
-    /// Size of the forces by which rows hold each other.
+    /// Axial force by which rows hold each other, besides the load.
     fn internal(&self) -> T;
 
     /// Whether an offset is larger than `most`.
@@ -223,7 +223,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
 
     #[inline(always)]
     fn sum(&mut self, sum: &mut Sum<T, D>) {
-        self.sum_up(sum);
+        sum_up(self.balls, self.azimuths, sum);
         sum.refer(self.c.plane);
     }
 

@@ -67,6 +67,14 @@ pub enum Quantity {
     RadialGrowth,
     /// Growth of the ball diameter `gD`, m.
     BallGrowth,
+    /// Position of a row on the shaft, from the first one's, m.
+    RowPosition,
+    /// Closure `e` of a clamped row, m.
+    Closure,
+    /// Preload force of a pair, N.
+    PreloadForce,
+    /// Force of the spring on a sliding sleeve, N.
+    SpringForce,
 }
 
 impl Quantity {
@@ -115,6 +123,10 @@ impl Quantity {
             Self::AxialGrowth => "axial growth gx (m)",
             Self::RadialGrowth => "radial growth gr (m)",
             Self::BallGrowth => "growth of the ball diameter gD (m)",
+            Self::RowPosition => "position of the row from the first one (m)",
+            Self::Closure => "closure e of the row (m)",
+            Self::PreloadForce => "preload force of the pair (N)",
+            Self::SpringForce => "force of the spring (N)",
         }
     }
 }

@@ -3,8 +3,9 @@
 use crate::compare::{Equilibrium, Race};
 use crate::dispatch::Attitude;
 use crate::reference::{self, Reference};
+use crate::spindles::{self, Plan, Question};
 use serde::Deserialize;
-use spindle_bearing::{Design, FreeContact, Material};
+use spindle_bearing::{Arrangement, Design, Facing, FreeContact, Growth, Material, Preload};
 use std::f64::consts::{PI, TAU};
 
 /// Large, and turned fast for its size: gyroscopic moments matter.
@@ -223,10 +224,41 @@ pub const SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/sets.json");
 pub struct RowOfSet {
     /// The bearing under the load that it carries.
     pub case: Case,
-    /// Growths `gx`, `gr` and `gD`, m.
-    pub growth: [f64; 3],
+    /// Growth of its rings and balls.
+    pub growth: Growth<f64>,
     /// Displacement of its inner ring.
     pub displacement: [f64; 5],
+    /// Per ball: inner and outer contact angle, inner and outer contact force, centrifugal force, gyroscopic moment.
+    pub balls: Vec<[f64; 6]>,
+}
+
+/// A solved set of bearings on one shaft.
+#[derive(Debug, Clone)]
+pub struct SolvedSet {
+    /// What failure messages call it.
+    pub name: String,
+    /// What it is made of.
+    pub plan: Plan,
+    /// Rule for the balls' attitude.
+    pub attitude: Attitude,
+    /// Load on the shaft, speed and growth.
+    pub question: Question,
+    /// Displacement and stiffness of the shaft, and the closure that a spring makes, m.
+    pub displacement: [f64; 5],
+    /// Stiffness.
+    pub stiffness: [[f64; 5]; 5],
+    /// Closure that a spring makes, m.
+    pub spring_closure: Option<f64>,
+    /// The rows.
+    pub rows: Vec<SolvedRow>,
+}
+
+/// What a row of a solved set carries.
+#[derive(Debug, Clone, Deserialize)]
+pub struct SolvedRow {
+    /// Load on its inner ring, in the row's own frame.
+    #[serde(rename = "F")]
+    pub load: [f64; 5],
     /// Per ball: inner and outer contact angle, inner and outer contact force, centrifugal force, gyroscopic moment.
     pub balls: Vec<[f64; 6]>,
 }
@@ -236,7 +268,9 @@ struct SetRow {
     layout: String,
     attitude: String,
     rows: Vec<MountedRow>,
+    load: [f64; 5],
     speed_rpm: f64,
+    spring_force: Option<f64>,
     expect: SetExpect,
 }
 
@@ -252,45 +286,105 @@ struct MountedRow {
 #[derive(Deserialize)]
 struct SetExpect {
     u: [f64; 5],
-    rows: Vec<RowExpect>,
+    #[serde(rename = "K")]
+    stiffness: [[f64; 5]; 5],
+    rows: Vec<SolvedRow>,
     spring_offset: Option<f64>,
 }
 
-#[derive(Deserialize)]
-struct RowExpect {
-    #[serde(rename = "F")]
-    load: [f64; 5],
-    balls: Vec<[f64; 6]>,
+/// What a layout of the file is an arrangement of.
+fn arrangement(layout: &str) -> Arrangement {
+    match layout {
+        "DB" | "TBT" | "QBC" | "spindle" => Arrangement::BackToBack,
+        "DF" | "TFT" | "QFC" | "spindle, face to face" => Arrangement::FaceToFace,
+        _ => Arrangement::ByRows,
+    }
 }
 
-/// The rows of the solved sets.
+impl MountedRow {
+    fn row(&self) -> spindles::Row {
+        spindles::Row {
+            balls: self.bearing.balls,
+            design: self.bearing.design(),
+            position: self.position,
+            facing: if self.facing > 0.0 {
+                Facing::PlusX
+            } else {
+                Facing::MinusX
+            },
+            preload: match self.preload_offset {
+                Some(closure) => Preload::Closure(closure),
+                None => Preload::Spring,
+            },
+        }
+    }
+}
+
+/// The solved sets.
 ///
 /// # Panics
 ///
 /// If the file is not there or is not what it should be.
-pub fn rows_of_sets() -> Vec<RowOfSet> {
+pub fn sets() -> Vec<SolvedSet> {
     let text = std::fs::read_to_string(SETS).unwrap_or_else(|e| panic!("{SETS}: {e}"));
     let sets: Vec<SetRow> = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{SETS}: {e}"));
+    let solved = |(number, set): (usize, SetRow)| SolvedSet {
+        name: format!("set {number} ({})", set.layout),
+        plan: Plan {
+            rows: set.rows.iter().map(MountedRow::row).collect(),
+            arrangement: arrangement(&set.layout),
+            spring: set.spring_force,
+        },
+        attitude: attitude(&set.attitude),
+        question: Question {
+            load: set.load,
+            omega: rad_per_s(set.speed_rpm),
+            growth: set
+                .rows
+                .iter()
+                .map(|row| {
+                    let [axial, radial, ball] = row.growth;
+                    Growth {
+                        axial,
+                        radial,
+                        ball,
+                    }
+                })
+                .collect(),
+        },
+        displacement: set.expect.u,
+        stiffness: set.expect.stiffness,
+        spring_closure: set.expect.spring_offset,
+        rows: set.expect.rows,
+    };
+    sets.into_iter().enumerate().map(solved).collect()
+}
+
+/// The rows of the solved sets.
+pub fn rows_of_sets() -> Vec<RowOfSet> {
     let mut rows = Vec::new();
-    for (number, set) in sets.into_iter().enumerate() {
-        for (row, expect) in set.rows.iter().zip(set.expect.rows) {
+    for set in sets() {
+        let growths = &set.question.growth;
+        for ((row, growth), solved) in set.plan.rows.iter().zip(growths).zip(set.rows) {
             // A rigid shaft, and the mirror image of a row that faces the other way.
-            let [dx, dy, dz, ty, tz] = set.expect.u;
-            let (x, s) = (row.position, row.facing);
-            let closure = row.preload_offset.or(set.expect.spring_offset);
-            let closure = closure.unwrap_or(0.0);
+            let [dx, dy, dz, ty, tz] = set.displacement;
+            let (x, s) = (row.position, row.facing.sign::<f64>());
+            let closure = match row.preload {
+                Preload::Closure(closure) => closure,
+                _ => set.spring_closure.unwrap_or_default(),
+            };
             rows.push(RowOfSet {
                 case: Case {
-                    name: format!("set {number} ({}), row at {x} m", set.layout),
-                    balls: row.bearing.balls,
-                    design: row.bearing.design(),
-                    attitude: attitude(&set.attitude),
-                    load: expect.load,
-                    omega: rad_per_s(set.speed_rpm),
+                    name: format!("{}, row at {x} m", set.name),
+                    balls: row.balls,
+                    design: row.design,
+                    attitude: set.attitude,
+                    load: solved.load,
+                    omega: set.question.omega,
                 },
-                growth: row.growth,
+                growth: *growth,
                 displacement: [s * dx + closure, dy + x * tz, dz - x * ty, s * ty, s * tz],
-                balls: expect.balls,
+                balls: solved.balls,
             });
         }
     }

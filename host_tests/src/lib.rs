@@ -12,6 +12,7 @@ pub mod milling_cycle;
 pub mod progress;
 pub mod reference;
 pub mod replay;
+pub mod spindles;
 pub mod study;
 pub mod telemetry;
 pub mod tolerances;

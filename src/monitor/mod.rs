@@ -849,7 +849,7 @@ fn damage<T: Real, const N: usize, M: Motion>(
     solution: &Solution<'_, T, N, M, 5>,
     settings: &MonitorSettings,
 ) -> f32 {
-    let forces = solution.contact_forces();
+    let forces = solution.view().contact_forces();
     settings
         .rating
         .damage(forces.map(|(q_i, q_o)| (q_i.to_f32(), q_o.to_f32())))
@@ -873,7 +873,7 @@ fn observe<T: Real, const N: usize, M: Motion>(
     };
     let unit = solution.unit_of_force().to_f32();
     let (mut inner, mut outer) = (0.0_f32, 0.0_f32);
-    let survey = solution.survey(&limits, |ball, contacts| {
+    let survey = solution.view().survey(&limits, |ball, contacts| {
         let force = contacts.each_ref().map(|k| k.q.to_f32());
         let q = unit * force[0];
         if q < least {

@@ -193,7 +193,7 @@ fn add<T: Real, const N: usize, M: Motion>(sum: &mut Checksum, of: &Solution<'_,
         add_number(sum, *x);
     }
     let limits = Limits::default();
-    let survey = of.survey(&limits, |_, contacts| {
+    let survey = of.view().survey(&limits, |_, contacts| {
         for contact in contacts {
             let [sin, cos] = contact.n;
             for x in [contact.q, sin, cos] {

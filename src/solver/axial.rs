@@ -42,6 +42,8 @@ pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
     /// Of a bearing with one ball, which carries its share of the load.
     state: State<T, 1>,
     ball: M::Ball<T>,
+    /// Of the last solve at speed, in units of length.
+    growth: Growth<T>,
     /// Root of the last solution at rest, above all without one, and the grooves' centres there.
     root: T,
     centres: Centres<T>,
@@ -61,6 +63,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             bearing,
             state: State::COLD,
             ball: M::Ball::default(),
+            growth: Growth::NONE,
             root: T::ONE / T::TINY,
             centres: Centres {
                 axial: T::ZERO,
@@ -137,7 +140,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         };
         let point = Point::new(c, s, size, &growth);
         if M::AT_SPEED && point.regime != Regime::Rest {
-            self.state.grow(growth);
+            self.state.grow(&mut self.growth, growth);
             return self.at_speed(asked, given, point, settings);
         }
         self.at_rest(asked, given, point, settings)

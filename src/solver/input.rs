@@ -9,7 +9,7 @@ use crate::mounting::Speed;
 use crate::status::{Quantity, Status};
 
 /// Refuses a value that is not finite, or larger in magnitude than `limit`.
-fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Status<T>> {
+pub fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Status<T>> {
     if !value.is_finite() {
         return Err(Status::NotFinite { quantity, value });
     }
@@ -23,6 +23,15 @@ fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Status<T
     Ok(())
 }
 
+/// A load, in the unit of force or moment.
+///
+/// Beyond N times the force that would press a ball by the whole groove distance, nothing in the model holds.
+#[inline(always)]
+pub fn load<T: Real>(quantity: Quantity, unit: T, balls: T, load: T) -> Result<T, Status<T>> {
+    check(quantity, load, unit * balls * T::of(512.0))?;
+    Ok(load / unit)
+}
+
 /// What is given of a freedom, in units of force or length.
 #[inline(always)]
 pub fn given<T: Real>(
@@ -33,11 +42,7 @@ pub fn given<T: Real>(
     let (force, length) = units(c, freedom);
     let [of_load, of_displacement] = Quantity::OF_FREEDOM[freedom];
     match given {
-        // Beyond N times the force that would press a ball by the whole groove distance, nothing in the model holds.
-        Given::Load(load) => {
-            check(of_load, load, force * c.balls * T::of(512.0))?;
-            Ok(Given::Load(load / force))
-        }
+        Given::Load(value) => Ok(Given::Load(load(of_load, force, c.balls, value)?)),
         Given::Displacement(u) => {
             check(of_displacement, u, length * T::of(128.0))?;
             Ok(Given::Displacement(u / length))

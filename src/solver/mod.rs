@@ -10,12 +10,13 @@
 //! load.
 
 mod axial;
-mod error;
+pub(crate) mod error;
 mod fallback;
-mod input;
+pub(crate) mod input;
 mod newton;
 mod solution;
 mod start;
+pub(crate) mod view;
 
 use crate::body::Body;
 use crate::constants::{Azimuth, Bearing, Constants};
@@ -33,7 +34,7 @@ use core::array::from_fn;
 
 pub use axial::{AxialSolution, AxialSolver};
 pub use error::ErrorEstimate;
-use newton::{End, Outcome, Task};
+pub(crate) use newton::{End, Outcome, Task};
 pub use solution::{Snapshot, Solution};
 use start::{at_rest, at_speed};
 
@@ -96,11 +97,10 @@ pub struct State<T, const D: usize> {
     pub condensed: bool,
     /// The stiffness has yet to follow the last step.
     pub correct: bool,
-    /// Load of the last solve, its size with reactions, inertia `m dm omega^2 / 2`, and growth.
+    /// Load of the last solve, its size with reactions, and inertia `m dm omega^2 / 2`.
     load: [T; D],
     size: T,
     s: T,
-    growth: Growth<T>,
     /// The references are those of another growth.
     grown: bool,
 }
@@ -119,18 +119,17 @@ impl<T: Real, const D: usize> State<T, D> {
         load: [T::ZERO; D],
         size: T::ZERO,
         s: T::ZERO,
-        growth: Growth::NONE,
         grown: false,
     };
 
     /// Displacement of the centre.
-    fn displacement(&self, plane: T) -> [T; D] {
+    pub(crate) fn displacement(&self, plane: T) -> [T; D] {
         centre_of(plane, &from_fn(|i| self.u[i] + self.v[i]))
     }
 
     /// The stiffness after the last step, with what `change` says of its change along the motion from where the balls
     /// were condensed.
-    fn stiffness(&self, change: impl FnOnce(&[T; D]) -> Matrix<T, D>) -> Matrix<T, D> {
+    pub(crate) fn stiffness(&self, change: impl FnOnce(&[T; D]) -> Matrix<T, D>) -> Matrix<T, D> {
         let mut k = self.sum.k;
         if self.correct {
             for (row, change) in k.iter_mut().zip(&change(&self.v)) {
@@ -156,24 +155,23 @@ impl<T: Real, const D: usize> State<T, D> {
         })
     }
 
-    /// Takes note of the growth that the next solve is at: the references have yet to follow it. A solution is no start
-    /// for one that is larger by more than a unit of length, about a deformation.
-    fn grow(&mut self, growth: Growth<T>) {
-        let last = self.growth;
-        if growth != last {
+    /// Takes note of the growth of a row that the next solve is at, after `last`: the references have yet to follow it.
+    /// A solution is no start for one that is larger by more than a unit of length, about a deformation.
+    pub(crate) fn grow(&mut self, last: &mut Growth<T>, growth: Growth<T>) {
+        if growth != *last {
             let by = (growth.axial - last.axial).abs()
                 + (growth.radial - last.radial).abs()
                 + (growth.ball - last.ball).abs();
             if !(by <= T::ONE) {
                 self.size = T::ZERO;
             }
-            self.growth = growth;
+            *last = growth;
             self.grown = true;
         }
     }
 
     /// One solve: from the last solution, if that is near, or from a start.
-    fn solve<S: Rows<T, D>, R: Rule>(
+    pub(crate) fn solve<S: Rows<T, D>, R: Rule>(
         &mut self,
         rows: &mut S,
         task: &Task<T, D>,
@@ -231,7 +229,11 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Why there is no solution, if there is none.
-    fn refuse<S: Rows<T, D>>(&mut self, rows: &S, outcome: &Outcome<T>) -> Result<(), Status<T>> {
+    pub(crate) fn refuse<S: Rows<T, D>>(
+        &mut self,
+        rows: &S,
+        outcome: &Outcome<T>,
+    ) -> Result<(), Status<T>> {
         let is_solved = outcome.end.is_solved();
         if is_solved && outcome.estimate.cos >= T::of(UNSEATED) {
             return Ok(());
@@ -263,6 +265,17 @@ impl<T: Real, const D: usize> State<T, D> {
         })
     }
 
+    /// How far the figures of a solution at the displacement `u` can be off.
+    pub(crate) fn errors<S: Rows<T, D>>(
+        &self,
+        rows: &S,
+        outcome: &Outcome<T>,
+        u: &[T; D],
+    ) -> ErrorEstimate<T> {
+        let inertia = rows.inertia() * rows.balls();
+        error::errors(outcome, self, u, self.size + inertia)
+    }
+
     /// The solution of a bearing, or why there is none.
     fn conclude<B: Body<T>>(
         &mut self,
@@ -289,14 +302,9 @@ impl<T: Real, const D: usize> State<T, D> {
             Given::Load(load) => load,
             Given::Displacement(_) => load[i],
         });
-        let error = error::errors(outcome, self, &u, self.size + row.p.s * c.balls);
-        let status = match outcome.end {
-            End::Rounded => Status::PrecisionLimit,
-            _ => Status::Converged,
-        };
         Ok(Answer {
-            status,
-            error,
+            status: outcome.status(),
+            error: self.errors(row, outcome, &u),
             displacement,
             load,
         })
@@ -305,7 +313,7 @@ impl<T: Real, const D: usize> State<T, D> {
 
 /// Whether every figure is a finite number.
 #[inline(never)]
-fn are_finite<T: Real>(figures: &[T]) -> bool {
+pub(crate) fn are_finite<T: Real>(figures: &[T]) -> bool {
     let mut zero = T::ZERO;
     for x in figures {
         zero += T::ZERO * *x;
@@ -347,6 +355,8 @@ pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize 
     bearing: &'b Bearing<T, N>,
     state: State<T, D>,
     balls: [M::Ball<T>; N],
+    /// Of the last solve, in units of length.
+    growth: Growth<T>,
 }
 
 impl<'b, T: Real, const N: usize> Solver<'b, T, N> {
@@ -366,6 +376,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
             bearing,
             state: State::COLD,
             balls: [M::Ball::default(); N],
+            growth: Growth::NONE,
         }
     }
 
@@ -463,7 +474,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
             T::ZERO
         };
         let p = Point::new(c, s, size, &growth);
-        self.state.grow(growth);
+        self.state.grow(&mut self.growth, growth);
         Ok((task, p))
     }
 }

@@ -11,6 +11,7 @@ use crate::kinematics::Rule;
 use crate::linalg::{Pair, norm, product};
 use crate::mounting::Point;
 use crate::rows::Rows;
+use crate::status::Status;
 use crate::tuning;
 
 /// What a solve is for, in the units of the constants, referred to the bearing centre.
@@ -78,6 +79,14 @@ pub struct Outcome<T> {
 }
 
 impl<T: Real> Outcome<T> {
+    /// The status of a solution.
+    pub const fn status(&self) -> Status<T> {
+        match self.end {
+            End::Rounded => Status::PrecisionLimit,
+            _ => Status::Converged,
+        }
+    }
+
     /// Before the first iteration.
     pub const NONE: Self = Self {
         end: End::Unfinished,

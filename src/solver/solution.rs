@@ -2,19 +2,18 @@
 
 use super::Solver;
 use super::error::ErrorEstimate;
-use crate::body::Body;
-use crate::constants::Azimuth;
+use super::view::View;
 use crate::float::Real;
 use crate::frame::stiffness_out;
-use crate::limits::{ContactState, Exceedances, Extremes, Limits, Survey};
+use crate::limits::{Exceedances, Extremes, Limits};
 use crate::linalg::Matrix;
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
 use crate::pose::BallState;
-use crate::pose::Pose;
-use crate::ring::shift;
+use crate::ring::in_full;
 use crate::status::Status;
 use core::fmt;
+use core::marker::PhantomData;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
@@ -44,52 +43,29 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         stiffness_out(c, &k)
     }
 
+    /// The row of balls.
     #[inline(always)]
-    fn pose(&self, ball: &M::Ball<T>, at: &Azimuth<T>) -> Pose<T> {
-        let a = shift(&self.solver.state.v, at);
-        ball.pose::<M::Rule>(&self.solver.bearing.constants, &self.point, a)
-    }
-
-    /// The same, by a call: one for all but the survey.
-    #[inline(never)]
-    fn pose_by_call(&self, ball: &M::Ball<T>, at: &Azimuth<T>) -> Pose<T> {
-        self.pose(ball, at)
-    }
-
-    fn poses(&self) -> impl ExactSizeIterator<Item = Pose<T>> + '_ {
-        let balls = self.solver.balls.iter();
-        balls
-            .zip(&self.solver.bearing.azimuths)
-            .map(|(ball, at)| self.pose_by_call(ball, at))
-    }
-
-    /// The survey alone.
-    #[inline(never)]
-    fn look<'l>(&'l self, limits: &'l Limits<T>) -> Survey<'l, T> {
-        self.survey(limits, |_, _| ())
+    pub(crate) fn view(&self) -> View<'_, T, M::Ball<T>, M::Rule> {
+        let bearing = self.solver.bearing;
+        View {
+            c: &bearing.constants,
+            p: &self.point,
+            azimuths: &bearing.azimuths,
+            balls: &self.solver.balls,
+            v: in_full(&self.solver.state.v),
+            speed: self.speed,
+            rule: PhantomData,
+        }
     }
 
     /// States of the balls, in the order of their azimuths.
     pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_ {
-        let bearing = self.solver.bearing;
-        let c = &bearing.constants;
-        self.poses()
-            .zip(&bearing.azimuths)
-            .map(move |(pose, at)| pose.state(c, at))
+        self.view().states()
     }
 
     /// Forces on the inner race alone, N, in the order of the balls: without the cost of contact angles.
     pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_ {
-        let force = self.solver.bearing.constants.force;
-        self.poses().map(move |pose| pose.inner.q * force)
-    }
-
-    /// Forces on the inner and the outer contact of every ball, N.
-    #[cfg(feature = "monitor")]
-    pub(crate) fn contact_forces(&self) -> impl ExactSizeIterator<Item = (T, T)> + '_ {
-        let force = self.solver.bearing.constants.force;
-        self.poses()
-            .map(move |pose| (pose.inner.q * force, pose.outer.q * force))
+        self.view().contact_forces().map(|(inner, _)| inner)
     }
 
     /// Cage speed `omega_m` of every ball about the bearing's axis, rad/s, in the order of the balls.
@@ -97,8 +73,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// The contact angles of a loaded bearing differ, and with them the speeds: the cage turns at about their mean. A
     /// ball without contact has the speed that its contact angles would give it.
     pub fn cage_speeds(&self) -> impl ExactSizeIterator<Item = T> + '_ {
-        let omega = self.speed.as_rad_per_s();
-        self.poses().map(move |pose| pose.mu * omega)
+        self.view().cage_speeds()
     }
 
     /// The limits that this equilibrium has passed, and where: the given ones, and those of the design's grooves.
@@ -127,9 +102,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
-        let length = self.solver.bearing.constants.length;
-        self.look(limits)
-            .exceedances(length, self.poses().map(|pose| pose.states()))
+        self.view().exceedances(limits)
     }
 
     /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
@@ -153,21 +126,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn extremes(&self) -> Extremes<T> {
-        self.look(&Limits::none()).extremes()
-    }
-
-    /// Looks at every ball once, and hands each on: its number, its inner and its outer contact, in the solver's units.
-    pub(crate) fn survey<'l>(
-        &'l self,
-        limits: &'l Limits<T>,
-        each: impl FnMut(u16, &[ContactState<T>; 2]),
-    ) -> Survey<'l, T> {
-        // In line: results of a call go through memory (+1,500 cycles).
-        let balls = self.solver.balls.iter();
-        let states = balls
-            .zip(&self.solver.bearing.azimuths)
-            .map(|(ball, at)| self.pose(ball, at).states());
-        Survey::of(&self.solver.bearing.constants.grooves, limits, states, each)
+        self.view().extremes()
     }
 
     /// Unit of force of the contacts, N.
@@ -182,7 +141,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         let omega = self.speed.as_rad_per_s();
         let mut balls = [BallState::default(); N];
         let mut cage_speeds = [T::ZERO; N];
-        let poses = self.poses().zip(&bearing.azimuths);
+        let poses = self.view().poses().zip(&bearing.azimuths);
         let of_ball = balls.iter_mut().zip(&mut cage_speeds);
         for ((pose, at), (ball, cage_speed)) in poses.zip(of_ball) {
             *ball = pose.state(&bearing.constants, at);

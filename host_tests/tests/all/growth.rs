@@ -13,12 +13,7 @@ fn rows_of_solved_sets_have_their_loads_and_displacements() {
         let (design, omega) = (&row.case.design, row.case.omega);
         let balls = row.case.attitude.into();
         let mut solver = solver(design, row.case.balls, Precision::F64, balls);
-        let [axial, radial, ball] = row.growth;
-        let growth = Growth {
-            axial,
-            radial,
-            ball,
-        };
+        let growth = row.growth;
         let mut ask = |question: Question| {
             solver
                 .ask(&Question { growth, ..question })

@@ -24,6 +24,7 @@ mod retained;
 mod self_check;
 mod solution;
 mod solves;
+mod spindles;
 mod starts;
 mod statement;
 mod symmetry;

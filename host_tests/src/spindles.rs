@@ -1,0 +1,332 @@
+//! Spindles whose rows, ball counts and precision are known at run time only: what `dispatch` is for one bearing.
+
+use crate::dispatch::{Attitude, Precision, widened};
+use spindle_bearing::{
+    Arrangement, BallState, Bearing, Design, DesignError, Facing, Full, Growth, InnerRaceControl,
+    Motion, Mounted, OuterRaceControl, Preload, Quantity, RacewayControlFree, Real, Settings,
+    ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
+};
+use std::fmt;
+
+/// Largest number of balls of a row, and of rows.
+pub const MOST_BALLS: usize = 64;
+/// Largest number of rows.
+pub const MOST_ROWS: usize = 8;
+
+/// A row of a spindle.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Ball count.
+    pub balls: usize,
+    /// The bearing.
+    pub design: Design,
+    /// Position on the shaft, m.
+    pub position: f64,
+    /// How it faces.
+    pub facing: Facing,
+    /// How it is held.
+    pub preload: Preload<f64>,
+}
+
+/// A spindle.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The rows.
+    pub rows: Vec<Row>,
+    /// What they are said to be.
+    pub arrangement: Arrangement,
+    /// Force of the spring, N.
+    pub spring: Option<f64>,
+}
+
+/// How the balls move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Balls {
+    /// At rest, in closed form.
+    Static,
+    /// At speed.
+    Moving(Attitude),
+}
+
+/// What is asked of a spindle.
+#[derive(Debug, Clone)]
+pub struct Question {
+    /// `Fx, Fy, Fz, My, Mz` on the shaft at `x = 0`, N and N m.
+    pub load: [f64; 5],
+    /// Shaft speed, rad/s.
+    pub omega: f64,
+    /// Growth of each row; none if there are fewer than rows.
+    pub growth: Vec<Growth<f64>>,
+}
+
+/// An equilibrium, widened to double.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// How the solve ended, in a word.
+    pub status: &'static str,
+    /// Iterations.
+    pub iterations: u16,
+    /// Displacement of the shaft at `x = 0`.
+    pub displacement: [f64; 5],
+    /// Stiffness there.
+    pub stiffness: [[f64; 5]; 5],
+    /// Compliance and stiffness at the point that was asked for.
+    pub compliance_at: [[f64; 5]; 5],
+    /// Stiffness there.
+    pub stiffness_at: [[f64; 5]; 5],
+    /// Closure that the spring makes, m.
+    pub spring_closure: f64,
+    /// The rows.
+    pub rows: Vec<RowAnswer>,
+    /// Estimated errors of displacement, force and stiffness.
+    pub error: [f64; 3],
+}
+
+/// What a row carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RowAnswer {
+    /// Force on its inner ring, in its own frame.
+    pub force: [f64; 5],
+    /// Preload, N.
+    pub preload: f64,
+    /// Stiffness of the row alone.
+    pub stiffness: [[f64; 5]; 5],
+    /// States of the balls.
+    pub balls: Vec<BallState<f64>>,
+}
+
+/// A solver for a spindle.
+pub trait AnySpindleSolver {
+    /// Solves; the point at which stiffness and compliance are wanted is at the position `x`, m.
+    ///
+    /// # Errors
+    ///
+    /// Why there is no answer.
+    fn solve(&mut self, question: &Question, x: f64) -> Result<Answer, Status<f32>>;
+
+    /// Makes the next solves stop at this tolerance, or after this many iterations.
+    fn set_settings(&mut self, tolerance: f64, max_iterations: u16);
+
+    /// Makes the next solve a cold one.
+    fn reset(&mut self);
+}
+
+/// Why a spindle cannot be built.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BuildError {
+    /// The design of a row, counted from 0.
+    Design(usize, DesignError),
+    /// The rows, as the solver says it.
+    Spindle(String),
+    /// Too many rows, or none.
+    Rows(usize),
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Design(row, error) => write!(f, "row {row}: {error}"),
+            Self::Spindle(error) => f.write_str(error),
+            Self::Rows(rows) => write!(f, "{rows} rows: a spindle has 1 to {MOST_ROWS} here"),
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}
+
+/// A bearing of any ball count.
+trait Mount<T: Real> {
+    fn mounted(&self, row: &Row) -> Mounted<'_, T, MOST_BALLS>;
+}
+
+impl<T: Real, const N: usize> Mount<T> for Bearing<T, N> {
+    fn mounted(&self, row: &Row) -> Mounted<'_, T, MOST_BALLS> {
+        let preload = match row.preload {
+            Preload::Closure(e) => Preload::Closure(T::of(e)),
+            Preload::Force(force) => Preload::Force(T::of(force)),
+            Preload::Spring => Preload::Spring,
+        };
+        // What is larger than the spindle's rows is not in the table below.
+        Mounted::new(self, T::of(row.position), row.facing).with(preload)
+    }
+}
+
+macro_rules! mounts {
+    ($t:ident, $design:expr, $balls:expr, $($n:literal)*) => {
+        match $balls {
+            $($n => Ok(Box::new(Bearing::<$t, $n>::build($design)?) as Box<dyn Mount<$t>>),)*
+            balls => Err(DesignError {
+                quantity: Quantity::BallCount,
+                value: balls as f64,
+                least: 3.0,
+                most: MOST_BALLS as f64,
+            }),
+        }
+    };
+}
+
+fn mount<T: Real>(design: &Design, balls: usize) -> Result<Box<dyn Mount<T>>, DesignError> {
+    mounts!(
+        T, design, balls,
+        3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
+        35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
+    )
+}
+
+/// Builds a spindle, and hands a cold solver for it to `f`.
+///
+/// # Errors
+///
+/// Why it cannot be built.
+pub fn with_solver<O>(
+    plan: &Plan,
+    balls: Balls,
+    precision: Precision,
+    f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
+) -> Result<O, BuildError> {
+    match precision {
+        Precision::F32 => with::<f32, O>(plan, balls, f),
+        Precision::F64 => with::<f64, O>(plan, balls, f),
+    }
+}
+
+fn with<T: Real, O>(
+    plan: &Plan,
+    balls: Balls,
+    f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
+) -> Result<O, BuildError> {
+    let bearings = plan.rows.iter().enumerate();
+    let bearings: Vec<Box<dyn Mount<T>>> = bearings
+        .map(|(i, row)| mount(&row.design, row.balls).map_err(|e| BuildError::Design(i, e)))
+        .collect::<Result<_, _>>()?;
+    let mounted: Vec<_> = plan
+        .rows
+        .iter()
+        .zip(&bearings)
+        .map(|(row, bearing)| bearing.mounted(row))
+        .collect();
+    match mounted.len() {
+        1 => of_rows::<T, 1, O>(plan, &mounted, balls, f),
+        2 => of_rows::<T, 2, O>(plan, &mounted, balls, f),
+        3 => of_rows::<T, 3, O>(plan, &mounted, balls, f),
+        4 => of_rows::<T, 4, O>(plan, &mounted, balls, f),
+        5 => of_rows::<T, 5, O>(plan, &mounted, balls, f),
+        6 => of_rows::<T, 6, O>(plan, &mounted, balls, f),
+        7 => of_rows::<T, 7, O>(plan, &mounted, balls, f),
+        8 => of_rows::<T, 8, O>(plan, &mounted, balls, f),
+        rows => Err(BuildError::Rows(rows)),
+    }
+}
+
+fn of_rows<T: Real, const R: usize, O>(
+    plan: &Plan,
+    mounted: &[Mounted<'_, T, MOST_BALLS>],
+    balls: Balls,
+    f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
+) -> Result<O, BuildError> {
+    let rows: [Mounted<'_, T, MOST_BALLS>; R] = std::array::from_fn(|i| mounted[i]);
+    if let Some(spring) = plan.spring {
+        let spindle = Spindle::sprung(plan.arrangement, rows, T::of(spring));
+        let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
+        Ok(of_motion(&spindle, balls, f))
+    } else {
+        let spindle = Spindle::new(plan.arrangement, rows);
+        let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
+        Ok(of_motion(&spindle, balls, f))
+    }
+}
+
+fn of_motion<T: Real, const R: usize, const D: usize, O>(
+    spindle: &Spindle<'_, T, R, MOST_BALLS, D>,
+    balls: Balls,
+    f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
+) -> O {
+    match balls {
+        Balls::Static => f(&mut *Counted::<T, R, Static, D>::new(spindle)),
+        Balls::Moving(Attitude::Raceless) => f(
+            &mut *Counted::<T, R, Full<RacewayControlFree>, D>::new(spindle),
+        ),
+        Balls::Moving(Attitude::Outer) => f(&mut *Counted::<T, R, Full<OuterRaceControl>, D>::new(
+            spindle,
+        )),
+        Balls::Moving(Attitude::Inner) => f(&mut *Counted::<T, R, Full<InnerRaceControl>, D>::new(
+            spindle,
+        )),
+    }
+}
+
+struct Counted<'s, T: Real, const R: usize, M: Motion, const D: usize> {
+    solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D>,
+    settings: Settings<T>,
+}
+
+impl<'s, T: Real, const R: usize, M: Motion, const D: usize> Counted<'s, T, R, M, D> {
+    fn new(spindle: &'s Spindle<'s, T, R, MOST_BALLS, D>) -> Box<Self> {
+        Box::new(Self {
+            solver: SpindleSolver::of(spindle),
+            settings: Settings::default(),
+        })
+    }
+}
+
+impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
+    for Counted<'_, T, R, M, D>
+{
+    fn solve(&mut self, question: &Question, x: f64) -> Result<Answer, Status<f32>> {
+        let growth = std::array::from_fn(|i| match question.growth.get(i) {
+            Some(growth) => Growth {
+                axial: T::of(growth.axial),
+                radial: T::of(growth.radial),
+                ball: T::of(growth.ball),
+            },
+            None => Growth::NONE,
+        });
+        let speed = Speed::rad_per_s(T::of(question.omega));
+        self.solver
+            .solve_at(question.load.map(T::of), speed, &growth, &self.settings)
+            .map(|solution| answer(&solution, T::of(x)))
+            .map_err(Status::to_f32)
+    }
+
+    fn set_settings(&mut self, tolerance: f64, max_iterations: u16) {
+        self.settings = Settings {
+            tolerance: T::of(tolerance),
+            max_iterations,
+        };
+    }
+
+    fn reset(&mut self) {
+        self.solver.reset();
+    }
+}
+
+fn wide<T: Real>(m: &[[T; 5]; 5]) -> [[f64; 5]; 5] {
+    m.map(|row| row.map(T::to_f64))
+}
+
+fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
+    solution: &SpindleSolution<'_, T, R, N, M, D>,
+    x: T,
+) -> Answer {
+    let end = ShaftEnd::rigid(x);
+    let error = &solution.error;
+    Answer {
+        status: solution.status.name(),
+        iterations: solution.iterations,
+        displacement: solution.displacement.map(T::to_f64),
+        stiffness: wide(&solution.stiffness()),
+        compliance_at: wide(&solution.compliance_at(&end)),
+        stiffness_at: wide(&solution.stiffness_at(&end)),
+        spring_closure: solution.spring_closure().to_f64(),
+        rows: solution
+            .rows()
+            .map(|row| RowAnswer {
+                force: row.force.map(T::to_f64),
+                preload: row.preload().to_f64(),
+                stiffness: wide(&row.stiffness()),
+                balls: row.balls().map(|ball| widened(&ball)).collect(),
+            })
+            .collect(),
+        error: [error.displacement, error.force, error.stiffness].map(T::to_f64),
+    }
+}

@@ -1,0 +1,130 @@
+//! How rows face, and the names of what comes of it.
+
+use super::{Mounted, SpindleError};
+use crate::float::Real;
+
+/// Which load on the shaft presses the balls of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Facing {
+    /// An axial load on the shaft in `+x`. The contact lines meet the axis on the side of smaller x.
+    #[cfg_attr(feature = "serde", serde(rename = "+x"))]
+    PlusX,
+    /// One in `-x`: the mirror image.
+    #[cfg_attr(feature = "serde", serde(rename = "-x"))]
+    MinusX,
+}
+
+impl Facing {
+    /// 1 or -1.
+    pub fn sign<T: Real>(self) -> T {
+        match self {
+            Self::PlusX => T::ONE,
+            Self::MinusX => -T::ONE,
+        }
+    }
+
+    /// The other one.
+    pub const fn opposite(self) -> Self {
+        match self {
+            Self::PlusX => Self::MinusX,
+            Self::MinusX => Self::PlusX,
+        }
+    }
+
+    /// `+x` or `-x`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::PlusX => "+x",
+            Self::MinusX => "-x",
+        }
+    }
+}
+
+/// How the rows of a spindle stand to each other. Sets of three and four rows have the name of the pair that they are made
+/// of: TBT, QBC and QBT are back to back, TFT and QFC face to face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Arrangement {
+    /// DB, O: the contact lines meet the axis far apart, which resists a tilt. Rows that face `+x` are at smaller x than
+    /// those that face `-x`.
+    BackToBack,
+    /// DF, X: the contact lines meet the axis close together. Rows that face `-x` are at smaller x.
+    FaceToFace,
+    /// DT: all rows face one way and share an axial load.
+    Tandem,
+    /// As the rows say, unchecked.
+    ByRows,
+}
+
+impl Arrangement {
+    /// Short name in lower case.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::BackToBack => "back-to-back",
+            Self::FaceToFace => "face-to-face",
+            Self::Tandem => "tandem",
+            Self::ByRows => "by-rows",
+        }
+    }
+
+    /// How the two rows of a pair face, that at the smaller x first.
+    pub(super) const fn of_pair(self) -> [Facing; 2] {
+        match self {
+            Self::BackToBack | Self::ByRows => [Facing::PlusX, Facing::MinusX],
+            Self::FaceToFace => [Facing::MinusX, Facing::PlusX],
+            Self::Tandem => [Facing::PlusX, Facing::PlusX],
+        }
+    }
+
+    /// Whether two rows may stand to each other like this, the first one at the smaller x.
+    fn allows(self, first: Facing, second: Facing) -> bool {
+        match self {
+            Self::BackToBack => !(first == Facing::MinusX && second == Facing::PlusX),
+            Self::FaceToFace => !(first == Facing::PlusX && second == Facing::MinusX),
+            Self::Tandem => first == second,
+            Self::ByRows => true,
+        }
+    }
+
+    /// Refuses rows that are not arranged like this, or where two are at one place.
+    pub(super) fn check<T: Real, const N: usize>(
+        self,
+        rows: &[Mounted<'_, T, N>],
+    ) -> Result<(), SpindleError<T>> {
+        let mut opposed = false;
+        for (i, a) in rows.iter().enumerate() {
+            for (j, b) in rows.iter().enumerate() {
+                if i == j {
+                    continue;
+                }
+                if a.position == b.position {
+                    return Err(SpindleError::SamePlace {
+                        row: j,
+                        position: b.position,
+                    });
+                }
+                if a.position < b.position && !self.allows(a.facing, b.facing) {
+                    return Err(SpindleError::NotArranged {
+                        arrangement: self,
+                        row: j,
+                        facing: b.facing,
+                    });
+                }
+                opposed |= a.facing != b.facing;
+            }
+        }
+        let needs_both = matches!(self, Self::BackToBack | Self::FaceToFace);
+        match rows.last() {
+            Some(last) if needs_both && !opposed => Err(SpindleError::NotArranged {
+                arrangement: self,
+                row: rows.len() - 1,
+                facing: last.facing,
+            }),
+            _ => Ok(()),
+        }
+    }
+}

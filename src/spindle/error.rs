@@ -1,0 +1,92 @@
+//! Why bearings do not make a spindle.
+
+use super::{Arrangement, Facing};
+use crate::float::Real;
+use crate::status::Status;
+use core::fmt;
+
+/// Why rows cannot be a spindle. Rows are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SpindleError<T> {
+    /// There is no row.
+    NoRow,
+    /// A figure of a row is out of range.
+    Row {
+        /// Which row.
+        row: usize,
+        /// Which figure, and its range.
+        status: Status<T>,
+    },
+    /// Two rows are at one place.
+    SamePlace {
+        /// One of them.
+        row: usize,
+        /// Their position, m.
+        position: T,
+    },
+    /// The rows do not stand to each other as the arrangement says.
+    NotArranged {
+        /// What they are said to be.
+        arrangement: Arrangement,
+        /// The row that faces the wrong way.
+        row: usize,
+        /// How it faces.
+        facing: Facing,
+    },
+    /// All rows slide: nothing holds the shaft along its axis.
+    NotHeld,
+    /// A row is preloaded that no clamped row faces, or the sliding rows face both ways.
+    Unopposed {
+        /// Which row.
+        row: usize,
+    },
+    /// There is a spring, but no row slides.
+    NothingSlides,
+    /// A row slides, but there is no spring.
+    NoSpring {
+        /// Which row.
+        row: usize,
+    },
+}
+
+impl<T: Real> fmt::Display for SpindleError<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoRow => f.write_str("a spindle needs a row of balls"),
+            Self::Row { row, status } => write!(f, "row {row}: {status}"),
+            Self::SamePlace { row, position } => {
+                write!(f, "row {row}: another row is at {position:e} m, too; give every row a place of its own")
+            }
+            Self::NotArranged { arrangement, row, facing } => {
+                write!(f, "row {row} faces {}, which is not {}: ", facing.name(), arrangement.name())?;
+                f.write_str(match arrangement {
+                    Arrangement::BackToBack => {
+                        "there, rows at smaller x face +x and rows at larger x face -x"
+                    }
+                    Arrangement::FaceToFace => {
+                        "there, rows at smaller x face -x and rows at larger x face +x"
+                    }
+                    Arrangement::Tandem | Arrangement::ByRows => "there, all rows face one way",
+                })
+            }
+            Self::NotHeld => f.write_str(
+                "all rows slide under the spring, and nothing holds the shaft along its axis: clamp one of them",
+            ),
+            Self::Unopposed { row } => write!(
+                f,
+                "row {row} is preloaded, but no clamped row faces it: turn a row round, or load the shaft instead"
+            ),
+            Self::NothingSlides => {
+                f.write_str("there is a spring, but no row slides: hold a row by `Preload::Spring`")
+            }
+            Self::NoSpring { row } => write!(
+                f,
+                "row {row} slides, but there is no spring: build the spindle by `Spindle::sprung`"
+            ),
+        }
+    }
+}
+
+impl<T: Real> core::error::Error for SpindleError<T> {}

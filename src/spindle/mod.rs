@@ -1,0 +1,359 @@
+//! Several bearings on one rigid shaft.
+//!
+//! The shaft's axis is x, and loads act at `x = 0`. A row sits at its position with its balls pressed by a load on the shaft in
+//! `+x` or in `-x`. Rows that face each other hold the shaft with a preload: outer rings that are clamped closer than the
+//! free bearings would stand, or a sleeve that a spring pushes.
+//!
+//! All rows' balls are condensed into one system of the shaft's five freedoms, and a sixth for a sleeve, in the loop that
+//! solves a single bearing. [`Spindle`] is what does not change, [`SpindleSolver`] solves it, [`SpindleSolution`] is what
+//! comes of it.
+
+mod arrangement;
+mod error;
+mod set;
+mod solution;
+mod solver;
+
+use crate::axial::AxialRest;
+use crate::constants::{Azimuth, Bearing, Constants};
+use crate::float::Real;
+use crate::growth::Growth;
+use crate::mounting::Point;
+use crate::rows::Seat;
+use crate::solver::input;
+use crate::status::{Quantity, Status};
+
+pub use arrangement::{Arrangement, Facing};
+pub use error::SpindleError;
+pub use solution::{RowSolution, ShaftEnd, SpindleSolution};
+pub use solver::SpindleSolver;
+
+/// How a row is held against the others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Preload<T> {
+    /// Clamped: spacers and ring faces leave a closure `e` (m), by which the row's rings are moved into each other. 0 if
+    /// they just touch, negative for a play.
+    Closure(T),
+    /// Clamped, with the closure that gives a pair of such bearings this preload (N), at rest, cold and without load.
+    Force(T),
+    /// The outer ring sits in the sleeve that slides under the spindle's spring.
+    Spring,
+}
+
+/// A bearing at its place on the shaft.
+///
+/// `N` is the largest number of balls that a row of the spindle has: a row with more does not compile.
+#[derive(Debug, Clone, Copy)]
+pub struct Mounted<'b, T, const N: usize> {
+    constants: &'b Constants<T>,
+    azimuths: &'b [Azimuth<T>],
+    position: T,
+    facing: Facing,
+    preload: Preload<T>,
+}
+
+impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
+    /// A bearing whose centre is at the position x (m) on the shaft; clamped, with its rings just touching.
+    pub fn new<const BALLS: usize>(
+        bearing: &'b Bearing<T, BALLS>,
+        position: T,
+        facing: Facing,
+    ) -> Self {
+        const {
+            assert!(
+                BALLS <= N,
+                "a row has more balls than the spindle has room for"
+            )
+        };
+        Self {
+            constants: &bearing.constants,
+            azimuths: &bearing.azimuths,
+            position,
+            facing,
+            preload: Preload::Closure(T::ZERO),
+        }
+    }
+
+    /// The same, held like this.
+    pub const fn with(self, preload: Preload<T>) -> Self {
+        Self { preload, ..self }
+    }
+}
+
+/// Rows that hold the shaft together, or slide together.
+#[derive(Debug, Clone, Copy)]
+struct Group<T> {
+    /// One of them.
+    first: usize,
+    /// Number of their balls.
+    balls: T,
+    /// Both facings are among them.
+    opposed: bool,
+}
+
+/// Bearings on one rigid shaft, ready to be solved: immutable, made once.
+///
+/// `R` rows of at most `N` balls. `D` is 5, the shaft's freedoms, or 6 where a sleeve slides under a spring.
+///
+/// ```
+/// use spindle_bearing::{Arrangement, Bearing, Design, FreeContact, Material};
+/// use spindle_bearing::{Preload, Settings, ShaftEnd, Speed, Spindle, SpindleSolver};
+/// # const DESIGN: Design = Design {
+/// #     ball_diameter: 11.906e-3, pitch_diameter: 90e-3,
+/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+/// #     free_contact: FreeContact::Angle(0.2618), first_ball: 0.0,
+/// #     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+/// #     ring: Material::STEEL, ball: Material::STEEL,
+/// # };
+/// const BEARING: Bearing<f64, 20> = Bearing::<f64, 20>::checked(&DESIGN);
+/// let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.027, Preload::Force(294.0))?;
+/// let mut solver = SpindleSolver::new(&pair);
+/// let load = [0.0, 200.0, 0.0, 0.0, 0.0];
+/// let solution = solver.solve(load, Speed::rpm(10_000.0), &Settings::default())?;
+/// let nose = solution.compliance_at(&ShaftEnd::rigid(-0.06));
+/// println!("{:.0} N/um at the nose", 1e-6 / nose[1][1]);
+/// for row in solution.rows() {
+///     println!("{:.0} N of preload", row.preload());
+/// }
+/// # assert!(solution.rows().all(|row| row.preload() > 600.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5> {
+    rows: [Mounted<'b, T, N>; R],
+    seats: [Seat<T>; R],
+    fixed: Group<T>,
+    sliding: Option<Group<T>>,
+    /// Force of the spring, N.
+    spring: T,
+    /// Position of the point that the solver refers to, m: the mean of the rows'. The groove plane is further by so much,
+    /// over `Rp`.
+    centre: T,
+    plane: T,
+    /// Number of balls, weighted with their inertia.
+    balls: T,
+    /// About the forces by which the rows hold each other at rest, in the solver's unit.
+    held: T,
+}
+
+impl<'b, T: Real, const N: usize> Spindle<'b, T, 2, N, 5> {
+    /// Two equal bearings, the first at `x = 0`, the second at this distance (m) in `+x`.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Spindle::new`].
+    pub fn pair(
+        arrangement: Arrangement,
+        bearing: &'b Bearing<T, N>,
+        distance: T,
+        preload: Preload<T>,
+    ) -> Result<Self, SpindleError<T>> {
+        let [first, second] = arrangement.of_pair();
+        let rows = [
+            Mounted::new(bearing, T::ZERO, first).with(preload),
+            Mounted::new(bearing, distance, second).with(preload),
+        ];
+        Self::new(arrangement, rows)
+    }
+}
+
+impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 5> {
+    /// Rows that are clamped, in an arrangement that is checked.
+    ///
+    /// # Errors
+    ///
+    /// What of the rows is out of range, or why they cannot be what they are said to be.
+    pub fn new(
+        arrangement: Arrangement,
+        rows: [Mounted<'b, T, N>; R],
+    ) -> Result<Self, SpindleError<T>> {
+        Self::of(arrangement, rows, T::ZERO)
+    }
+}
+
+impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
+    /// Rows of which some sit in a sleeve that slides along the shaft under a spring of this force (N), in an arrangement that
+    /// is checked.
+    ///
+    /// # Errors
+    ///
+    /// What of the rows is out of range, or why they cannot be what they are said to be.
+    pub fn sprung(
+        arrangement: Arrangement,
+        rows: [Mounted<'b, T, N>; R],
+        force: T,
+    ) -> Result<Self, SpindleError<T>> {
+        Self::of(arrangement, rows, force)
+    }
+}
+
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T, R, N, D> {
+    fn of(
+        arrangement: Arrangement,
+        rows: [Mounted<'b, T, N>; R],
+        spring: T,
+    ) -> Result<Self, SpindleError<T>> {
+        let Some(first) = rows.first() else {
+            return Err(SpindleError::NoRow);
+        };
+        let unit = first.constants;
+        // Positions and closures first: they are compared below.
+        let farthest = T::of(64.0) * unit.length / unit.tilt;
+        for (row, number) in rows.iter().zip(0..) {
+            let c = row.constants;
+            let (quantity, value, limit) = match row.preload {
+                Preload::Closure(e) => (Quantity::Closure, e, T::of(16.0) * c.length),
+                Preload::Force(force) => (Quantity::PreloadForce, force, c.balls * c.force),
+                Preload::Spring => (Quantity::SpringForce, spring, c.balls * c.force),
+            };
+            let position = input::check(
+                Quantity::RowPosition,
+                row.position - first.position,
+                farthest,
+            );
+            position
+                .and(input::check(quantity, value, limit))
+                .map_err(|status| SpindleError::Row {
+                    row: number,
+                    status,
+                })?;
+            let negative =
+                matches!(row.preload, Preload::Force(_) | Preload::Spring) && !(value > T::ZERO);
+            if negative {
+                let status = Status::OutOfRange {
+                    quantity,
+                    value,
+                    limit,
+                };
+                return Err(SpindleError::Row {
+                    row: number,
+                    status,
+                });
+            }
+        }
+        arrangement.check(&rows)?;
+
+        let rp = unit.length / unit.tilt;
+        let (mut centre, mut plane, mut count) = (T::ZERO, T::ZERO, T::ZERO);
+        for row in &rows {
+            let beyond = row.facing.sign::<T>()
+                * row.constants.plane
+                * (row.constants.length / row.constants.tilt);
+            centre += row.position;
+            plane += beyond;
+            count += T::ONE;
+        }
+        let (centre, plane) = (centre / count, plane / count);
+        let mut seats = [Seat::PLAIN; R];
+        let (mut balls, mut held) = (T::ZERO, T::ZERO);
+        for (seat, row) in seats.iter_mut().zip(&rows) {
+            let c = row.constants;
+            let own_rp = c.length / c.tilt;
+            let facing = row.facing.sign();
+            let closure = match row.preload {
+                Preload::Closure(e) => e / c.length,
+                Preload::Force(force) => closure(c, force / c.force),
+                Preload::Spring => T::ZERO,
+            };
+            *seat = Seat {
+                facing,
+                length: unit.length / c.length,
+                force: c.force / unit.force,
+                lever: ((row.position - centre) + (facing * c.plane * own_rp - plane)) / rp,
+                arm: own_rp / rp,
+                inertia: c.inertia / unit.inertia,
+                closure,
+                sliding: matches!(row.preload, Preload::Spring),
+            };
+            balls += c.balls * (seat.force * seat.inertia);
+            held += seat.force * c.balls * force_at(c, closure).at_least(T::ZERO);
+        }
+        let group = |sliding: bool| {
+            let mut group: Option<Group<T>> = None;
+            for (i, (seat, row)) in seats.iter().zip(&rows).enumerate() {
+                if seat.sliding == sliding {
+                    let group = group.get_or_insert(Group {
+                        first: i,
+                        balls: T::ZERO,
+                        opposed: false,
+                    });
+                    group.balls += row.constants.balls;
+                    group.opposed |= row.facing != rows[group.first].facing;
+                }
+            }
+            group
+        };
+        let (fixed, sliding) = (group(false), group(true));
+        let Some(fixed) = fixed else {
+            return Err(SpindleError::NotHeld);
+        };
+        match (&sliding, D == 6) {
+            (None, true) => return Err(SpindleError::NothingSlides),
+            (Some(group), false) => return Err(SpindleError::NoSpring { row: group.first }),
+            (Some(group), true) => {
+                let against = rows[group.first].facing.opposite();
+                let is_held = rows
+                    .iter()
+                    .any(|row| row.facing == against && !matches!(row.preload, Preload::Spring));
+                if group.opposed || !is_held {
+                    return Err(SpindleError::Unopposed { row: group.first });
+                }
+            }
+            (None, false) => {
+                let preloaded = rows
+                    .iter()
+                    .position(|row| matches!(row.preload, Preload::Force(_)));
+                if let (Some(row), false) = (preloaded, fixed.opposed) {
+                    return Err(SpindleError::Unopposed { row });
+                }
+            }
+        }
+        Ok(Self {
+            rows,
+            seats,
+            fixed,
+            sliding,
+            spring,
+            centre,
+            plane: plane / rp,
+            balls,
+            held,
+        })
+    }
+
+    /// Closure `e` of each clamped row (m), the given one or that of the preload force; 0 for a row that slides.
+    pub fn closures(&self) -> [T; R] {
+        core::array::from_fn(|i| self.seats[i].closure * self.rows[i].constants.length)
+    }
+
+    /// Positions of the rows on the shaft, m.
+    pub fn positions(&self) -> [T; R] {
+        self.rows.map(|row| row.position)
+    }
+
+    /// How the rows face.
+    pub fn facings(&self) -> [Facing; R] {
+        self.rows.map(|row| row.facing)
+    }
+}
+
+/// Axial displacement of a bearing at rest, cold, under an axial load, both in its units.
+fn closure<T: Real>(c: &Constants<T>, load: T) -> T {
+    let balls = AxialRest::new(c, &Point::new(c, T::ZERO, load, &Growth::NONE));
+    let loaded = balls.root(
+        T::ONE / T::TINY,
+        load / c.balls,
+        T::EPSILON * T::EPSILON,
+        64,
+    );
+    balls.displacement(&loaded.centres, false)
+}
+
+/// Axial force on a ball of a bearing at rest, cold, at an axial displacement, both in its units.
+fn force_at<T: Real>(c: &Constants<T>, dx: T) -> T {
+    let balls = AxialRest::new(c, &Point::new(c, T::ZERO, T::ZERO, &Growth::NONE));
+    let contact = balls.contact(&balls.centres_at(dx));
+    contact.q * contact.n[0]
+}

@@ -1,0 +1,284 @@
+//! The rows of a spindle, as the solver moves them.
+
+use super::Group;
+use crate::body::Body;
+use crate::contact::to_grid;
+use crate::float::Real;
+use crate::frame::{refer, refer_stiffness};
+use crate::kinematics::Rule;
+use crate::linalg::Matrix;
+use crate::mounting::Regime;
+use crate::ring::{Changes, Row, Sum, stiffening, sum_up};
+
+use crate::rows::{Rows, Seat, Stance};
+
+/// Where the balls' references of a row belong to, in its own frame and units.
+#[derive(Debug, Clone, Copy)]
+pub struct Place<T> {
+    /// Reference position of the row's groove plane, multiples of 1/256.
+    u: [T; 5],
+    /// Offset from it when the shaft is at its own reference position.
+    pub base: [T; 5],
+}
+
+impl<T: Real> Place<T> {
+    pub const NONE: Self = Self {
+        u: [T::ZERO; 5],
+        base: [T::ZERO; 5],
+    };
+}
+
+impl<T: Real> Seat<T> {
+    /// The force and moments on the shaft that this one on the row makes, but for the factor `phi`.
+    #[inline(always)]
+    pub fn on_shaft<const D: usize>(&self, own: &[T; 5]) -> [T; D] {
+        let mut force = [T::ZERO; D];
+        let turn = self.facing * self.arm;
+        force[0] = self.facing * own[0];
+        force[1] = own[1];
+        force[2] = own[2];
+        force[3] = turn * own[3] - self.lever * own[2];
+        force[4] = turn * own[4] + self.lever * own[1];
+        if D == 6 && self.sliding {
+            force[5] = own[0];
+        }
+        force
+    }
+
+    /// The row's position for one of the shaft that is a multiple of 1/256: a part that is almost exact, and the rest.
+    fn position<const D: usize>(&self, u: &[T; D]) -> ([T; 5], [T; 5]) {
+        let split = |x: T| (x + T::SPLIT) - T::SPLIT;
+        let coarse = Self {
+            lever: split(self.lever),
+            arm: split(self.arm),
+            ..*self
+        };
+        let rest = [self.lever - coarse.lever, self.arm - coarse.arm];
+        let mut high = coarse.motion(u);
+        let closure = split(self.closure);
+        high[0] += closure;
+        let r = self.length;
+        let turn = r * (self.facing * rest[1]);
+        let low = [
+            self.closure - closure,
+            r * (rest[0] * u[4]),
+            -(r * (rest[0] * u[3])),
+            turn * u[3],
+            turn * u[4],
+        ];
+        (high, low)
+    }
+}
+
+/// The rows of a spindle in one solve.
+pub struct Set<'a, 'b, T, B> {
+    pub rows: &'a mut [Row<'b, T, B>],
+    pub seats: &'a [Seat<T>],
+    pub places: &'a mut [Place<T>],
+    /// Axial force by which rows of either facing hold each other.
+    pub internal: &'a mut T,
+    pub fixed: Group<T>,
+    pub sliding: Option<Group<T>>,
+    pub plane: T,
+    pub balls: T,
+}
+
+impl<T: Real, B> Set<'_, '_, T, B> {
+    fn stance(&self, group: &Group<T>) -> Stance<'_, T> {
+        let (row, seat) = (&self.rows[group.first], self.seats[group.first]);
+        Stance {
+            c: row.c,
+            p: &row.p,
+            seat,
+            balls: group.balls,
+            opposed: group.opposed,
+        }
+    }
+}
+
+impl<T: Real, B: Body<T>> Set<'_, '_, T, B> {
+    /// Change of the stiffness along the motion to `v` from where the balls were condensed, referred to the centre.
+    pub fn stiffening<const D: usize>(&self, v: &[T; D]) -> Matrix<T, D> {
+        let mut change = [[T::ZERO; D]; D];
+        for ((row, seat), place) in self.rows.iter().zip(self.seats).zip(&*self.places) {
+            let own = stiffening(row.balls, row.azimuths, &seat.offset(&place.base, v));
+            add_stiffness(&mut change, seat, &own.k);
+        }
+        refer_stiffness(self.plane, &mut change);
+        change
+    }
+}
+
+impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
+    type Ball = B;
+
+    fn plane(&self) -> T {
+        self.plane
+    }
+
+    fn balls(&self) -> T {
+        self.balls
+    }
+
+    fn inertia(&self) -> T {
+        self.rows.first().map_or(T::ZERO, |row| row.p.s)
+    }
+
+    fn regime(&self) -> Regime {
+        self.rows.first().map_or(Regime::Rest, |row| row.p.regime)
+    }
+
+    fn each(&mut self, mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
+        for ((row, seat), place) in self.rows.iter_mut().zip(self.seats).zip(&*self.places) {
+            f(row, seat, &place.base);
+        }
+    }
+
+    fn fixed(&self) -> Stance<'_, T> {
+        self.stance(&self.fixed)
+    }
+
+    fn sliding(&self) -> Option<Stance<'_, T>> {
+        self.sliding.as_ref().map(|group| self.stance(group))
+    }
+
+    fn internal(&self) -> T {
+        *self.internal
+    }
+
+    fn strays(&self, v: &[T; D], most: T) -> bool {
+        let mut places = self.seats.iter().zip(&*self.places);
+        places.any(|(seat, place)| {
+            let own = seat.offset(&place.base, v);
+            own.iter().any(|v| v.abs() > most)
+        })
+    }
+
+    fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
+        let mut near = true;
+        <Self as Rows<T, D>>::each(self, |row, seat, base| {
+            near &= row.condense_balls::<R>(&seat.offset(base, v), ds);
+        });
+        near
+    }
+
+    fn sum(&mut self, sum: &mut Sum<T, D>) {
+        *sum = Sum::NONE;
+        let mut sides = [T::ZERO; 2];
+        <Self as Rows<T, D>>::each(self, |row, seat, _| {
+            let mut own = Sum::<T, 5>::NONE;
+            sum_up(row.balls, row.azimuths, &mut own);
+            sides[usize::from(seat.facing < T::ZERO)] += seat.force * own.force[0];
+            add(sum, seat, &own);
+        });
+        *self.internal = sides[0].at_most(sides[1]).at_least(T::ZERO);
+        sum.refer(self.plane);
+    }
+
+    fn changes(&self, du: &[T; D]) -> Changes<T, D> {
+        let mut all = Changes {
+            k: [T::ZERO; D],
+            most: T::ZERO,
+            lost: T::ZERO,
+            largest: T::TINY,
+            cos: T::ONE,
+        };
+        for (row, seat) in self.rows.iter().zip(self.seats) {
+            let own = row.changes_by(&seat.motion(du));
+            let k = seat.force * seat.length;
+            let (arm, lever) = (seat.arm * seat.arm, seat.lever * seat.lever);
+            all.k[0] += k * own.k[0];
+            all.k[1] += k * own.k[1];
+            all.k[2] += k * own.k[2];
+            all.k[3] += k * (arm * own.k[3] + lever * own.k[2]);
+            all.k[4] += k * (arm * own.k[4] + lever * own.k[1]);
+            if D == 6 && seat.sliding {
+                all.k[5] += k * own.k[0];
+            }
+            all.most = all.most.at_least(own.most);
+            all.lost = all.lost.at_least(seat.force * own.lost);
+            all.largest = all.largest.at_least(seat.force * own.largest);
+            all.cos = all.cos.at_most(own.cos);
+        }
+        all
+    }
+
+    fn bend(&mut self, v: &[T; D], ds: T) -> [T; D] {
+        let mut force = [T::ZERO; D];
+        <Self as Rows<T, D>>::each(self, |row, seat, base| {
+            let own = row.bend_balls(&seat.offset(base, v), ds);
+            for (sum, own) in force.iter_mut().zip(seat.on_shaft::<D>(&own)) {
+                *sum += seat.force * own;
+            }
+        });
+        refer(self.plane, &mut force);
+        force
+    }
+
+    fn follow(&mut self, v: &[T; D], ds: T) {
+        <Self as Rows<T, D>>::each(self, |row, seat, base| {
+            row.follow_to(&seat.offset(base, v), ds);
+        });
+    }
+
+    fn anchor(&mut self, u: &[T; D], v: &[T; D]) {
+        let places = self.places.iter_mut();
+        for ((row, seat), place) in self.rows.iter_mut().zip(self.seats).zip(places) {
+            let (high, low) = seat.position(u);
+            for i in 0..5 {
+                place.u[i] = to_grid(high[i] + low[i]);
+                place.base[i] = (high[i] - place.u[i]) + low[i];
+            }
+            row.anchor_at(&place.u, &seat.offset(&place.base, v));
+        }
+    }
+
+    fn loaded(&self) -> u16 {
+        let rows = self.rows.iter();
+        rows.map(|row| Rows::<T, 5>::loaded(row)).sum()
+    }
+
+    fn furthest_apart(&self, limit: T) -> Option<(u16, T)> {
+        let (mut furthest, mut before) = (None::<(u16, T)>, 0);
+        for row in self.rows.iter() {
+            if let Some((ball, apart)) = row.furthest(limit)
+                && furthest.is_none_or(|(_, most)| apart > most)
+            {
+                furthest = Some((before + ball, apart));
+            }
+            before += row.balls.len() as u16;
+        }
+        furthest
+    }
+}
+
+/// Adds what a row hands to the shaft.
+#[inline(never)]
+fn add<T: Real, const D: usize>(sum: &mut Sum<T, D>, seat: &Seat<T>, own: &Sum<T, 5>) {
+    let of_force = [
+        (&mut sum.force, &own.force),
+        (&mut sum.by_speed, &own.by_speed),
+    ];
+    for (sum, own) in of_force {
+        for (sum, own) in sum.iter_mut().zip(seat.on_shaft::<D>(own)) {
+            *sum += seat.force * own;
+        }
+    }
+    add_stiffness(&mut sum.k, seat, &own.k);
+}
+
+/// Adds the stiffness of a row, or its change.
+fn add_stiffness<T: Real, const D: usize>(
+    sum: &mut Matrix<T, D>,
+    seat: &Seat<T>,
+    own: &Matrix<T, 5>,
+) {
+    let by_shaft: [[T; D]; 5] = core::array::from_fn(|i| seat.on_shaft(&own[i]));
+    let k = seat.force * seat.length;
+    for j in 0..D {
+        let column: [T; D] = seat.on_shaft(&core::array::from_fn(|i| by_shaft[i][j]));
+        for i in 0..D {
+            sum[i][j] += k * column[i];
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! What a solve of a spindle gives.
+
+use super::{Spindle, SpindleSolver};
+use crate::constants::Constants;
+use crate::float::Real;
+use crate::frame::{centre_of, displacement_out, force_out, refer, refer_stiffness, stiffness_out};
+use crate::limits::{Exceedances, Extremes, Limits};
+use crate::linalg::{Factors, Matrix, product};
+use crate::motion::Motion;
+use crate::mounting::{Point, Speed};
+use crate::pose::BallState;
+use crate::ring::{Sum, sum_up};
+use crate::solver::ErrorEstimate;
+use crate::solver::view::View;
+use crate::status::Status;
+use core::array::from_fn;
+use core::fmt;
+use core::marker::PhantomData;
+
+/// A point on the shaft where the stiffness is wanted, like the nose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftEnd<T> {
+    /// Its position x, m.
+    pub position: T,
+    /// What the shaft itself yields there, besides its motion as a rigid body: displacements (m, rad) per force (N) and
+    /// moment (N m), rows are displacements.
+    pub flexibility: Matrix<T, 5>,
+}
+
+impl<T: Real> ShaftEnd<T> {
+    /// A point of a rigid shaft.
+    pub const fn rigid(position: T) -> Self {
+        Self {
+            position,
+            flexibility: [[T::ZERO; 5]; 5],
+        }
+    }
+}
+
+/// An equilibrium of a spindle, SI units; loads and displacements refer to the shaft at `x = 0`.
+pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize> {
+    /// How the solve ended: `Converged` or `PrecisionLimit`.
+    pub status: Status<T>,
+    /// Iterations, those of starts included. An iteration condenses every ball once.
+    pub iterations: u16,
+    /// How far the figures below can be off.
+    pub error: ErrorEstimate<T>,
+    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the shaft.
+    pub displacement: [T; 5],
+    /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) on the shaft.
+    pub load: [T; 5],
+    /// Speed of the shaft.
+    pub speed: Speed<T>,
+    /// Stiffness about the spindle's centre, with the force of the spring held.
+    pub(super) k: Matrix<T, 5>,
+    /// Motion of the sleeve, m.
+    pub(super) slide: T,
+    pub(super) points: [Point<T>; R],
+    pub(super) solver: &'s SpindleSolver<'s, T, R, N, M, D>,
+}
+
+/// The stiffness of the shaft's freedoms where the force of the spring does not change.
+pub(super) fn condensed<T: Real, const D: usize>(k: &Matrix<T, D>) -> Matrix<T, 5> {
+    from_fn(|i| {
+        from_fn(|j| {
+            if D == 6 {
+                k[i][j] - k[i][5] * k[5][j] / k[5][5]
+            } else {
+                k[i][j]
+            }
+        })
+    })
+}
+
+impl<T: Real, const R: usize, const N: usize, const D: usize> Spindle<'_, T, R, N, D> {
+    /// The constants whose units are the shaft's.
+    #[inline(always)]
+    pub(super) fn unit(&self) -> &Constants<T> {
+        self.rows[0].constants
+    }
+
+    /// Displacement of the shaft at the position `x` (m), SI, from one of the centre in the solver's units.
+    pub(super) fn displacement_at(&self, u: &[T; D], x: T) -> [T; 5] {
+        let own: [T; 5] = from_fn(|i| u[i]);
+        let back = self.centre - x;
+        centre_of(back, &displacement_out(self.unit(), &own))
+    }
+}
+
+impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
+    SpindleSolution<'s, T, R, N, M, D>
+{
+    /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) of the shaft at `x = 0` and at
+    /// constant speed: the exact tangent, which is not symmetric at speed. A spring keeps its force.
+    pub fn stiffness(&self) -> Matrix<T, 5> {
+        self.rigid_stiffness(T::ZERO)
+    }
+
+    fn rigid_stiffness(&self, x: T) -> Matrix<T, 5> {
+        let mut k = stiffness_out(self.solver.spindle.unit(), &self.k);
+        refer_stiffness(self.solver.spindle.centre - x, &mut k);
+        k
+    }
+
+    /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
+    /// are displacements. One over its diagonal is the stiffness that a force alone meets.
+    pub fn compliance_at(&self, end: &ShaftEnd<T>) -> Matrix<T, 5> {
+        let unit = self.solver.spindle.unit();
+        let inverse = inverse(&self.k);
+        let per = [T::ONE / unit.force, T::ONE / unit.moment];
+        let mut c: Matrix<T, 5> = from_fn(|i| {
+            let length = [unit.length, unit.tilt][usize::from(i >= 3)];
+            from_fn(|j| inverse[i][j] * (length * per[usize::from(j >= 3)]))
+        });
+        // Displacements at the point, of forces at the point.
+        let d = end.position - self.solver.spindle.centre;
+        for row in &mut c {
+            row[1] += d * row[4];
+            row[2] -= d * row[3];
+        }
+        let (y, z) = (c[4].map(|c| d * c), c[3].map(|c| d * c));
+        for j in 0..5 {
+            c[1][j] += y[j];
+            c[2][j] -= z[j];
+        }
+        for (row, own) in c.iter_mut().zip(&end.flexibility) {
+            for (c, own) in row.iter_mut().zip(own) {
+                *c += *own;
+            }
+        }
+        c
+    }
+
+    /// Stiffness at a point of the shaft, as [`SpindleSolution::stiffness`] is at `x = 0`.
+    pub fn stiffness_at(&self, end: &ShaftEnd<T>) -> Matrix<T, 5> {
+        if end.flexibility == [[T::ZERO; 5]; 5] {
+            return self.rigid_stiffness(end.position);
+        }
+        // In units that make the elements alike.
+        let unit = self.solver.spindle.unit();
+        let scale = |i: usize| {
+            if i < 3 {
+                T::ONE
+            } else {
+                unit.length / unit.tilt
+            }
+        };
+        let c = self.compliance_at(end);
+        let even =
+            from_fn(|i| from_fn(|j| c[i][j] * (unit.force / unit.length) * scale(i) * scale(j)));
+        let k = inverse(&even);
+        from_fn(|i| from_fn(|j| k[i][j] * (unit.force / unit.length) * scale(i) * scale(j)))
+    }
+
+    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the rigid shaft at the position `x` (m).
+    pub fn displacement_at(&self, x: T) -> [T; 5] {
+        centre_of(-x, &self.displacement)
+    }
+
+    /// By how much the sleeve has moved the rows in it towards their balls, m: the closure that the spring makes. 0
+    /// without a spring.
+    pub fn spring_closure(&self) -> T {
+        self.slide
+    }
+
+    /// The rows, in their order.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = RowSolution<'_, T, M>> + '_ {
+        let mut rows: [RowSolution<'_, T, M>; R] = from_fn(|i| self.row(i));
+        // What one side's axial forces have in common with the other's is preload.
+        let mut sides = [T::ZERO; 2];
+        for row in &rows {
+            sides[usize::from(row.facing < T::ZERO)] += row.force[0];
+        }
+        let common = sides[0].at_most(sides[1]).at_least(T::ZERO);
+        for row in &mut rows {
+            let side = sides[usize::from(row.facing < T::ZERO)];
+            row.preload = row.force[0] * (common / side.at_least(common).at_least(T::TINY));
+        }
+        rows.into_iter()
+    }
+
+    /// A row, its preload left out.
+    fn row(&self, i: usize) -> RowSolution<'_, T, M> {
+        let (spindle, state) = (self.solver.spindle, &self.solver.state);
+        let (row, seat) = (&spindle.rows[i], &spindle.seats[i]);
+        let c = row.constants;
+        let balls = &self.solver.balls[i];
+        let view = View {
+            c,
+            p: &self.points[i],
+            azimuths: row.azimuths,
+            balls: balls.get(..row.azimuths.len()).unwrap_or_default(),
+            v: seat.offset(&self.solver.places[i].base, &state.v),
+            speed: self.speed,
+            rule: PhantomData::<M::Rule>,
+        };
+        let mut sum = Sum::NONE;
+        sum_up(view.balls, view.azimuths, &mut sum);
+        // What the tangent says of the force after the last step.
+        let du = seat.motion(&from_fn::<T, D, _>(|i| state.v[i] - state.at[i]));
+        let mut force: [T; 5] = from_fn(|i| sum.force[i] + product(&sum.k[i], &du));
+        refer(c.plane, &mut force);
+        RowSolution {
+            position: row.position,
+            force: force_out(c, &force),
+            preload: T::ZERO,
+            facing: seat.facing,
+            view,
+            sum,
+            correct: state.correct,
+        }
+    }
+}
+
+/// The inverse of a matrix that is about positive definite.
+fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
+    let mut factors = Factors::NONE;
+    factors.factor(k, T::ZERO);
+    let columns: [[T; 5]; 5] = from_fn(|j| {
+        let mut unit = [T::ZERO; 5];
+        unit[j] = T::ONE;
+        factors.solve(&unit)
+    });
+    from_fn(|i| from_fn(|j| columns[j][i]))
+}
+
+impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> fmt::Debug
+    for SpindleSolution<'_, T, R, N, M, D>
+{
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SpindleSolution")
+            .field("status", &self.status)
+            .field("iterations", &self.iterations)
+            .field("error", &self.error)
+            .field("displacement", &self.displacement)
+            .field("load", &self.load)
+            .field("speed", &self.speed)
+            .field("stiffness", &self.stiffness())
+            .finish_non_exhaustive()
+    }
+}
+
+/// A row of a solved spindle, in its own frame: x points where an axial load presses its balls. SI units.
+#[derive(Debug)]
+pub struct RowSolution<'s, T: Real, M: Motion> {
+    /// Position of its centre on the shaft, m.
+    pub position: T,
+    /// Forces (N) and moments (N m) of the shaft on its inner ring, about its centre.
+    pub force: [T; 5],
+    preload: T,
+    facing: T,
+    view: View<'s, T, M::Ball<T>, M::Rule>,
+    sum: Sum<T, 5>,
+    correct: bool,
+}
+
+impl<T: Real, M: Motion> RowSolution<'_, T, M> {
+    /// What of its axial force is preload, N: the rows of one facing press those of the other with so much, besides the
+    /// load. 0 once one side has lifted off; of rows that all face one way, none is preloaded.
+    pub fn preload(&self) -> T {
+        self.preload
+    }
+
+    /// The row has lifted off: its balls carry no axial force in its direction.
+    pub fn is_lifted_off(&self) -> bool {
+        !(self.force[0] > T::ZERO)
+    }
+
+    /// Stiffness of the row alone, about its centre: `dF/du` (rows are forces; N, N m per m, rad).
+    pub fn stiffness(&self) -> Matrix<T, 5> {
+        let mut sum = self.sum;
+        if self.correct {
+            let change = self.view.stiffening();
+            for (row, change) in sum.k.iter_mut().zip(&change) {
+                for (k, change) in row.iter_mut().zip(change) {
+                    *k += *change;
+                }
+            }
+        }
+        sum.refer(self.view.c.plane);
+        stiffness_out(self.view.c, &sum.k)
+    }
+
+    /// States of the balls, in the order of their azimuths.
+    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_ {
+        self.view.states()
+    }
+
+    /// Forces on the inner race alone, N, in the order of the balls: without the cost of contact angles.
+    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+        self.view.contact_forces().map(|(inner, _)| inner)
+    }
+
+    /// Cage speed `omega_m` of every ball, rad/s: see [`Solution::cage_speeds`](crate::Solution::cage_speeds).
+    pub fn cage_speeds(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+        self.view.cage_speeds()
+    }
+
+    /// The limits that the row has passed: see [`Solution::exceedances`](crate::Solution::exceedances).
+    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
+        self.view.exceedances(limits)
+    }
+
+    /// How near the row is to its limits: see [`Solution::extremes`](crate::Solution::extremes).
+    pub fn extremes(&self) -> Extremes<T> {
+        self.view.extremes()
+    }
+}

@@ -1,0 +1,212 @@
+//! The equilibrium of a shaft in its bearings.
+
+use super::Spindle;
+use super::set::{Place, Set};
+use super::solution::{SpindleSolution, condensed};
+use crate::float::Real;
+use crate::frame::{refer, units};
+use crate::growth::Growth;
+use crate::linalg::norm;
+use crate::motion::{Full, Motion};
+use crate::mounting::{Point, Speed};
+use crate::ring::Row;
+use crate::solver::{Settings, State, Task, are_finite, input};
+use crate::status::{Quantity, Status};
+use core::array::from_fn;
+
+/// A solver for one spindle: borrows what does not change, and owns the state that the next solve starts from.
+///
+/// `M` is how the balls move, as for [`Solver`](crate::Solver). `D` is that of the spindle. See [`Spindle`] for an example.
+#[derive(Debug, Clone, Copy)]
+pub struct SpindleSolver<
+    's,
+    T: Real,
+    const R: usize,
+    const N: usize,
+    M: Motion = Full,
+    const D: usize = 5,
+> {
+    pub(super) spindle: &'s Spindle<'s, T, R, N, D>,
+    pub(super) state: State<T, D>,
+    pub(super) balls: [[M::Ball<T>; N]; R],
+    pub(super) places: [Place<T>; R],
+    internal: T,
+    /// Of the last solve, in units of length.
+    growth: [Growth<T>; R],
+}
+
+impl<'s, T: Real, const R: usize, const N: usize, const D: usize>
+    SpindleSolver<'s, T, R, N, Full, D>
+{
+    /// A solver for the spindle at speed, with all inertia loads and no race in control.
+    pub fn new(spindle: &'s Spindle<'s, T, R, N, D>) -> Self {
+        Self::of(spindle)
+    }
+}
+
+impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
+    SpindleSolver<'s, T, R, N, M, D>
+{
+    /// A solver for the motion that its type names.
+    pub fn of(spindle: &'s Spindle<'s, T, R, N, D>) -> Self {
+        Self {
+            spindle,
+            state: State::COLD,
+            balls: [[M::Ball::default(); N]; R],
+            places: [Place::NONE; R],
+            internal: T::ZERO,
+            growth: [Growth::NONE; R],
+        }
+    }
+
+    /// Has the next solve start from nothing.
+    pub fn reset(&mut self) {
+        self.state = State::COLD;
+    }
+
+    /// The equilibrium under the load `[Fx, Fy, Fz, My, Mz]` (N, N m) on the shaft at `x = 0`, at a speed, cold.
+    ///
+    /// The solve starts from the last solution if that is near. After [`Status::IterationLimit`] it goes on from where the
+    /// last one ended, if load and speed are near.
+    ///
+    /// # Errors
+    ///
+    /// A [`Status`] that names why there is no answer. Balls are counted on from row to row.
+    pub fn solve(
+        &mut self,
+        load: [T; 5],
+        speed: Speed<T>,
+        settings: &Settings<T>,
+    ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
+        self.solve_at(load, speed, &[Growth::NONE; R], settings)
+    }
+
+    /// The same where the rings and balls of each row have grown.
+    ///
+    /// # Errors
+    ///
+    /// As for [`SpindleSolver::solve`].
+    pub fn solve_at(
+        &mut self,
+        load: [T; 5],
+        speed: Speed<T>,
+        growth: &[Growth<T>; R],
+        settings: &Settings<T>,
+    ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
+        let task = self.task(&load, speed, growth, settings.tolerance)?;
+        let points = self.points(speed, task.size);
+        let limit = settings.max_iterations.max(1);
+        let mut budget = limit;
+        let spindle = self.spindle;
+        let mut balls = self.balls.iter_mut();
+        let mut rows: [Row<'_, T, M::Ball<T>>; R] = from_fn(|i| {
+            let row = &spindle.rows[i];
+            let balls: &mut [M::Ball<T>] = match balls.next() {
+                Some(balls) => balls,
+                None => &mut [],
+            };
+            let count = row.azimuths.len();
+            Row {
+                c: row.constants,
+                p: points[i],
+                azimuths: row.azimuths,
+                balls: balls.get_mut(..count).unwrap_or_default(),
+            }
+        });
+        let mut set = Set {
+            rows: &mut rows,
+            seats: &spindle.seats,
+            places: &mut self.places,
+            internal: &mut self.internal,
+            fixed: spindle.fixed,
+            sliding: spindle.sliding,
+            plane: spindle.plane,
+            balls: spindle.balls,
+        };
+        let outcome = self.state.solve::<_, M::Rule>(&mut set, &task, &mut budget);
+        if let Err(status) = self.state.refuse(&set, &outcome) {
+            let nothing_carries = matches!(status, Status::Indeterminate { loaded_balls: 0 });
+            return Err(if nothing_carries {
+                Status::Unloaded
+            } else {
+                status
+            });
+        }
+        let u = self.state.displacement(spindle.plane);
+        let error = self.state.errors(&set, &outcome, &u);
+        let displacement = spindle.displacement_at(&u, T::ZERO);
+        if !are_finite(&displacement) {
+            self.state = State::COLD;
+            return Err(Status::Diverged { residual: T::ONE });
+        }
+        let k = self.state.stiffness(|v| set.stiffening(v));
+        Ok(SpindleSolution {
+            status: outcome.status(),
+            iterations: limit - budget,
+            error,
+            displacement,
+            load,
+            speed,
+            k: condensed(&k),
+            slide: if D == 6 {
+                u[5] * spindle.unit().length
+            } else {
+                T::ZERO
+            },
+            points,
+            solver: self,
+        })
+    }
+
+    /// Checks the input, and turns it into the solver's units. Takes note of the growth.
+    fn task(
+        &mut self,
+        load: &[T; 5],
+        speed: Speed<T>,
+        growth: &[Growth<T>; R],
+        tolerance: T,
+    ) -> Result<Task<T, D>, Status<T>> {
+        let spindle = self.spindle;
+        let unit = spindle.unit();
+        let mut task = Task {
+            load: [T::ZERO; D],
+            size: T::ZERO,
+            held: [None; D],
+            tolerance,
+        };
+        for (i, load) in load.iter().enumerate() {
+            let [quantity, _] = Quantity::OF_FREEDOM[i];
+            task.load[i] = input::load(quantity, units(unit, i).0, spindle.balls, *load)?;
+        }
+        // From x = 0 to the centre.
+        refer(-spindle.centre * unit.tilt / unit.length, &mut task.load);
+        if D == 6 {
+            task.load[5] = spindle.spring / unit.force;
+        }
+        task.size = norm(&task.load).at_least(spindle.held);
+        let mut grown = [Growth::NONE; R];
+        for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&spindle.rows) {
+            input::omega(row.constants, speed)?;
+            *grown = input::growth(row.constants, growth)?;
+        }
+        for (last, grown) in self.growth.iter_mut().zip(grown) {
+            self.state.grow(last, grown);
+        }
+        Ok(task)
+    }
+
+    /// What each row is solved at, under forces of the size `size`.
+    fn points(&self, speed: Speed<T>, size: T) -> [Point<T>; R] {
+        let spindle = self.spindle;
+        let s = if M::AT_SPEED {
+            input::inertia(spindle.unit(), speed.as_rad_per_s(), size)
+        } else {
+            T::ZERO
+        };
+        from_fn(|i| {
+            let (c, seat) = (spindle.rows[i].constants, &spindle.seats[i]);
+            let size = size / seat.force;
+            Point::new(c, s * seat.inertia, size, &self.growth[i])
+        })
+    }
+}
