@@ -82,10 +82,11 @@ impl<T: Real> Seat<T> {
     }
 }
 
-/// Rows that hold the shaft together, or are pressed by one spring: as a start sees them.
+/// Rows that hold the shaft together, or are pressed by one spring: as a start sees them, by the first one.
+#[derive(Debug, Clone, Copy)]
 pub struct Stance<'a, T> {
     pub c: &'a Constants<T>,
-    pub p: &'a Point<T>,
+    pub p: Point<T>,
     pub seat: Seat<T>,
     /// Number of their balls.
     pub balls: T,
@@ -148,16 +149,12 @@ pub trait Rows<T: Real, const D: usize> {
     fn loaded(&self) -> u16;
     fn furthest_apart(&self, limit: T) -> Option<(u16, T)>;
 
-    /// Takes the balls for something else.
-    fn take_for(&mut self, regime: Regime) {
-        self.each(|row, _, _| row.p.regime = regime);
-    }
-
-    /// Has the shaft turn at another speed: `s` is the inertia of a ball of the first row.
-    fn turn_at(&mut self, s: T) {
+    /// Takes the balls for something else, at another speed: `s` is the inertia of a ball of the first row.
+    #[inline(never)]
+    fn take_for(&mut self, regime: Regime, s: T) {
         self.each(|row, seat, _| {
             row.p.s = s * seat.inertia;
-            row.p.regime = Regime::Speed;
+            row.p.regime = regime;
         });
     }
 }
@@ -194,7 +191,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     fn fixed(&self) -> Stance<'_, T> {
         Stance {
             c: self.c,
-            p: &self.p,
+            p: self.p,
             seat: Seat::PLAIN,
             balls: self.c.balls,
             opposed: false,

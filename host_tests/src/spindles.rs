@@ -89,6 +89,8 @@ pub struct RowAnswer {
     pub force: [f64; 5],
     /// Preload, N.
     pub preload: f64,
+    /// It carries nothing in its direction.
+    pub lifted_off: bool,
     /// Stiffness of the row alone.
     pub stiffness: [[f64; 5]; 5],
     /// States of the balls.
@@ -228,16 +230,16 @@ fn of_rows<T: Real, const R: usize, O>(
     if let Some(spring) = plan.spring {
         let spindle = Spindle::sprung(plan.arrangement, rows, T::of(spring));
         let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
-        Ok(of_motion(&spindle, balls, f))
+        Ok(of_motion(spindle, balls, f))
     } else {
         let spindle = Spindle::new(plan.arrangement, rows);
         let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
-        Ok(of_motion(&spindle, balls, f))
+        Ok(of_motion(spindle, balls, f))
     }
 }
 
 fn of_motion<T: Real, const R: usize, const D: usize, O>(
-    spindle: &Spindle<'_, T, R, MOST_BALLS, D>,
+    spindle: Spindle<'_, T, R, MOST_BALLS, D>,
     balls: Balls,
     f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
 ) -> O {
@@ -261,7 +263,7 @@ struct Counted<'s, T: Real, const R: usize, M: Motion, const D: usize> {
 }
 
 impl<'s, T: Real, const R: usize, M: Motion, const D: usize> Counted<'s, T, R, M, D> {
-    fn new(spindle: &'s Spindle<'s, T, R, MOST_BALLS, D>) -> Box<Self> {
+    fn new(spindle: Spindle<'s, T, R, MOST_BALLS, D>) -> Box<Self> {
         Box::new(Self {
             solver: SpindleSolver::of(spindle),
             settings: Settings::default(),
@@ -323,6 +325,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
             .map(|row| RowAnswer {
                 force: row.force.map(T::to_f64),
                 preload: row.preload().to_f64(),
+                lifted_off: row.is_lifted_off(),
                 stiffness: wide(&row.stiffness()),
                 balls: row.balls().map(|ball| widened(&ball)).collect(),
             })

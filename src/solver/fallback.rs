@@ -10,6 +10,7 @@ use super::start::at_rest;
 use crate::body::Body;
 use crate::float::Real;
 use crate::kinematics::Rule;
+use crate::mounting::Regime;
 use crate::rows::Rows;
 use crate::tuning;
 
@@ -32,7 +33,7 @@ pub(super) fn continuation<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     let mut follows = false;
     while *budget > 0 {
         let next = (s + step).at_most(whole);
-        rows.turn_at(next);
+        rows.take_for(Regime::Speed, next);
         let mut ds = T::ZERO;
         if follows {
             ds = next / s - T::ONE;
@@ -65,7 +66,7 @@ pub(super) fn continuation<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
             follows = false;
         }
     }
-    rows.turn_at(whole);
+    rows.take_for(Regime::Speed, whole);
     Outcome {
         end: if *budget > 0 {
             End::Lost

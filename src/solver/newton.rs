@@ -177,7 +177,7 @@ impl<T: Real, const D: usize> State<T, D> {
         &mut self,
         rows: &mut S,
         u: [T; D],
-        x: impl Fn(&Constants<T>, &Point<T>) -> Pair<T>,
+        x: fn(&Constants<T>, &Point<T>) -> Pair<T>,
     ) {
         rows.each(|row, _, _| {
             let x = x(row.c, &row.p);

@@ -11,7 +11,6 @@ use crate::frame::plane_of;
 use crate::kinematics::Rule;
 use crate::linalg::{Pair, scale};
 use crate::mounting::{Point, Regime};
-use crate::ring::shift;
 use crate::rows::{Rows, Stance};
 use crate::tuning;
 
@@ -29,6 +28,7 @@ struct Pressing<T> {
 impl<T: Real> Pressing<T> {
     /// Of fixed rows: the axial load less what the sliding ones carry. Rows that do not hold each other have so
     /// much more that radial load and moment do not unload balls at first sight.
+    #[inline(never)]
     fn of<S: Rows<T, D>, const D: usize>(rows: &S, task: &Task<T, D>) -> Self {
         let load = &task.load;
         let fixed = rows.fixed();
@@ -51,9 +51,10 @@ impl<T: Real> Pressing<T> {
     }
 
     /// Axial displacement of the rows at rest that carry this.
+    #[inline(never)]
     fn displacement(&self, rows: &Stance<'_, T>) -> T {
         let q = self.force / (rows.balls * rows.seat.force);
-        let balls = AxialRest::new(rows.c, rows.p);
+        let balls = AxialRest::new(rows.c, &rows.p);
         let loaded = balls.root(T::ONE / T::TINY, q, T::of(1e-6), 24);
         balls.displacement(&loaded.centres, self.side < T::ZERO)
     }
@@ -61,23 +62,23 @@ impl<T: Real> Pressing<T> {
 
 /// Displacement of the groove plane: what is given, and else such that fixed and sliding rows are displaced axially by so
 /// much in their own frames. Rows that hold each other stay where they are.
+#[inline(never)]
 fn displaced<T: Real, S: Rows<T, D>, const D: usize>(
     rows: &S,
     task: &Task<T, D>,
-    fixed: impl Fn(&Stance<'_, T>) -> T,
-    sliding: impl Fn(&Stance<'_, T>) -> T,
+    [fixed, sliding]: [T; 2],
 ) -> [T; D] {
     // A displacement of the shaft from one of a row.
     let shaft = |rows: &Stance<'_, T>, own: T| (own - rows.seat.closure) / rows.seat.length;
     let mut u = [T::ZERO; D];
     let holding = rows.fixed();
     if !holding.opposed {
-        u[0] = holding.seat.facing * shaft(&holding, fixed(&holding));
+        u[0] = holding.seat.facing * shaft(&holding, fixed);
     }
     if D == 6
         && let Some(pressed) = rows.sliding()
     {
-        u[5] = shaft(&pressed, sliding(&pressed)) - pressed.seat.facing * u[0];
+        u[5] = shaft(&pressed, sliding) - pressed.seat.facing * u[0];
     }
     for (u, held) in u.iter_mut().zip(task.held) {
         *u = held.unwrap_or(*u);
@@ -85,19 +86,30 @@ fn displaced<T: Real, S: Rows<T, D>, const D: usize>(
     plane_of(rows.plane(), &u)
 }
 
-/// The same for rows at rest.
+/// How far fixed and sliding rows are displaced by what presses them, in their own frames.
+fn each_by<T: Real, S: Rows<T, D>, const D: usize>(
+    rows: &S,
+    task: &Task<T, D>,
+    displacement: impl Fn(&Stance<'_, T>, &Pressing<T>) -> T,
+) -> [T; 2] {
+    let sliding = rows.sliding().map_or(T::ZERO, |rows| {
+        let spring = Pressing {
+            force: spring(task),
+            side: T::ONE,
+        };
+        displacement(&rows, &spring)
+    });
+    [
+        displacement(&rows.fixed(), &Pressing::of(rows, task)),
+        sliding,
+    ]
+}
+
+/// Displacement of the groove plane of rows at rest.
+#[inline(never)]
 fn pressed<T: Real, S: Rows<T, D>, const D: usize>(rows: &S, task: &Task<T, D>) -> [T; D] {
-    let holding = Pressing::of(rows, task);
-    let spring = Pressing {
-        force: spring(task),
-        side: T::ONE,
-    };
-    displaced(
-        rows,
-        task,
-        |rows| holding.displacement(rows),
-        |rows| spring.displacement(rows),
-    )
+    let own = each_by(rows, task, |rows, pressing| pressing.displacement(rows));
+    displaced(rows, task, own)
 }
 
 /// Centre of a ball of the unloaded bearing.
@@ -153,12 +165,12 @@ pub(super) fn at_rest<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     task: &Task<T, D>,
     budget: &mut u16,
 ) -> Outcome<T> {
-    let regime = rows.regime();
-    rows.take_for(Regime::Rest);
+    let (regime, s) = (rows.regime(), rows.inertia());
+    rows.take_for(Regime::Rest, s);
     let u = pressed(rows, task);
     state.put(rows, u, unloaded);
     let outcome = state.newton::<S, R>(rows, task, T::ZERO, budget);
-    rows.take_for(regime);
+    rows.take_for(regime, s);
     outcome
 }
 
@@ -216,14 +228,14 @@ fn axisymmetric<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
             let v = state.v;
             let (mut near, mut force, mut slope) = (true, [T::ZERO; 2], [T::ZERO; 2]);
             rows.each(|row, seat, base| {
-                let (Some(first), Some(at)) = (row.balls.first_mut(), row.azimuths.first()) else {
+                let mut one = row.first();
+                near &= one.condense_balls::<R>(&seat.offset(base, &v), T::ZERO);
+                let Some(first) = one.balls.first() else {
                     return;
                 };
-                near &=
-                    first.condense::<R>(row.c, &row.p, shift(&seat.offset(base, &v), at), T::ZERO);
                 let share = first.share();
                 let group = usize::from(seat.sliding);
-                let part = seat.force * (row.c.balls / balls[group]);
+                let part = seat.force * (one.c.balls / balls[group]);
                 let along = if seat.sliding { T::ONE } else { seat.facing };
                 force[group] += part * (along * share.force[0]);
                 slope[group] += part * (seat.length * share.h[0][0]);
@@ -258,6 +270,7 @@ fn axisymmetric<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
 }
 
 /// Place of a ball that centrifugal force alone holds on the outer race, whose inner contact is about to close: radial.
+#[inline(never)]
 fn held_outside<T: Real>(c: &Constants<T>, p: &Point<T>) -> T {
     let height = T::of(L0) * c.n0[1];
     let mut radial = p.lo;
@@ -278,24 +291,18 @@ fn from_outer_race<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     task: &Task<T, D>,
     budget: &mut u16,
 ) {
-    let carried = |rows: &Stance<'_, T>, force: T, side: T| {
+    let own = each_by(rows, task, |rows, pressing| {
         let c = rows.c;
-        let root = (force / (rows.balls * rows.seat.force * c.ki)).cbrt();
-        let across = T::of(L0) * c.n0[1] - held_outside(c, rows.p);
+        let root = (pressing.force / (rows.balls * rows.seat.force * c.ki)).cbrt();
+        let across = T::of(L0) * c.n0[1] - held_outside(c, &rows.p);
         let long = rows.p.li + root * root;
         let along = (long * long - across * across).at_least(T::ZERO).sqrt();
-        side * along - T::of(L0) * c.n0[0]
-    };
-    let pressing = Pressing::of(rows, task);
-    let u = displaced(
-        rows,
-        task,
-        |rows| carried(rows, pressing.force, pressing.side),
-        |rows| carried(rows, spring(task), T::ONE),
-    );
-    let regime = rows.regime();
-    rows.take_for(Regime::Outer);
+        pressing.side * along - T::of(L0) * c.n0[0]
+    });
+    let u = displaced(rows, task, own);
+    let (regime, s) = (rows.regime(), rows.inertia());
+    rows.take_for(Regime::Outer, s);
     state.put(rows, u, |c, p| [T::ZERO, held_outside(c, p)]);
     state.newton::<S, R>(rows, &task.rough(), T::ZERO, budget);
-    rows.take_for(regime);
+    rows.take_for(regime, s);
 }

@@ -19,6 +19,13 @@ pub enum SpindleError<T> {
         /// Which figure, and its range.
         status: Status<T>,
     },
+    /// A row is to be preloaded by a force that presses nothing.
+    NoForce {
+        /// Which row.
+        row: usize,
+        /// The force, N.
+        force: T,
+    },
     /// Two rows are at one place.
     SamePlace {
         /// One of them.
@@ -56,6 +63,10 @@ impl<T: Real> fmt::Display for SpindleError<T> {
         match self {
             Self::NoRow => f.write_str("a spindle needs a row of balls"),
             Self::Row { row, status } => write!(f, "row {row}: {status}"),
+            Self::NoForce { row, force } => write!(
+                f,
+                "row {row} is preloaded by {force} N: give a positive force, or a closure"
+            ),
             Self::SamePlace { row, position } => {
                 write!(f, "row {row}: another row is at {position:e} m, too; give every row a place of its own")
             }

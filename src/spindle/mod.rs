@@ -21,7 +21,7 @@ use crate::growth::Growth;
 use crate::mounting::Point;
 use crate::rows::Seat;
 use crate::solver::input;
-use crate::status::{Quantity, Status};
+use crate::status::Quantity;
 
 pub use arrangement::{Arrangement, Facing};
 pub use error::SpindleError;
@@ -85,12 +85,33 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
 /// Rows that hold the shaft together, or slide together.
 #[derive(Debug, Clone, Copy)]
 struct Group<T> {
-    /// One of them.
-    first: usize,
     /// Number of their balls.
     balls: T,
-    /// Both facings are among them.
+    /// How the first one faces, and whether another one faces the other way.
+    facing: Facing,
     opposed: bool,
+}
+
+impl<T: Real> Group<T> {
+    /// The rows that slide, or those that do not, and which the first one is.
+    fn of<const N: usize>(rows: &[Mounted<'_, T, N>], sliding: bool) -> Option<(usize, Self)> {
+        let mut group = None;
+        for (i, row) in rows.iter().enumerate() {
+            if matches!(row.preload, Preload::Spring) == sliding {
+                let (_, group) = group.get_or_insert((
+                    i,
+                    Self {
+                        balls: T::ZERO,
+                        facing: row.facing,
+                        opposed: false,
+                    },
+                ));
+                group.balls += row.constants.balls;
+                group.opposed |= row.facing != group.facing;
+            }
+        }
+        group
+    }
 }
 
 /// Bearings on one rigid shaft, ready to be solved: immutable, made once.
@@ -109,7 +130,7 @@ struct Group<T> {
 /// # };
 /// const BEARING: Bearing<f64, 20> = Bearing::<f64, 20>::checked(&DESIGN);
 /// let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.027, Preload::Force(294.0))?;
-/// let mut solver = SpindleSolver::new(&pair);
+/// let mut solver = SpindleSolver::new(pair);
 /// let load = [0.0, 200.0, 0.0, 0.0, 0.0];
 /// let solution = solver.solve(load, Speed::rpm(10_000.0), &Settings::default())?;
 /// let nose = solution.compliance_at(&ShaftEnd::rigid(-0.06));
@@ -203,34 +224,29 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         let farthest = T::of(64.0) * unit.length / unit.tilt;
         for (row, number) in rows.iter().zip(0..) {
             let c = row.constants;
-            let (quantity, value, limit) = match row.preload {
-                Preload::Closure(e) => (Quantity::Closure, e, T::of(16.0) * c.length),
-                Preload::Force(force) => (Quantity::PreloadForce, force, c.balls * c.force),
-                Preload::Spring => (Quantity::SpringForce, spring, c.balls * c.force),
-            };
-            let position = input::check(
+            let farthest = input::check(
                 Quantity::RowPosition,
                 row.position - first.position,
                 farthest,
             );
-            position
-                .and(input::check(quantity, value, limit))
-                .map_err(|status| SpindleError::Row {
-                    row: number,
-                    status,
-                })?;
-            let negative =
-                matches!(row.preload, Preload::Force(_) | Preload::Spring) && !(value > T::ZERO);
-            if negative {
-                let status = Status::OutOfRange {
-                    quantity,
-                    value,
-                    limit,
-                };
-                return Err(SpindleError::Row {
-                    row: number,
-                    status,
-                });
+            let held = match row.preload {
+                Preload::Closure(e) => input::check(Quantity::Closure, e, T::of(16.0) * c.length),
+                Preload::Force(force) => {
+                    input::check(Quantity::PreloadForce, force, c.balls * c.force)
+                }
+                Preload::Spring => input::check(Quantity::SpringForce, spring, c.balls * c.force),
+            };
+            farthest.and(held).map_err(|status| SpindleError::Row {
+                row: number,
+                status,
+            })?;
+            let force = match row.preload {
+                Preload::Force(force) => force,
+                Preload::Spring if D == 6 => spring,
+                _ => continue,
+            };
+            if !(force > T::ZERO) {
+                return Err(SpindleError::NoForce { row: number, force });
             }
         }
         arrangement.check(&rows)?;
@@ -270,46 +286,27 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             balls += c.balls * (seat.force * seat.inertia);
             held += seat.force * c.balls * force_at(c, closure).at_least(T::ZERO);
         }
-        let group = |sliding: bool| {
-            let mut group: Option<Group<T>> = None;
-            for (i, (seat, row)) in seats.iter().zip(&rows).enumerate() {
-                if seat.sliding == sliding {
-                    let group = group.get_or_insert(Group {
-                        first: i,
-                        balls: T::ZERO,
-                        opposed: false,
-                    });
-                    group.balls += row.constants.balls;
-                    group.opposed |= row.facing != rows[group.first].facing;
-                }
-            }
-            group
-        };
-        let (fixed, sliding) = (group(false), group(true));
-        let Some(fixed) = fixed else {
+        let (fixed, sliding) = (Group::of(&rows, false), Group::of(&rows, true));
+        let Some((_, fixed)) = fixed else {
             return Err(SpindleError::NotHeld);
         };
-        match (&sliding, D == 6) {
+        match (sliding, D == 6) {
             (None, true) => return Err(SpindleError::NothingSlides),
-            (Some(group), false) => return Err(SpindleError::NoSpring { row: group.first }),
-            (Some(group), true) => {
-                let against = rows[group.first].facing.opposite();
-                let is_held = rows
-                    .iter()
-                    .any(|row| row.facing == against && !matches!(row.preload, Preload::Spring));
-                if group.opposed || !is_held {
-                    return Err(SpindleError::Unopposed { row: group.first });
-                }
+            (Some((row, _)), false) => return Err(SpindleError::NoSpring { row }),
+            (Some((row, group)), true)
+                if group.opposed || !(fixed.opposed || fixed.facing != group.facing) =>
+            {
+                return Err(SpindleError::Unopposed { row });
             }
-            (None, false) => {
-                let preloaded = rows
-                    .iter()
-                    .position(|row| matches!(row.preload, Preload::Force(_)));
-                if let (Some(row), false) = (preloaded, fixed.opposed) {
-                    return Err(SpindleError::Unopposed { row });
-                }
-            }
+            _ => (),
         }
+        let preloaded = rows
+            .iter()
+            .position(|row| matches!(row.preload, Preload::Force(_)));
+        if let (Some(row), false) = (preloaded, fixed.opposed) {
+            return Err(SpindleError::Unopposed { row });
+        }
+        let sliding = sliding.map(|(_, group)| group);
         Ok(Self {
             rows,
             seats,

@@ -1,6 +1,5 @@
 //! The rows of a spindle, as the solver moves them.
 
-use super::Group;
 use crate::body::Body;
 use crate::contact::to_grid;
 use crate::float::Real;
@@ -77,30 +76,21 @@ pub struct Set<'a, 'b, T, B> {
     pub places: &'a mut [Place<T>],
     /// Axial force by which rows of either facing hold each other.
     pub internal: &'a mut T,
-    pub fixed: Group<T>,
-    pub sliding: Option<Group<T>>,
+    pub fixed: Stance<'b, T>,
+    pub sliding: Option<Stance<'b, T>>,
     pub plane: T,
     pub balls: T,
-}
-
-impl<T: Real, B> Set<'_, '_, T, B> {
-    fn stance(&self, group: &Group<T>) -> Stance<'_, T> {
-        let (row, seat) = (&self.rows[group.first], self.seats[group.first]);
-        Stance {
-            c: row.c,
-            p: &row.p,
-            seat,
-            balls: group.balls,
-            opposed: group.opposed,
-        }
-    }
 }
 
 impl<T: Real, B: Body<T>> Set<'_, '_, T, B> {
     /// Change of the stiffness along the motion to `v` from where the balls were condensed, referred to the centre.
     pub fn stiffening<const D: usize>(&self, v: &[T; D]) -> Matrix<T, D> {
         let mut change = [[T::ZERO; D]; D];
-        for ((row, seat), place) in self.rows.iter().zip(self.seats).zip(&*self.places) {
+        let (mut seats, mut places) = (self.seats.iter(), self.places.iter());
+        for row in self.rows.iter() {
+            let (Some(seat), Some(place)) = (seats.next(), places.next()) else {
+                break;
+            };
             let own = stiffening(row.balls, row.azimuths, &seat.offset(&place.base, v));
             add_stiffness(&mut change, seat, &own.k);
         }
@@ -129,23 +119,29 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     }
 
     fn each(&mut self, mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
-        for ((row, seat), place) in self.rows.iter_mut().zip(self.seats).zip(&*self.places) {
+        // Not `zip`, which the compiler unrolls.
+        let (mut seats, mut places) = (self.seats.iter(), self.places.iter());
+        for row in self.rows.iter_mut() {
+            let (Some(seat), Some(place)) = (seats.next(), places.next()) else {
+                return;
+            };
             f(row, seat, &place.base);
         }
     }
 
     fn fixed(&self) -> Stance<'_, T> {
-        self.stance(&self.fixed)
+        self.fixed
     }
 
     fn sliding(&self) -> Option<Stance<'_, T>> {
-        self.sliding.as_ref().map(|group| self.stance(group))
+        self.sliding
     }
 
     fn internal(&self) -> T {
         *self.internal
     }
 
+    #[inline(never)]
     fn strays(&self, v: &[T; D], most: T) -> bool {
         let mut places = self.seats.iter().zip(&*self.places);
         places.any(|(seat, place)| {
@@ -154,6 +150,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         })
     }
 
+    #[inline(never)]
     fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
         let mut near = true;
         <Self as Rows<T, D>>::each(self, |row, seat, base| {
@@ -162,6 +159,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         near
     }
 
+    #[inline(never)]
     fn sum(&mut self, sum: &mut Sum<T, D>) {
         *sum = Sum::NONE;
         let mut sides = [T::ZERO; 2];
@@ -175,6 +173,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         sum.refer(self.plane);
     }
 
+    #[inline(never)]
     fn changes(&self, du: &[T; D]) -> Changes<T, D> {
         let mut all = Changes {
             k: [T::ZERO; D],
@@ -183,7 +182,9 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
             largest: T::TINY,
             cos: T::ONE,
         };
-        for (row, seat) in self.rows.iter().zip(self.seats) {
+        let mut seats = self.seats.iter();
+        for row in self.rows.iter() {
+            let Some(seat) = seats.next() else { break };
             let own = row.changes_by(&seat.motion(du));
             let k = seat.force * seat.length;
             let (arm, lever) = (seat.arm * seat.arm, seat.lever * seat.lever);
@@ -203,6 +204,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         all
     }
 
+    #[inline(never)]
     fn bend(&mut self, v: &[T; D], ds: T) -> [T; D] {
         let mut force = [T::ZERO; D];
         <Self as Rows<T, D>>::each(self, |row, seat, base| {
@@ -215,15 +217,20 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         force
     }
 
+    #[inline(never)]
     fn follow(&mut self, v: &[T; D], ds: T) {
         <Self as Rows<T, D>>::each(self, |row, seat, base| {
             row.follow_to(&seat.offset(base, v), ds);
         });
     }
 
+    #[inline(never)]
     fn anchor(&mut self, u: &[T; D], v: &[T; D]) {
-        let places = self.places.iter_mut();
-        for ((row, seat), place) in self.rows.iter_mut().zip(self.seats).zip(places) {
+        let (mut seats, mut places) = (self.seats.iter(), self.places.iter_mut());
+        for row in self.rows.iter_mut() {
+            let (Some(seat), Some(place)) = (seats.next(), places.next()) else {
+                return;
+            };
             let (high, low) = seat.position(u);
             for i in 0..5 {
                 place.u[i] = to_grid(high[i] + low[i]);

@@ -182,7 +182,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// A row, its preload left out.
     fn row(&self, i: usize) -> RowSolution<'_, T, M> {
-        let (spindle, state) = (self.solver.spindle, &self.solver.state);
+        let (spindle, state) = (&self.solver.spindle, &self.solver.state);
         let (row, seat) = (&spindle.rows[i], &spindle.seats[i]);
         let c = row.constants;
         let balls = &self.solver.balls[i];

@@ -1,8 +1,8 @@
 //! The equilibrium of a shaft in its bearings.
 
-use super::Spindle;
 use super::set::{Place, Set};
 use super::solution::{SpindleSolution, condensed};
+use super::{Group, Spindle};
 use crate::float::Real;
 use crate::frame::{refer, units};
 use crate::growth::Growth;
@@ -10,23 +10,24 @@ use crate::linalg::norm;
 use crate::motion::{Full, Motion};
 use crate::mounting::{Point, Speed};
 use crate::ring::Row;
+use crate::rows::Stance;
 use crate::solver::{Settings, State, Task, are_finite, input};
 use crate::status::{Quantity, Status};
 use core::array::from_fn;
 
-/// A solver for one spindle: borrows what does not change, and owns the state that the next solve starts from.
+/// A solver for one spindle: owns it, borrows the bearings' constants, and keeps the state that the next solve starts from.
 ///
 /// `M` is how the balls move, as for [`Solver`](crate::Solver). `D` is that of the spindle. See [`Spindle`] for an example.
 #[derive(Debug, Clone, Copy)]
 pub struct SpindleSolver<
-    's,
+    'b,
     T: Real,
     const R: usize,
     const N: usize,
     M: Motion = Full,
     const D: usize = 5,
 > {
-    pub(super) spindle: &'s Spindle<'s, T, R, N, D>,
+    pub(super) spindle: Spindle<'b, T, R, N, D>,
     pub(super) state: State<T, D>,
     pub(super) balls: [[M::Ball<T>; N]; R],
     pub(super) places: [Place<T>; R],
@@ -35,20 +36,20 @@ pub struct SpindleSolver<
     growth: [Growth<T>; R],
 }
 
-impl<'s, T: Real, const R: usize, const N: usize, const D: usize>
-    SpindleSolver<'s, T, R, N, Full, D>
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize>
+    SpindleSolver<'b, T, R, N, Full, D>
 {
     /// A solver for the spindle at speed, with all inertia loads and no race in control.
-    pub fn new(spindle: &'s Spindle<'s, T, R, N, D>) -> Self {
+    pub fn new(spindle: Spindle<'b, T, R, N, D>) -> Self {
         Self::of(spindle)
     }
 }
 
-impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
-    SpindleSolver<'s, T, R, N, M, D>
+impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
+    SpindleSolver<'b, T, R, N, M, D>
 {
     /// A solver for the motion that its type names.
-    pub fn of(spindle: &'s Spindle<'s, T, R, N, D>) -> Self {
+    pub fn of(spindle: Spindle<'b, T, R, N, D>) -> Self {
         Self {
             spindle,
             state: State::COLD,
@@ -97,7 +98,14 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let points = self.points(speed, task.size);
         let limit = settings.max_iterations.max(1);
         let mut budget = limit;
-        let spindle = self.spindle;
+        let spindle = &self.spindle;
+        let sliding = spindle
+            .sliding
+            .and_then(|group| spindle.stance(&group, true, &points));
+        // Every spindle has rows that are fixed.
+        let fixed = spindle
+            .stance(&spindle.fixed, false, &points)
+            .ok_or(Status::Unloaded)?;
         let mut balls = self.balls.iter_mut();
         let mut rows: [Row<'_, T, M::Ball<T>>; R] = from_fn(|i| {
             let row = &spindle.rows[i];
@@ -118,8 +126,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             seats: &spindle.seats,
             places: &mut self.places,
             internal: &mut self.internal,
-            fixed: spindle.fixed,
-            sliding: spindle.sliding,
+            fixed,
+            sliding,
             plane: spindle.plane,
             balls: spindle.balls,
         };
@@ -166,7 +174,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         growth: &[Growth<T>; R],
         tolerance: T,
     ) -> Result<Task<T, D>, Status<T>> {
-        let spindle = self.spindle;
+        let spindle = &self.spindle;
         let unit = spindle.unit();
         let mut task = Task {
             load: [T::ZERO; D],
@@ -197,7 +205,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// What each row is solved at, under forces of the size `size`.
     fn points(&self, speed: Speed<T>, size: T) -> [Point<T>; R] {
-        let spindle = self.spindle;
+        let spindle = &self.spindle;
         let s = if M::AT_SPEED {
             input::inertia(spindle.unit(), speed.as_rad_per_s(), size)
         } else {
@@ -207,6 +215,27 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             let (c, seat) = (spindle.rows[i].constants, &spindle.seats[i]);
             let size = size / seat.force;
             Point::new(c, s * seat.inertia, size, &self.growth[i])
+        })
+    }
+}
+
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T, R, N, D> {
+    /// The rows that slide, or those that do not, by the first one.
+    #[inline(never)]
+    fn stance(
+        &self,
+        group: &Group<T>,
+        sliding: bool,
+        points: &[Point<T>; R],
+    ) -> Option<Stance<'b, T>> {
+        let mut rows = self.rows.iter().zip(&self.seats).zip(points);
+        let ((row, seat), p) = rows.find(|((_, seat), _)| seat.sliding == sliding)?;
+        Some(Stance {
+            c: row.constants,
+            p: *p,
+            seat: *seat,
+            balls: group.balls,
+            opposed: group.opposed,
         })
     }
 }

@@ -6,7 +6,8 @@
 use core::hint::black_box;
 use core::marker::PhantomData;
 use spindle_bearing::{
-    AxialSolver, Bearing, Given, Growth, Motion, RingVector, Settings, Solution, Solver, Speed,
+    Arrangement, AxialSolver, Bearing, Design, Given, Growth, Motion, Preload, RingVector,
+    Settings, Solution, Solver, Speed, Spindle, SpindleSolver,
 };
 use spindle_bearing::{ErrorEstimate, Limits, Real, Status};
 
@@ -24,43 +25,46 @@ macro_rules! for_every_scene {
         $with! {
             0 "axial-static": Axial<Static>;
                 None, "speed, radial displacements, tilts", true,
-                [Speed, Friction, RaceControl, RacewayControlFree, Iteration, Radial, Tilts, Balls, Limits];
+                [Spindle, Speed, Friction, RaceControl, RacewayControlFree, Iteration, Radial, Tilts, Balls, Limits];
             1 "axial-full": Axial<Full>;
                 FREE, "radial displacements, tilts", false,
-                [RaceControl, Radial, Tilts, Balls, Limits];
+                [Spindle, RaceControl, Radial, Tilts, Balls, Limits];
             2 "translations-static": Ring<Static, 3>;
                 None, "speed, tilts", false,
-                [Speed, Friction, RaceControl, RacewayControlFree, Tilts, Balls, Limits];
+                [Spindle, Speed, Friction, RaceControl, RacewayControlFree, Tilts, Balls, Limits];
             3 "translations-full": Ring<Full, 3>;
                 FREE, "tilts", true,
-                [RaceControl, Tilts, Balls, Limits];
+                [Spindle, RaceControl, Tilts, Balls, Limits];
             4 "static": Ring<Static, 5>;
                 None, "speed", true,
-                [Speed, Friction, RaceControl, RacewayControlFree, Balls, Limits];
+                [Spindle, Speed, Friction, RaceControl, RacewayControlFree, Balls, Limits];
             5 "centrifugal": Ring<Centrifugal, 5>;
                 FREE, "friction", false,
-                [Friction, RaceControl, Balls, Limits];
+                [Spindle, Friction, RaceControl, Balls, Limits];
             6 "outer": Ring<Full<OuterRaceControl>, 5>;
                 Some(Attitude::Outer), "free attitude: outer race control", false,
-                [RacewayControlFree, Balls, Limits];
+                [Spindle, RacewayControlFree, Balls, Limits];
             7 "inner": Ring<Full<InnerRaceControl>, 5>;
                 Some(Attitude::Inner), "free attitude: inner race control", false,
-                [RacewayControlFree, Balls, Limits];
+                [Spindle, RacewayControlFree, Balls, Limits];
             8 "displacement": Ring<Full, 5, Loads, Displacement>;
                 FREE, "stiffness asked for", false,
-                [RaceControl, Stiffness, Balls, Limits];
+                [Spindle, RaceControl, Stiffness, Balls, Limits];
             9 "preloaded": Ring<Full, 5, RigidPreload>;
                 FREE, "axial load: displacement given", false,
-                [RaceControl, Balls, Limits];
+                [Spindle, RaceControl, Balls, Limits];
             10 "balls": Ring<Full, 5, Loads, Balls>;
                 FREE, "nothing; states of balls besides", false,
-                [RaceControl, Limits];
+                [Spindle, RaceControl, Limits];
             11 "limits": Ring<Full, 5, Loads, Passed>;
                 FREE, "nothing; limits besides", false,
-                [RaceControl];
-            12 "full": Ring<Full, 5>;
-                FREE, "nothing", true,
+                [Spindle, RaceControl];
+            12 "pair": Pair<Full>;
+                FREE, "one bearing: two of them, back to back", false,
                 [RaceControl, Balls, Limits];
+            13 "full": Ring<Full, 5>;
+                FREE, "nothing", true,
+                [Spindle, RaceControl, Balls, Limits];
         }
     };
 }
@@ -166,8 +170,8 @@ pub trait Scene<T: Real, const N: usize> {
         T: 'b;
     /// As many of these as there are freedoms.
     fn vector(values: [T; 5]) -> Self::Vector;
-    /// One without history.
-    fn solver(bearing: &Bearing<T, N>) -> Self::Solver<'_>;
+    /// One without history, unless the design allows none.
+    fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>>;
     /// Has the next solve start from nothing.
     fn reset(solver: &mut Self::Solver<'_>);
     /// Solves.
@@ -203,8 +207,8 @@ where
     }
 
     #[inline(always)]
-    fn solver(bearing: &Bearing<T, N>) -> Self::Solver<'_> {
-        Solver::of(bearing)
+    fn solver<'b>(bearing: &'b Bearing<T, N>, _: &Design) -> Option<Self::Solver<'b>> {
+        Some(Solver::of(bearing))
     }
 
     #[inline(always)]
@@ -245,8 +249,8 @@ impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Axial<M> {
     }
 
     #[inline(always)]
-    fn solver(bearing: &Bearing<T, N>) -> Self::Solver<'_> {
-        AxialSolver::of(bearing)
+    fn solver<'b>(bearing: &'b Bearing<T, N>, _: &Design) -> Option<Self::Solver<'b>> {
+        Some(AxialSolver::of(bearing))
     }
 
     #[inline(always)]
@@ -263,6 +267,52 @@ impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Axial<M> {
         Ok(Answer::new(
             [s.displacement],
             [[s.stiffness()]],
+            &s.error,
+            &s.status,
+            s.iterations,
+        ))
+    }
+}
+
+/// Two such bearings back to back, clamped by a fiftieth of the distance of the groove centres.
+pub struct Pair<M>(PhantomData<M>);
+
+impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Pair<M> {
+    const FREEDOMS: usize = 5;
+    type Vector = [T; 5];
+    type Matrix = [[T; 5]; 5];
+    type Solver<'b>
+        = SpindleSolver<'b, T, 2, N, M>
+    where
+        T: 'b;
+
+    fn vector(values: [T; 5]) -> Self::Vector {
+        values
+    }
+
+    #[inline(always)]
+    fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>> {
+        let grooves = design.inner_groove_factor + design.outer_groove_factor - 1.0;
+        let closure = Preload::Closure(T::of(0.02 * grooves * design.ball_diameter));
+        let distance = T::of(0.3 * design.pitch_diameter);
+        let pair = Spindle::pair(Arrangement::BackToBack, bearing, distance, closure);
+        Some(SpindleSolver::of(pair.ok()?))
+    }
+
+    #[inline(always)]
+    fn reset(solver: &mut Self::Solver<'_>) {
+        solver.reset();
+    }
+
+    #[inline(always)]
+    fn solve(
+        solver: &mut Self::Solver<'_>,
+        question: &Question<T, Self::Vector>,
+    ) -> Result<Answer<T, Self::Vector, Self::Matrix>, Status<T>> {
+        let s = solver.solve(question.values, question.speed(), &question.settings())?;
+        Ok(Answer::new(
+            s.displacement,
+            s.stiffness(),
             &s.error,
             &s.status,
             s.iterations,

@@ -1,6 +1,6 @@
 //! Several bearings on one shaft.
 
-use host_tests::cases::{SolvedSet, sets};
+use host_tests::cases::{Case, Random, SolvedSet, sets};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, Question, Row, with_solver};
@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, Status,
 };
+use std::f64::consts::TAU;
 
 /// How far an answer is off.
 #[derive(Debug, Clone, Copy, Default)]
@@ -503,4 +504,462 @@ fn a_pair_of_7014c_is_as_stiff_as_the_model_says() {
         let radial = 1e-6 / found.compliance_at[1][1] / nose;
         assert!((radial - 1.0).abs() < 0.01, "{radial}");
     }
+}
+
+/// A random spindle that a designer might draw: one to four rows of one or two kinds, clamped or with a sleeve, under loads
+/// about as large as its preload, grown a little.
+fn random(seed: u64) -> (Plan, Attitude, Question) {
+    let mut r = Random::seeded(seed);
+    let kinds = [Case::random(seed), Case::random(seed ^ 0x55)];
+    // Bearings of one shaft have about one size.
+    let size = kinds[0].design.ball_diameter / kinds[1].design.ball_diameter;
+    let second = r.chance(0.3) && (0.5..2.0).contains(&size);
+    let count = r.between(1.0, 4.99) as usize;
+    let face_to_face = r.chance(0.5);
+    let spring = count > 1 && r.chance(0.3);
+    let width = 0.3 * kinds[0].design.pitch_diameter;
+    let [mut x, mut limit, mut preload] = [-width, f64::INFINITY, f64::INFINITY];
+    let turn = r.between(1.0, count as f64) as usize;
+    let rows: Vec<Row> = (0..count)
+        .map(|i| {
+            let kind = &kinds[usize::from(second && i >= turn)];
+            x += width
+                * if i == turn {
+                    r.log_between(1.0, 10.0)
+                } else {
+                    1.0
+                };
+            let design = kind.design;
+            let rating = 12e6 * kind.balls as f64 * design.ball_diameter.powi(2);
+            preload = preload.min(rating * r.log_between(2e-3, 5e-2));
+            limit = limit.min(1500.0 / design.pitch_diameter);
+            let first = i < turn;
+            let held = if spring && !first {
+                Preload::Spring
+            } else {
+                // That of a force; for sets whose rows do not face each other, too.
+                Preload::Closure(design.centre_distance() * r.log_between(2e-3, 5e-2))
+            };
+            Row {
+                balls: kind.balls,
+                design,
+                position: x,
+                facing: if first == face_to_face {
+                    Facing::MinusX
+                } else {
+                    Facing::PlusX
+                },
+                preload: held,
+            }
+        })
+        .collect();
+    let rpm = if r.chance(0.2) {
+        0.0
+    } else {
+        r.between(0.0, limit)
+    };
+    let (to, about) = (r.between(0.0, TAU), r.between(0.0, TAU));
+    let [axial, radial, moment] = [0.5, 1.0, 0.5].map(|most| r.between(0.0, most) * preload);
+    let span = 0.5 * kinds[0].design.pitch_diameter;
+    let alone = rows.iter().all(|row| row.facing == rows[0].facing);
+    let pressing = if alone {
+        3.0 * preload * rows[0].facing.sign::<f64>()
+    } else {
+        0.0
+    };
+    let growth = rows.iter().map(|row| {
+        let l0 = row.design.centre_distance();
+        Growth {
+            axial: 0.0,
+            radial: l0 * r.between(0.0, 0.01),
+            ball: l0 * r.between(0.0, 0.002),
+        }
+    });
+    let growth = growth.collect();
+    let load = [
+        axial + pressing,
+        radial * to.cos(),
+        radial * to.sin(),
+        moment * span * about.cos(),
+        moment * span * about.sin(),
+    ];
+    let plan = Plan {
+        rows,
+        arrangement: Arrangement::ByRows,
+        spring: spring.then_some(preload),
+    };
+    (
+        plan,
+        kinds[0].attitude,
+        Question {
+            growth,
+            ..loaded(load, rpm)
+        },
+    )
+}
+
+/// Both precisions' answers to a random spindle, unless one refuses it.
+fn in_both(plan: &Plan, attitude: Attitude, question: &Question) -> Option<[Answer; 2]> {
+    let [double, single] = [Precision::F64, Precision::F32].map(|precision| {
+        let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, 0.0);
+        with_solver(plan, Balls::Moving(attitude), precision, ask).unwrap_or_else(|e| panic!("{e}"))
+    });
+    Some([double.ok()?, single.ok()?])
+}
+
+/// Clamped rows that face each other hold any shaft, cold from the first solve on, and each row carries what the
+/// reference build says of its displacement.
+#[test]
+fn random_clamped_spindles_are_what_the_reference_build_says() {
+    let off: Vec<[f64; 3]> = (0..600)
+        .into_par_iter()
+        .filter_map(|seed| {
+            let (plan, attitude, question) = random(seed);
+            let first = plan.rows[0].facing;
+            if plan.spring.is_some() || plan.rows.iter().all(|row| row.facing == first) {
+                return None;
+            }
+            let grown = in_both(&plan, attitude, &question);
+            let cold = Question {
+                growth: Vec::new(),
+                ..question
+            };
+            let [a, b] = in_both(&plan, attitude, &cold).unwrap_or_else(|| panic!("{seed}"));
+            let [c, d] = grown.unwrap_or_else(|| panic!("{seed}, grown"));
+            let single = worse(
+                stiffness_error(&b.stiffness, &a.stiffness),
+                stiffness_error(&d.stiffness, &c.stiffness),
+            );
+            let (mut law, mut sum) = (0.0, [0.0; 5]);
+            let largest_force = largest(a.rows.iter().flat_map(|row| row.force[..3].to_vec()));
+            for (row, found) in plan.rows.iter().zip(&a.rows) {
+                let (x, s) = (row.position, row.facing.sign::<f64>());
+                let Preload::Closure(closure) = row.preload else {
+                    panic!("clamped")
+                };
+                let [dx, dy, dz, ty, tz] = a.displacement;
+                let u = [s * dx + closure, dy + x * tz, dz - x * ty, s * ty, s * tz];
+                let case = Case {
+                    name: String::new(),
+                    balls: row.balls,
+                    design: row.design,
+                    attitude,
+                    load: found.force,
+                    omega: cold.omega,
+                };
+                let reference = case.reference();
+                let truth = reference.law(u, case.omega, case.reference_attitude());
+                // It has no answer where no ball of a row carries.
+                let Ok(truth) = truth else {
+                    let unloaded = found.balls.iter().all(|ball| ball.q_i == 0.0);
+                    assert!(unloaded && largest(found.force) == 0.0, "{seed}");
+                    continue;
+                };
+                let radius = case.pitch_radius();
+                let scale = [1.0, 1.0, 1.0, 1.0 / radius, 1.0 / radius];
+                for i in 0..5 {
+                    law = worse(
+                        law,
+                        scale[i] * (found.force[i] - truth.force[i]).abs() / largest_force,
+                    );
+                }
+                let [fx, fy, fz, my, mz] = found.force;
+                let on_shaft = [s * fx, fy, fz, s * my - x * fz, s * mz + x * fy];
+                for (sum, f) in sum.iter_mut().zip(on_shaft) {
+                    *sum += f;
+                }
+            }
+            let span = largest(plan.rows.iter().map(|row| row.position))
+                + plan.rows[0].design.pitch_diameter;
+            let scale = [1.0, 1.0, 1.0, 1.0 / span, 1.0 / span];
+            let balance = largest((0..5).map(|i| scale[i] * (sum[i] - cold.load[i])));
+            Some([law, balance / largest_force, single])
+        })
+        .collect();
+    let worst = off.iter().fold([0.0; 3], |worst, off| {
+        std::array::from_fn(|i| worse(worst[i], off[i]))
+    });
+    println!(
+        "{} spindles: law, balance, stiffness in single precision {worst:?}",
+        off.len()
+    );
+    assert!(off.len() > 200);
+    assert!(
+        worst[0] < 1e-12 && worst[1] < 1e-13 && worst[2] < 5e-5,
+        "{worst:?}"
+    );
+}
+
+/// A spring holds its rows only as well as its force does: a light one lets the shaft's load or its speed drive balls out.
+#[test]
+fn most_random_sprung_spindles_are_solved() {
+    let random = |seed| Some(random(seed)).filter(|(plan, ..)| plan.spring.is_some());
+    let asked: Vec<_> = (0..1200).filter_map(random).collect();
+    let solved: Vec<[Answer; 2]> = asked
+        .par_iter()
+        .filter_map(|(plan, attitude, question)| in_both(plan, *attitude, question))
+        .collect();
+    assert!(
+        asked.len() > 200 && 100 * solved.len() > 90 * asked.len(),
+        "{} of {}",
+        solved.len(),
+        asked.len()
+    );
+    let alike = |[a, b]: &&[Answer; 2]| stiffness_error(&b.stiffness, &a.stiffness) < 2e-4;
+    assert_eq!(solved.iter().filter(alike).count(), solved.len());
+}
+
+/// What the solver keeps from one solve to the next does not drift: after many ticks, one that starts anew says the
+/// same.
+#[test]
+fn a_long_run_ends_where_a_cold_solve_does() {
+    let pair = clamped(&[(0.0, '+'), (0.027, '-')], Preload::Force(294.0));
+    for plan in [&pair, &sprung()] {
+        let run = |solver: &mut dyn AnySpindleSolver| {
+            let mut last = None;
+            for tick in 0..20_000 {
+                let phase = 0.07 * f64::from(tick);
+                let part = [
+                    phase.sin(),
+                    phase.cos(),
+                    (1.7 * phase).sin(),
+                    1.0,
+                    phase.cos(),
+                ];
+                let load = std::array::from_fn(|i| SKEW[i] * part[i]);
+                let grown = 1e-6 * (1.0 + (0.003 * phase).sin());
+                let growth = Growth {
+                    axial: 0.0,
+                    radial: grown,
+                    ball: 0.0,
+                };
+                let question = Question {
+                    growth: vec![growth; 4],
+                    ..loaded(load, 8000.0 + 4000.0 * (0.01 * phase).sin())
+                };
+                let found = solver
+                    .solve(&question, 0.0)
+                    .unwrap_or_else(|e| panic!("{tick}: {e}"));
+                last = Some((question, found));
+            }
+            let (question, warm) = last.unwrap();
+            solver.reset();
+            (warm, solver.solve(&question, 0.0).unwrap())
+        };
+        let (warm, cold) = with_solver(plan, FREE, Precision::F32, run).unwrap();
+        assert!(stiffness_error(&warm.stiffness, &cold.stiffness) < 2e-5);
+        for (warm, cold) in warm.rows.iter().zip(&cold.rows) {
+            assert!(
+                (warm.force[0] / cold.force[0] - 1.0).abs() < 2e-6,
+                "{warm:?} {cold:?}"
+            );
+        }
+    }
+}
+
+/// GMN's factors of arrangements against a pair of the same bearings, their catalogue p. 63.
+#[test]
+fn sets_of_three_and_four_have_the_makers_factors() {
+    // Bearings that are ground for a pair's preload, at the contact angles of the series.
+    for degrees in [15.0f64, 25.0] {
+        let set = |facing: &str| {
+            let layout: Vec<(f64, char)> = facing
+                .chars()
+                .enumerate()
+                .map(|(i, c)| (0.027 * i as f64, c))
+                .collect();
+            let mut plan = clamped(&layout, Preload::Force(300.0));
+            for row in &mut plan.rows {
+                row.design.free_contact = FreeContact::Angle(degrees.to_radians());
+            }
+            let found = ask(&plan, Balls::Static, &loaded([0.0; 5], 0.0));
+            let preload = found.rows.iter().map(|row| row.preload).sum::<f64>() / 2.0;
+            [preload, found.stiffness[0][0]]
+        };
+        let pair = set("+-");
+        for (facing, [preload, rigidity]) in [
+            ("++-", [1.35, 1.45]),
+            ("++--", [2.0, 2.0]),
+            ("+++-", [1.6, 1.8]),
+        ] {
+            let found = set(facing);
+            for (found, pair, maker) in
+                [(found[0], pair[0], preload), (found[1], pair[1], rigidity)]
+            {
+                let off = found / pair / maker - 1.0;
+                println!(
+                    "{degrees} {facing}: {:.3}, {maker} by the maker",
+                    found / pair
+                );
+                assert!(
+                    off.abs() < 0.03,
+                    "{degrees} degrees, {facing}: {:.3} instead of {maker}",
+                    found / pair
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_that_are_no_such_set_are_refused() {
+    let preload = Preload::Force(294.0);
+    let refusal = |plan: &Plan| match with_solver(plan, FREE, Precision::F64, |_| ()) {
+        Ok(()) => panic!("{plan:?}"),
+        Err(error) => error.to_string(),
+    };
+    let called = |layout: &[(f64, char)], arrangement| Plan {
+        arrangement,
+        ..clamped(layout, preload)
+    };
+    let back = [(0.0, '+'), (0.027, '-')];
+    let face = [(0.0, '-'), (0.027, '+')];
+    for (plan, part) in [
+        (
+            called(&face, Arrangement::BackToBack),
+            "row 1 faces +x, which is not back-to-back",
+        ),
+        (
+            called(&back, Arrangement::FaceToFace),
+            "row 1 faces -x, which is not face-to-face",
+        ),
+        (called(&back, Arrangement::Tandem), "which is not tandem"),
+        (
+            called(&[(0.0, '+'), (0.027, '+')], Arrangement::BackToBack),
+            "which is not back-to-back",
+        ),
+        (
+            called(&[(0.0, '+'), (0.0, '-')], Arrangement::BackToBack),
+            "another row is at",
+        ),
+        (
+            called(&[(0.0, '+'), (0.027, '+')], Arrangement::Tandem),
+            "row 0 is preloaded, but no clamped row faces it",
+        ),
+        (
+            called(&[(0.0, '+'), (f64::NAN, '-')], Arrangement::BackToBack),
+            "row 1: position of the row from the first one (m) is NaN",
+        ),
+        (
+            called(&[(0.0, '+'), (1e9, '-')], Arrangement::BackToBack),
+            "beyond the",
+        ),
+        (
+            clamped(&back, Preload::Force(-1.0)),
+            "row 0 is preloaded by -1 N",
+        ),
+        (
+            clamped(&back, Preload::Closure(f64::INFINITY)),
+            "row 0: closure e of the row (m) is inf",
+        ),
+        (
+            clamped(&back, Preload::Spring),
+            "nothing holds the shaft along its axis",
+        ),
+        (
+            Plan {
+                spring: Some(100.0),
+                ..clamped(&back, preload)
+            },
+            "no row slides",
+        ),
+        (
+            Plan {
+                spring: None,
+                ..sprung()
+            },
+            "but there is no spring",
+        ),
+        (
+            Plan {
+                spring: Some(0.0),
+                ..sprung()
+            },
+            "row 2 is preloaded by 0 N",
+        ),
+        (
+            Plan {
+                spring: Some(f64::NAN),
+                ..sprung()
+            },
+            "row 2: force of the spring (N) is NaN",
+        ),
+    ] {
+        let found = refusal(&plan);
+        assert!(found.contains(part), "{found}\nwithout: {part}");
+    }
+    // Two rows in a sleeve that face the same way as the clamped ones.
+    let mut plan = sprung();
+    for row in &mut plan.rows {
+        row.facing = Facing::PlusX;
+    }
+    plan.arrangement = Arrangement::ByRows;
+    assert!(refusal(&plan).contains("row 2 is preloaded, but no clamped row faces it"));
+}
+
+/// Any bit pattern ends in an answer or in a refusal that names what is wrong.
+#[test]
+fn wild_questions_end_in_an_answer_or_a_refusal() {
+    let pair = clamped(&[(0.0, '+'), (0.027, '-')], Preload::Force(294.0));
+    for precision in [Precision::F32, Precision::F64] {
+        for plan in [&pair, &sprung()] {
+            let run = |solver: &mut dyn AnySpindleSolver| {
+                let mut r = Random::seeded(7);
+                for _ in 0..2000 {
+                    let mut wild = |usual: f64| {
+                        if r.chance(0.2) {
+                            f64::from(f32::from_bits(r.bits() as u32))
+                        } else {
+                            usual * r.between(-1.0, 1.0)
+                        }
+                    };
+                    let load = SKEW.map(&mut wild);
+                    let growth = [0; 4].map(|_| Growth {
+                        axial: wild(1e-6),
+                        radial: wild(1e-6),
+                        ball: wild(1e-6),
+                    });
+                    let question = Question {
+                        growth: growth.to_vec(),
+                        ..loaded(load, wild(20_000.0))
+                    };
+                    if let Ok(found) = solver.solve(&question, -0.06) {
+                        let figures = found
+                            .displacement
+                            .into_iter()
+                            .chain(found.stiffness.into_iter().flatten());
+                        let rows = found.rows.iter().flat_map(|row| row.force);
+                        let there = found.compliance_at.into_iter().flatten();
+                        assert!(
+                            figures.chain(rows).chain(there).all(f64::is_finite),
+                            "{question:?}\n{found:?}"
+                        );
+                    }
+                }
+            };
+            with_solver(plan, FREE, precision, run).unwrap();
+        }
+    }
+}
+
+/// The axial load that lifts a side off is a little more than the maker's, whose contact angle does not grow with the load.
+#[test]
+fn a_row_that_has_lifted_off_says_so() {
+    let pair = clamped(&[(0.0, '+'), (0.027, '-')], Preload::Force(300.0));
+    let preload = |factor: f64| {
+        let found = ask(
+            &pair,
+            Balls::Static,
+            &loaded([factor * 300.0, 0.0, 0.0, 0.0, 0.0], 0.0),
+        );
+        (
+            found.rows[0].preload,
+            found.rows[1].preload,
+            found.rows[1].lifted_off,
+        )
+    };
+    let (a, b, off) = preload(2.5);
+    assert!(a > 5.0 && (a - b).abs() < 1e-9 && !off, "{a} {b}");
+    let (a, b, off) = preload(4.0);
+    assert!(a == 0.0 && b == 0.0 && off, "{a} {b}");
 }

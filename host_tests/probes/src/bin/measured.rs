@@ -24,8 +24,8 @@ mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
     use probes::{
-        Answer, Axial, Balls, Displacement, Loads, Passed, Question, RigidPreload, Ring, Scene,
-        for_every_scene,
+        Answer, Axial, Balls, Displacement, Loads, Pair, Passed, Question, RigidPreload, Ring,
+        Scene, for_every_scene,
     };
     use spindle_bearing::{Bearing, Centrifugal, Full, Static};
     use spindle_bearing::{Design, FreeContact, InnerRaceControl, Material, OuterRaceControl};
@@ -162,9 +162,10 @@ mod measured {
             };
             let built = (&raw mut BEARING).cast::<Bearing<T, BALLS>>();
             built.write(bearing);
-            (&raw mut SOLVER)
-                .cast::<Solver>()
-                .write(Measured::solver(&*built));
+            let Some(solver) = Measured::solver(&*built, &design) else {
+                return 0;
+            };
+            (&raw mut SOLVER).cast::<Solver>().write(solver);
             1
         }
     }

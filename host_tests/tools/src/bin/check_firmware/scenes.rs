@@ -38,12 +38,14 @@ enum Part {
     Balls,
     /// Limits asked for.
     Limits,
+    /// Several bearings on one shaft.
+    Spindle,
     /// How constants come from a design.
     Design,
 }
 
 impl Part {
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::Speed,
         Self::Friction,
         Self::RaceControl,
@@ -54,6 +56,7 @@ impl Part {
         Self::Stiffness,
         Self::Balls,
         Self::Limits,
+        Self::Spindle,
         Self::Design,
     ];
 
@@ -61,7 +64,8 @@ impl Part {
     fn modules(self) -> &'static [&'static str] {
         match self {
             Self::Speed => &["ball::", "kinematics::", "place::", "solver::fallback::"],
-            Self::Iteration => &["ring::", "solver::newton::"],
+            Self::Iteration => &["ring::", "rows::", "solver::newton::"],
+            Self::Spindle => &["spindle::"],
             _ => &[],
         }
     }
@@ -99,7 +103,7 @@ impl Part {
             Self::Speed => &["M::AT_SPEED"],
             Self::Friction => &["R::FRICTION"],
             Self::Radial => &["D >= 3"],
-            Self::Tilts => &["D == 5"],
+            Self::Tilts => &["D == 5", "D >= 5"],
             _ => &[],
         }
     }

@@ -15,7 +15,7 @@ use anyhow::{Context, Result, bail};
 use host_tests::campaign::report::Spread;
 use host_tests::dispatch::{Attitude, Precision};
 use probes::{
-    Axial, Balls, Displacement, Loads, Numbers, Passed, Question, RigidPreload, Ring,
+    Axial, Balls, Displacement, Loads, Numbers, Pair, Passed, Question, RigidPreload, Ring,
     for_every_scene,
 };
 use rayon::prelude::*;
@@ -88,7 +88,7 @@ fn answers<T: Host, S: probes::Scene<T, EVERYDAY_BALLS>>(
 ) -> Result<Answers> {
     let (tolerance, max_iterations) = (T::TOLERANCE, 100);
     let bearing = T::built(&work.design)?;
-    let mut solver = S::solver(&bearing);
+    let mut solver = S::solver(&bearing, &work.design).context("no such solver")?;
     let wide = |x: &[T]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
     Ok(states.map(|(load, omega)| {
         let question = Question {
