@@ -103,17 +103,21 @@ pub enum Limit {
     Friction,
     /// A ball is off the inner race: its gap between the races, m, against 0.
     InnerContact,
+    /// A row of a spindle has lifted off: no preload is left, and its balls carry no axial force in its direction. Of rows
+    /// alone, see [`RowSolution::limits`](crate::RowSolution::limits).
+    LiftOff,
 }
 
 impl Limit {
     /// All limits, the most serious first.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::PeakPressure,
         Self::Shoulder,
         Self::Truncation,
         Self::Reversal,
         Self::Friction,
         Self::InnerContact,
+        Self::LiftOff,
     ];
 
     /// Short name in lower case, as tables print it.
@@ -125,6 +129,7 @@ impl Limit {
             Self::Reversal => "reversal",
             Self::Friction => "friction",
             Self::InnerContact => "inner-contact",
+            Self::LiftOff => "lift-off",
         }
     }
 }
@@ -153,6 +158,18 @@ impl LimitSet {
     /// Whether this one is in it.
     pub const fn contains(self, limit: Limit) -> bool {
         self.0 & (1 << limit as u8) != 0
+    }
+
+    /// The same with this one in it.
+    #[must_use]
+    pub const fn with(self, limit: Limit) -> Self {
+        Self(self.0 | 1 << limit as u8)
+    }
+
+    /// All that are in this one or in the other.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
     }
 
     /// The limits in it, the most serious first.
@@ -260,6 +277,7 @@ impl<T: Real> fmt::Display for Exceedance<T> {
                  {allowed:.3}"
             )?,
             Limit::InnerContact => write!(f, "ball {ball} off the {race} race by {value:.3e} m")?,
+            Limit::LiftOff => f.write_str("row lifted off")?,
         }
         let plural = if self.balls == 1 { "" } else { "s" };
         write!(f, " ({} ball{plural})", self.balls)
@@ -743,6 +761,7 @@ impl<'s, T: Real> Survey<'s, T> {
             Limit::Reversal => self.reversed,
             Limit::Friction => above(&extremes.friction, self.limits.friction),
             Limit::InnerContact => self.off.0 > 0,
+            Limit::LiftOff => false,
         };
         let set = |set, limit| set | u8::from(passed(limit)) << limit as u8;
         LimitSet(Limit::ALL.into_iter().fold(0, set))
@@ -914,7 +933,7 @@ impl<'s, T: Real> Worst<'s, T> {
         let (value, allowed) = match limit {
             Limit::PeakPressure => (extreme.value, self.limits.peak_pressure),
             Limit::Friction => (extreme.value, self.limits.friction),
-            Limit::InnerContact => (extreme.value * length, T::ZERO),
+            Limit::InnerContact | Limit::LiftOff => (extreme.value * length, T::ZERO),
             Limit::Reversal => (sin.atan2(cos), T::ZERO),
             Limit::Shoulder => (sin.atan2(cos), side * shoulder),
             Limit::Truncation => {

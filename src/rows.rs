@@ -104,7 +104,7 @@ pub trait Rows<T: Real, const D: usize> {
     fn plane(&self) -> T;
 
     /// Number of balls, weighted with their inertia in units of the first row.
-    fn balls(&self) -> T;
+    fn weight(&self) -> T;
 
     /// Inertia `m dm omega^2 / 2` of a ball of the first row.
     fn inertia(&self) -> T;
@@ -168,7 +168,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     }
 
     #[inline(always)]
-    fn balls(&self) -> T {
+    fn weight(&self) -> T {
         self.c.balls
     }
 

@@ -23,7 +23,7 @@
 //! ```
 
 use crate::dispatch::BALL_COUNTS;
-use serde::de::Visitor;
+use serde::de::{DeserializeOwned, Visitor};
 use serde::{Deserialize, Deserializer};
 use spindle_bearing::{Design, DesignError, FreeContact, Material, Quantity};
 use std::fmt;
@@ -100,10 +100,10 @@ impl fmt::Display for DesignFileError {
 impl std::error::Error for DesignFileError {}
 
 /// A key that may be absent, and where its value stands.
-type Key<T> = Option<Spanned<T>>;
+pub(crate) type Key<T> = Option<Spanned<T>>;
 
 /// A number, with or without a decimal point, and called so in messages.
-struct Number(f64);
+pub(crate) struct Number(pub f64);
 
 impl<'de> Deserialize<'de> for Number {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -129,9 +129,10 @@ impl<'de> Deserialize<'de> for Number {
     }
 }
 
+/// The keys of a design.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Keys {
+pub(crate) struct Keys {
     name: Key<String>,
     balls: Key<Number>,
     ball_diameter_mm: Key<Number>,
@@ -165,14 +166,31 @@ struct BallKeys {
 }
 
 /// The text being read, for messages, and where the values stand.
-struct Reading<'t> {
+pub(crate) struct Reading<'t> {
     file: &'t str,
     text: &'t str,
     places: Vec<(Quantity, &'static str, Place)>,
 }
 
-impl Reading<'_> {
-    fn error(&self, place: Place, message: impl Into<String>) -> DesignFileError {
+impl<'t> Reading<'t> {
+    /// Of a text that messages call `file`.
+    pub fn of(file: &'t str, text: &'t str) -> Self {
+        Self {
+            file,
+            text,
+            places: Vec::new(),
+        }
+    }
+
+    /// The text as keys.
+    pub fn keys<K: DeserializeOwned>(&self) -> Result<K, DesignFileError> {
+        toml::from_str(self.text).map_err(|error| {
+            let place = error.span().map_or(Place::TOP, |span| self.place(span));
+            self.error(place, error.message().trim_end())
+        })
+    }
+
+    pub fn error(&self, place: Place, message: impl Into<String>) -> DesignFileError {
         DesignFileError {
             file: self.file.to_owned(),
             place: Some(place),
@@ -180,12 +198,12 @@ impl Reading<'_> {
         }
     }
 
-    fn place(&self, span: Range<usize>) -> Place {
+    pub fn place(&self, span: Range<usize>) -> Place {
         Place::of(self.text, span.start)
     }
 
     /// Value of a key that must be there.
-    fn required<T>(
+    pub fn required<T>(
         &self,
         key: &'static str,
         example: &str,
@@ -274,11 +292,11 @@ impl Reading<'_> {
 }
 
 // Division by a power of ten rounds once; its reciprocal would be rounded, too.
-fn millimetres(x: f64) -> f64 {
+pub(crate) fn millimetres(x: f64) -> f64 {
     x / 1e3
 }
 
-fn micrometres(x: f64) -> f64 {
+pub(crate) fn micrometres(x: f64) -> f64 {
     x / 1e6
 }
 
@@ -290,6 +308,27 @@ fn as_is(x: f64) -> f64 {
     x
 }
 
+/// A file's name, as messages give it, and its text.
+pub(crate) fn read_text(path: &Path) -> Result<(String, String), DesignFileError> {
+    let file = path.display().to_string();
+    match std::fs::read(path).map(String::from_utf8) {
+        Ok(Ok(text)) => Ok((file, text)),
+        Ok(Err(error)) => {
+            let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+            Err(DesignFileError {
+                file,
+                place: Some(Place::of(&text, error.utf8_error().valid_up_to())),
+                message: "this is not UTF-8 text; save the file in that encoding".to_owned(),
+            })
+        }
+        Err(error) => Err(DesignFileError {
+            file,
+            place: None,
+            message: format!("cannot be read: {error}"),
+        }),
+    }
+}
+
 impl DesignFile {
     /// Reads a design file.
     ///
@@ -297,23 +336,8 @@ impl DesignFile {
     ///
     /// A file that cannot be read, or is not a design; the place in it where it goes wrong.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignFileError> {
-        let file = path.as_ref().display().to_string();
-        match std::fs::read(&path).map(String::from_utf8) {
-            Ok(Ok(text)) => Self::parse(&file, &text),
-            Ok(Err(error)) => {
-                let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-                Err(DesignFileError {
-                    file,
-                    place: Some(Place::of(&text, error.utf8_error().valid_up_to())),
-                    message: "this is not UTF-8 text; save the file in that encoding".to_owned(),
-                })
-            }
-            Err(error) => Err(DesignFileError {
-                file,
-                place: None,
-                message: format!("cannot be read: {error}"),
-            }),
-        }
+        let (file, text) = read_text(path.as_ref())?;
+        Self::parse(&file, &text)
     }
 
     /// Reads a design from the text of a file; messages call the file `file`.
@@ -322,16 +346,13 @@ impl DesignFile {
     ///
     /// A text that is not a design; the place in it where it goes wrong.
     pub fn parse(file: &str, text: &str) -> Result<Self, DesignFileError> {
-        let mut r = Reading {
-            file,
-            text,
-            places: Vec::new(),
-        };
-        let keys: Keys = toml::from_str(text).map_err(|error| {
-            let place = error.span().map_or(Place::TOP, |span| r.place(span));
-            r.error(place, error.message().trim_end())
-        })?;
+        let r = Reading::of(file, text);
+        let keys = r.keys()?;
+        Self::of(r, keys)
+    }
 
+    /// The design of these keys.
+    pub(crate) fn of(mut r: Reading<'_>, keys: Keys) -> Result<Self, DesignFileError> {
         let name = r.required("name", "\"B7005C\"", keys.name)?.into_inner();
         let balls = r.required("balls", "16", keys.balls)?;
         let balls_place = r.place(balls.span());
@@ -444,7 +465,7 @@ impl DesignFile {
             name,
             balls,
             design,
-            file: file.to_owned(),
+            file: r.file.to_owned(),
             places: r.places,
         })
     }

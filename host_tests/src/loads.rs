@@ -1,6 +1,7 @@
 //! Recorded loads: the CSV file of measured forces, moments and speed.
 //!
-//! Header `time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm`, columns in any order, one row an instant.
+//! Header `time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm`, columns in any order, one row an instant; `t_inner_c,t_outer_c`
+//! besides, for spindles.
 //! The file is read as a stream, so that a pipe of any length works. Every number is passed on as it
 //! stands, `nan` and `inf` too: whether a row can be solved is for the solver to say.
 //!
@@ -23,6 +24,17 @@ pub const COLUMNS: [&str; 7] = [
     "speed_rpm",
 ];
 
+/// The columns of temperatures that the file may have besides: of the inner and of the outer side.
+pub const TEMPERATURES: [&str; 2] = ["t_inner_c", "t_outer_c"];
+
+/// Most columns.
+const MOST: usize = COLUMNS.len() + TEMPERATURES.len();
+
+/// The name of a column.
+fn column_name(column: usize) -> Option<&'static str> {
+    COLUMNS.iter().chain(&TEMPERATURES).nth(column).copied()
+}
+
 /// A line longer than this is no row of seven numbers; without a bound, a stray binary file would
 /// be read into memory before the complaint.
 const LONGEST_LINE: u64 = 16 * 1024;
@@ -36,6 +48,8 @@ pub struct LoadRow {
     pub load: [f64; 5],
     /// Shaft speed, revolutions per minute.
     pub speed_rpm: f64,
+    /// Temperatures of the inner and of the outer side, degrees Celsius, if the file has them.
+    pub temperatures: Option<[f64; 2]>,
 }
 
 impl LoadRow {
@@ -124,8 +138,10 @@ pub fn read(path_or_dash: &str) -> Result<Loads, LoadsError> {
 pub struct Loads {
     file: String,
     input: BufReader<Box<dyn Read>>,
-    /// For each of [`COLUMNS`], the field that holds it.
-    field_of: [usize; 7],
+    /// For each of [`COLUMNS`] and [`TEMPERATURES`], the field that holds it; temperatures may be missing.
+    field_of: [Option<usize>; MOST],
+    /// Number of columns.
+    columns: usize,
     lines: u64,
     bytes: u64,
     total_bytes: Option<u64>,
@@ -194,7 +210,8 @@ impl Loads {
         let mut loads = Self {
             file: name.to_owned(),
             input: BufReader::with_capacity(64 * 1024, input),
-            field_of: [0; 7],
+            field_of: [None; MOST],
+            columns: 0,
             lines: 0,
             bytes: 0,
             total_bytes: None,
@@ -208,6 +225,11 @@ impl Loads {
     /// Bytes taken from the input so far.
     pub fn bytes_read(&self) -> u64 {
         self.bytes
+    }
+
+    /// Whether there are columns of temperatures.
+    pub fn has_temperatures(&self) -> bool {
+        self.columns == MOST
     }
 
     /// Size of the input, if it is a plain file.
@@ -271,10 +293,12 @@ impl Loads {
                 format!("the file is empty; it must begin with the header {wanted}"),
             ));
         }
-        let mut found = [None; 7];
+        let mut found = [None; MOST];
         for i in 0..self.record.count {
             let field = self.record.field(i);
-            let Some(column) = COLUMNS.iter().position(|name| name.as_bytes() == field) else {
+            let Some(column) =
+                (0..MOST).find(|&column| column_name(column).map(str::as_bytes) == Some(field))
+            else {
                 return Err(self.malformed(
                     i + 1,
                     None,
@@ -287,28 +311,33 @@ impl Loads {
             if let Some(first) = found[column].replace(i) {
                 return Err(self.malformed(
                     i + 1,
-                    Some(COLUMNS[column]),
+                    column_name(column),
                     format!("the header has this column already as column {}", first + 1),
                 ));
             }
         }
-        for (column, found) in found.iter().enumerate() {
-            let Some(field) = found else {
-                return Err(self.malformed(
-                    self.record.count + 1,
-                    Some(COLUMNS[column]),
-                    format!("the header lacks this column; it must hold {wanted}, in any order"),
-                ));
+        let temperatures = COLUMNS.len()..MOST;
+        let warm = temperatures.clone().any(|column| found[column].is_some());
+        for (column, field) in found.iter().enumerate() {
+            if field.is_some() || (temperatures.contains(&column) && !warm) {
+                continue;
+            }
+            let message = if temperatures.contains(&column) {
+                "the header lacks this column; temperatures are those of both sides".to_owned()
+            } else {
+                format!("the header lacks this column; it must hold {wanted}, in any order")
             };
-            self.field_of[column] = *field;
+            return Err(self.malformed(self.record.count + 1, column_name(column), message));
         }
+        self.field_of = found;
+        self.columns = self.record.count;
         Ok(())
     }
 
     /// Name of the column in field `i`.
     fn name_of(&self, i: usize) -> Option<&'static str> {
-        let column = self.field_of.iter().position(|&field| field == i)?;
-        Some(COLUMNS[column])
+        let column = self.field_of.iter().position(|&field| field == Some(i))?;
+        column_name(column)
     }
 
     fn row(&mut self) -> Result<Option<LoadRow>, LoadsError> {
@@ -317,8 +346,9 @@ impl Loads {
         }
         let count = self.record.count;
         // Where numbers are readable, the first bad one says more than a wrong count.
-        let mut numbers = [0.0; 7];
-        for (i, number) in numbers.iter_mut().enumerate().take(count) {
+        let mut numbers = [0.0; MOST];
+        let wanted = self.columns;
+        for (i, number) in numbers.iter_mut().enumerate().take(count.min(wanted)) {
             let field = self.record.field(i);
             *number = std::str::from_utf8(field)
                 .ok()
@@ -332,28 +362,31 @@ impl Loads {
                     self.malformed(i + 1, self.name_of(i), message)
                 })?;
         }
-        if count < 7 {
+        if count < wanted {
             return Err(self.malformed(
                 count + 1,
                 self.name_of(count),
-                format!("the line ends after {count} of 7 numbers"),
+                format!("the line ends after {count} of {wanted} numbers"),
             ));
         }
-        if count > 7 {
+        if count > wanted {
             return Err(self.malformed(
-                8,
+                wanted + 1,
                 None,
                 format!(
-                    "the line has {count} fields where the header has 7 (decimals take a point, \
+                    "the line has {count} fields where the header has {wanted} (decimals take a point, \
                      not a comma)"
                 ),
             ));
         }
-        let [time_s, fx, fy, fz, my, mz, speed_rpm] = self.field_of.map(|field| numbers[field]);
+        let [time_s, fx, fy, fz, my, mz, speed_rpm, inner, outer] = self
+            .field_of
+            .map(|field| field.map_or(0.0, |field| numbers[field]));
         Ok(Some(LoadRow {
             time_s,
             load: [fx, fy, fz, my, mz],
             speed_rpm,
+            temperatures: self.has_temperatures().then_some([inner, outer]),
         }))
     }
 }

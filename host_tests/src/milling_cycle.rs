@@ -295,6 +295,7 @@ pub fn milling_cycle() -> Vec<LoadRow> {
                 ],
                 // The encoder counts, and so does not see movement where there is none.
                 speed_rpm: rounded(speed * (1.0 + 5e-5 * noise.next()), 1.0),
+                temperatures: None,
             }
         })
         .collect()

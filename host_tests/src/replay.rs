@@ -8,7 +8,7 @@ use std::fmt;
 use std::io::{self, Write};
 
 /// Names of the five freedoms in column names.
-const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
+pub(crate) const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
 
 /// Header of the file of ball states.
 const BALL_HEADER: &str = "time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm";
@@ -34,6 +34,8 @@ pub enum ReplayError {
     Results(io::Error),
     /// The ball states cannot be written.
     Balls(io::Error),
+    /// The rows of a spindle cannot be written.
+    Rows(io::Error),
 }
 
 impl fmt::Display for ReplayError {
@@ -42,6 +44,7 @@ impl fmt::Display for ReplayError {
             Self::Loads(error) => error.fmt(f),
             Self::Results(error) => write!(f, "the results cannot be written: {error}"),
             Self::Balls(error) => write!(f, "the ball states cannot be written: {error}"),
+            Self::Rows(error) => write!(f, "the rows of the spindle cannot be written: {error}"),
         }
     }
 }
@@ -50,7 +53,7 @@ impl std::error::Error for ReplayError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Loads(error) => Some(error),
-            Self::Results(error) | Self::Balls(error) => Some(error),
+            Self::Results(error) | Self::Balls(error) | Self::Rows(error) => Some(error),
         }
     }
 }
@@ -64,6 +67,17 @@ pub struct Summary {
     pub refused: BTreeMap<&'static str, u64>,
     /// Time of the first row without an answer, and why it has none.
     pub first_refusal: Option<(f64, String)>,
+}
+
+impl Summary {
+    /// Counts a row of loads, which has an answer or a status and a sentence instead.
+    pub(crate) fn count(&mut self, time: f64, refusal: Option<(&'static str, String)>) {
+        self.rows += 1;
+        if let Some((status, why)) = refusal {
+            *self.refused.entry(status).or_default() += 1;
+            self.first_refusal.get_or_insert((time, why));
+        }
+    }
 }
 
 impl fmt::Display for Summary {
@@ -120,11 +134,8 @@ pub fn replay(
             }
             .map_err(ReplayError::Balls)?;
         }
-        summary.rows += 1;
-        if let Err(why) = answer.figures {
-            *summary.refused.entry(answer.status).or_default() += 1;
-            summary.first_refusal.get_or_insert((row.time_s, why));
-        }
+        let refusal = answer.figures.err().map(|why| (answer.status, why));
+        summary.count(row.time_s, refusal);
     }
     results.flush().map_err(ReplayError::Results)?;
     if let Some(out) = &mut balls {
@@ -166,20 +177,29 @@ fn write_balls(
 ) -> io::Result<()> {
     for (number, ball) in balls.iter().enumerate() {
         write!(out, "{},{number}", Precision::F64.show(time))?;
-        for figure in [
-            ball.azimuth,
-            ball.alpha_i,
-            ball.alpha_o,
-            ball.q_i,
-            ball.q_o,
-            ball.centrifugal_force,
-            ball.gyroscopic_moment,
-        ] {
-            write!(out, ",{}", precision.show(figure))?;
-        }
-        writeln!(out)?;
+        write_ball(out, ball, precision)?;
     }
     Ok(())
+}
+
+/// The figures of a ball, and the line's end.
+pub(crate) fn write_ball(
+    out: &mut dyn Write,
+    ball: &BallState<f64>,
+    precision: Precision,
+) -> io::Result<()> {
+    for figure in [
+        ball.azimuth,
+        ball.alpha_i,
+        ball.alpha_o,
+        ball.q_i,
+        ball.q_o,
+        ball.centrifugal_force,
+        ball.gyroscopic_moment,
+    ] {
+        write!(out, ",{}", precision.show(figure))?;
+    }
+    writeln!(out)
 }
 
 fn write_no_balls(out: &mut dyn Write, time: f64, count: usize) -> io::Result<()> {

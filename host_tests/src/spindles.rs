@@ -3,8 +3,8 @@
 use crate::dispatch::{Attitude, Precision, widened};
 use spindle_bearing::{
     Arrangement, BallState, Bearing, Design, DesignError, Facing, Full, Growth, InnerRaceControl,
-    Motion, Mounted, OuterRaceControl, Preload, Quantity, RacewayControlFree, Real, Settings,
-    ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
+    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity, RacewayControlFree,
+    Real, Settings, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
 };
 use std::fmt;
 
@@ -89,6 +89,8 @@ pub struct RowAnswer {
     pub force: [f64; 5],
     /// Preload, N.
     pub preload: f64,
+    /// Limits that it has passed.
+    pub limits: LimitSet,
     /// It carries nothing in its direction.
     pub lifted_off: bool,
     /// Stiffness of the row alone.
@@ -99,12 +101,15 @@ pub struct RowAnswer {
 
 /// A solver for a spindle.
 pub trait AnySpindleSolver {
-    /// Solves; the point at which stiffness and compliance are wanted is at the position `x`, m.
+    /// Solves; `end` is the point at which stiffness and compliance are wanted besides `x = 0`.
     ///
     /// # Errors
     ///
     /// Why there is no answer.
-    fn solve(&mut self, question: &Question, x: f64) -> Result<Answer, Status<f32>>;
+    fn solve(&mut self, question: &Question, end: &ShaftEnd<f64>) -> Result<Answer, Status<f32>>;
+
+    /// Holds the next solves against these limits instead of the default ones.
+    fn set_limits(&mut self, limits: &Limits<f64>);
 
     /// Makes the next solves stop at this tolerance, or after this many iterations.
     fn set_settings(&mut self, tolerance: f64, max_iterations: u16);
@@ -260,6 +265,7 @@ fn of_motion<T: Real, const R: usize, const D: usize, O>(
 struct Counted<'s, T: Real, const R: usize, M: Motion, const D: usize> {
     solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D>,
     settings: Settings<T>,
+    limits: Limits<T>,
 }
 
 impl<'s, T: Real, const R: usize, M: Motion, const D: usize> Counted<'s, T, R, M, D> {
@@ -267,6 +273,7 @@ impl<'s, T: Real, const R: usize, M: Motion, const D: usize> Counted<'s, T, R, M
         Box::new(Self {
             solver: SpindleSolver::of(spindle),
             settings: Settings::default(),
+            limits: Limits::default(),
         })
     }
 }
@@ -274,7 +281,7 @@ impl<'s, T: Real, const R: usize, M: Motion, const D: usize> Counted<'s, T, R, M
 impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
     for Counted<'_, T, R, M, D>
 {
-    fn solve(&mut self, question: &Question, x: f64) -> Result<Answer, Status<f32>> {
+    fn solve(&mut self, question: &Question, end: &ShaftEnd<f64>) -> Result<Answer, Status<f32>> {
         let growth = std::array::from_fn(|i| match question.growth.get(i) {
             Some(growth) => Growth {
                 axial: T::of(growth.axial),
@@ -284,9 +291,14 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
             None => Growth::NONE,
         });
         let speed = Speed::rad_per_s(T::of(question.omega));
+        let end = ShaftEnd {
+            position: T::of(end.position),
+            flexibility: end.flexibility.map(|row| row.map(T::of)),
+        };
+        let limits = &self.limits;
         self.solver
             .solve_at(question.load.map(T::of), speed, &growth, &self.settings)
-            .map(|solution| answer(&solution, T::of(x)))
+            .map(|solution| answer(&solution, &end, limits))
             .map_err(Status::to_f32)
     }
 
@@ -294,6 +306,13 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
         self.settings = Settings {
             tolerance: T::of(tolerance),
             max_iterations,
+        };
+    }
+
+    fn set_limits(&mut self, limits: &Limits<f64>) {
+        self.limits = Limits {
+            peak_pressure: T::of(limits.peak_pressure),
+            friction: T::of(limits.friction),
         };
     }
 
@@ -308,23 +327,24 @@ fn wide<T: Real>(m: &[[T; 5]; 5]) -> [[f64; 5]; 5] {
 
 fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     solution: &SpindleSolution<'_, T, R, N, M, D>,
-    x: T,
+    end: &ShaftEnd<T>,
+    limits: &Limits<T>,
 ) -> Answer {
-    let end = ShaftEnd::rigid(x);
     let error = &solution.error;
     Answer {
         status: solution.status.name(),
         iterations: solution.iterations,
         displacement: solution.displacement.map(T::to_f64),
         stiffness: wide(&solution.stiffness()),
-        compliance_at: wide(&solution.compliance_at(&end)),
-        stiffness_at: wide(&solution.stiffness_at(&end)),
+        compliance_at: wide(&solution.compliance_at(end)),
+        stiffness_at: wide(&solution.stiffness_at(end)),
         spring_closure: solution.spring_closure().to_f64(),
         rows: solution
             .rows()
             .map(|row| RowAnswer {
                 force: row.force.map(T::to_f64),
                 preload: row.preload().to_f64(),
+                limits: row.limits(limits),
                 lifted_off: row.is_lifted_off(),
                 stiffness: wide(&row.stiffness()),
                 balls: row.balls().map(|ball| widened(&ball)).collect(),

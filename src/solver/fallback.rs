@@ -27,7 +27,7 @@ pub(super) fn continuation<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     let rough = task.rough();
     at_rest::<T, S, R, D>(state, rows, &rough, budget);
     let mut s = T::ZERO;
-    let mut step = (T::of(tuning::LIGHT) * task.size / rows.balls()).at_most(whole);
+    let mut step = (T::of(tuning::LIGHT) * task.size / rows.weight()).at_most(whole);
     let (mut u, mut v) = (state.u, state.v);
     // Whether the balls are at the last solution.
     let mut follows = false;

@@ -211,7 +211,7 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Whether the last solve ended so near that the next one may start there.
     fn is_near<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>) -> bool {
         let half = T::of(0.5);
-        let (s, balls) = (rows.inertia(), rows.balls());
+        let (s, balls) = (rows.inertia(), rows.weight());
         let at = self.displacement(rows.plane());
         let change: [T; D] = from_fn(|i| match task.held[i] {
             None => task.load[i] - self.load[i],
@@ -272,7 +272,7 @@ impl<T: Real, const D: usize> State<T, D> {
         outcome: &Outcome<T>,
         u: &[T; D],
     ) -> ErrorEstimate<T> {
-        let inertia = rows.inertia() * rows.balls();
+        let inertia = rows.inertia() * rows.weight();
         error::errors(outcome, self, u, self.size + inertia)
     }
 

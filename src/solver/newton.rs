@@ -410,7 +410,8 @@ impl<T: Real, const D: usize> State<T, D> {
             ..
         } = outcome.estimate;
         // Of the sum of the balls' forces, relative to the load.
-        let forces = rows.balls() * largest / task.size.at_least(rows.internal()).at_least(largest);
+        let forces =
+            rows.weight() * largest / task.size.at_least(rows.internal()).at_least(largest);
         let of_ball = rounding(largest);
         let rounding = of_ball * forces.at_least(T::ONE);
         outcome.stalled = k > T::of(0.5) * before;

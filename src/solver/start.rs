@@ -124,7 +124,7 @@ pub(super) fn at_speed<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     task: &Task<T, D>,
     budget: &mut u16,
 ) -> Outcome<T> {
-    let (inertia, size) = (rows.inertia() * rows.balls(), task.size);
+    let (inertia, size) = (rows.inertia() * rows.weight(), task.size);
     let order = if inertia < T::of(tuning::LIGHT) * size {
         [Start::Rest, Start::Axisymmetric, Start::OuterRace]
     } else if inertia > T::of(tuning::HEAVY) * size {

@@ -106,7 +106,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         self.plane
     }
 
-    fn balls(&self) -> T {
+    fn weight(&self) -> T {
         self.balls
     }
 

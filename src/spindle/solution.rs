@@ -4,7 +4,7 @@ use super::{Spindle, SpindleSolver};
 use crate::constants::Constants;
 use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out, refer, refer_stiffness, stiffness_out};
-use crate::limits::{Exceedances, Extremes, Limits};
+use crate::limits::{Exceedances, Extremes, Limit, LimitSet, Limits};
 use crate::linalg::{Factors, Matrix, product};
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
@@ -300,6 +300,16 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
     /// The limits that the row has passed: see [`Solution::exceedances`](crate::Solution::exceedances).
     pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
         self.view.exceedances(limits)
+    }
+
+    /// The names of these, and [`Limit::LiftOff`] where the row has lifted off.
+    pub fn limits(&self, limits: &Limits<T>) -> LimitSet {
+        let passed = self.exceedances(limits).limits();
+        if self.is_lifted_off() {
+            passed.with(Limit::LiftOff)
+        } else {
+            passed
+        }
     }
 
     /// How near the row is to its limits: see [`Solution::extremes`](crate::Solution::extremes).

@@ -7,6 +7,7 @@ use host_tests::dispatch::{self, Answer, AnySolver, Attitude, BALL_COUNTS, Figur
 use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError};
 use host_tests::milling_cycle::{CRASH, RECORD, milling_cycle, write_csv};
 use host_tests::replay::replay;
+use host_tests::warm_up;
 use spindle_bearing::{BallState, Design, FreeContact, LimitSet, Limits, Material};
 use std::io::Cursor;
 
@@ -66,7 +67,8 @@ fn columns_may_stand_in_any_order() {
         [LoadRow {
             time_s: 1.0,
             load: [2.0, 3.0, 4.0, 5.0, 6.0],
-            speed_rpm: 7.0
+            speed_rpm: 7.0,
+            temperatures: None,
         }]
     );
     let turned = "speed_rpm,mz_nm,my_nm,fz_n,fy_n,fx_n,time_s\n7,6,5,4,3,2,1\n";
@@ -158,6 +160,7 @@ fn figures_are_printed_as_the_solver_gave_them() {
         time_s: 0.1,
         load: [0.0; 5],
         speed_rpm: 0.0,
+        temperatures: None,
     };
     let mut out = Vec::new();
     let summary = replay(&mut solver, [Ok(row)].into_iter(), false, &mut out, None).unwrap();
@@ -185,6 +188,7 @@ fn a_solve_that_ran_out_of_iterations_has_no_figures() {
             time_s: 0.5,
             load: [1000.0, 200.0, 0.0, 0.0, 3.0],
             speed_rpm: 20_000.0,
+            temperatures: None,
         };
         let (mut out, mut balls) = (Vec::new(), Vec::new());
         let rows = [Ok(row)].into_iter();
@@ -386,6 +390,19 @@ fn the_shipped_design_files_can_be_built() {
             assert!(dispatch::bearing(&file.design, file.balls, precision).is_ok());
         }
     }
+}
+
+#[test]
+fn the_recording_of_a_spindle_that_warms_up_is_what_its_program_writes() {
+    let kept = std::fs::read_to_string(warm_up::RECORD)
+        .unwrap()
+        .replace('\r', "");
+    let mut made = Vec::new();
+    warm_up::write_csv(&warm_up::warm_up(), &mut made).unwrap();
+    assert!(
+        kept.as_bytes() == made,
+        "`cargo run -p tools --bin make_record -- --warm-up` writes it again"
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@ use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, Question, Row, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::{
-    Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, Status,
+    Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, ShaftEnd, Status,
 };
 use std::f64::consts::TAU;
 
@@ -92,7 +92,7 @@ fn off(found: &Answer, set: &SolvedSet) -> Off {
 }
 
 fn solve(set: &SolvedSet, balls: Balls, precision: Precision) -> Result<Answer, Status<f32>> {
-    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(&set.question, 0.0);
+    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(&set.question, &AT_0);
     with_solver(&set.plan, balls, precision, ask).unwrap_or_else(|e| panic!("{}: {e}", set.name))
 }
 
@@ -164,6 +164,8 @@ fn solved_sets_in_single_precision() {
     );
 }
 
+/// Where loads act.
+const AT_0: ShaftEnd<f64> = ShaftEnd::rigid(0.0);
 const FREE: Balls = Balls::Moving(Attitude::Raceless);
 
 /// NTN's 7014C with the model's groove factors, of steel.
@@ -223,7 +225,7 @@ fn sprung() -> Plan {
 
 fn ask_at(plan: &Plan, balls: Balls, question: &Question, x: f64) -> Answer {
     with_solver(plan, balls, Precision::F64, |solver| {
-        solver.solve(question, x)
+        solver.solve(question, &ShaftEnd::rigid(x))
     })
     .unwrap_or_else(|e| panic!("{e}"))
     .unwrap_or_else(|e| panic!("{e}"))
@@ -269,7 +271,7 @@ fn a_single_row_is_the_plain_solver_to_the_bit() {
                     let figures = plain
                         .solve_with_balls(load, omega, Some(&mut states))
                         .figures;
-                    match (figures, solver.solve(&question, 0.0)) {
+                    match (figures, solver.solve(&question, &AT_0)) {
                         (Ok(plain), Ok(found)) => {
                             assert_eq!(found.displacement, plain.displacement, "{step}");
                             assert_eq!(found.stiffness, plain.stiffness, "{step}");
@@ -601,7 +603,7 @@ fn random(seed: u64) -> (Plan, Attitude, Question) {
 /// Both precisions' answers to a random spindle, unless one refuses it.
 fn in_both(plan: &Plan, attitude: Attitude, question: &Question) -> Option<[Answer; 2]> {
     let [double, single] = [Precision::F64, Precision::F32].map(|precision| {
-        let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, 0.0);
+        let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, &AT_0);
         with_solver(plan, Balls::Moving(attitude), precision, ask).unwrap_or_else(|e| panic!("{e}"))
     });
     Some([double.ok()?, single.ok()?])
@@ -738,13 +740,13 @@ fn a_long_run_ends_where_a_cold_solve_does() {
                     ..loaded(load, 8000.0 + 4000.0 * (0.01 * phase).sin())
                 };
                 let found = solver
-                    .solve(&question, 0.0)
+                    .solve(&question, &AT_0)
                     .unwrap_or_else(|e| panic!("{tick}: {e}"));
                 last = Some((question, found));
             }
             let (question, warm) = last.unwrap();
             solver.reset();
-            (warm, solver.solve(&question, 0.0).unwrap())
+            (warm, solver.solve(&question, &AT_0).unwrap())
         };
         let (warm, cold) = with_solver(plan, FREE, Precision::F32, run).unwrap();
         assert!(stiffness_error(&warm.stiffness, &cold.stiffness) < 2e-5);
@@ -923,7 +925,7 @@ fn wild_questions_end_in_an_answer_or_a_refusal() {
                         growth: growth.to_vec(),
                         ..loaded(load, wild(20_000.0))
                     };
-                    if let Ok(found) = solver.solve(&question, -0.06) {
+                    if let Ok(found) = solver.solve(&question, &ShaftEnd::rigid(-0.06)) {
                         let figures = found
                             .displacement
                             .into_iter()

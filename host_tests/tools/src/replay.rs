@@ -4,8 +4,11 @@ use crate::arguments::{attitude, precision};
 use clap::Parser;
 use host_tests::design_file::DesignFile;
 use host_tests::dispatch::{self, Attitude, Precision};
-use host_tests::loads::{self, Loads};
+use host_tests::loads::{self, LoadRow, Loads, LoadsError};
 use host_tests::replay::{ReplayError, Summary, replay};
+use host_tests::spindle_file::{SpindleFile, is_spindle};
+use host_tests::spindle_replay::{self, Outputs};
+use host_tests::spindles::{self, Balls};
 use indicatif::{ProgressBar, ProgressStyle};
 use spindle_bearing::Limits;
 use std::ffi::OsString;
@@ -15,17 +18,17 @@ use std::path::{Path, PathBuf};
 
 /// Replays recorded bearing loads through the solver
 ///
-/// Takes the design of an angular contact ball bearing and a recording of the loads on its inner
-/// ring and the shaft speed; for every row of the recording it computes where the inner ring goes
-/// and how stiff the bearing is there. The results go to standard output as CSV.
+/// Takes the design of an angular contact ball bearing, or of a spindle with several of them, and a
+/// recording of loads and shaft speed; for every row of the recording it computes where the shaft
+/// goes and how stiff it is held there. The results go to standard output as CSV.
 #[derive(Debug, Parser)]
 #[command(name = "replay", bin_name = "cargo replay", max_term_width = 100, after_long_help = FORMATS)]
 pub struct Args {
-    /// Design of the bearing: ball count, diameters, grooves, contact angle, materials
+    /// Design of the bearing: ball count, diameters, grooves, contact angle, materials; or of a spindle: its rows
     ///
-    /// Examples are in host_tests/bearings/.
-    #[arg(value_name = "BEARING.toml")]
-    bearing: PathBuf,
+    /// Examples are in host_tests/bearings/ and host_tests/spindles/.
+    #[arg(value_name = "DESIGN.toml")]
+    design: PathBuf,
 
     /// Recorded loads and speed; `-` reads standard input
     ///
@@ -65,15 +68,38 @@ pub struct Args {
     /// Write the contact angles, forces and inertia loads of every ball to this CSV file
     #[arg(long, value_name = "BALLS.csv")]
     balls: Option<PathBuf>,
+
+    /// Write the load, preload and least contact force of every row of a spindle to this CSV file
+    #[arg(long, value_name = "ROWS.csv")]
+    rows: Option<PathBuf>,
 }
 
 const FORMATS: &str = "\
-Frame: the outer ring stands still, the inner ring turns about +x. Loads act on the inner ring,
-moments about the bearing centre. Azimuths count from +y towards +z.
+Frame: the outer rings stand still, the shaft turns about +x. Loads act on the inner ring of a
+bearing, moments about its centre; on the shaft of a spindle at x = 0. Azimuths count from +y
+towards +z.
+
+DESIGN.toml is a spindle if it has [[row]]s:
+  name = \"7014C back to back\"
+  preload_n = 294               # of a pair; or preload_offset_um or spring = true for each row
+  [[row]]
+  bearing = \"7014c.toml\"       # beside this file, or its keys under [row.design]
+  position_mm = 0
+  facing = \"+x\"               # a load on the shaft in +x presses its balls
+  radial_growth_um = 2          # and axial_, ball_growth_um; may be left out
+  [[row]]                       # back to back: +x at the smaller x, -x at the larger
+  bearing = \"7014c.toml\"
+  position_mm = 27
+  facing = \"-x\"
+  [spring]                      # of the rows with spring = true: force_n = 300
+  [shaft]                       # rings grow with the speed on a shaft with bore_mm = 40
+  [heat]                        # they grow with temperatures: reference_c = 20, ring_per_k, ball_per_k
+  [nose]                        # stiffness there, too: position_mm = -60, radial_um_per_kn,
+                                # axial_um_per_kn
 
 LOADS.csv must have the header
   time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm
-with the columns in any order.
+with the columns in any order. For a spindle with [heat] it has t_inner_c,t_outer_c as well.
 
 Results, one row for each row of LOADS.csv, SI units:
   time_s          copied
@@ -82,8 +108,9 @@ Results, one row for each row of LOADS.csv, SI units:
                   unseated (the speed drives a ball out of its groove), iteration-limit (ran out
                   of iterations) and so on
   iterations      passes over all balls that the solve took
-  dx_m .. tz_rad  displacement of the inner ring
+  dx_m .. tz_rad  displacement of the inner ring, or of the shaft at x = 0
   k_x_x .. k_tz_tz  stiffness, 25 columns: k_y_tz is the change of Fy with the tilt tz
+  k_nose_x_x ..   of a spindle with [nose], the stiffness there
   limits          physical limits that are passed, a blank between two of them; empty if none is:
                   peak-pressure (of a contact); shoulder (a contact's centre is past it); truncation
                   (of a contact ellipse by the shoulder); reversal (of a contact angle); friction
@@ -92,7 +119,12 @@ Results, one row for each row of LOADS.csv, SI units:
 BALLS.csv, one row for each ball of each row, balls numbered from 0 at the first azimuth:
   time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm
   contact angles and contact forces at the inner and outer race, centrifugal force, gyroscopic
-  moment; rows without an answer have empty figures here, too.
+  moment; rows without an answer have empty figures here, too. Of a spindle, `row` comes before `ball`.
+
+ROWS.csv, one row for each row of balls, numbered from 0 as in DESIGN.toml, in the row's own frame,
+whose x points where an axial load presses its balls:
+  time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n
+  load on its inner ring about its centre; what of the axial one is preload; least force of a ball
 
 Exit status: 0, also if rows have no answer (a line on standard error counts them);
 2 if the arguments, the design or the recording are at fault; 1 if the results cannot be written.";
@@ -159,7 +191,7 @@ impl From<ReplayError> for Failure {
                 exit_status: 0,
                 message: String::new(),
             },
-            ReplayError::Results(_) | ReplayError::Balls(_) => Self {
+            ReplayError::Results(_) | ReplayError::Balls(_) | ReplayError::Rows(_) => Self {
                 exit_status: 1,
                 message: error.to_string(),
             },
@@ -168,40 +200,59 @@ impl From<ReplayError> for Failure {
 }
 
 fn run_parsed(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<Summary, Failure> {
-    let file = DesignFile::read(&args.bearing).map_err(Failure::input)?;
-    let bearing = dispatch::bearing(&file.design, file.balls, args.precision)
-        .map_err(|error| Failure::input(file.explain(&error)))?;
-    let mut solver = bearing.solver(args.attitude);
-    solver.set_limits(&Limits {
-        peak_pressure: args.peak_pressure * 1e6,
-        friction: args.friction,
-    });
-    let mut loads = if args.loads == "-" {
-        Loads::from_reader("standard input", stdin)
+    // What cannot be read is said below.
+    let text = std::fs::read(&args.design).unwrap_or_default();
+    if is_spindle(&String::from_utf8_lossy(&text)) {
+        of_spindle(args, stdin, stdout)
     } else {
-        loads::read(&args.loads)
+        of_bearing(args, stdin, stdout)
     }
-    .map_err(Failure::input)?;
+}
 
-    let mut balls = match &args.balls {
-        Some(path) => Some(create(path, &[&args.bearing, Path::new(&args.loads)])?),
-        None => None,
-    };
-    let mut results = BufWriter::with_capacity(64 * 1024, stdout);
+impl Args {
+    fn limits(&self) -> Limits<f64> {
+        Limits {
+            peak_pressure: self.peak_pressure * 1e6,
+            friction: self.friction,
+        }
+    }
 
+    fn open_loads(&self, stdin: Box<dyn Read>) -> Result<Loads, Failure> {
+        if self.loads == "-" {
+            Loads::from_reader("standard input", stdin)
+        } else {
+            loads::read(&self.loads)
+        }
+        .map_err(Failure::input)
+    }
+
+    /// Creates the file that an option names, if it does.
+    fn output(
+        &self,
+        option: &str,
+        path: Option<&PathBuf>,
+    ) -> Result<Option<BufWriter<File>>, Failure> {
+        let inputs = [self.design.as_path(), Path::new(&self.loads)];
+        path.map(|path| create(option, path, &inputs)).transpose()
+    }
+}
+
+/// The rows of the recording, with a bar, and what is to be done with them; then the results' end.
+fn with_bar(
+    loads: &mut Loads,
+    results: &mut dyn Write,
+    replay: impl FnOnce(
+        &mut dyn Iterator<Item = Result<LoadRow, LoadsError>>,
+        &mut dyn Write,
+    ) -> Result<Summary, ReplayError>,
+) -> Result<Summary, Failure> {
     let bar = progress_bar(loads.total_bytes());
-    let rows = std::iter::from_fn(|| {
+    let mut rows = std::iter::from_fn(|| {
         let row = loads.next();
         bar.set_position(loads.bytes_read());
         row
     });
-    let outcome = replay(
-        solver.as_mut(),
-        rows,
-        args.cold,
-        &mut results,
-        balls.as_mut().map(|out| out as &mut dyn Write),
-    );
+    let outcome = replay(&mut rows, results);
     bar.finish_and_clear();
     if matches!(outcome, Err(ReplayError::Loads(_))) {
         // Rows before the fault are good; what hinders their output is less news than the fault.
@@ -210,13 +261,77 @@ fn run_parsed(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<S
     outcome.map_err(Failure::from)
 }
 
-/// Creates the file of ball states, unless that would destroy one of the `inputs`.
-fn create(path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>, Failure> {
+fn of_bearing(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<Summary, Failure> {
+    let file = DesignFile::read(&args.design).map_err(Failure::input)?;
+    if args.rows.is_some() {
+        return Err(Failure::input(format!(
+            "--rows is for spindles, and {} is one bearing: it has no [[row]]",
+            args.design.display()
+        )));
+    }
+    let bearing = dispatch::bearing(&file.design, file.balls, args.precision)
+        .map_err(|error| Failure::input(file.explain(&error)))?;
+    let mut solver = bearing.solver(args.attitude);
+    solver.set_limits(&args.limits());
+    let mut loads = args.open_loads(stdin)?;
+    if loads.has_temperatures() {
+        return Err(Failure::input(format!(
+            "{}: t_inner_c and t_outer_c are for spindles with [heat]; remove these columns",
+            args.loads
+        )));
+    }
+    let mut balls = args.output("--balls", args.balls.as_ref())?;
+    let mut results = BufWriter::with_capacity(64 * 1024, stdout);
+    with_bar(&mut loads, &mut results, |rows, results| {
+        let balls = balls.as_mut().map(|out| out as &mut dyn Write);
+        replay(solver.as_mut(), rows, args.cold, results, balls)
+    })
+}
+
+fn of_spindle(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<Summary, Failure> {
+    let file = SpindleFile::read(&args.design).map_err(Failure::input)?;
+    let mut loads = args.open_loads(stdin)?;
+    let wrong = match (file.heat.is_some(), loads.has_temperatures()) {
+        (true, false) => {
+            Some("the columns t_inner_c and t_outer_c are missing, which [heat] needs")
+        }
+        (false, true) => Some(
+            "t_inner_c and t_outer_c are there, but the spindle has no [heat]: add that with reference_c",
+        ),
+        _ => None,
+    };
+    if let Some(wrong) = wrong {
+        return Err(Failure::input(format!("{}: {wrong}", args.loads)));
+    }
+    let solved = spindles::with_solver(
+        &file.plan,
+        Balls::Moving(args.attitude),
+        args.precision,
+        |solver| {
+            solver.set_limits(&args.limits());
+            let mut balls = args.output("--balls", args.balls.as_ref())?;
+            let mut rows = args.output("--rows", args.rows.as_ref())?;
+            let mut results = BufWriter::with_capacity(64 * 1024, stdout);
+            with_bar(&mut loads, &mut results, |loads, results| {
+                let mut out = Outputs {
+                    results,
+                    rows: rows.as_mut().map(|out| out as &mut dyn Write),
+                    balls: balls.as_mut().map(|out| out as &mut dyn Write),
+                };
+                spindle_replay::replay(&file, solver, args.precision, loads, args.cold, &mut out)
+            })
+        },
+    );
+    solved.map_err(|error| Failure::input(file.explain(&error)))?
+}
+
+/// Creates the file that an option names, unless that would destroy one of the `inputs`.
+fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>, Failure> {
     let name = path.display();
     if path.as_os_str() == "-" {
-        return Err(Failure::input(
-            "--balls needs a file; standard output carries the results",
-        ));
+        return Err(Failure::input(format!(
+            "{option} needs a file; standard output carries the results"
+        )));
     }
     let same = |input: &&Path| match (path.canonicalize(), input.canonicalize()) {
         (Ok(path), Ok(input)) => path == input,
@@ -224,7 +339,7 @@ fn create(path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>, Failure> {
     };
     if inputs.iter().any(same) {
         return Err(Failure::input(format!(
-            "--balls would overwrite its own input {name}; name another file"
+            "{option} would overwrite its own input {name}; name another file"
         )));
     }
     File::create(path)

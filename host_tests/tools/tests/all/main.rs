@@ -5,4 +5,5 @@ mod frames;
 #[path = "../../../tests/all/malformed.rs"]
 mod malformed;
 mod replay;
+mod spindles;
 mod view;

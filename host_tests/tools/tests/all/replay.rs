@@ -27,12 +27,12 @@ fn shipped(name: &str) -> String {
 }
 
 /// A file of this test run alone, in the folder that cargo keeps for tests.
-fn scratch(name: &str) -> PathBuf {
+pub fn scratch(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("replay-{}-{name}", std::process::id()))
 }
 
 /// Exit status, standard output and standard error of `cargo replay` with these arguments.
-fn replayed(args: &[&str], stdin: &str) -> (u8, String, String) {
+pub fn replayed(args: &[&str], stdin: &str) -> (u8, String, String) {
     let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
     let args = ["replay"].iter().chain(args).map(OsString::from);
     let stdin = Cursor::new(stdin.as_bytes().to_vec());
@@ -374,7 +374,7 @@ fn help_goes_to_standard_output_and_complaints_about_arguments_do_not() {
     assert_eq!((status, err.as_str()), (0, ""));
     for word in [
         "cargo replay",
-        "BEARING.toml",
+        "DESIGN.toml",
         "--attitude",
         HEADER.trim_end(),
         "k_y_tz",

@@ -1,0 +1,370 @@
+//! Spindle files: several bearings on one shaft as a TOML file, in the units of a data sheet.
+//!
+//! ```toml
+//! name = "7014C back to back"
+//! arrangement = "back-to-back"   # or face-to-face, tandem; checked if it is there
+//! preload_n = 294                # of a pair of the clamped rows; or a closure for each row
+//!
+//! [[row]]
+//! bearing = "7014c.toml"         # a design file beside this one, or its keys under [row.design]
+//! position_mm = 0
+//! facing = "+x"                  # an axial load in +x on the shaft presses its balls
+//! # preload_offset_um = 10.3     # closure of this row
+//! # spring = true                # this row slides under the spring
+//! radial_growth_um = 2           # and axial_growth_um, ball_growth_um; may be left out
+//!
+//! [[row]]
+//! bearing = "7014c.toml"
+//! position_mm = 27
+//! facing = "-x"
+//!
+//! [spring]                       # if rows slide
+//! force_n = 300
+//!
+//! [shaft]                        # rings grow with the speed, on a hollow shaft with this bore
+//! bore_mm = 40
+//!
+//! [heat]                         # rings and balls grow with the columns t_inner_c, t_outer_c of the loads
+//! reference_c = 20
+//! ring_per_k = 11.5e-6           # may be left out: bearing steel
+//! ball_per_k = 11.5e-6
+//!
+//! [nose]                         # stiffness there, too
+//! position_mm = -60
+//! radial_um_per_kn = 2           # what the shaft's end yields itself; may be left out
+//! axial_um_per_kn = 0.5
+//! ```
+
+use crate::design_file::{
+    DesignFile, DesignFileError, Key, Keys, Number, Reading, micrometres, millimetres, read_text,
+};
+use crate::loads::LoadRow;
+use crate::spindles::{BuildError, MOST_ROWS, Plan, Question, Row};
+use serde::Deserialize;
+use spindle_bearing::{Arrangement, Design, Expansion, Facing, Growth, Preload, ShaftEnd};
+use std::path::Path;
+use toml::Spanned;
+
+/// A spindle read from a file.
+#[derive(Debug, Clone)]
+pub struct SpindleFile {
+    /// Its name.
+    pub name: String,
+    /// Its rows.
+    pub plan: Plan,
+    /// The point where the stiffness is wanted besides `x = 0`.
+    pub nose: Option<ShaftEnd<f64>>,
+    /// Growth of each row that is always there.
+    growth: Vec<Growth<f64>>,
+    /// Bore of the hollow shaft on which the inner rings grow with the speed, m.
+    bore: Option<f64>,
+    /// What makes growth of temperatures.
+    pub heat: Option<Heat>,
+    file: String,
+    designs: Vec<DesignFile>,
+}
+
+/// What makes growth of temperatures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Heat {
+    /// Temperature at which the bearings have their free contact angle, degrees Celsius.
+    pub reference: f64,
+    /// Coefficients of expansion.
+    pub expansion: Expansion,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpindleKeys {
+    name: Key<String>,
+    arrangement: Key<String>,
+    preload_n: Key<Number>,
+    #[serde(default)]
+    row: Vec<Spanned<RowKeys>>,
+    spring: Option<SpringKeys>,
+    shaft: Option<ShaftKeys>,
+    heat: Option<HeatKeys>,
+    nose: Option<NoseKeys>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RowKeys {
+    bearing: Key<String>,
+    design: Option<Spanned<Keys>>,
+    position_mm: Key<Number>,
+    facing: Key<String>,
+    preload_offset_um: Key<Number>,
+    spring: Key<bool>,
+    axial_growth_um: Key<Number>,
+    radial_growth_um: Key<Number>,
+    ball_growth_um: Key<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpringKeys {
+    force_n: Key<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShaftKeys {
+    bore_mm: Key<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HeatKeys {
+    reference_c: Key<Number>,
+    ring_per_k: Key<Number>,
+    ball_per_k: Key<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NoseKeys {
+    position_mm: Key<Number>,
+    radial_um_per_kn: Key<Number>,
+    axial_um_per_kn: Key<Number>,
+}
+
+const ARRANGEMENTS: [Arrangement; 4] = [
+    Arrangement::BackToBack,
+    Arrangement::FaceToFace,
+    Arrangement::Tandem,
+    Arrangement::ByRows,
+];
+
+fn or(key: Key<Number>, default: f64) -> f64 {
+    key.map_or(default, |value| value.into_inner().0)
+}
+
+/// A number that a table must have.
+fn needed(
+    r: &Reading<'_>,
+    table: &str,
+    key: &'static str,
+    example: &str,
+    value: Key<Number>,
+) -> Result<f64, DesignFileError> {
+    let missing = || {
+        let message = format!("[{table}] lacks `{key}`; add a line such as `{key} = {example}`");
+        r.error(r.place(0..0), message)
+    };
+    Ok(value.ok_or_else(missing)?.into_inner().0)
+}
+
+/// The one of these that has this name.
+fn named<T: Copy>(
+    r: &Reading<'_>,
+    text: Spanned<String>,
+    all: &[T],
+    name: impl Fn(T) -> &'static str,
+) -> Result<T, DesignFileError> {
+    let found = all.iter().find(|one| name(**one) == text.get_ref());
+    found.copied().ok_or_else(|| {
+        let names: Vec<String> = all.iter().map(|one| format!("{:?}", name(*one))).collect();
+        let message = format!("{:?} is none of {}", text.get_ref(), names.join(", "));
+        r.error(r.place(text.span()), message)
+    })
+}
+
+/// Whether a file describes a spindle: it has rows.
+pub fn is_spindle(text: &str) -> bool {
+    match text.parse::<toml::Table>() {
+        Ok(table) => table.contains_key("row"),
+        Err(_) => text.contains("[[row]]"),
+    }
+}
+
+impl SpindleFile {
+    /// Reads a spindle file, and the design files that it names.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or is not a spindle; the place in it where it goes wrong.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignFileError> {
+        let path = path.as_ref();
+        let (file, text) = read_text(path)?;
+        let folder = path.parent().unwrap_or_else(|| Path::new(""));
+        Self::parse(&file, &text, folder)
+    }
+
+    /// Reads a spindle from the text of a file; messages call the file `file`, design files are looked for in `folder`.
+    ///
+    /// # Errors
+    ///
+    /// A text that is not a spindle; the place in it where it goes wrong.
+    pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, DesignFileError> {
+        let r = Reading::of(file, text);
+        let keys: SpindleKeys = r.keys()?;
+        let name = r
+            .required("name", "\"7014C back to back\"", keys.name)?
+            .into_inner();
+        let together = keys.preload_n;
+        let arrangement = match keys.arrangement {
+            Some(text) => named(&r, text, &ARRANGEMENTS, Arrangement::name)?,
+            None => Arrangement::ByRows,
+        };
+        let (mut rows, mut growth, mut designs) = (Vec::new(), Vec::new(), Vec::new());
+        for row in keys.row {
+            let place = r.place(row.span());
+            let row = row.into_inner();
+            let missing = |key: &str, example: &str| {
+                r.error(
+                    place,
+                    format!("this row lacks `{key}`; add a line such as `{key} = {example}`"),
+                )
+            };
+            let design = match (row.bearing, row.design) {
+                (Some(bearing), None) => {
+                    let path = folder.join(bearing.get_ref());
+                    DesignFile::read(&path).map_err(|error| match error.place {
+                        // It is this file's line that names it.
+                        None => r.error(r.place(bearing.span()), error.to_string()),
+                        Some(_) => error,
+                    })?
+                }
+                (None, Some(keys)) => DesignFile::of(Reading::of(file, text), keys.into_inner())?,
+                (Some(bearing), Some(_)) => {
+                    let message = "the row has `bearing` and [row.design]; remove one of them";
+                    return Err(r.error(r.place(bearing.span()), message));
+                }
+                (None, None) => return Err(missing("bearing", "\"7014c.toml\"")),
+            };
+            let spring = row.spring.is_some_and(Spanned::into_inner);
+            let preload = match (&row.preload_offset_um, spring, &together) {
+                (Some(offset), true, _) => {
+                    let message = "a row that slides under the spring has no closure; remove `preload_offset_um` or `spring`";
+                    return Err(r.error(r.place(offset.span()), message));
+                }
+                (Some(offset), false, Some(_)) => {
+                    let message =
+                        "`preload_n` above preloads all clamped rows; remove that or this";
+                    return Err(r.error(r.place(offset.span()), message));
+                }
+                (Some(offset), false, None) => Preload::Closure(micrometres(offset.get_ref().0)),
+                (None, true, _) => Preload::Spring,
+                (None, false, Some(force)) => Preload::Force(force.get_ref().0),
+                (None, false, None) => Preload::Closure(0.0),
+            };
+            let Some(position) = row.position_mm else {
+                return Err(missing("position_mm", "0.0"));
+            };
+            let Some(facing) = row.facing else {
+                return Err(missing("facing", "\"+x\""));
+            };
+            growth.push(Growth {
+                axial: micrometres(or(row.axial_growth_um, 0.0)),
+                radial: micrometres(or(row.radial_growth_um, 0.0)),
+                ball: micrometres(or(row.ball_growth_um, 0.0)),
+            });
+            rows.push(Row {
+                balls: design.balls,
+                design: design.design,
+                position: millimetres(position.into_inner().0),
+                facing: named(&r, facing, &[Facing::PlusX, Facing::MinusX], Facing::name)?,
+                preload,
+            });
+            designs.push(design);
+        }
+        if !(1..=MOST_ROWS).contains(&rows.len()) {
+            return Err(r.error(r.place(0..0), BuildError::Rows(rows.len()).to_string()));
+        }
+        let spring = match keys.spring {
+            Some(keys) => Some(needed(&r, "spring", "force_n", "300", keys.force_n)?),
+            None => None,
+        };
+        let bore = match keys.shaft {
+            Some(keys) => Some(millimetres(needed(
+                &r,
+                "shaft",
+                "bore_mm",
+                "40",
+                keys.bore_mm,
+            )?)),
+            None => None,
+        };
+        let heat = match keys.heat {
+            Some(keys) => Some(Heat {
+                reference: needed(&r, "heat", "reference_c", "20", keys.reference_c)?,
+                expansion: Expansion {
+                    ring: or(keys.ring_per_k, Expansion::STEEL.ring),
+                    ball: or(keys.ball_per_k, Expansion::STEEL.ball),
+                },
+            }),
+            None => None,
+        };
+        let nose = match keys.nose {
+            Some(keys) => {
+                let position = needed(&r, "nose", "position_mm", "-60", keys.position_mm)?;
+                let mut nose = ShaftEnd::rigid(millimetres(position));
+                let radial = or(keys.radial_um_per_kn, 0.0) / 1e9;
+                nose.flexibility[0][0] = or(keys.axial_um_per_kn, 0.0) / 1e9;
+                nose.flexibility[1][1] = radial;
+                nose.flexibility[2][2] = radial;
+                Some(nose)
+            }
+            None => None,
+        };
+        Ok(Self {
+            name,
+            plan: Plan {
+                rows,
+                arrangement,
+                spring,
+            },
+            nose,
+            growth,
+            bore,
+            heat,
+            file: file.to_owned(),
+            designs,
+        })
+    }
+
+    /// What a row of loads asks of the spindle.
+    pub fn question(&self, row: &LoadRow) -> Question {
+        let omega = row.omega();
+        let growth = self.plan.rows.iter().zip(&self.growth);
+        let growth = growth.map(|(row_of_balls, fixed)| {
+            let design: &Design = &row_of_balls.design;
+            let mut growth = *fixed;
+            if let Some(bore) = self.bore {
+                growth = growth + Growth::by_rotation(design, bore, omega);
+            }
+            if let (Some(heat), Some(temperatures)) = (&self.heat, row.temperatures) {
+                let [inner, outer] = temperatures.map(|t| t - heat.reference);
+                // Balls are about as warm as the mean of both rings.
+                let warmer = [inner, outer, 0.5 * (inner + outer)];
+                growth = growth + Growth::by_heat(design, &heat.expansion, warmer);
+            }
+            growth
+        });
+        Question {
+            load: row.load,
+            omega,
+            growth: growth.collect(),
+        }
+    }
+
+    /// The message for a spindle that the solver refuses.
+    pub fn explain(&self, error: &BuildError) -> DesignFileError {
+        match error {
+            BuildError::Design(row, error) => match self.designs.get(*row) {
+                Some(design) => design.explain(error),
+                None => self.error(error.to_string()),
+            },
+            error => self.error(error.to_string()),
+        }
+    }
+
+    fn error(&self, message: String) -> DesignFileError {
+        DesignFileError {
+            file: self.file.clone(),
+            place: None,
+            message,
+        }
+    }
+}
