@@ -27,6 +27,8 @@ pub struct Seat<T> {
     pub force: T,
     /// `l`: the row's groove plane beyond the shaft's, over the shaft's `Rp`.
     pub lever: T,
+    /// The row's groove plane beyond the shaft's centre, over the same.
+    pub reach: T,
     /// `m`: `Rp` of the row over that of the shaft.
     pub arm: T,
     /// Inertia `m dm omega^2 / 2` of a ball over that of the first row's, in either row's unit of force.
@@ -44,6 +46,7 @@ impl<T: Real> Seat<T> {
         length: T::ONE,
         force: T::ONE,
         lever: T::ZERO,
+        reach: T::ZERO,
         arm: T::ONE,
         inertia: T::ONE,
         closure: T::ZERO,
@@ -72,7 +75,7 @@ impl<T: Real> Seat<T> {
     }
 
     /// The row's offset from its own reference position, which is `base` for a shaft without offset `v`.
-    #[inline(always)]
+    #[inline(never)]
     pub fn offset<const D: usize>(&self, base: &[T; 5], v: &[T; D]) -> [T; 5] {
         let mut own = self.motion(v);
         for (own, base) in own.iter_mut().zip(base) {
@@ -112,8 +115,8 @@ pub trait Rows<T: Real, const D: usize> {
     /// What the balls are taken for.
     fn regime(&self) -> Regime;
 
-    /// Every row, how it sits, and its offset from its own reference position for a shaft without one.
-    fn each(&mut self, f: impl FnMut(&mut Row<'_, T, Self::Ball>, &Seat<T>, &[T; 5]));
+    /// Every row, how it sits, and its offset from its own reference position when the shaft has the offset `v`.
+    fn each(&mut self, v: &[T; D], f: impl FnMut(&mut Row<'_, T, Self::Ball>, &Seat<T>, &[T; 5]));
 
     /// The rows that do not slide, and those that do.
     fn fixed(&self) -> Stance<'_, T>;
@@ -152,7 +155,7 @@ pub trait Rows<T: Real, const D: usize> {
     /// Takes the balls for something else, at another speed: `s` is the inertia of a ball of the first row.
     #[inline(never)]
     fn take_for(&mut self, regime: Regime, s: T) {
-        self.each(|row, seat, _| {
+        self.each(&[T::ZERO; D], |row, seat, _| {
             row.p.s = s * seat.inertia;
             row.p.regime = regime;
         });
@@ -183,8 +186,8 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     }
 
     #[inline(always)]
-    fn each(&mut self, mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
-        f(self, &Seat::PLAIN, &[T::ZERO; 5]);
+    fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
+        f(self, &Seat::PLAIN, &in_full(v));
     }
 
     #[inline(always)]

@@ -39,7 +39,7 @@ pub(super) fn continuation<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
             ds = next / s - T::ONE;
             state.predict(rows, task, ds, true);
         } else {
-            rows.each(|row, _, _| {
+            rows.each(&[T::ZERO; D], |row, _, _| {
                 for ball in row.balls.iter_mut() {
                     ball.place::<R>(row.c, &row.p);
                 }

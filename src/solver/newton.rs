@@ -179,7 +179,7 @@ impl<T: Real, const D: usize> State<T, D> {
         u: [T; D],
         x: fn(&Constants<T>, &Point<T>) -> Pair<T>,
     ) {
-        rows.each(|row, _, _| {
+        rows.each(&[T::ZERO; D], |row, _, _| {
             let x = x(row.c, &row.p);
             for ball in row.balls.iter_mut() {
                 ball.start_at(x);

@@ -183,7 +183,7 @@ fn from_rest<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     budget: &mut u16,
 ) {
     at_rest::<T, S, R, D>(state, rows, &task.rough(), budget);
-    rows.each(|row, _, _| {
+    rows.each(&state.v, |row, _, _| {
         for ball in row.balls.iter_mut() {
             ball.take_up::<R>(row.c, &row.p);
         }
@@ -217,7 +217,7 @@ fn axisymmetric<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     let longest = T::of(L0 * tuning::FIRST_RADIUS);
     let u = pressed(rows, task);
     state.put(rows, u, unloaded);
-    rows.each(|row, _, _| {
+    rows.each(&state.v, |row, _, _| {
         if let Some(first) = row.balls.first_mut() {
             first.place::<R>(row.c, &row.p);
         }
@@ -225,11 +225,10 @@ fn axisymmetric<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     let mut fits = false;
     if task.held[0].is_none() {
         for _ in 0..20 {
-            let v = state.v;
             let (mut near, mut force, mut slope) = (true, [T::ZERO; 2], [T::ZERO; 2]);
-            rows.each(|row, seat, base| {
+            rows.each(&state.v, |row, seat, v| {
                 let mut one = row.first();
-                near &= one.condense_balls::<R>(&seat.offset(base, &v), T::ZERO);
+                near &= one.condense_balls::<R>(v, T::ZERO);
                 let Some(first) = one.balls.first() else {
                     return;
                 };
@@ -257,16 +256,23 @@ fn axisymmetric<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
             }
         }
     }
-    rows.each(|row, _, _| {
+    copy_first(rows);
+    state.anchor(rows);
+    // All balls are as the first is: that saves the first pass of the loop.
+    state.condensed = fits && task.is_free();
+}
+
+/// Has all balls of a row be as its first one is.
+// By a call: a copy of a ball is long.
+#[inline(never)]
+fn copy_first<T: Real, S: Rows<T, D>, const D: usize>(rows: &mut S) {
+    rows.each(&[T::ZERO; D], |row, _, _| {
         if let Some((first, others)) = row.balls.split_first_mut() {
             for ball in others {
                 ball.clone_from(first);
             }
         }
     });
-    state.anchor(rows);
-    // All balls are as the first is: that saves the first pass of the loop.
-    state.condensed = fits && task.is_free();
 }
 
 /// Place of a ball that centrifugal force alone holds on the outer race, whose inner contact is about to close: radial.

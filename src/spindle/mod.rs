@@ -273,11 +273,13 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 Preload::Force(force) => closure(c, force / c.force),
                 Preload::Spring => T::ZERO,
             };
+            let reach = (row.position - centre) + facing * c.plane * own_rp;
             *seat = Seat {
                 facing,
                 length: unit.length / c.length,
                 force: c.force / unit.force,
-                lever: ((row.position - centre) + (facing * c.plane * own_rp - plane)) / rp,
+                lever: (reach - plane) / rp,
+                reach: reach / rp,
                 arm: own_rp / rp,
                 inertia: c.inertia / unit.inertia,
                 closure,

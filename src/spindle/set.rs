@@ -10,6 +10,7 @@ use crate::mounting::Regime;
 use crate::ring::{Changes, Row, Sum, stiffening, sum_up};
 
 use crate::rows::{Rows, Seat, Stance};
+use core::array::from_fn;
 
 /// Where the balls' references of a row belong to, in its own frame and units.
 #[derive(Debug, Clone, Copy)]
@@ -28,20 +29,52 @@ impl<T: Real> Place<T> {
 }
 
 impl<T: Real> Seat<T> {
-    /// The force and moments on the shaft that this one on the row makes, but for the factor `phi`.
+    /// Factors that mirror the row's force and moments if it faces against the axis, and give the latter the shaft's arm.
     #[inline(always)]
-    pub fn on_shaft<const D: usize>(&self, own: &[T; 5]) -> [T; D] {
-        let mut force = [T::ZERO; D];
+    fn mirror(&self) -> [T; 5] {
         let turn = self.facing * self.arm;
-        force[0] = self.facing * own[0];
-        force[1] = own[1];
-        force[2] = own[2];
-        force[3] = turn * own[3] - self.lever * own[2];
-        force[4] = turn * own[4] + self.lever * own[1];
-        if D == 6 && self.sliding {
-            force[5] = own[0];
+        [self.facing, T::ONE, T::ONE, turn, turn]
+    }
+
+    /// Adds the force that a row makes on the shaft, about its centre.
+    #[inline(always)]
+    fn add_force<const D: usize>(&self, sum: &mut [T; D], own: &[T; 5]) {
+        let mirror = self.mirror();
+        let mut force: [T; 5] = from_fn(|i| mirror[i] * own[i]);
+        refer(self.reach, &mut force);
+        for (sum, force) in sum.iter_mut().zip(&force) {
+            *sum += self.force * *force;
         }
-        force
+        if D == 6 && self.sliding {
+            sum[5] += self.force * own[0];
+        }
+    }
+
+    /// Adds the stiffness of a row, or its change, about the shaft's centre.
+    #[inline(never)]
+    fn add_stiffness<const D: usize>(&self, sum: &mut Matrix<T, D>, own: &mut Matrix<T, 5>) {
+        let mirror = self.mirror();
+        for (row, m) in own.iter_mut().zip(&mirror) {
+            for (k, n) in row.iter_mut().zip(&mirror) {
+                *k = *m * *n * *k;
+            }
+        }
+        refer_stiffness(self.reach, own);
+        let unit = self.force * self.length;
+        for (sum, own) in sum.iter_mut().zip(own.iter()) {
+            for (sum, own) in sum.iter_mut().zip(own) {
+                *sum += unit * *own;
+            }
+        }
+        if D == 6 && self.sliding {
+            // Its axial motion and force, in its own frame.
+            let slide = unit * self.facing;
+            for i in 0..5 {
+                sum[i][5] += slide * own[i][0];
+                sum[5][i] += slide * own[0][i];
+            }
+            sum[5][5] += unit * own[0][0];
+        }
     }
 
     /// The row's position for one of the shaft that is a multiple of 1/256: a part that is almost exact, and the rest.
@@ -91,10 +124,9 @@ impl<T: Real, B: Body<T>> Set<'_, '_, T, B> {
             let (Some(seat), Some(place)) = (seats.next(), places.next()) else {
                 break;
             };
-            let own = stiffening(row.balls, row.azimuths, &seat.offset(&place.base, v));
-            add_stiffness(&mut change, seat, &own.k);
+            let mut own = stiffening(row.balls, row.azimuths, &seat.offset(&place.base, v));
+            seat.add_stiffness(&mut change, &mut own.k);
         }
-        refer_stiffness(self.plane, &mut change);
         change
     }
 }
@@ -118,14 +150,14 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         self.rows.first().map_or(Regime::Rest, |row| row.p.regime)
     }
 
-    fn each(&mut self, mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
+    fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
         // Not `zip`, which the compiler unrolls.
         let (mut seats, mut places) = (self.seats.iter(), self.places.iter());
         for row in self.rows.iter_mut() {
             let (Some(seat), Some(place)) = (seats.next(), places.next()) else {
                 return;
             };
-            f(row, seat, &place.base);
+            f(row, seat, &seat.offset(&place.base, v));
         }
     }
 
@@ -153,9 +185,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     #[inline(never)]
     fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
         let mut near = true;
-        <Self as Rows<T, D>>::each(self, |row, seat, base| {
-            near &= row.condense_balls::<R>(&seat.offset(base, v), ds);
-        });
+        self.each(v, |row, _, v| near &= row.condense_balls::<R>(v, ds));
         near
     }
 
@@ -163,14 +193,15 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     fn sum(&mut self, sum: &mut Sum<T, D>) {
         *sum = Sum::NONE;
         let mut sides = [T::ZERO; 2];
-        <Self as Rows<T, D>>::each(self, |row, seat, _| {
+        self.each(&[T::ZERO; D], |row, seat, _| {
             let mut own = Sum::<T, 5>::NONE;
             sum_up(row.balls, row.azimuths, &mut own);
             sides[usize::from(seat.facing < T::ZERO)] += seat.force * own.force[0];
-            add(sum, seat, &own);
+            seat.add_force(&mut sum.force, &own.force);
+            seat.add_force(&mut sum.by_speed, &own.by_speed);
+            seat.add_stiffness(&mut sum.k, &mut own.k);
         });
         *self.internal = sides[0].at_most(sides[1]).at_least(T::ZERO);
-        sum.refer(self.plane);
     }
 
     #[inline(never)]
@@ -207,21 +238,15 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     #[inline(never)]
     fn bend(&mut self, v: &[T; D], ds: T) -> [T; D] {
         let mut force = [T::ZERO; D];
-        <Self as Rows<T, D>>::each(self, |row, seat, base| {
-            let own = row.bend_balls(&seat.offset(base, v), ds);
-            for (sum, own) in force.iter_mut().zip(seat.on_shaft::<D>(&own)) {
-                *sum += seat.force * own;
-            }
+        self.each(v, |row, seat, v| {
+            seat.add_force(&mut force, &row.bend_balls(v, ds));
         });
-        refer(self.plane, &mut force);
         force
     }
 
     #[inline(never)]
     fn follow(&mut self, v: &[T; D], ds: T) {
-        <Self as Rows<T, D>>::each(self, |row, seat, base| {
-            row.follow_to(&seat.offset(base, v), ds);
-        });
+        self.each(v, |row, _, v| row.follow_to(v, ds));
     }
 
     #[inline(never)]
@@ -256,36 +281,5 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
             before += row.balls.len() as u16;
         }
         furthest
-    }
-}
-
-/// Adds what a row hands to the shaft.
-#[inline(never)]
-fn add<T: Real, const D: usize>(sum: &mut Sum<T, D>, seat: &Seat<T>, own: &Sum<T, 5>) {
-    let of_force = [
-        (&mut sum.force, &own.force),
-        (&mut sum.by_speed, &own.by_speed),
-    ];
-    for (sum, own) in of_force {
-        for (sum, own) in sum.iter_mut().zip(seat.on_shaft::<D>(own)) {
-            *sum += seat.force * own;
-        }
-    }
-    add_stiffness(&mut sum.k, seat, &own.k);
-}
-
-/// Adds the stiffness of a row, or its change.
-fn add_stiffness<T: Real, const D: usize>(
-    sum: &mut Matrix<T, D>,
-    seat: &Seat<T>,
-    own: &Matrix<T, 5>,
-) {
-    let by_shaft: [[T; D]; 5] = core::array::from_fn(|i| seat.on_shaft(&own[i]));
-    let k = seat.force * seat.length;
-    for j in 0..D {
-        let column: [T; D] = seat.on_shaft(&core::array::from_fn(|i| by_shaft[i][j]));
-        for i in 0..D {
-            sum[i][j] += k * column[i];
-        }
     }
 }
