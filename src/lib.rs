@@ -14,6 +14,7 @@ mod design;
 mod elementary;
 mod float;
 mod frame;
+mod frequencies;
 mod growth;
 mod hertz;
 mod kinematics;
@@ -45,13 +46,14 @@ pub mod record;
 pub use constants::Bearing;
 pub use design::{Design, DesignError, FreeContact, Material};
 pub use float::Real;
+pub use frequencies::Frequencies;
 pub use growth::{Expansion, Growth};
 pub use hertz::{HertzContact, elliptic_integrals};
 pub use kinematics::{InnerRaceControl, OuterRaceControl, RacewayControlFree};
 pub use limits::{Exceedance, Exceedances, Extreme, Extremes, Limit, LimitSet, Limits, Race};
 pub use motion::{Centrifugal, Full, Motion, Static};
 pub use mounting::Speed;
-pub use pose::BallState;
+pub use pose::{BallMotion, BallState, ContactPatch};
 pub use solver::{
     AxialSolution, AxialSolver, ErrorEstimate, Given, RingVector, Settings, Snapshot, Solution,
     Solver,

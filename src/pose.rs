@@ -8,7 +8,7 @@ use super::kinematics::{Contacts, Rule};
 use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
 use super::mounting::Point;
 use crate::float::Real;
-use crate::limits::ContactState;
+use crate::limits::{ContactState, Groove};
 
 /// State of one ball, SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,6 +35,39 @@ pub struct BallState<T> {
     pub gyroscopic_moment: T,
 }
 
+/// Where a ball touches a race, SI units; all 0 where it does not.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ContactPatch<T> {
+    /// Peak pressure, Pa.
+    pub peak_pressure: T,
+    /// Semi-axes `a` and `b` of the contact ellipse, m: across the rolling direction and along it.
+    pub semi_major: T,
+    /// The latter.
+    pub semi_minor: T,
+    /// Spin over rolling: magnitudes of the ball's angular speed against the race along the contact's normal, and in the
+    /// tangent plane. Heat grows with it.
+    pub spin_to_roll: T,
+}
+
+/// How a ball turns, and how its contacts are pressed, SI units.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct BallMotion<T> {
+    /// Speed `omega_m` about the bearing's axis, rad/s: the cage speed.
+    pub cage_speed: T,
+    /// Speed `omega_R` of its own rotation, rad/s, seen from the cage.
+    pub rotation: T,
+    /// Attitude angle `b` of the axis of that rotation, rad from the bearing's axis.
+    pub attitude: T,
+    /// Where it touches the inner race.
+    pub inner: ContactPatch<T>,
+    /// Where it touches the outer race.
+    pub outer: ContactPatch<T>,
+}
+
 /// Both contacts of a ball, and its inertia loads.
 #[derive(Debug, Clone, Copy)]
 pub struct Pose<T> {
@@ -45,8 +78,10 @@ pub struct Pose<T> {
     pub couple: T,
     /// Friction forces at the inner and the outer contact.
     friction: Pair<T>,
-    /// Cage speed over shaft speed.
+    /// Cage speed over shaft speed; and that part of the ball's own rotation which is across the bearing's axis,
+    /// `omega_R sin b tau`, over it.
     pub mu: T,
+    nu: T,
 }
 
 impl<T: Real> Pose<T> {
@@ -60,14 +95,16 @@ impl<T: Real> Pose<T> {
             delta: both.delta - outer.delta,
             ..*both
         };
+        // What all rules say where both contacts point one way.
+        let mu = T::of(0.5) * (T::ONE - c.tau * both.n[1]);
         Self {
             inner,
             outer,
             centrifugal: T::ZERO,
             couple: T::ZERO,
             friction: [T::ZERO; 2],
-            // What all rules say where both contacts point one way.
-            mu: T::of(0.5) * (T::ONE - c.tau * both.n[1]),
+            mu,
+            nu: mu * both.n[0],
         }
     }
 
@@ -104,6 +141,7 @@ impl<T: Real> Pose<T> {
             couple,
             friction: [m.share * couple, m.share_rest * couple],
             mu: m.mu,
+            nu: m.nu,
         }
     }
 
@@ -151,6 +189,58 @@ impl<T: Real> Pose<T> {
             delta_o: outer.delta * c.length,
             centrifugal_force: self.centrifugal * c.force,
             gyroscopic_moment: self.couple * (c.force * c.ball_radius),
+        }
+    }
+
+    /// How the ball turns on a shaft with the speed `omega`, rad/s, and how its contacts are pressed, in SI units.
+    pub fn motion(&self, c: &Constants<T>, omega: T) -> BallMotion<T> {
+        let ([si, ci], [so, co]) = (self.inner.n, self.outer.n);
+        // The rotation across the bearing's axis, and along it so that the ball rolls on the race whose contact is
+        // more radial: over the shaft speed, times tau.
+        let across = self.nu;
+        let along = if co >= ci {
+            (self.mu * (T::ONE + c.tau * co) - across * so) / co.at_least(T::of(1e-3))
+        } else {
+            ((T::ONE - self.mu) * (T::ONE - c.tau * ci) - across * si) / ci.at_least(T::of(1e-3))
+        };
+        let (orbit_i, orbit_o) = (c.tau * (T::ONE - self.mu), -(c.tau * self.mu));
+        let spin_to_roll = |orbit: T, [sin, cos]: Pair<T>| {
+            let spin = orbit * sin + (along * sin - across * cos);
+            let roll = orbit * cos + (along * cos + across * sin);
+            spin.abs() / roll.abs().at_least(T::TINY)
+        };
+        let patch = |contact: &Contact<T>, groove: &Groove<T>, radius: T, spin_to_roll: T| {
+            if !(contact.delta > T::ZERO) {
+                return ContactPatch::default();
+            }
+            let root = contact.delta.sqrt();
+            let (peak_pressure, semi_major) =
+                (groove.pressure * root, groove.semi_major * root * radius);
+            let area = contact.q * c.force * T::of(1.5 / core::f64::consts::PI) / peak_pressure;
+            ContactPatch {
+                peak_pressure,
+                semi_major,
+                semi_minor: area / semi_major,
+                spin_to_roll,
+            }
+        };
+        let radius = |length: T| length * c.length + c.ball_radius;
+        BallMotion {
+            cage_speed: self.mu * omega,
+            rotation: (along * along + across * across).sqrt() * (omega.abs() / c.tau),
+            attitude: across.atan2(along),
+            inner: patch(
+                &self.inner,
+                &c.grooves.inner,
+                radius(c.li),
+                spin_to_roll(orbit_i, [si, ci]),
+            ),
+            outer: patch(
+                &self.outer,
+                &c.grooves.outer,
+                radius(c.lo),
+                spin_to_roll(orbit_o, [so, co]),
+            ),
         }
     }
 

@@ -5,11 +5,12 @@ use super::error::ErrorEstimate;
 use super::view::View;
 use crate::float::Real;
 use crate::frame::stiffness_out;
+use crate::frequencies::Frequencies;
 use crate::limits::{Exceedances, Extremes, Limits};
 use crate::linalg::Matrix;
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
-use crate::pose::BallState;
+use crate::pose::{BallMotion, BallState};
 use crate::ring::in_full;
 use crate::status::Status;
 use core::fmt;
@@ -74,6 +75,38 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// ball without contact has the speed that its contact angles would give it.
     pub fn cage_speeds(&self) -> impl ExactSizeIterator<Item = T> + '_ {
         self.view().cage_speeds()
+    }
+
+    /// How every ball turns, and how its contacts are pressed, in the order of the balls.
+    ///
+    /// ```
+    /// # use spindle_bearing::{Bearing, Settings, Solver, Speed};
+    /// # use spindle_bearing::{Design, FreeContact, Material};
+    /// # let bearing = Bearing::<f64, 16>::new(&Design {
+    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
+    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
+    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
+    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
+    /// #     ring: Material::STEEL, ball: Material::STEEL,
+    /// # })?;
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
+    /// let solution = solver.solve(load, speed, &Settings::default())?;
+    /// for ball in solution.motions() {
+    ///     println!("{:.2} GPa, {:.0} rad/s", ball.inner.peak_pressure / 1e9, ball.rotation);
+    /// }
+    /// let frequencies = solution.frequencies();
+    /// println!("a damaged outer race hums at {:.0} Hz", frequencies.outer_race);
+    /// assert!((frequencies.outer_race + frequencies.inner_race - 16.0 * 200.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn motions(&self) -> impl ExactSizeIterator<Item = BallMotion<T>> + '_ {
+        self.view().motions()
+    }
+
+    /// Frequencies at which damaged parts of the bearing are heard: see [`Solution::motions`].
+    pub fn frequencies(&self) -> Frequencies<T> {
+        self.view().frequencies()
     }
 
     /// The limits that this equilibrium has passed, and where: the given ones, and those of the design's grooves.

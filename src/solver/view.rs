@@ -3,11 +3,12 @@
 use crate::body::Body;
 use crate::constants::{Azimuth, Constants};
 use crate::float::Real;
+use crate::frequencies::Frequencies;
 use crate::kinematics::Rule;
 use crate::limits::{ContactState, Exceedances, Extremes, Limits, Survey};
 use crate::linalg::Matrix;
 use crate::mounting::{Point, Speed};
-use crate::pose::{BallState, Pose};
+use crate::pose::{BallMotion, BallState, Pose};
 use crate::ring::{Sum, shift, stiffening};
 use core::marker::PhantomData;
 
@@ -67,6 +68,16 @@ impl<'s, T: Real, B: Body<T>, R: Rule> View<'s, T, B, R> {
     pub fn cage_speeds(self) -> impl ExactSizeIterator<Item = T> + 's {
         let omega = self.speed.as_rad_per_s();
         self.poses().map(move |pose| pose.mu * omega)
+    }
+
+    pub fn motions(self) -> impl ExactSizeIterator<Item = BallMotion<T>> + 's {
+        let omega = self.speed.as_rad_per_s();
+        self.poses().map(move |pose| pose.motion(self.c, omega))
+    }
+
+    pub fn frequencies(self) -> Frequencies<T> {
+        let count = T::of(self.balls.len() as f64);
+        Frequencies::of(self.motions(), count, self.speed.as_rad_per_s())
     }
 
     /// Looks at every ball once, and hands each on: its number, its inner and its outer contact, in the solver's units.

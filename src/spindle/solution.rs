@@ -4,11 +4,12 @@ use super::{Spindle, SpindleSolver};
 use crate::constants::Constants;
 use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out, refer, refer_stiffness, stiffness_out};
+use crate::frequencies::Frequencies;
 use crate::limits::{Exceedances, Extremes, Limit, LimitSet, Limits};
 use crate::linalg::{Factors, Matrix, product};
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
-use crate::pose::BallState;
+use crate::pose::{BallMotion, BallState};
 use crate::ring::{Sum, sum_up};
 use crate::solver::ErrorEstimate;
 use crate::solver::view::View;
@@ -295,6 +296,16 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
     /// Cage speed `omega_m` of every ball, rad/s: see [`Solution::cage_speeds`](crate::Solution::cage_speeds).
     pub fn cage_speeds(&self) -> impl ExactSizeIterator<Item = T> + '_ {
         self.view.cage_speeds()
+    }
+
+    /// How every ball turns, and how its contacts are pressed: see [`Solution::motions`](crate::Solution::motions).
+    pub fn motions(&self) -> impl ExactSizeIterator<Item = BallMotion<T>> + '_ {
+        self.view.motions()
+    }
+
+    /// Frequencies at which damaged parts of the row are heard.
+    pub fn frequencies(&self) -> Frequencies<T> {
+        self.view.frequencies()
     }
 
     /// The limits that the row has passed: see [`Solution::exceedances`](crate::Solution::exceedances).

@@ -17,6 +17,7 @@ mod life;
 mod limits;
 mod malformed;
 mod monitor;
+mod motions;
 mod precision;
 mod recordings;
 mod refusals;

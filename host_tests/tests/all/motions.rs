@@ -1,0 +1,162 @@
+//! How balls turn, how their contacts are pressed, and the frequencies that follow.
+
+use host_tests::cases::{B218, B7005C};
+use spindle_bearing::{
+    Bearing, Design, FreeContact, Full, HertzContact, InnerRaceControl, Material, Motion,
+    OuterRaceControl, RacewayControlFree, Settings, Solver, Speed, Static,
+};
+use std::f64::consts::{PI, TAU};
+
+const OMEGA: f64 = 1200.0;
+
+/// Attitude angle of a ball by the model's formulas.
+#[derive(Debug, Clone, Copy)]
+enum Rule {
+    Free,
+    Outer,
+    Inner,
+}
+
+fn contacts(design: &Design) -> [HertzContact; 2] {
+    let FreeContact::Angle(alpha) = design.free_contact else {
+        panic!("an angle is given");
+    };
+    let gamma = design.ball_diameter * alpha.cos() / design.pitch_diameter;
+    [
+        (gamma, design.inner_groove_factor),
+        (-gamma, design.outer_groove_factor),
+    ]
+    .map(|(gamma, f)| {
+        let d = design.ball_diameter;
+        let compliance = |m: &Material| (1.0 - m.poissons_ratio.powi(2)) / m.youngs_modulus;
+        let across = 2.0 / d - 1.0 / (f * d);
+        let compliance = compliance(&design.ring) + compliance(&design.ball);
+        HertzContact::new(2.0 / (d * (1.0 - gamma)), across, compliance)
+    })
+}
+
+/// The loaded balls of a bearing turn as the model's page says, and their contacts are Hertz's.
+fn judge<M: Motion>(design: &Design, load: [f64; 5], omega: f64, rule: Rule) {
+    let bearing = Bearing::<f64, 16>::new(design).unwrap();
+    let mut solver = Solver::<f64, 16, M>::of(&bearing);
+    let settings = Settings::default();
+    let solution = solver
+        .solve(load, Speed::rad_per_s(omega), &settings)
+        .unwrap();
+    let [inner, outer] = contacts(design);
+    let tau = design.ball_diameter / design.pitch_diameter;
+    let mut compared = 0;
+    for ((ball, motion), cage) in solution
+        .balls()
+        .zip(solution.motions())
+        .zip(solution.cage_speeds())
+    {
+        if ball.q_i <= 0.0 {
+            assert_eq!(motion.inner, Default::default());
+            continue;
+        }
+        compared += 1;
+        let (ai, ao) = (ball.alpha_i, ball.alpha_o);
+        let (a, c) = (1.0 + tau * ao.cos(), 1.0 - tau * ai.cos());
+        let tan = match rule {
+            Rule::Outer => ao.sin() / (ao.cos() + tau),
+            Rule::Inner => ai.sin() / (ai.cos() - tau),
+            Rule::Free => {
+                let friction = |q: f64, contact: &HertzContact| {
+                    q * contact.semi_major * q.cbrt() * contact.elliptic_e
+                };
+                let share = friction(ball.q_i, &inner) / friction(ball.q_o, &outer);
+                let s = a / c;
+                (share * (s + 1.0) * ai.sin() + 2.0 * ao.sin())
+                    / (share * (s + 1.0) * ai.cos()
+                        + 2.0 * (ao.cos() + tau)
+                        + share * tau * ((ai - ao).cos() - s))
+            }
+        };
+        let b = tan.atan();
+        let nb = a * (ai - b).cos() + c * (ao - b).cos();
+        let close = |found: f64, truth: f64, scale: f64| {
+            assert!(
+                (found - truth).abs() <= 1e-11 * scale.abs(),
+                "{rule:?}, ball at {}: {found} {truth}",
+                ball.azimuth
+            );
+        };
+        close(motion.attitude, b, 1.0);
+        close(motion.cage_speed, omega * c * (ao - b).cos() / nb, omega);
+        assert_eq!(motion.cage_speed, cage);
+        close(motion.rotation, omega * a * c / (tau * nb), omega / tau);
+        // Angular speed of the ball against either race, along the normal and in the tangent plane, at a speed of 1.
+        let (orbit, own) = (c * (ao - b).cos() / nb, a * c / (tau * nb));
+        for (patch, contact, q, alpha, ring) in [
+            (&motion.inner, &inner, ball.q_i, ai, 1.0 - orbit),
+            (&motion.outer, &outer, ball.q_o, ao, -orbit),
+        ] {
+            let against = [ring + own * b.cos(), -own * b.sin()];
+            let spin = against[0] * alpha.sin() + against[1] * alpha.cos();
+            let roll = against[0] * alpha.cos() - against[1] * alpha.sin();
+            close(patch.spin_to_roll, (spin / roll).abs(), 1.0);
+            close(
+                patch.peak_pressure,
+                contact.peak_pressure(q),
+                contact.peak_pressure(q),
+            );
+            let (semi_major, semi_minor) =
+                (contact.semi_major * q.cbrt(), contact.semi_minor * q.cbrt());
+            close(patch.semi_major, semi_major, semi_major);
+            close(patch.semi_minor, semi_minor, semi_minor);
+        }
+    }
+    assert!(compared >= 8, "{compared}");
+
+    let frequencies = solution.frequencies();
+    let turns = omega / TAU;
+    assert!((frequencies.inner_race + frequencies.outer_race - 16.0 * turns).abs() < 1e-9 * turns);
+    assert!((frequencies.outer_race - 16.0 * frequencies.cage).abs() < 1e-9 * turns);
+}
+
+#[test]
+fn balls_turn_and_touch_as_the_model_says() {
+    let skew = [1000.0, 200.0, -80.0, 0.7, 3.0];
+    for (design, load) in [
+        (&B7005C, skew),
+        (&B218, skew.map(|load| 15.0 * load)),
+        (&B7005C, [60.0, 110.0, 30.0, 0.0, 0.2]),
+    ] {
+        judge::<Full<RacewayControlFree>>(design, load, OMEGA, Rule::Free);
+        judge::<Full<OuterRaceControl>>(design, load, OMEGA, Rule::Outer);
+        if load[0] > 100.0 {
+            judge::<Full<InnerRaceControl>>(design, load, OMEGA, Rule::Inner);
+        }
+    }
+}
+
+/// At rest, under an axial load, the frequencies of a slow shaft are the textbook's for the contact angle under load.
+#[test]
+fn a_slow_bearing_has_the_frequencies_of_the_textbook() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let mut solver = Solver::<f64, 16, Static>::of(&bearing);
+    let speed = Speed::rad_per_s(10.0);
+    let settings = Settings::default();
+    let solution = solver
+        .solve([500.0, 0.0, 0.0, 0.0, 0.0], speed, &settings)
+        .unwrap();
+    let cos = solution.balls().next().unwrap().alpha_i.cos();
+    let ratio = B7005C.ball_diameter / B7005C.pitch_diameter * cos;
+    let turns = 10.0 / (2.0 * PI);
+    let found = solution.frequencies();
+    for (found, textbook) in [
+        (found.cage, 0.5 * turns * (1.0 - ratio)),
+        (found.outer_race, 8.0 * turns * (1.0 - ratio)),
+        (found.inner_race, 8.0 * turns * (1.0 + ratio)),
+    ] {
+        assert!((found / textbook - 1.0).abs() < 1e-12, "{found} {textbook}");
+    }
+    // The textbook's ball does not spin; this one turns about the axis that its contacts leave it.
+    let ball = 0.5 * turns / (B7005C.ball_diameter / B7005C.pitch_diameter) * (1.0 - ratio * ratio);
+    assert!(
+        (found.ball / ball - 1.0).abs() < 0.01,
+        "{} {ball}",
+        found.ball
+    );
+}
