@@ -6,8 +6,8 @@
 use core::hint::black_box;
 use core::marker::PhantomData;
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Given, Growth, Motion, Preload, RingVector,
-    Settings, Solution, Solver, Speed, Spindle, SpindleSolver,
+    Arrangement, AxialSolver, Bearing, Design, Facing, Given, Growth, Motion, Mounted, Preload,
+    RingVector, Settings, Solution, Solver, Speed, Spindle, SpindleSolver,
 };
 use spindle_bearing::{ErrorEstimate, Limits, Real, Status};
 
@@ -59,10 +59,16 @@ macro_rules! for_every_scene {
             11 "limits": Ring<Full, 5, Loads, Passed>;
                 FREE, "nothing; limits besides", false,
                 [Spindle, RaceControl];
-            12 "pair": Pair<Full>;
+            12 "pair": Shaft<Full, Clamped, 2, 5>;
                 FREE, "one bearing: two of them, back to back", false,
                 [RaceControl, Balls, Limits];
-            13 "full": Ring<Full, 5>;
+            13 "sprung-pair": Shaft<Full, Sprung, 2, 6>;
+                FREE, "one bearing: two of them, one under a spring", false,
+                [RaceControl, Balls, Limits];
+            14 "four-rows": Shaft<Full, Clamped, 4, 5>;
+                FREE, "one bearing: two pairs of them, back to back", false,
+                [RaceControl, Balls, Limits];
+            15 "full": Ring<Full, 5>;
                 FREE, "nothing", true,
                 [Spindle, RaceControl, Balls, Limits];
         }
@@ -274,15 +280,80 @@ impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Axial<M> {
     }
 }
 
-/// Two such bearings back to back, clamped by a fiftieth of the distance of the groove centres.
-pub struct Pair<M>(PhantomData<M>);
+/// `R` such bearings on one shaft, back to back, held as `H` says; `D` freedoms.
+pub struct Shaft<M, H, const R: usize, const D: usize>(PhantomData<(M, H)>);
 
-impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Pair<M> {
+/// What holds the bearings of a shaft.
+pub trait Holding<const R: usize, const D: usize> {
+    /// The shaft in its bearings, unless the design allows none.
+    fn spindle<'b, T: Real, const N: usize>(
+        bearing: &'b Bearing<T, N>,
+        design: &Design,
+    ) -> Option<Spindle<'b, T, R, N, D>>;
+}
+
+/// The rows, two of a side next to each other, and the distance of the groove centres.
+fn rows<'b, T: Real, const R: usize, const N: usize>(
+    bearing: &'b Bearing<T, N>,
+    design: &Design,
+    preload: impl Fn(usize, T) -> Preload<T>,
+) -> [Mounted<'b, T, N>; R] {
+    let grooves = design.inner_groove_factor + design.outer_groove_factor - 1.0;
+    let distance = T::of(grooves * design.ball_diameter);
+    core::array::from_fn(|i| {
+        let facing = if i < R / 2 {
+            Facing::PlusX
+        } else {
+            Facing::MinusX
+        };
+        let position = T::of(0.3 * design.pitch_diameter * i as f64);
+        Mounted::new(bearing, position, facing).with(preload(i, distance))
+    })
+}
+
+/// Clamped by a fiftieth of the distance of the groove centres each.
+pub struct Clamped;
+
+impl<const R: usize> Holding<R, 5> for Clamped {
+    fn spindle<'b, T: Real, const N: usize>(
+        bearing: &'b Bearing<T, N>,
+        design: &Design,
+    ) -> Option<Spindle<'b, T, R, N, 5>> {
+        let rows = rows(bearing, design, |_, distance| {
+            Preload::Closure(T::of(0.02) * distance)
+        });
+        Spindle::new(Arrangement::BackToBack, rows).ok()
+    }
+}
+
+/// The rear half in a sleeve, whose spring has 0.3 N for each ball and square millimetre of its diameter.
+pub struct Sprung;
+
+impl<const R: usize> Holding<R, 6> for Sprung {
+    fn spindle<'b, T: Real, const N: usize>(
+        bearing: &'b Bearing<T, N>,
+        design: &Design,
+    ) -> Option<Spindle<'b, T, R, N, 6>> {
+        let rows = rows(bearing, design, |i, _| {
+            if i < R / 2 {
+                Preload::Closure(T::ZERO)
+            } else {
+                Preload::Spring
+            }
+        });
+        let area = N as f64 * design.ball_diameter * design.ball_diameter;
+        Spindle::sprung(Arrangement::BackToBack, rows, T::of(0.3e6 * area)).ok()
+    }
+}
+
+impl<T: Real, const N: usize, M: Motion, H: Holding<R, D>, const R: usize, const D: usize>
+    Scene<T, N> for Shaft<M, H, R, D>
+{
     const FREEDOMS: usize = 5;
     type Vector = [T; 5];
     type Matrix = [[T; 5]; 5];
     type Solver<'b>
-        = SpindleSolver<'b, T, 2, N, M>
+        = SpindleSolver<'b, T, R, N, M, D>
     where
         T: 'b;
 
@@ -292,11 +363,7 @@ impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Pair<M> {
 
     #[inline(always)]
     fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>> {
-        let grooves = design.inner_groove_factor + design.outer_groove_factor - 1.0;
-        let closure = Preload::Closure(T::of(0.02 * grooves * design.ball_diameter));
-        let distance = T::of(0.3 * design.pitch_diameter);
-        let pair = Spindle::pair(Arrangement::BackToBack, bearing, distance, closure);
-        Some(SpindleSolver::of(pair.ok()?))
+        Some(SpindleSolver::of(H::spindle(bearing, design)?))
     }
 
     #[inline(always)]

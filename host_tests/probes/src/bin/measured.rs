@@ -24,8 +24,8 @@ mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
     use probes::{
-        Answer, Axial, Balls, Displacement, Loads, Pair, Passed, Question, RigidPreload, Ring,
-        Scene, for_every_scene,
+        Answer, Axial, Balls, Clamped, Displacement, Loads, Passed, Question, RigidPreload, Ring,
+        Scene, Shaft, Sprung, for_every_scene,
     };
     use spindle_bearing::{Bearing, Centrifugal, Full, Static};
     use spindle_bearing::{Design, FreeContact, InnerRaceControl, Material, OuterRaceControl};

@@ -9,6 +9,7 @@ use crate::rows::{At, Rows, Start};
 use crate::scenes::{self, SCENES, Scene};
 use crate::terminal::thousands;
 use crate::ticks;
+use crate::workload::EVERYDAY_BALLS;
 use host_tests::campaign::report::table;
 use host_tests::dispatch::Precision;
 use spindle_bearing::Real;
@@ -471,6 +472,8 @@ fn scenes(rows: &Rows) -> String {
          not the bearing's constants.\n\n{}\n\
          ### What leaving out saves\n\nAgainst `{FULL}`, f32; less than nothing is a cost.\n\n{}\n\
          ### What was promised\n\nf32; cycles are medians.\n\n{}\n\
+         ### Rows and balls\n\nOne bearing, a clamped pair and two of these, back to back: cycles of a warm tick and \
+         from nothing, f32, medians; bytes with 16 balls.\n\n{}\n\
          ### Largest symbols\n\nBytes of flash, f32; inlined functions are part of who called them, \
          `Solver::solve` of `measured_solve`.\n\n{}\n",
         scenes::CORE.name(),
@@ -490,8 +493,38 @@ fn scenes(rows: &Rows) -> String {
         ),
         savings(rows),
         promises(rows),
+        over_rows(rows),
         table(&["scene", "symbols"], &largest)
     )
+}
+
+/// Cycles over rows and balls of a shaft.
+fn over_rows(rows: &Rows) -> String {
+    let [few, many] = scenes::OTHER_BALLS;
+    let counts = [few, EVERYDAY_BALLS, many];
+    let mut header = vec!["rows".to_owned()];
+    header.extend(counts.map(|balls| format!("{balls} balls, warm")));
+    header.extend(counts.map(|balls| format!("{balls} balls, cold")));
+    header.extend(["flash / B", "state / B", "stack / B"].map(str::to_owned));
+    let lines: Vec<Vec<String>> = scenes::ROWS
+        .iter()
+        .filter_map(|(name, number)| Some((scenes::scene(name)?, number)))
+        .map(|(scene, number)| {
+            let mut line = vec![number.to_string()];
+            for start in [Start::Warm, Start::Cold] {
+                line.extend(counts.map(|balls| {
+                    let single = Precision::F32;
+                    cell(scene.figure_with(balls, rows, single, Some(start), "cycles", "median"))
+                }));
+            }
+            for what in [FLASH, STATE, STACK] {
+                line.push(cell(of_scene(rows, scene, Precision::F32, what)));
+            }
+            line
+        })
+        .collect();
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    table(&header, &lines)
 }
 
 fn savings(rows: &Rows) -> String {
@@ -534,9 +567,11 @@ fn savings(rows: &Rows) -> String {
 enum Most {
     Of(f64),
     Share(f64),
+    /// So much beyond the whole solver.
+    Beyond(f64),
 }
 
-const PROMISES: [(&str, Figure, Most); 7] = [
+const PROMISES: [(&str, Figure, Most); 10] = [
     ("axial-static", FLASH, Most::Of(1024.0)),
     ("axial-static", WARM, Most::Of(600.0)),
     ("static", FLASH, Most::Of(4096.0)),
@@ -544,6 +579,9 @@ const PROMISES: [(&str, Figure, Most); 7] = [
     ("static", COLD, Most::Share(0.5)),
     ("translations-full", WARM, Most::Share(0.75)),
     ("translations-full", COLD, Most::Share(0.75)),
+    ("pair", FLASH, Most::Beyond(4096.0)),
+    ("pair", WARM, Most::Of(38_000.0)),
+    ("four-rows", WARM, Most::Of(74_000.0)),
 ];
 
 fn promises(rows: &Rows) -> String {
@@ -559,6 +597,10 @@ fn promises(rows: &Rows) -> String {
             let whole = get(FULL, *what);
             let (limit, told) = match most {
                 Most::Of(limit) => (*limit, cell(*limit)),
+                Most::Beyond(more) => (
+                    whole + more,
+                    format!("{}: {} beyond `{FULL}`", cell(whole + more), cell(*more)),
+                ),
                 Most::Share(share) => {
                     let limit = share * whole;
                     (limit, format!("{}: {} of `{FULL}`", cell(limit), share))
@@ -568,7 +610,7 @@ fn promises(rows: &Rows) -> String {
                 format!("{name}, {}", what.name()),
                 told,
                 match most {
-                    Most::Of(_) => cell(value),
+                    Most::Of(_) | Most::Beyond(_) => cell(value),
                     Most::Share(_) => format!("{}: {:.2}", cell(value), value / whole),
                 },
                 if value <= limit {

@@ -15,8 +15,8 @@ use anyhow::{Context, Result, bail};
 use host_tests::campaign::report::Spread;
 use host_tests::dispatch::{Attitude, Precision};
 use probes::{
-    Axial, Balls, Displacement, Loads, Numbers, Pair, Passed, Question, RigidPreload, Ring,
-    for_every_scene,
+    Axial, Balls, Clamped, Displacement, Loads, Numbers, Passed, Question, RigidPreload, Ring,
+    Shaft, Sprung, for_every_scene,
 };
 use rayon::prelude::*;
 use spindle_bearing::{Centrifugal, Full, Static};
@@ -28,6 +28,10 @@ use tools::timing::Core;
 pub const CORE: Core = Core::M4f;
 /// Cases in doubles, which that core works out in software.
 pub const DOUBLE_CASES: usize = 50;
+/// Ball counts that cycles over rows are measured for, besides the everyday one.
+pub const OTHER_BALLS: [usize; 2] = [8, 24];
+/// Scenes for cycles over rows.
+pub const ROWS: [(&str, usize); 3] = [(tools::report::FULL, 1), ("pair", 2), ("four-rows", 4)];
 /// Cases whose stack is looked at.
 const STACKS: usize = 20;
 
@@ -42,6 +46,9 @@ struct Answer {
     iterations: u32,
 }
 
+/// How the host solves two states of a case, one after the other.
+type Solves = fn(&Work, [State; 2]) -> Result<Answers>;
+
 /// A scene of the table in `host_tests/probes`.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene {
@@ -55,9 +62,11 @@ pub struct Scene {
     pub double: bool,
     freedoms: usize,
     preloaded: bool,
-    single: fn(&Work, [State; 2]) -> Result<Answers>,
+    single: Solves,
+    /// The same with the ball counts of [`OTHER_BALLS`].
+    other_balls: [Solves; 2],
     /// The same in doubles.
-    doubles: fn(&Work, [State; 2]) -> Result<Answers>,
+    doubles: Solves,
 }
 
 macro_rules! scenes {
@@ -71,8 +80,12 @@ macro_rules! scenes {
             double: $double,
             freedoms: <$scene as probes::Scene<f32, EVERYDAY_BALLS>>::FREEDOMS,
             preloaded: <$scene as probes::Scene<f32, EVERYDAY_BALLS>>::PRELOADED,
-            single: answers::<f32, $scene>,
-            doubles: answers::<f64, $scene>,
+            single: answers::<f32, $scene, EVERYDAY_BALLS>,
+            other_balls: [
+                answers::<f32, $scene, { OTHER_BALLS[0] }>,
+                answers::<f32, $scene, { OTHER_BALLS[1] }>,
+            ],
+            doubles: answers::<f64, $scene, EVERYDAY_BALLS>,
         }),*];
     };
 }
@@ -82,12 +95,12 @@ const FREE: Option<Attitude> = Some(Attitude::Raceless);
 for_every_scene!(scenes);
 
 /// Solves one state after the other.
-fn answers<T: Host, S: probes::Scene<T, EVERYDAY_BALLS>>(
+fn answers<T: Host, S: probes::Scene<T, N>, const N: usize>(
     work: &Work,
     states: [State; 2],
 ) -> Result<Answers> {
     let (tolerance, max_iterations) = (T::TOLERANCE, 100);
-    let bearing = T::built(&work.design)?;
+    let bearing = T::built::<N>(&work.design)?;
     let mut solver = S::solver(&bearing, &work.design).context("no such solver")?;
     let wide = |x: &[T]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
     Ok(states.map(|(load, omega)| {
@@ -109,7 +122,7 @@ fn answers<T: Host, S: probes::Scene<T, EVERYDAY_BALLS>>(
 /// The axial displacement that the full scene finds in doubles for the cold case, a number of single precision as loads
 /// are.
 fn full_displacement(work: &Work) -> Result<Option<f64>> {
-    let [cold, _] = answers::<f64, Ring<Full, 5>>(work, [work.cold, work.warm])?;
+    let [cold, _] = answers::<f64, Ring<Full, 5>, EVERYDAY_BALLS>(work, [work.cold, work.warm])?;
     Ok(cold.map(|answer| f64::from(answer.displacement[0] as f32)))
 }
 
@@ -134,7 +147,7 @@ impl Scene {
     }
 
     /// A figure of it that is still without a name.
-    fn row(&self, precision: Precision, start: Option<Start>) -> Row {
+    fn row(&self, precision: Precision, balls: usize, start: Option<Start>) -> Row {
         Row {
             core: CORE.name(),
             precision: name(precision),
@@ -142,7 +155,7 @@ impl Scene {
             attitude: self
                 .attitude
                 .map(|a| crate::image::Motion::AtSpeed(a).name()),
-            balls: EVERYDAY_BALLS,
+            balls,
             start: start.map(Start::name),
             metric: String::new(),
             stat: "value",
@@ -160,12 +173,31 @@ impl Scene {
         metric: &str,
         stat: &str,
     ) -> f64 {
-        let wanted = self.row(precision, start);
+        self.figure_with(EVERYDAY_BALLS, rows, precision, start, metric, stat)
+    }
+
+    /// The same with another ball count.
+    pub fn figure_with(
+        &self,
+        balls: usize,
+        rows: &Rows,
+        precision: Precision,
+        start: Option<Start>,
+        metric: &str,
+        stat: &str,
+    ) -> f64 {
+        let wanted = self.row(precision, balls, start);
         rows.all()
             .iter()
             .find(|r| {
-                (r.core, r.precision, r.scene, r.start)
-                    == (wanted.core, wanted.precision, wanted.scene, wanted.start)
+                (r.core, r.precision, r.scene, r.balls, r.start)
+                    == (
+                        wanted.core,
+                        wanted.precision,
+                        wanted.scene,
+                        balls,
+                        wanted.start,
+                    )
                     && r.metric == metric
                     && r.stat == stat
             })
@@ -187,15 +219,23 @@ pub fn run(root: &Path, works: &[Work]) -> Result<Rows> {
     let wanted: Vec<_> = SCENES
         .iter()
         .filter(|scene| scene.double)
-        .map(|scene| (scene, Precision::F64))
-        .chain(SCENES.iter().map(|scene| (scene, Precision::F32)))
+        .map(|scene| (scene, Precision::F64, EVERYDAY_BALLS))
+        .chain(ROWS.iter().flat_map(|(name, _)| {
+            let scene = scene(name).into_iter();
+            scene.flat_map(|scene| OTHER_BALLS.map(|balls| (scene, Precision::F32, balls)))
+        }))
+        .chain(
+            SCENES
+                .iter()
+                .map(|scene| (scene, Precision::F32, EVERYDAY_BALLS)),
+        )
         .collect();
     let progress = bar(wanted.len() as u64)?;
     let mut images = Vec::new();
-    for (scene, precision) in wanted {
+    for (scene, precision, balls) in wanted {
         progress.set_message(format!("building {}, {}", scene.name, name(precision)));
-        let image = Image::of_scene(root, CORE, precision, EVERYDAY_BALLS, scene.name)?;
-        images.push((scene, precision, image));
+        let image = Image::of_scene(root, CORE, precision, balls, scene.name)?;
+        images.push((scene, precision, balls, image));
         progress.inc(1);
     }
     progress.finish_and_clear();
@@ -204,12 +244,19 @@ pub fn run(root: &Path, works: &[Work]) -> Result<Rows> {
     let measured: Vec<Rows> = images
         .into_par_iter()
         .with_max_len(1)
-        .map(|(scene, precision, image)| {
+        .map(|(scene, precision, balls, image)| {
             let cases = match precision {
                 Precision::F32 => works.len(),
                 Precision::F64 => works.len().min(DOUBLE_CASES),
             };
-            let rows = measure(scene, precision, image, &works[..cases], &preloads)
+            let other = |case| Work::mixed(case, balls, scene.attitude.is_some());
+            let others: Vec<Work> = (0..cases as u64).map(other).collect();
+            let works = if balls == EVERYDAY_BALLS {
+                &works[..cases]
+            } else {
+                &others
+            };
+            let rows = measure(scene, precision, balls, image, works, &preloads)
                 .with_context(|| format!("the scene {}, {}", scene.name, name(precision)));
             progress.inc(1);
             rows
@@ -227,12 +274,16 @@ pub fn run(root: &Path, works: &[Work]) -> Result<Rows> {
 fn measure(
     scene: &Scene,
     precision: Precision,
+    balls: usize,
     image: Image,
     works: &[Work],
     preloads: &[Option<f64>],
 ) -> Result<Rows> {
     let host = match precision {
-        Precision::F32 => scene.single,
+        Precision::F32 => match OTHER_BALLS.iter().position(|other| *other == balls) {
+            Some(other) => scene.other_balls[other],
+            None => scene.single,
+        },
         Precision::F64 => scene.doubles,
     };
     let mut bench = Bench::new(image, CORE, precision)?;
@@ -296,14 +347,14 @@ fn measure(
                     stat,
                     value,
                     unit,
-                    ..scene.row(precision, Some(start))
+                    ..scene.row(precision, balls, Some(start))
                 });
             }
         }
         rows.push(Row {
             metric: "answers solved".to_owned(),
             value: cycles[i].len() as f64,
-            ..scene.row(precision, Some(start))
+            ..scene.row(precision, balls, Some(start))
         });
     }
     let memory = Memory::of(&bench)?;
@@ -312,7 +363,7 @@ fn measure(
             metric,
             value,
             unit: "bytes",
-            ..scene.row(precision, None)
+            ..scene.row(precision, balls, None)
         });
     };
     bytes("flash".to_owned(), memory.flash() as f64);
