@@ -54,7 +54,7 @@ impl<T: Real> Seat<T> {
     };
 
     /// The row's motion when the shaft makes the motion `v`.
-    #[inline(always)]
+    #[inline(never)]
     pub fn motion<const D: usize>(&self, v: &[T; D]) -> [T; 5] {
         let r = self.length;
         let mut own = in_full(v);

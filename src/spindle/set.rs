@@ -37,7 +37,7 @@ impl<T: Real> Seat<T> {
     }
 
     /// Adds the force that a row makes on the shaft, about its centre.
-    #[inline(always)]
+    #[inline(never)]
     fn add_force<const D: usize>(&self, sum: &mut [T; D], own: &[T; 5]) {
         let mirror = self.mirror();
         let mut force: [T; 5] = from_fn(|i| mirror[i] * own[i]);

@@ -24,7 +24,13 @@ const CASES: u64 = 12;
 const MILLING: (usize, usize) = (3, 200);
 
 /// Scenes besides those that are measured anyway.
-const SCENES: [&str; 3] = ["axial-static", "axial-full", "translations-full"];
+const SCENES: [&str; 5] = [
+    "axial-static",
+    "axial-full",
+    "translations-full",
+    "pair",
+    "sprung-pair",
+];
 
 fn measure(root: &Path) -> Result<Figures> {
     let mut programs = vec![
