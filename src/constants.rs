@@ -72,6 +72,13 @@ pub struct Constants<T> {
     pub grooves: Grooves<T>,
 }
 
+impl<T: Real> Constants<T> {
+    /// `Rp`, m.
+    pub fn radius(&self) -> T {
+        self.length / self.tilt
+    }
+}
+
 /// Where a ball sits: cosine and sine of its azimuth, and what rounding them to a coarse grid loses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -18,7 +18,6 @@ use super::ring::{Changes, Row, Sum, in_full, sum_up};
 ///
 /// with the motion `e` of the row's sleeve towards its balls, if that slides.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Seat<T> {
     /// `s`: 1, or -1 for a row that faces against the axis.
     pub facing: T,
@@ -27,7 +26,7 @@ pub struct Seat<T> {
     pub force: T,
     /// `l`: the row's groove plane beyond the shaft's, over the shaft's `Rp`.
     pub lever: T,
-    /// The row's groove plane beyond the shaft's centre, over the same.
+    /// The row's groove plane beyond the shaft's centre, in the row's own direction and over its own `Rp`.
     pub reach: T,
     /// `m`: `Rp` of the row over that of the shaft.
     pub arm: T,

@@ -80,6 +80,58 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
     pub const fn with(self, preload: Preload<T>) -> Self {
         Self { preload, ..self }
     }
+
+    fn slides(&self) -> bool {
+        matches!(self.preload, Preload::Spring)
+    }
+
+    /// How far its groove plane is in front of its centre, in `+x`, m.
+    fn plane(&self) -> T {
+        self.facing.sign::<T>() * self.constants.plane * self.constants.radius()
+    }
+
+    /// Closure, in its unit of length; 0 if it slides.
+    fn closure(&self) -> T {
+        let c = self.constants;
+        match self.preload {
+            Preload::Closure(e) => e / c.length,
+            Preload::Force(force) => closure(c, force / c.force),
+            Preload::Spring => T::ZERO,
+        }
+    }
+
+    /// Refuses what is out of range of the row with this number. `spring` is its force, if there is one.
+    fn check(&self, number: usize, first: &Self, spring: Option<T>) -> Result<(), SpindleError<T>> {
+        let c = self.constants;
+        let position = input::check(
+            Quantity::RowPosition,
+            self.position - first.position,
+            T::of(64.0) * first.constants.radius(),
+        );
+        let most = c.balls * c.force;
+        let (held, force) = match self.preload {
+            Preload::Closure(e) => (
+                input::check(Quantity::Closure, e, T::of(16.0) * c.length),
+                None,
+            ),
+            Preload::Force(force) => (
+                input::check(Quantity::PreloadForce, force, most),
+                Some(force),
+            ),
+            Preload::Spring => {
+                let force = spring.unwrap_or(T::ZERO);
+                (input::check(Quantity::SpringForce, force, most), spring)
+            }
+        };
+        position.and(held).map_err(|status| SpindleError::Row {
+            row: number,
+            status,
+        })?;
+        match force {
+            Some(force) if !(force > T::ZERO) => Err(SpindleError::NoForce { row: number, force }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Rows that hold the shaft together, or slide together.
@@ -97,7 +149,7 @@ impl<T: Real> Group<T> {
     fn of<const N: usize>(rows: &[Mounted<'_, T, N>], sliding: bool) -> Option<(usize, Self)> {
         let mut group = None;
         for (i, row) in rows.iter().enumerate() {
-            if matches!(row.preload, Preload::Spring) == sliding {
+            if row.slides() == sliding {
                 let (_, group) = group.get_or_insert((
                     i,
                     Self {
@@ -111,6 +163,33 @@ impl<T: Real> Group<T> {
             }
         }
         group
+    }
+
+    /// The rows that are fixed and those that slide, unless they do not hold the shaft.
+    fn both<const N: usize>(
+        rows: &[Mounted<'_, T, N>],
+        spring: bool,
+    ) -> Result<(Self, Option<Self>), SpindleError<T>> {
+        let Some((_, fixed)) = Self::of(rows, false) else {
+            return Err(SpindleError::NotHeld);
+        };
+        let sliding = match (Self::of(rows, true), spring) {
+            (None, false) => None,
+            (None, true) => return Err(SpindleError::NothingSlides),
+            (Some((row, _)), false) => return Err(SpindleError::NoSpring { row }),
+            (Some((row, group)), true) => {
+                let faced = fixed.opposed || fixed.facing != group.facing;
+                if group.opposed || !faced {
+                    return Err(SpindleError::Unopposed { row });
+                }
+                Some(group)
+            }
+        };
+        let preloaded = |row: &Mounted<'_, T, N>| matches!(row.preload, Preload::Force(_));
+        match rows.iter().position(preloaded) {
+            Some(row) if !fixed.opposed => Err(SpindleError::Unopposed { row }),
+            _ => Ok((fixed, sliding)),
+        }
     }
 }
 
@@ -154,7 +233,7 @@ pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5> {
     centre: T,
     plane: T,
     /// Number of balls, weighted with their inertia.
-    balls: T,
+    weight: T,
     /// About the forces by which the rows hold each other at rest, in the solver's unit.
     held: T,
 }
@@ -221,94 +300,41 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         };
         let unit = first.constants;
         // Positions and closures first: they are compared below.
-        let farthest = T::of(64.0) * unit.length / unit.tilt;
-        for (row, number) in rows.iter().zip(0..) {
-            let c = row.constants;
-            let farthest = input::check(
-                Quantity::RowPosition,
-                row.position - first.position,
-                farthest,
-            );
-            let held = match row.preload {
-                Preload::Closure(e) => input::check(Quantity::Closure, e, T::of(16.0) * c.length),
-                Preload::Force(force) => {
-                    input::check(Quantity::PreloadForce, force, c.balls * c.force)
-                }
-                Preload::Spring => input::check(Quantity::SpringForce, spring, c.balls * c.force),
-            };
-            farthest.and(held).map_err(|status| SpindleError::Row {
-                row: number,
-                status,
-            })?;
-            let force = match row.preload {
-                Preload::Force(force) => force,
-                Preload::Spring if D == 6 => spring,
-                _ => continue,
-            };
-            if !(force > T::ZERO) {
-                return Err(SpindleError::NoForce { row: number, force });
-            }
+        for (number, row) in rows.iter().enumerate() {
+            let spring = (D == 6).then_some(spring);
+            row.check(number, first, spring)?;
         }
         arrangement.check(&rows)?;
+        let (fixed, sliding) = Group::both(&rows, D == 6)?;
 
-        let rp = unit.length / unit.tilt;
+        let rp = unit.radius();
         let (mut centre, mut plane, mut count) = (T::ZERO, T::ZERO, T::ZERO);
         for row in &rows {
-            let beyond = row.facing.sign::<T>()
-                * row.constants.plane
-                * (row.constants.length / row.constants.tilt);
             centre += row.position;
-            plane += beyond;
+            plane += row.plane();
             count += T::ONE;
         }
         let (centre, plane) = (centre / count, plane / count);
         let mut seats = [Seat::PLAIN; R];
-        let (mut balls, mut held) = (T::ZERO, T::ZERO);
+        let (mut weight, mut held) = (T::ZERO, T::ZERO);
         for (seat, row) in seats.iter_mut().zip(&rows) {
             let c = row.constants;
-            let own_rp = c.length / c.tilt;
-            let facing = row.facing.sign();
-            let closure = match row.preload {
-                Preload::Closure(e) => e / c.length,
-                Preload::Force(force) => closure(c, force / c.force),
-                Preload::Spring => T::ZERO,
-            };
-            let reach = (row.position - centre) + facing * c.plane * own_rp;
+            let reach = (row.position - centre) + row.plane();
+            let (facing, arm, closure) = (row.facing.sign(), c.radius() / rp, row.closure());
             *seat = Seat {
                 facing,
                 length: unit.length / c.length,
                 force: c.force / unit.force,
                 lever: (reach - plane) / rp,
-                reach: reach / rp,
-                arm: own_rp / rp,
+                reach: reach / (facing * c.radius()),
+                arm,
                 inertia: c.inertia / unit.inertia,
                 closure,
-                sliding: matches!(row.preload, Preload::Spring),
+                sliding: row.slides(),
             };
-            balls += c.balls * (seat.force * seat.inertia);
+            weight += c.balls * (seat.force * seat.inertia);
             held += seat.force * c.balls * force_at(c, closure).at_least(T::ZERO);
         }
-        let (fixed, sliding) = (Group::of(&rows, false), Group::of(&rows, true));
-        let Some((_, fixed)) = fixed else {
-            return Err(SpindleError::NotHeld);
-        };
-        match (sliding, D == 6) {
-            (None, true) => return Err(SpindleError::NothingSlides),
-            (Some((row, _)), false) => return Err(SpindleError::NoSpring { row }),
-            (Some((row, group)), true)
-                if group.opposed || !(fixed.opposed || fixed.facing != group.facing) =>
-            {
-                return Err(SpindleError::Unopposed { row });
-            }
-            _ => (),
-        }
-        let preloaded = rows
-            .iter()
-            .position(|row| matches!(row.preload, Preload::Force(_)));
-        if let (Some(row), false) = (preloaded, fixed.opposed) {
-            return Err(SpindleError::Unopposed { row });
-        }
-        let sliding = sliding.map(|(_, group)| group);
         Ok(Self {
             rows,
             seats,
@@ -317,7 +343,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             spring,
             centre,
             plane: plane / rp,
-            balls,
+            weight,
             held,
         })
     }

@@ -8,25 +8,7 @@ use crate::kinematics::Rule;
 use crate::linalg::Matrix;
 use crate::mounting::Regime;
 use crate::ring::{Changes, Row, Sum, stiffening, sum_up};
-
 use crate::rows::{Rows, Seat, Stance};
-use core::array::from_fn;
-
-/// Where the balls' references of a row belong to, in its own frame and units.
-#[derive(Debug, Clone, Copy)]
-pub struct Place<T> {
-    /// Reference position of the row's groove plane, multiples of 1/256.
-    u: [T; 5],
-    /// Offset from it when the shaft is at its own reference position.
-    pub base: [T; 5],
-}
-
-impl<T: Real> Place<T> {
-    pub const NONE: Self = Self {
-        u: [T::ZERO; 5],
-        base: [T::ZERO; 5],
-    };
-}
 
 impl<T: Real> Seat<T> {
     /// Factors that mirror the row's force and moments if it faces against the axis, and give the latter the shaft's arm.
@@ -40,10 +22,10 @@ impl<T: Real> Seat<T> {
     #[inline(never)]
     fn add_force<const D: usize>(&self, sum: &mut [T; D], own: &[T; 5]) {
         let mirror = self.mirror();
-        let mut force: [T; 5] = from_fn(|i| mirror[i] * own[i]);
+        let mut force = *own;
         refer(self.reach, &mut force);
-        for (sum, force) in sum.iter_mut().zip(&force) {
-            *sum += self.force * *force;
+        for i in 0..5 {
+            sum[i] += self.force * (mirror[i] * force[i]);
         }
         if D == 6 && self.sliding {
             sum[5] += self.force * own[0];
@@ -54,24 +36,17 @@ impl<T: Real> Seat<T> {
     #[inline(never)]
     fn add_stiffness<const D: usize>(&self, sum: &mut Matrix<T, D>, own: &mut Matrix<T, 5>) {
         let mirror = self.mirror();
-        for (row, m) in own.iter_mut().zip(&mirror) {
-            for (k, n) in row.iter_mut().zip(&mirror) {
-                *k = *m * *n * *k;
-            }
-        }
         refer_stiffness(self.reach, own);
         let unit = self.force * self.length;
-        for (sum, own) in sum.iter_mut().zip(own.iter()) {
-            for (sum, own) in sum.iter_mut().zip(own) {
-                *sum += unit * *own;
+        for i in 0..5 {
+            for j in 0..5 {
+                sum[i][j] += unit * (mirror[i] * mirror[j] * own[i][j]);
             }
         }
         if D == 6 && self.sliding {
-            // Its axial motion and force, in its own frame.
-            let slide = unit * self.facing;
             for i in 0..5 {
-                sum[i][5] += slide * own[i][0];
-                sum[5][i] += slide * own[0][i];
+                sum[i][5] += unit * (mirror[i] * own[i][0]);
+                sum[5][i] += unit * (mirror[i] * own[0][i]);
             }
             sum[5][5] += unit * own[0][0];
         }
@@ -106,25 +81,27 @@ impl<T: Real> Seat<T> {
 pub struct Set<'a, 'b, T, B> {
     pub rows: &'a mut [Row<'b, T, B>],
     pub seats: &'a [Seat<T>],
-    pub places: &'a mut [Place<T>],
+    /// Offset of each row from its own reference position when the shaft is at its own.
+    pub bases: &'a mut [[T; 5]],
     /// Axial force by which rows of either facing hold each other.
     pub internal: &'a mut T,
     pub fixed: Stance<'b, T>,
     pub sliding: Option<Stance<'b, T>>,
+    /// Position of the groove plane, and number of balls weighted with their inertia.
     pub plane: T,
-    pub balls: T,
+    pub weight: T,
 }
 
 impl<T: Real, B: Body<T>> Set<'_, '_, T, B> {
     /// Change of the stiffness along the motion to `v` from where the balls were condensed, referred to the centre.
     pub fn stiffening<const D: usize>(&self, v: &[T; D]) -> Matrix<T, D> {
         let mut change = [[T::ZERO; D]; D];
-        let (mut seats, mut places) = (self.seats.iter(), self.places.iter());
+        let (mut seats, mut bases) = (self.seats.iter(), self.bases.iter());
         for row in self.rows.iter() {
-            let (Some(seat), Some(place)) = (seats.next(), places.next()) else {
+            let (Some(seat), Some(base)) = (seats.next(), bases.next()) else {
                 break;
             };
-            let mut own = stiffening(row.balls, row.azimuths, &seat.offset(&place.base, v));
+            let mut own = stiffening(row.balls, row.azimuths, &seat.offset(base, v));
             seat.add_stiffness(&mut change, &mut own.k);
         }
         change
@@ -139,7 +116,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     }
 
     fn weight(&self) -> T {
-        self.balls
+        self.weight
     }
 
     fn inertia(&self) -> T {
@@ -152,12 +129,12 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
 
     fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
         // Not `zip`, which the compiler unrolls.
-        let (mut seats, mut places) = (self.seats.iter(), self.places.iter());
+        let (mut seats, mut bases) = (self.seats.iter(), self.bases.iter());
         for row in self.rows.iter_mut() {
-            let (Some(seat), Some(place)) = (seats.next(), places.next()) else {
+            let (Some(seat), Some(base)) = (seats.next(), bases.next()) else {
                 return;
             };
-            f(row, seat, &seat.offset(&place.base, v));
+            f(row, seat, &seat.offset(base, v));
         }
     }
 
@@ -175,9 +152,9 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
 
     #[inline(never)]
     fn strays(&self, v: &[T; D], most: T) -> bool {
-        let mut places = self.seats.iter().zip(&*self.places);
-        places.any(|(seat, place)| {
-            let own = seat.offset(&place.base, v);
+        let mut rows = self.seats.iter().zip(&*self.bases);
+        rows.any(|(seat, base)| {
+            let own = seat.offset(base, v);
             own.iter().any(|v| v.abs() > most)
         })
     }
@@ -251,17 +228,19 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
 
     #[inline(never)]
     fn anchor(&mut self, u: &[T; D], v: &[T; D]) {
-        let (mut seats, mut places) = (self.seats.iter(), self.places.iter_mut());
+        let (mut seats, mut bases) = (self.seats.iter(), self.bases.iter_mut());
         for row in self.rows.iter_mut() {
-            let (Some(seat), Some(place)) = (seats.next(), places.next()) else {
+            let (Some(seat), Some(base)) = (seats.next(), bases.next()) else {
                 return;
             };
+            // The row's reference position: multiples of 1/256, next to where the shaft's has it.
             let (high, low) = seat.position(u);
+            let mut own = [T::ZERO; 5];
             for i in 0..5 {
-                place.u[i] = to_grid(high[i] + low[i]);
-                place.base[i] = (high[i] - place.u[i]) + low[i];
+                own[i] = to_grid(high[i] + low[i]);
+                base[i] = (high[i] - own[i]) + low[i];
             }
-            row.anchor_at(&place.u, &seat.offset(&place.base, v));
+            row.anchor_at(&own, &seat.offset(base, v));
         }
     }
 

@@ -192,7 +192,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             p: &self.points[i],
             azimuths: row.azimuths,
             balls: balls.get(..row.azimuths.len()).unwrap_or_default(),
-            v: seat.offset(&self.solver.places[i].base, &state.v),
+            v: seat.offset(&self.solver.bases[i], &state.v),
             speed: self.speed,
             rule: PhantomData::<M::Rule>,
         };

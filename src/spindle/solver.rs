@@ -1,6 +1,6 @@
 //! The equilibrium of a shaft in its bearings.
 
-use super::set::{Place, Set};
+use super::set::Set;
 use super::solution::{SpindleSolution, condensed};
 use super::{Group, Spindle};
 use crate::float::Real;
@@ -30,7 +30,8 @@ pub struct SpindleSolver<
     pub(super) spindle: Spindle<'b, T, R, N, D>,
     pub(super) state: State<T, D>,
     pub(super) balls: [[M::Ball<T>; N]; R],
-    pub(super) places: [Place<T>; R],
+    /// Offsets of the rows from their own reference positions: see [`Set`].
+    pub(super) bases: [[T; 5]; R],
     internal: T,
     /// Of the last solve, in units of length.
     growth: [Growth<T>; R],
@@ -54,7 +55,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             spindle,
             state: State::COLD,
             balls: [[M::Ball::default(); N]; R],
-            places: [Place::NONE; R],
+            bases: [[T::ZERO; 5]; R],
             internal: T::ZERO,
             growth: [Growth::NONE; R],
         }
@@ -124,12 +125,12 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let mut set = Set {
             rows: &mut rows,
             seats: &spindle.seats,
-            places: &mut self.places,
+            bases: &mut self.bases,
             internal: &mut self.internal,
             fixed,
             sliding,
             plane: spindle.plane,
-            balls: spindle.balls,
+            weight: spindle.weight,
         };
         let outcome = self.state.solve::<_, M::Rule>(&mut set, &task, &mut budget);
         if let Err(status) = self.state.refuse(&set, &outcome) {
@@ -184,7 +185,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         };
         for (i, load) in load.iter().enumerate() {
             let [quantity, _] = Quantity::OF_FREEDOM[i];
-            task.load[i] = input::load(quantity, units(unit, i).0, spindle.balls, *load)?;
+            task.load[i] = input::load(quantity, units(unit, i).0, spindle.weight, *load)?;
         }
         // From x = 0 to the centre.
         refer(-spindle.centre * unit.tilt / unit.length, &mut task.load);
