@@ -158,7 +158,7 @@ pub enum Status<T> {
     /// are more than 150 degrees apart, next to the pole of the cage speed: the model has several equilibria there or
     /// none.
     Unseated {
-        /// Index of the worst ball.
+        /// Index of the worst ball; those of a spindle are counted on from row to row.
         ball: u16,
         /// How far its contact angles are apart, `abs(ai - ao)`, rad.
         apart: T,
