@@ -56,7 +56,7 @@ pub enum Arrangement {
     FaceToFace,
     /// DT: all rows face one way and share an axial load.
     Tandem,
-    /// As the rows say, unchecked.
+    /// As the rows say, unchecked. A pair of equal bearings is then back to back.
     ByRows,
 }
 

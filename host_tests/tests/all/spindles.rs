@@ -257,7 +257,7 @@ fn a_single_row_is_the_plain_solver_to_the_bit() {
             };
             let compare = |solver: &mut dyn AnySpindleSolver| {
                 for step in 0..200 {
-                    // Near loads, and far ones that are started anew.
+                    // Near loads, and far ones that are solved cold.
                     let part = 1.0 + 0.01 * f64::from(step % 20) + f64::from(step / 20);
                     let load = SKEW.map(|load| load * part);
                     let load = [load[0] * 4.0, load[1], load[2], load[3], load[4]];
@@ -711,8 +711,8 @@ fn most_random_sprung_spindles_are_solved() {
     assert_eq!(solved.iter().filter(alike).count(), solved.len());
 }
 
-/// What the solver keeps from one solve to the next does not drift: after many ticks, one that starts anew says the
-/// same.
+/// What the solver keeps from one solve to the next does not drift: after many ticks, a cold solve has the
+/// same result.
 #[test]
 fn a_long_run_ends_where_a_cold_solve_does() {
     let pair = clamped(&[(0.0, '+'), (0.027, '-')], Preload::Force(294.0));

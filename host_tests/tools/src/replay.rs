@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// Replays recorded bearing loads through the solver
 ///
 /// Takes the design of an angular contact ball bearing, or of a spindle with several of them, and a
-/// recording of loads and shaft speed; for every row of the recording it computes where the shaft
+/// recording of loads and shaft speed. For every row of the recording it computes where the shaft
 /// goes and how stiff it is held there. The results go to standard output as CSV.
 #[derive(Debug, Parser)]
 #[command(name = "replay", bin_name = "cargo replay", max_term_width = 100, after_long_help = FORMATS)]
