@@ -5,7 +5,7 @@
 
 use super::Precision;
 use super::monitor_settings::{IDLE, KEY, MONITOR};
-use super::monitored::{BALLS, BEARING};
+use super::monitored::{BALLS, BEARING, ROWS, spindle};
 use spindle_bearing::Full;
 use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::command::{Command, PortReader, Received};
@@ -53,7 +53,7 @@ impl Sensors for FramedLoads {
 
 /// The monitor with its sensors.
 pub struct Chain<S = FramedLoads> {
-    monitor: Monitor<BALLS, Full, FRAMES, Precision>,
+    monitor: Monitor<ROWS, BALLS, Full, FRAMES, Precision>,
     sensors: S,
     port: PortReader,
     time_us: u64,
@@ -76,7 +76,7 @@ impl<S: Sensors> Chain<S> {
     /// At the beginning, with what was kept over a power cycle.
     pub fn with(sensors: S, past: &Past) -> Self {
         Self {
-            monitor: Monitor::new(&BEARING, &MONITOR)
+            monitor: Monitor::new(spindle(&BEARING), &MONITOR)
                 .with_past(past)
                 .with_key(KEY),
             sensors,

@@ -1,7 +1,7 @@
 //! The monitor's settings on this spindle: one place for the firmware and for the host program that checks
 //! it. Whoever includes it says how fast the core is.
 
-use super::monitored::{BALLS, DESIGN};
+use super::monitored::{BALLS, DESIGN, ROWS};
 use super::{CORE_HZ, COST};
 use spindle_bearing::monitor::Identity;
 use spindle_bearing::monitor::command::{self, Key};
@@ -13,7 +13,7 @@ use spindle_bearing::monitor::speed::SpeedSettings;
 pub const IDLE: [f32; 5] = [420.0, 0.0, 0.0, 0.0, 0.0];
 
 /// Rate, doubts, alarms and telemetry. What is particular to this spindle is set here.
-pub static MONITOR: MonitorSettings = {
+pub static MONITOR: MonitorSettings<ROWS> = {
     let mut settings = MonitorSettings::new(&DESIGN, BALLS);
     // Of this spindle's main bearing, in normal use.
     settings.plausibility.load = [

@@ -1,12 +1,14 @@
-//! The bearing on the monitored spindle: one place for the firmware and for the host program that
+//! The monitored spindle: one place for the firmware and for the host program that
 //! checks it. Whoever includes it says in which precision the solver works.
 
 use super::Precision;
 use core::f64::consts::PI;
-use spindle_bearing::Bearing;
-use spindle_bearing::{Design, FreeContact, Material};
+use spindle_bearing::{Bearing, Design, FreeContact, Material, Real, Spindle};
 
-/// Ball count.
+/// Rows of balls.
+pub const ROWS: usize = 1;
+
+/// Balls of a row.
 pub const BALLS: usize = 16;
 
 /// A B7005C of steel, SI units.
@@ -25,3 +27,8 @@ pub const DESIGN: Design = Design {
 
 /// Its constants, worked out by the compiler.
 pub static BEARING: Bearing<Precision, BALLS> = Bearing::<Precision, BALLS>::checked(&DESIGN);
+
+/// The bearings on their shaft.
+pub fn spindle<T: Real>(bearing: &'static Bearing<T, BALLS>) -> Spindle<'static, T, ROWS, BALLS> {
+    Spindle::single(bearing)
+}

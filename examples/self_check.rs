@@ -3,7 +3,7 @@
 use super::Precision;
 use super::board::{Stack, feed_at_start, image, seal};
 use super::monitor_settings::{IDLE, MONITOR};
-use super::monitored::{BALLS, BEARING};
+use super::monitored::{BALLS, BEARING, ROWS, spindle};
 use spindle_bearing::monitor::BoardReport;
 use spindle_bearing::monitor::board::Check;
 use spindle_bearing::monitor::self_check::{ImageCheck, KnownAnswer, Seal};
@@ -20,7 +20,7 @@ const CYCLES: u32 = 5000;
 /// The checks, and what they have come to.
 pub struct SelfCheck {
     image: Option<ImageCheck>,
-    answer: KnownAnswer<Precision, BALLS>,
+    answer: KnownAnswer<Precision, ROWS, BALLS>,
     /// Checksum that the answer is to have.
     expected: Option<u32>,
     /// Cycles that the longest step of that solve took at the start, and a quarter more.
@@ -51,7 +51,7 @@ impl SelfCheck {
         };
         let mut checks = Self {
             image,
-            answer: KnownAnswer::new(&BEARING, IDLE[0]),
+            answer: KnownAnswer::new(spindle(&BEARING), IDLE[0]),
             expected,
             answer_cycles: 0,
             stack: Stack::default(),

@@ -6,14 +6,14 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 29_763,
-        start: 28_267,
-        iteration: 19_280,
+        fixed: 25_706,
+        start: 25_728,
+        iteration: 21_187,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 37_266,
-        start: 43_839,
-        iteration: 43_269,
+        fixed: 27_170,
+        start: 42_891,
+        iteration: 44_855,
     };
 }

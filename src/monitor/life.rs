@@ -184,6 +184,11 @@ impl LifeRating {
 
     /// `1 / L10` under these inner and outer contact forces (N), per million revolutions.
     pub fn damage(&self, forces: impl Iterator<Item = (f32, f32)>) -> f32 {
+        damage_of_weight(self.weight_of(forces))
+    }
+
+    /// [`LifeRating::weight`] of these forces.
+    pub(super) fn weight_of(&self, forces: impl Iterator<Item = (f32, f32)>) -> f32 {
         let (mut inner, mut outer, mut balls) = (0.0_f32, 0.0_f32, 0.0_f32);
         for (q_i, q_o) in forces {
             let (i, o) = (0.0_f32.at_least(q_i), 0.0_f32.at_least(q_o));
@@ -191,12 +196,12 @@ impl LifeRating {
             outer += o * o * o * Real::cbrt(o);
             balls += 1.0;
         }
-        self.damage_of_sums(1.0, inner, outer, balls)
+        self.weight(1.0, inner, outer, balls)
     }
 
-    /// The same of so many `balls`, from the sum of the cubes of the inner contact forces, and from that of the outer ones to
-    /// 10/3, forces in a `unit` (N).
-    pub fn damage_of_sums(&self, unit: f32, inner: f32, outer: f32, balls: f32) -> f32 {
+    /// `(1 / L10)^(10/9)` of so many `balls`, per million revolutions: what adds up over the rows of a spindle. From the sum
+    /// of the cubes of the inner contact forces, and from that of the outer ones to 10/3, forces in a `unit` (N).
+    pub fn weight(&self, unit: f32, inner: f32, outer: f32, balls: f32) -> f32 {
         if !(balls > 0.0) {
             return 0.0;
         }
@@ -206,8 +211,16 @@ impl LifeRating {
         let outer = o * o * o * Real::cbrt(o) * (outer * per_ball);
         // (mean of cubes)^(10/9).
         let inner = inner * Real::cbrt(Real::cbrt(inner));
-        let sum = inner + outer;
-        if sum > 0.0 { libm::powf(sum, 0.9) } else { 0.0 }
+        inner + outer
+    }
+}
+
+/// `1 / L10`, per million revolutions, of the sum of [`LifeRating::weight`] over all rows.
+pub fn damage_of_weight(weight: f32) -> f32 {
+    if weight > 0.0 {
+        libm::powf(weight, 0.9)
+    } else {
+        0.0
     }
 }
 

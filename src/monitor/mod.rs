@@ -25,7 +25,7 @@
 //!     speed::{Edges, PulseSpeed, SpeedSettings, SpeedSource},
 //!     tick::{CycleCounter, Watchdog, Widened},
 //! };
-//! use spindle_bearing::Bearing;
+//! use spindle_bearing::{Bearing, Spindle};
 //! use spindle_bearing::{Design, FreeContact, Material};
 //!
 //! const DESIGN: Design = Design {
@@ -68,7 +68,7 @@
 //! # struct Iwdg; impl Watchdog for Iwdg { fn feed(&mut self) {} }
 //! # let (mut board, mut dwt, mut iwdg) = (Board { us: 0 }, Dwt, Iwdg);
 //!
-//! let mut monitor: Monitor<16> = Monitor::new(&BEARING, &SETTINGS);
+//! let mut monitor: Monitor<1, 16> = Monitor::new(Spindle::single(&BEARING), &SETTINGS);
 //! // From nothing, a solve takes more iterations than a tick has: once, before ticks begin.
 //! monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).expect("the preload has an equilibrium");
 //! let mut loads = FramedLoads::new();
@@ -111,7 +111,7 @@
 //! # Left out on purpose
 //!
 //! Filters before the solver (an analogue one belongs before the converter), the spectrum of vibrations,
-//! lubrication, and more than one bearing.
+//! and lubrication.
 
 mod availability;
 pub mod baseline;
@@ -140,17 +140,18 @@ pub use life::Life;
 pub use marks::{Mark, Marks};
 pub use plausibility::{GoodSample, Readings};
 pub use retained::{Identity, Past, Store};
-pub use settings::{MonitorSettings, SettingsError};
+pub use settings::{MonitorSettings, RowSettings, SettingsError};
 
 use crate::estimate::strongest_coupling;
 use crate::float::Real;
 use crate::limits::{Extreme, Limits};
-use crate::{Bearing, Full, Motion, Solution};
+use crate::{Full, Motion, Spindle, SpindleSolution};
 use availability::Availability;
 use command::{AnswerCode, Desk};
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
 use learning::Learning;
+use life::damage_of_weight;
 use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{
@@ -180,7 +181,7 @@ pub struct Outcome {
 
 /// The last good equilibrium: what a report of it is made of.
 #[derive(Debug, Clone, Copy)]
-struct Estimate<const N: usize> {
+struct Estimate<const R: usize, const N: usize> {
     time_us: u64,
     tick: u64,
     load: [f32; 5],
@@ -195,10 +196,10 @@ struct Estimate<const N: usize> {
     limits: u8,
     /// Force and sine and cosine of the contact angle, of every ball's inner and outer contact: angles are worked
     /// out where they are reported.
-    balls: [[[f32; 3]; 2]; N],
+    balls: [[[[f32; 3]; 2]; N]; R],
 }
 
-impl<const N: usize> Estimate<N> {
+impl<const R: usize, const N: usize> Estimate<R, N> {
     /// To be written over.
     const NONE: Self = Self {
         time_us: 0,
@@ -212,7 +213,7 @@ impl<const N: usize> Estimate<N> {
         iterations: 0,
         error: [0.0; 3],
         limits: 0,
-        balls: [[[0.0; 3]; 2]; N],
+        balls: [[[[0.0; 3]; 2]; N]; R],
     };
 
     fn report(&self, age: u32, marks: Marks, status: StatusCode) -> EstimateReport {
@@ -257,10 +258,12 @@ const _: () = assert!(BALLS_PER_TICK <= BALLS_PER_FRAME);
 
 /// All balls at one time, on their way into the outbox.
 #[derive(Debug, Clone, Copy)]
-struct Picture<const N: usize> {
+struct Picture<const R: usize, const N: usize> {
     time_us: u64,
-    /// As an [`Estimate`] has them, and how many of them are reported.
-    balls: [[[f32; 3]; 2]; N],
+    /// As an [`Estimate`] has them.
+    balls: [[[[f32; 3]; 2]; N]; R],
+    /// The row that is on its way, and how many of its balls are reported.
+    row: usize,
     reported: usize,
 }
 
@@ -302,27 +305,29 @@ impl Every {
     }
 }
 
-/// The monitor of one spindle bearing of `N` balls.
+/// The monitor of a spindle with `R` rows of at most `N` balls; `D` is that of the [`Spindle`].
 ///
 /// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. The solver works
 /// in `T`; what is measured and reported is in single precision.
 #[derive(Debug)]
 pub struct Monitor<
+    const R: usize,
     const N: usize,
     M: Motion + Copy = Full,
     const FRAMES: usize = 12,
     T: Real + 'static = f32,
+    const D: usize = 5,
 > {
-    settings: &'static MonitorSettings,
-    tracker: Tracker<T, N, M>,
+    settings: &'static MonitorSettings<R>,
+    tracker: Tracker<T, R, N, M, D>,
     plausibility: Plausibility,
     ticker: Ticker,
     judgement: Judgement,
     life: Life,
     availability: Availability,
     outbox: Outbox<FRAMES>,
-    estimate: Option<Estimate<N>>,
-    picture: Option<Picture<N>>,
+    estimate: Option<Estimate<R, N>>,
+    picture: Option<Picture<R, N>>,
     /// How the last solve ended.
     status: StatusCode,
     /// The last solve gave no estimate.
@@ -355,9 +360,14 @@ pub struct Monitor<
     due_start: Every,
 }
 
-impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, M, FRAMES, T> {
+impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real, const D: usize>
+    Monitor<R, N, M, FRAMES, T, D>
+{
     /// A monitor at its beginning: no estimate, no alarm, a new bearing, no baseline.
-    pub fn new(bearing: &'static Bearing<T, N>, settings: &'static MonitorSettings) -> Self {
+    pub fn new(
+        spindle: Spindle<'static, T, R, N, D>,
+        settings: &'static MonitorSettings<R>,
+    ) -> Self {
         let now = Every { next_us: 0 };
         // Apart, so that no tick has to report everything at once.
         let part = |of: u32| Every {
@@ -365,7 +375,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         };
         Self {
             settings,
-            tracker: Tracker::new(bearing, &settings.plausibility),
+            tracker: Tracker::new(spindle, &settings.plausibility),
             plausibility: Plausibility::new(&settings.plausibility),
             ticker: Ticker::new(&settings.tick),
             judgement: Judgement::new(Baseline::EMPTY),
@@ -626,7 +636,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
 
     /// Age of the estimate at a tick.
     fn age(&self, tick: u64) -> Option<u32> {
-        let age = |e: &Estimate<N>| tick.saturating_sub(e.tick).min(u32::MAX.into()) as u32;
+        let age = |e: &Estimate<R, N>| tick.saturating_sub(e.tick).min(u32::MAX.into()) as u32;
         self.estimate.as_ref().map(age)
     }
 
@@ -737,6 +747,7 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
             self.picture = Some(Picture {
                 time_us,
                 balls: estimate.balls,
+                row: 0,
                 reported: 0,
             });
         }
@@ -748,16 +759,27 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
         let Some(picture) = &mut self.picture else {
             return;
         };
-        let rest = picture.balls.iter().skip(picture.reported);
+        let (Some(row), Some(balls)) = (
+            self.settings.rows.get(picture.row),
+            picture.balls.get(picture.row),
+        ) else {
+            self.picture = None;
+            return;
+        };
+        let count = usize::from(row.balls);
+        let rest = balls.iter().take(count).skip(picture.reported);
         let report = BallsReport {
             first: picture.reported as u16,
-            count: N as u16,
-            first_azimuth: self.settings.first_azimuth,
+            count: row.balls,
+            first_azimuth: row.first_azimuth,
             balls: rest.take(BALLS_PER_TICK).map(ball_report).collect(),
         };
         self.outbox.post(picture.time_us, Payload::Balls(report));
         picture.reported += BALLS_PER_TICK;
-        if picture.reported >= N {
+        if picture.reported >= count {
+            (picture.row, picture.reported) = (picture.row + 1, 0);
+        }
+        if picture.row >= R {
             self.picture = None;
         }
     }
@@ -845,61 +867,93 @@ impl<const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real> Monitor<N, 
 }
 
 /// What an equilibrium costs of the life.
-fn damage<T: Real, const N: usize, M: Motion>(
-    solution: &Solution<'_, T, N, M, 5>,
-    settings: &MonitorSettings,
+fn damage<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
+    solution: &SpindleSolution<'_, T, R, N, M, D>,
+    settings: &MonitorSettings<R>,
 ) -> f32 {
-    let forces = solution.view().contact_forces();
-    settings
-        .rating
-        .damage(forces.map(|(q_i, q_o)| (q_i.to_f32(), q_o.to_f32())))
+    let mut weight = 0.0;
+    for (i, row) in settings.rows.iter().enumerate() {
+        let forces = solution.view(i).contact_forces();
+        let forces = forces.map(|(q_i, q_o)| (q_i.to_f32(), q_o.to_f32()));
+        weight += row.rating.weight_of(forces);
+    }
+    damage_of_weight(weight)
+}
+
+/// The worse of two levels.
+fn worse(a: Level, b: Level) -> Level {
+    if b.value > a.value { b } else { a }
 }
 
 /// Takes an equilibrium into the estimate. How the solve ended, what judgement is to know, and what it costs of the
 /// life.
-fn observe<T: Real, const N: usize, M: Motion>(
-    solution: &Solution<'_, T, N, M, 5>,
+fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
+    solution: &SpindleSolution<'_, T, R, N, M, D>,
     sample: &GoodSample,
     tick: u64,
-    settings: &MonitorSettings,
-    estimate: &mut Estimate<N>,
+    settings: &MonitorSettings<R>,
+    estimate: &mut Estimate<R, N>,
 ) -> (StatusCode, Findings, f32) {
-    let balls = &mut estimate.balls;
-    let mut least = f32::INFINITY;
-    let mut largest = 0.0_f32;
     let limits = Limits {
         peak_pressure: T::from_f32(settings.limits.peak_pressure),
         friction: T::from_f32(settings.limits.friction),
     };
-    let unit = solution.unit_of_force().to_f32();
-    let (mut inner, mut outer) = (0.0_f32, 0.0_f32);
-    let survey = solution.view().survey(&limits, |ball, contacts| {
-        let force = contacts.each_ref().map(|k| k.q.to_f32());
-        let q = unit * force[0];
-        if q < least {
-            least = q;
-        }
-        if q > largest {
-            largest = q;
-        }
-        inner += force[0] * force[0] * force[0];
-        // In units, an outer contact's force is the deformation to 3/2, so that the force to 10/3 is a square.
-        let root = force[1] * contacts[1].delta.to_f32();
-        outer += root * root;
-        if let Some(to) = balls.get_mut(usize::from(ball)) {
-            let [i, o] = contacts.each_ref().map(|k| k.n.map(T::to_f32));
-            *to = [[q, i[0], i[1]], [unit * force[1], o[0], o[1]]];
-        }
-    });
-    let extremes = survey.extremes();
-    let level = |extreme: Option<Extreme<T>>, none: f32| {
-        extreme.map_or(Level::of(none), |extreme| Level {
-            value: extreme.value.to_f32(),
-            ball: Some(extreme.ball),
-        })
+    let mut findings = Findings {
+        pressure: Level::of(0.0),
+        contact_angle: Level::of(f32::NEG_INFINITY),
+        slip: Level::of(0.0),
+        unloaded: Level::of(0.0),
+        load: sample.load,
+        speed: sample.speed,
+        stiffness: [0.0; 5],
     };
-    let (off, off_ball) = extremes.off;
-
+    let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
+    let (mut passed, mut weight) = (0, 0.0);
+    let mut first = 0;
+    for (i, (row, balls)) in settings.rows.iter().zip(&mut estimate.balls).enumerate() {
+        let view = solution.view(i);
+        let unit = view.c.force.to_f32();
+        let (mut inner, mut outer) = (0.0_f32, 0.0_f32);
+        let survey = view.survey(&limits, |ball, contacts| {
+            let force = contacts.each_ref().map(|k| k.q.to_f32());
+            let q = unit * force[0];
+            if q < least {
+                least = q;
+            }
+            if q > largest {
+                largest = q;
+            }
+            inner += force[0] * force[0] * force[0];
+            // In units, an outer contact's force is the deformation to 3/2, so that the force to 10/3 is a square.
+            let root = force[1] * contacts[1].delta.to_f32();
+            outer += root * root;
+            if let Some(to) = balls.get_mut(usize::from(ball)) {
+                let [i, o] = contacts.each_ref().map(|k| k.n.map(T::to_f32));
+                *to = [[q, i[0], i[1]], [unit * force[1], o[0], o[1]]];
+            }
+        });
+        let extremes = survey.extremes();
+        let level = |extreme: Option<Extreme<T>>, before: Level| {
+            extreme.map_or(before, |extreme| {
+                let value = extreme.value.to_f32();
+                let ball = Some(first + extreme.ball);
+                worse(before, Level { value, ball })
+            })
+        };
+        findings.pressure = level(extremes.pressure, findings.pressure);
+        findings.contact_angle = level(extremes.shoulder, findings.contact_angle);
+        findings.slip = level(extremes.friction, findings.slip);
+        let (off, ball) = extremes.off;
+        if off > 0 {
+            findings.unloaded.value += f32::from(off);
+            let other = ball.map(|ball| first + ball);
+            findings.unloaded.ball = findings.unloaded.ball.or(other);
+        }
+        passed |= survey.limits(&extremes).bits();
+        let count = view.balls.len() as u16;
+        weight += row.rating.weight(unit, inner, outer, count.into());
+        first += count;
+    }
     estimate.time_us = sample.time_us;
     estimate.tick = tick;
     estimate.load = sample.load;
@@ -914,19 +968,8 @@ fn observe<T: Real, const N: usize, M: Motion>(
         solution.error.force.to_f32(),
         solution.error.stiffness.to_f32(),
     ];
-    estimate.limits = survey.limits(&extremes).bits();
-    let damage = settings.rating.damage_of_sums(unit, inner, outer, N as f32);
-    let findings = Findings {
-        pressure: level(extremes.pressure, 0.0),
-        contact_angle: level(extremes.shoulder, f32::NEG_INFINITY),
-        slip: level(extremes.friction, 0.0),
-        unloaded: Level {
-            value: off.into(),
-            ball: off_ball,
-        },
-        load: sample.load,
-        speed: sample.speed,
-        stiffness: diagonal(&estimate.stiffness),
-    };
-    (StatusCode::from(&solution.status), findings, damage)
+    estimate.limits = passed;
+    findings.stiffness = diagonal(&estimate.stiffness);
+    let code = StatusCode::from(&solution.status);
+    (code, findings, damage_of_weight(weight))
 }

@@ -7,7 +7,7 @@
 use crate::float::Real;
 use crate::framing::CHECKSUM;
 use crate::limits::Limits;
-use crate::{Bearing, Full, Motion, Settings, Solution, Solver, Speed, Status};
+use crate::{Full, Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status};
 use crc::Digest;
 
 /// A checksum of many pieces: CRC-32 (ISO-HDLC), as frames have it.
@@ -114,11 +114,17 @@ impl ImageCheck {
     }
 }
 
-/// Two solves on the monitored bearing, from nothing and from the first one's answer, at fixed loads and speeds. Their
+/// Two solves of the monitored spindle, from nothing and from the first one's answer, at fixed loads and speeds. Their
 /// answers have the same bits on every machine.
 #[derive(Debug)]
-pub struct KnownAnswer<T: Real + 'static, const N: usize, M: Motion + Copy = Full> {
-    solver: Solver<'static, T, N, M>,
+pub struct KnownAnswer<
+    T: Real + 'static,
+    const R: usize,
+    const N: usize,
+    M: Motion + Copy = Full,
+    const D: usize = 5,
+> {
+    solver: SpindleSolver<'static, T, R, N, M, D>,
     preload: f32,
     /// Solves that have ended, and steps of the one that has not.
     solves: u8,
@@ -135,11 +141,13 @@ const SOLVES: [([f32; 5], f32); 2] = [
 /// Steps of a solve that ends, by far: from nothing, some ten.
 const MOST_STEPS: u16 = 50;
 
-impl<T: Real, const N: usize, M: Motion + Copy> KnownAnswer<T, N, M> {
-    /// On this bearing, under a preload (N) that it carries in normal use.
-    pub fn new(bearing: &'static Bearing<T, N>, preload: f32) -> Self {
+impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
+    KnownAnswer<T, R, N, M, D>
+{
+    /// Of this spindle, under an axial load (N) that it carries in normal use.
+    pub fn new(spindle: Spindle<'static, T, R, N, D>, preload: f32) -> Self {
         Self {
-            solver: Solver::of(bearing),
+            solver: SpindleSolver::of(spindle),
             preload,
             solves: 0,
             steps: 0,
@@ -187,22 +195,27 @@ fn add_number<T: Real>(sum: &mut Checksum, number: T) {
 }
 
 /// Takes what a monitor uses of an answer.
-fn add<T: Real, const N: usize, M: Motion>(sum: &mut Checksum, of: &Solution<'_, T, N, M, 5>) {
+fn add<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
+    sum: &mut Checksum,
+    of: &SpindleSolution<'_, T, R, N, M, D>,
+) {
     let stiffness = of.stiffness();
     for x in of.displacement.iter().chain(stiffness.iter().flatten()) {
         add_number(sum, *x);
     }
     let limits = Limits::default();
-    let survey = of.view().survey(&limits, |_, contacts| {
-        for contact in contacts {
-            let [sin, cos] = contact.n;
-            for x in [contact.q, sin, cos] {
-                add_number(sum, x);
+    for i in 0..R {
+        let survey = of.view(i).survey(&limits, |_, contacts| {
+            for contact in contacts {
+                let [sin, cos] = contact.n;
+                for x in [contact.q, sin, cos] {
+                    add_number(sum, x);
+                }
             }
-        }
-    });
-    let extremes = survey.extremes();
-    sum.add(&[survey.limits(&extremes).bits()]);
+        });
+        let extremes = survey.extremes();
+        sum.add(&[survey.limits(&extremes).bits()]);
+    }
 }
 
 #[cfg(test)]

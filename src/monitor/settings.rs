@@ -23,7 +23,31 @@ pub struct TelemetrySettings {
     pub standing_us: u32,
 }
 
-/// Everything that makes a monitor that of one spindle.
+/// What the monitor has to know of a row besides what its solver knows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RowSettings {
+    /// Number of its balls.
+    pub balls: u16,
+    /// Azimuth of the first ball, rad.
+    pub first_azimuth: f32,
+    /// The contacts' dynamic load ratings.
+    pub rating: LifeRating,
+}
+
+impl RowSettings {
+    /// A bearing of `balls` balls, with the load rating of [`LifeRating::basic_dynamic_load_rating`].
+    pub const fn new(design: &Design, balls: usize) -> Self {
+        let dynamic = LifeRating::basic_dynamic_load_rating(design, balls);
+        Self {
+            balls: balls as u16,
+            first_azimuth: design.first_ball as f32,
+            rating: LifeRating::new(design, balls, dynamic),
+        }
+    }
+}
+
+/// Everything that makes a monitor that of one spindle with `R` rows of balls.
 ///
 /// ```
 /// use spindle_bearing::monitor::settings::MonitorSettings;
@@ -44,11 +68,9 @@ pub struct TelemetrySettings {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct MonitorSettings {
-    /// Azimuth of the first ball, rad.
-    pub first_azimuth: f32,
-    /// The contacts' dynamic load ratings.
-    pub rating: LifeRating,
+pub struct MonitorSettings<const R: usize = 1> {
+    /// What the rows are, in their order.
+    pub rows: [RowSettings; R],
     /// Rate and deadline.
     pub tick: TickSettings,
     /// Largest estimated error of the stiffness that counts as solved, relative.
@@ -106,15 +128,14 @@ const fn threshold(raise: f32, clear: f32, hold_ms: u32) -> Threshold {
     }
 }
 
-impl MonitorSettings {
-    /// A start for a bearing of `balls` balls on a machine tool's spindle: sampled at 1 kHz and solved at
+impl<const R: usize> MonitorSettings<R> {
+    /// A start for bearings of `balls` balls, all of one design, on a machine tool's spindle: sampled at 1 kHz and solved at
     /// every tick on a Cortex-M4F at 168 MHz, thresholds on the safe side. Ranges and rates of loads are
     /// wide; narrow them to what your spindle does.
     pub const fn new(design: &Design, balls: usize) -> Self {
         let dynamic = LifeRating::basic_dynamic_load_rating(design, balls);
         Self {
-            first_azimuth: design.first_ball as f32,
-            rating: LifeRating::new(design, balls, dynamic),
+            rows: [RowSettings::new(design, balls); R],
             tick: TickSettings {
                 period_us: 1000,
                 solve_every: 1,
@@ -196,18 +217,27 @@ impl MonitorSettings {
     /// The first field that is not, and what it must be.
     pub const fn check(&self) -> Result<(), SettingsError> {
         let t = &self.tick;
-        demand!(self.first_azimuth.is_finite(), "first_azimuth", "a number");
-        let rating = &self.rating;
-        demand!(
-            positive(rating.inner) && rating.inner.is_finite(),
-            "rating.inner",
-            "positive and finite"
-        );
-        demand!(
-            positive(rating.outer) && rating.outer.is_finite(),
-            "rating.outer",
-            "positive and finite"
-        );
+        let mut i = 0;
+        while i < R {
+            let row = &self.rows[i];
+            demand!(
+                row.first_azimuth.is_finite(),
+                "rows.first_azimuth",
+                "a number"
+            );
+            let rating = &row.rating;
+            demand!(
+                positive(rating.inner) && rating.inner.is_finite(),
+                "rows.rating.inner",
+                "positive and finite"
+            );
+            demand!(
+                positive(rating.outer) && rating.outer.is_finite(),
+                "rows.rating.outer",
+                "positive and finite"
+            );
+            i += 1;
+        }
         demand!(
             t.period_us > 0 && t.period_us <= 1_000_000,
             "tick.period_us",
@@ -349,7 +379,7 @@ mod tests {
 
     #[test]
     fn a_setting_that_is_out_of_order_is_named() {
-        let good = MonitorSettings::new(&DESIGN, 16);
+        let good = MonitorSettings::<1>::new(&DESIGN, 16);
         assert_eq!(good.check(), Ok(()));
         type Spoil = fn(&mut MonitorSettings);
         let spoils: [(Spoil, &str); 9] = [
@@ -376,7 +406,10 @@ mod tests {
                 |s| s.judgement.trend.least_spans = 33,
                 "judgement.trend.least_spans",
             ),
-            (|s| s.rating.outer = f32::INFINITY, "rating.outer"),
+            (
+                |s| s.rows[0].rating.outer = f32::INFINITY,
+                "rows.rating.outer",
+            ),
             (|s| s.telemetry.health_us = 0, "telemetry"),
         ];
         for (spoil, field) in spoils {

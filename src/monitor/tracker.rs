@@ -17,12 +17,13 @@ use super::settings::MonitorSettings;
 use super::telemetry::StatusCode;
 use crate::float::Real;
 use crate::status::Status;
-use crate::{Bearing, Motion, Settings, Solution, Solver, Speed};
+use crate::{Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver};
 
 /// A solver, and where it stands.
 #[derive(Debug, Clone, Copy)]
-struct Follower<T: Real + 'static, const N: usize, M: Motion + Copy> {
-    solver: Solver<'static, T, N, M>,
+struct Follower<T: Real + 'static, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
+{
+    solver: SpindleSolver<'static, T, R, N, M, D>,
     /// Loads and speed of its last solve; none if it has no solution to go on from.
     at: Option<([f32; 5], f32)>,
     /// Solves since it was the nearer one.
@@ -34,8 +35,14 @@ struct Follower<T: Real + 'static, const N: usize, M: Motion + Copy> {
 /// Teeth that pass take the loads to and fro in a tick or two, which is farther than a tick's iterations reach.
 /// Each end has a solver.
 #[derive(Debug)]
-pub(super) struct Tracker<T: Real + 'static, const N: usize, M: Motion + Copy> {
-    followers: [Follower<T, N, M>; 2],
+pub(super) struct Tracker<
+    T: Real + 'static,
+    const R: usize,
+    const N: usize,
+    M: Motion + Copy,
+    const D: usize,
+> {
+    followers: [Follower<T, R, N, M, D>; 2],
     scale: Scale,
     /// Solves in a row without an answer.
     failed: u16,
@@ -85,10 +92,15 @@ impl Scale {
     }
 }
 
-impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
-    pub(super) fn new(bearing: &'static Bearing<T, N>, settings: &PlausibilitySettings) -> Self {
+impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
+    Tracker<T, R, N, M, D>
+{
+    pub(super) fn new(
+        spindle: Spindle<'static, T, R, N, D>,
+        settings: &PlausibilitySettings,
+    ) -> Self {
         let follower = Follower {
-            solver: Solver::of(bearing),
+            solver: SpindleSolver::of(spindle),
             at: None,
             idle: 0,
         };
@@ -108,28 +120,28 @@ impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
     }
 
     /// A solve from nothing, without a pause before it.
-    pub(super) fn prepare<R>(
+    pub(super) fn prepare<Seen>(
         &mut self,
         load: [f32; 5],
         speed: f32,
-        settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
-    ) -> Result<R, StatusCode> {
+        settings: &MonitorSettings<R>,
+        see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
+    ) -> Result<Seen, StatusCode> {
         self.pause = 0;
         self.start(load, speed, settings, see)
     }
 
     /// What `see` sees of the equilibrium under these loads, or how the solve ended without it.
-    pub(super) fn solve<R>(
+    pub(super) fn solve<Seen>(
         &mut self,
         load: [f32; 5],
         speed: f32,
-        settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
-    ) -> Result<R, StatusCode> {
+        settings: &MonitorSettings<R>,
+        see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
+    ) -> Result<Seen, StatusCode> {
         let [first, second] = &mut self.followers;
         let scale = &self.scale;
-        let far = |follower: &Follower<T, N, M>| {
+        let far = |follower: &Follower<T, R, N, M, D>| {
             let at = follower.at.as_ref();
             at.map_or(f32::INFINITY, |at| scale.distance(at, &load, speed))
         };
@@ -164,13 +176,13 @@ impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
     }
 
     /// The same from nothing, unless it is to pause.
-    fn start<R>(
+    fn start<Seen>(
         &mut self,
         load: [f32; 5],
         speed: f32,
-        settings: &MonitorSettings,
-        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
-    ) -> Result<R, StatusCode> {
+        settings: &MonitorSettings<R>,
+        see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
+    ) -> Result<Seen, StatusCode> {
         self.iterations = 0;
         if self.pause > 0 {
             self.pause -= 1;
@@ -193,16 +205,18 @@ impl<T: Real, const N: usize, M: Motion + Copy> Tracker<T, N, M> {
     }
 }
 
-impl<T: Real, const N: usize, M: Motion + Copy> Follower<T, N, M> {
+impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
+    Follower<T, R, N, M, D>
+{
     /// A solve of at most `limit` iterations, and how many it took.
-    fn solve<R>(
+    fn solve<Seen>(
         &mut self,
         load: [f32; 5],
         speed: f32,
-        settings: &MonitorSettings,
+        settings: &MonitorSettings<R>,
         limit: u16,
-        see: impl FnOnce(&Solution<'_, T, N, M, 5>) -> R,
-    ) -> (Result<R, Status<T>>, u16) {
+        see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
+    ) -> (Result<Seen, Status<T>>, u16) {
         let effort = Settings {
             max_iterations: limit,
             tolerance: T::from_f32(settings.tolerance),

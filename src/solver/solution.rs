@@ -162,12 +162,6 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         self.view().extremes()
     }
 
-    /// Unit of force of the contacts, N.
-    #[cfg(feature = "monitor")]
-    pub(crate) fn unit_of_force(&self) -> T {
-        self.solver.bearing.constants.force
-    }
-
     /// A copy that borrows nothing.
     pub fn snapshot(&self) -> Snapshot<T, N, D> {
         let bearing = self.solver.bearing;

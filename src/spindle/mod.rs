@@ -238,6 +238,19 @@ pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5> {
     held: T,
 }
 
+impl<'b, T: Real, const N: usize> Spindle<'b, T, 1, N, 5> {
+    /// A single bearing at `x = 0`, pressed by a load in `+x`: what a [`Solver`](crate::Solver) solves, with the same bits.
+    pub fn single(bearing: &'b Bearing<T, N>) -> Self {
+        let row = Mounted::new(bearing, T::ZERO, Facing::PlusX);
+        let group = Group {
+            balls: row.constants.balls,
+            facing: row.facing,
+            opposed: false,
+        };
+        Self::seated([row], group, None, T::ZERO)
+    }
+}
+
 impl<'b, T: Real, const N: usize> Spindle<'b, T, 2, N, 5> {
     /// Two equal bearings, the first at `x = 0`, the second at this distance (m) in `+x`.
     ///
@@ -298,7 +311,6 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         let Some(first) = rows.first() else {
             return Err(SpindleError::NoRow);
         };
-        let unit = first.constants;
         // Positions and closures first: they are compared below.
         for (number, row) in rows.iter().enumerate() {
             let spring = (D == 6).then_some(spring);
@@ -306,7 +318,17 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
         arrangement.check(&rows)?;
         let (fixed, sliding) = Group::both(&rows, D == 6)?;
+        Ok(Self::seated(rows, fixed, sliding, spring))
+    }
 
+    /// Rows that hold the shaft, seated.
+    fn seated(
+        rows: [Mounted<'b, T, N>; R],
+        fixed: Group<T>,
+        sliding: Option<Group<T>>,
+        spring: T,
+    ) -> Self {
+        let unit = rows[0].constants;
         let rp = unit.radius();
         let (mut centre, mut plane, mut count) = (T::ZERO, T::ZERO, T::ZERO);
         for row in &rows {
@@ -335,7 +357,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             weight += c.balls * (seat.force * seat.inertia);
             held += seat.force * c.balls * force_at(c, closure).at_least(T::ZERO);
         }
-        Ok(Self {
+        Self {
             rows,
             seats,
             fixed,
@@ -345,7 +367,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             plane: plane / rp,
             weight,
             held,
-        })
+        }
     }
 
     /// Closure `e` of each clamped row (m), the given one or that of the preload force; 0 for a row that slides.

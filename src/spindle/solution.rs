@@ -181,21 +181,29 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         rows.into_iter()
     }
 
+    /// The balls of a row.
+    #[inline(always)]
+    pub(crate) fn view(&self, i: usize) -> View<'_, T, M::Ball<T>, M::Rule> {
+        let solver = self.solver;
+        let row = &solver.spindle.rows[i];
+        let balls = solver.balls[i].get(..row.azimuths.len());
+        View {
+            c: row.constants,
+            p: &self.points[i],
+            azimuths: row.azimuths,
+            balls: balls.unwrap_or_default(),
+            v: solver.spindle.seats[i].offset(&solver.bases[i], &solver.state.v),
+            speed: self.speed,
+            rule: PhantomData,
+        }
+    }
+
     /// A row, its preload left out.
     fn row(&self, i: usize) -> RowSolution<'_, T, M> {
         let (spindle, state) = (&self.solver.spindle, &self.solver.state);
         let (row, seat) = (&spindle.rows[i], &spindle.seats[i]);
         let c = row.constants;
-        let balls = &self.solver.balls[i];
-        let view = View {
-            c,
-            p: &self.points[i],
-            azimuths: row.azimuths,
-            balls: balls.get(..row.azimuths.len()).unwrap_or_default(),
-            v: seat.offset(&self.solver.bases[i], &state.v),
-            speed: self.speed,
-            rule: PhantomData::<M::Rule>,
-        };
+        let view = self.view(i);
         let mut sum = Sum::NONE;
         sum_up(view.balls, view.azimuths, &mut sum);
         // What the tangent says of the force after the last step.

@@ -5,7 +5,7 @@
 
 use crate::loads::LoadRow;
 use monitor_settings::{IDLE, MONITOR};
-use monitored::{BALLS, BEARING};
+use monitored::{BALLS, BEARING, ROWS, spindle};
 use spindle_bearing::monitor::Marks;
 use spindle_bearing::monitor::loads::LoadSample;
 use spindle_bearing::monitor::tick::{CycleCost, NoCycles, NoWatchdog};
@@ -25,7 +25,7 @@ const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
 
 /// The bytes that the monitor sends while it samples a recording in every tick, in a straight line between two rows.
 pub fn stream(rows: &[LoadRow]) -> Vec<u8> {
-    let mut monitor: Monitor<BALLS> = Monitor::new(&BEARING, &MONITOR);
+    let mut monitor: Monitor<ROWS, BALLS> = Monitor::new(spindle(&BEARING), &MONITOR);
     // A start without a solution is one that the first ticks make up for.
     let _ = monitor.prepare(IDLE, 0.0);
     let mut bytes = Vec::new();

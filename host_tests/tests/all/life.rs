@@ -17,7 +17,7 @@ fn truth(solver: &mut Solver<'_, f32, 16>, load: [f32; 5]) -> f64 {
         .solve(load, Speed::rad_per_s(SPEED), &effort)
         .unwrap_or_else(|status| panic!("{load:?}: {status}"));
     let forces: Vec<_> = solution.balls().map(|ball| (ball.q_i, ball.q_o)).collect();
-    1e-6 * f64::from(SETTINGS.rating.damage(forces.into_iter()))
+    1e-6 * f64::from(SETTINGS.rows[0].rating.damage(forces.into_iter()))
 }
 
 /// Life counted in so many ticks over the truth, and the part of it that was estimated.

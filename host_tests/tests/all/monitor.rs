@@ -20,7 +20,7 @@ use spindle_bearing::monitor::telemetry::{BallReport, FrameReader, Payload};
 use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
 use spindle_bearing::monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Outcome, Readings};
 use spindle_bearing::record::{self, LoadRecord};
-use spindle_bearing::{Bearing, Settings, Solver, Speed};
+use spindle_bearing::{Bearing, Settings, Solver, Speed, Spindle};
 use spindle_bearing::{Design, FreeContact, Material};
 use std::convert::Infallible;
 
@@ -91,7 +91,7 @@ impl Watchdog for Dog {
 
 /// A monitor, and a host at the end of its link that knows what must arrive.
 pub(super) struct Rig {
-    pub(super) monitor: Monitor<16>,
+    pub(super) monitor: Monitor<1, 16>,
     counter: Counter,
     dog: Dog,
     pub(super) time_us: u64,
@@ -118,7 +118,7 @@ pub(super) struct Rig {
 
 impl Rig {
     pub(super) fn new(settings: &'static MonitorSettings) -> Self {
-        let mut monitor = Monitor::new(&BEARING, settings);
+        let mut monitor = Monitor::new(Spindle::single(&BEARING), settings);
         monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).unwrap();
         Self {
             monitor,
@@ -587,7 +587,7 @@ fn loads_without_an_equilibrium_are_refused_with_a_mark_and_cost_nothing_later()
 #[test]
 fn without_a_prepared_start_the_first_tick_solves_from_nothing() {
     let mut rig = Rig::new(&TIGHT);
-    rig.monitor = Monitor::new(&BEARING, &TIGHT);
+    rig.monitor = Monitor::new(Spindle::single(&BEARING), &TIGHT);
     assert!(rig.tick(&bad(Ok(None))).marks.contains(Mark::NoEstimate));
     assert!(rig.stiffness.is_empty());
     let outcome = rig.good(IDLE, SPEED);
@@ -1482,7 +1482,7 @@ fn a_day_passes_without_drift_or_overflow() {
         * 0.01
         / std::f64::consts::TAU;
 
-    let mut monitor: Monitor<16> = Monitor::new(&BEARING, &DAY);
+    let mut monitor: Monitor<1, 16> = Monitor::new(Spindle::single(&BEARING), &DAY);
     monitor.outbox().number_from(u32::MAX - 100);
     let (mut counter, mut dog) = (Counter::default(), Dog::default());
     let mut reader = FrameReader::new();
@@ -1557,6 +1557,6 @@ fn a_day_passes_without_drift_or_overflow() {
 /// Memory is what the type has: there is no other.
 #[test]
 fn a_monitor_is_of_a_fixed_size() {
-    const SIZE: usize = size_of::<Monitor<16>>();
+    const SIZE: usize = size_of::<Monitor<1, 16>>();
     assert!((8_000..16_384).contains(&SIZE), "{SIZE}");
 }

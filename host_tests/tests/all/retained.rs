@@ -5,7 +5,6 @@ use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 use proptest::prelude::*;
-use spindle_bearing::Bearing;
 use spindle_bearing::framing;
 use spindle_bearing::monitor::baseline::{BANDS, Baseline, BaselineSettings};
 use spindle_bearing::monitor::board::ResetCause;
@@ -19,7 +18,7 @@ use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::telemetry::{FrameReader, Payload, Recovery, RetentionReport};
 use spindle_bearing::monitor::tick::{NoCycles, NoWatchdog};
 use spindle_bearing::monitor::{Judgement, Life, Marks, Monitor, Readings};
-use spindle_bearing::{Design, FreeContact, Material};
+use spindle_bearing::{Bearing, Design, FreeContact, Material, Spindle};
 use std::collections::BTreeSet;
 
 const DESIGN: Design = Design {
@@ -45,7 +44,7 @@ static SETTINGS: MonitorSettings = {
 };
 /// Worked out by the compiler, as a firmware has it.
 const IDENTITY: Identity = Identity::new(&DESIGN, 16, &BOUNDS);
-const BOUNDS: BaselineSettings = MonitorSettings::new(&DESIGN, 16).judgement.baseline;
+const BOUNDS: BaselineSettings = MonitorSettings::<1>::new(&DESIGN, 16).judgement.baseline;
 
 /// A flash of two sectors, units of `UNIT` bytes. `ECC`: a unit that is written only in part, or twice, cannot be
 /// read until it is erased.
@@ -1386,9 +1385,10 @@ fn readings(time_us: u64) -> Readings {
 fn a_monitor_goes_on_after_a_power_cycle_with_the_same_judgement() {
     let (store, past) = Store::open(WideWords::new(2), IDENTITY, ResetCause::PowerOn);
     let mut store = store;
-    let mut monitor: Monitor<16> = Monitor::new(&BEARING, &SETTINGS).with_past(&past);
+    let mut monitor: Monitor<1, 16> =
+        Monitor::new(Spindle::single(&BEARING), &SETTINGS).with_past(&past);
     monitor.prepare(IDLE, 0.0).unwrap();
-    let tick = |monitor: &mut Monitor<16>, store: &mut Store<_>, time_us: u64| {
+    let tick = |monitor: &mut Monitor<1, 16>, store: &mut Store<_>, time_us: u64| {
         let outcome = monitor.tick(time_us, &readings(time_us), &mut NoCycles, &mut NoWatchdog);
         monitor.retain(time_us, store);
         // One unit a tick, as between the ticks of a board.
@@ -1415,7 +1415,8 @@ fn a_monitor_goes_on_after_a_power_cycle_with_the_same_judgement() {
 
     let (mut store, past) = Store::open(store.into_flash(), IDENTITY, ResetCause::PowerOn);
     assert_eq!(past.baseline, baseline);
-    let mut other: Monitor<16> = Monitor::new(&BEARING, &SETTINGS).with_past(&past);
+    let mut other: Monitor<1, 16> =
+        Monitor::new(Spindle::single(&BEARING), &SETTINGS).with_past(&past);
     assert_eq!(other.life().kept(), past.life);
     assert!(past.life.1 > 0 && past.life <= monitor.life().kept());
     let bounds = &SETTINGS.judgement.baseline;
@@ -1426,12 +1427,12 @@ fn a_monitor_goes_on_after_a_power_cycle_with_the_same_judgement() {
         assert_eq!(ratio(&baseline).map(f32::to_bits), after);
     }
     // The very life that was kept, and from there on as the one that was not switched off.
-    let lived = |monitor: &Monitor<16>, from: (u128, u128)| {
+    let lived = |monitor: &Monitor<1, 16>, from: (u128, u128)| {
         let now = monitor.life().kept();
         (now.0 - from.0, now.1 - from.1)
     };
     other.prepare(IDLE, 0.0).unwrap();
-    let mut without: Monitor<16> = Monitor::new(&BEARING, &SETTINGS);
+    let mut without: Monitor<1, 16> = Monitor::new(Spindle::single(&BEARING), &SETTINGS);
     without.prepare(IDLE, 0.0).unwrap();
     let mut losses = 0;
     for ms in 0..3000 {
@@ -1475,7 +1476,8 @@ fn a_monitor_tells_of_its_start_and_of_the_alarms_before_it() {
     board.raise(Alarm::Overload);
     board.stand(1);
     let (_, past) = Store::open(board.off(), IDENTITY, ResetCause::Watchdog);
-    let mut monitor: Monitor<16> = Monitor::new(&BEARING, &SETTINGS).with_past(&past);
+    let mut monitor: Monitor<1, 16> =
+        Monitor::new(Spindle::single(&BEARING), &SETTINGS).with_past(&past);
     monitor.prepare(IDLE, 0.0).unwrap();
     let mut reader = FrameReader::new();
     let (mut starts, mut states) = (Vec::new(), Vec::new());
@@ -1509,7 +1511,7 @@ fn a_monitor_tells_of_its_start_and_of_the_alarms_before_it() {
 
 #[test]
 fn without_a_memory_the_monitor_says_so() {
-    let monitor: Monitor<16> = Monitor::new(&BEARING, &SETTINGS);
+    let monitor: Monitor<1, 16> = Monitor::new(Spindle::single(&BEARING), &SETTINGS);
     assert_eq!(monitor.health().retention, RetentionReport::NO_MEMORY);
     let (mut store, past) = Store::open(Words::new(0), IDENTITY, ResetCause::PowerOn);
     assert_eq!(past.alarms, Recovery::NoMemory);

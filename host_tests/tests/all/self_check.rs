@@ -6,7 +6,7 @@ use spindle_bearing::{Bearing, Real};
 type Precision = f32;
 #[path = "../../../examples/monitored.rs"]
 mod monitored;
-use monitored::{BALLS, BEARING, DESIGN};
+use monitored::{BALLS, BEARING, DESIGN, ROWS, spindle};
 
 /// The bearing of the other board.
 static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&DESIGN);
@@ -15,7 +15,9 @@ static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&DESIGN);
 const PRELOAD: f32 = 420.0;
 
 /// The answer's checksum, and the steps to it.
-fn answer<T: Real, const N: usize>(known: &mut KnownAnswer<T, N>) -> (u32, usize) {
+fn answer<T: Real, const R: usize, const N: usize>(
+    known: &mut KnownAnswer<T, R, N>,
+) -> (u32, usize) {
     let mut steps = 1;
     loop {
         match known.step() {
@@ -27,7 +29,7 @@ fn answer<T: Real, const N: usize>(known: &mut KnownAnswer<T, N>) -> (u32, usize
 
 #[test]
 fn a_known_answer_is_the_same_every_time_and_another_one_for_another_load() {
-    fn holds<T: Real, const N: usize>(known: impl Fn(f32) -> KnownAnswer<T, N>) {
+    fn holds<T: Real>(known: impl Fn(f32) -> KnownAnswer<T, ROWS, BALLS>) {
         let mut first = known(PRELOAD);
         let (sum, steps) = answer(&mut first);
         // Two solves of an iteration each at least, neither of which fails.
@@ -39,14 +41,14 @@ fn a_known_answer_is_the_same_every_time_and_another_one_for_another_load() {
         let (other, _) = answer(&mut known(PRELOAD.next_up()));
         assert_ne!(other, sum);
     }
-    holds(|preload| KnownAnswer::<f32, _>::new(&BEARING, preload));
-    holds(|preload| KnownAnswer::<f64, _>::new(&DOUBLE, preload));
+    holds(|preload| KnownAnswer::<f32, _, _>::new(spindle(&BEARING), preload));
+    holds(|preload| KnownAnswer::<f64, _, _>::new(spindle(&DOUBLE), preload));
 }
 
 #[test]
 fn a_solve_that_has_no_answer_has_a_checksum_too() {
     for preload in [0.0, f32::NAN, f32::INFINITY, f32::MAX, -1e-30] {
-        let known = || KnownAnswer::<f32, _>::new(&BEARING, preload);
+        let known = || KnownAnswer::<f32, _, _>::new(spindle(&BEARING), preload);
         let (sum, steps) = answer(&mut known());
         assert!(steps <= 101, "{preload}: {steps}");
         assert_eq!(answer(&mut known()), (sum, steps));

@@ -21,7 +21,7 @@ mod spindle {
 }
 
 use spindle::monitor_settings::IDLE;
-use spindle::monitored::{BALLS, BEARING, DESIGN};
+use spindle::monitored::{self, BALLS, BEARING, DESIGN};
 
 /// Its bearing in the precision of the STM32H743.
 static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&DESIGN);
@@ -90,8 +90,8 @@ impl<'e> Image<'e> {
 }
 
 /// The checksum of the answer that is known.
-fn answer<T: Real, const N: usize>(bearing: &'static Bearing<T, N>) -> u32 {
-    let mut known = KnownAnswer::<T, N>::new(bearing, IDLE[0]);
+fn answer<T: Real>(bearing: &'static Bearing<T, BALLS>) -> u32 {
+    let mut known = KnownAnswer::<T, _, _>::new(monitored::spindle(bearing), IDLE[0]);
     loop {
         if let Some(sum) = known.step() {
             return sum;

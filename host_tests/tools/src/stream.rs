@@ -38,10 +38,10 @@ pub struct Tick {
 /// # Errors
 ///
 /// `board` failed.
-pub fn ticks(
+pub fn ticks<const R: usize>(
     records: &[LoadRecord],
     spoiler: &mut Spoiler,
-    settings: &MonitorSettings,
+    settings: &MonitorSettings<R>,
     mut board: impl FnMut(&Tick) -> Result<Vec<u8>>,
 ) -> Result<Vec<Tick>> {
     let period = settings.tick.period_us;

@@ -41,7 +41,8 @@ mod bare {
         the_solver_can_panic()
     }
 
-    static SETTINGS: MonitorSettings = MonitorSettings::new(&monitored::DESIGN, monitored::BALLS);
+    static SETTINGS: MonitorSettings<{ monitored::ROWS }> =
+        MonitorSettings::new(&monitored::DESIGN, monitored::BALLS);
     const _: () = assert!(SETTINGS.check().is_ok());
 
     /// Pins, bus, cycles and watchdog that the compiler knows nothing of.
@@ -126,8 +127,8 @@ mod bare {
         let identity = Identity::new(&monitored::DESIGN, monitored::BALLS, bands);
         let (mut store, past) =
             Store::open(Unknown, black_box(identity), black_box(ResetCause::Pin));
-        let mut monitor: Monitor<{ monitored::BALLS }> =
-            Monitor::new(&monitored::BEARING, &SETTINGS).with_past(&past);
+        let mut monitor: Monitor<{ monitored::ROWS }, { monitored::BALLS }> =
+            Monitor::new(monitored::spindle(&monitored::BEARING), &SETTINGS).with_past(&past);
         let _ = monitor.prepare(black_box([420.0; 5]), black_box(0.0));
         let mut frames = FramedLoads::new();
         let calibration: Calibration<6> = black_box(Calibration {

@@ -34,7 +34,7 @@ const OUTPUT: usize = 8192;
 /// Where the constants are.
 const CONSTANTS: &str = "src/monitor/cost.rs";
 /// The functions whose cycles are the solve's: the first calls the second, if it is called.
-const SOLVE: [&str; 2] = ["Solver::solve", "Solver::solve_at"];
+const SOLVE: [&str; 2] = ["SpindleSolver::solve", "SpindleSolver::solve_at"];
 
 /// The host's own build of what is measured.
 #[path = "."]
