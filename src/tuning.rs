@@ -39,6 +39,13 @@ pub const ANCHOR: f64 = 1.0;
 /// changes: 0.3 % at 5,000 rpm, 2 % at 20,000 rpm (B7005C), and more under light loads.
 /// Tuned: halved, the stiffness is off by 2.4e-5 in place of 1e-5 at 99 % of reversed loads.
 pub const CORRECTED: f64 = 0.2;
+/// Unbalanced part of the load, over the tolerance, from which on a step is known to change the stiffness by more than that:
+/// no need to work it out, which costs 5,000 cycles on a pair.
+/// Tuned: at 30, rounding that ends a solve is taken for its end too early; at 200, up to 1,300 cycles an iteration.
+pub const FAR: f64 = 100.0;
+/// The same above a tolerance of 1.5e-4, where no rounding ends a solve, as an unbalanced part of the load.
+/// Tuned: trebled, as many iterations, each of 1,300 cycles more.
+pub const FAR_AT_MOST: f64 = 0.015;
 /// What a converged step may leave of the balls' forces, over the tolerance of the stiffness: forces are good to 1e-6
 /// where the stiffness is to 2e-5. Follows from what is promised.
 pub const FORCE: f64 = 0.05;

@@ -208,7 +208,8 @@ impl<T: Real, const D: usize> State<T, D> {
         outcome
     }
 
-    /// Whether the last solve ended so near that the next one may start there.
+    /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
+    /// any load.
     fn is_near<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>) -> bool {
         let half = T::of(0.5);
         let (s, balls) = (rows.inertia(), rows.weight());
@@ -223,7 +224,7 @@ impl<T: Real, const D: usize> State<T, D> {
             self.size
         };
         self.size > T::ZERO
-            && norm(&change) <= smaller
+            && (rows.fixed().opposed || norm(&change) <= smaller)
             && (s - self.s).abs() * balls <= half * (self.s * balls + self.size)
             && (s > T::ZERO) == (self.s > T::ZERO)
     }

@@ -34,6 +34,17 @@ impl<T: Real, const D: usize> Task<T, D> {
         self.held.iter().all(Option::is_none)
     }
 
+    /// Unbalanced part of the load from which on a step is not the last one: it changes the stiffness by more than the
+    /// tolerance.
+    fn far(&self) -> T {
+        let far = T::of(tuning::FAR) * self.tolerance;
+        if self.tolerance < T::of(0.5 * tuning::ROUGH) {
+            far.at_most(T::of(tuning::FAR_AT_MOST))
+        } else {
+            far
+        }
+    }
+
     /// The same for a start, which a solve from there refines.
     pub fn rough(&self) -> Self {
         Self {
@@ -372,7 +383,7 @@ impl<T: Real, const D: usize> State<T, D> {
             let planar = plane_of(plane, &du);
             let before = outcome.estimate.k;
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
-            let far = outcome.residual > T::of(100.0) * task.tolerance;
+            let far = outcome.residual > task.far();
             if !far {
                 outcome.estimate = Estimate::of(&rows.changes(&planar), &self.sum.k);
             }
