@@ -1,7 +1,7 @@
 //! The monitor's chain, from the bytes of the port to those of the telemetry, without any hardware: the
 //! same on every board, and on the host, which holds the emulated board against it.
 //!
-//! Two kinds of frames come in over one port: load records, and now and then a [`Command`].
+//! Two kinds of frames come in over one port: load records, and now and then a [`Command`], such as temperatures.
 
 use super::Precision;
 use super::monitor_settings::{IDLE, KEY, MONITOR};
@@ -43,6 +43,7 @@ impl Sensors for FramedLoads {
         Readings {
             loads: self.sample(time_us),
             speed: None,
+            temperatures: None,
         }
     }
 
@@ -56,6 +57,8 @@ pub struct Chain<S = FramedLoads> {
     monitor: Monitor<ROWS, BALLS, Full, FRAMES, Precision>,
     sensors: S,
     port: PortReader,
+    /// The newest temperatures of the port, until they are taken.
+    temperatures: Option<[f32; 2]>,
     time_us: u64,
 }
 
@@ -75,12 +78,16 @@ impl Chain {
 impl<S: Sensors> Chain<S> {
     /// At the beginning, with what was kept over a power cycle.
     pub fn with(sensors: S, past: &Past) -> Self {
+        let Ok(spindle) = spindle(&BEARING) else {
+            unreachable!("the same rows are built by the host's tests");
+        };
         Self {
-            monitor: Monitor::new(spindle(&BEARING), &MONITOR)
+            monitor: Monitor::new(spindle, &MONITOR)
                 .with_past(past)
                 .with_key(KEY),
             sensors,
             port: PortReader::new(),
+            temperatures: None,
             time_us: 0,
         }
     }
@@ -101,6 +108,7 @@ impl<S: Sensors> Chain<S> {
             Ok(Received::Command(Command::Ask(request))) => {
                 self.monitor.ask(self.time_us, &request);
             }
+            Ok(Received::Command(Command::Temperatures(read))) => self.temperatures = Some(read),
             Ok(Received::Record(record)) => self.sensors.take(Ok(record)),
             Err(error) => self.sensors.take(Err(error)),
         }
@@ -121,7 +129,8 @@ impl<S: Sensors> Chain<S> {
         watchdog: &mut impl Watchdog,
     ) -> Outcome {
         self.time_us = time_us;
-        let readings = self.sensors.readings(time_us);
+        let mut readings = self.sensors.readings(time_us);
+        readings.temperatures = self.temperatures.take().or(readings.temperatures);
         self.monitor.note_records(self.sensors.counts());
         self.monitor.tick(time_us, &readings, counter, watchdog)
     }

@@ -1,21 +1,80 @@
 //! The monitor's settings on this spindle: one place for the firmware and for the host program that checks
 //! it. Whoever includes it says how fast the core is.
 
-use super::monitored::{BALLS, DESIGN, ROWS};
+use super::monitored::{BALLS, DESIGN, FACINGS, POSITIONS, PRELOAD, ROWS};
 use super::{CORE_HZ, COST};
-use spindle_bearing::monitor::Identity;
 use spindle_bearing::monitor::command::{self, Key};
 use spindle_bearing::monitor::loads::Calibration;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::speed::SpeedSettings;
+use spindle_bearing::monitor::{Identity, TemperatureSettings};
+use spindle_bearing::{Expansion, Facing};
 
-/// Loads of the idling spindle (N, N m), to start from: the preload.
-pub const IDLE: [f32; 5] = [420.0, 0.0, 0.0, 0.0, 0.0];
+/// Loads of the idling spindle (N, N m), to start from: none on a pair, the springs' preload on a single bearing.
+pub const IDLE: [f32; 5] = match ROWS {
+    1 => [PRELOAD as f32, 0.0, 0.0, 0.0, 0.0],
+    _ => [0.0; 5],
+};
+
+/// Radius of the hollow shaft's bore, m.
+const BORE: f64 = 0.005;
+/// Of rings and balls.
+const EXPANSION: Expansion = Expansion::STEEL;
 
 /// Rate, doubts, alarms and telemetry. What is particular to this spindle is set here.
 pub static MONITOR: MonitorSettings<ROWS> = {
     let mut settings = MonitorSettings::new(&DESIGN, BALLS);
-    // Of this spindle's main bearing, in normal use.
+    if ROWS == 1 {
+        of_a_bearing(&mut settings);
+    } else {
+        of_a_pair(&mut settings);
+    }
+    if BRIDGES {
+        // A tachometer's speed is measured, and is never quite the same for ten seconds.
+        settings.plausibility.speed_stuck_after = 10_000;
+    }
+    // All of a tick's time.
+    settings.tick.deadline_cycles = CORE_HZ / 1_000_000 * settings.tick.period_us;
+    settings.tick.cost = COST[ROWS - 1];
+    // Half a thousandth is far below any threshold, and what one or two iterations mostly reach in a cut.
+    settings.tolerance = 5e-4;
+    settings
+};
+/// Loads at the nose, and what heat and speed make of the rows.
+const fn of_a_pair(settings: &mut MonitorSettings<ROWS>) {
+    let middle = 0.5 * (POSITIONS[0] + POSITIONS[ROWS - 1]);
+    let mut row = 0;
+    while row < ROWS {
+        let ahead = POSITIONS[row] - middle;
+        let reach = match FACINGS[row] {
+            Facing::PlusX => ahead,
+            Facing::MinusX => -ahead,
+        };
+        settings.rows[row] = settings.rows[row]
+            .with_heat(&DESIGN, &EXPANSION, reach)
+            .with_rotation(&DESIGN, BORE);
+        row += 1;
+    }
+    settings.temperatures = Some(TemperatureSettings::SPINDLE);
+    settings.judgement.preload = PRELOAD as f32;
+    // In normal use. A cutter 50 mm in front of the nose makes moments.
+    settings.plausibility.load = [
+        [-1700.0, 1700.0],
+        [-1700.0, 1700.0],
+        [-1700.0, 1700.0],
+        [-85.0, 85.0],
+        [-85.0, 85.0],
+    ];
+    // A tooth of 550 N that is there from one tick to the next, and a fifth more.
+    settings.plausibility.load_rate = [6.6e5, 6.6e5, 6.6e5, 3.3e4, 3.3e4];
+    // What is beyond that range has no estimate, but an alarm.
+    settings.judgement.overload = [1700.0, 1700.0, 1700.0, 85.0, 85.0];
+    settings.judgement.baseline.idle_axial = [-60.0, 60.0];
+    settings.judgement.baseline.idle_moment = 2.0;
+}
+
+/// Loads on the bearing itself.
+const fn of_a_bearing(settings: &mut MonitorSettings<ROWS>) {
     settings.plausibility.load = [
         [-500.0, 3e3],
         [-3e3, 3e3],
@@ -25,19 +84,9 @@ pub static MONITOR: MonitorSettings<ROWS> = {
     ];
     // A tooth of 1,000 N that is there from one tick to the next, and a fifth more.
     settings.plausibility.load_rate = [1.2e6, 1.2e6, 1.2e6, 2e4, 2e4];
-    // What is beyond that range has no estimate, but an alarm.
     settings.judgement.overload = [3e3, 3e3, 3e3, 60.0, 60.0];
-    if BRIDGES {
-        // A tachometer's speed is measured, and is never quite the same for ten seconds.
-        settings.plausibility.speed_stuck_after = 10_000;
-    }
-    // All of a tick's time.
-    settings.tick.deadline_cycles = CORE_HZ / 1_000_000 * settings.tick.period_us;
-    settings.tick.cost = COST;
-    // Half a thousandth is far below any threshold, and what one or two iterations mostly reach in a cut.
-    settings.tolerance = 5e-4;
-    settings
-};
+}
+
 const _: () = match MONITOR.check() {
     Ok(()) => {}
     Err(error) => panic!("{}", error.field),
@@ -45,7 +94,14 @@ const _: () = match MONITOR.check() {
 
 /// Whose baseline and life are kept over a power cycle: another bearing, or other bands, do not take them.
 #[allow(dead_code, reason = "the boards'")]
-pub const IDENTITY: Identity = Identity::new(&DESIGN, BALLS, &MONITOR.judgement.baseline);
+pub const IDENTITY: Identity = {
+    let first = Identity::new(&DESIGN, BALLS, &MONITOR.judgement.baseline);
+    if ROWS == 1 {
+        first
+    } else {
+        first.mounted(&POSITIONS, &FACINGS, PRELOAD)
+    }
+};
 
 /// The key that orders of an operator are authenticated by; none, unless `SPINDLE_KEY` is in the environment of the
 /// build, as 32 hexadecimal digits. `cargo telemetry` takes it from its own environment.

@@ -3,10 +3,21 @@
 
 use super::Precision;
 use core::f64::consts::PI;
-use spindle_bearing::{Bearing, Design, FreeContact, Material, Real, Spindle};
+use spindle_bearing::{
+    Arrangement, Bearing, Design, Facing, FreeContact, Material, Mounted, Preload, Real, Spindle,
+    SpindleError,
+};
 
-/// Rows of balls.
-pub const ROWS: usize = 1;
+/// Rows of balls: two bearings back to back, or a single one. Set it here, or build with `SPINDLE_ROWS=1` in the
+/// environment.
+pub const ROWS: usize = match option_env!("SPINDLE_ROWS") {
+    None => 2,
+    Some(rows) => match rows.as_bytes() {
+        b"1" => 1,
+        b"2" => 2,
+        _ => panic!("SPINDLE_ROWS is 1 or 2"),
+    },
+};
 
 /// Balls of a row.
 pub const BALLS: usize = 16;
@@ -28,7 +39,43 @@ pub const DESIGN: Design = Design {
 /// Its constants, worked out by the compiler.
 pub static BEARING: Bearing<Precision, BALLS> = Bearing::<Precision, BALLS>::checked(&DESIGN);
 
+/// Positions of the rows on the shaft, m: the nose is at 0. A single bearing is at 0, where its loads act.
+pub const POSITIONS: [f64; ROWS] = if ROWS == 1 {
+    [0.0; ROWS]
+} else {
+    let mut positions = [0.03; ROWS];
+    positions[ROWS - 1] = 0.13;
+    positions
+};
+
+/// How they face: those of the pair back to back.
+pub const FACINGS: [Facing; ROWS] = {
+    let mut facings = [Facing::PlusX; ROWS];
+    if ROWS > 1 {
+        facings[ROWS - 1] = Facing::MinusX;
+    }
+    facings
+};
+
+/// Preload, N: of the pair by its spacers; of a single bearing by springs, as a part of its measured load.
+pub const PRELOAD: f64 = if ROWS == 1 { 420.0 } else { 250.0 };
+
 /// The bearings on their shaft.
-pub fn spindle<T: Real>(bearing: &'static Bearing<T, BALLS>) -> Spindle<'static, T, ROWS, BALLS> {
-    Spindle::single(bearing)
+///
+/// # Errors
+///
+/// Rows that are not arranged as they are said to be.
+#[allow(dead_code, reason = "not of those who want the bearing alone")]
+pub fn spindle<T: Real>(
+    bearing: &'static Bearing<T, BALLS>,
+) -> Result<Spindle<'static, T, ROWS, BALLS>, SpindleError<T>> {
+    let (arrangement, preload) = match ROWS {
+        1 => (Arrangement::ByRows, Preload::Closure(T::ZERO)),
+        _ => (Arrangement::BackToBack, Preload::Force(T::of(PRELOAD))),
+    };
+    let mounted = |i| {
+        let position = T::of(POSITIONS[i]);
+        Mounted::new(bearing, position, FACINGS[i]).with(preload)
+    };
+    Spindle::new(arrangement, core::array::from_fn(mounted))
 }

@@ -127,6 +127,29 @@ impl Growth<f64> {
         }
     }
 
+    /// By the length of shaft and housing, inner and outer side this much warmer (K), of expansion `expansion` (1/K).
+    ///
+    /// `gx = a reach (Ti - To)`. `reach` (m) is how far the row is from some point of the set, in the direction that it
+    /// faces: the same point for all rows, such as the middle. Rows back to back have a negative one, and lose preload when
+    /// the shaft is the warmer side.
+    pub const fn by_length(expansion: f64, reach: f64, [inner, outer]: [f64; 2]) -> Self {
+        Self {
+            axial: expansion * reach * (inner - outer),
+            radial: 0.0,
+            ball: 0.0,
+        }
+    }
+
+    /// This and another growth together: the sum, for the compiler.
+    #[must_use]
+    pub const fn with(self, other: Self) -> Self {
+        Self {
+            axial: self.axial + other.axial,
+            radial: self.radial + other.radial,
+            ball: self.ball + other.ball,
+        }
+    }
+
     /// By rotation at `omega` (rad/s) of the inner ring on a hollow shaft of the same material, whose bore has this
     /// radius (m).
     ///

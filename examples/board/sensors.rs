@@ -213,6 +213,7 @@ impl Sensors for Measured {
         Readings {
             loads,
             speed: Some(speed.ok().map(|speed| speed.omega)),
+            temperatures: None,
         }
     }
 }

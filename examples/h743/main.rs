@@ -24,9 +24,9 @@ use spindle_bearing::monitor::tick::CycleCost;
 
 /// What the solver works in: this core has a unit for double precision.
 type Precision = f64;
-/// The core's frequency, and what a tick costs there.
+/// The core's frequency, and what a tick costs there: of a single bearing, and of a pair.
 const CORE_HZ: u32 = 400_000_000;
-const COST: CycleCost = CycleCost::CORTEX_M7;
+const COST: [CycleCost; 2] = [CycleCost::CORTEX_M7_SINGLE, CycleCost::CORTEX_M7];
 
 #[cortex_m_rt::entry]
 fn main() -> ! {

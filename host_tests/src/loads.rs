@@ -11,7 +11,7 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read, Write};
 
 /// The columns of the file, in the order in which the program that writes them should put them.
 pub const COLUMNS: [&str; 7] = [
@@ -57,6 +57,32 @@ impl LoadRow {
     pub fn omega(&self) -> f64 {
         self.speed_rpm * std::f64::consts::PI / 30.0
     }
+}
+
+/// Writes rows as a file of recorded loads.
+///
+/// # Errors
+///
+/// Those of the output.
+pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
+    let mut columns = COLUMNS.to_vec();
+    if rows.iter().any(|row| row.temperatures.is_some()) {
+        columns.extend(TEMPERATURES);
+    }
+    writeln!(out, "{}", columns.join(","))?;
+    for row in rows {
+        let [fx, fy, fz, my, mz] = row.load;
+        write!(
+            out,
+            "{},{fx},{fy},{fz},{my},{mz},{}",
+            row.time_s, row.speed_rpm
+        )?;
+        if let Some([inner, outer]) = row.temperatures {
+            write!(out, ",{inner},{outer}")?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
 }
 
 /// A file that cannot be read, or a place in it that is not as it must be.

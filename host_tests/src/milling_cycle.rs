@@ -1,4 +1,4 @@
-//! A synthetic recording: what the front bearing of a small milling spindle carries in one cycle.
+//! A synthetic recording of one cycle of a small milling spindle: what its front bearing carries, or what acts at its nose.
 //!
 //! Nothing here was measured. Every tooth presses the shaft with a half-sine of a force that turns with the tooth, with
 //! run-out, uneven material, unbalance, preload that grows with heat, and sensor noise. Levels and timing are made up,
@@ -7,12 +7,41 @@
 //! The same rows come out everywhere: the noise comes from a generator with a fixed seed, and sines
 //! from `libm` rather than from the platform.
 
-use crate::loads::{COLUMNS, LoadRow};
+use crate::loads::LoadRow;
 use std::f64::consts::{PI, TAU};
-use std::io::{self, Write};
 
 /// Where the recording is kept.
 pub const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/milling_cycle.csv");
+
+/// Where that of the loads at the nose is kept.
+pub const NOSE_RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/milling_nose.csv");
+
+/// The recording that a monitor of so many rows is fed with.
+pub const fn record_of(rows: usize) -> &'static str {
+    match rows {
+        1 => RECORD,
+        _ => NOSE_RECORD,
+    }
+}
+
+/// Where loads are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// At the front bearing, which carries them, and the springs' preload.
+    Bearing,
+    /// At the nose of the shaft, 50 mm behind the cutter. The preload of a pair of bearings does not act there.
+    Nose,
+}
+
+/// What acts on the cutter over what that puts onto the front bearing, 180 mm and 80 mm in front of the rear one.
+const AT_CUTTER: f64 = 0.55;
+
+/// Position of the cutter, m, the nose being at 0.
+const CUTTER: f64 = -0.05;
+
+/// Temperatures of the inner and of the outer side, degrees Celsius: at the start of the cycle, and by how much they are
+/// higher for a spindle that has always been at 20,000 rpm.
+const WARM: [[f64; 2]; 2] = [[26.0, 18.0], [24.5, 8.0]];
 
 /// Length of the cycle, ms: a row each.
 const LENGTH_MS: u32 = 20_000;
@@ -235,8 +264,16 @@ const PUSHES: [Push; 4] = [
     },
 ];
 
-/// The recording.
+/// What pushes the shaft at the nose while the tool is changed, `(s, N)`.
+const RELEASE: [(f64, f64); 4] = [(10.95, 0.0), (11.05, 210.0), (11.2, 210.0), (11.3, 0.0)];
+
+/// The recording of the front bearing's loads.
 pub fn milling_cycle() -> Vec<LoadRow> {
+    recorded(Place::Bearing)
+}
+
+/// The recording of one cycle.
+pub fn recorded(place: Place) -> Vec<LoadRow> {
     let mut noise = Noise(0x5EED_0FB7_005C);
     let mut turns = 0.0;
     let mut heat = 0.0;
@@ -265,7 +302,7 @@ pub fn milling_cycle() -> Vec<LoadRow> {
             let angle = TAU * turns.fract();
             let omega = speed * PI / 30.0;
             let unbalance = tool.unbalance * omega * omega;
-            let mut axial = profile(&CLAMPING, time) + 110.0 * heat;
+            let mut axial = 0.0;
             let mut radial = [unbalance * libm::cos(angle), unbalance * libm::sin(angle)];
             for cut in &CUTS {
                 let share = material * presence(cut.time, time);
@@ -283,40 +320,34 @@ pub fn milling_cycle() -> Vec<LoadRow> {
                 radial[0] += force * push.along[1];
                 radial[1] += force * push.along[2];
             }
-            let [fy, fz] = radial.map(|force| force + 1.2 * noise.next());
+            let temperatures = WARM.map(|[start, more]| rounded(start + more * heat, 100.0));
+            let (part, held, arm, askew, temperatures) = match place {
+                Place::Bearing => {
+                    let held = profile(&CLAMPING, time) + 110.0 * heat;
+                    (1.0, held, ARM, MISALIGNMENT, None)
+                }
+                Place::Nose => {
+                    let held = profile(&RELEASE, time);
+                    (AT_CUTTER, held, CUTTER, [0.0; 2], Some(temperatures))
+                }
+            };
+            let axial = held + part * axial;
+            let [fy, fz] = radial.map(|force| part * force + 1.2 * noise.next());
             LoadRow {
                 time_s: time,
                 load: [
                     rounded(axial + 1.5 * noise.next(), 10.0),
                     rounded(fy, 10.0),
                     rounded(fz, 10.0),
-                    rounded(MISALIGNMENT[0] - ARM * fz + 0.008 * noise.next(), 1e3),
-                    rounded(MISALIGNMENT[1] + ARM * fy + 0.008 * noise.next(), 1e3),
+                    rounded(askew[0] - arm * fz + 0.008 * noise.next(), 1e3),
+                    rounded(askew[1] + arm * fy + 0.008 * noise.next(), 1e3),
                 ],
                 // The encoder counts, and so does not see movement where there is none.
                 speed_rpm: rounded(speed * (1.0 + 5e-5 * noise.next()), 1.0),
-                temperatures: None,
+                temperatures,
             }
         })
         .collect()
-}
-
-/// Writes rows as a file of recorded loads.
-///
-/// # Errors
-///
-/// Those of the output.
-pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "{}", COLUMNS.join(","))?;
-    for row in rows {
-        let [fx, fy, fz, my, mz] = row.load;
-        writeln!(
-            out,
-            "{},{fx},{fy},{fz},{my},{mz},{}",
-            row.time_s, row.speed_rpm
-        )?;
-    }
-    Ok(())
 }
 
 impl Cut {

@@ -4,9 +4,8 @@
 //! and more slowly; both cool when the spindle stands. Loads on the shaft are those of a cutter 60 mm in front of the first
 //! row. `records/README.md` tells what happens when.
 
-use crate::loads::{COLUMNS, LoadRow, TEMPERATURES};
+use crate::loads::LoadRow;
 use std::f64::consts::TAU;
-use std::io::{self, Write};
 
 /// Where the recording is kept.
 pub const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/warm_up.csv");
@@ -79,24 +78,4 @@ pub fn warm_up() -> Vec<LoadRow> {
         }
     };
     (0..LENGTH_S).map(row).collect()
-}
-
-/// Writes rows with their temperatures.
-///
-/// # Errors
-///
-/// The output fails.
-pub fn write_csv(rows: &[LoadRow], out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "{},{}", COLUMNS.join(","), TEMPERATURES.join(","))?;
-    for row in rows {
-        let [fx, fy, fz, my, mz] = row.load;
-        let [inner, outer] = row.temperatures.unwrap_or_default();
-        let speed = row.speed_rpm;
-        writeln!(
-            out,
-            "{},{fx},{fy},{fz},{my},{mz},{speed},{inner},{outer}",
-            row.time_s
-        )?;
-    }
-    Ok(())
 }

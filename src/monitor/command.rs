@@ -35,7 +35,7 @@ use serde::{Deserialize, Serialize};
 use siphasher::sip::SipHasher24;
 
 /// What a host says besides loads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
     /// In lock-step only, as `cargo emulate` has it: a tick, in which the telemetry's link takes so many
@@ -43,6 +43,8 @@ pub enum Command {
     Tick(u16),
     /// An operator wants something.
     Ask(Request),
+    /// Temperatures of the inner and of the outer side, degrees Celsius; no number from a sensor that fails.
+    Temperatures([f32; 2]),
 }
 
 /// What an operator wants.

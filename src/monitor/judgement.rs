@@ -11,10 +11,12 @@
 //!   speed ([`Baseline`]): what is left to change the stiffness there is preload, wear and heat. The baseline is
 //!   learnt on the good spindle: the mean diagonal of the stiffness in every band. The loss is that of the
 //!   element that has lost most, over the baseline.
-//! - **Trend.** Preload goes slowly. Means of the idling stiffness over the baseline, one for each span of
+//! - **Trend.** Stiffness goes slowly. Means of the idling stiffness over the baseline, one for each span of
 //!   time, are kept ([`Trend`]); the least-squares line through them tells the loss to be expected some time
 //!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit, and so
-//!   raises [`Alarm::PreloadLoss`] before [`Alarm::StiffnessLoss`] comes.
+//!   raises [`Alarm::StiffnessTrend`] before [`Alarm::StiffnessLoss`] comes.
+//! - **Preload.** Rows that face each other hold each other with a preload, which heat and speed change. The solve knows it
+//!   row by row. What is left of it, and what it has grown to, are held against the preload of the mounted spindle.
 
 use super::baseline::{Baseline, BaselineSettings};
 use super::learning::{Learning, LearningReport};
@@ -36,17 +38,23 @@ pub enum Alarm {
     Slip,
     /// Balls off the inner race: their number.
     UnloadedBalls,
+    /// Preload that has grown: that of the row with most of it, over the mounted one.
+    PreloadGrowth,
+    /// Preload that is lost: that of the row with least of it, part of 1 of the mounted one.
+    PreloadLoss,
     /// Loads as they are measured, doubted or not, over what the spindle may carry: the largest of five parts of 1.
     Overload,
     /// Stiffness lost against the baseline: part of 1, of the element that has lost most.
     StiffnessLoss,
     /// Stiffness that sinks slowly: the loss to be expected at the end of the time that the trend is
     /// looked ahead, part of 1.
-    PreloadLoss,
+    StiffnessTrend,
     /// Rating life used up, part of 1.
     LifeUsed,
     /// Samples have been doubted for a time: seconds since the last good one.
     Sensor,
+    /// A temperature has not been measured for a time: seconds since the last good one.
+    Temperature,
     /// The estimate is old: seconds since the sample it belongs to.
     StaleEstimate,
     /// The monitor is blind: ticks of a second without a fresh estimate, part of 1.
@@ -57,7 +65,7 @@ pub enum Alarm {
 
 impl Alarm {
     /// How many there are.
-    pub const COUNT: usize = 12;
+    pub const COUNT: usize = 15;
 
     /// All alarms, the most serious first.
     pub const ALL: [Self; Self::COUNT] = [
@@ -65,11 +73,14 @@ impl Alarm {
         Self::ContactAngle,
         Self::Slip,
         Self::UnloadedBalls,
+        Self::PreloadGrowth,
+        Self::PreloadLoss,
         Self::Overload,
         Self::StiffnessLoss,
-        Self::PreloadLoss,
+        Self::StiffnessTrend,
         Self::LifeUsed,
         Self::Sensor,
+        Self::Temperature,
         Self::StaleEstimate,
         Self::Availability,
         Self::Deadline,
@@ -84,7 +95,10 @@ impl Alarm {
             Self::UnloadedBalls => "unloaded-balls",
             Self::Overload => "overload",
             Self::StiffnessLoss => "stiffness-loss",
+            Self::PreloadGrowth => "preload-growth",
             Self::PreloadLoss => "preload-loss",
+            Self::StiffnessTrend => "stiffness-trend",
+            Self::Temperature => "temperature",
             Self::LifeUsed => "life-used",
             Self::Sensor => "sensor",
             Self::StaleEstimate => "stale-estimate",
@@ -100,13 +114,15 @@ impl Alarm {
             Self::ContactAngle => "rad",
             Self::Slip
             | Self::UnloadedBalls
+            | Self::PreloadGrowth
+            | Self::PreloadLoss
             | Self::Overload
             | Self::StiffnessLoss
-            | Self::PreloadLoss
+            | Self::StiffnessTrend
             | Self::LifeUsed
             | Self::Availability
             | Self::Deadline => "",
-            Self::Sensor | Self::StaleEstimate => "s",
+            Self::Sensor | Self::Temperature | Self::StaleEstimate => "s",
         }
     }
 }
@@ -188,7 +204,6 @@ impl Level {
     }
 }
 
-/// What happened to an alarm.
 /// What happened to an alarm, for which a report is sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -457,6 +472,8 @@ pub struct JudgementSettings {
     pub thresholds: [Threshold; Alarm::COUNT],
     /// Largest amount of each load that the spindle may carry, N, N m.
     pub overload: [f32; 5],
+    /// Preload of the mounted spindle, cold and at rest, N; 0 for none that would be watched.
+    pub preload: f32,
     /// The baseline.
     pub baseline: BaselineSettings,
     /// The trend.
@@ -482,6 +499,8 @@ pub struct Findings {
     pub slip: Level,
     /// Balls off the inner race.
     pub unloaded: Level,
+    /// Smallest and largest preload of a row, N; none of rows that do not hold each other.
+    pub preload: Option<[f32; 2]>,
     /// Loads, N, N m.
     pub load: [f32; 5],
     /// Speed, rad/s.
@@ -663,6 +682,17 @@ impl Judgement {
         ] {
             self.level(time_us, alarm, level, settings, changes);
         }
+        if let Some([least, largest]) = findings.preload
+            && settings.preload > 0.0
+        {
+            let mounted = 1.0 / settings.preload;
+            for (alarm, value) in [
+                (Alarm::PreloadGrowth, largest * mounted),
+                (Alarm::PreloadLoss, 1.0 - least * mounted),
+            ] {
+                self.level(time_us, alarm, Level::of(value), settings, changes);
+            }
+        }
         let Findings {
             load,
             speed,
@@ -684,7 +714,7 @@ impl Judgement {
         let mean = ratio.iter().sum::<f32>() / ratio.len() as f32;
         if let Some(expected) = self.trend.add(time_us, mean, &settings.trend) {
             let level = Level::of(expected);
-            self.level(time_us, Alarm::PreloadLoss, level, settings, changes);
+            self.level(time_us, Alarm::StiffnessTrend, level, settings, changes);
         }
     }
 
@@ -901,6 +931,7 @@ mod tests {
         let settings = JudgementSettings {
             thresholds: [limit(0.1, 0); Alarm::COUNT],
             overload: [1.0; 5],
+            preload: 0.0,
             baseline: BASELINE,
             trend: TREND,
         };
@@ -917,6 +948,7 @@ mod tests {
                 contact_angle: quiet,
                 slip: quiet,
                 unloaded: quiet,
+                preload: None,
                 load: IDLE,
                 speed: 250.0,
                 stiffness: [k; 5],
@@ -926,7 +958,7 @@ mod tests {
             raised.extend(changes.iter().map(|c| (c.alarm, i)));
         }
         let (first, second) = (raised[0], raised[1]);
-        assert_eq!(first.0, Alarm::PreloadLoss);
+        assert_eq!(first.0, Alarm::StiffnessTrend);
         assert_eq!(second.0, Alarm::StiffnessLoss);
         // 10 % are lost after 100 s.
         assert!(

@@ -5,7 +5,7 @@
 //! | step | module | gives |
 //! | --- | --- | --- |
 //! | acquisition | [`loads`], [`speed`] | five loads and a speed, or why there are none |
-//! | plausibility | [`plausibility`] | a good sample, or the [`marks`] of what is doubted |
+//! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of what is doubted |
 //! | tick | [`tick`], `tracker`, [`Monitor`] | an equilibrium within the deadline |
 //! | judgement | [`judgement`], [`baseline`], [`learning`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
@@ -84,6 +84,7 @@
 //!     let readings = Readings {
 //!         loads: loads.sample(time_us),
 //!         speed: Some(tachometer.speed(now).ok().map(|speed| speed.omega)),
+//!         temperatures: None,
 //!     };
 //!     let outcome = monitor.tick(time_us, &readings, &mut dwt, &mut iwdg);
 //!     for change in &outcome.changes {
@@ -129,6 +130,7 @@ pub mod self_check;
 pub mod settings;
 pub mod speed;
 pub mod telemetry;
+pub mod temperature;
 pub mod tick;
 mod tracker;
 
@@ -140,12 +142,15 @@ pub use life::Life;
 pub use marks::{Mark, Marks};
 pub use plausibility::{GoodSample, Readings};
 pub use retained::{Identity, Past, Store};
-pub use settings::{MonitorSettings, RowSettings, SettingsError};
+pub use settings::{MonitorSettings, RowSettings, SettingsError, ShaftSettings};
+pub use temperature::{TemperatureSettings, TemperatureSource};
 
 use crate::estimate::strongest_coupling;
 use crate::float::Real;
-use crate::limits::{Extreme, Limits};
-use crate::{Full, Motion, Spindle, SpindleSolution};
+use crate::growth::Growth;
+use crate::limits::{Extreme, Limit, Limits};
+use crate::spindle::{inverse, preloads};
+use crate::{Facing, Full, Motion, Spindle, SpindleSolution};
 use availability::Availability;
 use command::{AnswerCode, Desk};
 use embedded_storage::nor_flash::NorFlash;
@@ -156,8 +161,10 @@ use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport,
-    InputsReport, Outbox, Payload, RetentionReport, StartReport, StatusCode,
+    InputsReport, Outbox, Payload, ROWS_PER_FRAME, RetentionReport, RowPlace, RowReport,
+    RowsReport, ShaftReport, StartReport, StatusCode,
 };
+use temperature::Temperatures;
 use tick::{CycleCounter, Ticker, Watchdog};
 use tracker::Tracker;
 
@@ -188,12 +195,11 @@ struct Estimate<const R: usize, const N: usize> {
     speed: f32,
     displacement: [f32; 5],
     stiffness: [[f32; 5]; 5],
-    /// Smallest and largest contact force on the inner race, N.
-    least_force: f32,
-    largest_force: f32,
     iterations: u16,
     error: [f32; 3],
     limits: u8,
+    /// Forces and preload of the rows, and the smallest and the largest contact force on their inner races, N.
+    rows: [RowReport; R],
     /// Force and sine and cosine of the contact angle, of every ball's inner and outer contact: angles are worked
     /// out where they are reported.
     balls: [[[[f32; 3]; 2]; N]; R],
@@ -208,17 +214,28 @@ impl<const R: usize, const N: usize> Estimate<R, N> {
         speed: 0.0,
         displacement: [0.0; 5],
         stiffness: [[0.0; 5]; 5],
-        least_force: 0.0,
-        largest_force: 0.0,
         iterations: 0,
         error: [0.0; 3],
         limits: 0,
+        rows: [NO_ROW; R],
         balls: [[[[0.0; 3]; 2]; N]; R],
     };
 
-    fn report(&self, age: u32, marks: Marks, status: StatusCode) -> EstimateReport {
+    fn report(
+        &self,
+        age: u32,
+        marks: Marks,
+        status: StatusCode,
+        flexibility: &[f32; 3],
+    ) -> EstimateReport {
         let k = &self.stiffness;
         let (row, column) = strongest_coupling(k);
+        let compliance = inverse(k);
+        let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
+        for row in &self.rows {
+            least = least.at_most(row.least_force);
+            largest = largest.at_least(row.largest_force);
+        }
         EstimateReport {
             age,
             marks,
@@ -226,11 +243,12 @@ impl<const R: usize, const N: usize> Estimate<R, N> {
             speed: self.speed,
             displacement: self.displacement,
             stiffness: diagonal(k),
+            nose: core::array::from_fn(|i| 1.0 / (compliance[i][i] + flexibility[i])),
             coupling: k[row][column],
             coupling_row: row as u8,
             coupling_column: column as u8,
-            least_force: self.least_force,
-            largest_force: self.largest_force,
+            least_force: least,
+            largest_force: largest,
             status,
             iterations: self.iterations,
             error: self.error,
@@ -238,6 +256,15 @@ impl<const R: usize, const N: usize> Estimate<R, N> {
         }
     }
 }
+
+/// To be written over.
+const NO_ROW: RowReport = RowReport {
+    axial: 0.0,
+    radial: [0.0; 2],
+    preload: 0.0,
+    least_force: f32::INFINITY,
+    largest_force: 0.0,
+};
 
 fn diagonal(k: &[[f32; 5]; 5]) -> [f32; 5] {
     core::array::from_fn(|i| k[i][i])
@@ -250,6 +277,17 @@ enum Wanted {
     Estimate(GoodSample),
     /// What so many times the loads of this sample take of the life.
     Wear(GoodSample, f32),
+}
+
+/// The first of these.
+fn as_many_as_fit<X, const CAP: usize>(items: impl Iterator<Item = X>) -> heapless::Vec<X, CAP> {
+    let mut kept = heapless::Vec::new();
+    for item in items {
+        if kept.push(item).is_err() {
+            break;
+        }
+    }
+    kept
 }
 
 /// Balls that are reported in a tick: their angles cost it as much as their frame does.
@@ -276,6 +314,12 @@ fn ball_report([[q_i, sin_i, cos_i], [q_o, sin_o, cos_o]]: &[[f32; 3]; 2]) -> Ba
         alpha_o: Real::atan2(*sin_o, *cos_o),
     }
 }
+
+/// Growth that is worth telling the solver of, m: a tenth of a newton of preload.
+const GROWTH_STEP: f32 = 5e-9;
+
+/// Ticks in a row that may put reports off.
+const LONGEST_PUT_OFF: u8 = 4;
 
 /// Health reports from one report of the board to the next.
 const BOARD_EVERY: u32 = 10;
@@ -321,6 +365,9 @@ pub struct Monitor<
     settings: &'static MonitorSettings<R>,
     tracker: Tracker<T, R, N, M, D>,
     plausibility: Plausibility,
+    temperatures: Temperatures,
+    /// Growth that the solver knows.
+    growth: [Growth<f32>; R],
     ticker: Ticker,
     judgement: Judgement,
     life: Life,
@@ -351,6 +398,9 @@ pub struct Monitor<
     desk: Desk,
     board: BoardReport,
     start: StartReport,
+    shaft: ShaftReport,
+    /// Ticks in a row that have put reports off.
+    put_off: u8,
     due_estimate: Every,
     due_balls: Every,
     due_health: Every,
@@ -375,8 +425,10 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         };
         Self {
             settings,
-            tracker: Tracker::new(spindle, &settings.plausibility),
+            tracker: Tracker::new(spindle, settings),
             plausibility: Plausibility::new(&settings.plausibility),
+            temperatures: Temperatures::new(settings.temperatures.as_ref()),
+            growth: [Growth::NONE; R],
             ticker: Ticker::new(&settings.tick),
             judgement: Judgement::new(Baseline::EMPTY),
             life: Life::NEW,
@@ -400,6 +452,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             desk: Desk::NEW,
             board: BoardReport::NONE,
             start: Past::NONE.report(),
+            shaft: shaft_report(&spindle, settings),
+            put_off: 0,
             due_estimate: part(1),
             due_balls: part(2),
             due_health: now,
@@ -535,9 +589,12 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     /// How the solve ended without an answer.
     pub fn prepare(&mut self, load: [f32; 5], speed: f32) -> Result<(), StatusCode> {
         let settings = self.settings;
+        let growth = self.growth(speed);
         let damage = self
             .tracker
-            .prepare(load, speed, settings, |solution| damage(solution, settings))?;
+            .prepare(load, speed, &growth, settings, |solution| {
+                damage(solution, settings)
+            })?;
         self.life.measure(settings.plausibility.part(&load));
         self.life.set_damage(damage);
         Ok(())
@@ -565,6 +622,13 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         let (doubts, good) =
             self.plausibility
                 .judge(time_us, readings, &self.settings.plausibility);
+        if let Some(settings) = &self.settings.temperatures {
+            self.temperatures
+                .judge(time_us, readings.temperatures, settings);
+            let level = Level::of(self.temperatures.age(time_us));
+            self.judgement
+                .level(time_us, Alarm::Temperature, level, judging, &mut changes);
+        }
         if let Some(sample) = good {
             self.waiting = Some((Wanted::Estimate(sample), tick));
         }
@@ -621,7 +685,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         self.judgement
             .ticked(time_us, self.late, judging, &mut changes);
 
-        self.report(time_us, tick, marks, &changes);
+        let is_full = iterations > 1 && iterations >= self.settings.tick.max_iterations();
+        self.report(time_us, tick, marks, &changes, is_full);
         let overrun = self.ticker.finish(counter, watchdog);
         self.late = overrun;
         Outcome {
@@ -665,12 +730,34 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         Some(Wanted::Wear(sample, scale))
     }
 
+    /// How rings and balls of each row have grown at a speed, but for less than [`GROWTH_STEP`]: a solver that is told of
+    /// other growth has to move its references, which takes some thousand cycles.
+    fn growth(&mut self, speed: f32) -> [Growth<f32>; R] {
+        let [inner, outer] = match &self.settings.temperatures {
+            Some(settings) => self.temperatures.used().map(|t| t - settings.reference),
+            None => [0.0; 2],
+        };
+        for (known, row) in self.growth.iter_mut().zip(&self.settings.rows) {
+            let [per_inner, per_outer] = row.heat;
+            let grown = row.rotation * (speed * speed) + per_inner * inner + per_outer * outer;
+            let differs = |a: f32, b: f32| (a - b).abs() > GROWTH_STEP;
+            if differs(grown.axial, known.axial)
+                || differs(grown.radial, known.radial)
+                || differs(grown.ball, known.ball)
+            {
+                *known = grown;
+            }
+        }
+        self.growth
+    }
+
     /// Solves a sample for the life alone, under so many times its loads.
     fn wear(&mut self, sample: &GoodSample, scale: f32) {
         let settings = self.settings;
+        let growth = self.growth(sample.speed);
         let damage = self
             .tracker
-            .solve(sample.load, sample.speed, settings, |solution| {
+            .solve(sample.load, sample.speed, &growth, settings, |solution| {
                 damage(solution, settings)
             });
         if let Ok(damage) = damage {
@@ -681,10 +768,11 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     /// Solves and judges a sample; whether there is a new estimate.
     fn solve(&mut self, sample: &GoodSample, tick: u64, changes: &mut Changes) -> bool {
         let settings = self.settings;
+        let growth = self.growth(sample.speed);
         let estimate = &mut self.estimate;
         let seen = self
             .tracker
-            .solve(sample.load, sample.speed, settings, |solution| {
+            .solve(sample.load, sample.speed, &growth, settings, |solution| {
                 // Written where it stays: a copy of it takes a thousand cycles on a Cortex-M4F.
                 let estimate = estimate.get_or_insert(Estimate::NONE);
                 observe(solution, sample, tick, settings, estimate)
@@ -708,11 +796,18 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     }
 
     /// Puts what is due into the outbox.
-    fn report(&mut self, time_us: u64, tick: u64, marks: Marks, changes: &Changes) {
+    ///
+    /// A tick whose solve has taken all of its iterations (`is_full`) leaves what can wait to the next ones.
+    fn report(&mut self, time_us: u64, tick: u64, marks: Marks, changes: &Changes, is_full: bool) {
         let every = &self.settings.telemetry;
         for change in changes {
             self.post_alarm(time_us, change.alarm, change.change);
         }
+        if is_full && self.put_off < LONGEST_PUT_OFF {
+            self.put_off += 1;
+            return;
+        }
+        self.put_off = 0;
         if self.due_standing.is_due(time_us, every.standing_us) {
             for alarm in Alarm::ALL {
                 if self.judgement.alarm(alarm).stands() {
@@ -735,6 +830,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         }
         if self.due_start.is_due(time_us, START_US) {
             self.outbox.post(time_us, Payload::Start(self.start));
+            self.outbox
+                .post(time_us, Payload::Shaft(self.shaft.clone()));
         }
         let (estimate_due, balls_due) = (
             self.due_estimate.is_due(time_us, every.estimate_us),
@@ -742,6 +839,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         );
         if estimate_due && let Some(report) = self.report_at(tick, marks) {
             self.outbox.post(time_us, Payload::Estimate(report));
+            self.report_rows(time_us);
         }
         if balls_due && let Some(estimate) = &self.estimate {
             self.picture = Some(Picture {
@@ -752,6 +850,21 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             });
         }
         self.report_balls();
+    }
+
+    /// Puts the rows of the estimate into the outbox.
+    fn report_rows(&mut self, time_us: u64) {
+        let Some(estimate) = &self.estimate else {
+            return;
+        };
+        for (number, rows) in estimate.rows.chunks(ROWS_PER_FRAME).enumerate() {
+            let report = RowsReport {
+                first: (number * ROWS_PER_FRAME) as u8,
+                count: R as u8,
+                rows: as_many_as_fit(rows.iter().copied()),
+            };
+            self.outbox.post(time_us, Payload::Rows(report));
+        }
     }
 
     /// Puts the next balls of the picture into the outbox.
@@ -769,10 +882,11 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         let count = usize::from(row.balls);
         let rest = balls.iter().take(count).skip(picture.reported);
         let report = BallsReport {
+            row: picture.row as u8,
             first: picture.reported as u16,
             count: row.balls,
             first_azimuth: row.first_azimuth,
-            balls: rest.take(BALLS_PER_TICK).map(ball_report).collect(),
+            balls: as_many_as_fit(rest.take(BALLS_PER_TICK).map(ball_report)),
         };
         self.outbox.post(picture.time_us, Payload::Balls(report));
         picture.reported += BALLS_PER_TICK;
@@ -807,7 +921,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
 
     fn report_at(&self, tick: u64, marks: Marks) -> Option<EstimateReport> {
         let estimate = self.estimate.as_ref()?;
-        Some(estimate.report(self.age(tick)?, marks, self.status))
+        let flexibility = &self.settings.shaft.flexibility;
+        Some(estimate.report(self.age(tick)?, marks, self.status, flexibility))
     }
 
     /// Somebody has seen an alarm: it may clear. Says so in the telemetry.
@@ -847,6 +962,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             doubtful_revolutions: self.life.doubtful_revolutions(),
             life_estimated: self.life.estimated(),
             nonce: self.desk.nonce(),
+            temperatures: self.temperatures.used(),
+            temperature_sources: self.temperatures.sources(),
         }
     }
 
@@ -863,6 +980,27 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     /// Life used up.
     pub const fn life(&self) -> &Life {
         &self.life
+    }
+}
+
+/// What stands where on the shaft, as the telemetry has it.
+fn shaft_report<T: Real, const R: usize, const N: usize, const D: usize>(
+    spindle: &Spindle<'_, T, R, N, D>,
+    settings: &MonitorSettings<R>,
+) -> ShaftReport {
+    let places = spindle.positions().into_iter().zip(spindle.facings());
+    let rows = places.zip(&settings.rows);
+    let place = |((position, facing), row): ((T, Facing), &RowSettings)| RowPlace {
+        position: position.to_f32(),
+        mirrored: facing == Facing::MinusX,
+        balls: row.balls,
+    };
+    ShaftReport {
+        nose: settings.shaft.nose,
+        loads_at: settings.shaft.loads_at,
+        preload: settings.judgement.preload,
+        count: R as u8,
+        rows: as_many_as_fit(rows.map(place)),
     }
 }
 
@@ -903,25 +1041,37 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         contact_angle: Level::of(f32::NEG_INFINITY),
         slip: Level::of(0.0),
         unloaded: Level::of(0.0),
+        preload: None,
         load: sample.load,
         speed: sample.speed,
         stiffness: [0.0; 5],
     };
-    let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
     let (mut passed, mut weight) = (0, 0.0);
     let mut first = 0;
-    for (i, (row, balls)) in settings.rows.iter().zip(&mut estimate.balls).enumerate() {
+    let balls = settings.rows.iter().zip(&mut estimate.balls);
+    for (i, ((row, balls), seen)) in balls.zip(&mut estimate.rows).enumerate() {
         let view = solution.view(i);
         let unit = view.c.force.to_f32();
         let (mut inner, mut outer) = (0.0_f32, 0.0_f32);
+        // What the inner ring presses onto the balls, in units.
+        let (mut axial, mut radial) = (0.0_f32, [0.0_f32; 2]);
+        *seen = NO_ROW;
         let survey = view.survey(&limits, |ball, contacts| {
             let force = contacts.each_ref().map(|k| k.q.to_f32());
             let q = unit * force[0];
-            if q < least {
-                least = q;
+            if q < seen.least_force {
+                seen.least_force = q;
             }
-            if q > largest {
-                largest = q;
+            if q > seen.largest_force {
+                seen.largest_force = q;
+            }
+            let ([sin, cos], friction) =
+                (contacts[0].n.map(T::to_f32), contacts[0].friction.to_f32());
+            axial += force[0] * sin + friction * cos;
+            if let Some(at) = view.azimuths.get(usize::from(ball)) {
+                let outwards = force[0] * cos - friction * sin;
+                radial[0] += outwards * at.cos.to_f32();
+                radial[1] += outwards * at.sin.to_f32();
             }
             inner += force[0] * force[0] * force[0];
             // In units, an outer contact's force is the deformation to 3/2, so that the force to 10/3 is a square.
@@ -949,6 +1099,8 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
             let other = ball.map(|ball| first + ball);
             findings.unloaded.ball = findings.unloaded.ball.or(other);
         }
+        seen.axial = unit * axial;
+        seen.radial = radial.map(|force| unit * force);
         passed |= survey.limits(&extremes).bits();
         let count = view.balls.len() as u16;
         weight += row.rating.weight(unit, inner, outer, count.into());
@@ -958,10 +1110,10 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     estimate.tick = tick;
     estimate.load = sample.load;
     estimate.speed = sample.speed;
-    estimate.displacement = solution.displacement.map(T::to_f32);
-    estimate.stiffness = solution.stiffness().map(|row| row.map(T::to_f32));
-    estimate.least_force = least;
-    estimate.largest_force = largest;
+    let nose = T::from_f32(settings.shaft.nose);
+    estimate.displacement = solution.displacement_at(nose).map(T::to_f32);
+    let stiffness = solution.rigid_stiffness(nose);
+    estimate.stiffness = stiffness.map(|row| row.map(T::to_f32));
     estimate.iterations = solution.iterations;
     estimate.error = [
         solution.error.displacement.to_f32(),
@@ -969,7 +1121,32 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         solution.error.stiffness.to_f32(),
     ];
     estimate.limits = passed;
+    let facings = solution.facings();
+    findings.preload = share_preload(&mut estimate.rows, &facings, &mut estimate.limits);
     findings.stiffness = diagonal(&estimate.stiffness);
     let code = StatusCode::from(&solution.status);
     (code, findings, damage_of_weight(weight))
+}
+
+/// Gives every row its preload; the smallest and the largest one, if there are rows of both facings. Rows that have lifted
+/// off are a limit then.
+fn share_preload<const R: usize>(
+    rows: &mut [RowReport; R],
+    facings: &[Facing; R],
+    limits: &mut u8,
+) -> Option<[f32; 2]> {
+    let first = facings.first()?;
+    if facings.iter().all(|facing| facing == first) {
+        return None;
+    }
+    let axial = rows.each_ref().map(|row| row.axial);
+    let mut range = [f32::INFINITY, 0.0_f32];
+    for (row, preload) in rows.iter_mut().zip(preloads(&axial, facings)) {
+        row.preload = preload;
+        if !(row.axial > 0.0) {
+            *limits |= 1 << Limit::LiftOff as u8;
+        }
+        range = [range[0].at_most(preload), range[1].at_least(preload)];
+    }
+    Some(range)
 }

@@ -82,6 +82,7 @@ use super::board::ResetCause;
 use super::judgement::{Alarm, Judgement};
 use super::life::Life;
 use super::telemetry::{Recovery, RetentionReport, StartReport};
+use crate::Facing;
 use crate::design::{Design, FreeContact, Material};
 use crate::framing::{self, CHECKSUM_LENGTH, DELIMITER, FrameReader};
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
@@ -91,7 +92,7 @@ use serde::{Deserialize, Serialize};
 
 /// Version of the format, and of the model: a baseline is that of one way to work the stiffness out, and alarms are
 /// kept by their place in [`Alarm::ALL`].
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// Shortest time between two records of the life, us.
 pub const LIFE_US: u64 = 120_000_000;
@@ -260,6 +261,34 @@ impl Identity {
             bearing,
             bands: digest.finalize(),
         }
+    }
+
+    /// The same of such bearings on a shaft: where the rows are (m), how they face, and their preload (N).
+    #[must_use]
+    pub const fn mounted<const R: usize>(
+        self,
+        positions: &[f64; R],
+        facings: &[Facing; R],
+        preload: f64,
+    ) -> Self {
+        const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+        let mut both = [self.bearing, self.bands];
+        let mut i = 0;
+        while i < both.len() {
+            let mut digest = CHECKSUM.digest();
+            digest.update(&both[i].to_le_bytes());
+            digest.update(&preload.to_bits().to_le_bytes());
+            let mut row = 0;
+            while row < R {
+                digest.update(&positions[row].to_bits().to_le_bytes());
+                digest.update(facings[row].name().as_bytes());
+                row += 1;
+            }
+            both[i] = digest.finalize();
+            i += 1;
+        }
+        let [bearing, bands] = both;
+        Self { bearing, bands }
     }
 }
 

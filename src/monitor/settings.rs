@@ -4,8 +4,10 @@ use super::baseline::{BANDS, BaselineSettings};
 use super::judgement::{Alarm, JudgementSettings, TREND_SPANS, Threshold, TrendSettings};
 use super::life::LifeRating;
 use super::plausibility::PlausibilitySettings;
+use super::temperature::TemperatureSettings;
 use super::tick::{CycleCost, TickSettings};
 use crate::design::Design;
+use crate::growth::{Expansion, Growth};
 use crate::limits::Limits;
 use core::fmt;
 
@@ -33,18 +35,65 @@ pub struct RowSettings {
     pub first_azimuth: f32,
     /// The contacts' dynamic load ratings.
     pub rating: LifeRating,
+    /// Growth per K of the inner and of the outer side.
+    pub heat: [Growth<f32>; 2],
+    /// Growth per square of the speed, (rad/s)^2.
+    pub rotation: Growth<f32>,
 }
 
 impl RowSettings {
-    /// A bearing of `balls` balls, with the load rating of [`LifeRating::basic_dynamic_load_rating`].
+    /// A bearing of `balls` balls, with the load rating of [`LifeRating::basic_dynamic_load_rating`]. It does not grow.
     pub const fn new(design: &Design, balls: usize) -> Self {
         let dynamic = LifeRating::basic_dynamic_load_rating(design, balls);
         Self {
             balls: balls as u16,
             first_azimuth: design.first_ball as f32,
             rating: LifeRating::new(design, balls, dynamic),
+            heat: [Growth::NONE; 2],
+            rotation: Growth::NONE,
         }
     }
+
+    /// The same, growing with the temperatures of both sides. Balls are as warm as the mean of both. `reach` is that of
+    /// [`Growth::by_length`].
+    #[must_use]
+    pub const fn with_heat(self, design: &Design, expansion: &Expansion, reach: f64) -> Self {
+        const fn of(
+            design: &Design,
+            expansion: &Expansion,
+            reach: f64,
+            [inner, outer]: [f64; 2],
+        ) -> Growth<f32> {
+            let rings = Growth::by_heat(design, expansion, [inner, outer, 0.5]);
+            let length = Growth::by_length(expansion.ring, reach, [inner, outer]);
+            rings.with(length).to_f32()
+        }
+        let heat = [
+            of(design, expansion, reach, [1.0, 0.0]),
+            of(design, expansion, reach, [0.0, 1.0]),
+        ];
+        Self { heat, ..self }
+    }
+
+    /// The same, growing with the speed on a hollow shaft, whose bore has this radius (m).
+    #[must_use]
+    pub const fn with_rotation(self, design: &Design, bore: f64) -> Self {
+        let rotation = Growth::by_rotation(design, bore, 1.0).to_f32();
+        Self { rotation, ..self }
+    }
+}
+
+/// Where on the shaft loads are measured and stiffness is wanted: positions along the axis of the
+/// [`Spindle`](crate::Spindle).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftSettings {
+    /// The point that the measured moments are about, m: that of the flange, or of the nose.
+    pub loads_at: f32,
+    /// The point to which displacement and stiffness belong, m.
+    pub nose: f32,
+    /// What the shaft yields there by itself, along x, y and z, m/N.
+    pub flexibility: [f32; 3],
 }
 
 /// Everything that makes a monitor that of one spindle with `R` rows of balls.
@@ -71,6 +120,10 @@ impl RowSettings {
 pub struct MonitorSettings<const R: usize = 1> {
     /// What the rows are, in their order.
     pub rows: [RowSettings; R],
+    /// Where loads are measured and stiffness is wanted.
+    pub shaft: ShaftSettings,
+    /// What is plausible of temperatures; none if they are not measured, and rings and balls grow with the speed alone.
+    pub temperatures: Option<TemperatureSettings>,
     /// Rate and deadline.
     pub tick: TickSettings,
     /// Largest estimated error of the stiffness that counts as solved, relative.
@@ -119,6 +172,10 @@ const fn positive(x: f32) -> bool {
     x > 0.0
 }
 
+const fn is_finite(growth: &Growth<f32>) -> bool {
+    growth.axial.is_finite() && growth.radial.is_finite() && growth.ball.is_finite()
+}
+
 const fn threshold(raise: f32, clear: f32, hold_ms: u32) -> Threshold {
     Threshold {
         raise,
@@ -136,11 +193,21 @@ impl<const R: usize> MonitorSettings<R> {
         let dynamic = LifeRating::basic_dynamic_load_rating(design, balls);
         Self {
             rows: [RowSettings::new(design, balls); R],
+            shaft: ShaftSettings {
+                loads_at: 0.0,
+                nose: 0.0,
+                flexibility: [0.0; 3],
+            },
+            temperatures: None,
             tick: TickSettings {
                 period_us: 1000,
                 solve_every: 1,
                 deadline_cycles: 168_000,
-                cost: CycleCost::CORTEX_M4F,
+                cost: if R == 1 {
+                    CycleCost::CORTEX_M4F_SINGLE
+                } else {
+                    CycleCost::CORTEX_M4F
+                },
                 cold_iterations: 60,
             },
             tolerance: 2e-5,
@@ -176,16 +243,20 @@ impl<const R: usize> MonitorSettings<R> {
                     threshold(0.0, -0.035, 100),
                     threshold(0.06, 0.05, 500),
                     threshold(0.5, 0.25, 500),
+                    threshold(4.0, 3.5, 1000),
+                    threshold(0.8, 0.7, 500),
                     threshold(1.0, 0.9, 3),
                     threshold(0.15, 0.12, 5000),
                     threshold(0.15, 0.10, 0),
                     threshold(0.8, 0.79, 0),
                     threshold(0.1, 0.05, 0),
+                    threshold(5.0, 1.0, 0),
                     threshold(0.1, 0.05, 0),
                     threshold(0.1, 0.05, 0),
                     threshold(10.0, 5.0, 0),
                 ],
                 overload: [10e3, 10e3, 10e3, 200.0, 200.0],
+                preload: 0.0,
                 baseline: BaselineSettings {
                     band_width: 150.0,
                     // Heavy preload is some 3 % of the load rating.
@@ -236,7 +307,59 @@ impl<const R: usize> MonitorSettings<R> {
                 "rows.rating.outer",
                 "positive and finite"
             );
+            demand!(
+                is_finite(&row.heat[0]) && is_finite(&row.heat[1]) && is_finite(&row.rotation),
+                "rows.heat, rows.rotation",
+                "numbers"
+            );
             i += 1;
+        }
+        let shaft = &self.shaft;
+        let mut i = 0;
+        while i < 3 {
+            let flexibility = shaft.flexibility[i];
+            demand!(
+                flexibility >= 0.0 && flexibility.is_finite(),
+                "shaft.flexibility",
+                "a number, not below 0"
+            );
+            i += 1;
+        }
+        demand!(
+            shaft.loads_at.is_finite() && shaft.nose.is_finite(),
+            "shaft",
+            "positions that are numbers"
+        );
+        if let Some(temperatures) = &self.temperatures {
+            let [low, high] = temperatures.range;
+            demand!(low < high, "temperatures.range", "low, then high");
+            let reference = temperatures.reference;
+            demand!(
+                reference >= low && reference <= high,
+                "temperatures.reference",
+                "within the range"
+            );
+            let [inner, outer] = temperatures.warm;
+            demand!(
+                inner >= low && inner <= high && outer >= low && outer <= high,
+                "temperatures.warm",
+                "within the range"
+            );
+            demand!(
+                positive(temperatures.rate) && positive(temperatures.difference),
+                "temperatures.rate, temperatures.difference",
+                "positive"
+            );
+            demand!(
+                temperatures.noise >= 0.0,
+                "temperatures.noise",
+                "a number, not below 0"
+            );
+            demand!(
+                temperatures.hold_us >= temperatures.missing_after_us,
+                "temperatures.hold_us",
+                "at least missing_after_us"
+            );
         }
         demand!(
             t.period_us > 0 && t.period_us <= 1_000_000,
@@ -246,8 +369,7 @@ impl<const R: usize> MonitorSettings<R> {
         demand!(t.solve_every > 0, "tick.solve_every", "at least 1");
         demand!(t.cost.iteration > 0, "tick.cost.iteration", "at least 1");
         demand!(
-            t.deadline_cycles as u64
-                >= t.cost.fixed as u64 + t.cost.start as u64 + t.cost.iteration as u64,
+            t.deadline_cycles as u64 >= t.cost.fixed as u64 + t.cost.iteration as u64,
             "tick.deadline_cycles",
             "enough for the fixed part and a solve of one iteration"
         );
@@ -315,6 +437,11 @@ impl<const R: usize> MonitorSettings<R> {
             );
             i += 1;
         }
+        demand!(
+            self.judgement.preload >= 0.0 && self.judgement.preload.is_finite(),
+            "judgement.preload",
+            "a number, not below 0"
+        );
         let b = &self.judgement.baseline;
         demand!(
             positive(b.band_width) && b.band_width * BANDS as f32 <= f32::MAX,
@@ -382,7 +509,7 @@ mod tests {
         let good = MonitorSettings::<1>::new(&DESIGN, 16);
         assert_eq!(good.check(), Ok(()));
         type Spoil = fn(&mut MonitorSettings);
-        let spoils: [(Spoil, &str); 9] = [
+        let spoils: [(Spoil, &str); 13] = [
             (|s| s.tick.period_us = 0, "tick.period_us"),
             (
                 // Not a single iteration fits.
@@ -411,6 +538,21 @@ mod tests {
                 "rows.rating.outer",
             ),
             (|s| s.telemetry.health_us = 0, "telemetry"),
+            (|s| s.shaft.flexibility[1] = f32::NAN, "shaft.flexibility"),
+            (|s| s.judgement.preload = -1.0, "judgement.preload"),
+            (
+                |s| s.rows[0].heat[1].radial = f32::INFINITY,
+                "rows.heat, rows.rotation",
+            ),
+            (
+                |s| {
+                    s.temperatures = Some(TemperatureSettings {
+                        warm: [40.0, 300.0],
+                        ..TemperatureSettings::SPINDLE
+                    });
+                },
+                "temperatures.warm",
+            ),
         ];
         for (spoil, field) in spoils {
             let mut settings = good;

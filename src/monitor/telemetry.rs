@@ -11,8 +11,8 @@
 //! | [`Payload::Alarm`] | an alarm changed its state; again and again while it stands | never dropped |
 //! | [`Payload::Answer`] | an operator has asked for something | never dropped |
 //! | [`Payload::Health`], [`Payload::Inputs`] | at a fixed interval | the newest is kept |
-//! | [`Payload::Start`] | at the start, and once a minute | the newest is kept |
-//! | [`Payload::Estimate`] | at a fixed interval | the oldest is dropped, and counted |
+//! | [`Payload::Start`], [`Payload::Shaft`] | at the start, and once a minute | the newest is kept |
+//! | [`Payload::Estimate`], [`Payload::Rows`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Board`] | at the start, at changes, with every tenth health report | the newest is kept |
 //!
@@ -32,6 +32,7 @@ use super::judgement::{Alarm, AlarmChange, AlarmState};
 use super::learning::LearningReport;
 use super::loads::FrameCounts;
 use super::marks::Marks;
+use super::temperature::TemperatureSource;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
 use crate::limits::Limit;
 use crate::status::Status;
@@ -39,17 +40,19 @@ use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
 /// Version of the format.
-pub const VERSION: u8 = 4;
+pub const VERSION: u8 = 5;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 8;
+/// Rows in one [`RowsReport`] or [`ShaftReport`].
+pub const ROWS_PER_FRAME: usize = 4;
 
 /// Length of the longest message that a frame can become, checksum included.
 ///
-/// Version, sequence, time and variant (17 bytes), then index, count and first azimuth (11 bytes with the
+/// Version, sequence, time and variant (17 bytes), then row, index, count and first azimuth (12 bytes with the
 /// length) and as many balls as a frame takes.
 pub const MESSAGE_LENGTH: usize =
-    17 + 11 + BALLS_PER_FRAME * 4 * size_of::<f32>() + CHECKSUM_LENGTH;
+    17 + 12 + BALLS_PER_FRAME * 4 * size_of::<f32>() + CHECKSUM_LENGTH;
 
 /// Length of the frame of the longest message, its delimiter included.
 pub const FRAME_LENGTH: usize = framing::frame_length(MESSAGE_LENGTH);
@@ -94,6 +97,10 @@ pub enum Payload {
     Board(BoardReport),
     /// This start, and what was kept of those before.
     Start(StartReport),
+    /// Forces and preload of the rows of that estimate.
+    Rows(RowsReport),
+    /// What stands where on the shaft.
+    Shaft(ShaftReport),
 }
 
 /// How the last solve ended: [`Status`] without its numbers.
@@ -165,10 +172,12 @@ pub struct EstimateReport {
     pub load: [f32; 5],
     /// Shaft speed `omega` of the estimate, rad/s.
     pub speed: f32,
-    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
+    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the rigid shaft at its nose.
     pub displacement: [f32; 5],
-    /// Diagonal of the stiffness: `Kxx, Kyy, Kzz` (N/m), `Ktyty, Ktztz` (N m/rad).
+    /// Diagonal of the stiffness at the nose: `Kxx, Kyy, Kzz` (N/m), `Ktyty, Ktztz` (N m/rad).
     pub stiffness: [f32; 5],
+    /// Stiffness that a force at the nose meets along x, y and z, while the shaft tilts as it likes and yields by itself: N/m.
+    pub nose: [f32; 3],
     /// The off-diagonal stiffness that couples most.
     pub coupling: f32,
     /// Its row, 0 for x to 4 for the tilt about z.
@@ -199,16 +208,74 @@ impl EstimateReport {
     }
 }
 
-/// Contact forces and angles of some balls, for a polar picture. The balls stand at equal angles,
+/// Forces and preload of the rows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RowsReport {
+    /// Index of the first row in this frame.
+    pub first: u8,
+    /// Number of rows.
+    pub count: u8,
+    /// The rows from `first` on.
+    pub rows: Vec<RowReport, ROWS_PER_FRAME>,
+}
+
+/// One row, N.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RowReport {
+    /// Axial force in the direction that presses its balls; not above 0 once it has lifted off.
+    pub axial: f32,
+    /// Radial force of the shaft on it, along y and z.
+    pub radial: [f32; 2],
+    /// What of its axial force is preload.
+    pub preload: f32,
+    /// Smallest and largest contact force on its inner race; 0 if a ball is off that race.
+    pub least_force: f32,
+    /// The largest one.
+    pub largest_force: f32,
+}
+
+/// What stands where on the shaft, for a picture of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftReport {
+    /// Position of the nose, m.
+    pub nose: f32,
+    /// Position of the point that the measured moments are about, m.
+    pub loads_at: f32,
+    /// Preload of the mounted spindle, N; 0 if none is watched.
+    pub preload: f32,
+    /// Number of rows.
+    pub count: u8,
+    /// The first of the rows.
+    pub rows: Vec<RowPlace, ROWS_PER_FRAME>,
+}
+
+/// Where a row is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RowPlace {
+    /// Position of its centre, m.
+    pub position: f32,
+    /// It faces `-x`: a load on the shaft in `-x` presses its balls.
+    pub mirrored: bool,
+    /// Number of its balls.
+    pub balls: u16,
+}
+
+/// Contact forces and angles of some balls of a row, for a polar picture. The balls stand at equal angles,
 /// from [`BallsReport::first_azimuth`] on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BallsReport {
-    /// Index of the first ball in this frame.
+    /// Index of the row.
+    pub row: u8,
+    /// Index of the first ball in this frame, in its row.
     pub first: u16,
-    /// Number of balls of the bearing.
+    /// Number of balls of the row.
     pub count: u16,
-    /// Azimuth of the bearing's ball 0, rad from +y towards +z.
+    /// Azimuth of the row's ball 0, rad from +y towards +z.
     pub first_azimuth: f32,
     /// The balls from `first` on.
     pub balls: Vec<BallReport, BALLS_PER_FRAME>,
@@ -242,7 +309,7 @@ pub struct AlarmReport {
     pub value: f32,
     /// The limit that it is held against.
     pub limit: f32,
-    /// The ball that is worst, if it is about a ball.
+    /// The ball that is worst, if it is about a ball: counted on from row to row.
     pub ball: Option<u16>,
     /// How often this alarm was raised since the start.
     pub raised: u32,
@@ -300,6 +367,10 @@ pub struct InputsReport {
     pub life_estimated: f32,
     /// What the next request of an operator must have ([`command`](super::command)).
     pub nonce: u32,
+    /// Temperatures of the inner and of the outer side that are used, degrees Celsius.
+    pub temperatures: [f32; 2],
+    /// Where they come from.
+    pub temperature_sources: [TemperatureSource; 2],
 }
 
 /// What became of something that was to be kept, when the monitor started.
@@ -436,6 +507,7 @@ pub struct Outbox<const FRAMES: usize> {
     inputs: Option<(u64, InputsReport)>,
     board: Option<(u64, BoardReport)>,
     start: Option<(u64, StartReport)>,
+    shaft: Option<(u64, ShaftReport)>,
     frames: Deque<Waiting, FRAMES>,
     sequence: u32,
     dropped: u64,
@@ -461,6 +533,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             inputs: None,
             board: None,
             start: None,
+            shaft: None,
             frames: Deque::new(),
             sequence: 0,
             dropped: 0,
@@ -489,6 +562,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             && self.inputs.is_none()
             && self.board.is_none()
             && self.start.is_none()
+            && self.shaft.is_none()
             && self.frames.is_empty()
     }
 
@@ -509,7 +583,8 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             }
             Payload::Board(report) => self.board = Some((time_us, report)),
             Payload::Start(report) => self.start = Some((time_us, report)),
-            payload @ (Payload::Estimate(_) | Payload::Balls(_)) => {
+            Payload::Shaft(report) => self.shaft = Some((time_us, report)),
+            payload @ (Payload::Estimate(_) | Payload::Rows(_) | Payload::Balls(_)) => {
                 // What is newest is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
                     self.dropped = self.dropped.saturating_add(1);
@@ -565,6 +640,9 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         }
         if let Some((time_us, report)) = self.start.take() {
             return self.encode(time_us, &Payload::Start(report));
+        }
+        if let Some((time_us, report)) = self.shaft.take() {
+            return self.encode(time_us, &Payload::Shaft(report));
         }
         if let Some((time_us, report)) = self.board.take() {
             return self.encode(time_us, &Payload::Board(report));
@@ -674,6 +752,7 @@ mod tests {
             alpha_o: f32::MAX,
         };
         Payload::Balls(BallsReport {
+            row: u8::MAX,
             first: u16::MAX,
             count: u16::MAX,
             first_azimuth: f32::MAX,
@@ -693,6 +772,7 @@ mod tests {
             speed: f32::MAX,
             displacement: [f32::MAX; 5],
             stiffness: [f32::MAX; 5],
+            nose: [f32::MAX; 3],
             coupling: f32::MAX,
             coupling_row: u8::MAX,
             coupling_column: u8::MAX,
@@ -761,6 +841,8 @@ mod tests {
             doubtful_revolutions: u64::MAX,
             life_estimated: f32::MAX,
             nonce: u32::MAX,
+            temperatures: [f32::MAX; 2],
+            temperature_sources: [TemperatureSource::Assumed; 2],
         })
     }
 
@@ -795,6 +877,36 @@ mod tests {
         })
     }
 
+    fn rows() -> Payload {
+        let row = RowReport {
+            axial: f32::MAX,
+            radial: [f32::MAX; 2],
+            preload: f32::MAX,
+            least_force: f32::MAX,
+            largest_force: f32::MAX,
+        };
+        Payload::Rows(RowsReport {
+            first: u8::MAX,
+            count: u8::MAX,
+            rows: Vec::from_array([row; ROWS_PER_FRAME]),
+        })
+    }
+
+    fn shaft() -> Payload {
+        let place = RowPlace {
+            position: f32::MAX,
+            mirrored: true,
+            balls: u16::MAX,
+        };
+        Payload::Shaft(ShaftReport {
+            nose: f32::MAX,
+            loads_at: f32::MAX,
+            preload: f32::MAX,
+            count: u8::MAX,
+            rows: Vec::from_array([place; ROWS_PER_FRAME]),
+        })
+    }
+
     fn read(bytes: &[u8]) -> Bytes<Read> {
         let mut reader = FrameReader::new();
         bytes.iter().filter_map(|b| reader.push(*b)).collect()
@@ -816,6 +928,8 @@ mod tests {
             answer(),
             board(),
             start(),
+            rows(),
+            shaft(),
         ] {
             let frame = longest(payload);
             let bytes = encode(&frame);
@@ -838,9 +952,9 @@ mod tests {
 
     /// The bytes that a decoder in another language has to expect.
     #[test]
-    fn the_wire_format_is_that_of_version_4() {
+    fn the_wire_format_is_that_of_version_5() {
         let frame = Frame {
-            version: 4,
+            version: 5,
             sequence: 300,
             time_us: 5,
             payload: Payload::Alarm(AlarmReport {
@@ -857,7 +971,29 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            4, 0xac, 0x02, 5, 2, 6, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+            5, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+        ];
+        assert_eq!(bytes, expected);
+        let place = RowPlace {
+            position: -0.5,
+            mirrored: true,
+            balls: 300,
+        };
+        let frame = Frame {
+            payload: Payload::Shaft(ShaftReport {
+                nose: 1.0,
+                loads_at: 0.5,
+                preload: 0.0,
+                count: 1,
+                rows: Vec::from_iter([place]),
+            }),
+            ..frame
+        };
+        let mut bytes = [0; 64];
+        let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
+        let expected = [
+            5, 0xac, 0x02, 5, 9, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0xbf,
+            1, 0xac, 0x02,
         ];
         assert_eq!(bytes, expected);
     }

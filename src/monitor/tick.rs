@@ -36,15 +36,14 @@ impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
 }
 
-/// What a tick costs on a core, in its cycles: `fixed + start + n iteration` is the longest that is known of a tick
-/// with a solve of `n` iterations.
+/// What a tick costs on a core, in its cycles: `fixed + n iteration` is what all ticks with a solve of `n` iterations but one
+/// in a thousand take at most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CycleCost {
-    /// Everything but the solve: bytes in, doubts, limits, judgement, life, telemetry, bytes out.
+    /// Everything but iterations: bytes in, doubts, prediction or start of a solve and balls that it has to place, limits,
+    /// judgement, life, telemetry, bytes out.
     pub fixed: u32,
-    /// A solve besides its iterations: prediction or start, and balls that have to be placed.
-    pub start: u32,
     /// An iteration.
     pub iteration: u32,
 }
@@ -67,9 +66,7 @@ impl CycleCost {
 
     /// What a deadline leaves for iterations.
     const fn left(&self, deadline: u32) -> u32 {
-        deadline
-            .saturating_sub(self.fixed)
-            .saturating_sub(self.start)
+        deadline.saturating_sub(self.fixed)
     }
 
     /// The same with iterations so cheap that one more of them fits into a deadline: to measure what the first would
@@ -148,14 +145,10 @@ impl TickSettings {
         self.cost.iterations_within(self.deadline_cycles)
     }
 
-    /// Cycles of the longest tick with a solve of that many iterations.
+    /// Cycles that all ticks with a solve of that many iterations but one in a thousand take at most.
     pub const fn most_cycles(&self) -> u64 {
-        let CycleCost {
-            fixed,
-            start,
-            iteration,
-        } = self.cost;
-        fixed as u64 + start as u64 + self.max_iterations() as u64 * iteration as u64
+        let CycleCost { fixed, iteration } = self.cost;
+        fixed as u64 + self.max_iterations() as u64 * iteration as u64
     }
 }
 
@@ -277,8 +270,7 @@ mod tests {
     #[test]
     fn the_bound_on_iterations_is_what_fits_and_never_zero() {
         let cost = CycleCost {
-            fixed: 700,
-            start: 300,
+            fixed: 1000,
             iteration: 100,
         };
         for (deadline, iterations) in [
@@ -293,15 +285,11 @@ mod tests {
         let mut cost = CycleCost::CORTEX_M4F;
         for iterations in cost.iterations_within(168_000) + 1..15 {
             cost = cost.with_an_iteration_more(168_000);
-            assert_eq!(
-                (cost.fixed, cost.start),
-                (CycleCost::CORTEX_M4F.fixed, CycleCost::CORTEX_M4F.start)
-            );
+            assert_eq!(cost.fixed, CycleCost::CORTEX_M4F.fixed);
             assert_eq!(cost.iterations_within(168_000), iterations);
         }
         let free = CycleCost {
             fixed: 0,
-            start: 0,
             iteration: 0,
         };
         assert_eq!(free.iterations_within(0), u16::MAX);

@@ -16,6 +16,8 @@ use super::plausibility::PlausibilitySettings;
 use super::settings::MonitorSettings;
 use super::telemetry::StatusCode;
 use crate::float::Real;
+use crate::frame::refer;
+use crate::growth::Growth;
 use crate::status::Status;
 use crate::{Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver};
 
@@ -97,7 +99,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
 {
     pub(super) fn new(
         spindle: Spindle<'static, T, R, N, D>,
-        settings: &PlausibilitySettings,
+        settings: &MonitorSettings<R>,
     ) -> Self {
         let follower = Follower {
             solver: SpindleSolver::of(spindle),
@@ -106,7 +108,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         };
         Self {
             followers: [follower; 2],
-            scale: Scale::of(settings),
+            scale: Scale::of(&settings.plausibility),
             failed: 0,
             pause: 0,
             pauses: 0,
@@ -124,11 +126,12 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         &mut self,
         load: [f32; 5],
         speed: f32,
+        growth: &[Growth<f32>; R],
         settings: &MonitorSettings<R>,
         see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
     ) -> Result<Seen, StatusCode> {
         self.pause = 0;
-        self.start(load, speed, settings, see)
+        self.start(load, speed, growth, settings, see)
     }
 
     /// What `see` sees of the equilibrium under these loads, or how the solve ended without it.
@@ -136,6 +139,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         &mut self,
         load: [f32; 5],
         speed: f32,
+        growth: &[Growth<f32>; R],
         settings: &MonitorSettings<R>,
         see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
     ) -> Result<Seen, StatusCode> {
@@ -151,17 +155,18 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
             (second, first)
         };
         if near.at.is_none() {
-            return self.start(load, speed, settings, see);
+            return self.start(load, speed, growth, settings, see);
         }
-        other.idle += 1;
-        if other.idle >= LONGEST_IDLE {
+        other.idle = other.idle.saturating_add(1);
+        near.idle = 0;
+        let limit = settings.tick.max_iterations();
+        let (seen, iterations) = near.solve(load, speed, growth, settings, limit, see);
+        self.iterations = iterations;
+        // A copy takes some thousand cycles: in a tick that has them.
+        if other.idle >= LONGEST_IDLE && iterations <= 1 {
             *other = *near;
             other.idle = 0;
         }
-        near.idle = 0;
-        let limit = settings.tick.max_iterations();
-        let (seen, iterations) = near.solve(load, speed, settings, limit, see);
-        self.iterations = iterations;
         match &seen {
             Ok(_) => self.failed = 0,
             Err(status) if is_refused(status) => {}
@@ -180,6 +185,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         &mut self,
         load: [f32; 5],
         speed: f32,
+        growth: &[Growth<f32>; R],
         settings: &MonitorSettings<R>,
         see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
     ) -> Result<Seen, StatusCode> {
@@ -191,7 +197,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         let [first, second] = &mut self.followers;
         first.solver.reset();
         let limit = settings.tick.cold_iterations;
-        let (seen, iterations) = first.solve(load, speed, settings, limit, see);
+        let (seen, iterations) = first.solve(load, speed, growth, settings, limit, see);
         self.iterations = iterations;
         if seen.is_ok() {
             *second = *first;
@@ -213,6 +219,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         &mut self,
         load: [f32; 5],
         speed: f32,
+        growth: &[Growth<f32>; R],
         settings: &MonitorSettings<R>,
         limit: u16,
         see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
@@ -222,7 +229,16 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
             tolerance: T::from_f32(settings.tolerance),
         };
         let rad_per_s = Speed::rad_per_s(T::from_f32(speed));
-        match self.solver.solve(load.map(T::from_f32), rad_per_s, &effort) {
+        // From where they are measured to x = 0.
+        let mut acting = load;
+        refer(settings.shaft.loads_at, &mut acting);
+        let acting = acting.map(T::from_f32);
+        let grown = growth.each_ref().map(|of| Growth {
+            axial: T::from_f32(of.axial),
+            radial: T::from_f32(of.radial),
+            ball: T::from_f32(of.ball),
+        });
+        match self.solver.solve_at(acting, rad_per_s, &grown, &effort) {
             Ok(solution) => {
                 self.at = Some((load, speed));
                 (Ok(see(&solution)), solution.iterations)

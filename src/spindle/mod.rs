@@ -23,6 +23,9 @@ use crate::rows::Seat;
 use crate::solver::input;
 use crate::status::Quantity;
 
+#[cfg(feature = "monitor")]
+pub(crate) use solution::{inverse, preloads};
+
 pub use arrangement::{Arrangement, Facing};
 pub use error::SpindleError;
 pub use solution::{RowSolution, ShaftEnd, SpindleSolution};

@@ -1,6 +1,6 @@
 //! What a solve of a spindle gives.
 
-use super::{Spindle, SpindleSolver};
+use super::{Facing, Spindle, SpindleSolver};
 use crate::constants::Constants;
 use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out, refer, refer_stiffness, stiffness_out};
@@ -98,7 +98,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         self.rigid_stiffness(T::ZERO)
     }
 
-    fn rigid_stiffness(&self, x: T) -> Matrix<T, 5> {
+    /// The same at the position `x` (m) of the rigid shaft.
+    pub(crate) fn rigid_stiffness(&self, x: T) -> Matrix<T, 5> {
         let mut k = stiffness_out(self.solver.spindle.unit(), &self.k);
         refer_stiffness(self.solver.spindle.centre - x, &mut k);
         k
@@ -168,17 +169,16 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// The rows, in their order.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = RowSolution<'_, T, M>> + '_ {
         let mut rows: [RowSolution<'_, T, M>; R] = from_fn(|i| self.row(i));
-        // What one side's axial forces have in common with the other's is preload.
-        let mut sides = [T::ZERO; 2];
-        for row in &rows {
-            sides[usize::from(row.facing < T::ZERO)] += row.force[0];
-        }
-        let common = sides[0].at_most(sides[1]).at_least(T::ZERO);
-        for row in &mut rows {
-            let side = sides[usize::from(row.facing < T::ZERO)];
-            row.preload = row.force[0] * (common / side.at_least(common).at_least(T::TINY));
+        let axial = rows.each_ref().map(|row| row.force[0]);
+        for (row, preload) in rows.iter_mut().zip(preloads(&axial, &self.facings())) {
+            row.preload = preload;
         }
         rows.into_iter()
+    }
+
+    /// How the rows face.
+    pub(crate) fn facings(&self) -> [Facing; R] {
+        self.solver.spindle.facings()
     }
 
     /// The balls of a row.
@@ -214,7 +214,6 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             position: row.position,
             force: force_out(c, &force),
             preload: T::ZERO,
-            facing: seat.facing,
             view,
             sum,
             correct: state.correct,
@@ -222,8 +221,21 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     }
 }
 
+/// What of the axial forces of rows is preload: what one side's have in common with the other's, shared out like the forces.
+pub fn preloads<T: Real, const R: usize>(axial: &[T; R], facings: &[Facing; R]) -> [T; R] {
+    let mut sides = [T::ZERO; 2];
+    for (axial, facing) in axial.iter().zip(facings) {
+        sides[usize::from(*facing == Facing::MinusX)] += *axial;
+    }
+    let common = sides[0].at_most(sides[1]).at_least(T::ZERO);
+    from_fn(|i| {
+        let side = sides[usize::from(facings[i] == Facing::MinusX)];
+        axial[i] * (common / side.at_least(common).at_least(T::TINY))
+    })
+}
+
 /// The inverse of a matrix that is about positive definite.
-fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
+pub fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
     let mut factors = Factors::NONE;
     factors.factor(k, T::ZERO);
     let columns: [[T; 5]; 5] = from_fn(|j| {
@@ -258,7 +270,6 @@ pub struct RowSolution<'s, T: Real, M: Motion> {
     /// Forces (N) and moments (N m) of the shaft on its inner ring, about its centre.
     pub force: [T; 5],
     preload: T,
-    facing: T,
     view: View<'s, T, M::Ball<T>, M::Rule>,
     sum: Sum<T, 5>,
     correct: bool,

@@ -4,6 +4,7 @@
 //! overruns. The link takes all there is.
 
 use crate::loads::LoadRow;
+use anyhow::Result;
 use monitor_settings::{IDLE, MONITOR};
 use monitored::{BALLS, BEARING, ROWS, spindle};
 use spindle_bearing::monitor::Marks;
@@ -14,18 +15,22 @@ use spindle_bearing::monitor::{Monitor, Readings};
 #[path = "../../../examples/monitor_settings.rs"]
 pub mod monitor_settings;
 #[path = "../../../examples/monitored.rs"]
-mod monitored;
+pub mod monitored;
 
 type Precision = f32;
 const CORE_HZ: u32 = 168_000_000;
-const COST: CycleCost = CycleCost::CORTEX_M4F;
+const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
 
 /// One revolution per minute.
 const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
 
 /// The bytes that the monitor sends while it samples a recording in every tick, in a straight line between two rows.
-pub fn stream(rows: &[LoadRow]) -> Vec<u8> {
-    let mut monitor: Monitor<ROWS, BALLS> = Monitor::new(spindle(&BEARING), &MONITOR);
+///
+/// # Errors
+///
+/// The shipped spindle cannot be built.
+pub fn stream(rows: &[LoadRow]) -> Result<Vec<u8>> {
+    let mut monitor: Monitor<ROWS, BALLS> = Monitor::new(spindle(&BEARING)?, &MONITOR);
     // A start without a solution is one that the first ticks make up for.
     let _ = monitor.prepare(IDLE, 0.0);
     let mut bytes = Vec::new();
@@ -44,11 +49,12 @@ pub fn stream(rows: &[LoadRow]) -> Vec<u8> {
             let readings = Readings {
                 loads: Ok(Some(sample)),
                 speed: None,
+                temperatures: from.temperatures.map(|read| read.map(|t| t as f32)),
             };
             monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
             bytes.extend(core::iter::from_fn(|| monitor.outbox().next_byte()));
             time_us += u64::from(MONITOR.tick.period_us);
         }
     }
-    bytes
+    Ok(bytes)
 }

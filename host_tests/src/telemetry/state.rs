@@ -2,13 +2,14 @@
 
 use super::decoder::{Event, Gap, Tally};
 use super::operator::answer_words;
+use spindle_bearing::Facing;
 use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::BoardReport;
 use spindle_bearing::monitor::command::Answer;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    AlarmReport, BallReport, EstimateReport, Frame, HealthReport, InputsReport, Payload,
-    StartReport,
+    AlarmReport, BallReport, EstimateReport, Frame, HealthReport, InputsReport, Payload, RowPlace,
+    RowReport, ShaftReport, StartReport,
 };
 use std::collections::VecDeque;
 
@@ -35,12 +36,12 @@ pub struct At<T> {
     pub report: T,
 }
 
-/// The balls as they are known.
+/// The balls of a row as they are known.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Balls {
     /// Azimuth of ball 0, rad from +y towards +z.
     pub first_azimuth: f32,
-    /// One for each ball of the bearing; `None` before its first report.
+    /// One for each ball of the row; `None` before its first report.
     pub balls: Vec<Option<BallReport>>,
 }
 
@@ -49,6 +50,15 @@ impl Balls {
     pub fn azimuth(&self, index: usize) -> f64 {
         let turn = index as f64 / self.balls.len().max(1) as f64;
         f64::from(self.first_azimuth) + core::f64::consts::TAU * turn
+    }
+}
+
+/// How a row faces.
+pub const fn facing(place: &RowPlace) -> Facing {
+    if place.mirrored {
+        Facing::MinusX
+    } else {
+        Facing::PlusX
     }
 }
 
@@ -61,8 +71,12 @@ pub struct State {
     pub history: VecDeque<Point>,
     /// The last estimate.
     pub estimate: Option<At<EstimateReport>>,
-    /// The balls.
-    pub balls: Balls,
+    /// The balls, row by row.
+    pub balls: Vec<Balls>,
+    /// The last report of each row; `None` before its first one.
+    pub rows: Vec<Option<At<RowReport>>>,
+    /// What stands where on the shaft.
+    pub shaft: Option<At<ShaftReport>>,
     /// The last report of each alarm, in the order of [`Alarm::ALL`].
     pub alarms: [Option<At<AlarmReport>>; Alarm::COUNT],
     /// The last counters.
@@ -136,15 +150,33 @@ impl State {
                 });
             }
             Payload::Balls(report) => {
-                let count = usize::from(report.count);
-                if self.balls.balls.len() != count {
-                    self.balls.balls = vec![None; count];
+                let (row, count) = (usize::from(report.row), usize::from(report.count));
+                if self.balls.len() <= row {
+                    self.balls.resize_with(row + 1, Balls::default);
                 }
-                self.balls.first_azimuth = report.first_azimuth;
-                let places = self.balls.balls.iter_mut().skip(report.first.into());
+                let Some(known) = self.balls.get_mut(row) else {
+                    return;
+                };
+                if known.balls.len() != count {
+                    known.balls = vec![None; count];
+                }
+                known.first_azimuth = report.first_azimuth;
+                let places = known.balls.iter_mut().skip(report.first.into());
                 for (place, ball) in places.zip(&report.balls) {
                     *place = Some(*ball);
                 }
+            }
+            Payload::Rows(report) => {
+                self.rows.resize(report.count.into(), None);
+                let places = self.rows.iter_mut().skip(report.first.into());
+                for (place, report) in places.zip(&report.rows) {
+                    let report = *report;
+                    *place = Some(At { time_us, report });
+                }
+            }
+            Payload::Shaft(report) => {
+                let report = report.clone();
+                self.shaft = Some(At { time_us, report });
             }
             Payload::Alarm(report) => {
                 let report = *report;
@@ -187,6 +219,56 @@ impl State {
                 self.start = Some(At { time_us, report });
             }
         }
+    }
+
+    /// Number of rows, as far as it is known; 0 before the first report of any.
+    pub fn row_count(&self) -> usize {
+        let told = self.shaft.as_ref().map_or(0, |at| at.report.count.into());
+        self.rows.len().max(self.balls.len()).max(told)
+    }
+
+    /// Where a row is and how it faces.
+    pub fn place(&self, row: usize) -> Option<&RowPlace> {
+        self.shaft.as_ref()?.report.rows.get(row)
+    }
+
+    /// Number of the balls of a row.
+    fn ball_count(&self, row: usize) -> Option<usize> {
+        let known = self.balls.get(row).map(|row| row.balls.len());
+        known
+            .filter(|count| *count > 0)
+            .or_else(|| Some(self.place(row)?.balls.into()))
+    }
+
+    /// Row, and ball of that row, of a ball that is counted on from row to row, as alarms do. `None` as long as too
+    /// few rows are known.
+    pub fn row_and_ball(&self, ball: u16) -> Option<(usize, usize)> {
+        let mut rest = usize::from(ball);
+        for row in 0..self.row_count() {
+            let count = self.ball_count(row)?;
+            if rest < count {
+                return Some((row, rest));
+            }
+            rest -= count;
+        }
+        None
+    }
+
+    /// Whether rows face each other, so that they hold each other with a preload.
+    pub fn is_opposed(&self) -> bool {
+        let is_shared = self.rows.iter().flatten().any(|at| at.report.preload > 0.0);
+        is_shared
+            || self.shaft.as_ref().is_some_and(|at| {
+                let rows = &at.report.rows;
+                rows.iter().any(|row| row.mirrored) && rows.iter().any(|row| !row.mirrored)
+            })
+    }
+
+    /// Whether a row has lost the preload that it had from the others.
+    pub fn is_lifted(&self, row: usize) -> bool {
+        let report = self.rows.get(row).and_then(Option::as_ref);
+        // No number is none either.
+        self.is_opposed() && report.is_some_and(|at| !(at.report.axial > 0.0))
     }
 
     /// Alarms that want somebody's attention or stand, the most serious first: none that is clear, or

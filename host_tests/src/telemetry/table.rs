@@ -1,13 +1,14 @@
 //! Frames as rows of a CSV file, and rows as frames again.
 //!
-//! One row a frame, one a ball for the balls; what does not belong to the kind of the row stays empty.
+//! One row a frame; one a ball for the balls, and one a row of balls for these and for the shaft. What does not belong
+//! to the kind of the row stays empty.
 //! SI units. Sets of names have a blank between two. `lost_before` counts the frames that are missing
 //! before this one.
 
 use super::decoder::{Event, Gap};
+use super::state::facing;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::{Deserialize, Serialize};
-use spindle_bearing::Limit;
 use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
 use spindle_bearing::monitor::command::{Answer, AnswerCode, Order};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
@@ -15,9 +16,11 @@ use spindle_bearing::monitor::learning::{Learning, LearningReport};
 use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::telemetry::{
     AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport, InputsReport,
-    Payload, Recovery, RetentionReport, StartReport, StatusCode,
+    Payload, Recovery, RetentionReport, RowPlace, RowReport, RowsReport, ShaftReport, StartReport,
+    StatusCode,
 };
-use spindle_bearing::monitor::{Mark, Marks};
+use spindle_bearing::monitor::{Mark, Marks, TemperatureSource};
+use spindle_bearing::{Facing, Limit};
 use std::io::{Read, Write};
 
 /// A row of the file.
@@ -47,6 +50,9 @@ struct Row {
     k_z_z: Option<f32>,
     k_ty_ty: Option<f32>,
     k_tz_tz: Option<f32>,
+    k_nose_x_n_m: Option<f32>,
+    k_nose_y_n_m: Option<f32>,
+    k_nose_z_n_m: Option<f32>,
     coupling: Option<f32>,
     coupling_row: Option<u8>,
     coupling_column: Option<u8>,
@@ -58,6 +64,21 @@ struct Row {
     error_force: Option<f32>,
     error_stiffness: Option<f32>,
     limits: Option<String>,
+
+    row: Option<u8>,
+    first_row: Option<u8>,
+    row_count: Option<u8>,
+    row_axial_n: Option<f32>,
+    row_fy_n: Option<f32>,
+    row_fz_n: Option<f32>,
+    preload_n: Option<f32>,
+
+    nose_m: Option<f32>,
+    loads_at_m: Option<f32>,
+    mounted_preload_n: Option<f32>,
+    position_m: Option<f32>,
+    facing: Option<String>,
+    balls: Option<u16>,
 
     first_ball: Option<u16>,
     ball_count: Option<u16>,
@@ -108,6 +129,10 @@ struct Row {
     doubtful_revolutions: Option<u64>,
     life_estimated: Option<f32>,
     nonce: Option<u32>,
+    t_inner_c: Option<f32>,
+    t_outer_c: Option<f32>,
+    t_inner_source: Option<String>,
+    t_outer_source: Option<String>,
 
     request: Option<u16>,
     order: Option<String>,
@@ -216,7 +241,9 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
     };
     match &frame.payload {
         Payload::Estimate(report) => vec![estimate_row(head, report)],
-        Payload::Balls(report) => balls_rows(&head, report),
+        Payload::Balls(report) => balls_rows(head, report),
+        Payload::Rows(report) => rows_rows(head, report),
+        Payload::Shaft(report) => shaft_rows(head, report),
         Payload::Alarm(report) => vec![Row {
             kind: "alarm".into(),
             alarm: Some(report.alarm.name().into()),
@@ -266,6 +293,10 @@ fn rows(frame: &Frame, gap: Gap) -> Vec<Row> {
             doubtful_revolutions: Some(report.doubtful_revolutions),
             life_estimated: Some(report.life_estimated),
             nonce: Some(report.nonce),
+            t_inner_c: Some(report.temperatures[0]),
+            t_outer_c: Some(report.temperatures[1]),
+            t_inner_source: Some(report.temperature_sources[0].name().into()),
+            t_outer_source: Some(report.temperature_sources[1].name().into()),
             ..head
         }],
         Payload::Answer(answer) => vec![Row {
@@ -308,6 +339,7 @@ fn estimate_row(head: Row, report: &EstimateReport) -> Row {
     let [fx, fy, fz, my, mz] = report.load.map(Some);
     let [dx, dy, dz, ty, tz] = report.displacement.map(Some);
     let [kx, ky, kz, kty, ktz] = report.stiffness.map(Some);
+    let [k_nose_x_n_m, k_nose_y_n_m, k_nose_z_n_m] = report.nose.map(Some);
     let [error_displacement, error_force, error_stiffness] = report.error.map(Some);
     let limits: Vec<_> = report.passed().map(Limit::name).collect();
     Row {
@@ -330,6 +362,9 @@ fn estimate_row(head: Row, report: &EstimateReport) -> Row {
         k_z_z: kz,
         k_ty_ty: kty,
         k_tz_tz: ktz,
+        k_nose_x_n_m,
+        k_nose_y_n_m,
+        k_nose_z_n_m,
         coupling: Some(report.coupling),
         coupling_row: Some(report.coupling_row),
         coupling_column: Some(report.coupling_column),
@@ -345,35 +380,81 @@ fn estimate_row(head: Row, report: &EstimateReport) -> Row {
     }
 }
 
-fn balls_rows(head: &Row, report: &BallsReport) -> Vec<Row> {
-    let head = Row {
-        kind: "ball".into(),
-        first_ball: Some(report.first),
-        ball_count: Some(report.count),
-        first_azimuth_rad: Some(report.first_azimuth),
-        ..head.clone()
-    };
-    if report.balls.is_empty() {
+/// The rows of a frame that has some of something, with what is the same in all of them; one if it has none.
+fn one_each<T>(head: Row, some: &[T], row: impl Fn(Row, usize, &T) -> Row) -> Vec<Row> {
+    if some.is_empty() {
         return vec![head];
     }
     let mut rows = Vec::new();
-    for (i, ball) in report.balls.iter().enumerate() {
-        // The gap lies before the frame, not before every ball of it.
+    for (i, one) in some.iter().enumerate() {
+        // The gap lies before the frame, not before every row of it.
         let lost_before = match i {
             0 => head.lost_before.clone(),
             _ => Some("0".into()),
         };
-        rows.push(Row {
+        let head = Row {
             lost_before,
-            ball: Some(report.first.wrapping_add(i as u16)),
-            q_i_n: Some(ball.q_i),
-            q_o_n: Some(ball.q_o),
-            alpha_i_rad: Some(ball.alpha_i),
-            alpha_o_rad: Some(ball.alpha_o),
             ..head.clone()
-        });
+        };
+        rows.push(row(head, i, one));
     }
     rows
+}
+
+fn balls_rows(head: Row, report: &BallsReport) -> Vec<Row> {
+    let head = Row {
+        kind: "ball".into(),
+        row: Some(report.row),
+        first_ball: Some(report.first),
+        ball_count: Some(report.count),
+        first_azimuth_rad: Some(report.first_azimuth),
+        ..head
+    };
+    one_each(head, &report.balls, |head, i, ball| Row {
+        ball: Some(report.first.wrapping_add(i as u16)),
+        q_i_n: Some(ball.q_i),
+        q_o_n: Some(ball.q_o),
+        alpha_i_rad: Some(ball.alpha_i),
+        alpha_o_rad: Some(ball.alpha_o),
+        ..head
+    })
+}
+
+fn rows_rows(head: Row, report: &RowsReport) -> Vec<Row> {
+    let head = Row {
+        kind: "row".into(),
+        first_row: Some(report.first),
+        row_count: Some(report.count),
+        ..head
+    };
+    one_each(head, &report.rows, |head, i, row| Row {
+        row: Some(report.first.wrapping_add(i as u8)),
+        row_axial_n: Some(row.axial),
+        row_fy_n: Some(row.radial[0]),
+        row_fz_n: Some(row.radial[1]),
+        preload_n: Some(row.preload),
+        least_force_n: Some(row.least_force),
+        largest_force_n: Some(row.largest_force),
+        ..head
+    })
+}
+
+fn shaft_rows(head: Row, report: &ShaftReport) -> Vec<Row> {
+    let head = Row {
+        kind: "shaft".into(),
+        nose_m: Some(report.nose),
+        loads_at_m: Some(report.loads_at),
+        mounted_preload_n: Some(report.preload),
+        row_count: Some(report.count),
+        ..head
+    };
+    one_each(head, &report.rows, |head, i, place| Row {
+        row: Some(i as u8),
+        position_m: Some(place.position),
+        facing: Some(facing(place).name().into()),
+        balls: Some(place.balls),
+        ..head
+    })
 }
 
 /// Reads the frames of a file that [`Writer`] wrote; rows of damage are none.
@@ -391,22 +472,28 @@ pub fn read(source: impl Read) -> Result<Vec<Frame>> {
             continue;
         }
         let frame = frame(&row).with_context(at)?;
-        // Rows of one frame of balls follow one another.
+        // Rows of one frame follow one another.
         if let Some(last) = frames.last_mut()
-            && let (Payload::Balls(balls), Payload::Balls(more)) =
-                (&mut last.payload, &frame.payload)
             && (last.sequence, last.time_us) == (frame.sequence, frame.time_us)
+            && let Some(joined) = join(&mut last.payload, &frame.payload)
         {
-            for ball in &more.balls {
-                let kept = balls.balls.push(*ball);
-                kept.map_err(|_| anyhow!("more balls than a frame holds"))
-                    .with_context(at)?;
-            }
+            joined.with_context(at)?;
             continue;
         }
         frames.push(frame);
     }
     Ok(frames)
+}
+
+/// Adds what another row of the same frame says; `None` if it cannot be of the same one.
+fn join(payload: &mut Payload, more: &Payload) -> Option<Result<()>> {
+    let fits = match (payload, more) {
+        (Payload::Balls(to), Payload::Balls(more)) => to.balls.extend_from_slice(&more.balls),
+        (Payload::Rows(to), Payload::Rows(more)) => to.rows.extend_from_slice(&more.rows),
+        (Payload::Shaft(to), Payload::Shaft(more)) => to.rows.extend_from_slice(&more.rows),
+        _ => return None,
+    };
+    Some(fits.map_err(|_| anyhow!("more than a frame holds")))
 }
 
 fn frame(row: &Row) -> Result<Frame> {
@@ -420,8 +507,10 @@ fn frame(row: &Row) -> Result<Frame> {
             "alarm" => Payload::Alarm(alarm(row).context("a field is missing or not known")?),
             "health" => Payload::Health(health(row).context("a field is missing")?),
             "answer" => Payload::Answer(answer(row).context("a field is missing or not known")?),
-            "inputs" => Payload::Inputs(inputs(row).context("a field is missing")?),
+            "inputs" => Payload::Inputs(inputs(row).context("a field is missing or not known")?),
             "board" => Payload::Board(board(row).context("a field is missing or not known")?),
+            "row" => Payload::Rows(spindle_rows(row).context("a field is missing")?),
+            "shaft" => Payload::Shaft(shaft(row).context("a field is missing or not known")?),
             "start" => Payload::Start(start(row).context("a field is missing or not known")?),
             other => bail!("no such kind of row: `{other}`"),
         },
@@ -458,6 +547,7 @@ fn estimate(row: &Row) -> Option<EstimateReport> {
             row.k_ty_ty?,
             row.k_tz_tz?,
         ],
+        nose: [row.k_nose_x_n_m?, row.k_nose_y_n_m?, row.k_nose_z_n_m?],
         coupling: row.coupling?,
         coupling_row: row.coupling_row?,
         coupling_column: row.coupling_column?,
@@ -476,6 +566,7 @@ fn estimate(row: &Row) -> Option<EstimateReport> {
 
 fn balls(row: &Row) -> Option<BallsReport> {
     let mut report = BallsReport {
+        row: row.row?,
         first: row.first_ball?,
         count: row.ball_count?,
         first_azimuth: row.first_azimuth_rad?,
@@ -489,6 +580,46 @@ fn balls(row: &Row) -> Option<BallsReport> {
             alpha_o: row.alpha_o_rad?,
         };
         report.balls.push(ball).ok()?;
+    }
+    Some(report)
+}
+
+fn spindle_rows(row: &Row) -> Option<RowsReport> {
+    let mut report = RowsReport {
+        first: row.first_row?,
+        count: row.row_count?,
+        rows: Default::default(),
+    };
+    if row.row.is_some() {
+        let of = RowReport {
+            axial: row.row_axial_n?,
+            radial: [row.row_fy_n?, row.row_fz_n?],
+            preload: row.preload_n?,
+            least_force: row.least_force_n?,
+            largest_force: row.largest_force_n?,
+        };
+        report.rows.push(of).ok()?;
+    }
+    Some(report)
+}
+
+fn shaft(row: &Row) -> Option<ShaftReport> {
+    let mut report = ShaftReport {
+        nose: row.nose_m?,
+        loads_at: row.loads_at_m?,
+        preload: row.mounted_preload_n?,
+        count: row.row_count?,
+        rows: Default::default(),
+    };
+    if row.row.is_some() {
+        let facings = [Facing::PlusX, Facing::MinusX];
+        let facing = by_name(&facings, Facing::name, row.facing.as_deref()?)?;
+        let place = RowPlace {
+            position: row.position_m?,
+            mirrored: facing == Facing::MinusX,
+            balls: row.balls?,
+        };
+        report.rows.push(place).ok()?;
     }
     Some(report)
 }
@@ -537,6 +668,13 @@ fn health(row: &Row) -> Option<HealthReport> {
 }
 
 fn inputs(row: &Row) -> Option<InputsReport> {
+    let source = |name: &Option<String>| {
+        by_name(
+            &TemperatureSource::ALL,
+            TemperatureSource::name,
+            name.as_deref()?,
+        )
+    };
     Some(InputsReport {
         records: FrameCounts {
             received: row.records_received?,
@@ -549,6 +687,8 @@ fn inputs(row: &Row) -> Option<InputsReport> {
         doubtful_revolutions: row.doubtful_revolutions?,
         life_estimated: row.life_estimated?,
         nonce: row.nonce?,
+        temperatures: [row.t_inner_c?, row.t_outer_c?],
+        temperature_sources: [source(&row.t_inner_source)?, source(&row.t_outer_source)?],
     })
 }
 

@@ -1,6 +1,6 @@
 //! The monitor while it cuts: teeth that pass, overloads, crashes, and what passes for idling.
 
-use super::monitor::{IDLE, Rig, SETTINGS, SPEED, settings};
+use super::monitor::{IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_nose, settings};
 use super::retained::idling;
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use rayon::prelude::*;
@@ -10,6 +10,35 @@ use spindle_bearing::monitor::judgement::{AlarmChange, Changes};
 use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::{self, Alarm, AlarmState, Judgement, Mark, Readings};
+
+/// Share of the ticks under these loads that have a fresh estimate.
+fn share<const R: usize>(mut rig: Rig<R>, ticks: u32, load: impl Fn(u32) -> [f32; 5]) -> f64 {
+    rig.run_up();
+    let fresh = |tick: &u32| {
+        let sample = rig.sample(load(*tick));
+        let readings = Readings {
+            loads: Ok(Some(sample)),
+            speed: Some(Some(SPEED)),
+            temperatures: None,
+        };
+        let outcome = rig.tick(&readings);
+        outcome.age == Some(0) && outcome.marks.is_empty()
+    };
+    f64::from((0..ticks).filter(fresh).count() as u32) / f64::from(ticks)
+}
+
+/// The same of a single bearing and of the shipped pair, under a force (N) on the front bearing besides the idling loads.
+pub(super) fn shares(ticks: u32, force: impl Fn(u32) -> [f64; 3]) -> [f64; 2] {
+    let on_bearing = |tick| {
+        let [x, y, z] = force(tick).map(|force| force as f32);
+        let [fx, fy, fz, my, mz] = IDLE;
+        [fx + x, fy + y, fz + z, my, mz]
+    };
+    [
+        share(Rig::new(&ON_BEARING), ticks, on_bearing),
+        share(Rig::shipped(), ticks, |tick| at_nose(force(tick))),
+    ]
+}
 
 /// Every tooth presses the shaft with a half-sine of a radial load, on top of the preload. Teeth follow each other
 /// without a pause, or with one as long as a tooth's time in the cut.
@@ -25,45 +54,41 @@ fn loads_of_passing_teeth_are_solved_in_the_tick_that_brings_them() {
     let stale: Vec<_> = cases
         .into_par_iter()
         .map(|(per_second, amplitude, in_cut)| {
-            let mut rig = Rig::new(&MONITOR);
-            rig.run_up();
-            let fresh = |tick: &u32| {
+            let force = |tick: u32| {
                 // A little off the rate of the ticks, which thereby meet every part of the half-sine.
-                let phase = (per_second * 1.0007e-3 * f64::from(*tick)).fract();
+                let phase = (per_second * 1.0007e-3 * f64::from(tick)).fract();
                 let part = (std::f64::consts::PI * phase.min(in_cut) / in_cut).sin();
-                let mut sample = rig.sample(IDLE);
-                sample.load[1] += (amplitude * part) as f32;
-                let readings = Readings {
-                    loads: Ok(Some(sample)),
-                    speed: Some(Some(SPEED)),
-                };
-                rig.tick(&readings).age == Some(0)
+                [0.0, amplitude * part, 0.0]
             };
-            let fresh = (0..TICKS).filter(fresh).count();
-            (
-                fresh as f64 / f64::from(TICKS),
-                per_second,
-                amplitude,
-                in_cut,
-            )
+            (shares(TICKS, force), per_second, amplitude, in_cut)
         })
-        .filter(|(fresh, ..)| *fresh < 0.999)
+        // A pair has three iterations in a tick: the hardest of these cuts take more in one tick of a hundred.
+        .filter(|([bearing, pair], _, amplitude, _)| {
+            let most = if *amplitude < 1000.0 { 0.999 } else { 0.99 };
+            !(*bearing >= 0.999 && *pair >= most)
+        })
         .collect();
     assert!(stale.is_empty(), "{stale:?}");
 }
 
 /// A tick under the idling loads and so much more radial load.
-fn pressed(rig: &mut Rig, radial: f32) -> monitor::Outcome {
-    let mut sample = rig.sample(IDLE);
+fn pressed<const R: usize>(rig: &mut Rig<R>, radial: f32) -> monitor::Outcome {
+    let mut sample = rig.sample(rig.idle);
     sample.load[1] += radial;
     rig.tick(&Readings {
         loads: Ok(Some(sample)),
         speed: Some(Some(SPEED)),
+        temperatures: None,
     })
 }
 
 /// Whether the alarm was raised in so many ticks under the load of each.
-fn raises(rig: &mut Rig, alarm: Alarm, ticks: u32, radial: impl Fn(u32) -> f32) -> bool {
+fn raises<const R: usize>(
+    rig: &mut Rig<R>,
+    alarm: Alarm,
+    ticks: u32,
+    radial: impl Fn(u32) -> f32,
+) -> bool {
     let before = rig.happened.len();
     for tick in 0..ticks {
         pressed(rig, radial(tick));
@@ -131,10 +156,10 @@ fn what_the_shipped_range_rejects_is_an_overload() {
     for ([low, high], overload) in bounds {
         assert!(overload <= high.max(-low));
     }
-    let mut rig = Rig::new(&MONITOR);
+    let mut rig = Rig::shipped();
     rig.run_up();
-    assert!(raises(&mut rig, Alarm::Overload, 5, |_| 3.5e3));
-    assert!(!pressed(&mut rig, 3.5e3).solved);
+    assert!(raises(&mut rig, Alarm::Overload, 5, |_| 2e3));
+    assert!(!pressed(&mut rig, 2e3).solved);
 }
 
 /// Learns on the idling spindle.
@@ -178,6 +203,7 @@ fn a_monitor_that_is_blind_says_so() {
             rig.tick(&Readings {
                 loads: Err(Mark::Corrupt.into()),
                 speed: Some(Some(SPEED)),
+                temperatures: None,
             });
         }
     }
@@ -200,6 +226,7 @@ fn a_sensor_that_is_doubted_nearly_half_of_the_time_is_told() {
         rig.tick(&Readings {
             loads: Ok(Some(sample)),
             speed: Some(Some(SPEED)),
+            temperatures: None,
         });
     }
     assert_eq!(rig.state(Alarm::Availability), AlarmState::Raised);
@@ -218,6 +245,7 @@ fn a_link_that_loses_nearly_all_says_so() {
             rig.tick(&Readings {
                 loads: Ok(None),
                 speed: Some(Some(SPEED)),
+                temperatures: None,
             });
         }
     }

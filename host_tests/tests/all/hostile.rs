@@ -119,7 +119,8 @@ impl Board {
                 Some(Ok(Received::Command(Command::Ask(request)))) => {
                     self.rig.monitor.ask(self.rig.time_us, &request);
                 }
-                Some(Ok(Received::Command(Command::Tick(_)))) | None => {}
+                Some(Ok(Received::Command(Command::Tick(_) | Command::Temperatures(_)))) | None => {
+                }
                 Some(Err(error)) => self.source.take(Err(error)),
             }
         }
@@ -128,8 +129,11 @@ impl Board {
         let after = self.source.counts();
         assert!(before.received == after.received && before.corrupt == after.corrupt);
         assert!(before.lost <= after.lost && before.disordered <= after.disordered);
-        let speed = None;
-        let outcome = self.rig.tick(&Readings { loads, speed });
+        let outcome = self.rig.tick(&Readings {
+            loads,
+            speed: None,
+            temperatures: None,
+        });
         outcome.marks.is_empty() && outcome.age == Some(0)
     }
 }

@@ -1,7 +1,6 @@
 //! Rating life that the monitor counts, against that of the loads as they are.
 
-use super::monitor::{BEARING, IDLE, Rig, SETTINGS, SPEED};
-use host_tests::telemetry::simulated::monitor_settings::MONITOR;
+use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED};
 use rayon::prelude::*;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::{Mark, Marks, Readings};
@@ -36,6 +35,7 @@ fn counted(
         rig.tick(&Readings {
             loads: Ok(Some(sample)),
             speed: Some(Some(SPEED)),
+            temperatures: None,
         });
         sum += truth(&mut solver, sample.load);
     }
@@ -63,7 +63,7 @@ fn life_under_passing_teeth_is_that_of_their_loads() {
         .into_par_iter()
         .map(|(per_second, amplitude)| {
             let amplitude = [0.0, amplitude, 0.0, 0.0, 0.0];
-            let (ratio, _) = counted(&MONITOR, 1000, |tick| teeth(tick, per_second, amplitude));
+            let (ratio, _) = counted(&ON_BEARING, 1000, |tick| teeth(tick, per_second, amplitude));
             (ratio, per_second, amplitude[1])
         })
         .filter(|(ratio, ..)| !(0.98..=1.02).contains(ratio))
@@ -98,7 +98,7 @@ fn life_through_overloads_is_on_the_safe_side_and_within_a_factor_of_1_3() {
                 0.0 => std::array::from_fn(|i| IDLE[i] + amplitude[i]),
                 _ => teeth(tick, per_second, amplitude),
             };
-            let (ratio, estimated) = counted(&MONITOR, 1000, load);
+            let (ratio, estimated) = counted(&ON_BEARING, 1000, load);
             (ratio, estimated, per_second, amplitude)
         })
         // The estimate's own tolerance is 5e-4, thrice that in the life.
@@ -111,7 +111,7 @@ fn life_through_overloads_is_on_the_safe_side_and_within_a_factor_of_1_3() {
 #[test]
 fn a_broken_sensor_does_not_use_up_the_life() {
     let rate = |load: [f32; 5], doubts: Marks| {
-        let mut rig = Rig::new(&MONITOR);
+        let mut rig = Rig::new(&ON_BEARING);
         rig.run_up();
         let before = rig.monitor.life().used();
         for _ in 0..1000 {
@@ -120,6 +120,7 @@ fn a_broken_sensor_does_not_use_up_the_life() {
             rig.tick(&Readings {
                 loads: Ok(Some(sample)),
                 speed: Some(Some(SPEED)),
+                temperatures: None,
             });
         }
         rig.monitor.life().used() - before
@@ -138,11 +139,12 @@ fn a_broken_sensor_does_not_use_up_the_life() {
 /// Before the first estimate, the equilibrium that the monitor was prepared with counts.
 #[test]
 fn a_sensor_that_fails_from_the_start_stops_no_life() {
-    let mut rig = Rig::new(&MONITOR);
+    let mut rig = Rig::new(&ON_BEARING);
     for ms in 0..2000 {
         rig.tick(&Readings {
             loads: Err(Mark::Bus.into()),
             speed: Some(Some(SPEED * (ms as f32 * 1e-3).min(1.0))),
+            temperatures: None,
         });
     }
     let life = rig.monitor.life();

@@ -4,8 +4,9 @@
 use crate::malformed::{self, HEADER};
 use host_tests::design_file::{DesignFile, DesignFileError, SHIPPED};
 use host_tests::dispatch::{self, Answer, AnySolver, Attitude, BALL_COUNTS, Figures, Precision};
+use host_tests::loads::write_csv;
 use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError};
-use host_tests::milling_cycle::{CRASH, RECORD, milling_cycle, write_csv};
+use host_tests::milling_cycle::{CRASH, NOSE_RECORD, Place, RECORD, recorded};
 use host_tests::replay::replay;
 use host_tests::warm_up;
 use spindle_bearing::{BallState, Design, FreeContact, LimitSet, Limits, Material};
@@ -398,7 +399,7 @@ fn the_recording_of_a_spindle_that_warms_up_is_what_its_program_writes() {
         .unwrap()
         .replace('\r', "");
     let mut made = Vec::new();
-    warm_up::write_csv(&warm_up::warm_up(), &mut made).unwrap();
+    write_csv(&warm_up::warm_up(), &mut made).unwrap();
     assert!(
         kept.as_bytes() == made,
         "`cargo run -p tools --bin make_record -- --warm-up` writes it again"
@@ -407,16 +408,18 @@ fn the_recording_of_a_spindle_that_warms_up_is_what_its_program_writes() {
 
 #[test]
 fn the_recording_is_what_its_program_writes() {
-    let mut written = Vec::new();
-    write_csv(&milling_cycle(), &mut written).unwrap();
-    // Line ends aside, which a checkout may change.
-    let kept = std::fs::read_to_string(RECORD).unwrap().replace('\r', "");
-    assert!(
-        kept.as_bytes() == written,
-        "run `cargo run -p tools --bin make_record`"
-    );
-    assert!(written.len() < 1_000_000);
-    assert!(kept.starts_with(&COLUMNS.join(",")));
+    for (place, path) in [(Place::Bearing, RECORD), (Place::Nose, NOSE_RECORD)] {
+        let mut written = Vec::new();
+        write_csv(&recorded(place), &mut written).unwrap();
+        // Line ends aside, which a checkout may change.
+        let kept = std::fs::read_to_string(path).unwrap().replace('\r', "");
+        assert!(
+            kept.as_bytes() == written,
+            "{place:?}: run `cargo run -p tools --bin make_record`, once more with `-- --nose`"
+        );
+        assert!(written.len() < 1_200_000);
+        assert!(kept.starts_with(&COLUMNS.join(",")));
+    }
 }
 
 #[test]

@@ -195,6 +195,7 @@ pub(super) fn idling(speed: f32, stiffness: [f32; 5]) -> Findings {
         contact_angle: quiet,
         slip: quiet,
         unloaded: quiet,
+        preload: None,
         load: IDLE,
         speed,
         stiffness,
@@ -1376,6 +1377,7 @@ fn readings(time_us: u64) -> Readings {
             doubts: Marks::NONE,
         })),
         speed: None,
+        temperatures: None,
     }
 }
 

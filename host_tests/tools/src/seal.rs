@@ -13,14 +13,13 @@ mod spindle {
     use spindle_bearing::monitor::tick::CycleCost;
     type Precision = f32;
     const CORE_HZ: u32 = 168_000_000;
-    const COST: CycleCost = CycleCost::CORTEX_M4F;
+    const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
     #[path = "../../../examples/monitor_settings.rs"]
     pub mod monitor_settings;
     #[path = "../../../examples/monitored.rs"]
     pub mod monitored;
 }
 
-use spindle::monitor_settings::IDLE;
 use spindle::monitored::{self, BALLS, BEARING, DESIGN};
 
 /// Its bearing in the precision of the STM32H743.
@@ -90,11 +89,12 @@ impl<'e> Image<'e> {
 }
 
 /// The checksum of the answer that is known.
-fn answer<T: Real>(bearing: &'static Bearing<T, BALLS>) -> u32 {
-    let mut known = KnownAnswer::<T, _, _>::new(monitored::spindle(bearing), IDLE[0]);
+fn answer<T: Real + Send + Sync>(bearing: &'static Bearing<T, BALLS>) -> Result<u32> {
+    let spindle = monitored::spindle(bearing)?;
+    let mut known = KnownAnswer::<T, _, _>::new(spindle, monitored::PRELOAD as f32);
     loop {
         if let Some(sum) = known.step() {
-            return sum;
+            return Ok(sum);
         }
     }
 }
@@ -117,8 +117,8 @@ pub fn sealed(elf: &[u8]) -> Result<Vec<u8>> {
         *word = u32::from_le_bytes(bytes.try_into()?);
     }
     let answer = match Seal::read(words) {
-        Seal::Open { precision: 4 } => answer(&BEARING),
-        Seal::Open { .. } => answer(&DOUBLE),
+        Seal::Open { precision: 4 } => answer(&BEARING)?,
+        Seal::Open { .. } => answer(&DOUBLE)?,
         Seal::Closed { .. } | Seal::Damaged => bail!("it has a seal already"),
     };
     let mut sum = Checksum::default();

@@ -1,5 +1,5 @@
-//! What goes over the port to the monitor in a run of a recording: a record a tick, spoilt by faults if
-//! wanted, and now and then a command of the operator's.
+//! What goes over the port to the monitor in a run of a recording: a record a tick and temperatures ten times a second, spoilt
+//! by faults if wanted, and now and then a command of the operator's.
 
 pub mod faults;
 pub mod records;
@@ -9,12 +9,14 @@ use faults::Spoiler;
 use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::State;
+use records::Recording;
 use spindle_bearing::monitor::MonitorSettings;
-use spindle_bearing::monitor::command::Order;
-use spindle_bearing::record::LoadRecord;
+use spindle_bearing::monitor::command::{self, Command, Order};
 
 /// Bytes that the link takes in a tick: those of 460,800 baud in a millisecond.
 pub const ROOM: u16 = 46;
+/// Ticks from one message of temperatures to the next.
+const TEMPERATURES: usize = 100;
 /// Ticks between two looks of the operator, who then acknowledges what there is.
 const LOOK: usize = 2000;
 /// Ticks at which the operator has the baseline learnt, and no longer.
@@ -29,7 +31,7 @@ pub struct Tick {
     pub room: u16,
 }
 
-/// The run of these records, spoilt.
+/// The run of a recording, spoilt.
 ///
 /// `board` is what runs them, and returns its telemetry of a tick, which the operator
 /// hears. The last tick is one with a health report, so that the board's own counters are the last word, and all that
@@ -39,13 +41,14 @@ pub struct Tick {
 ///
 /// `board` failed.
 pub fn ticks<const R: usize>(
-    records: &[LoadRecord],
+    recording: &Recording,
     spoiler: &mut Spoiler,
     settings: &MonitorSettings<R>,
     mut board: impl FnMut(&Tick) -> Result<Vec<u8>>,
 ) -> Result<Vec<Tick>> {
     let period = settings.tick.period_us;
     let per_report = (settings.telemetry.health_us / period).max(1) as usize;
+    let records = &recording.records;
     let ticks = records.len().div_ceil(per_report) * per_report + 1;
     let (mut state, mut decoder) = (State::default(), Decoder::new());
     let mut operator = Operator::new(Vec::new(), None);
@@ -64,6 +67,12 @@ pub fn ticks<const R: usize>(
             let spoilt = spoiler.spoil(tick, record);
             bytes.extend(spoilt.bytes);
             shut = spoilt.shut;
+        }
+        if tick % TEMPERATURES == 0
+            && let Some(temperatures) = recording.temperatures.get(tick)
+        {
+            let temperatures = spoiler.spoil_temperatures(tick, *temperatures);
+            bytes.extend(command::encode(Command::Temperatures(temperatures)));
         }
         let last = tick + 1 == ticks;
         let room = match (last, shut) {

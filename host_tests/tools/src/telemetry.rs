@@ -7,5 +7,6 @@
 //! | [`picture`] | a terminal's content as SVG |
 
 pub mod picture;
+mod shaft;
 pub mod source;
 pub mod view;

@@ -124,11 +124,14 @@ mod bare {
 
     fn run() {
         let bands = &SETTINGS.judgement.baseline;
+        let Ok(spindle) = monitored::spindle(&monitored::BEARING) else {
+            return;
+        };
         let identity = Identity::new(&monitored::DESIGN, monitored::BALLS, bands);
         let (mut store, past) =
             Store::open(Unknown, black_box(identity), black_box(ResetCause::Pin));
         let mut monitor: Monitor<{ monitored::ROWS }, { monitored::BALLS }> =
-            Monitor::new(monitored::spindle(&monitored::BEARING), &SETTINGS).with_past(&past);
+            Monitor::new(spindle, &SETTINGS).with_past(&past);
         let _ = monitor.prepare(black_box([420.0; 5]), black_box(0.0));
         let mut frames = FramedLoads::new();
         let calibration: Calibration<6> = black_box(Calibration {
@@ -169,6 +172,7 @@ mod bare {
             let readings = Readings {
                 loads,
                 speed: black_box(Some(speed.ok().map(|speed| speed.omega))),
+                temperatures: black_box(None),
             };
             let outcome = monitor.tick(time_us, &readings, &mut Unknown, &mut Unknown);
             black_box(outcome);

@@ -8,7 +8,6 @@
 #![cfg_attr(target_os = "none", no_main)]
 
 #[cfg(target_os = "none")]
-#[allow(dead_code, reason = "the bearing is all that is wanted of it")]
 #[path = "../../../../examples/monitored.rs"]
 mod monitored;
 /// That of the smaller core.

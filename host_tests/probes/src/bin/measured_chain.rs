@@ -42,17 +42,17 @@ mod measured {
     pub trait Board {
         type T: Real;
         const CORE_HZ: u32;
-        const COST: CycleCost;
+        const COST: [CycleCost; 2];
     }
     impl Board for Choice<0> {
         type T = f32;
         const CORE_HZ: u32 = 168_000_000;
-        const COST: CycleCost = CycleCost::CORTEX_M4F;
+        const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
     }
     impl Board for Choice<1> {
         type T = f64;
         const CORE_HZ: u32 = 400_000_000;
-        const COST: CycleCost = CycleCost::CORTEX_M7;
+        const COST: [CycleCost; 2] = [CycleCost::CORTEX_M7_SINGLE, CycleCost::CORTEX_M7];
     }
     const PRECISION: usize = match option_env!("MEASURED_PRECISION") {
         None => 0,
@@ -65,8 +65,13 @@ mod measured {
     pub type Precision = <Choice<PRECISION> as Board>::T;
     pub const CORE_HZ: u32 = <Choice<PRECISION> as Board>::CORE_HZ;
     /// One iteration more than the firmware allows: what that takes decides whether it fits. A period is 1 ms.
-    pub const COST: CycleCost =
-        <Choice<PRECISION> as Board>::COST.with_an_iteration_more(CORE_HZ / 1000);
+    pub const COST: [CycleCost; 2] = {
+        let [single, pair] = <Choice<PRECISION> as Board>::COST;
+        [
+            single.with_an_iteration_more(CORE_HZ / 1000),
+            pair.with_an_iteration_more(CORE_HZ / 1000),
+        ]
+    };
 
     /// Bytes that come in before a tick, at most.
     const INPUT: usize = 1024;

@@ -4,12 +4,14 @@
 use anyhow::{Context, Result, bail};
 use clap::{ArgGroup, Parser, ValueEnum};
 use host_tests::loads;
-use host_tests::milling_cycle::RECORD;
+use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap};
 use host_tests::telemetry::operator::{answer_words, words};
 use host_tests::telemetry::simulated;
-use host_tests::telemetry::state::State;
+use host_tests::telemetry::simulated::monitored::ROWS;
+use host_tests::telemetry::state::{State, facing};
 use host_tests::telemetry::table::{Writer, change_name};
+use spindle_bearing::monitor::TemperatureSource;
 use spindle_bearing::monitor::command::{self, Order};
 use spindle_bearing::monitor::telemetry::Payload;
 use std::fs::File;
@@ -185,14 +187,14 @@ fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
         return Ok((source::file(path)?, None));
     }
     let mut rows = Vec::new();
-    for row in loads::read(RECORD)? {
+    for row in loads::read(record_of(ROWS))? {
         let row = row?;
         if arguments.seconds.is_some_and(|end| row.time_s >= end) {
             break;
         }
         rows.push(row);
     }
-    let bytes = simulated::stream(&rows);
+    let bytes = simulated::stream(&rows)?;
     Ok((source::stream(Cursor::new(bytes)), None))
 }
 
@@ -272,10 +274,13 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
             let k = report.stiffness;
             writeln!(
                 out,
-                "estimate  Kx {:.2} Ky {:.2} Kz {:.2} N/um  Q {:.1} to {:.1} N  {}{}{}",
+                "estimate  Kx {:.2} Ky {:.2} Kz {:.2}, nose {:.2} {:.2} {:.2} N/um  Q {:.1} to {:.1} N  {}{}{}",
                 k[0] * 1e-6,
                 k[1] * 1e-6,
                 k[2] * 1e-6,
+                report.nose[0] * 1e-6,
+                report.nose[1] * 1e-6,
+                report.nose[2] * 1e-6,
                 report.least_force,
                 report.largest_force,
                 report.status.name(),
@@ -291,8 +296,52 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
             let last = usize::from(report.first) + report.balls.len();
             writeln!(
                 out,
-                "balls     {} to {last} of {}",
-                report.first, report.count
+                "balls     row {}, {} to {last} of {}",
+                report.row, report.first, report.count
+            )?;
+        }
+        Payload::Rows(report) => {
+            let rows = report.rows.iter().zip(usize::from(report.first)..);
+            let rows: Vec<_> = rows
+                .map(|(row, i)| {
+                    format!(
+                        "{i}: axial {:.1} radial {:.1} preload {:.1} Q {:.1} to {:.1} N",
+                        row.axial,
+                        row.radial[0].hypot(row.radial[1]),
+                        row.preload,
+                        row.least_force,
+                        row.largest_force
+                    )
+                })
+                .collect();
+            writeln!(
+                out,
+                "rows      {} in all; {}",
+                report.count,
+                rows.join("; ")
+            )?;
+        }
+        Payload::Shaft(report) => {
+            let rows: Vec<_> = report
+                .rows
+                .iter()
+                .zip(0..)
+                .map(|(place, i): (_, usize)| {
+                    let facing = facing(place).name();
+                    format!(
+                        "{i}: {facing} at {} m, {} balls",
+                        place.position, place.balls
+                    )
+                })
+                .collect();
+            writeln!(
+                out,
+                "shaft     {} rows; {}; nose at {} m, loads about {} m, mounted preload {} N",
+                report.count,
+                rows.join("; "),
+                report.nose,
+                report.loads_at,
+                report.preload
             )?;
         }
         Payload::Alarm(report) => writeln!(
@@ -316,16 +365,27 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
             report.retention.baseline.name(),
             report.retention.life.name()
         )?,
-        Payload::Inputs(report) => writeln!(
-            out,
-            "inputs    {} records, {} corrupt, {} lost, {} out of order, {} late; of the life {:.3e} estimated",
-            report.records.received,
-            report.records.corrupt,
-            report.records.lost,
-            report.records.disordered,
-            report.records.late,
-            report.life_estimated
-        )?,
+        Payload::Inputs(report) => {
+            write!(
+                out,
+                "inputs    {} records, {} corrupt, {} lost, {} out of order, {} late; of the life {:.3e} estimated",
+                report.records.received,
+                report.records.corrupt,
+                report.records.lost,
+                report.records.disordered,
+                report.records.late,
+                report.life_estimated
+            )?;
+            if report.temperature_sources != [TemperatureSource::Unused; 2] {
+                let ([inner, outer], from) = (report.temperatures, report.temperature_sources);
+                let [inner_from, outer_from] = from.map(TemperatureSource::name);
+                write!(
+                    out,
+                    "; inner {inner:.1} C {inner_from}, outer {outer:.1} C {outer_from}"
+                )?;
+            }
+            writeln!(out)?;
+        }
         Payload::Answer(answer) => writeln!(out, "answer    {}", answer_words(answer))?,
         Payload::Board(report) => {
             let stack = report.unused_stack.map_or("not measured".into(), |bytes| {
@@ -361,6 +421,61 @@ fn print(out: &mut impl Write, event: &Event) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use spindle_bearing::monitor::telemetry::{
+        Frame, RowPlace, RowReport, RowsReport, ShaftReport, VERSION,
+    };
+
+    #[test]
+    fn rows_and_shaft_have_a_line_each() {
+        let row = RowReport {
+            axial: 412.0,
+            radial: [30.0, -40.0],
+            preload: 244.0,
+            least_force: 12.0,
+            largest_force: 95.0,
+        };
+        let place = |position, mirrored| RowPlace {
+            position,
+            mirrored,
+            balls: 16,
+        };
+        let payloads = [
+            Payload::Rows(RowsReport {
+                first: 1,
+                count: 2,
+                rows: [row].into_iter().collect(),
+            }),
+            Payload::Shaft(ShaftReport {
+                nose: 0.09,
+                loads_at: 0.12,
+                preload: 250.0,
+                count: 2,
+                rows: [place(-0.02, false), place(0.02, true)]
+                    .into_iter()
+                    .collect(),
+            }),
+        ];
+        let lines = payloads.map(|payload| {
+            let frame = Frame {
+                version: VERSION,
+                sequence: 0,
+                time_us: 0,
+                payload,
+            };
+            let mut out = Vec::new();
+            let gap = Gap::None;
+            print(&mut out, &Event::Frame { frame, gap }).unwrap();
+            String::from_utf8(out).unwrap()
+        });
+        let expected = [
+            "rows      2 in all; 1: axial 412.0 radial 50.0 preload 244.0 Q 12.0 to 95.0 N\n",
+            "shaft     2 rows; 0: +x at -0.02 m, 16 balls; 1: -x at 0.02 m, 16 balls; \
+             nose at 0.09 m, loads about 0.12 m, mounted preload 250 N\n",
+        ];
+        for (line, expected) in lines.iter().zip(expected) {
+            assert!(line.ends_with(expected), "{line}");
+        }
+    }
 
     #[test]
     fn what_a_source_cannot_do_is_refused() {

@@ -28,10 +28,14 @@ pub enum Fault {
     SpeedLost,
     /// The telemetry's link takes no bytes.
     LinkShut,
+    /// The sensor of the inner side's temperature fails.
+    TemperatureLost,
+    /// The outer side's temperature jumps and comes back.
+    TemperatureSpike,
 }
 
 /// Each of them, and how long it lasts, in ticks: least and most.
-const FAULTS: [(Fault, [u64; 2]); 11] = [
+const FAULTS: [(Fault, [u64; 2]); 13] = [
     (Fault::Dropped, [5, 40]),
     (Fault::Corrupt, [1, 10]),
     (Fault::Repeated, [1, 5]),
@@ -43,6 +47,8 @@ const FAULTS: [(Fault, [u64; 2]); 11] = [
     (Fault::Step, [50, 200]),
     (Fault::SpeedLost, [20, 200]),
     (Fault::LinkShut, [300, 900]),
+    (Fault::TemperatureLost, [200, 400]),
+    (Fault::TemperatureSpike, [100, 200]),
 ];
 
 impl fmt::Display for Fault {
@@ -59,6 +65,8 @@ impl fmt::Display for Fault {
             Self::Step => "load step",
             Self::SpeedLost => "speed lost at full speed",
             Self::LinkShut => "telemetry link shut",
+            Self::TemperatureLost => "temperature lost",
+            Self::TemperatureSpike => "temperature spike",
         })
     }
 }
@@ -166,13 +174,31 @@ impl Spoiler {
         &self.episodes
     }
 
+    /// The faults of a tick.
+    fn at(&self, tick: usize) -> Vec<Episode> {
+        let now = |e: &&Episode| (e.from..e.until).contains(&tick);
+        self.episodes.iter().filter(now).copied().collect()
+    }
+
+    /// What becomes of a tick's temperatures.
+    pub fn spoil_temperatures(&self, tick: usize, [inner, outer]: [f32; 2]) -> [f32; 2] {
+        let (mut inner, mut outer) = (inner, outer);
+        for episode in self.at(tick) {
+            match episode.fault {
+                Fault::TemperatureLost => inner = f32::NAN,
+                Fault::TemperatureSpike => outer += 60.0,
+                _ => {}
+            }
+        }
+        [inner, outer]
+    }
+
     /// What becomes of a tick's record.
     pub fn spoil(&mut self, tick: usize, record: &LoadRecord) -> Spoilt {
         let mut record = *record;
         let (mut times, mut corrupt, mut shut) = (1, false, false);
         let mut stuck = None;
-        let now = |e: &&Episode| (e.from..e.until).contains(&tick);
-        for episode in self.episodes.iter().filter(now) {
+        for episode in self.at(tick) {
             match episode.fault {
                 Fault::Dropped => times = self.dice.below(2),
                 Fault::Corrupt => corrupt = true,
@@ -185,6 +211,7 @@ impl Spoiler {
                 Fault::Step => record.fy += 300.0,
                 Fault::SpeedLost => record.speed_rpm = f32::NAN,
                 Fault::LinkShut => shut = true,
+                Fault::TemperatureLost | Fault::TemperatureSpike => {}
             }
         }
         self.stuck = stuck;

@@ -1,15 +1,24 @@
-//! A recording as the records that the board receives: one a tick.
+//! A recording as what the board receives: a record of loads and speed a tick, and temperatures now and then.
 
 use anyhow::{Result, bail};
 use host_tests::loads::{self, LoadRow};
 use spindle_bearing::record::LoadRecord;
+
+/// What is sent in a run.
+#[derive(Debug, Clone, Default)]
+pub struct Recording {
+    /// Loads and speed, a record a tick.
+    pub records: Vec<LoadRecord>,
+    /// Temperatures of the inner and of the outer side at every tick, degrees Celsius; empty if there are none.
+    pub temperatures: Vec<[f32; 2]>,
+}
 
 /// Longest run: a day of ticks takes some gigabytes of frames.
 const LONGEST: f64 = 3600.0;
 
 /// Reads the first `seconds` of a recording, all of it if that is `None`, and puts a record onto every
 /// tick of `period_us`, on the straight line between the rows around it.
-pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Vec<LoadRecord>> {
+pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Recording> {
     let mut rows: Vec<LoadRow> = Vec::new();
     for row in loads::read(path)? {
         let row = row?;
@@ -35,7 +44,7 @@ pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Vec<Load
     let start = first.time_s;
     let end = rows.last().map_or(0.0, |last| last.time_s - start);
     let end = seconds.map_or(end, |limit| limit.min(end));
-    let mut records = Vec::new();
+    let mut recording = Recording::default();
     let mut row = 0;
     for sequence in 0_u32.. {
         let us = u64::from(sequence) * u64::from(period_us);
@@ -59,7 +68,11 @@ pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Vec<Load
         };
         let between = |from: f64, to: f64| (from + part * (to - from)) as f32;
         let load = |i: usize| between(before.load[i], after.load[i]);
-        records.push(LoadRecord {
+        if let (Some(from), Some(to)) = (before.temperatures, after.temperatures) {
+            let temperatures = [0, 1].map(|side| between(from[side], to[side]));
+            recording.temperatures.push(temperatures);
+        }
+        recording.records.push(LoadRecord {
             sequence,
             time_ms: (us / 1000) as u32,
             fx: load(0),
@@ -70,7 +83,7 @@ pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Vec<Load
             speed_rpm: between(before.speed_rpm, after.speed_rpm),
         });
     }
-    Ok(records)
+    Ok(recording)
 }
 
 #[cfg(test)]
@@ -81,7 +94,7 @@ mod tests {
     #[test]
     fn every_tick_has_a_record_and_every_row_its_own() {
         // Two ticks a row.
-        let records = read(RECORD, Some(0.5), 500).unwrap();
+        let records = read(RECORD, Some(0.5), 500).unwrap().records;
         assert_eq!(records.len(), 1000);
         let rows: Vec<_> = loads::read(RECORD).unwrap().take(500).collect();
         for (i, row) in rows.into_iter().enumerate() {

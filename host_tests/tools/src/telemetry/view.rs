@@ -1,5 +1,7 @@
-//! The live view: stiffness over time, the balls' forces as a polar picture, alarms and counters.
+//! The live view: stiffness over time, the balls' forces as a polar picture of each row, the shaft with its rows, alarms
+//! and counters.
 
+use super::shaft;
 use super::source::{Chunks, PortOperator};
 use anyhow::Result;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
@@ -14,10 +16,10 @@ use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle, Points};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, GraphType, Paragraph, Widget};
-use spindle_bearing::monitor::BoardReport;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::learning::Learning;
-use spindle_bearing::monitor::telemetry::{Recovery, RetentionReport};
+use spindle_bearing::monitor::telemetry::{InputsReport, Recovery, RetentionReport};
+use spindle_bearing::monitor::{BoardReport, TemperatureSource};
 use std::collections::VecDeque;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -37,14 +39,22 @@ const DIRECTIONS: [(&str, Color); 5] = [
     ("Ktz", Color::Magenta),
 ];
 
-const INNER: Color = Color::Green;
-const OUTER: Color = Color::Blue;
-const WORST: Color = Color::Red;
+pub(super) const INNER: Color = Color::Green;
+pub(super) const OUTER: Color = Color::Blue;
+pub(super) const WORST: Color = Color::Red;
 const UNLOADED: Color = Color::Yellow;
-const FAINT: Color = Color::DarkGray;
+pub(super) const FAINT: Color = Color::DarkGray;
 
 /// What the polar picture reaches to, in parts of its scale: room for the numbers of the balls.
 const MARGIN: f64 = 1.25;
+
+/// Cells along the rim that the number of a ball needs.
+const ROOM: f64 = 3.5;
+
+/// Rows that are shown at most.
+const MOST_ROWS: usize = 8;
+/// Least height of a polar picture and of the shaft, cells.
+const LEAST_HEIGHT: u16 = 8;
 
 /// Draws what is known onto the whole screen.
 pub fn draw(frame: &mut Frame<'_>, state: &State) {
@@ -61,30 +71,36 @@ pub fn screen(state: &State, width: u16, height: u16) -> Buffer {
 
 fn render(state: &State, area: Rect, buffer: &mut Buffer) {
     let alarms = state.standing().count().max(1) as u16;
-    let [head, middle, below, health] = Layout::vertical([
-        Constraint::Length(2),
-        Constraint::Min(8),
+    let rows = state.row_count().clamp(1, MOST_ROWS);
+    let head = header(state);
+    let health = counters(state);
+    let [above, middle, below, counters] = Layout::vertical([
+        Constraint::Length(head.len() as u16),
+        Constraint::Min(LEAST_HEIGHT),
         Constraint::Length(alarms + 2),
-        Constraint::Length(10),
+        Constraint::Length(10.max(health.len() as u16 + 2)),
     ])
     .areas(area);
     // Cells are about twice as high as wide.
+    let wanted = middle.height.saturating_mul(2 * rows as u16);
     let [left, right] = Layout::horizontal([
         Constraint::Min(30),
-        Constraint::Length((2 * middle.height).min(area.width / 2)),
+        Constraint::Length(wanted.min(area.width / 2)),
     ])
     .areas(middle);
     let [linear, tilting] =
         Layout::vertical([Constraint::Ratio(3, 5), Constraint::Ratio(2, 5)]).areas(left);
-    header(state).render(head, buffer);
+    Paragraph::new(head).render(above, buffer);
     course(state, "N/um", 0..3, 1e-6, linear, buffer);
     course(state, "kN m/rad", 3..5, 1e-3, tilting, buffer);
-    polar(&state.balls, right, buffer);
+    row_pictures(state, rows, right, buffer);
     alarm_list(state).render(below, buffer);
-    counters(state).render(health, buffer);
+    Paragraph::new(health)
+        .block(health_block(state))
+        .render(counters, buffer);
 }
 
-fn header(state: &State) -> Paragraph<'_> {
+fn header(state: &State) -> Vec<Line<'static>> {
     let bold = Style::new().add_modifier(Modifier::BOLD);
     let mut first = vec![Span::styled(
         format!(" {:9.2} s", state.time_us as f64 * 1e-6),
@@ -97,8 +113,10 @@ fn header(state: &State) -> Paragraph<'_> {
             let report = &at.report;
             let rpm = f64::from(report.speed) * 30.0 / core::f64::consts::PI;
             let [fx, fy, fz, my, mz] = report.load;
+            let [kx, ky, kz] = report.nose.map(|k| k * 1e-6);
             first.push(Span::raw(format!(
-                "   {rpm:6.0} rpm   F = {fx:.0}, {fy:.0}, {fz:.0} N   M = {my:.2}, {mz:.2} N m"
+                "   {rpm:6.0} rpm   F = {fx:.0}, {fy:.0}, {fz:.0} N   M = {my:.2}, {mz:.2} N m   \
+                 nose {kx:.0}, {ky:.0}, {kz:.0} N/um"
             )));
             second.push(Span::raw(format!(
                 " estimate {} after {} iterations, good to {:.0e}",
@@ -127,7 +145,37 @@ fn header(state: &State) -> Paragraph<'_> {
             }
         }
     }
-    Paragraph::new(vec![Line::from(first), Line::from(second)])
+    let mut lines = vec![Line::from(first), Line::from(second)];
+    // The loads say all of a single row.
+    if state.row_count() > 1 {
+        let rows = (0..state.rows.len()).take(MOST_ROWS);
+        lines.extend(rows.map(|row| row_line(state, row)));
+    }
+    lines
+}
+
+/// What a row of several carries.
+fn row_line(state: &State, row: usize) -> Line<'static> {
+    let Some(at) = state.rows.get(row).and_then(Option::as_ref) else {
+        return Line::raw(format!(" row {row}: not known"));
+    };
+    let report = &at.report;
+    let [y, z] = report.radial;
+    let preload = if state.is_opposed() {
+        format!(", preload {:5.0} N", report.preload)
+    } else {
+        String::new()
+    };
+    let (least, largest) = (report.least_force, report.largest_force);
+    let text = format!(
+        " row {row}: axial {:5.0} N, radial {:5.0} N{preload}, balls {least:.0} to {largest:.0} N",
+        report.axial,
+        y.hypot(z)
+    );
+    if state.is_lifted(row) {
+        return Line::styled(format!("{text}, lifted off"), warning());
+    }
+    Line::raw(text)
 }
 
 fn warning() -> Style {
@@ -253,12 +301,65 @@ pub fn scale(balls: &Balls) -> f64 {
     )
 }
 
-fn polar(balls: &Balls, area: Rect, buffer: &mut Buffer) {
-    let scale = scale(balls);
+/// The balls of each row, and below them, the shaft with its rows, if there are several.
+fn row_pictures(state: &State, rows: usize, area: Rect, buffer: &mut Buffer) {
+    let unknown = Balls::default();
+    let balls = |row| state.balls.get(row).unwrap_or(&unknown);
+    if rows == 1 {
+        let scale = scale(balls(0));
+        return polar(balls(0), scale, None, area, buffer);
+    }
+    let columns = columns(rows, area);
+    let lines = rows.div_ceil(columns);
+    let (mut upper, mut lower) = (area, Rect::ZERO);
+    let square = area.width.saturating_mul(lines as u16) / (2 * columns as u16);
+    // What the circles leave, and something more.
+    let height = area.height.saturating_sub(square).max(LEAST_HEIGHT + 1);
+    if state.shaft.is_some() && area.height >= height + LEAST_HEIGHT * lines as u16 {
+        let parts = [Constraint::Min(0), Constraint::Length(height)];
+        [upper, lower] = Layout::vertical(parts).areas(area);
+    }
+    // One for all, so that they can be compared.
+    let scale = (0..rows).map(|row| scale(balls(row))).fold(0.0, f64::max);
+    let heights = vec![Constraint::Fill(1); lines];
+    let widths = vec![Constraint::Fill(1); columns];
+    let places = Layout::vertical(heights).split(upper);
+    let places = places.iter().flat_map(|line| {
+        let cells = Layout::horizontal(&widths).split(*line);
+        cells.to_vec()
+    });
+    for (row, place) in places.take(rows).enumerate() {
+        polar(balls(row), scale, Some(row), place, buffer);
+    }
+    if let Some(at) = &state.shaft {
+        shaft::render(state, &at.report, lower, buffer);
+    }
+}
+
+/// In how many columns so many pictures are largest.
+fn columns(pictures: usize, area: Rect) -> usize {
+    let size = |columns: usize| {
+        let width = usize::from(area.width) / columns;
+        width.min(2 * usize::from(area.height) / pictures.div_ceil(columns))
+    };
+    let most = (1..=pictures).rev().max_by_key(|columns| size(*columns));
+    most.unwrap_or(1)
+}
+
+/// Draws the balls of a row, which is named if there are several, with this force (N) at the rim.
+fn polar(balls: &Balls, scale: f64, row: Option<usize>, area: Rect, buffer: &mut Buffer) {
     let worst = hardest(balls);
-    let title = match worst {
-        None => " balls: none known ".into(),
-        Some((ball, force)) => format!(" ball {ball}: {force:.0} N, rim {scale} N "),
+    let (title, below) = match (row, worst) {
+        (None, None) => (" balls: none known ".into(), String::new()),
+        (None, Some((ball, force))) => {
+            let title = format!(" ball {ball}: {force:.0} N, rim {scale} N ");
+            (title, String::new())
+        }
+        (Some(row), None) => (format!(" row {row}: no balls known "), String::new()),
+        (Some(row), Some((ball, force))) => {
+            let title = format!(" row {row} ball {ball}: {force:.0} N ");
+            (title, format!(" rim {scale} N "))
+        }
     };
     // A braille dot is as wide as high, so that a circle stays one.
     let (width, height) = (
@@ -271,6 +372,7 @@ fn polar(balls: &Balls, area: Rect, buffer: &mut Buffer) {
         .block(
             Block::bordered()
                 .title(title)
+                .title_bottom(below)
                 .border_style(Style::new().fg(FAINT)),
         )
         .marker(Marker::Braille)
@@ -320,12 +422,20 @@ fn polar(balls: &Balls, area: Rect, buffer: &mut Buffer) {
                     color: WORST,
                 });
             }
+            // The picture's radius in cells decides how many numbers have room.
+            let radius = 0.5 * width / x;
+            let room = core::f64::consts::TAU * radius / all.len().max(1) as f64;
+            let step = (ROOM / room.max(0.1)).ceil().max(1.0) as usize;
             for i in 0..all.len() {
-                let (sin, cos) = balls.azimuth(i).sin_cos();
+                let is_worst = worst.is_some_and(|(ball, _)| ball == i);
                 let is_unloaded = balls.balls[i].is_some_and(|ball| ball.q_i == 0.0);
+                if i % step > 0 && !is_worst && !is_unloaded {
+                    continue;
+                }
+                let (sin, cos) = balls.azimuth(i).sin_cos();
                 let colour = match worst {
                     _ if is_unloaded => UNLOADED,
-                    Some((ball, _)) if ball == i => WORST,
+                    Some(_) if is_worst => WORST,
                     _ => FAINT,
                 };
                 let name = Span::styled(i.to_string(), Style::new().fg(colour));
@@ -345,13 +455,20 @@ fn alarm_list(state: &State) -> Paragraph<'_> {
                 AlarmState::Latched => Style::new().fg(Color::Yellow),
                 _ => Style::new().fg(FAINT),
             };
-            let ball = report
-                .ball
-                .map_or(String::new(), |ball| format!(", ball {ball}"));
+            let ball = match (
+                report.ball,
+                report.ball.and_then(|of| state.row_and_ball(of)),
+            ) {
+                (Some(_), Some((row, ball))) if state.row_count() > 1 => {
+                    format!(", row {row} ball {ball}")
+                }
+                (Some(ball), _) => format!(", ball {ball}"),
+                (None, _) => String::new(),
+            };
             let unit = report.alarm.unit();
             Line::styled(
                 format!(
-                    " {:<14} {:<12} {:9.4} of {:.4}{}{}{ball}, since {:.2} s, {} times",
+                    " {:<15} {:<12} {:9.4} of {:.4}{}{}{ball}, since {:.2} s, {} times",
                     report.alarm.name(),
                     report.state.name(),
                     Short(report.value),
@@ -399,7 +516,29 @@ impl core::fmt::Display for Short {
     }
 }
 
-fn counters(state: &State) -> Paragraph<'_> {
+/// The temperatures and where they come from; `None` if they are not in use.
+fn temperatures(report: &InputsReport) -> Option<Line<'static>> {
+    let sources = report.temperature_sources;
+    if sources == [TemperatureSource::Unused; 2] {
+        return None;
+    }
+    let mut spans = vec![Span::raw(" temperatures:")];
+    let sides = report.temperatures.iter().zip(sources);
+    for ((celsius, source), name) in sides.zip([" inner", ", outer"]) {
+        let style = match source {
+            TemperatureSource::Held | TemperatureSource::Assumed => warning(),
+            TemperatureSource::Unused | TemperatureSource::Measured => Style::new(),
+        };
+        spans.push(Span::raw(name));
+        spans.push(Span::styled(
+            format!(" {celsius:.1} C {}", source.name()),
+            style,
+        ));
+    }
+    Some(Line::from(spans))
+}
+
+fn counters(state: &State) -> Vec<Line<'static>> {
     let mut lines = Vec::new();
     match &state.health {
         None => lines.push(Line::raw(" no counters yet")),
@@ -453,6 +592,7 @@ fn counters(state: &State) -> Paragraph<'_> {
                     ),
                     if bad > 0 { warning() } else { Style::new() },
                 ));
+                lines.extend(temperatures(&at.report));
             }
             let r = &h.retention;
             let refused = [r.baseline, r.life]
@@ -510,6 +650,10 @@ fn counters(state: &State) -> Paragraph<'_> {
         link,
         if hurt { warning() } else { Style::new() },
     ));
+    lines
+}
+
+fn health_block(state: &State) -> Block<'_> {
     let mut block = Block::bordered()
         .title(" health ")
         .border_style(Style::new().fg(FAINT));
@@ -531,7 +675,7 @@ fn counters(state: &State) -> Paragraph<'_> {
     if let Some(said) = &state.said {
         block = block.title_bottom(format!(" {said} "));
     }
-    Paragraph::new(lines).block(block)
+    block
 }
 
 /// Shows a stream until its reader presses q, Esc or Ctrl-C. At the end of the stream the view stays.

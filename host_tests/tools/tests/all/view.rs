@@ -1,28 +1,48 @@
 //! The live view of the telemetry shows what is so, and so does its picture.
 
-use crate::frames::{alarm, balls, estimate, frame, health, state_of, stream};
+use crate::frames::{
+    alarm, balls, balls_of, estimate, frame, health, inputs, pair, rows, shaft, state_of, stream,
+};
 use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::state::State;
+use ratatui::buffer::Buffer;
+use ratatui::style::Color;
 use spindle_bearing::monitor::board::{BoardReport, Check};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
     EstimateReport, HealthReport, Payload, Recovery, RetentionReport, encode,
 };
-use spindle_bearing::monitor::{Mark, Marks};
+use spindle_bearing::monitor::{Mark, Marks, TemperatureSource};
 use std::io::Cursor;
 use tools::telemetry::{picture, source, view};
 
 /// The lines of the view.
 fn text(state: &State) -> String {
-    let screen = view::screen(state, 120, 40);
+    text_of(&view::screen(state, 120, 40))
+}
+
+fn text_of(screen: &Buffer) -> String {
     let mut text = String::new();
     for (i, cell) in screen.content().iter().enumerate() {
         text += cell.symbol();
-        if (i + 1) % 120 == 0 {
+        if (i + 1) % usize::from(screen.area.width) == 0 {
             text.push('\n');
         }
     }
     text
+}
+
+/// Whether a text is on the screen, all of it in one colour.
+fn is_in_colour(screen: &Buffer, text: &str, colour: Color) -> bool {
+    let width = usize::from(screen.area.width);
+    screen.content().chunks(width).any(|line| {
+        let symbols: Vec<_> = line.iter().map(|cell| cell.symbol()).collect();
+        let length = text.chars().count();
+        let mut parts = line.windows(length).zip(symbols.windows(length));
+        parts.any(|(cells, part)| {
+            part.concat() == text && cells.iter().all(|cell| cell.fg == colour)
+        })
+    })
 }
 
 #[test]
@@ -73,10 +93,10 @@ fn the_ball_with_the_largest_force_is_drawn_farthest_out_along_its_azimuth() {
         forces[hardest] = 90.0;
         forces[(hardest + 5) % 16] = 0.0;
         let state = state_of(balls(&forces));
-        let scale = view::scale(&state.balls);
+        let scale = view::scale(&state.balls[0]);
         assert!((90.0..=180.0).contains(&scale));
         let radius = |i| {
-            let [(x, y), _] = view::places(&state.balls, i, scale).unwrap();
+            let [(x, y), _] = view::places(&state.balls[0], i, scale).unwrap();
             f64::hypot(x, y)
         };
         let farthest = (0..16)
@@ -101,7 +121,7 @@ fn the_ball_with_the_largest_force_is_drawn_farthest_out_along_its_azimuth() {
             .map(|at| (f64::from(at.x), -2.0 * f64::from(at.y)))
             .collect();
         assert!(!dots.is_empty());
-        let axes = state.balls.azimuth(hardest);
+        let axes = state.balls[0].azimuth(hardest);
         let (towards_y, towards_z) = (axes.cos(), axes.sin());
         let place = |(x, y): &(f64, f64)| x * towards_y + y * towards_z;
         let across = |(x, y): &(f64, f64)| y * towards_y - x * towards_z;
@@ -122,6 +142,141 @@ fn the_hardest_ball_and_its_force_are_named() {
     forces[11] = 123.4;
     assert!(text(&state_of(balls(&forces))).contains("ball 11: 123 N"));
     assert!(text(&State::default()).contains("none known"));
+}
+
+#[test]
+fn a_pair_shows_both_rows_and_how_they_stand_on_the_shaft() {
+    let mut slipping = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
+    slipping.ball = Some(19);
+    let mut payloads = pair();
+    payloads.push(Payload::Alarm(slipping));
+    payloads.push(Payload::Health(health()));
+    let state = state_of(payloads);
+    let screen = view::screen(&state, 120, 45);
+    let text = text_of(&screen);
+    for part in [
+        "nose 61, 30, 37 N/um",
+        "row 0: axial   412 N, radial    50 N, preload   244 N, balls 12 to 95 N",
+        "row 1: axial   244 N, radial    50 N, preload   244 N, balls 12 to 95 N",
+        " row 0 ball 0: 90 N ",
+        " row 1 ball 0: 54 N ",
+        " rim 100 N ",
+        " shaft: rows +x -x and their preload ",
+        "0: 244 N",
+        "1: 244 N",
+        " nose ",
+        " loads ",
+        " mounted with 250 N ",
+        ", row 1 ball 3, since",
+        "temperatures: inner 41.2 C measured, outer 36.5 C held",
+    ] {
+        assert!(text.contains(part), "{part} is not in\n{text}");
+    }
+    assert!(is_in_colour(&screen, " 36.5 C held", Color::Red));
+    assert!(!is_in_colour(&screen, " 41.2 C measured", Color::Red));
+    assert!(!is_in_colour(&screen, "row 0: axial", Color::Red));
+    assert!(!text.contains("lifted off"));
+}
+
+#[test]
+fn a_row_that_has_lost_its_preload_is_told_from_the_others() {
+    let state = state_of(pair().into_iter().chain(rows(&[250.0, -1.0], 0.0)));
+    let screen = view::screen(&state, 120, 45);
+    assert!(is_in_colour(&screen, "row 1: axial    -1 N", Color::Red));
+    assert!(is_in_colour(&screen, "1: 0 N", Color::Red));
+    assert!(!is_in_colour(&screen, "row 0: axial   250 N", Color::Red));
+    assert!(!is_in_colour(&screen, "0: 0 N", Color::Red));
+}
+
+/// Where the contact lines of each row meet the axis, to the left of its middle or to the right.
+#[test]
+fn contact_lines_lean_as_the_rows_face() {
+    // Columns of the green dots nearest to the axis, of rows far apart.
+    let apexes = |mirrored: [bool; 2]| -> Vec<u16> {
+        let places = [(-0.1, mirrored[0], 16), (0.09, mirrored[1], 16)];
+        let mut payloads = vec![shaft(&places)];
+        payloads.extend(rows(&[250.0, 250.0], 0.0));
+        let screen = view::screen(&state_of(payloads), 120, 45);
+        let green: Vec<_> = screen
+            .area
+            .positions()
+            .filter(|at| screen[*at].fg == Color::Green)
+            .collect();
+        let top = green.iter().map(|at| at.y).min().unwrap();
+        let bottom = green.iter().map(|at| at.y).max().unwrap();
+        let axis = (top + bottom).div_ceil(2);
+        green
+            .iter()
+            .filter(|at| at.y == axis)
+            .map(|at| at.x)
+            .collect()
+    };
+    let ends = |columns: Vec<u16>| (columns[0], columns[columns.len() - 1]);
+    let back_to_back = ends(apexes([false, true]));
+    let face_to_face = ends(apexes([true, false]));
+    assert!(
+        back_to_back.0 < face_to_face.0,
+        "{back_to_back:?} {face_to_face:?}"
+    );
+    assert!(
+        back_to_back.1 > face_to_face.1,
+        "{back_to_back:?} {face_to_face:?}"
+    );
+}
+
+#[test]
+fn a_single_row_is_shown_without_its_name_and_without_a_shaft() {
+    let mut slipping = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
+    slipping.ball = Some(3);
+    let mut payloads = balls(&[50.0; 16]);
+    payloads.push(shaft(&[(0.0, false, 16)]));
+    payloads.extend(rows(&[250.0], 0.0));
+    payloads.push(Payload::Alarm(slipping));
+    payloads.push(Payload::Health(health()));
+    payloads.push(inputs([TemperatureSource::Unused; 2]));
+    let text = text(&state_of(payloads));
+    for word in ["row", "shaft", "preload", "temperatures"] {
+        assert!(!text.contains(word), "{word} is in\n{text}");
+    }
+    assert!(text.contains(", ball 3, since"));
+}
+
+#[test]
+fn spindles_of_any_number_of_rows_can_be_drawn_on_any_screen() {
+    let quad = [
+        (-0.03, false, 18),
+        (-0.01, false, 18),
+        (0.01, true, 18),
+        (0.03, true, 18),
+    ];
+    let of_quad = [shaft(&quad)]
+        .into_iter()
+        .chain(rows(&[212.0, 204.0, f32::NAN, -1.0], 170.0))
+        .chain(balls_of(3, &[50.0, 0.0, f32::NAN]));
+    let nowhere = [
+        (f32::NAN, false, 0),
+        (f32::MAX, true, 1),
+        (f32::MIN, true, 1),
+    ];
+    let states = [
+        state_of(pair()),
+        state_of(of_quad),
+        state_of([shaft(&nowhere)]),
+        state_of([shaft(&[(0.09, true, 16); 2]), Payload::Health(health())]),
+        state_of(
+            rows(&[1.0; 255], 0.0)
+                .into_iter()
+                .chain(balls_of(u8::MAX, &[1.0; 3])),
+        ),
+    ];
+    for state in &states {
+        for width in [0, 1, 2, 20, 47, 80, 119, 139] {
+            for height in [0, 1, 3, 9, 17, 30, 45, 59] {
+                let screen = view::screen(state, width, height);
+                assert_eq!(screen.area.area(), u32::from(width) * u32::from(height));
+            }
+        }
+    }
 }
 
 #[test]

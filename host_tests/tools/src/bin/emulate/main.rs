@@ -31,6 +31,7 @@ mod toolchain;
 use anyhow::{Result, anyhow};
 use clap::Parser;
 use exchange::{Answer, Manner};
+use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::state::State;
 use plan::Plan;
 use spindle_bearing::monitor::tick::CycleCost;
@@ -46,9 +47,9 @@ use tools::telemetry::view;
 
 /// What the solver works in, as on the board.
 type Precision = f32;
-/// The board's core, and what a tick costs there.
+/// The board's core, and what a tick costs there: of a single bearing, and of a pair.
 const CORE_HZ: u32 = 168_000_000;
-const COST: CycleCost = CycleCost::CORTEX_M4F;
+const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
 
 /// Status when the run did not show what it should.
 const DISAGREEMENT: u8 = 1;
@@ -70,7 +71,8 @@ const NOT_STARTED: u8 = 2;
 )]
 struct Arguments {
     /// Recorded loads: CSV with the header
-    /// time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm; `-` is standard input [default: the project's milling cycle]
+    /// time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm, and t_inner_c,t_outer_c if there are temperatures; `-` is standard input
+    /// [default: the project's milling cycle]
     #[arg(long, value_name = "LOADS.csv")]
     input: Option<String>,
 
@@ -139,24 +141,28 @@ struct Ready {
 
 fn prepare(arguments: &Arguments) -> Result<Ready> {
     let root = tools::root();
-    let shipped = || host_tests::milling_cycle::RECORD.to_owned();
+    let shipped = || record_of(monitored::ROWS).to_owned();
     let input = arguments.input.clone().unwrap_or_else(shipped);
     let period_us = monitor_settings::MONITOR.tick.period_us;
-    let records = records::read(&input, arguments.seconds, period_us)?;
+    let recording = records::read(&input, arguments.seconds, period_us)?;
     tools::cross::add_target(root)?;
     let emulator = toolchain::find_emulator()?;
     let firmware = firmware::build(root)?;
     let episodes = if arguments.faults {
-        faults::schedule(arguments.seed, &records)
+        faults::schedule(arguments.seed, &recording.records)
     } else {
         Vec::new()
     };
-    let plan = plan::plan(&records, Spoiler::new(arguments.seed, episodes))?;
+    let plan = plan::plan(&recording, Spoiler::new(arguments.seed, episodes))?;
     let golden = (arguments.faults && arguments.input.is_none()).then(|| {
         let length = arguments
             .seconds
             .map_or("whole".into(), |seconds| format!("{seconds}_s"));
-        let name = format!("faults_{length}_seed_{}.txt", arguments.seed);
+        let rows = match monitored::ROWS {
+            1 => "bearing_",
+            _ => "",
+        };
+        let name = format!("{rows}faults_{length}_seed_{}.txt", arguments.seed);
         root.join("host_tests/golden").join(name)
     });
     Ok(Ready {

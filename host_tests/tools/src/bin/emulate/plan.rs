@@ -10,10 +10,10 @@ use spindle_bearing::monitor::loads::FrameCounts;
 use spindle_bearing::monitor::telemetry::HealthReport;
 use spindle_bearing::monitor::tick::{NoCycles, NoWatchdog};
 use spindle_bearing::monitor::{BoardReport, Mark, Past};
-use spindle_bearing::record::LoadRecord;
 use tools::stream::{
     self,
     faults::{Episode, Spoiler},
+    records::Recording,
 };
 
 /// A run.
@@ -32,8 +32,8 @@ pub struct Plan {
     pub health: HealthReport,
 }
 
-/// Makes the run of these records, spoilt.
-pub fn plan(records: &[LoadRecord], mut spoiler: Spoiler) -> Result<Plan> {
+/// Makes the run of a recording, spoilt.
+pub fn plan(recording: &Recording, mut spoiler: Spoiler) -> Result<Plan> {
     let period = MONITOR.tick.period_us;
     let mut input = Vec::new();
     let mut expected = Vec::new();
@@ -49,7 +49,7 @@ pub fn plan(records: &[LoadRecord], mut spoiler: Spoiler) -> Result<Plan> {
         ..BoardReport::NONE
     });
     let (mut done, mut told) = (0, 0);
-    stream::ticks(records, &mut spoiler, &MONITOR, |tick| {
+    stream::ticks(recording, &mut spoiler, &MONITOR, |tick| {
         input.extend(&tick.bytes);
         input.extend(command::encode(Command::Tick(tick.room)));
         let answered = expected.len();

@@ -63,7 +63,7 @@ impl Work {
 
 /// The recorded milling cycle on a B7005C, a state every millisecond; from a second on, so many ticks.
 pub fn milling(from_s: usize, ticks: usize) -> Result<Vec<State>> {
-    let records = records::read(RECORD, None, 1000)?;
+    let records = records::read(RECORD, None, 1000)?.records;
     let states = records.iter().skip(1000 * from_s).take(ticks);
     let single = |x: f64| f64::from(x as f32);
     Ok(states

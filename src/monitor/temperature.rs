@@ -1,0 +1,299 @@
+//! Temperatures of the shaft's side and of the housing's side, by which rings and balls grow and preload changes.
+//!
+//! They come more seldom than loads, and a sensor that fails must not stop the estimates: no doubt about a temperature
+//! keeps a sample from being solved.
+//!
+//! | a side's temperature | what is used |
+//! | --- | --- |
+//! | is measured | the last good value ([`TemperatureSource::Measured`]) |
+//! | has not been measured for [`TemperatureSettings::missing_after_us`] | the last good value ([`TemperatureSource::Held`]) |
+//! | has not been for [`TemperatureSettings::hold_us`] | that of the warm spindle ([`TemperatureSource::Assumed`]) |
+//!
+//! What is used changes by [`TemperatureSettings::rate`] at most, so that no estimate jumps when a sensor fails or comes
+//! back. A value is good within its range, near the other side's, and if it has not changed faster than that rate since
+//! the last good one. [`Alarm::Temperature`](super::Alarm::Temperature) tells how long a side has had none.
+
+use super::plausibility::seconds;
+use crate::float::Real;
+use serde::{Deserialize, Serialize};
+
+/// What is plausible of temperatures, and what is used without them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TemperatureSettings {
+    /// Temperature at which the spindle has its preload and its free contact angles, degrees Celsius.
+    pub reference: f32,
+    /// Lowest and highest, degrees Celsius.
+    pub range: [f32; 2],
+    /// By how much both sides may differ, K.
+    pub difference: f32,
+    /// Fastest change of a side, K/s.
+    pub rate: f32,
+    /// Change that needs no time, K: the sensors' steps and noise.
+    pub noise: f32,
+    /// Time without a good value after which a side is no longer measured, us.
+    pub missing_after_us: u32,
+    /// Time without a good value for which the last one is held, us.
+    pub hold_us: u32,
+    /// Of the warm spindle, inner and outer side, degrees Celsius: assumed after that.
+    pub warm: [f32; 2],
+}
+
+impl TemperatureSettings {
+    /// A start for a machine tool's spindle that was built at 20 degrees Celsius.
+    pub const SPINDLE: Self = Self {
+        reference: 20.0,
+        range: [-20.0, 120.0],
+        difference: 40.0,
+        rate: 1.0,
+        noise: 1.0,
+        missing_after_us: 2_000_000,
+        hold_us: 60_000_000,
+        warm: [40.0, 35.0],
+    };
+}
+
+/// Where a side's temperature comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum TemperatureSource {
+    /// Temperatures are not in use: the spindle counts as cold.
+    #[default]
+    Unused,
+    /// It is measured.
+    Measured,
+    /// It is not measured any more, and held.
+    Held,
+    /// It has not been measured for long, and is that of the warm spindle.
+    Assumed,
+}
+
+impl TemperatureSource {
+    /// All of them, in the order of the format.
+    pub const ALL: [Self; 4] = [Self::Unused, Self::Measured, Self::Held, Self::Assumed];
+
+    /// Short name in lower case, as tables print it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Unused => "unused",
+            Self::Measured => "measured",
+            Self::Held => "held",
+            Self::Assumed => "assumed",
+        }
+    }
+}
+
+/// One side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Side {
+    used: f32,
+    /// The last good value, and when it was.
+    good: Option<(f32, u64)>,
+    source: TemperatureSource,
+}
+
+/// Both sides, the inner one first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Temperatures {
+    sides: [Side; 2],
+    began_us: Option<u64>,
+    last_us: u64,
+}
+
+impl Temperatures {
+    /// The spindle as it was built.
+    pub(super) const fn new(settings: Option<&TemperatureSettings>) -> Self {
+        let (used, source) = match settings {
+            Some(settings) => (settings.reference, TemperatureSource::Held),
+            None => (0.0, TemperatureSource::Unused),
+        };
+        let side = Side {
+            used,
+            good: None,
+            source,
+        };
+        Self {
+            sides: [side; 2],
+            began_us: None,
+            last_us: 0,
+        }
+    }
+
+    /// Takes what came in a tick, in degrees Celsius, if something did; a sensor that fails gives no number.
+    pub(super) fn judge(
+        &mut self,
+        time_us: u64,
+        reading: Option<[f32; 2]>,
+        settings: &TemperatureSettings,
+    ) {
+        let began_us = *self.began_us.get_or_insert(time_us);
+        let most = settings.rate * seconds(self.last_us, time_us).at_most(1.0);
+        self.last_us = time_us;
+        if let Some([inner, outer]) = reading {
+            // Of sides too far apart, nobody knows which one is wrong.
+            let apart = (inner - outer).abs() > settings.difference;
+            for (side, value) in self.sides.iter_mut().zip([inner, outer]) {
+                if !apart {
+                    side.take(time_us, value, settings);
+                }
+            }
+        }
+        for (side, warm) in self.sides.iter_mut().zip(&settings.warm) {
+            side.follow(time_us, began_us, *warm, most, settings);
+        }
+    }
+
+    /// What is used, degrees Celsius.
+    pub(super) fn used(&self) -> [f32; 2] {
+        self.sides.map(|side| side.used)
+    }
+
+    /// Where that comes from.
+    pub(super) fn sources(&self) -> [TemperatureSource; 2] {
+        self.sides.map(|side| side.source)
+    }
+
+    /// Time since both sides had a good value, s.
+    pub(super) fn age(&self, time_us: u64) -> f32 {
+        let since = |side: &Side| side.since(self.began_us.unwrap_or(time_us));
+        let oldest = self.sides.iter().map(since).min();
+        seconds(oldest.unwrap_or(time_us), time_us)
+    }
+}
+
+impl Side {
+    /// When it had a good value last.
+    fn since(&self, began_us: u64) -> u64 {
+        self.good.map_or(began_us, |(_, then)| then)
+    }
+
+    fn take(&mut self, time_us: u64, value: f32, settings: &TemperatureSettings) {
+        let [low, high] = settings.range;
+        // Neither is true of what is no number.
+        if !(value >= low && value <= high) {
+            return;
+        }
+        match self.good {
+            Some((last, then)) => {
+                let allowed = settings.noise + settings.rate * seconds(then, time_us);
+                if (value - last).abs() > allowed {
+                    return;
+                }
+            }
+            // There is nothing yet that could jump.
+            None => self.used = value,
+        }
+        self.good = Some((value, time_us));
+    }
+
+    /// Takes what is used nearer to what it should be, by `most`.
+    fn follow(
+        &mut self,
+        time_us: u64,
+        began_us: u64,
+        warm: f32,
+        most: f32,
+        settings: &TemperatureSettings,
+    ) {
+        let silent = time_us.saturating_sub(self.since(began_us));
+        let held = self.good.map_or(self.used, |(value, _)| value);
+        let wanted;
+        (self.source, wanted) = if silent > settings.hold_us.into() {
+            (TemperatureSource::Assumed, warm)
+        } else if silent > settings.missing_after_us.into() || self.good.is_none() {
+            (TemperatureSource::Held, held)
+        } else {
+            (TemperatureSource::Measured, held)
+        };
+        let change = wanted - self.used;
+        self.used += change.at_least(-most).at_most(most);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTINGS: TemperatureSettings = TemperatureSettings::SPINDLE;
+    const SECOND: u64 = 1_000_000;
+
+    /// The temperatures after `reading` a second, from one time to another, s.
+    fn run(t: &mut Temperatures, from: u64, to: u64, reading: Option<[f32; 2]>) {
+        for second in from..to {
+            t.judge(second * SECOND, reading, &SETTINGS);
+        }
+    }
+
+    #[test]
+    fn what_is_measured_is_used() {
+        let mut t = Temperatures::new(Some(&SETTINGS));
+        run(&mut t, 0, 1, Some([24.0, 22.0]));
+        assert_eq!(t.used(), [24.0, 22.0]);
+        run(&mut t, 1, 5, Some([25.5, 22.5]));
+        assert_eq!(t.used(), [25.5, 22.5]);
+        assert_eq!(t.sources(), [TemperatureSource::Measured; 2]);
+        assert_eq!(t.age(4 * SECOND), 0.0);
+    }
+
+    #[test]
+    fn a_sensor_that_fails_is_held_then_assumed_and_never_makes_a_jump() {
+        let mut t = Temperatures::new(Some(&SETTINGS));
+        run(&mut t, 0, 10, Some([50.0, 45.0]));
+        let broken = Some([f32::NAN, 45.0]);
+        run(&mut t, 10, 15, broken);
+        assert_eq!(t.used(), [50.0, 45.0]);
+        assert_eq!(
+            t.sources(),
+            [TemperatureSource::Held, TemperatureSource::Measured]
+        );
+        assert!((t.age(14 * SECOND) - 5.0).abs() < 1e-3);
+        let mut last = t.used()[0];
+        for second in 15..100 {
+            run(&mut t, second, second + 1, broken);
+            let now = t.used()[0];
+            assert!((now - last).abs() <= SETTINGS.rate * 1.001, "{second}");
+            last = now;
+        }
+        assert_eq!(t.used(), [SETTINGS.warm[0], 45.0]);
+        assert_eq!(t.sources()[0], TemperatureSource::Assumed);
+        // It comes back.
+        run(&mut t, 100, 101, Some([60.0, 45.0]));
+        assert!((t.used()[0] - 41.0).abs() < 1e-3);
+        run(&mut t, 101, 125, Some([60.0, 45.0]));
+        assert_eq!(t.used(), [60.0, 45.0]);
+    }
+
+    #[test]
+    fn what_cannot_be_is_not_believed() {
+        let good = [30.0, 28.0];
+        for wrong in [
+            [30.0, 1e9],
+            [f32::INFINITY, 28.0],
+            [130.0, 125.0],
+            [-60.0, -60.0],
+            // Too far apart, and too fast.
+            [75.0, 28.0],
+            [45.0, 43.0],
+        ] {
+            let mut t = Temperatures::new(Some(&SETTINGS));
+            run(&mut t, 0, 5, Some(good));
+            run(&mut t, 5, 6, Some(wrong));
+            let [inner, outer] = t.used();
+            assert!(
+                (inner - 30.0).abs() <= 1.0 && (outer - 28.0).abs() <= 1.0,
+                "{wrong:?}"
+            );
+            run(&mut t, 6, 10, Some(good));
+            assert_eq!(t.used(), good);
+        }
+    }
+
+    #[test]
+    fn without_any_sensor_the_spindle_is_taken_for_warm() {
+        let mut t = Temperatures::new(Some(&SETTINGS));
+        run(&mut t, 0, 100, None);
+        assert_eq!(t.used(), SETTINGS.warm);
+        assert_eq!(t.sources(), [TemperatureSource::Assumed; 2]);
+        assert!((t.age(99 * SECOND) - 99.0).abs() < 1e-3);
+    }
+}
