@@ -85,6 +85,8 @@ pub trait Real:
     fn abs(self) -> Self;
     /// Angle of the vector `(x, self)`, rad.
     fn atan2(self, x: Self) -> Self;
+    /// Power of a positive number.
+    fn powf(self, exponent: Self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
 
@@ -118,7 +120,7 @@ pub trait EitherPrecision {
 }
 
 macro_rules! real {
-    ($t:ident, $choose:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
+    ($t:ident, $choose:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $pow:path, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -178,6 +180,10 @@ macro_rules! real {
             fn atan2(self, x: Self) -> Self {
                 $atan2(self, x)
             }
+            #[inline]
+            fn powf(self, exponent: Self) -> Self {
+                $pow(self, exponent)
+            }
             #[inline(always)]
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
@@ -198,6 +204,7 @@ real!(
     0x2a51_37a0,
     2,
     libm::atan2f,
+    libm::powf,
     49152.0,
     24576.0,
     1e-10,
@@ -211,6 +218,7 @@ real!(
     0x2a9f_7893_782d_a1ce,
     3,
     libm::atan2,
+    libm::pow,
     26_388_279_066_624.0,
     100_663_296.0,
     1e-30,

@@ -24,6 +24,7 @@ mod motion;
 mod mounting;
 mod place;
 mod pose;
+mod rating;
 mod ring;
 mod rows;
 mod solver;
@@ -54,6 +55,7 @@ pub use limits::{Exceedance, Exceedances, Extreme, Extremes, Limit, LimitSet, Li
 pub use motion::{Centrifugal, Full, Motion, Static};
 pub use mounting::Speed;
 pub use pose::{BallMotion, BallState, ContactPatch};
+pub use rating::{LifeRating, RatingLife};
 pub use solver::{
     AxialSolution, AxialSolver, ErrorEstimate, Given, RingVector, Settings, Snapshot, Solution,
     Solver,

@@ -1,37 +1,8 @@
 //! Rating life that has been used up, from the forces on the balls.
 //!
-//! # Rating
-//!
-//! The basic dynamic radial load rating of a single-row ball bearing, in N with `D` in mm (ISO 281:2007
-//! with the factors of ISO/TR 1281-1; `D` up to 25.4 mm):
-//!
-//! ```text
-//! Cr = bm fc (cos a)^0.7 Z^(2/3) D^1.8            bm = 1.3
-//! fc = 0.41 A lambda (2 fi/(2 fi - 1))^0.41 g^0.3 (1 - g)^1.39 / (1 + g)^(1/3)
-//!      (1 + [1.04 S]^(10/3))^(-3/10)              A = 98.0665, lambda = 0.95
-//! S  = ((1 - g)/(1 + g))^1.72 (fi (2 fo - 1) / (fo (2 fi - 1)))^0.41
-//! g  = D cos a / dm
-//! ```
-//!
-//! and those of one contact of the rotating inner and the stationary outer ring (ISO/TS 16281:2008, point
-//! contact):
-//!
-//! ```text
-//! Qci = Cr / (0.407 Z (cos a)^0.7) (1 + [1.044 S]^(10/3))^(3/10)
-//! Qce = Cr / (0.389 Z (cos a)^0.7) (1 + [1.044 S]^(-10/3))^(3/10)
-//! ```
-//!
-//! `a` is the nominal contact angle, 0 for a bearing that is given by its clearance.
+//! [`LifeRating`](crate::LifeRating) has the formulas of the rating life.
 //!
 //! # Life
-//!
-//! Every point of the inner race sees all balls in turn, a point of the outer race always the same one's
-//! azimuth (ISO/TS 16281):
-//!
-//! ```text
-//! qei = (sum Qij^3 / Z)^(1/3)                     qee = (sum Qej^(10/3) / Z)^(3/10)
-//! L10 = [(qei/Qci)^(10/3) + (qee/Qce)^(10/3)]^(-9/10)      million revolutions
-//! ```
 //!
 //! What is used up adds up by revolutions (Palmgren 1924, Miner 1945): `sum dn / (1e6 L10)`, 1 when
 //! a tenth of such bearings are expected to have failed. Lubrication, contamination and the fatigue
@@ -49,8 +20,6 @@
 //! An increment is some 1e-13, and there are 86 million of them in a day: in single precision the sum would
 //! stop growing. [`ExactSum`] adds them up as whole numbers, without any rounding.
 
-use crate::design::{Design, FreeContact};
-use crate::elementary::{cbrt, pow, sin_cos};
 use crate::float::Real;
 
 /// Sum of non-negative numbers that rounds nothing down to `2^-FRACTION`, and stops at its largest value,
@@ -125,102 +94,6 @@ impl<const FRACTION: u32> ExactSum<FRACTION> {
             exponent += 1;
         }
         value
-    }
-}
-
-/// Ratings of a bearing, worked out by the compiler from its design.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct LifeRating {
-    /// `Qci`, N: the inner contact's dynamic load rating.
-    pub inner: f32,
-    /// `Qce`, N: the outer contact's.
-    pub outer: f32,
-}
-
-/// Nominal `cos a` and `g`, and `S`.
-const fn geometry(design: &Design) -> (f64, f64, f64) {
-    let cos = match design.free_contact {
-        FreeContact::Angle(angle) => sin_cos(angle).1,
-        FreeContact::DiametralClearance(_) => 1.0,
-    };
-    let g = design.ball_diameter * cos / design.pitch_diameter;
-    let (fi, fo) = (design.inner_groove_factor, design.outer_groove_factor);
-    let osculation = fi * (2.0 * fo - 1.0) / (fo * (2.0 * fi - 1.0));
-    let s = pow((1.0 - g) / (1.0 + g), 1.72) * pow(osculation, 0.41);
-    (cos, g, s)
-}
-
-impl LifeRating {
-    /// Basic dynamic radial load rating `Cr` of a single-row bearing of `balls` balls, N. See the
-    /// module for the formula; a maker's catalogue may say some per cent more for better steel.
-    pub const fn basic_dynamic_load_rating(design: &Design, balls: usize) -> f64 {
-        let (cos, g, s) = geometry(design);
-        let fi = design.inner_groove_factor;
-        let z = balls as f64;
-        let fc = 0.41
-            * 98.0665
-            * 0.95
-            * pow(2.0 * fi / (2.0 * fi - 1.0), 0.41)
-            * pow(g, 0.3)
-            * pow(1.0 - g, 1.39)
-            / cbrt(1.0 + g)
-            * pow(1.0 + pow(1.04 * s, 10.0 / 3.0), -0.3);
-        let d = design.ball_diameter * 1e3;
-        1.3 * fc * pow(cos, 0.7) * cbrt(z * z) * pow(d, 1.8)
-    }
-
-    /// Ratings of the contacts for a bearing of this rating `Cr` (N), from the catalogue or from
-    /// [`LifeRating::basic_dynamic_load_rating`].
-    pub const fn new(design: &Design, balls: usize, dynamic_load_rating: f64) -> Self {
-        let (cos, _, s) = geometry(design);
-        let per_ball = dynamic_load_rating / (balls as f64 * pow(cos, 0.7));
-        let ratio = pow(1.044 * s, 10.0 / 3.0);
-        Self {
-            inner: (per_ball / 0.407 * pow(1.0 + ratio, 0.3)) as f32,
-            outer: (per_ball / 0.389 * pow(1.0 + 1.0 / ratio, 0.3)) as f32,
-        }
-    }
-
-    /// `1 / L10` under these inner and outer contact forces (N), per million revolutions.
-    pub fn damage(&self, forces: impl Iterator<Item = (f32, f32)>) -> f32 {
-        damage_of_weight(self.weight_of(forces))
-    }
-
-    /// [`LifeRating::weight`] of these forces.
-    pub(super) fn weight_of(&self, forces: impl Iterator<Item = (f32, f32)>) -> f32 {
-        let (mut inner, mut outer, mut balls) = (0.0_f32, 0.0_f32, 0.0_f32);
-        for (q_i, q_o) in forces {
-            let (i, o) = (0.0_f32.at_least(q_i), 0.0_f32.at_least(q_o));
-            inner += i * i * i;
-            outer += o * o * o * Real::cbrt(o);
-            balls += 1.0;
-        }
-        self.weight(1.0, inner, outer, balls)
-    }
-
-    /// `(1 / L10)^(10/9)` of so many `balls`, per million revolutions: what adds up over the rows of a spindle. From the sum
-    /// of the cubes of the inner contact forces, and from that of the outer ones to 10/3, forces in a `unit` (N).
-    pub fn weight(&self, unit: f32, inner: f32, outer: f32, balls: f32) -> f32 {
-        if !(balls > 0.0) {
-            return 0.0;
-        }
-        let (i, o) = (unit / self.inner, unit / self.outer);
-        let per_ball = 1.0 / balls;
-        let inner = i * i * i * (inner * per_ball);
-        let outer = o * o * o * Real::cbrt(o) * (outer * per_ball);
-        // (mean of cubes)^(10/9).
-        let inner = inner * Real::cbrt(Real::cbrt(inner));
-        inner + outer
-    }
-}
-
-/// `1 / L10`, per million revolutions, of the sum of [`LifeRating::weight`] over all rows.
-pub fn damage_of_weight(weight: f32) -> f32 {
-    if weight > 0.0 {
-        libm::powf(weight, 0.9)
-    } else {
-        0.0
     }
 }
 
@@ -326,108 +199,6 @@ impl Life {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::Material;
-
-    const fn bearing(
-        ball_diameter: f64,
-        pitch_diameter: f64,
-        factors: [f64; 2],
-        free_contact: FreeContact,
-    ) -> Design {
-        Design {
-            ball_diameter,
-            pitch_diameter,
-            inner_groove_factor: factors[0],
-            outer_groove_factor: factors[1],
-            free_contact,
-            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-            first_ball: 0.0,
-            ring: Material::STEEL,
-            ball: Material::STEEL,
-        }
-    }
-
-    /// 9 balls of 5/16 inch.
-    const B6205: Design = bearing(
-        7.938e-3,
-        39.04e-3,
-        [0.52, 0.52],
-        FreeContact::DiametralClearance(10e-6),
-    );
-
-    #[test]
-    fn fc_is_that_of_the_table_in_iso_281() {
-        // D cos a / dm and fc for radial and angular contact groove ball bearings, fi = fo = 0.52.
-        for (g, fc) in [
-            (0.05, 46.7),
-            (0.10, 55.5),
-            (0.14, 58.8),
-            (0.20, 59.9),
-            (0.30, 56.0),
-        ] {
-            let design = bearing(
-                1e-3,
-                1e-3 / g,
-                [0.52, 0.52],
-                FreeContact::DiametralClearance(0.0),
-            );
-            let rating = LifeRating::basic_dynamic_load_rating(&design, 1) / 1.3;
-            assert!((rating / fc - 1.0).abs() < 2e-3, "{g}: {rating}, not {fc}");
-        }
-    }
-
-    #[test]
-    fn ratings_are_those_of_catalogues_within_a_few_per_cent() {
-        // 6205: 14.0 kN in most catalogues; 7205 with 40 degrees, 13 balls of 7.938 mm on 39 mm: 14.8 kN.
-        let b7205 = bearing(
-            7.938e-3,
-            39e-3,
-            [0.52, 0.52],
-            FreeContact::Angle(40.0 * core::f64::consts::PI / 180.0),
-        );
-        for (design, balls, catalogue) in [(B6205, 9, 14.0e3), (b7205, 13, 14.8e3)] {
-            let rating = LifeRating::basic_dynamic_load_rating(&design, balls);
-            assert!((rating / catalogue - 1.0).abs() < 0.06, "{rating}");
-        }
-    }
-
-    /// ISO 281 by itself: under a radial load that half of the balls carry, `L10 = (Cr/Fr)^3`, which the sum
-    /// over the balls must give, too.
-    #[test]
-    fn a_half_loaded_bearing_has_the_life_of_iso_281() {
-        let balls = 720;
-        let rating = LifeRating::basic_dynamic_load_rating(&B6205, balls);
-        let life = LifeRating::new(&B6205, balls, rating);
-        let forces: std::vec::Vec<f32> = (0..balls)
-            .map(|j| {
-                let cos = (core::f32::consts::TAU * j as f32 / balls as f32).cos();
-                cos.max(0.0).powf(1.5)
-            })
-            .collect();
-        let carried: f32 = forces
-            .iter()
-            .enumerate()
-            .map(|(j, q)| q * (core::f32::consts::TAU * j as f32 / balls as f32).cos())
-            .sum();
-        let load = 0.1 * rating as f32;
-        let damage = life.damage(
-            forces
-                .iter()
-                .map(|q| (q * load / carried, q * load / carried)),
-        );
-        assert!((damage * 1000.0 - 1.0).abs() < 0.03, "{}", 1.0 / damage);
-    }
-
-    #[test]
-    fn damage_grows_with_the_cube_of_the_forces() {
-        let life = LifeRating::new(&B6205, 9, 14e3);
-        let forces = [100.0_f32, 250.0, 0.0, 40.0];
-        let of = |by: f32| life.damage(forces.iter().map(|q| (by * q, by * q + 1e-3)));
-        assert!((of(2.0) / of(1.0) / 8.0 - 1.0).abs() < 1e-3);
-        assert_eq!(life.damage(core::iter::empty()), 0.0);
-        assert_eq!(life.damage([(0.0, 0.0)].into_iter()), 0.0);
-    }
 
     #[test]
     fn a_sum_rounds_nothing_and_neither_overflows_nor_takes_nonsense() {

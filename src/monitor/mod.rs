@@ -149,6 +149,7 @@ use crate::estimate::strongest_coupling;
 use crate::float::Real;
 use crate::growth::Growth;
 use crate::limits::{Extreme, Limit, Limits};
+use crate::rating::damage_of_weight;
 use crate::spindle::{inverse, preloads};
 use crate::{Facing, Full, Motion, Spindle, SpindleSolution};
 use availability::Availability;
@@ -156,7 +157,6 @@ use command::{AnswerCode, Desk};
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
 use learning::Learning;
-use life::damage_of_weight;
 use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{

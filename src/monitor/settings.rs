@@ -2,13 +2,13 @@
 
 use super::baseline::{BANDS, BaselineSettings};
 use super::judgement::{Alarm, JudgementSettings, TREND_SPANS, Threshold, TrendSettings};
-use super::life::LifeRating;
 use super::plausibility::PlausibilitySettings;
 use super::temperature::TemperatureSettings;
 use super::tick::{CycleCost, TickSettings};
 use crate::design::Design;
 use crate::growth::{Expansion, Growth};
 use crate::limits::Limits;
+use crate::rating::LifeRating;
 use core::fmt;
 
 /// How often telemetry goes out.
@@ -42,13 +42,13 @@ pub struct RowSettings {
 }
 
 impl RowSettings {
-    /// A bearing of `balls` balls, with the load rating of [`LifeRating::basic_dynamic_load_rating`]. It does not grow.
+    /// A bearing of `balls` balls, with the load rating of [`Design::dynamic_load_rating`]. It does not grow.
     pub const fn new(design: &Design, balls: usize) -> Self {
-        let dynamic = LifeRating::basic_dynamic_load_rating(design, balls);
+        let dynamic = design.dynamic_load_rating(balls);
         Self {
             balls: balls as u16,
             first_azimuth: design.first_ball as f32,
-            rating: LifeRating::new(design, balls, dynamic),
+            rating: LifeRating::<f32>::new(design, balls, dynamic),
             heat: [Growth::NONE; 2],
             rotation: Growth::NONE,
         }
@@ -190,7 +190,7 @@ impl<const R: usize> MonitorSettings<R> {
     /// every tick on a Cortex-M4F at 168 MHz, thresholds on the safe side. Ranges and rates of loads are
     /// wide; narrow them to what your spindle does.
     pub const fn new(design: &Design, balls: usize) -> Self {
-        let dynamic = LifeRating::basic_dynamic_load_rating(design, balls);
+        let dynamic = design.dynamic_load_rating(balls);
         Self {
             rows: [RowSettings::new(design, balls); R],
             shaft: ShaftSettings {

@@ -11,6 +11,7 @@ use crate::linalg::Matrix;
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
 use crate::pose::{BallMotion, BallState};
+use crate::rating::{LifeRating, RatingLife};
 use crate::ring::in_full;
 use crate::status::Status;
 use core::fmt;
@@ -107,6 +108,12 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// Frequencies at which damaged parts of the bearing are heard: see [`Solution::motions`].
     pub fn frequencies(&self) -> Frequencies<T> {
         self.view().frequencies()
+    }
+
+    /// Rating life under this load at this speed: see [`LifeRating`].
+    pub fn rating_life(&self, rating: &LifeRating<T>) -> RatingLife<T> {
+        let weight = rating.weight_of(self.view().contact_forces());
+        RatingLife::of_weight(weight, self.speed.as_rad_per_s())
     }
 
     /// The limits that this equilibrium has passed, and where: the given ones, and those of the design's grooves.

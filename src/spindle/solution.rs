@@ -10,6 +10,7 @@ use crate::linalg::{Factors, Matrix, product};
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
 use crate::pose::{BallMotion, BallState};
+use crate::rating::{LifeRating, RatingLife};
 use crate::ring::{Sum, sum_up};
 use crate::solver::ErrorEstimate;
 use crate::solver::view::View;
@@ -158,6 +159,15 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the rigid shaft at the position `x` (m).
     pub fn displacement_at(&self, x: T) -> [T; 5] {
         centre_of(-x, &self.displacement)
+    }
+
+    /// Rating life of the set under this load at this speed, each row with its own rating: see [`LifeRating`].
+    pub fn rating_life(&self, ratings: &[LifeRating<T>; R]) -> RatingLife<T> {
+        let mut weight = T::ZERO;
+        for (row, rating) in self.rows().zip(ratings) {
+            weight += rating.weight_of(row.view.contact_forces());
+        }
+        RatingLife::of_weight(weight, self.speed.as_rad_per_s())
     }
 
     /// By how much the sleeve has moved the rows in it towards their balls, m: the closure that the spring makes. 0
@@ -325,6 +335,12 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
     /// Frequencies at which damaged parts of the row are heard.
     pub fn frequencies(&self) -> Frequencies<T> {
         self.view.frequencies()
+    }
+
+    /// Rating life of the row under its load at this speed: see [`LifeRating`].
+    pub fn rating_life(&self, rating: &LifeRating<T>) -> RatingLife<T> {
+        let weight = rating.weight_of(self.view.contact_forces());
+        RatingLife::of_weight(weight, self.view.speed.as_rad_per_s())
     }
 
     /// The limits that the row has passed: see [`Solution::exceedances`](crate::Solution::exceedances).
