@@ -12,9 +12,9 @@ use spindle_bearing::monitor::loads::LoadSample;
 use spindle_bearing::monitor::tick::{CycleCost, NoCycles, NoWatchdog};
 use spindle_bearing::monitor::{Monitor, Readings};
 
-#[path = "../../../examples/monitor_settings.rs"]
+#[path = "../../../examples/firmware/monitor_settings.rs"]
 pub mod monitor_settings;
-#[path = "../../../examples/monitored.rs"]
+#[path = "../../../examples/firmware/monitored.rs"]
 pub mod monitored;
 
 type Precision = f32;

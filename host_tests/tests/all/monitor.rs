@@ -1460,7 +1460,7 @@ fn a_speed_signal_lost_at_full_speed_stops_estimates_and_life_goes_on_in_doubt()
 
 // --- the boards' bus ------------------------------------------------------------------------------
 
-#[path = "../../../examples/board/bus.rs"]
+#[path = "../../../examples/firmware/board/bus.rs"]
 mod bus;
 
 #[test]

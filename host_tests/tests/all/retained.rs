@@ -1524,7 +1524,7 @@ fn without_a_memory_the_monitor_says_so() {
 
 // --- the boards' flash -------------------------------------------------------------------------
 
-#[path = "../../../examples/board/flash.rs"]
+#[path = "../../../examples/firmware/board/flash.rs"]
 mod flash;
 
 /// Cells that write down what is asked of them.

@@ -4,7 +4,7 @@ use spindle_bearing::monitor::self_check::KnownAnswer;
 use spindle_bearing::{Bearing, Real};
 
 type Precision = f32;
-#[path = "../../../examples/monitored.rs"]
+#[path = "../../../examples/firmware/monitored.rs"]
 mod monitored;
 use monitored::{BALLS, BEARING, DESIGN, ROWS, spindle};
 

@@ -60,8 +60,8 @@ impl Build<'_> {
                 .args(["-p", "spindle-bearing", "--features", "defmt,monitor"])
                 .args(["--target", TARGET, "--example", self.program]),
             Origin::H743 => command
-                .args(["--manifest-path", "examples/h743/Cargo.toml"])
-                .args(["--config", "examples/h743/.cargo/config.toml"])
+                .args(["--manifest-path", "examples/firmware_h743/Cargo.toml"])
+                .args(["--config", "examples/firmware_h743/.cargo/config.toml"])
                 .args(["--bin", self.program]),
             Origin::Probes => command
                 .args(["-p", "probes", "--target", TARGET])

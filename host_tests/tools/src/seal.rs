@@ -14,9 +14,9 @@ mod spindle {
     type Precision = f32;
     const CORE_HZ: u32 = 168_000_000;
     const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
-    #[path = "../../../examples/monitor_settings.rs"]
+    #[path = "../../../examples/firmware/monitor_settings.rs"]
     pub mod monitor_settings;
-    #[path = "../../../examples/monitored.rs"]
+    #[path = "../../../examples/firmware/monitored.rs"]
     pub mod monitored;
 }
 

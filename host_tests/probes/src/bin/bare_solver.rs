@@ -8,7 +8,7 @@
 #![cfg_attr(target_os = "none", no_main)]
 
 #[cfg(target_os = "none")]
-#[path = "../../../../examples/monitored.rs"]
+#[path = "../../../../examples/firmware/monitored.rs"]
 mod monitored;
 /// That of the smaller core.
 #[cfg(target_os = "none")]

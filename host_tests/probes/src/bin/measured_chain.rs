@@ -12,13 +12,13 @@
 extern crate stm32f4;
 
 #[cfg(target_os = "none")]
-#[path = "../../../../examples/chain.rs"]
+#[path = "../../../../examples/firmware/chain.rs"]
 mod chain;
 #[cfg(target_os = "none")]
-#[path = "../../../../examples/monitor_settings.rs"]
+#[path = "../../../../examples/firmware/monitor_settings.rs"]
 mod monitor_settings;
 #[cfg(target_os = "none")]
-#[path = "../../../../examples/monitored.rs"]
+#[path = "../../../../examples/firmware/monitored.rs"]
 mod monitored;
 
 #[cfg(target_os = "none")]

@@ -14,14 +14,14 @@
 //! | `rows` | an estimate as a row of the table |
 //! | `summary` | counts, budget, and the golden file |
 
-#[path = "../../../../../examples/chain.rs"]
+#[path = "../../../../../examples/firmware/chain.rs"]
 mod chain;
 mod emulator;
 mod exchange;
 mod firmware;
-#[path = "../../../../../examples/monitor_settings.rs"]
+#[path = "../../../../../examples/firmware/monitor_settings.rs"]
 mod monitor_settings;
-#[path = "../../../../../examples/monitored.rs"]
+#[path = "../../../../../examples/firmware/monitored.rs"]
 mod monitored;
 mod plan;
 mod rows;

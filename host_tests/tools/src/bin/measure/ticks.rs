@@ -46,11 +46,11 @@ mod f405 {
         CycleCost::CORTEX_M4F_SINGLE.with_an_iteration_more(CORE_HZ / 1000),
         CycleCost::CORTEX_M4F.with_an_iteration_more(CORE_HZ / 1000),
     ];
-    #[path = "../../../../../examples/chain.rs"]
+    #[path = "../../../../../examples/firmware/chain.rs"]
     pub mod chain;
-    #[path = "../../../../../examples/monitor_settings.rs"]
+    #[path = "../../../../../examples/firmware/monitor_settings.rs"]
     pub mod monitor_settings;
-    #[path = "../../../../../examples/monitored.rs"]
+    #[path = "../../../../../examples/firmware/monitored.rs"]
     pub mod monitored;
 }
 
@@ -64,11 +64,11 @@ mod h743 {
         CycleCost::CORTEX_M7_SINGLE.with_an_iteration_more(CORE_HZ / 1000),
         CycleCost::CORTEX_M7.with_an_iteration_more(CORE_HZ / 1000),
     ];
-    #[path = "../../../../../examples/chain.rs"]
+    #[path = "../../../../../examples/firmware/chain.rs"]
     pub mod chain;
-    #[path = "../../../../../examples/monitor_settings.rs"]
+    #[path = "../../../../../examples/firmware/monitor_settings.rs"]
     pub mod monitor_settings;
-    #[path = "../../../../../examples/monitored.rs"]
+    #[path = "../../../../../examples/firmware/monitored.rs"]
     mod monitored;
 }
 
@@ -516,7 +516,7 @@ pub fn section(rows: &Rows) -> String {
         ]);
     }
     format!(
-        "{}## A tick of the monitor\n\nThe chain of the shipped firmware (`examples/chain.rs`) over the first \
+        "{}## A tick of the monitor\n\nThe chain of the shipped firmware (`examples/firmware/chain.rs`) over the first \
          {SECONDS} s of the recorded cycle, with the faults of `cargo emulate --seconds {SECONDS} --faults`, \
          and over {TEETH} ticks of passing teeth: \
          bytes of the port sorted and decoded, doubts, a warm solve, limits, judgement, life, telemetry \

@@ -1,33 +1,33 @@
 //! An STM32H743 as the monitor needs it: a clock, a beat, serial ports, a log, and a way out of a panic. What
 //! does not depend on the chip is the other board's.
 
-#[path = "../../board/beat.rs"]
+#[path = "../../firmware/board/beat.rs"]
 mod beat;
 mod brown_out;
-#[path = "../../board/bus.rs"]
+#[path = "../../firmware/board/bus.rs"]
 mod bus;
 mod cells;
 mod clock;
-#[path = "../../board/dog.rs"]
+#[path = "../../firmware/board/dog.rs"]
 mod dog;
-#[path = "../../board/faults.rs"]
+#[path = "../../firmware/board/faults.rs"]
 mod faults;
-#[path = "../../board/flash.rs"]
+#[path = "../../firmware/board/flash.rs"]
 mod flash;
-#[cfg_attr(not(feature = "rtt"), path = "../../board/log.rs")]
-#[cfg_attr(feature = "rtt", path = "../../board/rtt.rs")]
+#[cfg_attr(not(feature = "rtt"), path = "../../firmware/board/log.rs")]
+#[cfg_attr(feature = "rtt", path = "../../firmware/board/rtt.rs")]
 mod log;
-#[path = "../../board/memory.rs"]
+#[path = "../../firmware/board/memory.rs"]
 mod memory;
-#[path = "../../board/receiver.rs"]
+#[path = "../../firmware/board/receiver.rs"]
 mod receiver;
 mod reset;
-#[path = "../../board/sensors.rs"]
+#[path = "../../firmware/board/sensors.rs"]
 mod sensors;
 #[cfg_attr(feature = "rtt", allow(dead_code, reason = "the log's port"))]
 mod serial;
 mod spi;
-#[path = "../../board/strap.rs"]
+#[path = "../../firmware/board/strap.rs"]
 mod strap;
 
 pub use beat::{Cycles, left, start_timer, ticks};

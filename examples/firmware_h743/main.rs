@@ -8,16 +8,16 @@
 #![no_std]
 #![no_main]
 
-#[path = "../application.rs"]
+#[path = "../firmware/application.rs"]
 mod application;
 mod board;
-#[path = "../chain.rs"]
+#[path = "../firmware/chain.rs"]
 mod chain;
-#[path = "../monitor_settings.rs"]
+#[path = "../firmware/monitor_settings.rs"]
 mod monitor_settings;
-#[path = "../monitored.rs"]
+#[path = "../firmware/monitored.rs"]
 mod monitored;
-#[path = "../self_check.rs"]
+#[path = "../firmware/self_check.rs"]
 mod self_check;
 
 use spindle_bearing::monitor::tick::CycleCost;

@@ -9,7 +9,7 @@
 //!   side asks for.
 //!
 //! `cargo emulate` runs it without a board, `cargo flash-f405` brings it onto one with an 8 MHz crystal.
-//! `h743` beside this file has the same for another board.
+//! `firmware_h743` has the same for another board.
 
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
