@@ -202,6 +202,36 @@ impl Design {
     /// this quarter circle. For bearings whose shoulders are not known.
     pub const HIGHEST_SHOULDER: f64 = core::f64::consts::FRAC_PI_2;
 
+    /// An angular contact ball bearing of steel, of which no more is known than a catalogue has: ball diameter `D` and pitch
+    /// diameter `dm` (m), free contact angle (rad).
+    ///
+    /// Groove factors of 0.515 and 0.525 are assumed, as they are common in spindle bearings, and the highest shoulders. What
+    /// is known better takes their place:
+    ///
+    /// ```
+    /// use spindle_bearing::{Design, Material};
+    ///
+    /// const HYBRID: Design = Design {
+    ///     outer_groove_factor: 0.52,
+    ///     ball: Material::SILICON_NITRIDE,
+    ///     ..Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians())
+    /// };
+    /// ```
+    pub const fn angular_contact(ball_diameter: f64, pitch_diameter: f64, angle: f64) -> Self {
+        Self {
+            ball_diameter,
+            pitch_diameter,
+            inner_groove_factor: 0.515,
+            outer_groove_factor: 0.525,
+            free_contact: FreeContact::Angle(angle),
+            inner_shoulder_angle: Self::HIGHEST_SHOULDER,
+            outer_shoulder_angle: Self::HIGHEST_SHOULDER,
+            first_ball: 0.0,
+            ring: Material::STEEL,
+            ball: Material::STEEL,
+        }
+    }
+
     /// Distance `L0 = (fi + fo - 1) D` of the groove curvature centres of the unloaded bearing, m.
     pub const fn centre_distance(&self) -> f64 {
         (self.inner_groove_factor + self.outer_groove_factor - 1.0) * self.ball_diameter

@@ -14,15 +14,9 @@ use core::ops::{Add, Mul};
 /// order of 1e-4.
 ///
 /// ```
-/// use spindle_bearing::{Expansion, Growth};
-/// # use spindle_bearing::{Design, FreeContact, Material};
-/// # const DESIGN: Design = Design {
-/// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-/// #     free_contact: FreeContact::Angle(0.2618), first_ball: 0.0,
-/// #     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-/// #     ring: Material::STEEL, ball: Material::STEEL,
-/// # };
+/// use spindle_bearing::{Design, Expansion, Growth};
+///
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// const PER_KELVIN: Growth<f32> = Growth::by_heat(&DESIGN, &Expansion::STEEL, [1.0, 0.0, 0.5]).to_f32();
 /// const PER_SPEED_SQUARED: Growth<f32> = Growth::by_rotation(&DESIGN, 0.01, 1.0).to_f32();
 /// let (warmer, omega) = (8.0, 2094.0);

@@ -45,16 +45,9 @@ use core::f64::consts::PI;
 /// Dynamic load ratings of the contacts of a bearing, N: what [`Solution::rating_life`](crate::Solution::rating_life) takes.
 ///
 /// ```
-/// # use spindle_bearing::{Design, FreeContact, Material};
-/// use spindle_bearing::{Bearing, LifeRating, Settings, Solver, Speed};
+/// use spindle_bearing::{Bearing, Design, LifeRating, Settings, Solver, Speed};
 ///
-/// # const B7005C: Design = Design {
-/// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-/// #     free_contact: FreeContact::Angle(15.0 * core::f64::consts::PI / 180.0), first_ball: 0.0,
-/// #     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-/// #     ring: Material::STEEL, ball: Material::STEEL,
-/// # };
+/// const B7005C: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// static BEARING: Bearing<f64, 16> = Bearing::<f64, 16>::checked(&B7005C);
 /// // The catalogue's C, 13,700 N here. Without it: `B7005C.dynamic_load_rating(16)`.
 /// const RATING: LifeRating<f64> = LifeRating::<f64>::new(&B7005C, 16, 13_700.0);

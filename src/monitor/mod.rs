@@ -25,21 +25,9 @@
 //!     speed::{Edges, PulseSpeed, SpeedSettings, SpeedSource},
 //!     tick::{CycleCounter, Watchdog, Widened},
 //! };
-//! use spindle_bearing::{Bearing, Spindle};
-//! use spindle_bearing::{Design, FreeContact, Material};
+//! use spindle_bearing::{Bearing, Design, Spindle};
 //!
-//! const DESIGN: Design = Design {
-//!     ball_diameter: 6.35e-3, // m
-//!     pitch_diameter: 36e-3,
-//!     inner_groove_factor: 0.515,
-//!     outer_groove_factor: 0.525,
-//!     free_contact: FreeContact::Angle(15.0 * core::f64::consts::PI / 180.0),
-//!     inner_shoulder_angle: 0.84,
-//!     outer_shoulder_angle: 0.83,
-//!     first_ball: 0.0,
-//!     ring: Material::STEEL,
-//!     ball: Material::STEEL,
-//! };
+//! const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 //! static BEARING: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&DESIGN) {
 //!     Ok(bearing) => bearing,
 //!     Err(_) => panic!("this bearing cannot be built"),

@@ -100,14 +100,8 @@ pub struct ShaftSettings {
 ///
 /// ```
 /// use spindle_bearing::monitor::settings::MonitorSettings;
-/// use spindle_bearing::{Design, FreeContact, Material};
-/// # const DESIGN: Design = Design {
-/// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-/// #     free_contact: FreeContact::Angle(0.26), first_ball: 0.0,
-/// #     inner_shoulder_angle: 0.84, outer_shoulder_angle: 0.83,
-/// #     ring: Material::STEEL, ball: Material::STEEL,
-/// # };
+/// use spindle_bearing::Design;
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN, 16);
 /// // A setting that is out of order does not compile.
 /// const _: () = match SETTINGS.check() {

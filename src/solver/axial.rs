@@ -19,15 +19,8 @@ use crate::status::Status;
 /// At rest it is a closed form; at speed the same loop as in [`Solver`](super::Solver), with one ball for all.
 ///
 /// ```
-/// use spindle_bearing::{AxialSolver, Bearing, Settings, Speed, Static};
-/// use spindle_bearing::{Design, FreeContact, Material};
-/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design {
-///     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-///     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-///     free_contact: FreeContact::Angle(0.2618), first_ball: 0.0,
-///     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-///     ring: Material::STEEL, ball: Material::STEEL,
-/// });
+/// use spindle_bearing::{AxialSolver, Bearing, Design, Settings, Speed, Static};
+/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()));
 /// let settings = Settings::default();
 /// let mut at_rest = AxialSolver::<f32, 16, Static>::of(&BEARING);
 /// let k_rest = at_rest.solve(300.0, Speed::REST, &settings)?.stiffness();

@@ -335,15 +335,8 @@ struct Answer<T, const D: usize> {
 /// `M` is how the balls move, `D` the number of freedoms of the inner ring: 5, or 3 where the tilts are locked.
 ///
 /// ```
-/// use spindle_bearing::{Bearing, Settings, Solver, Speed};
-/// use spindle_bearing::{Design, FreeContact, Material};
-/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design {
-///     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-///     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-///     free_contact: FreeContact::Angle(0.2618), first_ball: 0.0,
-///     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-///     ring: Material::STEEL, ball: Material::STEEL,
-/// });
+/// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
+/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()));
 /// let mut solver = Solver::new(&BEARING);
 /// let load = [1000.0, 200.0, 0.0, 0.0, 3.0];
 /// let solution = solver.solve(load, Speed::rpm(20_000.0), &Settings::default())?;

@@ -81,15 +81,8 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// How every ball turns, and how its contacts are pressed, in the order of the balls.
     ///
     /// ```
-    /// # use spindle_bearing::{Bearing, Settings, Solver, Speed};
-    /// # use spindle_bearing::{Design, FreeContact, Material};
-    /// # let bearing = Bearing::<f64, 16>::new(&Design {
-    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
-    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
-    /// #     ring: Material::STEEL, ball: Material::STEEL,
-    /// # })?;
+    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
+    /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
     /// let mut solver = Solver::new(&bearing);
     /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
     /// let solution = solver.solve(load, speed, &Settings::default())?;
@@ -119,16 +112,9 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// The limits that this equilibrium has passed, and where: the given ones, and those of the design's grooves.
     ///
     /// ```
-    /// # use spindle_bearing::{Bearing, Settings, Solver, Speed};
-    /// # use spindle_bearing::{Design, FreeContact, Material};
+    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
     /// use spindle_bearing::{Limit, Limits};
-    /// # let bearing = Bearing::<f64, 16>::new(&Design {
-    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
-    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
-    /// #     ring: Material::STEEL, ball: Material::STEEL,
-    /// # })?;
+    /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
     /// let mut solver = Solver::new(&bearing);
     /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
     /// let solution = solver.solve(load, speed, &Settings::default())?;
@@ -148,15 +134,8 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
     ///
     /// ```
-    /// # use spindle_bearing::{Bearing, Settings, Solver, Speed};
-    /// # use spindle_bearing::{Design, FreeContact, Material};
-    /// # let bearing = Bearing::<f64, 16>::new(&Design {
-    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
-    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
-    /// #     ring: Material::STEEL, ball: Material::STEEL,
-    /// # })?;
+    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
+    /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
     /// let mut solver = Solver::new(&bearing);
     /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
     /// let extremes = solver.solve(load, speed, &Settings::default())?.extremes();
@@ -266,15 +245,8 @@ where
     /// [`Solution::stiffness`] as a matrix of `nalgebra`, rows are forces.
     ///
     /// ```
-    /// # use spindle_bearing::{Bearing, Settings, Solver, Speed};
-    /// # use spindle_bearing::{Design, FreeContact, Material};
-    /// # let bearing = Bearing::<f64, 16>::new(&Design {
-    /// #     ball_diameter: 6.35e-3, pitch_diameter: 36e-3,
-    /// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-    /// #     free_contact: FreeContact::Angle(15f64.to_radians()), first_ball: 0.0,
-    /// #     inner_shoulder_angle: 48f64.to_radians(), outer_shoulder_angle: 47.5f64.to_radians(),
-    /// #     ring: Material::STEEL, ball: Material::STEEL,
-    /// # })?;
+    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
+    /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
     /// let mut solver = Solver::new(&bearing);
     /// let (load, speed) = ([1000.0, 200.0, 0.0, 0.0, 3.0], Speed::rpm(20_000.0));
     /// let solution = solver.solve(load, speed, &Settings::default())?;

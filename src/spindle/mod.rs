@@ -201,15 +201,9 @@ impl<T: Real> Group<T> {
 /// `R` rows of at most `N` balls. `D` is 5, the shaft's freedoms, or 6 where a sleeve slides under a spring.
 ///
 /// ```
-/// use spindle_bearing::{Arrangement, Bearing, Design, FreeContact, Material};
+/// use spindle_bearing::{Arrangement, Bearing, Design};
 /// use spindle_bearing::{Preload, Settings, ShaftEnd, Speed, Spindle, SpindleSolver};
-/// # const DESIGN: Design = Design {
-/// #     ball_diameter: 11.906e-3, pitch_diameter: 90e-3,
-/// #     inner_groove_factor: 0.515, outer_groove_factor: 0.525,
-/// #     free_contact: FreeContact::Angle(0.2618), first_ball: 0.0,
-/// #     inner_shoulder_angle: Design::HIGHEST_SHOULDER, outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-/// #     ring: Material::STEEL, ball: Material::STEEL,
-/// # };
+/// const DESIGN: Design = Design::angular_contact(11.906e-3, 90e-3, 15_f64.to_radians());
 /// const BEARING: Bearing<f64, 20> = Bearing::<f64, 20>::checked(&DESIGN);
 /// let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.027, Preload::Force(294.0))?;
 /// let mut solver = SpindleSolver::new(pair);
