@@ -82,7 +82,6 @@ pub(crate) const fn sin_cos(x: f64) -> (f64, f64) {
 }
 
 /// Natural logarithm of a finite, positive number; that of the smallest one for anything less.
-#[cfg(feature = "monitor")]
 pub(crate) const fn ln(x: f64) -> f64 {
     let mut x = if x > f64::MIN_POSITIVE {
         x
@@ -111,7 +110,6 @@ pub(crate) const fn ln(x: f64) -> f64 {
 }
 
 /// `x` to the power of `y` for a finite, positive `x` and a result that doubles can hold.
-#[cfg(feature = "monitor")]
 pub(crate) const fn pow(x: f64, y: f64) -> f64 {
     let exponent = y * ln(x);
     let halves = exponent / core::f64::consts::LN_2;
@@ -157,7 +155,6 @@ mod tests {
         }
     }
 
-    #[cfg(feature = "monitor")]
     #[test]
     fn powers_agree_with_the_standard_library() {
         for i in 1..3000 {

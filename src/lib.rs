@@ -1,8 +1,62 @@
-#![doc = include_str!("../README.md")]
+//! Equilibrium and stiffness of high-speed angular contact ball bearings: one, or several on a shaft.
+//!
+#![doc = include_str!("../docs/frame.svg")]
+//!
+//! SI units, angles in radians. A load is `[Fx, Fy, Fz, My, Mz]` on the inner ring, or on the shaft at `x = 0`. The answer has
+//! displacements, the exact 5x5 stiffness, and each ball's contact angles, forces, pressures and speeds.
+//!
+//! ```
+//! use spindle_bearing::{Arrangement, Bearing, Design, Preload, Settings, Solver, Speed, Spindle, SpindleSolver};
+//!
+//! // 15 steel balls of 6.35 mm on 36 mm, 15 degrees. Groove factors are assumed.
+//! const S6005C: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+//! static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&S6005C);
+//! let (speed, settings) = (Speed::rpm(20_000.0), Settings::default());
+//!
+//! let mut solver = Solver::new(&BEARING);
+//! let one = solver.solve([500.0, 100.0, 0.0, 0.0, 1.0], speed, &settings)?;
+//! println!("axially {:.1} N/um", 1e-6 * one.stiffness()[0][0]);
+//!
+//! let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.1, Preload::Force(200.0))?;
+//! let mut solver = SpindleSolver::new(pair);
+//! let two = solver.solve([0.0, 150.0, 0.0, 0.0, 0.0], speed, &settings)?;
+//! println!("radially {:.1} N/um", 1e-6 * two.stiffness()[1][1]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | what | item |
+//! | --- | --- |
+//! | geometry and materials | [`Design`], [`Material`], [`FreeContact`] |
+//! | a design's constants, made by the compiler | [`Bearing`] |
+//! | one bearing | [`Solver`], [`Solution`]; under axial loads alone [`AxialSolver`] |
+//! | several bearings on a shaft | [`Spindle`], [`SpindleSolver`], [`SpindleSolution`], [`RowSolution`] |
+//! | speed, growth by heat, rotation and fits | [`Speed`], [`Growth`] |
+//! | iterations and tolerance | [`Settings`] |
+//! | how a solve ends | [`Status`] |
+//! | balls | [`BallState`], [`BallMotion`], [`Frequencies`] |
+//! | physical limits | [`Limits`], [`Exceedances`], [`Extremes`] |
+//! | rating life | [`LifeRating`], [`RatingLife`] |
+//! | what a scene leaves out | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |
+//!
+//! No allocation, no panic, no NaN as a number. `f32` has the same bits on a Cortex-M4F and on a host.
+//!
+//! | feature | adds |
+//! | --- | --- |
+//! | `defmt` | `Format` on public data |
+//! | `nalgebra` | displacements and stiffness as its vectors and matrices |
+//! | `serde` | designs, settings and results |
+//! | `record` | framed load records, and the estimates made of them |
+//! | `monitor` | from sensors to alarms, rating life, telemetry and what is kept without power |
+
 #![no_std]
 
 #[cfg(test)]
 extern crate std;
+
+/// The README's programs, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 mod axial;
 mod ball;

@@ -49,7 +49,7 @@ use core::f64::consts::PI;
 ///
 /// const B7005C: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// static BEARING: Bearing<f64, 16> = Bearing::<f64, 16>::checked(&B7005C);
-/// // The catalogue's C, 13,700 N here. Without it: `B7005C.dynamic_load_rating(16)`.
+/// // The catalogue's C, say 13,700 N. Without one: `B7005C.dynamic_load_rating(16)`.
 /// const RATING: LifeRating<f64> = LifeRating::<f64>::new(&B7005C, 16, 13_700.0);
 ///
 /// let mut solver = Solver::new(&BEARING);
