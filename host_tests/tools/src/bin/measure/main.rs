@@ -71,7 +71,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     figures::draw(&docs, &rows)?;
     write(&docs.join("report.md"), &page::page(&rows, cases))?;
     write(&docs.join("report_host.md"), &page::host_page(&rows))?;
-    into_readme(&root.join("README.md"), &page::main_table(&rows))?;
+    into_readme(&root.join("README.md"), &page::readme_table(&rows))?;
     println!(
         "{}\ndocs/report.md and its figures are written",
         page::main_table(&rows)
@@ -83,7 +83,7 @@ fn write(path: &Path, text: &str) -> Result<()> {
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Puts the main table where the README wants it, if it does.
+/// Puts a table where the README wants it, if it does.
 fn into_readme(path: &Path, table: &str) -> Result<()> {
     const MARKS: [&str; 2] = ["<!-- report: begin -->\n", "<!-- report: end -->"];
     let text =

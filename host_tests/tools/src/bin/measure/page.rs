@@ -58,7 +58,7 @@ fn usual(core: Core, precision: Precision) -> At {
     at(Some(core), precision, USUAL, 16)
 }
 
-/// The table that the README shows, too.
+/// The solver on all cores.
 pub fn main_table(rows: &Rows) -> String {
     let lines: Vec<Vec<String>> = CORES
         .iter()
@@ -97,6 +97,47 @@ pub fn main_table(rows: &Rows) -> String {
     )
 }
 
+/// The table that the README shows: what users of a Cortex-M4F ask first.
+pub fn readme_table(rows: &Rows) -> String {
+    let names = ["one bearing", "a pair", "four rows"];
+    let mut lines: Vec<Vec<String>> = names
+        .iter()
+        .zip(scenes::ROWS)
+        .filter_map(|(name, (scene, _))| Some((name, scenes::scene(scene)?)))
+        .map(|(name, scene)| {
+            let get = |what| of_scene(rows, scene, Precision::F32, what);
+            let cycles = get(WARM);
+            let mut line = vec![(*name).to_owned(), cell(cycles), time(cycles)];
+            line.extend([FLASH, STATE, STACK].map(|what| cell(get(what))));
+            line
+        })
+        .collect();
+    let tick = ticks::median(rows);
+    let mut line = vec![
+        "a tick of the monitor of a pair".to_owned(),
+        cell(tick),
+        time(tick),
+    ];
+    line.extend([const { String::new() }; 3]);
+    lines.push(line);
+    table(
+        &[
+            "warm",
+            "cycles",
+            "at 168 MHz",
+            "flash / B",
+            "state / B",
+            "stack / B",
+        ],
+        &lines,
+    )
+}
+
+/// Of so many cycles at 168 MHz.
+fn time(cycles: f64) -> String {
+    format!("{:.2} ms", cycles / 168e3)
+}
+
 fn at_any(precision: Precision) -> At {
     at(None, precision, USUAL, 16)
 }
@@ -128,7 +169,7 @@ pub fn page(rows: &Rows, cases: usize) -> String {
     text += "\n";
     text += &study(rows);
     text += "## Again\n\n`cargo reports` makes this page, its figures and [the times on a host](report_host.md) \
-             anew; all but the times are the same figures every time. `cargo reports --json FILE` writes \
+             again; all but the times are the same figures every time. `cargo reports --json FILE` writes \
              every figure as a row. `cargo reports profile` shows one solver function by function. \
              `cargo reports --check` holds instructions and flash to `docs/report_figures.json`, and \
              `cargo reports --accept` takes new ones.\n";

@@ -474,6 +474,11 @@ fn figure(rows: &Rows, board: &Board, metric: &str, stat: &str) -> f64 {
         .map_or(f64::NAN, |r| r.value)
 }
 
+/// Cycles of a tick with a warm solve on the F405, the median.
+pub fn median(rows: &Rows) -> f64 {
+    figure(rows, &BOARDS[0], TICK, "median")
+}
+
 /// The section of the page.
 pub fn section(rows: &Rows) -> String {
     let mut lines = Vec::new();
@@ -528,7 +533,7 @@ pub fn section(rows: &Rows) -> String {
          the period. The rare tick that takes longer lets the next one begin late, and is counted as an overrun; so is a solve \
          from nothing, after one that went astray. *Beyond the period* counts all of these, and solves of one iteration more \
          than the firmware allows, which are measured too.\n\n{}\n\
-         `cargo reports monitor` makes this section and the constants of `CycleCost` anew.\n\n{}\n",
+         `cargo reports monitor` makes this section and the constants of `CycleCost` again.\n\n{}\n",
         MARKS[0],
         table(&["cycles", "median", "99 %", "worst"], &lines),
         table(
