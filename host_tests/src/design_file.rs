@@ -22,6 +22,7 @@
 //! density_kg_m3 = 3200
 //! ```
 
+use crate::catalogue;
 use crate::dispatch::BALL_COUNTS;
 use serde::de::{DeserializeOwned, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -330,12 +331,15 @@ pub(crate) fn read_text(path: &Path) -> Result<(String, String), DesignFileError
 }
 
 impl DesignFile {
-    /// Reads a design file.
+    /// Reads a design file, or takes a design from the [`catalogue`] if the path is a name there.
     ///
     /// # Errors
     ///
     /// A file that cannot be read, or is not a design; the place in it where it goes wrong.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignFileError> {
+        if let Some(found) = path.as_ref().to_str().and_then(catalogue::find) {
+            return found;
+        }
         let (file, text) = read_text(path.as_ref())?;
         Self::parse(&file, &text)
     }

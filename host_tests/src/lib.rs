@@ -3,6 +3,7 @@
 
 pub mod campaign;
 pub mod cases;
+pub mod catalogue;
 pub mod compare;
 pub mod design_file;
 pub mod dispatch;

@@ -35,6 +35,7 @@
 //! axial_um_per_kn = 0.5
 //! ```
 
+use crate::catalogue;
 use crate::design_file::{
     DesignFile, DesignFileError, Key, Keys, Number, Reading, micrometres, millimetres, read_text,
 };
@@ -219,12 +220,16 @@ impl SpindleFile {
             };
             let design = match (row.bearing, row.design) {
                 (Some(bearing), None) => {
-                    let path = folder.join(bearing.get_ref());
-                    DesignFile::read(&path).map_err(|error| match error.place {
-                        // It is this file's line that names it.
-                        None => r.error(r.place(bearing.span()), error.to_string()),
-                        Some(_) => error,
-                    })?
+                    let name = bearing.get_ref();
+                    let found = catalogue::find(name);
+                    let read = || DesignFile::read(folder.join(name));
+                    found
+                        .unwrap_or_else(read)
+                        .map_err(|error| match error.place {
+                            // It is this file's line that names it.
+                            None => r.error(r.place(bearing.span()), error.to_string()),
+                            Some(_) => error,
+                        })?
                 }
                 (None, Some(keys)) => DesignFile::of(Reading::of(file, text), keys.into_inner())?,
                 (Some(bearing), Some(_)) => {

@@ -10,6 +10,7 @@ pub mod figure;
 pub mod gyroscope;
 pub mod hertz;
 pub mod load;
+pub mod makers;
 pub mod page;
 pub mod rules;
 pub mod scene;
@@ -85,7 +86,7 @@ impl Chapter {
 pub type Make = fn(&dyn Progress) -> anyhow::Result<Chapter>;
 
 /// The chapters of the book.
-pub const CHAPTERS: [Make; 9] = [
+pub const CHAPTERS: [Make; 10] = [
     around::chapter,
     stiffness::chapter,
     load::chapter,
@@ -95,6 +96,7 @@ pub const CHAPTERS: [Make; 9] = [
     gyroscope::chapter,
     tangent::chapter,
     hertz::chapter,
+    makers::chapter,
 ];
 
 /// Computes all of them.

@@ -5,13 +5,13 @@ use super::{Block, COMMAND, Chapter, Table};
 use std::fmt::Write;
 
 const OPENING: &str = "What is known of angular contact ball bearings at speed, against what this solver computes: the \
-results of a published study of spindle bearings under tilting moments, a third party's program, closed forms, \
-and a check of the physics that shares no algebra with the solver. `docs/model.md` has the equations and symbols.
+results of a published study of spindle bearings under tilting moments, a third party's program, makers' \
+tables, closed forms, and a check of the physics that shares no algebra with the solver. `docs/model.md` has the equations and symbols.
 
 Every row of the tables of statements is tested: `cargo test` fails if a number leaves the range in parentheses. Where a claim of the study does not hold in \
 this model, its row says so and by how much. A number that is rounding and nothing else is given as a bound.
 
-Unless a line says otherwise, figures and numbers are the solver's in double precision. Each chapter holds every \
+Unless a line says otherwise, figures and numbers are the solver's in double precision. Each chapter but that of makers' figures holds every \
 equilibrium against the reference build and against single precision. The bearings: 218 (16 balls of 22.23 mm, 40\u{b0}), \
 B7005C (16 of 6.35 mm, 15\u{b0}), SKF 6205 (9 of 7.938 mm, angle by clearance), of steel; `host_tests/bearings` \
 has the files. The study's own tables of dimensions are not known; those of the B7005C are a plausible set, not the \

@@ -4,6 +4,7 @@
 mod axial;
 mod balance;
 mod campaign;
+mod catalogue;
 mod compile_fail;
 mod cutting;
 mod cycle;

@@ -72,6 +72,11 @@ fn contact_constants_are_as_stated() {
 }
 
 #[test]
+fn makers_figures_are_as_stated() {
+    assert_holds("Makers");
+}
+
+#[test]
 fn every_item_of_the_study_is_on_the_page() {
     let sources: BTreeSet<&str> = BOOK
         .iter()

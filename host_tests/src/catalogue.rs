@@ -1,0 +1,195 @@
+//! Designs that one can name: makers' bearings with published ball data, and those of `bearings`.
+
+use crate::design_file::{DesignFile, DesignFileError, SHIPPED};
+use serde::Deserialize;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Before the name of one of GMN's bearings.
+const GMN: &str = "gmn:";
+/// Before the name of a design that comes with the project.
+const PROJECT: &str = "project:";
+
+const GMN_S60: &str = include_str!("../makers/gmn_s60.csv");
+
+/// A bearing of a maker's table, with the rigidity of a pair of it.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Listed {
+    /// As the maker calls it.
+    pub designation: String,
+    /// Number of balls.
+    pub balls: usize,
+    /// Ball diameter, mm.
+    pub ball_mm: f64,
+    /// Pitch diameter, mm.
+    pub pitch_mm: f64,
+    /// Contact angle, degrees.
+    pub contact_angle_deg: f64,
+    preload_light_n: f64,
+    preload_medium_n: f64,
+    preload_strong_n: f64,
+    axial_light_n_per_um: f64,
+    axial_medium_n_per_um: f64,
+    axial_strong_n_per_um: f64,
+}
+
+impl Listed {
+    /// Light, medium and strong preload, N.
+    pub fn preloads(&self) -> [f64; 3] {
+        [
+            self.preload_light_n,
+            self.preload_medium_n,
+            self.preload_strong_n,
+        ]
+    }
+
+    /// Axial rigidity of a pair under these, N/um.
+    pub fn axial_rigidity(&self) -> [f64; 3] {
+        [
+            self.axial_light_n_per_um,
+            self.axial_medium_n_per_um,
+            self.axial_strong_n_per_um,
+        ]
+    }
+
+    /// The name that the catalogue has for it.
+    pub fn name(&self) -> String {
+        format!("{GMN}{}", self.designation.replace(' ', ""))
+    }
+
+    /// As the text of a design file. Groove factors are assumed.
+    fn design_file(&self) -> String {
+        format!(
+            "name = \"GMN {}\"\nballs = {}\nball_diameter_mm = {}\npitch_diameter_mm = {}\n\
+             inner_groove_factor = 0.515\nouter_groove_factor = 0.525\ncontact_angle_deg = {}\n",
+            self.designation, self.balls, self.ball_mm, self.pitch_mm, self.contact_angle_deg
+        )
+    }
+
+    /// The bearing, with groove factors of 0.515 and 0.525 assumed, of steel.
+    ///
+    /// # Errors
+    ///
+    /// A row of the table that is no bearing.
+    pub fn design(&self) -> Result<DesignFile, DesignFileError> {
+        DesignFile::parse(&self.name(), &self.design_file())
+    }
+}
+
+/// GMN's series S 60.
+///
+/// # Panics
+///
+/// If the table in `makers` is damaged, which a test excludes.
+pub fn gmn_s60() -> Vec<Listed> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(GMN_S60.as_bytes());
+    let rows: Result<Vec<Listed>, csv::Error> = reader.deserialize().collect();
+    rows.unwrap_or_else(|error| panic!("host_tests/makers/gmn_s60.csv: {error}"))
+}
+
+/// Designs that come with the project, by their files' names.
+fn shipped() -> Vec<String> {
+    let files = std::fs::read_dir(SHIPPED).into_iter().flatten().flatten();
+    let names = files.filter_map(|file| {
+        let path = file.path();
+        let is_design = path.extension().is_some_and(|ending| ending == "toml");
+        is_design.then(|| {
+            path.file_stem()
+                .map(|stem| stem.to_string_lossy().into_owned())
+        })?
+    });
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+/// Small letters and no blanks.
+fn plain(name: &str) -> String {
+    name.split_whitespace().collect::<String>().to_lowercase()
+}
+
+/// A bearing by its name, such as `gmn:S6014C` or `project:b7005c`; `None` if that is no name of a catalogue. Capital letters
+/// and blanks make no difference.
+///
+/// # Errors
+///
+/// A catalogue has no such bearing; the message has names that are alike.
+pub fn find(name: &str) -> Option<Result<DesignFile, DesignFileError>> {
+    let wanted = plain(name);
+    if wanted.starts_with(GMN) {
+        let listed = gmn_s60();
+        let found = listed.iter().find(|one| plain(&one.name()) == wanted);
+        let names = || listed.iter().map(Listed::name).collect();
+        Some(found.map_or_else(|| Err(unknown(name, &wanted, names())), Listed::design))
+    } else if let Some(stem) = wanted.strip_prefix(PROJECT) {
+        let names = shipped();
+        Some(match names.iter().find(|one| plain(one) == stem) {
+            Some(stem) => DesignFile::read(Path::new(SHIPPED).join(format!("{stem}.toml"))),
+            None => {
+                let names = names.iter().map(|one| format!("{PROJECT}{one}"));
+                Err(unknown(name, &wanted, names.collect()))
+            }
+        })
+    } else {
+        None
+    }
+}
+
+/// The three names that are most alike.
+fn unknown(name: &str, wanted: &str, mut names: Vec<String>) -> DesignFileError {
+    names.sort_by_key(|one| strsim::damerau_levenshtein(&plain(one), wanted));
+    names.truncate(3);
+    DesignFileError {
+        file: name.to_owned(),
+        place: None,
+        message: format!(
+            "the catalogue has no such bearing; did you mean {}? `cargo replay --list` has them all",
+            names.join(", ")
+        ),
+    }
+}
+
+/// The catalogue as a table to read.
+pub fn list() -> String {
+    let mut text = String::from(
+        "name            balls   ball  pitch  angle        preload of a pair, N\n\
+         \x20                        mm     mm    deg    light  medium  strong\n",
+    );
+    for one in gmn_s60() {
+        let [light, medium, strong] = one.preloads();
+        let _ = writeln!(
+            text,
+            "{:<16}{:5} {:6.3} {:6.1} {:6.0} {light:8.0} {medium:7.0} {strong:7.0}",
+            one.name(),
+            one.balls,
+            one.ball_mm,
+            one.pitch_mm,
+            one.contact_angle_deg
+        );
+    }
+    for name in shipped() {
+        let name = format!("{PROJECT}{name}");
+        let Some(Ok(file)) = find(&name) else {
+            continue;
+        };
+        let design = &file.design;
+        let angle = match design.free_contact {
+            spindle_bearing::FreeContact::Angle(angle) => format!("{:6.0}", angle.to_degrees()),
+            spindle_bearing::FreeContact::DiametralClearance(_) => "     -".to_owned(),
+        };
+        let _ = writeln!(
+            text,
+            "{name:<16}{:5} {:6.3} {:6.1} {angle}",
+            file.balls,
+            1e3 * design.ball_diameter,
+            1e3 * design.pitch_diameter
+        );
+    }
+    text.push_str(
+        "\ngmn: series S 60 of GMN's catalogue 4000 0813 EN. Groove factors of 0.515 and 0.525 are assumed, shoulders are not\n\
+         known. project: files of host_tests/bearings, each of which says where its figures come from.\n",
+    );
+    text
+}
