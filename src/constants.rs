@@ -91,6 +91,17 @@ pub struct Azimuth<T> {
 
 /// A bearing of `N` balls, ready to be solved in the precision `T`: immutable, made once, by the compiler where
 /// the design is known there.
+///
+/// ```
+/// use spindle_bearing::{Bearing, Design};
+///
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+/// // By the compiler, in single precision: a design that cannot be built does not compile.
+/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+/// // When the program runs, in double precision.
+/// let bearing = Bearing::<f64, 15>::new(&DESIGN)?;
+/// # Ok::<(), spindle_bearing::DesignError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bearing<T, const N: usize> {

@@ -8,6 +8,8 @@ use crate::elementary::{sin_cos, sqrt};
 use crate::status::Quantity;
 
 /// Elastic constants and density of a ring or of the balls.
+///
+/// See [`Design`] for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -41,6 +43,8 @@ impl Material {
 }
 
 /// How ball and grooves meet in the unloaded bearing.
+///
+/// See [`Design`] for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -56,6 +60,25 @@ pub enum FreeContact {
 }
 
 /// An angular contact (or deep groove) ball bearing, SI units.
+///
+/// ```
+/// use spindle_bearing::{Design, FreeContact, Material};
+///
+/// // What a catalogue has ...
+/// const S6005C: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+/// // ... and what is known besides.
+/// const HYBRID: Design = Design {
+///     inner_groove_factor: 0.52,
+///     ball: Material::SILICON_NITRIDE,
+///     ..S6005C
+/// };
+/// const DEEP_GROOVE: Design = Design {
+///     free_contact: FreeContact::DiametralClearance(10e-6),
+///     ..Design::angular_contact(7.938e-3, 39.04e-3, 0.0)
+/// };
+/// assert!(HYBRID.check(15).is_ok() && DEEP_GROOVE.check(9).is_ok());
+/// assert!(HYBRID.check(30).is_err()); // 30 balls do not fit
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -14,6 +14,8 @@ use crate::linalg::Pair;
 use core::fmt;
 
 /// Limits that the design does not give. One that is infinite, or not a number, is never passed.
+///
+/// See [`Solution::exceedances`](crate::Solution::exceedances) for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -29,6 +29,8 @@ pub trait Motion: 'static {
 }
 
 /// The bearing at rest.
+///
+/// See [`AxialSolver`](crate::AxialSolver) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Static;
 

@@ -11,6 +11,8 @@ use crate::float::Real;
 use crate::limits::{ContactState, Groove};
 
 /// State of one ball, SI units.
+///
+/// See [`Solution::motions`](crate::Solution::motions) for an example; [`Solution::balls`](crate::Solution::balls) gives these.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -52,6 +54,8 @@ pub struct ContactPatch<T> {
 }
 
 /// How a ball turns, and how its contacts are pressed, SI units.
+///
+/// See [`Solution::motions`](crate::Solution::motions) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

@@ -141,6 +141,19 @@ impl fmt::Display for Quantity {
 ///
 /// The first two come with an answer, in [`Solution::status`](crate::Solution::status). The rest are refusals, the `Err`
 /// of a solve.
+///
+/// ```
+/// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed, Status};
+///
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+/// let mut solver = Solver::new(&BEARING);
+/// let nonsense = [f32::NAN, 0.0, 0.0, 0.0, 0.0];
+/// match solver.solve(nonsense, Speed::rpm(10_000.0), &Settings::default()) {
+///     Ok(_) => unreachable!(),
+///     Err(status) => println!("{status}"), // names the quantity and its value
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

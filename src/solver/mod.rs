@@ -39,6 +39,13 @@ pub use solution::{Snapshot, Solution};
 use start::{at_rest, at_speed};
 
 /// Iteration limit and convergence tolerance.
+///
+/// ```
+/// use spindle_bearing::Settings;
+///
+/// // In a tick of firmware: three iterations at most, and a stiffness good to a thousandth.
+/// let settings = Settings::<f32> { max_iterations: 3, tolerance: 1e-3, ..Settings::default() };
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -71,6 +78,25 @@ impl<T: Real> RingVector for [T; 3] {}
 impl<T: Real> RingVector for [T; 5] {}
 
 /// What is given of a freedom of the inner ring.
+///
+/// ```
+/// use spindle_bearing::{Bearing, Design, Given, Growth, Settings, Solver, Speed};
+///
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+/// static BEARING: Bearing<f64, 15> = Bearing::<f64, 15>::checked(&DESIGN);
+/// let mut solver = Solver::new(&BEARING);
+/// // Pressed together by 10 um, without tilt; a radial load of 50 N.
+/// let given = [
+///     Given::Displacement(10e-6),
+///     Given::Load(50.0),
+///     Given::Load(0.0),
+///     Given::Displacement(0.0),
+///     Given::Displacement(0.0),
+/// ];
+/// let solution = solver.solve_at(&given, Speed::rpm(10_000.0), &Growth::NONE, &Settings::default())?;
+/// assert!(solution.load[0] > 100.0);
+/// # Ok::<(), spindle_bearing::Status<f64>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -18,6 +18,8 @@ use core::fmt;
 use core::marker::PhantomData;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
+///
+/// See [`Solver`] for an example, and [`Solution::motions`] for the balls.
 pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,

@@ -4,6 +4,8 @@ use super::{Mounted, SpindleError};
 use crate::float::Real;
 
 /// Which load on the shaft presses the balls of a row.
+///
+/// See [`Mounted`](crate::Mounted) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -44,6 +46,8 @@ impl Facing {
 
 /// How the rows of a spindle stand to each other. Sets of three and four rows have the name of the pair that they are made
 /// of: TBT, QBC and QBT are back to back, TFT and QFC face to face.
+///
+/// See [`Mounted`](crate::Mounted) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

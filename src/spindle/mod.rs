@@ -32,6 +32,8 @@ pub use solution::{RowSolution, ShaftEnd, SpindleSolution};
 pub use solver::SpindleSolver;
 
 /// How a row is held against the others.
+///
+/// See [`Mounted`] for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -48,6 +50,20 @@ pub enum Preload<T> {
 /// A bearing at its place on the shaft.
 ///
 /// `N` is the largest number of balls that a row of the spindle has: a row with more does not compile.
+///
+/// ```
+/// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Preload, Spindle};
+///
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+/// // Two rows in tandem against a third, at 0, 20 and 120 mm.
+/// let preload = Preload::Force(200.0);
+/// let row = |at, facing| Mounted::<f32, 15>::new(&BEARING, at, facing).with(preload);
+/// let rows = [row(0.0, Facing::PlusX), row(0.02, Facing::PlusX), row(0.12, Facing::MinusX)];
+/// let spindle = Spindle::new(Arrangement::BackToBack, rows);
+/// assert!(spindle.is_ok());
+/// assert!(Spindle::new(Arrangement::FaceToFace, rows).is_err());
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Mounted<'b, T, const N: usize> {
     constants: &'b Constants<T>,

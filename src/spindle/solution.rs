@@ -20,6 +20,8 @@ use core::fmt;
 use core::marker::PhantomData;
 
 /// A point on the shaft where the stiffness is wanted, like the nose.
+///
+/// See [`Spindle`](crate::Spindle) for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftEnd<T> {
@@ -41,6 +43,8 @@ impl<T: Real> ShaftEnd<T> {
 }
 
 /// An equilibrium of a spindle, SI units; loads and displacements refer to the shaft at `x = 0`.
+///
+/// See [`Spindle`](crate::Spindle) for an example.
 pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
@@ -273,6 +277,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> fmt::De
 }
 
 /// A row of a solved spindle, in its own frame: x points where an axial load presses its balls. SI units.
+///
+/// See [`Spindle`](crate::Spindle) for an example.
 #[derive(Debug)]
 pub struct RowSolution<'s, T: Real, M: Motion> {
     /// Position of its centre on the shaft, m.
