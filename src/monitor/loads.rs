@@ -292,7 +292,7 @@ pub enum AdcError {
     Bus,
     /// The checksum says that a conversion was damaged on its way.
     Checksum,
-    /// The converter was reset, and has lost its settings: start it anew.
+    /// The converter was reset, and has lost its settings: start it again.
     Reset,
     /// The settings read back are not those that were written.
     Settings,
@@ -390,7 +390,7 @@ where
         Ok(Self { device })
     }
 
-    /// Gives the driver back, to start it anew.
+    /// Gives the driver back, to start it again.
     pub fn stop(self) -> Ads131m08<SPI, DRDY, SYNC, CS, DELAY> {
         self.device
     }

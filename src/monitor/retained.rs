@@ -12,7 +12,7 @@
 //! | alarms not acknowledged, times raised | within a second, 10 s apart | bearing |
 //! | number of starts, cause of the reset | at every start, with the alarms | board |
 //!
-//! The tare is not kept: it drifts, and a shaft stands still when power comes on, so that it is taken anew.
+//! The tare is not kept: it drifts, and a shaft stands still when power comes on, so that it is taken again.
 //!
 //! **What a power cut loses** is the larger of two things: what two minutes used, and a 64th of what was used since the
 //! start. With a cut every nine minutes, that is a ninth. Cuts every two minutes lose everything. A board that is warned of

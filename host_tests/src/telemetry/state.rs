@@ -118,7 +118,7 @@ impl State {
         }
         if gap == Gap::Restart {
             let first = self.behind.take();
-            // Time, counters and alarms begin anew.
+            // Time, counters and alarms begin again.
             *self = Self {
                 tally,
                 last_damage: self.last_damage,

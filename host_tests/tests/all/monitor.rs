@@ -895,7 +895,7 @@ fn damaged_and_lost_frames_are_counted_and_marked() {
     for sequence in [start.wrapping_add(5), start.wrapping_add(1)] {
         assert_eq!(send(&frame(sequence), 6).0, Err(Mark::Order.into()));
     }
-    // The sender began anew from there.
+    // The sender began again from there.
     let (sample, counts) = send(&frame(start.wrapping_add(2)), 7);
     assert!(sample.unwrap().is_some());
     assert_eq!(

@@ -1,4 +1,4 @@
-//! What the monitor has learnt outlasts the power: the log of `monitor::retained` on a flash in memory that
+//! What the monitor has learnt is kept without power: the log of `monitor::retained` on a flash in memory that
 //! forgets its manners as real ones do.
 
 use embedded_storage::nor_flash::{

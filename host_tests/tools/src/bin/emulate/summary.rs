@@ -233,7 +233,7 @@ pub fn budget(figures: &Figures) -> Result<String> {
 /// The board's core and precision, as figures name them.
 const MEASURED: &str = "Cortex-M4F, f32, monitor";
 
-/// Holds a summary against the golden file, or makes that anew.
+/// Holds a summary against the golden file, or writes it again.
 ///
 /// # Errors
 ///

@@ -601,7 +601,7 @@ fn hold(measured: &[Costs], leeway: f64) -> Result<()> {
     if !grown.is_empty() {
         bail!(
             "the deadline rests on constants that are too small:\n       {}\n       `cargo reports monitor` \
-             writes {CONSTANTS} anew; commit it if it is worth it",
+             writes {CONSTANTS} again; commit it if it is worth it",
             grown.join("\n       ")
         );
     }
@@ -622,7 +622,7 @@ pub fn accept(root: &Path) -> Result<Figures> {
     Ok(figures(&measured))
 }
 
-/// Makes section, constants and the monitor's figures anew.
+/// Makes section, constants and the monitor's figures again.
 pub fn alone(root: &Path) -> Result<()> {
     let measured = measure(root)?;
     let section = section(&rows(&measured));
