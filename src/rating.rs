@@ -1,41 +1,4 @@
 //! Rating life of a bearing from the forces on its balls.
-//!
-//! # Load rating
-//!
-//! The basic dynamic radial load rating of a single-row ball bearing, in N with `D` in mm (ISO 281:2007
-//! with the factors of ISO/TR 1281-1; `D` up to 25.4 mm):
-//!
-//! ```text
-//! Cr = bm fc (cos a)^0.7 Z^(2/3) D^1.8            bm = 1.3
-//! fc = 0.41 A lambda (2 fi/(2 fi - 1))^0.41 g^0.3 (1 - g)^1.39 / (1 + g)^(1/3)
-//!      (1 + [1.04 S]^(10/3))^(-3/10)              A = 98.0665, lambda = 0.95
-//! S  = ((1 - g)/(1 + g))^1.72 (fi (2 fo - 1) / (fo (2 fi - 1)))^0.41
-//! g  = D cos a / dm
-//! ```
-//!
-//! and those of one contact of the rotating inner and the stationary outer ring (ISO/TS 16281:2008, point
-//! contact):
-//!
-//! ```text
-//! Qci = Cr / (0.407 Z (cos a)^0.7) (1 + [1.044 S]^(10/3))^(3/10)
-//! Qce = Cr / (0.389 Z (cos a)^0.7) (1 + [1.044 S]^(-10/3))^(3/10)
-//! ```
-//!
-//! `a` is the nominal contact angle, 0 for a bearing that is given by its clearance.
-//!
-//! # Life
-//!
-//! Every point of the inner race sees all balls in turn, a point of the outer race always the same one's
-//! azimuth (ISO/TS 16281):
-//!
-//! ```text
-//! qei = (sum Qij^3 / Z)^(1/3)                     qee = (sum Qej^(10/3) / Z)^(3/10)
-//! L10 = [(qei/Qci)^(10/3) + (qee/Qce)^(10/3)]^(-9/10)      million revolutions
-//! ```
-//!
-//! Over the rows of a spindle the terms in brackets add up, as ISO/TS 16281 adds up races: the life of the set is that of which
-//! a tenth of all such sets see a first failure of any row. Lubrication, contamination and the fatigue limit (`a_ISO`) are
-//! left out.
 
 use crate::design::{Design, FreeContact};
 use crate::elementary::{cbrt, pow, sin_cos};
@@ -43,6 +6,23 @@ use crate::float::Real;
 use core::f64::consts::PI;
 
 /// Dynamic load ratings of the contacts of a bearing, N: what [`Solution::rating_life`](crate::Solution::rating_life) takes.
+///
+/// ISO/TS 16281:2008, point contact, inner ring turning, with `S` as for [`Design::dynamic_load_rating`]:
+///
+/// ```text
+/// Qci = C / (0.407 Z (cos a)^0.7) (1 + [1.044 S]^(10/3))^(3/10)
+/// Qce = C / (0.389 Z (cos a)^0.7) (1 + [1.044 S]^(-10/3))^(3/10)
+/// ```
+///
+/// Every point of the inner race sees all balls in turn, a point of the outer race always the force at its own azimuth:
+///
+/// ```text
+/// qei = (sum Qij^3 / Z)^(1/3)                     qee = (sum Qej^(10/3) / Z)^(3/10)
+/// L10 = [(qei/Qci)^(10/3) + (qee/Qce)^(10/3)]^(-9/10)      million revolutions
+/// ```
+///
+/// Over the rows of a spindle the terms in brackets add up. A tenth of all such sets then have a first failure of any row within
+/// `L10`. Lubrication, contamination and the fatigue limit (`a_ISO`) are left out.
 ///
 /// ```
 /// use spindle_bearing::{Bearing, Design, LifeRating, Settings, Solver, Speed};
@@ -96,7 +76,18 @@ impl Design {
     /// Basic dynamic radial load rating `Cr` of a single-row bearing of `balls` balls, N, by the formula of ISO 281.
     ///
     /// A maker's catalogue is to be preferred where it gives `C`: with the close grooves of spindle bearings the formula is
-    /// 5 % to 8 % high, and a life by it up to 25 % long. For balls up to 25.4 mm; the module's page has the formula.
+    /// 5 % to 8 % high, and a life by it up to 25 % long. ISO 281:2007 with the factors of ISO/TR 1281-1, `D` in mm and up to
+    /// 25.4 mm:
+    ///
+    /// ```text
+    /// Cr = bm fc (cos a)^0.7 Z^(2/3) D^1.8            bm = 1.3
+    /// fc = 0.41 A lambda (2 fi/(2 fi - 1))^0.41 g^0.3 (1 - g)^1.39 / (1 + g)^(1/3)
+    ///      (1 + [1.04 S]^(10/3))^(-3/10)              A = 98.0665, lambda = 0.95
+    /// S  = ((1 - g)/(1 + g))^1.72 (fi (2 fo - 1) / (fo (2 fi - 1)))^0.41
+    /// g  = D cos a / dm
+    /// ```
+    ///
+    /// `a` is the nominal contact angle, 0 for a bearing that is given by its clearance.
     pub const fn dynamic_load_rating(&self, balls: usize) -> f64 {
         let (cos, g, s) = geometry(self);
         let fi = self.inner_groove_factor;
