@@ -1,18 +1,52 @@
-//! Recordings that are refused, and how the refusal begins.
+//! Recordings that are refused, or of which a row is, and how the refusal begins.
 
 /// The header of a recording.
 pub const HEADER: &str = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n";
 
-/// Texts, and the place and the reason that are given for each.
+/// Texts that are no recordings, and the place and the reason that are given for each.
 pub fn recordings() -> Vec<(String, &'static str)> {
     let row = "1,2,3,4,5,6,7";
     let header = HEADER.trim_end();
+    let with = |from: &str, to: &str| header.replace(from, to);
     vec![
         (String::new(), "line 1, column 1: the file is empty"),
         ("\n\n".to_owned(), "line 2, column 1: the file is empty"),
         (
             "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,rpm\n".to_owned(),
-            "line 1, column 7: \"rpm\" is none of the columns",
+            "line 1, column 7: \"rpm\" is not the column speed_rpm, which is missing; rename it",
+        ),
+        (
+            with("fx_n", "Fx_kN"),
+            "line 1, column 2: \"Fx_kN\" is not the column fx_n, which is missing; rename it, and \
+             convert its numbers if they have another unit than N",
+        ),
+        (
+            with("fx_n", "fx"),
+            "line 1, column 2: \"fx\" is not the column fx_n, which is missing",
+        ),
+        (
+            with("my_nm", "My [N m]"),
+            "line 1, column 5: \"My [N m]\" is not the column my_nm, which is missing",
+        ),
+        (
+            with("time_s", "tme_s"),
+            "line 1, column 1: \"tme_s\" is not the column time_s, which is missing",
+        ),
+        (
+            format!("{header},t_inner_c,T_outer_K"),
+            "line 1, column 9: \"T_outer_K\" is not the column t_outer_c, which is missing",
+        ),
+        (
+            with("fx_n", "remark"),
+            "line 1, column 8 (fx_n): the header lacks this column",
+        ),
+        (
+            "# 1\n# 2\n".to_owned(),
+            "line 2, column 1: the file is empty",
+        ),
+        (
+            "\u{feff}\n\0\u{1}\n".to_owned(),
+            "line 2, column 1: \"\\0\\u{1}\" is none of the columns",
         ),
         (
             format!("{header},time_s\n"),
@@ -27,6 +61,23 @@ pub fn recordings() -> Vec<(String, &'static str)> {
             "line 1, column 1: \"1\" is none of the columns",
         ),
         (
+            format!("{header}\r{row}\r{row}\r"),
+            "line 1, column 7: a carriage return in the middle of the line",
+        ),
+        (
+            format!("{header}\n{}\n", "1".repeat(100_000)),
+            "line 2, column 1: the line is longer than",
+        ),
+    ]
+}
+
+/// Texts with one row that cannot be read, and the place and the reason that are given for each.
+pub fn rows() -> Vec<(String, &'static str)> {
+    let row = "1,2,3,4,5,6,7";
+    let header = HEADER.trim_end();
+    let semicolons = HEADER.replace(',', ";");
+    vec![
+        (
             format!("{header}\n{row}\n1,2,three,4,5,6,7\n"),
             "line 3, column 3 (fy_n): \"three\" is not a number",
         ),
@@ -40,7 +91,7 @@ pub fn recordings() -> Vec<(String, &'static str)> {
         ),
         (
             format!("{header}\n1,2,3,4,5\n"),
-            "line 2, column 6 (mz_nm): the line ends after 5 of 7 numbers",
+            "line 2, column 6 (mz_nm): the line ends after 5 of 7 fields",
         ),
         (
             format!("{header}\n{row},8\n"),
@@ -55,12 +106,33 @@ pub fn recordings() -> Vec<(String, &'static str)> {
             "line 2, column 4: a quotation mark is opened but not closed",
         ),
         (
-            format!("{header}\r{row}\r{row}\r"),
-            "line 1, column 7: a carriage return in the middle of the line",
+            format!("# of a machine\n{header}\n# more\n\n{row}\n,2,3,4,5,6,7\n"),
+            "line 6, column 1 (time_s): the field is empty",
         ),
         (
-            format!("{header}\n{}\n", "1".repeat(100_000)),
-            "line 2, column 1: the line is longer than",
+            format!("{header}\n1,\"2,5\",3,4,5,6,7\n"),
+            "line 2, column 2 (fx_n): \"2,5\" is not a number; decimals take a point where commas \
+             separate the fields; for decimal commas, separate fields by semicolons",
+        ),
+        (
+            format!("{semicolons}1,5;2;3;4;5;6;7\n1.5;2;3;4;5;6;7\n"),
+            "line 3, column 1 (time_s): \"1.5\" has a point where numbers above have decimal commas",
+        ),
+        (
+            format!("{semicolons}1.5;2;3;4;5;6;7\n1;2,500;3;4;5;6;7\n"),
+            "line 3, column 2 (fx_n): \"2,500\" has a comma where numbers above have decimal points",
+        ),
+        (
+            format!("{semicolons}1;2.500,5;3;4;5;6;7\n"),
+            "line 2, column 2 (fx_n): \"2.500,5\" is not a number",
+        ),
+        (
+            format!("{semicolons}1;2,5,5;3;4;5;6;7\n"),
+            "line 2, column 2 (fx_n): \"2,5,5\" is not a number",
+        ),
+        (
+            format!("{header}\n1,2,3,4,5\r,6,7\n"),
+            "line 2, column 5: a carriage return in the middle of the line",
         ),
     ]
 }

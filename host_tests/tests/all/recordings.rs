@@ -7,7 +7,7 @@ use host_tests::dispatch::{self, Answer, AnySolver, Attitude, BALL_COUNTS, Figur
 use host_tests::loads::write_csv;
 use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError};
 use host_tests::milling_cycle::{CRASH, NOSE_RECORD, Place, RECORD, recorded};
-use host_tests::replay::replay;
+use host_tests::replay::{OneBearing, Outputs, replay};
 use host_tests::warm_up;
 use spindle_bearing::{BallState, Design, FreeContact, LimitSet, Limits, Material};
 use std::io::Cursor;
@@ -95,9 +95,119 @@ fn files_of_spreadsheets_are_read() {
 #[test]
 fn a_malformed_recording_is_refused_with_line_and_column() {
     for (text, start) in malformed::recordings() {
-        let error = parsed(&text).unwrap_err().to_string();
-        let expected = format!("loads.csv: {start}");
+        let error = parsed(&text).unwrap_err();
+        assert!(!matches!(error, LoadsError::Row(_)), "{error}");
+        let (error, expected) = (error.to_string(), format!("loads.csv: {start}"));
         assert!(error.starts_with(&expected), "{error}\nnot\n{expected}");
+    }
+}
+
+#[test]
+fn a_row_that_cannot_be_read_is_refused_with_line_and_column_and_the_next_one_is_read() {
+    for (text, start) in malformed::rows() {
+        let line = |text: &str| {
+            text.lines()
+                .nth(usize::from(text.starts_with('#')))
+                .unwrap()
+                .to_owned()
+        };
+        let separator = if line(&text).contains(';') { ";" } else { "," };
+        let text = text + &["11", "12", "13", "14", "15", "16", "17\n"].join(separator);
+        let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
+        let rows: Vec<_> = Loads::from_reader("loads.csv", input).unwrap().collect();
+        let mut faults = rows.iter().filter_map(|row| row.as_ref().err());
+        let Some(error @ LoadsError::Row(_)) = faults.next() else {
+            panic!("{text}");
+        };
+        let (error, expected) = (error.to_string(), format!("loads.csv: {start}"));
+        assert!(error.starts_with(&expected), "{error}\nnot\n{expected}");
+        assert!(faults.next().is_none());
+        assert_eq!(rows.last().unwrap().as_ref().unwrap().time_s, 11.0);
+    }
+}
+
+#[test]
+fn what_can_be_read_of_a_refused_row_is_kept() {
+    let numbers = |row: &str| match parsed(&format!("{HEADER}{row}\n")) {
+        Err(LoadsError::Row(row)) => row.numbers,
+        other => panic!("{other:?}"),
+    };
+    let [a, b] = [Some(1.0), Some(7.0)];
+    assert_eq!(
+        numbers("1,,three,4,5,6,7"),
+        [a, None, None, Some(4.0), Some(5.0), Some(6.0), b]
+    );
+    // Which column a number belongs to is not known in a row with a field too many or too few.
+    assert_eq!(numbers("1,5,2,3,4,5,6,7"), [None; 7]);
+    assert_eq!(numbers("1,,3"), [None; 7]);
+}
+
+#[test]
+fn separators_and_decimal_marks_of_all_countries_are_understood() {
+    let plain = parsed(&format!("{HEADER}0.5,-2,3e3,4,5,6,7.25\n1,2,3,4,5,6,7\n")).unwrap();
+    for text in [
+        "time_s;fx_n;fy_n;fz_n;my_nm;mz_nm;speed_rpm\n0,5;-2;3e3;4;5;6;7,25\n1;2;3;4;5;6;7\n",
+        "time_s;fx_n;fy_n;fz_n;my_nm;mz_nm;speed_rpm\n0.5;-2;3e3;4;5;6;7.25\n1;2;3;4;5;6;7\n",
+        "time_s\tfx_n\tfy_n\tfz_n\tmy_nm\tmz_nm\tspeed_rpm\n0,5\t-2,0\t3e3\t4\t5\t6\t7,25\n1\t2\t3\t4\t5\t6\t7\n",
+        "# logger 5; 2024-03-01\n\u{20} TIME_S ; Fx_N;FY_N ;fz_n;my_nm;mz_nm;Speed_RPM\r\n\n\
+         # start\n0,5;\"-2\";3,0e3;4;5;6;7,25\r\n#\n 1;2;3;4;5;6;7",
+        "\u{feff}\"time_s\";\"fx_n\";\"fy_n\";\"fz_n\";\"my_nm\";\"mz_nm\";\"speed_rpm\"\n\
+         \"0,5\";-2;3e3;4;5;6;7,25\n1;2;3;4;5;6;7\n",
+    ] {
+        assert_eq!(parsed(text).unwrap(), plain, "{text:?}");
+    }
+}
+
+#[test]
+fn columns_of_others_are_ignored_and_named() {
+    let text = "no,time_s,\"remark; long\",fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,fx_kn,\n\
+                a,1,\"so, so\",2,3,4,5,6,7,,\n";
+    let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
+    let mut loads = Loads::from_reader("loads.csv", input).unwrap();
+    assert_eq!(loads.ignored_columns(), ["no", "remark; long", "fx_kn"]);
+    assert!(!loads.has_temperatures());
+    let plain = parsed(&format!("{HEADER}1,2,3,4,5,6,7\n")).unwrap();
+    assert_eq!(loads.next().unwrap().unwrap(), plain[0]);
+}
+
+/// Bytes that nobody meant to be a recording end in an error or in rows, never in a panic or without end.
+#[test]
+fn any_bytes_are_refused_or_read() {
+    let pieces: [&[u8]; 14] = [
+        HEADER.as_bytes(),
+        b"1,2,3,4,5,6,7\n",
+        b";",
+        b"\t",
+        b",",
+        b"\"",
+        b"\n",
+        b"\r",
+        b"#",
+        b"\xFF",
+        b"\0",
+        b"1e999",
+        b"nan",
+        b"\xEF\xBB\xBF",
+    ];
+    for seed in 0..4000 {
+        let mut bytes = if seed % 2 == 0 {
+            HEADER
+                .replace(',', [",", ";", "\t"][seed / 2 % 3])
+                .into_bytes()
+        } else {
+            Vec::new()
+        };
+        let mut x = (seed as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+        for _ in 0..40 {
+            x ^= x << 13;
+            x ^= x >> 7;
+            x ^= x << 17;
+            bytes.extend(pieces[(x % 14) as usize]);
+        }
+        let length = bytes.len();
+        if let Ok(loads) = Loads::from_reader("x", Box::new(Cursor::new(bytes))) {
+            assert!(loads.count() <= length);
+        }
     }
 }
 
@@ -164,7 +274,9 @@ fn figures_are_printed_as_the_solver_gave_them() {
         temperatures: None,
     };
     let mut out = Vec::new();
-    let summary = replay(&mut solver, [Ok(row)].into_iter(), false, &mut out, None).unwrap();
+    let rows = [Ok(row)].into_iter();
+    let mut solver = OneBearing(&mut solver);
+    let summary = replay(&mut solver, rows, false, &mut Outputs::of(&mut out)).unwrap();
     assert_eq!(summary.rows, 1);
     assert!(summary.refused.is_empty());
     let out = String::from_utf8(out).unwrap();
@@ -193,7 +305,12 @@ fn a_solve_that_ran_out_of_iterations_has_no_figures() {
         };
         let (mut out, mut balls) = (Vec::new(), Vec::new());
         let rows = [Ok(row)].into_iter();
-        let summary = replay(solver.as_mut(), rows, false, &mut out, Some(&mut balls)).unwrap();
+        let mut outputs = Outputs {
+            balls: Some(&mut balls),
+            ..Outputs::of(&mut out)
+        };
+        let mut solver = OneBearing(solver.as_mut());
+        let summary = replay(&mut solver, rows, false, &mut outputs).unwrap();
         let count = summary.refused.values().sum::<u64>();
         assert_eq!((summary.rows, count), (1, 1), "{summary}");
 
@@ -458,7 +575,8 @@ fn the_recording_is_solved_to_the_last_row() {
         let mut solver = bearing.solver(Attitude::Raceless);
         let mut out = Vec::new();
         let rows = loads::read(RECORD).unwrap();
-        let summary = replay(solver.as_mut(), rows, false, &mut out, None).unwrap();
+        let mut solver = OneBearing(solver.as_mut());
+        let summary = replay(&mut solver, rows, false, &mut Outputs::of(&mut out)).unwrap();
         assert!(summary.refused.is_empty(), "{summary}");
         let text = String::from_utf8(out).unwrap();
         assert_eq!(text.lines().count(), 1 + 20_001);

@@ -5,9 +5,9 @@ use clap::Parser;
 use host_tests::design_file::DesignFile;
 use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::loads::{self, LoadRow, Loads, LoadsError};
-use host_tests::replay::{ReplayError, Summary, replay};
+use host_tests::replay::{OneBearing, Outputs, ReplayError, Summary, replay};
 use host_tests::spindle_file::{SpindleFile, is_spindle};
-use host_tests::spindle_replay::{self, Outputs};
+use host_tests::spindle_replay::OneSpindle;
 use host_tests::spindles::{self, Balls};
 use indicatif::{ProgressBar, ProgressStyle};
 use spindle_bearing::Limits;
@@ -99,14 +99,18 @@ DESIGN.toml is a spindle if it has [[row]]s:
 
 LOADS.csv must have the header
   time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm
-with the columns in any order. For a spindle with [heat] it has t_inner_c,t_outer_c as well.
+with the columns in any order, in capitals or not. For a spindle with [heat] it has
+t_inner_c,t_outer_c as well. Other columns are ignored, and named once on standard error. Fields are
+separated as those of the header are: by commas, semicolons or tabs. With the latter two, numbers
+may have decimal commas. Blank lines and lines that begin with # are skipped.
 
 Results, one row for each row of LOADS.csv, SI units:
   time_s          copied
   status          converged; precision-limit (as close as the precision allows);
                   anything else means that this row has no answer, and its figures are empty:
                   unseated (the speed drives a ball out of its groove), iteration-limit (ran out
-                  of iterations) and so on
+                  of iterations), refused-input (a field of LOADS.csv is empty or no number, or
+                  the line has too few or too many fields) and so on
   iterations      passes over all balls that the solve took
   dx_m .. tz_rad  displacement of the inner ring, or of the shaft at x = 0
   k_x_x .. k_tz_tz  stiffness, 25 columns: k_y_tz is the change of Fy with the tilt tz
@@ -127,7 +131,8 @@ whose x points where an axial load presses its balls:
   load on its inner ring about its centre; what of the axial one is preload; least force of a ball
 
 Exit status: 0, also if rows have no answer (a line on standard error counts them);
-2 if the arguments, the design or the recording are at fault; 1 if the results cannot be written.";
+2 if the arguments, the design or the recording are at fault, or no row of it can be read;
+1 if the results cannot be written.";
 
 /// The whole program but for the process around it: arguments (the first is the program's name) and
 /// streams in, exit status out.
@@ -150,12 +155,12 @@ pub fn run(
             return u8::try_from(message.exit_code()).unwrap_or(2);
         }
     };
-    match run_parsed(&args, Box::new(stdin), stdout) {
+    match run_parsed(&args, Box::new(stdin), stdout, &mut stderr) {
         Ok(summary) => {
             if !summary.refused.is_empty() {
                 let _ = writeln!(stderr, "replay: {summary}");
             }
-            0
+            if summary.any_row_read() { 0 } else { 2 }
         }
         Err(failure) => {
             // A reader that has seen enough (`| head`) is no failure.
@@ -199,13 +204,18 @@ impl From<ReplayError> for Failure {
     }
 }
 
-fn run_parsed(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<Summary, Failure> {
+fn run_parsed(
+    args: &Args,
+    stdin: Box<dyn Read>,
+    stdout: impl Write,
+    stderr: &mut dyn Write,
+) -> Result<Summary, Failure> {
     // What cannot be read is said below.
     let text = std::fs::read(&args.design).unwrap_or_default();
     if is_spindle(&String::from_utf8_lossy(&text)) {
-        of_spindle(args, stdin, stdout)
+        of_spindle(args, stdin, stdout, stderr)
     } else {
-        of_bearing(args, stdin, stdout)
+        of_bearing(args, stdin, stdout, stderr)
     }
 }
 
@@ -217,13 +227,20 @@ impl Args {
         }
     }
 
-    fn open_loads(&self, stdin: Box<dyn Read>) -> Result<Loads, Failure> {
-        if self.loads == "-" {
+    /// Opens the recording, and says which of its columns are not read.
+    fn open_loads(&self, stdin: Box<dyn Read>, stderr: &mut dyn Write) -> Result<Loads, Failure> {
+        let loads = if self.loads == "-" {
             Loads::from_reader("standard input", stdin)
         } else {
             loads::read(&self.loads)
         }
-        .map_err(Failure::input)
+        .map_err(Failure::input)?;
+        let ignored = loads.ignored_columns();
+        if !ignored.is_empty() {
+            let (file, ignored) = (loads.file(), listed(ignored));
+            let _ = writeln!(stderr, "replay: {file}: columns ignored: {ignored}");
+        }
+        Ok(loads)
     }
 
     /// Creates the file that an option names, if it does.
@@ -235,6 +252,17 @@ impl Args {
         let inputs = [self.design.as_path(), Path::new(&self.loads)];
         path.map(|path| create(option, path, &inputs)).transpose()
     }
+}
+
+/// The first of these names, and the number of the others.
+fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let quoted = names.iter().take(SHOWN).map(|name| format!("{name:?}"));
+    let mut list = quoted.collect::<Vec<_>>().join(", ");
+    if names.len() > SHOWN {
+        list.push_str(&format!(" and {} more", names.len() - SHOWN));
+    }
+    list
 }
 
 /// The rows of the recording, with a bar, and what is to be done with them; then the results' end.
@@ -261,7 +289,12 @@ fn with_bar(
     outcome.map_err(Failure::from)
 }
 
-fn of_bearing(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<Summary, Failure> {
+fn of_bearing(
+    args: &Args,
+    stdin: Box<dyn Read>,
+    stdout: impl Write,
+    stderr: &mut dyn Write,
+) -> Result<Summary, Failure> {
     let file = DesignFile::read(&args.design).map_err(Failure::input)?;
     if args.rows.is_some() {
         return Err(Failure::input(format!(
@@ -273,7 +306,7 @@ fn of_bearing(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<S
         .map_err(|error| Failure::input(file.explain(&error)))?;
     let mut solver = bearing.solver(args.attitude);
     solver.set_limits(&args.limits());
-    let mut loads = args.open_loads(stdin)?;
+    let mut loads = args.open_loads(stdin, stderr)?;
     if loads.has_temperatures() {
         return Err(Failure::input(format!(
             "{}: t_inner_c and t_outer_c are for spindles with [heat]; remove these columns",
@@ -283,14 +316,22 @@ fn of_bearing(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<S
     let mut balls = args.output("--balls", args.balls.as_ref())?;
     let mut results = BufWriter::with_capacity(64 * 1024, stdout);
     with_bar(&mut loads, &mut results, |rows, results| {
-        let balls = balls.as_mut().map(|out| out as &mut dyn Write);
-        replay(solver.as_mut(), rows, args.cold, results, balls)
+        let mut out = Outputs {
+            balls: balls.as_mut().map(|out| out as &mut dyn Write),
+            ..Outputs::of(results)
+        };
+        replay(&mut OneBearing(solver.as_mut()), rows, args.cold, &mut out)
     })
 }
 
-fn of_spindle(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<Summary, Failure> {
+fn of_spindle(
+    args: &Args,
+    stdin: Box<dyn Read>,
+    stdout: impl Write,
+    stderr: &mut dyn Write,
+) -> Result<Summary, Failure> {
     let file = SpindleFile::read(&args.design).map_err(Failure::input)?;
-    let mut loads = args.open_loads(stdin)?;
+    let mut loads = args.open_loads(stdin, stderr)?;
     let wrong = match (file.heat.is_some(), loads.has_temperatures()) {
         (true, false) => {
             Some("the columns t_inner_c and t_outer_c are missing, which [heat] needs")
@@ -318,7 +359,12 @@ fn of_spindle(args: &Args, stdin: Box<dyn Read>, stdout: impl Write) -> Result<S
                     rows: rows.as_mut().map(|out| out as &mut dyn Write),
                     balls: balls.as_mut().map(|out| out as &mut dyn Write),
                 };
-                spindle_replay::replay(&file, solver, args.precision, loads, args.cold, &mut out)
+                let mut spindle = OneSpindle {
+                    file: &file,
+                    solver,
+                    precision: args.precision,
+                };
+                replay(&mut spindle, loads, args.cold, &mut out)
             })
         },
     );

@@ -140,10 +140,84 @@ fn a_malformed_recording_ends_the_replay_with_one_line_of_complaint() {
 
 #[test]
 fn rows_before_a_fault_are_out_and_nothing_after_it() {
-    let input = format!("{HEADER}{ROWS}oops,1,2,3,4,5,6\n{ROWS}");
+    let long = "1".repeat(100_000);
+    let input = format!("{HEADER}{ROWS}{long}\n{ROWS}");
     let (status, out, _) = replayed(&[&shipped("b7005c"), "-"], &input);
     assert_eq!(status, 2);
     assert_eq!(out.lines().count(), 1 + 4);
+}
+
+#[test]
+fn a_row_that_cannot_be_read_keeps_its_place_and_is_counted() {
+    for (text, start) in malformed::rows() {
+        let separator = if text.contains(';') { ";" } else { "," };
+        let text = text + &["1", "400", "0", "0", "0", "0", "7\n"].join(separator);
+        let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], &text);
+        assert_eq!((status, err.lines().count()), (0, 1), "{err}");
+        let refused: Vec<_> = out
+            .lines()
+            .map(fields)
+            .filter(|line| line[1] == "refused-input")
+            .collect();
+        assert_eq!(refused.len(), 1, "{out}");
+        assert_eq!(refused[0].len(), RESULT_HEADER.split(',').count());
+        assert!(out.lines().last().unwrap().starts_with("1,converged,"));
+        assert!(
+            err.contains("1 refused-input") && err.contains(&format!("standard input: {start}")),
+            "{err}"
+        );
+    }
+    let rows =
+        "0,400,0,0,0,0,0\n1,,0,0,0,0,0\n2,nan,0,0,0,0,0\nthree,,0,0,0,0,0\n4,400,0,0,0,0,0\n";
+    let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], &format!("{HEADER}{rows}"));
+    let starts: Vec<_> = out
+        .lines()
+        .skip(1)
+        .map(|line| fields(line)[..2].join(","))
+        .collect();
+    assert_eq!(status, 0);
+    assert_eq!(
+        starts,
+        [
+            "0,converged",
+            "1,refused-input",
+            "2,not-finite",
+            ",refused-input",
+            "4,converged"
+        ]
+    );
+    assert_eq!(
+        err,
+        "replay: 3 of 5 rows have no answer: 1 not-finite, 2 refused-input (the first at 2 s: axial load \
+         Fx (N) is NaN; the first that cannot be read: standard input: line 3, column 2 (fx_n): the field \
+         is empty; a number is needed)\n"
+    );
+}
+
+/// A file of which no row can be read is at fault itself.
+#[test]
+fn decimal_commas_between_commas_are_not_guessed_at() {
+    let rows = "0,0,400,5,0,0,0,0,0,0,0,0,0,0\n";
+    let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], &format!("{HEADER}{rows}{rows}"));
+    assert_eq!((status, out.lines().count()), (2, 3));
+    assert!(
+        err.contains(
+            "line 2, column 8: the line has 14 fields where the header has 7; decimals take a point"
+        ),
+        "{err}"
+    );
+    assert!(err.contains("separate fields by semicolons"), "{err}");
+}
+
+#[test]
+fn columns_that_are_not_read_are_named_once() {
+    let text = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,tool,t_oil_c\n0,400,0,0,0,0,0,T1,\n1,400,0,0,0,0,0,,\n";
+    let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], text);
+    assert_eq!((status, out.lines().count()), (0, 3));
+    assert_eq!(
+        err,
+        "replay: standard input: columns ignored: \"tool\", \"t_oil_c\"\n"
+    );
 }
 
 #[test]
