@@ -6,8 +6,8 @@
 //! long in the solver does not depend on the ball count.
 
 use spindle_bearing::{
-    BallState, Design, DesignError, ErrorEstimate, InnerRaceControl, LimitSet, Limits,
-    OuterRaceControl, RacewayControlFree, Real, Status,
+    BallMotion, BallState, ContactPatch, Design, DesignError, ErrorEstimate, Frequencies,
+    InnerRaceControl, LimitSet, Limits, OuterRaceControl, RacewayControlFree, Real, Status,
 };
 use spindle_bearing::{Bearing, Full, Motion, Settings, Solver, Speed, Static};
 use std::fmt;
@@ -94,6 +94,27 @@ pub struct Figures {
     pub error: Option<[f64; 3]>,
 }
 
+/// What the balls of a row do.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Details {
+    /// Where they are, and their forces.
+    pub balls: Vec<BallState<f64>>,
+    /// How they turn, and how their contacts are pressed.
+    pub motions: Vec<BallMotion<f64>>,
+    /// Frequencies at which damage is heard.
+    pub frequencies: Frequencies<f64>,
+}
+
+/// What is wanted of a solve besides its figures; it is filled if there is an answer.
+pub enum Wanted<'w> {
+    /// Nothing.
+    Figures,
+    /// The states of the balls.
+    Balls(&'w mut Vec<BallState<f64>>),
+    /// All that there is of them.
+    Details(&'w mut Details),
+}
+
 /// A bearing whose ball count and precision are known at run time only.
 pub trait AnyBearing {
     /// A cold solver for it.
@@ -115,13 +136,8 @@ pub trait AnySolver {
     fn precision(&self) -> Precision;
 
     /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
-    /// precision. If `balls` is given and there is an answer, it becomes the states of the balls.
-    fn solve_with_balls(
-        &mut self,
-        load: [f64; 5],
-        omega: f64,
-        balls: Option<&mut Vec<BallState<f64>>>,
-    ) -> Answer;
+    /// precision.
+    fn solve_for(&mut self, load: [f64; 5], omega: f64, wanted: Wanted<'_>) -> Answer;
 
     /// Makes the next solve a cold one.
     fn reset(&mut self);
@@ -135,7 +151,17 @@ pub trait AnySolver {
     /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
     /// precision.
     fn solve(&mut self, load: [f64; 5], omega: f64) -> Answer {
-        self.solve_with_balls(load, omega, None)
+        self.solve_for(load, omega, Wanted::Figures)
+    }
+
+    /// The same. If `balls` is given and there is an answer, it becomes the states of the balls.
+    fn solve_with_balls(
+        &mut self,
+        load: [f64; 5],
+        omega: f64,
+        balls: Option<&mut Vec<BallState<f64>>>,
+    ) -> Answer {
+        self.solve_for(load, omega, balls.map_or(Wanted::Figures, Wanted::Balls))
     }
 }
 
@@ -234,18 +260,19 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
         T::PRECISION
     }
 
-    fn solve_with_balls(
-        &mut self,
-        load: [f64; 5],
-        omega: f64,
-        balls: Option<&mut Vec<BallState<f64>>>,
-    ) -> Answer {
+    fn solve_for(&mut self, load: [f64; 5], omega: f64, wanted: Wanted<'_>) -> Answer {
         let speed = Speed::rad_per_s(T::of(omega));
         let solved = self.solver.solve(rounded(load), speed, &self.settings);
         match solved {
             Ok(solution) => {
-                if let Some(balls) = balls {
-                    keep(balls, solution.balls());
+                match wanted {
+                    Wanted::Figures => {}
+                    Wanted::Balls(balls) => keep(balls, solution.balls()),
+                    Wanted::Details(details) => {
+                        keep(&mut details.balls, solution.balls());
+                        keep_motions(&mut details.motions, solution.motions());
+                        details.frequencies = widened_frequencies(&solution.frequencies());
+                    }
                 }
                 let figures = Figures {
                     iterations: solution.iterations,
@@ -311,6 +338,14 @@ fn keep<T: Real>(kept: &mut Vec<BallState<f64>>, balls: impl Iterator<Item = Bal
     kept.extend(balls.map(|ball| widened(&ball)));
 }
 
+fn keep_motions<T: Real>(
+    kept: &mut Vec<BallMotion<f64>>,
+    motions: impl Iterator<Item = BallMotion<T>>,
+) {
+    kept.clear();
+    kept.extend(motions.map(|motion| widened_motion(&motion)));
+}
+
 fn refusal<T: Real>(status: &Status<T>) -> Answer {
     Answer {
         status: status.name(),
@@ -330,5 +365,32 @@ pub fn widened<T: Real>(ball: &BallState<T>) -> BallState<f64> {
         delta_o: ball.delta_o.to_f64(),
         centrifugal_force: ball.centrifugal_force.to_f64(),
         gyroscopic_moment: ball.gyroscopic_moment.to_f64(),
+    }
+}
+
+/// A ball's motion in doubles.
+pub fn widened_motion<T: Real>(motion: &BallMotion<T>) -> BallMotion<f64> {
+    let patch = |patch: &ContactPatch<T>| ContactPatch {
+        peak_pressure: patch.peak_pressure.to_f64(),
+        semi_major: patch.semi_major.to_f64(),
+        semi_minor: patch.semi_minor.to_f64(),
+        spin_to_roll: patch.spin_to_roll.to_f64(),
+    };
+    BallMotion {
+        cage_speed: motion.cage_speed.to_f64(),
+        rotation: motion.rotation.to_f64(),
+        attitude: motion.attitude.to_f64(),
+        inner: patch(&motion.inner),
+        outer: patch(&motion.outer),
+    }
+}
+
+/// Frequencies in doubles.
+pub fn widened_frequencies<T: Real>(frequencies: &Frequencies<T>) -> Frequencies<f64> {
+    Frequencies {
+        cage: frequencies.cage.to_f64(),
+        outer_race: frequencies.outer_race.to_f64(),
+        inner_race: frequencies.inner_race.to_f64(),
+        ball: frequencies.ball.to_f64(),
     }
 }

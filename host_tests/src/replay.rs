@@ -1,8 +1,8 @@
 //! Recorded loads and speed in, displacements and stiffness out, as tables. `cargo replay` is around it.
 
-use crate::dispatch::{AnySolver, Precision};
-use crate::loads::{Fault, LoadRow, LoadsError};
-use spindle_bearing::{BallState, LimitSet};
+use crate::dispatch::{AnySolver, Details, Precision, Wanted};
+use crate::loads::{COLUMNS, Fault, LoadRow, LoadsError};
+use spindle_bearing::{BallMotion, BallState, LimitSet};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Write};
@@ -14,9 +14,16 @@ const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
 const ROW_HEADER: &str = "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n";
 
 /// Columns of the file of ball states, after those that say when and in which row.
-const BALL_COLUMNS: &str = "ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm";
+const BALL_COLUMNS: &str = "ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,\
+     p_i_pa,p_o_pa,a_i_m,b_i_m,a_o_m,b_o_m,cage_rad_s,attitude_rad,spin_roll_i,spin_roll_o";
 /// Number of figures of a ball.
-const BALL_FIGURES: usize = 7;
+const BALL_FIGURES: usize = 17;
+
+/// Columns of the file of frequencies, likewise.
+const FREQUENCY_COLUMNS: &str = "cage_hz,outer_race_hz,inner_race_hz,ball_hz";
+
+/// Columns that end the results: loads and speed, as the recording has them.
+const ECHO_COLUMNS: &str = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm";
 
 /// Status of a row of the recording that cannot be read.
 pub const REFUSED_INPUT: &str = "refused-input";
@@ -31,8 +38,7 @@ fn header(nose: bool) -> String {
             }
         }
     }
-    header.push_str(",limits");
-    header
+    header + ",limits," + ECHO_COLUMNS
 }
 
 /// What is replayed: one bearing, or a spindle.
@@ -86,8 +92,8 @@ pub struct SolvedRow {
     pub force: [f64; 5],
     /// Preload, N.
     pub preload: f64,
-    /// States of the balls.
-    pub balls: Vec<BallState<f64>>,
+    /// What its balls do.
+    pub details: Details,
 }
 
 /// Where the tables go.
@@ -98,6 +104,8 @@ pub struct Outputs<'o> {
     pub rows: Option<&'o mut dyn Write>,
     /// What each ball carries.
     pub balls: Option<&'o mut dyn Write>,
+    /// At what frequencies damage of each row is heard.
+    pub frequencies: Option<&'o mut dyn Write>,
 }
 
 impl<'o> Outputs<'o> {
@@ -107,6 +115,7 @@ impl<'o> Outputs<'o> {
             results,
             rows: None,
             balls: None,
+            frequencies: None,
         }
     }
 }
@@ -136,9 +145,13 @@ impl Replayed for OneBearing<'_> {
     }
 
     fn solve(&mut self, row: &LoadRow, details: bool) -> Result<Solved, (&'static str, String)> {
-        let mut balls = Vec::new();
-        let wanted = details.then_some(&mut balls);
-        let answer = self.0.solve_with_balls(row.load, row.omega(), wanted);
+        let mut found = Details::default();
+        let wanted = if details {
+            Wanted::Details(&mut found)
+        } else {
+            Wanted::Figures
+        };
+        let answer = self.0.solve_for(row.load, row.omega(), wanted);
         let figures = answer.figures.map_err(|why| (answer.status, why))?;
         Ok(Solved {
             status: answer.status,
@@ -150,7 +163,7 @@ impl Replayed for OneBearing<'_> {
             rows: vec![SolvedRow {
                 force: row.load,
                 preload: 0.0,
-                balls,
+                details: found,
             }],
         })
     }
@@ -167,6 +180,8 @@ pub enum ReplayError {
     Balls(io::Error),
     /// The rows of a spindle cannot be written.
     Rows(io::Error),
+    /// The frequencies cannot be written.
+    Frequencies(io::Error),
 }
 
 impl fmt::Display for ReplayError {
@@ -176,6 +191,7 @@ impl fmt::Display for ReplayError {
             Self::Results(error) => write!(f, "the results cannot be written: {error}"),
             Self::Balls(error) => write!(f, "the ball states cannot be written: {error}"),
             Self::Rows(error) => write!(f, "the rows of the spindle cannot be written: {error}"),
+            Self::Frequencies(error) => write!(f, "the frequencies cannot be written: {error}"),
         }
     }
 }
@@ -184,7 +200,10 @@ impl std::error::Error for ReplayError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Loads(error) => Some(error),
-            Self::Results(error) | Self::Balls(error) | Self::Rows(error) => Some(error),
+            Self::Results(error)
+            | Self::Balls(error)
+            | Self::Rows(error)
+            | Self::Frequencies(error) => Some(error),
         }
     }
 }
@@ -258,10 +277,12 @@ pub fn replay(
         out,
     };
     tables.headers()?;
-    let details = tables.out.rows.is_some() || tables.out.balls.is_some();
+    let outputs = &tables.out;
+    let details =
+        outputs.rows.is_some() || outputs.balls.is_some() || outputs.frequencies.is_some();
     for row in rows {
         summary.rows += 1;
-        let (time, answer) = match row {
+        let (given, answer) = match row {
             Ok(row) => {
                 if cold {
                     solver.reset();
@@ -271,21 +292,20 @@ pub fn replay(
                     summary.first_refusal.get_or_insert((row.time_s, why));
                     status
                 });
-                (Some(row.time_s), answer)
+                let [fx, fy, fz, my, mz] = row.load;
+                let given = [row.time_s, fx, fy, fz, my, mz, row.speed_rpm];
+                (given.map(Some), answer)
             }
             Err(LoadsError::Row(row)) => {
-                let [time, ..] = row.numbers;
                 summary.first_fault.get_or_insert(row.fault);
-                (time, Err(REFUSED_INPUT))
+                (row.numbers, Err(REFUSED_INPUT))
             }
             Err(error) => return Err(ReplayError::Loads(error)),
         };
         if let Err(status) = &answer {
             *summary.refused.entry(status).or_default() += 1;
         }
-        // Time is never rounded to the solver's precision: it identifies the row.
-        let time = time.map(|time| Precision::F64.show(time).to_string());
-        tables.row(&time.unwrap_or_default(), &answer)?;
+        tables.row(&given, &answer)?;
     }
     tables.flush()?;
     Ok(summary)
@@ -311,6 +331,9 @@ impl Tables<'_, '_> {
         if let Some(balls) = &mut self.out.balls {
             writeln!(balls, "time_s,{row}{BALL_COLUMNS}").map_err(ReplayError::Balls)?;
         }
+        if let Some(out) = &mut self.out.frequencies {
+            writeln!(out, "time_s,{row}{FREQUENCY_COLUMNS}").map_err(ReplayError::Frequencies)?;
+        }
         Ok(())
     }
 
@@ -322,18 +345,34 @@ impl Tables<'_, '_> {
         if let Some(balls) = &mut self.out.balls {
             balls.flush().map_err(ReplayError::Balls)?;
         }
+        if let Some(frequencies) = &mut self.out.frequencies {
+            frequencies.flush().map_err(ReplayError::Frequencies)?;
+        }
         Ok(())
     }
 
-    /// What there is to write of a row of the recording.
-    fn row(&mut self, time: &str, answer: &Result<Solved, &str>) -> Result<(), ReplayError> {
-        self.result(time, answer).map_err(ReplayError::Results)?;
+    /// What there is to write of a row of the recording, of which this could be read.
+    fn row(
+        &mut self,
+        given: &[Option<f64>; COLUMNS.len()],
+        answer: &Result<Solved, &str>,
+    ) -> Result<(), ReplayError> {
+        // Never rounded to the solver's precision: time identifies the row, and loads are those of the recording.
+        let copied = given.map(|number| match number {
+            Some(number) => Precision::F64.show(number).to_string(),
+            None => String::new(),
+        });
+        let [time, loads @ ..] = &copied;
+        self.result(time, answer, &loads.join(","))
+            .map_err(ReplayError::Results)?;
         let solved = answer.as_ref().ok();
         self.rows(time, solved).map_err(ReplayError::Rows)?;
-        self.balls(time, solved).map_err(ReplayError::Balls)
+        self.balls(time, solved).map_err(ReplayError::Balls)?;
+        self.frequencies(time, solved)
+            .map_err(ReplayError::Frequencies)
     }
 
-    fn result(&mut self, time: &str, answer: &Result<Solved, &str>) -> io::Result<()> {
+    fn result(&mut self, time: &str, answer: &Result<Solved, &str>, loads: &str) -> io::Result<()> {
         let out = &mut self.out.results;
         match answer {
             Ok(solved) => {
@@ -343,12 +382,12 @@ impl Tables<'_, '_> {
                 for figure in solved.displacement.into_iter().chain(stiffness) {
                     write!(out, ",{}", self.precision.show(figure))?;
                 }
-                writeln!(out, ",{}", solved.limits)
+                writeln!(out, ",{},{loads}", solved.limits)
             }
             Err(status) => {
                 let matrices = if self.nose { 2 } else { 1 };
                 let empty = 1 + FREEDOMS.len() + matrices * FREEDOMS.len().pow(2) + 1;
-                writeln!(out, "{time},{status}{:,<empty$}", "")
+                writeln!(out, "{time},{status}{:,<empty$},{loads}", "")
             }
         }
     }
@@ -359,48 +398,84 @@ impl Tables<'_, '_> {
         };
         for number in 0..self.counts.len() {
             write!(out, "{time},{number}")?;
-            let Some(row) = solved.and_then(|solved| solved.rows.get(number)) else {
-                writeln!(out, ",,,,,,,")?;
-                continue;
-            };
-            let forces = row.balls.iter().map(|ball| ball.q_i);
-            let least = forces.fold(f64::INFINITY, f64::min);
-            for figure in row.force.into_iter().chain([row.preload, least]) {
-                write!(out, ",{}", self.precision.show(figure))?;
-            }
-            writeln!(out)?;
+            let figures = solved.and_then(|solved| {
+                let row = solved.rows.get(number)?;
+                let forces = row.details.balls.iter().map(|ball| ball.q_i);
+                let least = forces.fold(f64::INFINITY, f64::min);
+                let [fx, fy, fz, my, mz] = row.force;
+                Some([fx, fy, fz, my, mz, row.preload, least])
+            });
+            write_figures(out, figures.as_ref(), self.precision)?;
         }
         Ok(())
     }
 
+    /// Start of a line of a table of rows or balls: the time, and the row of a spindle.
+    fn start(&self, time: &str, number: usize) -> String {
+        if self.spindle {
+            format!("{time},{number}")
+        } else {
+            time.to_owned()
+        }
+    }
+
     fn balls(&mut self, time: &str, solved: Option<&Solved>) -> io::Result<()> {
-        let Some(out) = &mut self.out.balls else {
-            return Ok(());
-        };
         for (number, &count) in self.counts.iter().enumerate() {
+            let start = self.start(time, number);
+            let Some(out) = &mut self.out.balls else {
+                return Ok(());
+            };
+            let row = solved.and_then(|solved| solved.rows.get(number));
+            let details = row.map(|row| &row.details);
             for ball in 0..count {
-                write!(out, "{time}")?;
-                if self.spindle {
-                    write!(out, ",{number}")?;
-                }
-                write!(out, ",{ball}")?;
-                let row = solved.and_then(|solved| solved.rows.get(number));
-                match row.and_then(|row| row.balls.get(ball)) {
-                    Some(state) => {
-                        for figure in ball_figures(state) {
-                            write!(out, ",{}", self.precision.show(figure))?;
-                        }
-                    }
-                    None => write!(out, "{:,<1$}", "", BALL_FIGURES)?,
-                }
-                writeln!(out)?;
+                write!(out, "{start},{ball}")?;
+                let figures = details.and_then(|details| {
+                    let state = details.balls.get(ball)?;
+                    Some(ball_figures(state, details.motions.get(ball)?))
+                });
+                write_figures(out, figures.as_ref(), self.precision)?;
             }
+        }
+        Ok(())
+    }
+
+    fn frequencies(&mut self, time: &str, solved: Option<&Solved>) -> io::Result<()> {
+        for number in 0..self.counts.len() {
+            let start = self.start(time, number);
+            let Some(out) = &mut self.out.frequencies else {
+                return Ok(());
+            };
+            write!(out, "{start}")?;
+            let row = solved.and_then(|solved| solved.rows.get(number));
+            let figures = row.map(|row| {
+                let found = &row.details.frequencies;
+                [found.cage, found.outer_race, found.inner_race, found.ball]
+            });
+            write_figures(out, figures.as_ref(), self.precision)?;
         }
         Ok(())
     }
 }
 
-fn ball_figures(ball: &BallState<f64>) -> [f64; BALL_FIGURES] {
+/// These figures, or as many empty fields, and the line's end.
+fn write_figures<const N: usize>(
+    out: &mut dyn Write,
+    figures: Option<&[f64; N]>,
+    precision: Precision,
+) -> io::Result<()> {
+    match figures {
+        Some(figures) => {
+            for &figure in figures {
+                write!(out, ",{}", precision.show(figure))?;
+            }
+        }
+        None => write!(out, "{:,<N$}", "")?,
+    }
+    writeln!(out)
+}
+
+fn ball_figures(ball: &BallState<f64>, motion: &BallMotion<f64>) -> [f64; BALL_FIGURES] {
+    let (inner, outer) = (&motion.inner, &motion.outer);
     [
         ball.azimuth,
         ball.alpha_i,
@@ -409,5 +484,15 @@ fn ball_figures(ball: &BallState<f64>) -> [f64; BALL_FIGURES] {
         ball.q_o,
         ball.centrifugal_force,
         ball.gyroscopic_moment,
+        inner.peak_pressure,
+        outer.peak_pressure,
+        inner.semi_major,
+        inner.semi_minor,
+        outer.semi_major,
+        outer.semi_minor,
+        motion.cage_speed,
+        motion.attitude,
+        inner.spin_to_roll,
+        outer.spin_to_roll,
     ]
 }

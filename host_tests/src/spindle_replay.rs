@@ -1,6 +1,6 @@
 //! A spindle as what is replayed: see `replay`.
 
-use crate::dispatch::Precision;
+use crate::dispatch::{Details, Precision};
 use crate::loads::LoadRow;
 use crate::replay::{Replayed, Solved, SolvedRow};
 use crate::spindle_file::SpindleFile;
@@ -56,7 +56,11 @@ impl Replayed for OneSpindle<'_> {
                 .map(|row| SolvedRow {
                     force: row.force,
                     preload: row.preload,
-                    balls: row.balls,
+                    details: Details {
+                        balls: row.balls,
+                        motions: row.motions,
+                        frequencies: row.frequencies,
+                    },
                 })
                 .collect(),
         })

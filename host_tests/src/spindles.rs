@@ -1,10 +1,11 @@
 //! Spindles whose rows, ball counts and precision are known at run time only: what `dispatch` is for one bearing.
 
-use crate::dispatch::{Attitude, Precision, widened};
+use crate::dispatch::{Attitude, Precision, widened, widened_frequencies, widened_motion};
 use spindle_bearing::{
-    Arrangement, BallState, Bearing, Design, DesignError, Facing, Full, Growth, InnerRaceControl,
-    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity, RacewayControlFree,
-    Real, Settings, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
+    Arrangement, BallMotion, BallState, Bearing, Design, DesignError, Facing, Frequencies, Full,
+    Growth, InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
+    Quantity, RacewayControlFree, Real, Settings, ShaftEnd, Speed, Spindle, SpindleSolution,
+    SpindleSolver, Static, Status,
 };
 use std::fmt;
 
@@ -97,6 +98,10 @@ pub struct RowAnswer {
     pub stiffness: [[f64; 5]; 5],
     /// States of the balls.
     pub balls: Vec<BallState<f64>>,
+    /// How they turn, and how their contacts are pressed.
+    pub motions: Vec<BallMotion<f64>>,
+    /// Frequencies at which damage is heard.
+    pub frequencies: Frequencies<f64>,
 }
 
 /// A solver for a spindle.
@@ -348,6 +353,11 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
                 lifted_off: row.is_lifted_off(),
                 stiffness: wide(&row.stiffness()),
                 balls: row.balls().map(|ball| widened(&ball)).collect(),
+                motions: row
+                    .motions()
+                    .map(|motion| widened_motion(&motion))
+                    .collect(),
+                frequencies: widened_frequencies(&row.frequencies()),
             })
             .collect(),
         error: [error.displacement, error.force, error.stiffness].map(T::to_f64),

@@ -3,13 +3,15 @@
 
 use crate::malformed::{self, HEADER};
 use host_tests::design_file::{DesignFile, DesignFileError, SHIPPED};
-use host_tests::dispatch::{self, Answer, AnySolver, Attitude, BALL_COUNTS, Figures, Precision};
+use host_tests::dispatch::{
+    self, Answer, AnySolver, Attitude, BALL_COUNTS, Figures, Precision, Wanted,
+};
 use host_tests::loads::write_csv;
 use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError};
 use host_tests::milling_cycle::{CRASH, NOSE_RECORD, Place, RECORD, recorded};
 use host_tests::replay::{OneBearing, Outputs, replay};
 use host_tests::warm_up;
-use spindle_bearing::{BallState, Design, FreeContact, LimitSet, Limits, Material};
+use spindle_bearing::{Design, FreeContact, LimitSet, Limits, Material};
 use std::io::Cursor;
 
 fn shipped(name: &str) -> String {
@@ -239,12 +241,7 @@ impl AnySolver for Parrot {
         Precision::F32
     }
 
-    fn solve_with_balls(
-        &mut self,
-        _: [f64; 5],
-        _: f64,
-        _: Option<&mut Vec<BallState<f64>>>,
-    ) -> Answer {
+    fn solve_for(&mut self, _: [f64; 5], _: f64, _: Wanted<'_>) -> Answer {
         self.0.clone()
     }
 
@@ -269,8 +266,9 @@ fn figures_are_printed_as_the_solver_gave_them() {
     });
     let row = LoadRow {
         time_s: 0.1,
-        load: [0.0; 5],
-        speed_rpm: 0.0,
+        // A load is copied, though it is none of single precision.
+        load: [0.1, 0.0, 0.0, 0.0, -2e-5],
+        speed_rpm: 6000.0,
         temperatures: None,
     };
     let mut out = Vec::new();
@@ -283,7 +281,7 @@ fn figures_are_printed_as_the_solver_gave_them() {
     assert_eq!(
         out.lines().nth(1).unwrap(),
         format!(
-            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},",
+            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},,0.1,0,0,0,-2e-5,6000",
             ",100000000,0,0,0,0.3".repeat(5)
         )
     );
@@ -316,10 +314,12 @@ fn a_solve_that_ran_out_of_iterations_has_no_figures() {
 
         let text = String::from_utf8(out).unwrap();
         let fields: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
-        assert_eq!(fields.len(), 3 + 5 + 25 + 1);
+        assert_eq!(fields.len(), 3 + 5 + 25 + 1 + 6);
         assert_eq!(fields[0], "0.5");
         assert!(!["", "converged", "precision-limit"].contains(&fields[1]));
-        assert!(fields[2..].iter().all(|field| field.is_empty()), "{text}");
+        let figures = &fields[2..34];
+        assert!(figures.iter().all(|field| field.is_empty()), "{text}");
+        assert_eq!(fields[34..], ["1000", "200", "0", "0", "3", "20000"]);
 
         let text = String::from_utf8(balls).unwrap();
         assert_eq!(text.lines().count(), 1 + file.balls);

@@ -65,13 +65,17 @@ pub struct Args {
     #[arg(long, value_name = "T/Q", default_value_t = Limits::<f64>::LUBRICATED_FRICTION)]
     friction: f64,
 
-    /// Write the contact angles, forces and inertia loads of every ball to this CSV file
+    /// Write the contact angles, forces, pressures, inertia loads and speeds of every ball to this CSV file
     #[arg(long, value_name = "BALLS.csv")]
     balls: Option<PathBuf>,
 
     /// Write the load, preload and least contact force of every row of a spindle to this CSV file
     #[arg(long, value_name = "ROWS.csv")]
     rows: Option<PathBuf>,
+
+    /// Write the frequencies at which damaged parts of every row of balls are heard to this CSV file
+    #[arg(long, value_name = "FREQUENCIES.csv")]
+    frequencies: Option<PathBuf>,
 }
 
 const FORMATS: &str = "\
@@ -119,11 +123,21 @@ Results, one row for each row of LOADS.csv, SI units:
                   peak-pressure (of a contact); shoulder (a contact's centre is past it); truncation
                   (of a contact ellipse by the shoulder); reversal (of a contact angle); friction
                   (more is called for, gross slip suspected); inner-contact (lost by a ball)
+  fx_n .. speed_rpm  loads and speed, copied
 
 BALLS.csv, one row for each ball of each row, balls numbered from 0 at the first azimuth:
-  time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm
+  time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,
+  p_i_pa,p_o_pa,a_i_m,b_i_m,a_o_m,b_o_m,cage_rad_s,attitude_rad,spin_roll_i,spin_roll_o
   contact angles and contact forces at the inner and outer race, centrifugal force, gyroscopic
-  moment; rows without an answer have empty figures here, too. Of a spindle, `row` comes before `ball`.
+  moment; peak pressures, semi-axes of the contact ellipses across (a) and along (b) the rolling
+  direction; speed about the bearing's axis, angle of the axis of its own rotation to that axis,
+  angular speed of spin over that of rolling. A ball off the inner race has 0 for that contact;
+  rows without an answer have empty figures here, too. Of a spindle, `row` comes before `ball`.
+
+FREQUENCIES.csv, one row for each row of balls; of a spindle, `row` comes after `time_s`:
+  time_s,cage_hz,outer_race_hz,inner_race_hz,ball_hz
+  turns of the cage (FTF); balls past a point of the outer and of the inner race (BPFO, BPFI); turns
+  of a ball seen from the cage (BSF: a damaged ball meets both races in each)
 
 ROWS.csv, one row for each row of balls, numbered from 0 as in DESIGN.toml, in the row's own frame,
 whose x points where an axial load presses its balls:
@@ -196,7 +210,10 @@ impl From<ReplayError> for Failure {
                 exit_status: 0,
                 message: String::new(),
             },
-            ReplayError::Results(_) | ReplayError::Balls(_) | ReplayError::Rows(_) => Self {
+            ReplayError::Results(_)
+            | ReplayError::Balls(_)
+            | ReplayError::Rows(_)
+            | ReplayError::Frequencies(_) => Self {
                 exit_status: 1,
                 message: error.to_string(),
             },
@@ -314,9 +331,11 @@ fn of_bearing(
         )));
     }
     let mut balls = args.output("--balls", args.balls.as_ref())?;
+    let mut frequencies = args.output("--frequencies", args.frequencies.as_ref())?;
     let mut results = BufWriter::with_capacity(64 * 1024, stdout);
     with_bar(&mut loads, &mut results, |rows, results| {
         let mut out = Outputs {
+            frequencies: frequencies.as_mut().map(|out| out as &mut dyn Write),
             balls: balls.as_mut().map(|out| out as &mut dyn Write),
             ..Outputs::of(results)
         };
@@ -352,12 +371,14 @@ fn of_spindle(
             solver.set_limits(&args.limits());
             let mut balls = args.output("--balls", args.balls.as_ref())?;
             let mut rows = args.output("--rows", args.rows.as_ref())?;
+            let mut frequencies = args.output("--frequencies", args.frequencies.as_ref())?;
             let mut results = BufWriter::with_capacity(64 * 1024, stdout);
             with_bar(&mut loads, &mut results, |loads, results| {
                 let mut out = Outputs {
                     results,
                     rows: rows.as_mut().map(|out| out as &mut dyn Write),
                     balls: balls.as_mut().map(|out| out as &mut dyn Write),
+                    frequencies: frequencies.as_mut().map(|out| out as &mut dyn Write),
                 };
                 let mut spindle = OneSpindle {
                     file: &file,

@@ -5,7 +5,7 @@ use host_tests::design_file::{DesignFile, SHIPPED};
 use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::loads::{LoadRow, Loads, LoadsError};
 use host_tests::milling_cycle::RECORD;
-use spindle_bearing::FreeContact;
+use spindle_bearing::{Bearing, FreeContact, Full, RacewayControlFree, Settings, Solver, Speed};
 use std::ffi::OsString;
 use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
@@ -13,7 +13,11 @@ use tools::replay::run;
 
 const RESULT_HEADER: &str = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
     k_x_x,k_x_y,k_x_z,k_x_ty,k_x_tz,k_y_x,k_y_y,k_y_z,k_y_ty,k_y_tz,k_z_x,k_z_y,k_z_z,k_z_ty,k_z_tz,\
-    k_ty_x,k_ty_y,k_ty_z,k_ty_ty,k_ty_tz,k_tz_x,k_tz_y,k_tz_z,k_tz_ty,k_tz_tz,limits";
+    k_ty_x,k_ty_y,k_ty_z,k_ty_ty,k_ty_tz,k_tz_x,k_tz_y,k_tz_z,k_tz_ty,k_tz_tz,limits,\
+    fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm";
+
+pub const BALL_HEADER: &str = "time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,\
+    p_i_pa,p_o_pa,a_i_m,b_i_m,a_o_m,b_o_m,cage_rad_s,attitude_rad,spin_roll_i,spin_roll_o";
 
 /// Loads that are easy, uneven, at rest and at speed.
 const ROWS: &str = "\
@@ -86,9 +90,13 @@ fn results_hold_the_bits_that_the_solver_gave() {
                     .displacement
                     .iter()
                     .chain(figures.stiffness.iter().flatten());
-                assert_eq!(line.len(), 3 + 5 + 25 + 1);
+                assert_eq!(line.len(), 3 + 5 + 25 + 1 + 6);
                 assert_eq!(line[33], figures.limits.to_string());
-                for (text, &expected) in line[3..].iter().zip(expected) {
+                let [fx, fy, fz, my, mz] = row.load;
+                for (text, copied) in line[34..].iter().zip([fx, fy, fz, my, mz, row.speed_rpm]) {
+                    assert_eq!(text.parse::<f64>().unwrap(), copied);
+                }
+                for (text, &expected) in line[3..33].iter().zip(expected) {
                     let read_back = match precision {
                         Precision::F32 => f64::from(text.parse::<f32>().unwrap()),
                         Precision::F64 => text.parse().unwrap(),
@@ -245,11 +253,12 @@ fn a_row_without_an_answer_keeps_its_place() {
         let lines: Vec<_> = out.lines().skip(1).map(fields).collect();
         assert_eq!(lines.len(), 5);
         for (i, line) in lines.iter().enumerate() {
-            assert_eq!(line.len(), 34);
+            assert_eq!(line.len(), 40);
             assert_eq!(line[0], i.to_string());
             if [1, 2, 3].contains(&i) {
                 assert_eq!(line[1], "not-finite");
-                assert!(line[2..].iter().all(|field| field.is_empty()));
+                assert!(line[2..34].iter().all(|field| field.is_empty()));
+                assert!(line[34..].iter().all(|field| field.parse::<f64>().is_ok()));
             } else {
                 assert_eq!(line[1], "converged");
                 assert!(line[2..33].iter().all(|field| field.parse::<f64>().is_ok()));
@@ -268,7 +277,7 @@ fn a_row_without_an_answer_keeps_its_place() {
         let lines: Vec<_> = text.lines().skip(1).map(fields).collect();
         assert_eq!(lines.len(), 5 * 16);
         for (i, line) in lines.iter().enumerate() {
-            assert_eq!(line.len(), 9);
+            assert_eq!(line.len(), 19);
             assert_eq!(line[0], (i / 16).to_string());
             assert_eq!(line[1], (i % 16).to_string());
             let refused = [1, 2, 3].contains(&(i / 16));
@@ -372,10 +381,7 @@ fn forces_of_the_balls_balance_the_load() {
         let file = DesignFile::read(shipped(name)).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let mut lines = text.lines();
-        assert_eq!(
-            lines.next(),
-            Some("time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm")
-        );
+        assert_eq!(lines.next(), Some(BALL_HEADER));
         let balls: Vec<Vec<f64>> = lines
             .map(|line| fields(line).iter().map(|f| f.parse().unwrap()).collect())
             .collect();
@@ -395,6 +401,77 @@ fn forces_of_the_balls_balance_the_load() {
         }
     }
     std::fs::remove_file(path).unwrap();
+}
+
+/// Motions, contacts and frequencies are those of the library, and hold together.
+#[test]
+fn balls_and_frequencies_are_written_as_the_solver_gave_them() {
+    let [of_balls, frequencies] = ["details.csv", "frequencies.csv"].map(scratch);
+    let args = [
+        &shipped("b7005c"),
+        "-",
+        "--balls",
+        of_balls.to_str().unwrap(),
+        "--frequencies",
+        frequencies.to_str().unwrap(),
+    ];
+    let (status, _, err) = replayed(&args, &format!("{HEADER}{ROWS}4,nan,0,0,0,0,0\n"));
+    assert_eq!(status, 0, "{err}");
+    let [of_balls, frequencies] = [of_balls, frequencies].map(|path| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(path).unwrap();
+        text
+    });
+    let (mut of_balls, mut frequencies) = (of_balls.lines().skip(1), frequencies.lines());
+    assert_eq!(
+        frequencies.next(),
+        Some("time_s,cage_hz,outer_race_hz,inner_race_hz,ball_hz")
+    );
+    let file = DesignFile::read(shipped("b7005c")).unwrap();
+    let bearing = Bearing::<f64, 16>::new(&file.design).unwrap();
+    let mut solver = Solver::<f64, 16, Full<RacewayControlFree>>::of(&bearing);
+    let numbers =
+        |line: &str| -> Vec<f64> { fields(line).iter().map(|f| f.parse().unwrap()).collect() };
+    for row in parsed(&format!("{HEADER}{ROWS}")).unwrap() {
+        let speed = Speed::rad_per_s(row.omega());
+        let solution = solver.solve(row.load, speed, &Settings::default()).unwrap();
+        for motion in solution.motions() {
+            let line = numbers(of_balls.next().unwrap());
+            let (i, o) = (motion.inner, motion.outer);
+            let expected = [
+                i.peak_pressure,
+                o.peak_pressure,
+                i.semi_major,
+                i.semi_minor,
+                o.semi_major,
+                o.semi_minor,
+                motion.cage_speed,
+                motion.attitude,
+                i.spin_to_roll,
+                o.spin_to_roll,
+            ];
+            assert_eq!(line[9..], expected);
+            // Hertz: force = 2/3 pi a b p.
+            let force = 2.0 / 3.0 * std::f64::consts::PI * line[9] * line[11] * line[12];
+            assert!(
+                (force - line[5]).abs() <= 1e-9 * line[5].max(1.0),
+                "{line:?}"
+            );
+        }
+        let found = solution.frequencies();
+        assert_eq!(
+            numbers(frequencies.next().unwrap()),
+            [
+                row.time_s,
+                found.cage,
+                found.outer_race,
+                found.inner_race,
+                found.ball
+            ]
+        );
+    }
+    assert_eq!(frequencies.next(), Some("4,,,,"));
+    assert_eq!(of_balls.next(), Some("4,0,,,,,,,,,,,,,,,,,"));
 }
 
 /// Hands out a little, then behaves as a pipe whose reader has gone.

@@ -1,6 +1,6 @@
 //! `cargo replay` of spindles: files, messages, and that the results are the solver's.
 
-use crate::replay::{replayed, scratch};
+use crate::replay::{BALL_HEADER, replayed, scratch};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::loads::{self, LoadRow};
 use host_tests::spindle_file::SpindleFile;
@@ -30,8 +30,8 @@ fn rows(csv: &str) -> Vec<LoadRow> {
 fn results_hold_the_bits_that_the_solver_gave() {
     for (name, precision) in [("f32", Precision::F32), ("f64", Precision::F64)] {
         let design = shipped("7014c_back_to_back");
-        let [of_rows, of_balls] =
-            ["rows", "balls"].map(|what| scratch(&format!("{name}-{what}.csv")));
+        let [of_rows, of_balls, frequencies] =
+            ["rows", "balls", "frequencies"].map(|what| scratch(&format!("{name}-{what}.csv")));
         let args = [
             &design,
             "-",
@@ -41,6 +41,8 @@ fn results_hold_the_bits_that_the_solver_gave() {
             of_rows.to_str().unwrap(),
             "--balls",
             of_balls.to_str().unwrap(),
+            "--frequencies",
+            frequencies.to_str().unwrap(),
         ];
         let (status, out, err) = replayed(&args, LOADS);
         assert_eq!(status, 0);
@@ -50,29 +52,31 @@ fn results_hold_the_bits_that_the_solver_gave() {
             ),
             "{err}"
         );
-        let [of_rows, of_balls] = [of_rows, of_balls].map(|path| {
+        let [of_rows, of_balls, frequencies] = [of_rows, of_balls, frequencies].map(|path| {
             let text = std::fs::read_to_string(&path).unwrap();
             std::fs::remove_file(path).unwrap();
             text
         });
         let mut lines = out.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let header = lines.next().unwrap();
-        assert_eq!(header.len(), 8 + 25 + 25 + 1);
+        assert_eq!(header.len(), 8 + 25 + 25 + 1 + 6);
         assert_eq!(
-            (header[8], header[33], header[58]),
-            ("k_x_x", "k_nose_x_x", "limits")
+            (header[8], header[33], header[58], header[64]),
+            ("k_x_x", "k_nose_x_x", "limits", "speed_rpm")
         );
         let (mut of_rows, mut of_balls) = (of_rows.lines(), of_balls.lines());
+        let mut frequencies = frequencies.lines();
+        assert_eq!(
+            frequencies.next(),
+            Some("time_s,row,cage_hz,outer_race_hz,inner_race_hz,ball_hz")
+        );
         let [rows_header, balls_header] =
             [&mut of_rows, &mut of_balls].map(|lines| lines.next().unwrap());
         assert_eq!(
             rows_header,
             "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n"
         );
-        assert_eq!(
-            balls_header,
-            "time_s,row,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm"
-        );
+        assert_eq!(balls_header, BALL_HEADER.replace("ball,", "row,ball,"));
 
         let file = SpindleFile::read(&design).unwrap();
         let end = file.nose.unwrap();
@@ -91,7 +95,7 @@ fn results_hold_the_bits_that_the_solver_gave() {
                 let Ok(answer) = answer else {
                     assert_eq!(line[1], "not-finite");
                     assert!(
-                        line[2..].iter().all(|field| field.is_empty())
+                        line[2..59].iter().all(|field| field.is_empty())
                             && line.len() == header.len()
                     );
                     for _ in 0..2 {
@@ -99,6 +103,9 @@ fn results_hold_the_bits_that_the_solver_gave() {
                     }
                     for _ in 0..40 {
                         assert!(of_balls.next().unwrap().ends_with(",,,,,,,"));
+                    }
+                    for i in 0..2 {
+                        assert_eq!(frequencies.next().unwrap(), format!("2,{i},,,,"));
                     }
                     continue;
                 };
@@ -126,7 +133,15 @@ fn results_hold_the_bits_that_the_solver_gave() {
                         let line: Vec<&str> = of_balls.next().unwrap().split(',').collect();
                         assert_eq!((line[1], line[2]), (&*i.to_string(), &*j.to_string()));
                         assert_eq!(number(line[6]), ball.q_i);
+                        let motion = &row.motions[j];
+                        assert_eq!(number(line[10]), motion.inner.peak_pressure);
+                        assert_eq!(number(line[19]), motion.outer.spin_to_roll);
                     }
+                    let line: Vec<&str> = frequencies.next().unwrap().split(',').collect();
+                    let found = &row.frequencies;
+                    let found = [found.cage, found.outer_race, found.inner_race, found.ball];
+                    assert_eq!(line[1], i.to_string());
+                    assert_eq!([2, 3, 4, 5].map(|i| number(line[i])), found);
                 }
             }
             assert_eq!(
