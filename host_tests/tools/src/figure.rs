@@ -127,7 +127,7 @@ fn lengths(dash: Dash) -> Option<(u32, u32)> {
 }
 
 /// Places of the ticks between `low` and `high`, and their numbers.
-fn ticks(axis: &Axis, low: f64, high: f64) -> Vec<(f64, String)> {
+pub(crate) fn ticks(axis: &Axis, low: f64, high: f64) -> Vec<(f64, String)> {
     let step = match axis.ticks {
         Ticks::Some => tick_step(high - low, 5.0),
         Ticks::Every(step) => step,
@@ -201,7 +201,7 @@ fn ring(area: &Area, at: (i32, i32)) -> Result<()> {
 }
 
 /// Distance of the ticks of an axis that is `span` long, for about `count` of them.
-fn tick_step(span: f64, count: f64) -> f64 {
+pub(crate) fn tick_step(span: f64, count: f64) -> f64 {
     let rough = span / count;
     let decade = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0]
@@ -211,7 +211,7 @@ fn tick_step(span: f64, count: f64) -> f64 {
 }
 
 /// A number on an axis whose ticks are `step` apart.
-fn tick_label(value: f64, step: f64) -> String {
+pub(crate) fn tick_label(value: f64, step: f64) -> String {
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let text = format!("{value:.decimals$}");
     // A rounded negative nought.
@@ -222,7 +222,7 @@ fn tick_label(value: f64, step: f64) -> String {
 }
 
 /// The range of `values` with some room around.
-fn range(values: impl Iterator<Item = f64>, zero: bool, room: f64) -> (f64, f64) {
+pub(crate) fn range(values: impl Iterator<Item = f64>, zero: bool, room: f64) -> (f64, f64) {
     let start = if zero {
         (0.0, 0.0)
     } else {

@@ -5,10 +5,13 @@ pub mod bar;
 pub mod cross;
 pub mod figure;
 pub mod graph;
+pub mod plot;
 pub mod replay;
 pub mod report;
 pub mod seal;
 pub mod stream;
+pub mod svg;
+pub mod table;
 pub mod telemetry;
 pub mod timing;
 

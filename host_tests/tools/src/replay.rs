@@ -1,6 +1,7 @@
 //! `cargo replay`: recorded loads and speed in, displacements and stiffness out.
 
 use crate::arguments::{attitude, precision};
+use crate::table::Axes;
 use clap::Parser;
 use host_tests::design_file::DesignFile;
 use host_tests::dispatch::{self, Attitude, Precision};
@@ -33,8 +34,17 @@ pub struct Args {
     /// Recorded loads and speed; `-` reads standard input
     ///
     /// An example, a synthetic milling cycle, is host_tests/records/milling_cycle.csv.
-    #[arg(value_name = "LOADS.csv")]
-    loads: String,
+    #[arg(value_name = "LOADS.csv", required_unless_present = "table")]
+    loads: Option<String>,
+
+    /// In place of LOADS.csv, make a table: stiffness at every combination of these speeds and loads
+    ///
+    /// Axes are speed in rpm, fx, fy, fz in N, my, mz in N m, of a spindle with [heat] t_inner and
+    /// t_outer in deg C. Each is NAME=FIRST:LAST:STEP or NAME=VALUE, such as speed=0:20000:500 fx=500;
+    /// one that is left out is 0, or [heat]'s reference. Speed changes from row to row. `time_s` counts
+    /// the rows.
+    #[arg(long, value_name = "AXIS=RANGE", num_args = 1.., conflicts_with = "loads")]
+    table: Vec<String>,
 
     /// Precision to compute in
     ///
@@ -107,6 +117,11 @@ with the columns in any order, in capitals or not. For a spindle with [heat] it 
 t_inner_c,t_outer_c as well. Other columns are ignored, and named once on standard error. Fields are
 separated as those of the header are: by commas, semicolons or tabs. With the latter two, numbers
 may have decimal commas. Blank lines and lines that begin with # are skipped.
+
+A table, in place of LOADS.csv:
+  cargo replay DESIGN.toml --table speed=0:20000:500 fx=500 fy=0:1000:250 >TABLE.csv
+  cargo plot TABLE.csv --over speed
+It has the columns of the results. host_tests/recipes/ross_bearing.py makes a bearing of ROSS of it.
 
 Results, one row for each row of LOADS.csv, SI units:
   time_s          copied
@@ -244,12 +259,26 @@ impl Args {
         }
     }
 
-    /// Opens the recording, and says which of its columns are not read.
-    fn open_loads(&self, stdin: Box<dyn Read>, stderr: &mut dyn Write) -> Result<Loads, Failure> {
-        let loads = if self.loads == "-" {
+    /// What the rows are read from, or made of; `reference` is the temperature of a spindle with [heat].
+    fn input(
+        &self,
+        stdin: Box<dyn Read>,
+        stderr: &mut dyn Write,
+        reference: Option<f64>,
+    ) -> Result<Input, Failure> {
+        let Some(path) = &self.loads else {
+            let axes = Axes::parse(&self.table).map_err(Failure::input)?;
+            if axes.has_temperatures() && reference.is_none() {
+                return Err(Failure::input(
+                    "--table: t_inner and t_outer are for spindles with [heat]; leave them out",
+                ));
+            }
+            return Ok(Input::Table(Box::new(axes.rows(reference))));
+        };
+        let loads = if path == "-" {
             Loads::from_reader("standard input", stdin)
         } else {
-            loads::read(&self.loads)
+            loads::read(path)
         }
         .map_err(Failure::input)?;
         let ignored = loads.ignored_columns();
@@ -257,7 +286,15 @@ impl Args {
             let (file, ignored) = (loads.file(), listed(ignored));
             let _ = writeln!(stderr, "replay: {file}: columns ignored: {ignored}");
         }
-        Ok(loads)
+        let wrong = match (reference.is_some(), loads.has_temperatures()) {
+            (true, false) => "the columns t_inner_c and t_outer_c are missing, which [heat] needs",
+            (false, true) => {
+                "t_inner_c and t_outer_c are for spindles with [heat]: add that to the spindle with \
+                 reference_c, or remove these columns"
+            }
+            _ => return Ok(Input::Recording(Box::new(loads))),
+        };
+        Err(Failure::input(format!("{}: {wrong}", loads.file())))
     }
 
     /// Creates the file that an option names, if it does.
@@ -266,9 +303,19 @@ impl Args {
         option: &str,
         path: Option<&PathBuf>,
     ) -> Result<Option<BufWriter<File>>, Failure> {
-        let inputs = [self.design.as_path(), Path::new(&self.loads)];
+        let loads = self.loads.as_ref().map(Path::new);
+        let inputs: Vec<&Path> = [Some(self.design.as_path()), loads]
+            .into_iter()
+            .flatten()
+            .collect();
         path.map(|path| create(option, path, &inputs)).transpose()
     }
+}
+
+/// Where the rows come from.
+enum Input {
+    Recording(Box<Loads>),
+    Table(Box<dyn ExactSizeIterator<Item = LoadRow>>),
 }
 
 /// The first of these names, and the number of the others.
@@ -284,18 +331,27 @@ fn listed(names: &[String]) -> String {
 
 /// The rows of the recording, with a bar, and what is to be done with them; then the results' end.
 fn with_bar(
-    loads: &mut Loads,
+    input: &mut Input,
     results: &mut dyn Write,
     replay: impl FnOnce(
         &mut dyn Iterator<Item = Result<LoadRow, LoadsError>>,
         &mut dyn Write,
     ) -> Result<Summary, ReplayError>,
 ) -> Result<Summary, Failure> {
-    let bar = progress_bar(loads.total_bytes());
-    let mut rows = std::iter::from_fn(|| {
-        let row = loads.next();
-        bar.set_position(loads.bytes_read());
-        row
+    let bar = match input {
+        Input::Recording(loads) => progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}"),
+        Input::Table(rows) => progress_bar(Some(rows.len() as u64), "{pos} of {len} rows"),
+    };
+    let mut rows = std::iter::from_fn(|| match input {
+        Input::Recording(loads) => {
+            let row = loads.next();
+            bar.set_position(loads.bytes_read());
+            row
+        }
+        Input::Table(rows) => {
+            bar.inc(1);
+            rows.next().map(Ok)
+        }
     });
     let outcome = replay(&mut rows, results);
     bar.finish_and_clear();
@@ -323,17 +379,11 @@ fn of_bearing(
         .map_err(|error| Failure::input(file.explain(&error)))?;
     let mut solver = bearing.solver(args.attitude);
     solver.set_limits(&args.limits());
-    let mut loads = args.open_loads(stdin, stderr)?;
-    if loads.has_temperatures() {
-        return Err(Failure::input(format!(
-            "{}: t_inner_c and t_outer_c are for spindles with [heat]; remove these columns",
-            args.loads
-        )));
-    }
+    let mut input = args.input(stdin, stderr, None)?;
     let mut balls = args.output("--balls", args.balls.as_ref())?;
     let mut frequencies = args.output("--frequencies", args.frequencies.as_ref())?;
     let mut results = BufWriter::with_capacity(64 * 1024, stdout);
-    with_bar(&mut loads, &mut results, |rows, results| {
+    with_bar(&mut input, &mut results, |rows, results| {
         let mut out = Outputs {
             frequencies: frequencies.as_mut().map(|out| out as &mut dyn Write),
             balls: balls.as_mut().map(|out| out as &mut dyn Write),
@@ -350,19 +400,8 @@ fn of_spindle(
     stderr: &mut dyn Write,
 ) -> Result<Summary, Failure> {
     let file = SpindleFile::read(&args.design).map_err(Failure::input)?;
-    let mut loads = args.open_loads(stdin, stderr)?;
-    let wrong = match (file.heat.is_some(), loads.has_temperatures()) {
-        (true, false) => {
-            Some("the columns t_inner_c and t_outer_c are missing, which [heat] needs")
-        }
-        (false, true) => Some(
-            "t_inner_c and t_outer_c are there, but the spindle has no [heat]: add that with reference_c",
-        ),
-        _ => None,
-    };
-    if let Some(wrong) = wrong {
-        return Err(Failure::input(format!("{}: {wrong}", args.loads)));
-    }
+    let reference = file.heat.map(|heat| heat.reference);
+    let mut input = args.input(stdin, stderr, reference)?;
     let solved = spindles::with_solver(
         &file.plan,
         Balls::Moving(args.attitude),
@@ -373,7 +412,7 @@ fn of_spindle(
             let mut rows = args.output("--rows", args.rows.as_ref())?;
             let mut frequencies = args.output("--frequencies", args.frequencies.as_ref())?;
             let mut results = BufWriter::with_capacity(64 * 1024, stdout);
-            with_bar(&mut loads, &mut results, |loads, results| {
+            with_bar(&mut input, &mut results, |loads, results| {
                 let mut out = Outputs {
                     results,
                     rows: rows.as_mut().map(|out| out as &mut dyn Write),
@@ -414,23 +453,23 @@ fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>
         .map_err(|error| Failure::input(format!("{name}: cannot be written: {error}")))
 }
 
-/// A bar on standard error over the bytes of the recording; a count, if their number is unknown;
-/// nothing, if nobody would see it.
-fn progress_bar(total_bytes: Option<u64>) -> ProgressBar {
+/// A bar on standard error, with `position` beside it, over the bytes of the recording or the rows of a table; a count,
+/// if their number is unknown; nothing, if nobody would see it.
+fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
     if !io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let (bar, template) = match total_bytes {
+    let (bar, template) = match total {
         Some(total) => (
             ProgressBar::new(total),
-            "replaying {bar:40} {bytes} of {total_bytes}, {eta} left",
+            format!("replaying {{bar:40}} {position}, {{eta}} left"),
         ),
         None => (
             ProgressBar::new_spinner(),
-            "replaying {spinner} {bytes}, {elapsed}",
+            "replaying {spinner} {bytes}, {elapsed}".to_owned(),
         ),
     };
-    match ProgressStyle::with_template(template) {
+    match ProgressStyle::with_template(&template) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }

@@ -4,6 +4,7 @@
 mod frames;
 #[path = "../../../tests/all/malformed.rs"]
 mod malformed;
+mod plot;
 mod replay;
 mod spindles;
 mod view;

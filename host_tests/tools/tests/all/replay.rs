@@ -558,3 +558,58 @@ fn files_that_are_not_there_are_named() {
         "{err}"
     );
 }
+
+#[test]
+fn a_table_has_what_a_recording_of_its_loads_gives() {
+    let args = [
+        &shipped("b7005c"),
+        "--table",
+        "speed=0:20000:10000",
+        "fx=500",
+        "fy=0:200:100",
+        "--cold",
+    ];
+    let (status, table, err) = replayed(&args, "");
+    assert_eq!((status, &*err), (0, ""));
+    let mut rows = String::new();
+    for (i, (fy, speed)) in [0, 100, 200]
+        .into_iter()
+        .flat_map(|fy| [0, 10_000, 20_000].map(|speed| (fy, speed)))
+        .enumerate()
+    {
+        rows += &format!("{i},500,{fy},0,0,0,{speed}\n");
+    }
+    let recording = format!("{HEADER}{rows}");
+    assert_eq!(
+        table,
+        replayed(&[&shipped("b7005c"), "-", "--cold"], &recording).1
+    );
+}
+
+#[test]
+fn axes_that_make_no_table_are_refused() {
+    let bearing = shipped("b7005c");
+    for (args, wanted) in [
+        (&["speed=0:1e9:1"][..], "more than 1000000 rows"),
+        (&["rpm=5"], "\"rpm\" is none of the axes"),
+        (
+            &["t_inner=30"],
+            "t_inner and t_outer are for spindles with [heat]",
+        ),
+        (&["loads.csv"], "an axis is NAME=FIRST:LAST:STEP"),
+    ] {
+        let (status, out, err) = replayed(&[&[&*bearing, "--table"], args].concat(), "");
+        assert_eq!((status, &*out), (2, ""));
+        assert!(
+            err.starts_with("replay: --table") && err.contains(wanted),
+            "{err}"
+        );
+    }
+    let (status, _, err) = replayed(&[&bearing, "loads.csv", "--table", "fx=5"], "");
+    assert_eq!(status, 2);
+    assert!(err.contains("cannot be used with"), "{err}");
+    let spindle = format!("{SHIPPED}/../spindles/milling_spindle.toml");
+    let (status, out, err) = replayed(&[&spindle, "--table", "speed=3000", "t_inner=25:35:5"], "");
+    assert_eq!((status, &*err), (0, ""));
+    assert_eq!(out.lines().count(), 4);
+}

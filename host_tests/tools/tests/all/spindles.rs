@@ -291,7 +291,7 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     let (status, _, err) = replayed(&[&shipped("7014c_qbc"), "-"], &warm);
     assert_eq!(status, 2);
     assert!(
-        err.contains("the spindle has no [heat]: add that with reference_c"),
+        err.contains("are for spindles with [heat]: add that to the spindle with reference_c"),
         "{err}"
     );
     let half = LOADS.replace("speed_rpm", "speed_rpm,t_inner_c");

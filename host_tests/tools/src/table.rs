@@ -1,0 +1,210 @@
+//! Loads and speeds of a table of stiffness: every combination of the values that its axes have.
+
+use host_tests::loads::LoadRow;
+
+/// Most rows of a table.
+pub const MOST_ROWS: usize = 1_000_000;
+
+/// Names of the axes, the one that changes most often last.
+const AXES: [&str; 8] = ["t_inner", "t_outer", "fx", "fy", "fz", "my", "mz", "speed"];
+
+/// Values of an axis: this many, from `first` in steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Range {
+    first: f64,
+    step: f64,
+    count: usize,
+}
+
+impl Range {
+    const fn of(value: f64) -> Self {
+        Self {
+            first: value,
+            step: 0.0,
+            count: 1,
+        }
+    }
+
+    /// `first`, `last` and `step` with colons between, or a single number.
+    fn parse(text: &str) -> Result<Self, String> {
+        let numbers = text.split(':').map(|part| {
+            let number = part.trim().parse().ok().filter(|x: &f64| x.is_finite());
+            number.ok_or_else(|| format!("{part:?} is not a number"))
+        });
+        let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
+        let (first, last, step) = match numbers[..] {
+            [value] => return Ok(Self::of(value)),
+            [first, last, step] => (first, last, step),
+            _ => return Err("give FIRST:LAST:STEP or a single number".to_owned()),
+        };
+        let steps = (last - first) / step;
+        if step == 0.0 || !(steps >= 0.0) {
+            return Err(format!("no steps of {step} lead from {first} to {last}"));
+        }
+        // What rounding takes from the last step.
+        let steps = (steps * (1.0 + 1e-12) + 1e-9).floor();
+        if steps >= MOST_ROWS as f64 {
+            return Err(too_many());
+        }
+        Ok(Self {
+            first,
+            step,
+            count: steps as usize + 1,
+        })
+    }
+
+    fn value(&self, i: usize) -> f64 {
+        let value = self.first + i as f64 * self.step;
+        if i == 0 || value.abs() < 1e-9 * self.step.abs() {
+            return if i == 0 { value } else { 0.0 };
+        }
+        // Steps of a tenth give tenths, which sums of rounded ones miss.
+        format!("{value:.12e}").parse().unwrap_or(value)
+    }
+}
+
+fn too_many() -> String {
+    format!("the table has more than {MOST_ROWS} rows; take larger steps, or make several tables")
+}
+
+/// The axes of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axes {
+    ranges: [Option<Range>; AXES.len()],
+}
+
+impl Axes {
+    /// Reads axes such as `speed=0:20000:500`.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with one of them, or with their number of combinations.
+    pub fn parse(texts: &[String]) -> Result<Self, String> {
+        let mut ranges = [None; AXES.len()];
+        for text in texts {
+            let Some((name, range)) = text.split_once('=') else {
+                return Err(format!(
+                    "--table {text}: an axis is NAME=FIRST:LAST:STEP or NAME=VALUE, such as \
+                     speed=0:20000:500; the design file stands before --table"
+                ));
+            };
+            let Some(axis) = AXES.iter().position(|axis| *axis == name.trim()) else {
+                return Err(format!(
+                    "--table {text}: {name:?} is none of the axes {}",
+                    AXES.join(", ")
+                ));
+            };
+            let range = Range::parse(range).map_err(|error| format!("--table {text}: {error}"))?;
+            if ranges[axis].replace(range).is_some() {
+                return Err(format!("--table {text}: {name} is given twice"));
+            }
+        }
+        let axes = Self { ranges };
+        let counts = axes.ranges.iter().flatten().map(|range| range.count);
+        let rows = counts.fold(1_usize, usize::saturating_mul);
+        if rows > MOST_ROWS {
+            return Err(format!("--table: {}", too_many()));
+        }
+        Ok(axes)
+    }
+
+    /// Whether one of the temperatures is given.
+    pub fn has_temperatures(&self) -> bool {
+        self.ranges[..2].iter().any(Option::is_some)
+    }
+
+    /// The rows: all combinations, time being their number. A load or speed that is not given is 0, a temperature that
+    /// is not given is `reference`; without that, rows have no temperatures.
+    pub fn rows(&self, reference: Option<f64>) -> impl ExactSizeIterator<Item = LoadRow> + use<> {
+        let warm = Range::of(reference.unwrap_or(0.0));
+        let mut ranges = [Range::of(0.0); AXES.len()];
+        for (i, (range, given)) in ranges.iter_mut().zip(self.ranges).enumerate() {
+            *range = given.unwrap_or(if i < 2 { warm } else { *range });
+        }
+        let rows = ranges.iter().map(|range| range.count).product();
+        (0..rows).map(move |number| {
+            let mut rest = number;
+            let mut values = [0.0; AXES.len()];
+            for (value, range) in values.iter_mut().zip(&ranges).rev() {
+                *value = range.value(rest % range.count);
+                rest /= range.count;
+            }
+            let [inner, outer, load @ .., speed_rpm] = values;
+            LoadRow {
+                time_s: number as f64,
+                load,
+                speed_rpm,
+                temperatures: reference.map(|_| [inner, outer]),
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axes(text: &str) -> Result<Axes, String> {
+        let texts: Vec<String> = text.split(' ').map(str::to_owned).collect();
+        Axes::parse(&texts)
+    }
+
+    #[test]
+    fn a_table_is_the_product_of_its_axes_and_speed_changes_first() {
+        let axes = axes("speed=0:20000:10000 fx=500 fy=0:0.3:0.1 mz=-1:-2:-1").unwrap();
+        let rows: Vec<_> = axes.rows(None).collect();
+        assert_eq!(rows.len(), 3 * 4 * 2);
+        let first: Vec<_> = rows
+            .iter()
+            .take(4)
+            .map(|row| (row.load[4], row.speed_rpm))
+            .collect();
+        assert_eq!(first, [(-1.0, 0.0), (-1.0, 1e4), (-1.0, 2e4), (-2.0, 0.0)]);
+        // Steps of a tenth give tenths.
+        let fy: Vec<_> = rows.iter().step_by(6).map(|row| row.load[1]).collect();
+        assert_eq!(fy, [0.0, 0.1, 0.2, 0.3]);
+        assert!(
+            rows.iter()
+                .all(|row| row.load[0] == 500.0 && row.temperatures.is_none())
+        );
+        assert!(
+            rows.iter()
+                .enumerate()
+                .all(|(i, row)| row.time_s == i as f64)
+        );
+    }
+
+    #[test]
+    fn temperatures_are_those_of_the_reference_unless_given() {
+        let axes = axes("t_inner=20:40:10 fx=5").unwrap();
+        assert!(axes.has_temperatures());
+        let rows = axes.rows(Some(20.0)).map(|row| row.temperatures);
+        let expected = [20.0, 30.0, 40.0].map(|inner| Some([inner, 20.0]));
+        assert_eq!(rows.collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
+    fn what_is_no_table_is_refused() {
+        for (text, wanted) in [
+            ("speed", "an axis is NAME=FIRST:LAST:STEP"),
+            ("rpm=5", "\"rpm\" is none of the axes t_inner, "),
+            ("speed=1:2", "give FIRST:LAST:STEP"),
+            ("speed=1:2:0", "no steps of 0 lead from 1 to 2"),
+            ("speed=1:2:-1", "no steps of -1 lead"),
+            ("speed=nan", "\"nan\" is not a number"),
+            ("speed=1:inf:1", "\"inf\" is not a number"),
+            ("speed=", "\"\" is not a number"),
+            ("speed=-1e308:1e308:1e308", "more than 1000000 rows"),
+            ("speed=0:1e300:1e-300", "more than 1000000 rows"),
+            ("speed=0:1e6:1", "more than 1000000 rows"),
+            (
+                "speed=0:1e4:1 fx=0:1e4:1 fy=0:1e4:1 fz=0:1e4:1 my=0:1e4:1",
+                "more than 1000000 rows",
+            ),
+            ("speed=0 speed=1", "speed is given twice"),
+        ] {
+            let error = axes(text).unwrap_err();
+            assert!(error.contains(wanted), "{error}\nnot\n{wanted}");
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! `cargo plot`: what is drawn of a file, and what is said of one that cannot be drawn.
+
+use crate::malformed::HEADER;
+use crate::replay::{replayed, scratch};
+use host_tests::design_file::SHIPPED;
+use std::ffi::OsString;
+use std::io::Cursor;
+use tools::plot::run;
+
+/// Exit status, standard output and standard error of `cargo plot` with these arguments.
+fn plotted(args: &[&str], stdin: &[u8]) -> (u8, String, String) {
+    let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
+    let args = ["plot"].iter().chain(args).map(OsString::from);
+    let status = run(args, Cursor::new(stdin.to_vec()), &mut stdout, &mut stderr);
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (status, text(stdout), text(stderr))
+}
+
+fn drawn(args: &[&str], csv: &str) -> String {
+    let (status, svg, err) = plotted(&[&["-"], args].concat(), csv.as_bytes());
+    assert_eq!((status, &*err), (0, ""));
+    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
+    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    svg
+}
+
+fn bearing() -> String {
+    format!("{SHIPPED}/b7005c.toml")
+}
+
+fn results(rows: &str) -> String {
+    replayed(&[&bearing(), "-"], &format!("{HEADER}{rows}")).1
+}
+
+fn count(svg: &str, what: &str) -> usize {
+    svg.matches(what).count()
+}
+
+#[test]
+fn results_are_drawn_over_time_and_broken_where_there_is_no_answer() {
+    let row = |t: u32, fx: &str| format!("{t},{fx},{},0,0,0,{}\n", 10 * t, 1000 * t);
+    let whole: String = (0..8).map(|t| row(t, "400")).collect();
+    let svg = drawn(&["--title", "a < b & c"], &results(&whole));
+    for text in [
+        "a &lt; b &amp; c",
+        "Shaft speed",
+        "K_yy",
+        "K_tz,tz",
+        "time / s",
+        ">1000 rpm<",
+    ] {
+        assert!(svg.contains(text), "{text} is missing in\n{svg}");
+    }
+    let broken: String = (0..8)
+        .map(|t| row(t, if t == 4 { "nan" } else { "400" }))
+        .collect();
+    let broken = drawn(&[], &results(&broken));
+    // Five curves of stiffness, and two of load, in two parts each.
+    assert_eq!(
+        count(&broken, "<polyline"),
+        count(&svg, "<polyline") + 5 + 3,
+        "{broken}"
+    );
+}
+
+#[test]
+fn a_long_recording_is_drawn_in_bands() {
+    let rows: String = (0..4000)
+        .map(|i| format!("{}e-3,{},0,0,0,0,9000\n", i, 400 + i % 7))
+        .collect();
+    let svg = drawn(&[], &results(&rows));
+    assert!(svg.contains("line: mean of 0.01 s; band: smallest to largest"));
+    assert!(count(&svg, "<polygon") >= 6);
+    assert!(svg.len() < 400_000);
+}
+
+#[test]
+fn tables_are_drawn_over_speed_with_a_curve_for_each_load() {
+    let args = [
+        &bearing(),
+        "--table",
+        "speed=0:9000:1000",
+        "fx=500",
+        "fy=0:200:100",
+        "mz=1",
+    ];
+    let (status, table, err) = replayed(&args, "");
+    assert_eq!((status, &*err), (0, ""));
+    let svg = drawn(&["--over", "speed"], &table);
+    for text in [
+        "Fx = 500 N, Mz = 1 N m",
+        ">Fy = 0 N<",
+        ">Fy = 100 N<",
+        ">Fy = 200 N<",
+        "K_ty,ty",
+    ] {
+        assert!(svg.contains(text), "{text} is missing in\n{svg}");
+    }
+    // Of more loads, every row is a dot.
+    let args = [
+        &bearing(),
+        "--table",
+        "speed=0:9000:1000",
+        "fx=500",
+        "fy=0:200:10",
+    ];
+    let svg = drawn(&["--over", "speed"], &replayed(&args, "").1);
+    assert!(svg.contains("each dot is a row of the file"));
+    assert_eq!(count(&svg, "<circle"), 5 * 210);
+}
+
+#[test]
+fn balls_are_drawn_at_the_time_of_the_largest_force_or_the_one_that_is_wanted() {
+    let path = scratch("plot-balls.csv");
+    let rows = "0,400,0,0,0,0,0\n1,400,900,0,0,0,0\n2,nan,0,0,0,0,0\n3,400,0,100,0,0,0\n";
+    let args = [&bearing(), "-", "--balls", path.to_str().unwrap()];
+    let (status, ..) = replayed(&args, &format!("{HEADER}{rows}"));
+    assert_eq!(status, 0);
+    let balls = std::fs::read_to_string(&path).unwrap();
+    std::fs::remove_file(path).unwrap();
+    assert!(drawn(&[], &balls).contains("at 1 s, in N"));
+    // A time whose row has no answer is no time to draw.
+    for (wanted, found) in [("-5", "0"), ("1.9", "1"), ("2.2", "3"), ("99", "3")] {
+        let svg = drawn(&["--time", wanted], &balls);
+        assert!(svg.contains(&format!("at {found} s, in N")), "{wanted}");
+        assert!(svg.contains("90\u{b0} +z"));
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn_is_said_with_its_place() {
+    let good = results("0,400,0,0,0,0,0\n1,400,0,0,0,0,0\n");
+    let balls = "time_s,azimuth_rad,q_i_n,q_o_n\n0,0,1,1\n";
+    for (args, csv, wanted) in [
+        (&[][..], String::new(), "line 1: there is no column k_x_x"),
+        (
+            &[],
+            HEADER.to_owned(),
+            "line 1: there is no column k_x_x as in the results",
+        ),
+        (
+            &[],
+            good.replace("k_z_z", "kzz"),
+            "line 1: the column k_z_z is missing",
+        ),
+        (
+            &[],
+            good.replace("time_s", "t"),
+            "line 1: the column time_s is missing",
+        ),
+        (
+            &["--over", "speed"],
+            good.replace("speed_rpm", "rpm"),
+            "line 1: the column speed_rpm is missing",
+        ),
+        (
+            &["--nose"],
+            good.clone(),
+            "the column k_nose_x_x is missing; --nose is for results of a spindle",
+        ),
+        (
+            &["--over", "speed"],
+            good.clone(),
+            "fewer than two speeds have an answer",
+        ),
+        (
+            &[],
+            results("0,400,0,0,0,0,0\n1,nan,0,0,0,0,0\n"),
+            "fewer than two rows have an answer",
+        ),
+        (
+            &[],
+            results("5,400,0,0,0,0,0\n5,400,0,0,0,0,0\n"),
+            "all rows have the time 5 s",
+        ),
+        (
+            &[],
+            good.replace("\n1,", "\none,"),
+            "line 3 (time_s): \"one\" is not a number",
+        ),
+        (
+            &["--time", "3"],
+            good.clone(),
+            "--time is for a file of balls",
+        ),
+        (
+            &["--over", "speed"],
+            balls.to_owned(),
+            "--over speed and --nose are for results",
+        ),
+        (
+            &[],
+            balls.replace("0,0,1,1", ",,,"),
+            "no ball has forces, nothing to draw",
+        ),
+        (
+            &[],
+            balls.replace("1,1", "0,0"),
+            "no ball carries a force at 0 s",
+        ),
+        (
+            &[],
+            balls.replace("q_o_n", "q"),
+            "the column q_o_n is missing",
+        ),
+    ] {
+        let (status, out, err) = plotted(&[&["-"], args].concat(), csv.as_bytes());
+        assert_eq!((status, &*out), (2, ""), "{err}");
+        assert!(
+            err.starts_with("plot: standard input: ") && err.contains(wanted),
+            "{err}\nnot\n{wanted}"
+        );
+    }
+    let (status, _, err) = plotted(&["nowhere.csv"], b"");
+    assert_eq!(status, 2);
+    assert!(
+        err.starts_with("plot: nowhere.csv: cannot be read: "),
+        "{err}"
+    );
+    let path = scratch("plot.csv");
+    std::fs::write(&path, &good).unwrap();
+    let name = path.to_str().unwrap();
+    let (status, _, err) = plotted(&[name, "-o", name], b"");
+    assert_eq!(status, 1);
+    assert!(
+        err.contains("would be overwritten by its own picture"),
+        "{err}"
+    );
+    let (status, _, err) = plotted(&[name, "-o", "picture.jpg"], b"");
+    assert_eq!(status, 1);
+    assert!(err.contains("pictures are .svg or .png"), "{err}");
+    // Beside the file, if nothing else is said.
+    assert_eq!(plotted(&[name], b""), (0, String::new(), String::new()));
+    let picture = path.with_extension("svg");
+    assert!(
+        std::fs::read_to_string(&picture)
+            .unwrap()
+            .ends_with("</svg>\n")
+    );
+    std::fs::remove_file(picture).unwrap();
+    std::fs::remove_file(path).unwrap();
+}
+
+/// Whatever stands in the fields, and however many there are, ends in a picture or in a message.
+#[test]
+fn any_file_is_drawn_or_refused() {
+    let results = results("");
+    let headers = [results.trim_end(), "time_s,row,azimuth_rad,q_i_n,q_o_n"];
+    let pieces = [
+        "0", "1", "-1", "1e308", "-1e308", "1e-320", "nan", "inf", "", "7", "1e15", "3.3", "400",
+        "\"", "x\n", "\u{e9}",
+    ];
+    let mut x = 0x2545_F491_4F6C_DD1D_u64;
+    let mut drawn = 0;
+    for seed in 0..600 {
+        let header = headers[seed % 2];
+        let columns = header.split(',').count();
+        // The stranger pieces in every third file only.
+        let kinds = if seed % 3 == 0 { 16 } else { 13 };
+        let mut text = format!("{header}\n");
+        for _ in 0..12 {
+            let fields: Vec<_> = (0..columns)
+                .map(|_| {
+                    x ^= x << 13;
+                    x ^= x >> 7;
+                    x ^= x << 17;
+                    pieces[(x % kinds) as usize]
+                })
+                .collect();
+            text += &(fields.join(",") + "\n");
+        }
+        if seed % 5 == 0 {
+            text = text.chars().take(text.len() / 2).collect();
+        }
+        for args in [&["-"][..], &["-", "--over", "speed"], &["-", "--time", "1"]] {
+            let (status, out, err) = plotted(args, text.as_bytes());
+            assert!(matches!(
+                (status, out.is_empty(), err.is_empty()),
+                (0, false, true) | (2, true, false)
+            ));
+            drawn += usize::from(status == 0);
+            assert!(!out.contains("NaN"), "{text}\n{out}");
+        }
+    }
+    assert!(drawn > 0, "{drawn}");
+}
