@@ -237,18 +237,13 @@ impl fmt::Display for Summary {
             let separator = if i == 0 { ": " } else { ", " };
             write!(f, "{separator}{count} {status}")?;
         }
-        let solver = self.first_refusal.as_ref();
-        let firsts = solver.map(|(time, why)| format!("at {time} s: {why}"));
-        let firsts = firsts
-            .into_iter()
-            .chain(self.first_fault.as_ref().map(Fault::to_string));
-        for (i, first) in firsts.enumerate() {
-            let first_of = if i == 0 {
-                " (the first "
-            } else {
-                "; the first that cannot be read: "
-            };
-            write!(f, "{first_of}{first}")?;
+        let mut start = " (";
+        if let Some((time, why)) = &self.first_refusal {
+            write!(f, "{start}the first at {time} s: {why}")?;
+            start = "; ";
+        }
+        if let Some(fault) = &self.first_fault {
+            write!(f, "{start}the first that cannot be read: {fault}")?;
         }
         f.write_str(if total == 0 { "" } else { ")" })
     }
