@@ -3,6 +3,7 @@
 use crate::arguments::{attitude, precision};
 use crate::table::Axes;
 use clap::Parser;
+use host_tests::catalogue;
 use host_tests::design_file::DesignFile;
 use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::loads::{self, LoadRow, Loads, LoadsError};
@@ -27,15 +28,20 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// Design of the bearing: ball count, diameters, grooves, contact angle, materials; or of a spindle: its rows
     ///
-    /// Examples are in host_tests/bearings/ and host_tests/spindles/.
-    #[arg(value_name = "DESIGN.toml")]
-    design: PathBuf,
+    /// Examples are in host_tests/bearings/ and host_tests/spindles/. A bearing of the catalogue is named in the place of
+    /// a file, such as gmn:S6014C.
+    #[arg(value_name = "DESIGN.toml", required_unless_present = "list")]
+    design: Option<PathBuf>,
 
     /// Recorded loads and speed; `-` reads standard input
     ///
     /// An example, a synthetic milling cycle, is host_tests/records/milling_cycle.csv.
-    #[arg(value_name = "LOADS.csv", required_unless_present = "table")]
+    #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list"])]
     loads: Option<String>,
+
+    /// Print the catalogue: bearings that can be named in the place of DESIGN.toml
+    #[arg(long)]
+    list: bool,
 
     /// In place of LOADS.csv, make a table: stiffness at every combination of these speeds and loads
     ///
@@ -97,7 +103,8 @@ DESIGN.toml is a spindle if it has [[row]]s:
   name = \"7014C back to back\"
   preload_n = 294               # of a pair; or preload_offset_um or spring = true for each row
   [[row]]
-  bearing = \"7014c.toml\"       # beside this file, or its keys under [row.design]
+  bearing = \"7014c.toml\"       # beside this file; a name of the catalogue; or its keys under
+                                # [row.design]
   position_mm = 0
   facing = \"+x\"               # a load on the shaft in +x presses its balls
   radial_growth_um = 2          # and axial_, ball_growth_um; may be left out
@@ -184,6 +191,11 @@ pub fn run(
             return u8::try_from(message.exit_code()).unwrap_or(2);
         }
     };
+    if args.list {
+        // Nobody is left to tell here, too.
+        let _ = write!({ stdout }, "{}", catalogue::list());
+        return 0;
+    }
     match run_parsed(&args, Box::new(stdin), stdout, &mut stderr) {
         Ok(summary) => {
             if !summary.refused.is_empty() {
@@ -243,7 +255,7 @@ fn run_parsed(
     stderr: &mut dyn Write,
 ) -> Result<Summary, Failure> {
     // What cannot be read is said below.
-    let text = std::fs::read(&args.design).unwrap_or_default();
+    let text = std::fs::read(args.design()).unwrap_or_default();
     if is_spindle(&String::from_utf8_lossy(&text)) {
         of_spindle(args, stdin, stdout, stderr)
     } else {
@@ -252,6 +264,11 @@ fn run_parsed(
 }
 
 impl Args {
+    /// The arguments' own rule has it that there is one.
+    fn design(&self) -> &Path {
+        self.design.as_deref().unwrap_or(Path::new(""))
+    }
+
     fn limits(&self) -> Limits<f64> {
         Limits {
             peak_pressure: self.peak_pressure * 1e6,
@@ -304,10 +321,7 @@ impl Args {
         path: Option<&PathBuf>,
     ) -> Result<Option<BufWriter<File>>, Failure> {
         let loads = self.loads.as_ref().map(Path::new);
-        let inputs: Vec<&Path> = [Some(self.design.as_path()), loads]
-            .into_iter()
-            .flatten()
-            .collect();
+        let inputs: Vec<&Path> = [Some(self.design()), loads].into_iter().flatten().collect();
         path.map(|path| create(option, path, &inputs)).transpose()
     }
 }
@@ -368,11 +382,11 @@ fn of_bearing(
     stdout: impl Write,
     stderr: &mut dyn Write,
 ) -> Result<Summary, Failure> {
-    let file = DesignFile::read(&args.design).map_err(Failure::input)?;
+    let file = DesignFile::read(args.design()).map_err(Failure::input)?;
     if args.rows.is_some() {
         return Err(Failure::input(format!(
             "--rows is for spindles, and {} is one bearing: it has no [[row]]",
-            args.design.display()
+            args.design().display()
         )));
     }
     let bearing = dispatch::bearing(&file.design, file.balls, args.precision)
@@ -399,7 +413,7 @@ fn of_spindle(
     stdout: impl Write,
     stderr: &mut dyn Write,
 ) -> Result<Summary, Failure> {
-    let file = SpindleFile::read(&args.design).map_err(Failure::input)?;
+    let file = SpindleFile::read(args.design()).map_err(Failure::input)?;
     let reference = file.heat.map(|heat| heat.reference);
     let mut input = args.input(stdin, stderr, reference)?;
     let solved = spindles::with_solver(

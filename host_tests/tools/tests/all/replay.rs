@@ -613,3 +613,15 @@ fn axes_that_make_no_table_are_refused() {
     assert_eq!((status, &*err), (0, ""));
     assert_eq!(out.lines().count(), 4);
 }
+
+#[test]
+fn bearings_of_the_catalogue_are_replayed_by_name_and_listed() {
+    let loads = format!("{HEADER}{ROWS}");
+    let (status, named, told) = replayed(&["gmn:s 6005 c", "-"], &loads);
+    assert_eq!((status, told.as_str()), (0, ""));
+    assert_eq!(named.lines().count(), 5);
+    let (status, _, told) = replayed(&["gmn:S6005X", "-"], &loads);
+    assert!(status == 2 && told.contains("gmn:S6005C"), "{told}");
+    let (status, list, _) = replayed(&["--list"], "");
+    assert!(status == 0 && list.contains("gmn:S6014C"), "{list}");
+}
