@@ -154,14 +154,14 @@ fn unknown(name: &str, wanted: &str, mut names: Vec<String>) -> DesignFileError 
 /// The catalogue as a table to read.
 pub fn list() -> String {
     let mut text = String::from(
-        "name            balls   ball  pitch  angle        preload of a pair, N\n\
-         \x20                        mm     mm    deg    light  medium  strong\n",
+        "name                    balls   ball  pitch  angle        preload of a pair, N\n\
+         \x20                                mm     mm    deg    light  medium  strong\n",
     );
     for one in gmn_s60() {
         let [light, medium, strong] = one.preloads();
         let _ = writeln!(
             text,
-            "{:<16}{:5} {:6.3} {:6.1} {:6.0} {light:8.0} {medium:7.0} {strong:7.0}",
+            "{:<24}{:5} {:6.3} {:6.1} {:6.0} {light:8.0} {medium:7.0} {strong:7.0}",
             one.name(),
             one.balls,
             one.ball_mm,
@@ -181,7 +181,7 @@ pub fn list() -> String {
         };
         let _ = writeln!(
             text,
-            "{name:<16}{:5} {:6.3} {:6.1} {angle}",
+            "{name:<24}{:5} {:6.3} {:6.1} {angle}",
             file.balls,
             1e3 * design.ball_diameter,
             1e3 * design.pitch_diameter
