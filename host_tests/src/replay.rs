@@ -2,7 +2,7 @@
 
 use crate::dispatch::{AnySolver, Details, Precision, Wanted};
 use crate::loads::{COLUMNS, Fault, LoadRow, LoadsError};
-use spindle_bearing::{BallMotion, BallState, LimitSet};
+use spindle_bearing::{BallMotion, BallState, LifeRating, LimitSet};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Write};
@@ -22,8 +22,10 @@ const BALL_FIGURES: usize = 17;
 /// Columns of the file of frequencies, likewise.
 const FREQUENCY_COLUMNS: &str = "cage_hz,outer_race_hz,inner_race_hz,ball_hz";
 
-/// Columns that end the results: loads and speed, as the recording has them.
+/// Columns that follow: loads and speed, as the recording has them.
 const ECHO_COLUMNS: &str = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm";
+/// Columns that end the results: rating life, million revolutions and hours.
+const LIFE_COLUMNS: &str = "l10_mrev,l10_h";
 
 /// Status of a row of the recording that cannot be read.
 pub const REFUSED_INPUT: &str = "refused-input";
@@ -38,7 +40,7 @@ fn header(nose: bool) -> String {
             }
         }
     }
-    header + ",limits," + ECHO_COLUMNS
+    header + ",limits," + ECHO_COLUMNS + "," + LIFE_COLUMNS
 }
 
 /// What is replayed: one bearing, or a spindle.
@@ -55,10 +57,13 @@ pub trait Replayed {
     /// Precision.
     fn precision(&self) -> Precision;
 
+    /// Load ratings of the rows; none without a rating life.
+    fn ratings(&self) -> Vec<LifeRating<f64>>;
+
     /// Makes the next solve a cold one.
     fn reset(&mut self);
 
-    /// Solves for a row of the recording, with what the rows of balls carry if that is wanted.
+    /// Solves for a row of the recording, with forces on the balls, and with what the rows of balls carry if that is wanted.
     ///
     /// # Errors
     ///
@@ -121,11 +126,16 @@ impl<'o> Outputs<'o> {
 }
 
 /// One bearing.
-pub struct OneBearing<'s>(pub &'s mut dyn AnySolver);
+pub struct OneBearing<'s> {
+    /// Its solver.
+    pub solver: &'s mut dyn AnySolver,
+    /// Its load rating, if its life is wanted.
+    pub rating: Option<LifeRating<f64>>,
+}
 
 impl Replayed for OneBearing<'_> {
     fn balls(&self) -> Vec<usize> {
-        vec![self.0.ball_count()]
+        vec![self.solver.ball_count()]
     }
 
     fn is_spindle(&self) -> bool {
@@ -137,11 +147,15 @@ impl Replayed for OneBearing<'_> {
     }
 
     fn precision(&self) -> Precision {
-        self.0.precision()
+        self.solver.precision()
+    }
+
+    fn ratings(&self) -> Vec<LifeRating<f64>> {
+        self.rating.into_iter().collect()
     }
 
     fn reset(&mut self) {
-        self.0.reset();
+        self.solver.reset();
     }
 
     fn solve(&mut self, row: &LoadRow, details: bool) -> Result<Solved, (&'static str, String)> {
@@ -149,9 +163,9 @@ impl Replayed for OneBearing<'_> {
         let wanted = if details {
             Wanted::Details(&mut found)
         } else {
-            Wanted::Figures
+            Wanted::Balls(&mut found.balls)
         };
-        let answer = self.0.solve_for(row.load, row.omega(), wanted);
+        let answer = self.solver.solve_for(row.load, row.omega(), wanted);
         let figures = answer.figures.map_err(|why| (answer.status, why))?;
         Ok(Solved {
             status: answer.status,
@@ -269,6 +283,7 @@ pub fn replay(
         spindle: solver.is_spindle(),
         nose: solver.has_nose(),
         precision: solver.precision(),
+        ratings: solver.ratings(),
         out,
     };
     tables.headers()?;
@@ -306,6 +321,19 @@ pub fn replay(
     Ok(summary)
 }
 
+/// Rating life of the rows together, million revolutions; infinite if they carry nothing.
+fn life(rows: &[SolvedRow], ratings: &[LifeRating<f64>]) -> Option<f64> {
+    if ratings.len() != rows.len() {
+        return None;
+    }
+    let damage = |(row, rating): (&SolvedRow, &LifeRating<f64>)| {
+        let forces = row.details.balls.iter().map(|ball| (ball.q_i, ball.q_o));
+        rating.damage(forces).powf(10.0 / 9.0)
+    };
+    let together: f64 = rows.iter().zip(ratings).map(damage).sum();
+    Some(together.powf(-0.9))
+}
+
 /// The tables that are being written.
 struct Tables<'t, 'o> {
     /// Number of balls of each row.
@@ -313,6 +341,7 @@ struct Tables<'t, 'o> {
     spindle: bool,
     nose: bool,
     precision: Precision,
+    ratings: Vec<LifeRating<f64>>,
     out: &'t mut Outputs<'o>,
 }
 
@@ -358,7 +387,7 @@ impl Tables<'_, '_> {
             None => String::new(),
         });
         let [time, loads @ ..] = &copied;
-        self.result(time, answer, &loads.join(","))
+        self.result(time, answer, &loads.join(","), given[6])
             .map_err(ReplayError::Results)?;
         let solved = answer.as_ref().ok();
         self.rows(time, solved).map_err(ReplayError::Rows)?;
@@ -367,7 +396,13 @@ impl Tables<'_, '_> {
             .map_err(ReplayError::Frequencies)
     }
 
-    fn result(&mut self, time: &str, answer: &Result<Solved, &str>, loads: &str) -> io::Result<()> {
+    fn result(
+        &mut self,
+        time: &str,
+        answer: &Result<Solved, &str>,
+        loads: &str,
+        speed: Option<f64>,
+    ) -> io::Result<()> {
         let out = &mut self.out.results;
         match answer {
             Ok(solved) => {
@@ -377,12 +412,20 @@ impl Tables<'_, '_> {
                 for figure in solved.displacement.into_iter().chain(stiffness) {
                     write!(out, ",{}", self.precision.show(figure))?;
                 }
-                writeln!(out, ",{},{loads}", solved.limits)
+                write!(out, ",{},{loads}", solved.limits)?;
+                match life(&solved.rows, &self.ratings) {
+                    Some(revolutions) => {
+                        let hours = revolutions * 1e6 / (60.0 * speed.unwrap_or_default().abs());
+                        let figures = [revolutions, hours].map(|x| Precision::F32.show(x));
+                        writeln!(out, ",{},{}", figures[0], figures[1])
+                    }
+                    None => writeln!(out, ",,"),
+                }
             }
             Err(status) => {
                 let matrices = if self.nose { 2 } else { 1 };
                 let empty = 1 + FREEDOMS.len() + matrices * FREEDOMS.len().pow(2) + 1;
-                writeln!(out, "{time},{status}{:,<empty$},{loads}", "")
+                writeln!(out, "{time},{status}{:,<empty$},{loads},,", "")
             }
         }
     }

@@ -42,7 +42,9 @@ use crate::design_file::{
 use crate::loads::LoadRow;
 use crate::spindles::{BuildError, MOST_ROWS, Plan, Question, Row};
 use serde::Deserialize;
-use spindle_bearing::{Arrangement, Design, Expansion, Facing, Growth, Preload, ShaftEnd};
+use spindle_bearing::{
+    Arrangement, Design, Expansion, Facing, Growth, LifeRating, Preload, ShaftEnd,
+};
 use std::path::Path;
 use toml::Spanned;
 
@@ -180,6 +182,11 @@ pub fn is_spindle(text: &str) -> bool {
 }
 
 impl SpindleFile {
+    /// Load ratings of the rows.
+    pub fn ratings(&self) -> Vec<LifeRating<f64>> {
+        self.designs.iter().map(DesignFile::rating).collect()
+    }
+
     /// Reads a spindle file, and the design files that it names.
     ///
     /// # Errors

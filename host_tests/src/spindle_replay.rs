@@ -5,7 +5,7 @@ use crate::loads::LoadRow;
 use crate::replay::{Replayed, Solved, SolvedRow};
 use crate::spindle_file::SpindleFile;
 use crate::spindles::AnySpindleSolver;
-use spindle_bearing::{LimitSet, ShaftEnd};
+use spindle_bearing::{LifeRating, LimitSet, ShaftEnd};
 
 /// A spindle with its solver.
 pub struct OneSpindle<'s> {
@@ -32,6 +32,10 @@ impl Replayed for OneSpindle<'_> {
 
     fn precision(&self) -> Precision {
         self.precision
+    }
+
+    fn ratings(&self) -> Vec<LifeRating<f64>> {
+        self.file.ratings()
     }
 
     fn reset(&mut self) {

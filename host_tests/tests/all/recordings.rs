@@ -273,7 +273,10 @@ fn figures_are_printed_as_the_solver_gave_them() {
     };
     let mut out = Vec::new();
     let rows = [Ok(row)].into_iter();
-    let mut solver = OneBearing(&mut solver);
+    let mut solver = OneBearing {
+        solver: &mut solver,
+        rating: None,
+    };
     let summary = replay(&mut solver, rows, false, &mut Outputs::of(&mut out)).unwrap();
     assert_eq!(summary.rows, 1);
     assert!(summary.refused.is_empty());
@@ -281,7 +284,7 @@ fn figures_are_printed_as_the_solver_gave_them() {
     assert_eq!(
         out.lines().nth(1).unwrap(),
         format!(
-            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},,0.1,0,0,0,-2e-5,6000",
+            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},,0.1,0,0,0,-2e-5,6000,,",
             ",100000000,0,0,0,0.3".repeat(5)
         )
     );
@@ -307,19 +310,22 @@ fn a_solve_that_ran_out_of_iterations_has_no_figures() {
             balls: Some(&mut balls),
             ..Outputs::of(&mut out)
         };
-        let mut solver = OneBearing(solver.as_mut());
+        let mut solver = OneBearing {
+            solver: solver.as_mut(),
+            rating: None,
+        };
         let summary = replay(&mut solver, rows, false, &mut outputs).unwrap();
         let count = summary.refused.values().sum::<u64>();
         assert_eq!((summary.rows, count), (1, 1), "{summary}");
 
         let text = String::from_utf8(out).unwrap();
         let fields: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
-        assert_eq!(fields.len(), 3 + 5 + 25 + 1 + 6);
+        assert_eq!(fields.len(), 3 + 5 + 25 + 1 + 6 + 2);
         assert_eq!(fields[0], "0.5");
         assert!(!["", "converged", "precision-limit"].contains(&fields[1]));
         let figures = &fields[2..34];
         assert!(figures.iter().all(|field| field.is_empty()), "{text}");
-        assert_eq!(fields[34..], ["1000", "200", "0", "0", "3", "20000"]);
+        assert_eq!(fields[34..], ["1000", "200", "0", "0", "3", "20000", "", ""]);
 
         let text = String::from_utf8(balls).unwrap();
         assert_eq!(text.lines().count(), 1 + file.balls);
@@ -575,7 +581,10 @@ fn the_recording_is_solved_to_the_last_row() {
         let mut solver = bearing.solver(Attitude::Raceless);
         let mut out = Vec::new();
         let rows = loads::read(RECORD).unwrap();
-        let mut solver = OneBearing(solver.as_mut());
+        let mut solver = OneBearing {
+            solver: solver.as_mut(),
+            rating: None,
+        };
         let summary = replay(&mut solver, rows, false, &mut Outputs::of(&mut out)).unwrap();
         assert!(summary.refused.is_empty(), "{summary}");
         let text = String::from_utf8(out).unwrap();

@@ -146,6 +146,8 @@ Results, one row for each row of LOADS.csv, SI units:
                   (of a contact ellipse by the shoulder); reversal (of a contact angle); friction
                   (more is called for, gross slip suspected); inner-contact (lost by a ball)
   fx_n .. speed_rpm  loads and speed, copied
+  l10_mrev, l10_h    basic rating life by ISO/TS 16281 under this load, million revolutions and hours;
+                  with dynamic_load_rating_n of DESIGN.toml, else with ISO 281's C, 5 % to 8 % high
 
 BALLS.csv, one row for each ball of each row, balls numbered from 0 at the first azimuth:
   time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,
@@ -403,7 +405,11 @@ fn of_bearing(
             balls: balls.as_mut().map(|out| out as &mut dyn Write),
             ..Outputs::of(results)
         };
-        replay(&mut OneBearing(solver.as_mut()), rows, args.cold, &mut out)
+        let mut bearing = OneBearing {
+            solver: solver.as_mut(),
+            rating: Some(file.rating()),
+        };
+        replay(&mut bearing, rows, args.cold, &mut out)
     })
 }
 

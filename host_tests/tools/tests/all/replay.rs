@@ -14,7 +14,7 @@ use tools::replay::run;
 const RESULT_HEADER: &str = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
     k_x_x,k_x_y,k_x_z,k_x_ty,k_x_tz,k_y_x,k_y_y,k_y_z,k_y_ty,k_y_tz,k_z_x,k_z_y,k_z_z,k_z_ty,k_z_tz,\
     k_ty_x,k_ty_y,k_ty_z,k_ty_ty,k_ty_tz,k_tz_x,k_tz_y,k_tz_z,k_tz_ty,k_tz_tz,limits,\
-    fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm";
+    fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,l10_mrev,l10_h";
 
 pub const BALL_HEADER: &str = "time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,\
     p_i_pa,p_o_pa,a_i_m,b_i_m,a_o_m,b_o_m,cage_rad_s,attitude_rad,spin_roll_i,spin_roll_o";
@@ -90,7 +90,14 @@ fn results_hold_the_bits_that_the_solver_gave() {
                     .displacement
                     .iter()
                     .chain(figures.stiffness.iter().flatten());
-                assert_eq!(line.len(), 3 + 5 + 25 + 1 + 6);
+                assert_eq!(line.len(), 3 + 5 + 25 + 1 + 6 + 2);
+                let [revolutions, hours] = [40, 41].map(|i| line[i].parse::<f64>().unwrap());
+                assert!(revolutions > 0.0);
+                let speed = row.speed_rpm;
+                assert!(
+                    speed == 0.0 || (hours * 60.0 * speed / (1e6 * revolutions) - 1.0).abs() < 1e-6
+                );
+                assert!(speed != 0.0 || hours.is_infinite());
                 assert_eq!(line[33], figures.limits.to_string());
                 let [fx, fy, fz, my, mz] = row.load;
                 for (text, copied) in line[34..].iter().zip([fx, fy, fz, my, mz, row.speed_rpm]) {
@@ -253,12 +260,17 @@ fn a_row_without_an_answer_keeps_its_place() {
         let lines: Vec<_> = out.lines().skip(1).map(fields).collect();
         assert_eq!(lines.len(), 5);
         for (i, line) in lines.iter().enumerate() {
-            assert_eq!(line.len(), 40);
+            assert_eq!(line.len(), 42);
             assert_eq!(line[0], i.to_string());
             if [1, 2, 3].contains(&i) {
                 assert_eq!(line[1], "not-finite");
                 assert!(line[2..34].iter().all(|field| field.is_empty()));
-                assert!(line[34..].iter().all(|field| field.parse::<f64>().is_ok()));
+                assert!(
+                    line[34..40]
+                        .iter()
+                        .all(|field| field.parse::<f64>().is_ok())
+                );
+                assert_eq!(line[40..], ["", ""]);
             } else {
                 assert_eq!(line[1], "converged");
                 assert!(line[2..33].iter().all(|field| field.parse::<f64>().is_ok()));

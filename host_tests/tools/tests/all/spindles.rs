@@ -59,10 +59,10 @@ fn results_hold_the_bits_that_the_solver_gave() {
         });
         let mut lines = out.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let header = lines.next().unwrap();
-        assert_eq!(header.len(), 8 + 25 + 25 + 1 + 6);
+        assert_eq!(header.len(), 8 + 25 + 25 + 1 + 6 + 2);
         assert_eq!(
-            (header[8], header[33], header[58], header[64]),
-            ("k_x_x", "k_nose_x_x", "limits", "speed_rpm")
+            (header[8], header[33], header[58], header[66]),
+            ("k_x_x", "k_nose_x_x", "limits", "l10_h")
         );
         let (mut of_rows, mut of_balls) = (of_rows.lines(), of_balls.lines());
         let mut frequencies = frequencies.lines();
