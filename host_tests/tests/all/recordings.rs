@@ -325,7 +325,10 @@ fn a_solve_that_ran_out_of_iterations_has_no_figures() {
         assert!(!["", "converged", "precision-limit"].contains(&fields[1]));
         let figures = &fields[2..34];
         assert!(figures.iter().all(|field| field.is_empty()), "{text}");
-        assert_eq!(fields[34..], ["1000", "200", "0", "0", "3", "20000", "", ""]);
+        assert_eq!(
+            fields[34..],
+            ["1000", "200", "0", "0", "3", "20000", "", ""]
+        );
 
         let text = String::from_utf8(balls).unwrap();
         assert_eq!(text.lines().count(), 1 + file.balls);
