@@ -1,7 +1,7 @@
 //! The monitor's settings on this spindle: one place for the firmware and for the host program that checks
 //! it. Whoever includes it says how fast the core is.
 
-use super::monitored::{BALLS, DESIGN, FACINGS, POSITIONS, PRELOAD, ROWS};
+use super::monitored::{BALLS, DESIGN, FACINGS, LOAD_RATING, POSITIONS, PRELOAD, ROWS};
 use super::{CORE_HZ, COST};
 use spindle_bearing::monitor::command::{self, Key};
 use spindle_bearing::monitor::loads::Calibration;
@@ -29,6 +29,13 @@ pub static MONITOR: MonitorSettings<ROWS> = {
     } else {
         of_a_pair(&mut settings);
     }
+    if let Some(rating) = LOAD_RATING {
+        let mut row = 0;
+        while row < ROWS {
+            settings.rows[row] = settings.rows[row].with_rating(&DESIGN, rating);
+            row += 1;
+        }
+    }
     if BRIDGES {
         // A tachometer's speed is measured, and is never quite the same for ten seconds.
         settings.plausibility.speed_stuck_after = 10_000;
@@ -40,6 +47,7 @@ pub static MONITOR: MonitorSettings<ROWS> = {
     settings.tolerance = 5e-4;
     settings
 };
+
 /// Loads at the nose, and what heat and speed make of the rows.
 const fn of_a_pair(settings: &mut MonitorSettings<ROWS>) {
     let middle = 0.5 * (POSITIONS[0] + POSITIONS[ROWS - 1]);

@@ -43,6 +43,9 @@ pub struct RowSettings {
 
 impl RowSettings {
     /// A bearing of `balls` balls, with the load rating of [`Design::dynamic_load_rating`]. It does not grow.
+    ///
+    /// Where the maker's `C` is known, [`RowSettings::with_rating`] takes it: the formula is 5 % to 8 % high, and the life by
+    /// it up to 25 % long.
     pub const fn new(design: &Design, balls: usize) -> Self {
         let dynamic = design.dynamic_load_rating(balls);
         Self {
@@ -52,6 +55,14 @@ impl RowSettings {
             heat: [Growth::NONE; 2],
             rotation: Growth::NONE,
         }
+    }
+
+    /// With the maker's basic dynamic load rating `C`, N.
+    #[must_use]
+    pub const fn with_rating(mut self, design: &Design, dynamic_load_rating: f64) -> Self {
+        let balls = self.balls as usize;
+        self.rating = LifeRating::<f32>::new(design, balls, dynamic_load_rating);
+        self
     }
 
     /// The same, growing with the temperatures of both sides. Balls are as warm as the mean of both. `reach` is that of
