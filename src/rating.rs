@@ -140,8 +140,8 @@ impl<T: Real> LifeRating<T> {
         damage_of_weight(self.weight_of(forces))
     }
 
-    /// [`LifeRating::weight`] of these forces.
-    pub(crate) fn weight_of(&self, forces: impl Iterator<Item = (T, T)>) -> T {
+    /// [`LifeRating::weight`] of these inner and outer contact forces, N.
+    pub fn weight_of(&self, forces: impl Iterator<Item = (T, T)>) -> T {
         let (mut inner, mut outer, mut balls) = (T::ZERO, T::ZERO, T::ZERO);
         for (q_i, q_o) in forces {
             let (i, o) = (T::ZERO.at_least(q_i), T::ZERO.at_least(q_o));
@@ -178,8 +178,8 @@ pub fn damage_of_weight<T: Real>(weight: T) -> T {
 }
 
 impl<T: Real> RatingLife<T> {
-    /// Of a sum of [`LifeRating::weight`], at `omega` (rad/s).
-    pub(crate) fn of_weight(weight: T, omega: T) -> Self {
+    /// Of the sum of [`LifeRating::weight`] over all rows, at `omega` (rad/s).
+    pub fn of_weight(weight: T, omega: T) -> Self {
         let million_revolutions = T::ONE / damage_of_weight(weight);
         // 1e6 revolutions of 2 pi rad, in hours of 3600 s.
         let hours = million_revolutions * (T::of(2e6 * PI / 3600.0) / omega.abs());

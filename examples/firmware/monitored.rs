@@ -36,11 +36,6 @@ pub const DESIGN: Design = Design {
     ball: Material::STEEL,
 };
 
-/// The maker's basic dynamic load rating `C` of it, N, if that is known. The formula that stands in for it is 5 % to 8 % high,
-/// and the life by it up to 25 % long.
-#[allow(dead_code, reason = "the monitor's")]
-pub const LOAD_RATING: Option<f64> = None;
-
 /// Its constants, worked out by the compiler.
 pub static BEARING: Bearing<Precision, BALLS> = Bearing::<Precision, BALLS>::checked(&DESIGN);
 

@@ -2,7 +2,7 @@
 
 use crate::dispatch::{AnySolver, Details, Precision, Wanted};
 use crate::loads::{COLUMNS, Fault, LoadRow, LoadsError};
-use spindle_bearing::{BallMotion, BallState, LifeRating, LimitSet};
+use spindle_bearing::{BallMotion, BallState, LifeRating, LimitSet, RatingLife, Speed};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Write};
@@ -321,17 +321,21 @@ pub fn replay(
     Ok(summary)
 }
 
-/// Rating life of the rows together, million revolutions; infinite if they carry nothing.
-fn life(rows: &[SolvedRow], ratings: &[LifeRating<f64>]) -> Option<f64> {
+/// Rating life of the rows together at a speed in rpm.
+fn life(
+    rows: &[SolvedRow],
+    ratings: &[LifeRating<f64>],
+    speed_rpm: Option<f64>,
+) -> Option<RatingLife<f64>> {
     if ratings.len() != rows.len() {
         return None;
     }
-    let damage = |(row, rating): (&SolvedRow, &LifeRating<f64>)| {
-        let forces = row.details.balls.iter().map(|ball| (ball.q_i, ball.q_o));
-        rating.damage(forces).powf(10.0 / 9.0)
+    let weight = |(row, rating): (&SolvedRow, &LifeRating<f64>)| {
+        rating.weight_of(row.details.balls.iter().map(|ball| (ball.q_i, ball.q_o)))
     };
-    let together: f64 = rows.iter().zip(ratings).map(damage).sum();
-    Some(together.powf(-0.9))
+    let together = rows.iter().zip(ratings).map(weight).sum();
+    let speed = Speed::rpm(speed_rpm?);
+    Some(RatingLife::of_weight(together, speed.as_rad_per_s()))
 }
 
 /// The tables that are being written.
@@ -413,11 +417,11 @@ impl Tables<'_, '_> {
                     write!(out, ",{}", self.precision.show(figure))?;
                 }
                 write!(out, ",{},{loads}", solved.limits)?;
-                match life(&solved.rows, &self.ratings) {
-                    Some(revolutions) => {
-                        let hours = revolutions * 1e6 / (60.0 * speed.unwrap_or_default().abs());
-                        let figures = [revolutions, hours].map(|x| Precision::F32.show(x));
-                        writeln!(out, ",{},{}", figures[0], figures[1])
+                match life(&solved.rows, &self.ratings, speed) {
+                    Some(life) => {
+                        let figures = [life.million_revolutions, life.hours];
+                        let [revolutions, hours] = figures.map(|x| Precision::F32.show(x));
+                        writeln!(out, ",{revolutions},{hours}")
                     }
                     None => writeln!(out, ",,"),
                 }

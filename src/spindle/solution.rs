@@ -168,8 +168,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// Rating life of the set under this load at this speed, each row with its own rating: see [`LifeRating`].
     pub fn rating_life(&self, ratings: &[LifeRating<T>; R]) -> RatingLife<T> {
         let mut weight = T::ZERO;
-        for (row, rating) in self.rows().zip(ratings) {
-            weight += rating.weight_of(row.view.contact_forces());
+        for (i, rating) in ratings.iter().enumerate() {
+            weight += rating.weight_of(self.view(i).contact_forces());
         }
         RatingLife::of_weight(weight, self.speed.as_rad_per_s())
     }

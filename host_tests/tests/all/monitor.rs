@@ -18,11 +18,13 @@ use spindle_bearing::monitor::loads::{
 };
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::speed::{Edges, PulseSpeed, SpeedError, SpeedSettings, SpeedSource};
-use spindle_bearing::monitor::telemetry::{BallReport, FrameReader, Payload};
+use spindle_bearing::monitor::telemetry::{
+    BallReport, EstimateReport, FrameReader, Payload, RowReport,
+};
 use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
 use spindle_bearing::monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Outcome, Readings};
 use spindle_bearing::record::{self, LoadRecord};
-use spindle_bearing::{Bearing, Settings, Solver, Speed, Spindle};
+use spindle_bearing::{Bearing, Settings, ShaftEnd, Solver, Speed, Spindle, SpindleSolver};
 use spindle_bearing::{Design, FreeContact, Material};
 use std::convert::Infallible;
 
@@ -137,6 +139,9 @@ pub(super) struct Rig<const R: usize = 1> {
     /// The last report of every ball.
     balls: Vec<BallReport>,
     jitter: f32,
+    /// The last estimate, and the last report of its rows.
+    estimate: Option<EstimateReport>,
+    rows: Vec<RowReport>,
     /// Answers that arrived.
     pub(super) answers: Vec<Answer>,
 }
@@ -179,6 +184,8 @@ impl<const R: usize> Rig<R> {
             loads: Vec::new(),
             balls: Vec::new(),
             jitter: 0.0,
+            estimate: None,
+            rows: Vec::new(),
             answers: Vec::new(),
         }
     }
@@ -224,6 +231,7 @@ impl<const R: usize> Rig<R> {
                     assert!(report.stiffness.iter().all(|k| k.is_finite() && *k > 0.0));
                     self.stiffness.push((frame.time_us, report.stiffness));
                     self.loads.push(report.load);
+                    self.estimate = Some(report);
                 }
                 Payload::Alarm(report) => {
                     self.counts[report.alarm as usize] = (report.raised, report.cleared);
@@ -239,8 +247,11 @@ impl<const R: usize> Rig<R> {
                 | Payload::Inputs(_)
                 | Payload::Board(_)
                 | Payload::Start(_)
-                | Payload::Rows(_)
                 | Payload::Shaft(_) => {}
+                Payload::Rows(report) => {
+                    self.rows.truncate(report.first.into());
+                    self.rows.extend(report.rows);
+                }
                 Payload::Answer(answer) => self.answers.push(answer),
             }
         }
@@ -304,6 +315,74 @@ impl<const R: usize> Rig<R> {
 
     pub(super) fn state(&mut self, alarm: Alarm) -> AlarmState {
         self.monitor.judgement().alarm(alarm).state()
+    }
+}
+
+/// Warm, loaded at the nose: what is reported of rows and nose is what the spindle's own solver says.
+#[test]
+fn the_estimate_of_a_pair_is_its_spindles_own() {
+    let mut rig = Rig::shipped();
+    let temperatures = [31.0, 26.0];
+    for ms in 0..3000 {
+        let speed = SPEED * (ms as f32 / 1000.0).min(1.0);
+        let load = if ms < 2000 {
+            [0.0; 5]
+        } else {
+            at_nose([300.0, 400.0, -250.0])
+        };
+        let ramp = load.map(|x| x * ((ms as f32 - 2000.0) / 200.0).clamp(0.0, 1.0));
+        let sample = rig.sample(ramp);
+        rig.tick(&Readings {
+            loads: Ok(Some(sample)),
+            speed: Some(Some(speed)),
+            temperatures: Some(temperatures),
+        });
+    }
+    let report = rig.estimate.unwrap();
+    assert_eq!(rig.rows.len(), ROWS);
+
+    let warmer = MONITOR
+        .temperatures
+        .map_or([0.0; 2], |t| temperatures.map(|x| x - t.reference));
+    let growth = MONITOR.rows.each_ref().map(|row| {
+        row.rotation * (report.speed * report.speed)
+            + row.heat[0] * warmer[0]
+            + row.heat[1] * warmer[1]
+    });
+    // Loads are measured at x = 0, where the nose is.
+    assert_eq!([MONITOR.shaft.loads_at, MONITOR.shaft.nose], [0.0; 2]);
+    let mut solver = SpindleSolver::new(spindle(&PAIRED).unwrap());
+    let speed = Speed::rad_per_s(report.speed);
+    let own = solver
+        .solve_at(report.load, speed, &growth, &Settings::default())
+        .unwrap();
+
+    let near = |what: &str, reported: f32, own: f32, size: f32| {
+        assert!(
+            (reported - own).abs() < 2e-3 * size,
+            "{what}: {reported}, not {own}"
+        );
+    };
+    let nose = own.compliance_at(&ShaftEnd::rigid(0.0));
+    for (i, &k) in report.nose.iter().enumerate() {
+        near("nose", k * nose[i][i], 1.0, 1.0);
+        near(
+            "displacement",
+            report.displacement[i],
+            own.displacement[i],
+            1e-5,
+        );
+    }
+    for (report, row) in rig.rows.iter().zip(own.rows()) {
+        let size = row.force[0];
+        near("axial", report.axial, row.force[0], size);
+        near("radial", report.radial[0], row.force[1], size);
+        near("radial", report.radial[1], row.force[2], size);
+        near("preload", report.preload, row.preload(), size);
+        let largest = row.inner_forces().fold(0.0, f32::max);
+        let least = row.inner_forces().fold(f32::INFINITY, f32::min);
+        near("largest force", report.largest_force, largest, largest);
+        near("least force", report.least_force, least, largest);
     }
 }
 

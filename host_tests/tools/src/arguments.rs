@@ -1,8 +1,11 @@
 //! Names on the command line for what the judge has types for.
 
+use clap::Parser;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use host_tests::campaign::families::Family;
 use host_tests::dispatch::{Attitude, Precision};
+use std::ffi::OsString;
+use std::io::Write;
 
 /// A value by its name, with a line of help.
 type Named<T> = (&'static str, &'static str, T);
@@ -22,6 +25,29 @@ fn one_of<T: Copy + Send + Sync + 'static>(
     PossibleValuesParser::new(names).try_map(move |given| {
         let found = all.iter().find(|(name, ..)| *name == given);
         found.map(|(.., value)| *value).ok_or("unknown")
+    })
+}
+
+/// Arguments of a program, the first of which is its name; or its exit status, once it has said what is wrong with them, or
+/// has given help.
+///
+/// # Errors
+///
+/// The exit status.
+pub fn parsed<A: Parser>(
+    args: impl IntoIterator<Item = OsString>,
+    stdout: &mut dyn Write,
+    stderr: &mut dyn Write,
+) -> Result<A, u8> {
+    A::try_parse_from(args).map_err(|message| {
+        let text = message.render();
+        // Nobody is left to tell if the message cannot be written.
+        let _ = if message.use_stderr() {
+            write!(stderr, "{text}")
+        } else {
+            write!(stdout, "{text}")
+        };
+        u8::try_from(message.exit_code()).unwrap_or(2)
     })
 }
 

@@ -3,6 +3,7 @@
 mod balls;
 mod results;
 
+use crate::arguments::parsed;
 use clap::{Parser, ValueEnum};
 use csv::StringRecord;
 use std::ffi::OsString;
@@ -66,18 +67,9 @@ pub fn run(
     mut stdout: impl Write,
     mut stderr: impl Write,
 ) -> u8 {
-    let args = match Args::try_parse_from(args) {
+    let args: Args = match parsed(args, &mut stdout, &mut stderr) {
         Ok(args) => args,
-        Err(message) => {
-            let text = message.render();
-            // Nobody is left to tell if the message cannot be written.
-            let _ = if message.use_stderr() {
-                write!(stderr, "{text}")
-            } else {
-                write!(stdout, "{text}")
-            };
-            return u8::try_from(message.exit_code()).unwrap_or(2);
-        }
+        Err(status) => return status,
     };
     let drawn = draw(&args, Box::new(stdin)).map_err(|message| (2, message));
     match drawn.and_then(|svg| write(&args, &svg, &mut stdout).map_err(|message| (1, message))) {

@@ -1,6 +1,6 @@
 //! `cargo replay`: recorded loads and speed in, displacements and stiffness out.
 
-use crate::arguments::{attitude, precision};
+use crate::arguments::{attitude, parsed, precision};
 use crate::table::Axes;
 use clap::Parser;
 use host_tests::catalogue;
@@ -45,8 +45,8 @@ pub struct Args {
 
     /// In place of LOADS.csv, make a table: stiffness at every combination of these speeds and loads
     ///
-    /// Axes are speed in rpm, fx, fy, fz in N, my, mz in N m, of a spindle with [heat] t_inner and
-    /// t_outer in deg C. Each is NAME=FIRST:LAST:STEP or NAME=VALUE, such as speed=0:20000:500 fx=500;
+    /// Axes are speed in rpm, fx, fy, fz in N, and my, mz in N m. A spindle with [heat] has t_inner and
+    /// t_outer, too, in deg C. Each is NAME=FIRST:LAST:STEP or NAME=VALUE, such as speed=0:20000:500 fx=500;
     /// one that is left out is 0, or [heat]'s reference. Speed changes from row to row. `time_s` counts
     /// the rows.
     #[arg(long, value_name = "AXIS=RANGE", num_args = 1.., conflicts_with = "loads")]
@@ -177,25 +177,16 @@ Exit status: 0, also if rows have no answer (a line on standard error counts the
 pub fn run(
     args: impl IntoIterator<Item = OsString>,
     stdin: impl Read + 'static,
-    stdout: impl Write,
+    mut stdout: impl Write,
     mut stderr: impl Write,
 ) -> u8 {
-    let args = match Args::try_parse_from(args) {
+    let args: Args = match parsed(args, &mut stdout, &mut stderr) {
         Ok(args) => args,
-        Err(message) => {
-            let text = message.render();
-            // Nobody is left to tell if the message cannot be written.
-            let _ = if message.use_stderr() {
-                write!(stderr, "{text}")
-            } else {
-                write!({ stdout }, "{text}")
-            };
-            return u8::try_from(message.exit_code()).unwrap_or(2);
-        }
+        Err(status) => return status,
     };
     if args.list {
         // Nobody is left to tell here, too.
-        let _ = write!({ stdout }, "{}", catalogue::list());
+        let _ = write!(stdout, "{}", catalogue::list());
         return 0;
     }
     match run_parsed(&args, Box::new(stdin), stdout, &mut stderr) {
@@ -473,8 +464,8 @@ fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>
         .map_err(|error| Failure::input(format!("{name}: cannot be written: {error}")))
 }
 
-/// A bar on standard error, with `position` beside it, over the bytes of the recording or the rows of a table; a count,
-/// if their number is unknown; nothing, if nobody would see it.
+/// A bar on standard error over the bytes of the recording or the rows of a table, with `position` beside it. It is a count
+/// if their number is unknown, and nothing if nobody would see it.
 fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
     if !io::stderr().is_terminal() {
         return ProgressBar::hidden();
