@@ -6,7 +6,7 @@
 //! `|A|^2 = R^2 + d (2 R + d)`, `F / N = Kn d^(3/2) A1 / |A|`
 //!
 //! `e = R^2 - A2^2` is `A1^2` where contact begins. Where it is negative,
-//! growth presses the balls before the ring moves. The unknown is the root `w` of the ring's part:
+//! growth or a negative clearance presses the balls before the ring moves. The unknown is the root `w` of the ring's part:
 //!
 //! `A1^2 = max(e, 0) + w^2`, `d (2 R + d) = max(-e, 0) + w^2`.
 //!
@@ -51,10 +51,10 @@ pub struct AxialRest<T> {
     /// Positive parts of `e` and of `-e`.
     gap: T,
     preload: T,
-    /// `L0 sin alpha0`, and the axial growth `gx`.
+    /// `A1` without displacement and growth, and the axial growth `gx`.
     free: T,
     growth: T,
-    /// `L0^2 sin^2 alpha0 - e`.
+    /// The square of the former, less `e`.
     change: T,
 }
 
@@ -64,7 +64,7 @@ impl<T: Real> AxialRest<T> {
     pub fn new(c: &Constants<T>, p: &Point<T>) -> Self {
         let [axial, radial] = c.n0.map(|n| T::of(L0) * n);
         let [gx, gr] = p.growth;
-        let change = p.l0_excess + gr * (radial + radial + gr);
+        let change = p.l0_excess + gr * (radial + radial + gr) - c.play;
         let e = axial * axial - change;
         Self {
             length: p.lo + p.li,
@@ -78,7 +78,7 @@ impl<T: Real> AxialRest<T> {
         }
     }
 
-    /// The grooves' centres at a root, on the side of the free contact angle.
+    /// The grooves' centres at a root, on the side of a positive displacement.
     #[inline(always)]
     pub fn centres(&self, root: T) -> Centres<T> {
         let square = root * root;
@@ -137,16 +137,19 @@ impl<T: Real> AxialRest<T> {
         }
     }
 
-    /// Axial displacement with the centres on the side of the free contact angle, or (`reversed`) on the other.
+    /// Axial displacement with the centres on the side of a positive displacement, or (`reversed`) on the other.
     #[inline(always)]
     pub fn displacement(&self, at: &Centres<T>, reversed: bool) -> T {
         let both = at.axial + self.free;
-        if reversed {
-            -both - self.growth
-        } else {
+        let moved = if reversed {
+            -both
+        } else if self.free > T::ZERO {
             // A difference of squares instead of a difference.
-            (at.excess - self.change) / both.at_least(T::TINY) - self.growth
-        }
+            (at.excess - self.change) / both
+        } else {
+            both
+        };
+        moved - self.growth
     }
 
     /// Largest relative error of a displacement `dx` by rounding of what growth adds.

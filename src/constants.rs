@@ -10,7 +10,7 @@
 //! In these units deformations are of the order of 1. Positions are multiples of 1/256, which integers hold
 //! exactly, plus small offsets.
 
-use crate::design::{Design, DesignError, check};
+use crate::design::{Design, DesignError, FreeContact, check};
 use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
 use crate::float::{EitherPrecision, Real};
 use crate::hertz::HertzContact;
@@ -33,9 +33,14 @@ pub struct Squared<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Constants<T> {
-    /// Sine and cosine of the free contact angle.
+    /// Inner groove's centre where the displacement is 0, from the outer one's, over `L0`: sine and cosine of a free contact
+    /// angle, or the middle of the play.
     pub n0: [T; 2],
-    /// Inner groove's centre of the unloaded bearing, from the outer one's: multiples of 2^-17, and the rest.
+    /// `L0^2 (1 - |n0|^2)`: 0 where a contact angle is given, negative where the clearance is.
+    pub play: T,
+    /// Sum of the contact forces without load: 0 unless the clearance is negative.
+    pub preload: T,
+    /// The same groove's centre in units of length: multiples of 2^-17, and the rest.
     pub centre: [T; 2],
     pub centre_low: [T; 2],
     /// `lo` and `li`; their sum is exactly 64.
@@ -139,9 +144,20 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
     check!(design.check(balls));
     let (d, dm) = (design.ball_diameter, design.pitch_diameter);
     let (fi, fo) = (design.inner_groove_factor, design.outer_groove_factor);
-    let (sin0, cos0) = design.free_contact_angle();
-    let beyond = beyond_unit([sin0, cos0]);
     let l0 = design.centre_distance();
+    let cos0 = design.free_contact_cosine();
+    // Where the inner groove's centre is, what rounding that lost, and by how much it is nearer than `L0`, or further.
+    let (n0, beyond, nearer) = match design.free_contact {
+        FreeContact::Angle(angle) => {
+            let (sin, cos) = sin_cos(angle);
+            ([sin, cos], beyond_unit([sin, cos]), 0.0)
+        }
+        FreeContact::DiametralClearance(clearance) => {
+            let nearer = clearance / (2.0 * l0);
+            let left = 1.0 - nearer;
+            ([0.0, left], [0.0, (1.0 - left) - nearer], nearer)
+        }
+    };
     let length = l0 / L0;
     let li = (fi - 0.5) * d;
     let rp = 0.5 * dm + li * cos0;
@@ -152,13 +168,17 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
     let flexibility = 1.0 + cbrt(ko * ko) / cbrt(ki * ki);
     let force = ko * length * sqrt(length);
     let mass = design.ball.density * core::f64::consts::PI * d * d * d / 6.0;
-    let centre = [round(L0 * sin0, 131_072.0), round(L0 * cos0, 131_072.0)];
+    let centre = [round(L0 * n0[0], 131_072.0), round(L0 * n0[1], 131_072.0)];
+    let kn = 1.0 / (flexibility * sqrt(flexibility));
+    let pressed = if nearer < 0.0 { -L0 * nearer } else { 0.0 };
     Ok(Constants {
-        n0: [sin0, cos0],
+        n0,
+        play: L0 * L0 * nearer * (2.0 - nearer),
+        preload: balls as f64 * kn * pressed * sqrt(pressed),
         centre,
         centre_low: [
-            (L0 * sin0 - centre[0]) + L0 * beyond[0],
-            (L0 * cos0 - centre[1]) + L0 * beyond[1],
+            (L0 * n0[0] - centre[0]) + L0 * beyond[0],
+            (L0 * n0[1] - centre[1]) + L0 * beyond[1],
         ],
         lo: L0 * (fo - 0.5) * d / l0,
         li: L0 * li / l0,
@@ -171,7 +191,7 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
             rest: 0.0,
         },
         ki: ki / ko,
-        kn: 1.0 / (flexibility * sqrt(flexibility)),
+        kn,
         outer_share: 1.0 / flexibility,
         tau: d / dm,
         // The semi-axis grows with Q^(1/3), hence Q a with K^(4/3) delta^2.
@@ -180,7 +200,7 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         friction_arm: fi * d / rp,
         inertia: 0.5 * mass * dm / force,
         balls: balls as f64,
-        plane: li * sin0 / rp,
+        plane: li * n0[0] / rp,
         length,
         force,
         tilt: length / rp,
@@ -220,6 +240,8 @@ macro_rules! bearing {
                 let (lo_squared, li_squared) = (square(lo), square(li));
                 let constants = Constants {
                     n0: [c.n0[0] as $t, c.n0[1] as $t],
+                    play: c.play as $t,
+                    preload: c.preload as $t,
                     centre: [c.centre[0] as $t, c.centre[1] as $t],
                     centre_low: [c.centre_low[0] as $t, c.centre_low[1] as $t],
                     lo: lo as $t,

@@ -96,7 +96,7 @@ impl Design {
     /// Radius of the grooves where the balls touch them in the unloaded bearing, inner and outer, m:
     /// `dm/2 -+ (D/2) cos alpha0`.
     pub(crate) const fn groove_radii(&self) -> [f64; 2] {
-        let (_, cos) = self.free_contact_angle();
+        let cos = self.free_contact_cosine();
         let [middle, ball] = [0.5 * self.pitch_diameter, 0.5 * self.ball_diameter * cos];
         [middle - ball, middle + ball]
     }

@@ -538,11 +538,12 @@ impl From<Attitude> for reference::Attitude {
 ///
 /// If it refuses the design.
 pub fn reference(design: &Design, balls: usize) -> Reference {
-    let (sin_alpha0, cos_alpha0) = match design.free_contact {
-        FreeContact::Angle(angle) => angle.sin_cos(),
+    let ((sin_alpha0, cos_alpha0), clearance) = match design.free_contact {
+        FreeContact::Angle(angle) => (angle.sin_cos(), None),
         FreeContact::DiametralClearance(clearance) => {
-            let versine = clearance / (2.0 * design.centre_distance());
-            ((versine * (2.0 - versine)).sqrt(), 1.0 - versine)
+            let versine = clearance.max(0.0) / (2.0 * design.centre_distance());
+            let sine = (versine * (2.0 - versine)).sqrt();
+            ((sine, 1.0 - versine), Some(clearance))
         }
     };
     let material = |m: Material| reference::Material {
@@ -558,6 +559,7 @@ pub fn reference(design: &Design, balls: usize) -> Reference {
         outer_groove_factor: design.outer_groove_factor,
         cos_alpha0,
         sin_alpha0,
+        clearance,
         first_ball: design.first_ball,
         ring: material(design.ring),
         ball: material(design.ball),

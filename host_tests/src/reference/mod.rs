@@ -67,6 +67,9 @@ pub struct Bearing {
     pub cos_alpha0: f64,
     /// Sine of the free contact angle.
     pub sin_alpha0: f64,
+    /// Diametral clearance `Pd` in m, of either sign, of a bearing that is alike on both sides: displacement is measured
+    /// from the middle of its play. The free contact angle above then only sets curvatures and radii.
+    pub clearance: Option<f64>,
     /// Azimuth of ball 0 in rad, from +y towards +z.
     pub first_ball: f64,
     /// Rings.
@@ -251,8 +254,11 @@ impl Reference {
         };
 
         let mass = Dd::of(b.ball.density) * Dd::PI * d * d * d / Dd::of(6.0);
+        let (a0, zp) = match b.clearance {
+            None => ([l0 * s, l0 * c], (li * s).value()),
+            Some(clearance) => ([Dd::ZERO, l0 - half * Dd::of(clearance)], 0.0),
+        };
         let rp = (dm * half + li * c).value();
-        let zp = (li * s).value();
         let stations = (0..b.balls)
             .map(|j| {
                 let turn = two * Dd::PI * Dd::of(j as f64) / Dd::of(b.balls as f64);
@@ -282,7 +288,7 @@ impl Reference {
             outer: contact(rx_o, fo)?,
             li,
             lo,
-            a0: [l0 * s, l0 * c],
+            a0,
             tau: d / dm,
             diameter: d,
             pitch: dm,

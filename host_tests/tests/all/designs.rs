@@ -118,15 +118,23 @@ fn a_design_with_a_zero_is_refused_where_it_means_nothing() {
 }
 
 #[test]
-fn a_negative_clearance_closes_the_bearing() {
-    let error = refusal(|d| d.free_contact = FreeContact::DiametralClearance(-5e-6));
+fn a_clearance_that_presses_the_balls_too_far_is_refused() {
+    let error = refusal(|d| d.free_contact = FreeContact::DiametralClearance(-5e-4));
     assert_eq!(error.quantity, Quantity::DiametralClearance);
-    assert_eq!(error.value, -5e-6);
+    assert_eq!(error.value, -5e-4);
     let message = error.to_string();
     assert!(
-        message.contains("clearance") && message.contains("-0.000005"),
+        message.contains("clearance") && message.contains("-0.0005"),
         "{message}"
     );
+}
+
+#[test]
+fn lengths_in_millimetres_are_told_to_be_metres() {
+    let error = refusal(|d| (d.ball_diameter, d.pitch_diameter) = (6.35, 36.0));
+    assert_eq!(error.quantity, Quantity::BallDiameter);
+    assert!(error.to_string().contains("metres"), "{error}");
+    assert!(error.reason().contains("metres"), "{}", error.reason());
 }
 
 #[test]

@@ -390,6 +390,9 @@ fn a_design_file_means_si_units_and_steel_unless_it_says_otherwise() {
                 [ring]\npoissons_ratio = 0.29\n";
     let design = DesignFile::parse("x", &(clearance + more)).unwrap().design;
     assert_eq!(design.free_contact, FreeContact::DiametralClearance(10e-6));
+    let pressed = DESIGN.replace("contact_angle_deg = 15", "diametral_clearance_um = -5");
+    let pressed = DesignFile::parse("x", &pressed).unwrap().design;
+    assert_eq!(pressed.free_contact, FreeContact::DiametralClearance(-5e-6));
     assert_eq!(design.first_ball, 11.25_f64.to_radians());
     assert_eq!(design.inner_shoulder_angle, 50_f64.to_radians());
     assert_eq!(design.outer_shoulder_angle, 45_f64.to_radians());

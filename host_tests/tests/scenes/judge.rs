@@ -113,17 +113,15 @@ impl BallForces {
 /// Force and moment of balls on the inner ring. The last one stands for those that are missing.
 fn carried(case: &Case, rule: Attitude, balls: &[BallState<f64>]) -> [f64; 5] {
     let design = &case.design;
-    let cos0 = match design.free_contact {
-        FreeContact::Angle(angle) => angle.cos(),
-        FreeContact::DiametralClearance(clearance) => {
-            1.0 - clearance / (2.0 * design.centre_distance())
-        }
-    };
     let li = (design.inner_groove_factor - 0.5) * design.ball_diameter;
-    let (rp, zp) = (
-        0.5 * design.pitch_diameter + li * cos0,
-        li * (1.0 - cos0 * cos0).sqrt(),
-    );
+    let (cos0, zp) = match design.free_contact {
+        FreeContact::Angle(angle) => (angle.cos(), li * angle.sin()),
+        FreeContact::DiametralClearance(clearance) => (
+            1.0 - clearance.max(0.0) / (2.0 * design.centre_distance()),
+            0.0,
+        ),
+    };
+    let rp = 0.5 * design.pitch_diameter + li * cos0;
     let mut sum = [0.0; 5];
     for j in 0..case.balls {
         let ball = BallForces::of(case, rule, &balls[j.min(balls.len() - 1)]);

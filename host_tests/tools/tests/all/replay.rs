@@ -345,12 +345,11 @@ fn ring_load(file: &DesignFile, balls: &[Vec<f64>]) -> [f64; 5] {
     let design = &file.design;
     let li = (design.inner_groove_factor - 0.5) * design.ball_diameter;
     let l0 = (design.inner_groove_factor + design.outer_groove_factor - 1.0) * design.ball_diameter;
-    let alpha0 = match design.free_contact {
-        FreeContact::Angle(angle) => angle,
-        FreeContact::DiametralClearance(clearance) => (1.0 - clearance / (2.0 * l0)).acos(),
+    let (cos, zp) = match design.free_contact {
+        FreeContact::Angle(angle) => (angle.cos(), li * angle.sin()),
+        FreeContact::DiametralClearance(clearance) => (1.0 - clearance / (2.0 * l0), 0.0),
     };
-    let rp = 0.5 * design.pitch_diameter + li * alpha0.cos();
-    let zp = li * alpha0.sin();
+    let rp = 0.5 * design.pitch_diameter + li * cos;
     let mut sum = [0.0; 5];
     for ball in balls {
         let (phi, alpha_i, q_i) = (ball[2], ball[3], ball[5]);
