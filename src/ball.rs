@@ -12,7 +12,7 @@
 //! Positions are a reference, whose deformations are known to twice the working precision, plus a small offset:
 //! `|X|^2 - lo^2 = e + (2 Xr + x).x`, so that a deformation keeps the digits that a difference of lengths would lose.
 
-use super::body::{Change, Share, closing, share_of};
+use super::body::{Change, Share, grazing, share_of};
 use super::constants::Constants;
 use super::contact::{Contact, Reference, l0_squared, to_grid};
 use super::curvature::{Curvature, forms};
@@ -206,30 +206,35 @@ impl<T: Real> Ball<T> {
 
     /// How the contacts change if the groove's centre moves by `da` and the ball follows.
     #[inline(always)]
-    pub fn change_by(&self, c: &Constants<T>, da: Pair<T>) -> Change<T> {
+    pub fn change_by(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T> {
         let l = &self.local;
         let (da, dx) = (turn(self.n, da), add(self.z, times(&self.d, da)));
         let v = sub(da, dx);
         // Normal and tangent of the outer contact are (cd, -sd) and (sd, cd).
         let [across, along] = turn([l.sd, l.cd], dx);
-        if !(l.delta > T::ZERO) {
+        if !(l.delta > p.rounding) {
             // It swings on the outer race, and sinks into it.
             let turn = across * l.per_ro;
             let beyond = T::of(0.5) * across * turn;
             let sunk = T::of(0.25) * along * (along * l.per_do);
+            let inner = grazing(v[0], l.delta, c.ki, p.rounding);
+            let turn = turn.abs();
             return Change {
-                turn: turn.abs(),
+                turn,
+                relative: inner.relative + (turn + turn),
                 off: (beyond + sunk) * l.ho + T::of(1.5) * beyond * beyond.sqrt(),
                 cos: l.cd,
-                ..closing(v[0], l.delta, c.ki)
+                ..inner
             };
         }
         let (inner, outer) = (v[0] * l.per_di, along * l.per_do);
         let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
         let depth = (inner.abs() + outer.abs()).at_most(T::ONE + T::ONE);
+        let (depth, turn) = (T::of(0.5) * depth, turn_i.abs() + turn_o.abs());
         Change {
-            depth: T::of(0.5) * depth,
-            turn: turn_i.abs() + turn_o.abs(),
+            depth,
+            turn,
+            relative: depth + (turn + turn),
             cos: l.cd,
             off: T::ZERO,
             h: self.share.magnitudes(),

@@ -3,7 +3,7 @@
 use super::constants::Constants;
 use super::contact::Contact;
 use super::kinematics::Rule;
-use super::linalg::{Matrix2, Pair};
+use super::linalg::{Matrix2, Pair, dot};
 use super::mounting::Point;
 use super::pose::Pose;
 use crate::float::Real;
@@ -34,6 +34,11 @@ impl<T: Real> Share<T> {
         moment_by_speed: T::ZERO,
     };
 
+    /// The force is of more than this square.
+    pub fn is_more_than(&self, square: T) -> bool {
+        dot(self.force, self.force) > square
+    }
+
     /// Magnitudes of the elements `aa`, `ar`, `rr` of the stiffness.
     #[inline(always)]
     pub fn magnitudes(&self) -> [T; 3] {
@@ -47,6 +52,8 @@ pub struct Change<T> {
     /// Relative change of the stiffness by the deformations, and the turn of the normals, rad.
     pub depth: T,
     pub turn: T,
+    /// Both together; 0 where rounding alone makes them.
+    pub relative: T,
     /// Magnitudes of the elements `aa`, `ar`, `rr` of the ball's stiffness.
     pub h: [T; 3],
     /// Cosine of the angle between the contacts; 1 at rest.
@@ -71,9 +78,16 @@ pub fn share_of<T: Real>(contact: &Contact<T>) -> Share<T> {
 
 /// How a step `v` along and across the only contact changes it.
 #[inline(always)]
-pub fn change_of<T: Real>(v: Pair<T>, delta: T, per_r: T, share: &Share<T>, k: T) -> Change<T> {
-    if !(delta > T::ZERO) {
-        return closing(v[0], delta, k);
+pub fn change_of<T: Real>(
+    v: Pair<T>,
+    delta: T,
+    per_r: T,
+    share: &Share<T>,
+    k: T,
+    rounding: T,
+) -> Change<T> {
+    if !(delta > rounding) {
+        return grazing(v[0], delta, k, rounding);
     }
     let depth = T::of(0.5) * (v[0].abs() / delta).at_most(T::ONE);
     let turn = (v[1] * per_r).abs();
@@ -81,27 +95,33 @@ pub fn change_of<T: Real>(v: Pair<T>, delta: T, per_r: T, share: &Share<T>, k: T
     Change {
         depth,
         turn,
+        relative: depth + (turn + turn),
         h,
         cos: T::ONE,
         off: T::ZERO,
     }
 }
 
-/// How a step `v` along a contact that is open by `-delta` changes it. One that closes is taken for what it will be.
+/// How a step `v` changes a contact that is open by `-delta`, or closed by no more than rounding.
+///
+/// A contact that closes is taken for what it will be, with a deformation larger by rounding. Where both deformation and step
+/// are rounding, the contact touches without force, and no iteration tells more of it.
 #[cold]
 #[inline(never)]
-pub fn closing<T: Real>(v: T, delta: T, k: T) -> Change<T> {
-    let depth = delta + v;
+pub fn grazing<T: Real>(v: T, delta: T, k: T, rounding: T) -> Change<T> {
+    let depth = delta + v.at_least(T::ZERO) + rounding;
     // Ahead of the branch: see `sqrt`.
     let slope = T::of(1.5) * k * depth.sqrt();
-    let (depth, slope) = if depth > T::ZERO {
+    let (relative, slope) = if depth > T::ZERO {
         (T::ONE, slope)
     } else {
         (T::ZERO, T::ZERO)
     };
+    let touches = v.abs() <= rounding;
     Change {
-        depth,
+        depth: relative,
         turn: T::ZERO,
+        relative: if touches { T::ZERO } else { relative },
         cos: T::ONE,
         off: T::ZERO,
         h: [slope, T::ZERO, slope],
@@ -148,12 +168,12 @@ pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
     /// The ball when the groove's centre is at `a`.
     fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T>;
 
-    /// The inner contact carries.
-    fn carries(&self) -> bool;
+    /// It carries a force that makes a difference to the ring.
+    fn carries(&self, p: &Point<T>) -> bool;
 
     /// Sine and cosine of the angle `ai - ao` between the contacts.
     fn apart(&self) -> Pair<T>;
 
     /// How the contacts change if the groove's centre moves by `da` and the ball follows.
-    fn change(&self, c: &Constants<T>, da: Pair<T>) -> Change<T>;
+    fn change(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T>;
 }

@@ -37,6 +37,12 @@ pub fn to_grid<T: Real>(x: T) -> T {
     (x + T::GRID) - T::GRID
 }
 
+/// What rounding makes of a deformation, in units of length: some ten operations on numbers of about one unit.
+#[inline(always)]
+pub fn rounding<T: Real>() -> T {
+    T::of(10.0) * T::EPSILON
+}
+
 /// A contact, or two in series.
 #[derive(Debug, Clone, Copy)]
 pub struct Contact<T> {

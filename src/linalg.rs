@@ -136,6 +136,11 @@ impl<T: Real, const D: usize> Factors<T, D> {
         self.least = least / element;
     }
 
+    /// A pivot may be nothing but rounding: that of the products taken off it, one for each pivot before.
+    pub fn is_weak(&self) -> bool {
+        !(self.least > T::of(D as f64 - 1.0) * T::EPSILON)
+    }
+
     /// Largest inverse pivot: about the compliance in the direction in which the matrix resists least.
     pub fn compliance(&self) -> T {
         let mut largest = T::ZERO;

@@ -28,7 +28,7 @@ pub trait Motion: 'static {
     const AT_SPEED: bool = <Self::Ball<f32> as Body<f32>>::AT_SPEED;
 }
 
-/// The bearing at rest.
+/// The bearing at rest: its solvers refuse any speed but [`Speed::REST`](crate::Speed::REST).
 ///
 /// See [`AxialSolver`](crate::AxialSolver) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,8 +123,8 @@ impl<T: Real> Body<T> for Ball<T> {
     }
 
     #[inline(always)]
-    fn change(&self, c: &Constants<T>, da: Pair<T>) -> Change<T> {
-        self.change_by(c, da)
+    fn change(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T> {
+        self.change_by(c, p, da)
     }
 
     #[inline(always)]
@@ -146,8 +146,8 @@ impl<T: Real> Body<T> for Ball<T> {
         }
     }
 
-    fn carries(&self) -> bool {
-        self.local.delta > T::ZERO
+    fn carries(&self, p: &Point<T>) -> bool {
+        self.share.is_more_than(p.negligible)
     }
 
     fn apart(&self) -> Pair<T> {

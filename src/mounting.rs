@@ -1,6 +1,7 @@
 //! The speed, and the growth of rings and balls in the solver's units: what a bearing is solved at, besides its load.
 
 use super::constants::{Constants, L0};
+use super::contact::rounding;
 use super::growth::Growth;
 use super::linalg::Pair;
 use crate::float::Real;
@@ -47,6 +48,9 @@ pub struct Point<T> {
     pub s: T,
     /// Square of a force on a ball that makes no difference to the ring.
     pub negligible: T,
+    /// What rounding makes of a deformation: of one by the ball's share of the load, which is more than its deformation
+    /// where that is large.
+    pub rounding: T,
     /// What the balls are taken for.
     pub regime: Regime,
     /// Lengths `lo` and `li`, growth of the ball included, and what growth adds to `-lo^2`, `-li^2` and `-L0^2`.
@@ -79,6 +83,7 @@ impl<T: Real> Point<T> {
         Self {
             s,
             negligible: (T::EPSILON * size) * (T::EPSILON * size),
+            rounding: rounding::<T>() * (T::ONE + size / c.balls),
             regime: if s > T::ZERO {
                 Regime::Speed
             } else {

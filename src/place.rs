@@ -72,10 +72,14 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
         let (f, m) = pose.forces();
         let r = add(f, loads);
         let force = pose.inner.q.at_least(pose.outer.q);
-        if dot(r, r) <= T::of(tuning::PLACED * tuning::PLACED) * force * force {
+        let mut step = bounded(&m, r, T::of(0.1) * p.lo);
+        // A ball that swings against the inner race is out of balance, however small the force that swings it.
+        let gap = -pose.inner.delta;
+        let closes = gap >= T::ZERO && dot(step, pose.inner.n) < -gap;
+        let least = T::of(tuning::PLACED * tuning::PLACED) * force * force;
+        if dot(r, r) <= least && !closes {
             break;
         }
-        let mut step = bounded(&m, r, T::of(0.1) * p.lo);
         // Shortened until the force along the step no longer turns round.
         let (from, before) = (ball.x, dot(r, step));
         for _ in 0..4 {

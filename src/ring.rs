@@ -4,7 +4,7 @@
 //! the groove plane. A solver has the first `D` of them: 1, 3 or 5.
 
 use super::body::{Body, Share};
-use super::constants::{Azimuth, Constants};
+use super::constants::{Azimuth, Constants, L0};
 use super::kinematics::Rule;
 use super::linalg::{Matrix, Pair};
 use super::mounting::Point;
@@ -220,7 +220,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         let (mut furthest, mut least) = (None, limit);
         for (ball, number) in self.balls.iter().zip(0..) {
             let [sin, cos] = ball.apart();
-            if (ball.carries() || cos < T::of(UNSEATED)) && cos < least {
+            if (ball.carries(&self.p) || cos < T::of(UNSEATED)) && cos < least {
                 least = cos;
                 furthest = Some((number, sin));
             }
@@ -260,14 +260,21 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     }
 
     /// Moves the balls' references next to where they are, for a ring at the offset `v` from its reference position `u`.
+    ///
+    /// Whether the grooves' centres are within `2 L0` of each other at every azimuth: no balls are between grooves further
+    /// apart, and integers do not hold the squares of such distances.
     #[inline(never)]
-    pub fn anchor_at(&mut self, u: &[T; 5], v: &[T; 5]) {
+    pub fn anchor_at(&mut self, u: &[T; 5], v: &[T; 5]) -> bool {
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter_mut() {
-            let Some(at) = azimuths.next() else { return };
+            let Some(at) = azimuths.next() else { break };
             let (high, low) = groove_centre(self.c, u, at);
             ball.anchor(self.c, &self.p, high, low, shift(v, at));
         }
+        let [axial, radial] = self.c.centre;
+        let reach = T::of(2.0 * L0);
+        (axial + u[0]).abs() + u[3].abs() + u[4].abs() < reach
+            && radial + u[1].abs() + u[2].abs() < reach
     }
 
     /// Changes of the stiffness's diagonal if the ring makes the step `du`, and the balls follow.
@@ -280,10 +287,10 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter() {
             let Some(at) = azimuths.next() else { break };
-            let change = ball.change(self.c, shift(du, at));
+            let change = ball.change(self.c, &self.p, shift(du, at));
             let turn = change.turn + change.turn;
             let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
-            let relative = change.depth + turn;
+            let relative = change.relative;
             most = most.at_least(relative);
             cos = cos.at_most(change.cos);
             let [axial, radial] = ball.share().force;

@@ -143,8 +143,9 @@ pub trait Rows<T: Real, const D: usize> {
     /// Has every ball follow to `v` and a relative change `ds` of `omega^2`.
     fn follow(&mut self, v: &[T; D], ds: T);
 
-    /// Moves the balls' references next to where they are, for a shaft at the offset `v` from its reference position `u`.
-    fn anchor(&mut self, u: &[T; D], v: &[T; D]);
+    /// Moves the balls' references next to where they are, for a shaft at the offset `v` from its reference position `u`;
+    /// whether the grooves of all rows are within reach of each other.
+    fn anchor(&mut self, u: &[T; D], v: &[T; D]) -> bool;
 
     /// Number of balls that carry, and that of the ball whose contacts are furthest apart, with that angle, if the cosine
     /// is below `limit`: see [`Row::furthest_apart`].
@@ -253,13 +254,13 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     }
 
     #[inline(always)]
-    fn anchor(&mut self, u: &[T; D], v: &[T; D]) {
-        self.anchor_at(&in_full(u), &in_full(v));
+    fn anchor(&mut self, u: &[T; D], v: &[T; D]) -> bool {
+        self.anchor_at(&in_full(u), &in_full(v))
     }
 
     #[inline(always)]
     fn loaded(&self) -> u16 {
-        let loaded = self.balls.iter().filter(|ball| ball.carries());
+        let loaded = self.balls.iter().filter(|ball| ball.carries(&self.p));
         loaded.count() as u16
     }
 

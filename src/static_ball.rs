@@ -77,8 +77,9 @@ impl<T: Real> Body<T> for StaticBall<T> {
     }
 
     #[inline(always)]
-    fn change(&self, c: &Constants<T>, da: Pair<T>) -> Change<T> {
-        change_of(turn(self.n, da), self.delta, self.per_r, &self.share, c.kn)
+    fn change(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T> {
+        let v = turn(self.n, da);
+        change_of(v, self.delta, self.per_r, &self.share, c.kn, p.rounding)
     }
 
     #[inline(always)]
@@ -105,8 +106,8 @@ impl<T: Real> Body<T> for StaticBall<T> {
         Pose::at_rest(c, &ball.contact(c, p))
     }
 
-    fn carries(&self) -> bool {
-        self.delta > T::ZERO
+    fn carries(&self, p: &Point<T>) -> bool {
+        self.share.is_more_than(p.negligible)
     }
 
     fn apart(&self) -> Pair<T> {

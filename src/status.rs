@@ -167,7 +167,7 @@ pub enum Status<T> {
     IterationLimit,
     /// Centrifugal force has driven a ball out of the inner groove: the load is too small for the speed.
     ///
-    /// Either no equilibrium was found, and a ball's contacts are more than 90 degrees apart. Or one was found where they
+    /// Either none of the starts led to an equilibrium, and a ball's contacts are more than 90 degrees apart. Or one was found where they
     /// are more than 150 degrees apart, next to the pole of the cage speed: the model has several equilibria there or
     /// none.
     Unseated {
@@ -196,12 +196,15 @@ pub enum Status<T> {
     Unloaded,
     /// The loaded balls leave the ring free to move in some direction: position and stiffness are not determined.
     ///
-    /// Mostly, fewer than three balls carry.
+    /// Mostly, fewer than three balls carry: a single angular contact row needs an axial load, or another row that faces it.
     Indeterminate {
         /// Number of balls that carry load.
         loaded_balls: u16,
+        /// Largest component of the motion that nothing holds, tilts taken at the pitch radius.
+        free: Quantity,
     },
-    /// No equilibrium was found. That does not prove that there is none.
+    /// No equilibrium was found. That does not prove that there is none; under a small axial load at a high speed, mostly
+    /// there is none.
     Diverged {
         /// Unbalanced force relative to the load; 1 where it is not known.
         residual: T,
@@ -250,7 +253,9 @@ impl<T: Real> Status<T> {
                 limit: limit.to_f32(),
             },
             Self::Unloaded => Status::Unloaded,
-            Self::Indeterminate { loaded_balls } => Status::Indeterminate { loaded_balls },
+            Self::Indeterminate { loaded_balls, free } => {
+                Status::Indeterminate { loaded_balls, free }
+            }
             Self::Diverged { residual } => Status::Diverged {
                 residual: residual.to_f32(),
             },
@@ -263,9 +268,9 @@ impl<T: Real> fmt::Display for Status<T> {
         match self {
             Self::Converged => f.write_str("converged"),
             Self::PrecisionLimit => f.write_str("as close as the working precision allows"),
-            Self::IterationLimit => {
-                f.write_str("the iterations were used up before the tolerance was reached")
-            }
+            Self::IterationLimit => f.write_str(
+                "the iterations were used up first: solve again to go on, or allow more",
+            ),
             Self::Unseated { ball, apart } => write!(
                 f,
                 "ball {ball} is driven out of the inner groove (contact angles {apart} rad apart): \
@@ -281,13 +286,15 @@ impl<T: Real> fmt::Display for Status<T> {
                 "{quantity} is {value:e}, beyond the {limit:e} that the model covers"
             ),
             Self::Unloaded => f.write_str("no load on the ring, which floats in its clearance"),
-            Self::Indeterminate { loaded_balls } => write!(
+            Self::Indeterminate { loaded_balls, free } => write!(
                 f,
-                "{loaded_balls} loaded balls leave the ring free to move in some direction"
+                "{loaded_balls} loaded balls leave the ring free to move, above all in {free}: a single \
+                 angular contact row needs an axial load"
             ),
             Self::Diverged { residual } => write!(
                 f,
-                "no equilibrium found (residual {residual:e} of the load)"
+                "no equilibrium found (residual {residual:e} of the load): a single angular contact row \
+                 needs an axial load, more at a higher speed"
             ),
         }
     }

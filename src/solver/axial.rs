@@ -114,20 +114,20 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
         let given = input::given(c, 0, asked)?;
-        let omega = input::omega(c, speed)?;
+        let omega = input::omega(c, speed, M::AT_SPEED)?;
         let growth = match growth {
             Some(growth) => input::growth(c, growth)?,
             None => Growth::NONE,
         };
         let size = match given {
-            Given::Load(load) => load.abs(),
+            Given::Load(load) => load.abs().at_least(c.preload),
             Given::Displacement(_) => T::ZERO,
         };
         if matches!(given, Given::Load(_)) && !(size > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
         }
         let s = if M::AT_SPEED {
-            input::inertia(c, omega, size)
+            input::inertia(c, omega, c.balls, size)
         } else {
             T::ZERO
         };
@@ -153,6 +153,12 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         let (mut iterations, mut left) = (0, T::ZERO);
         let (centres, contact, dx) = match given {
             Given::Displacement(dx) => {
+                let centres = balls.centres_at(dx);
+                (centres, balls.contact(&centres), dx)
+            }
+            // Balls that carry without a load hold the ring in the middle.
+            Given::Load(load) if !(load.abs() > T::TINY.sqrt()) => {
+                let [dx, _] = point.growth.map(|g| -g);
                 let centres = balls.centres_at(dx);
                 (centres, balls.contact(&centres), dx)
             }

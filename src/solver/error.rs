@@ -1,7 +1,8 @@
 //! How far a step changes what it was worked out from.
 
 use super::State;
-use super::newton::Outcome;
+use super::newton::{End, Outcome};
+use crate::contact;
 use crate::float::Real;
 use crate::linalg::{Matrix, norm};
 use crate::ring::Changes;
@@ -63,7 +64,7 @@ impl<T: Real> Estimate<T> {
 pub(super) fn rounding<T: Real>(force: T) -> T {
     let root = force.cbrt();
     let deformation = (root * root).at_least(T::EPSILON);
-    T::of(10.0) * T::EPSILON * (T::ONE + T::ONE / deformation)
+    contact::rounding::<T>() * (T::ONE + T::ONE / deformation)
 }
 
 /// How far the figures of a solution can be off: what the last step leaves, and what rounding does. `u` is the
@@ -77,7 +78,13 @@ pub(super) fn errors<T: Real, const D: usize>(
     let margin = T::of(tuning::MARGIN);
     let rounding = rounding(outcome.estimate.largest);
     let moved = T::EPSILON * (T::of(4.0) + forces * state.factors.compliance());
-    let step = margin * outcome.step * outcome.estimate.most;
+    // Where rounding ends a solve, its last step is not taken.
+    let untaken = if outcome.end == End::Rounded {
+        outcome.step
+    } else {
+        T::ZERO
+    };
+    let step = untaken.at_least(margin * outcome.step * outcome.estimate.most);
     // Constants are worked out in double precision, by some thirty operations each.
     let constants = T::of(64.0 * f64::EPSILON);
     let rounding = rounding + constants;

@@ -68,11 +68,7 @@ pub(super) fn continuation<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     }
     rows.take_for(Regime::Speed, whole);
     Outcome {
-        end: if *budget > 0 {
-            End::Lost
-        } else {
-            End::Unfinished
-        },
+        end: End::Lost,
         ..Outcome::NONE
     }
 }

@@ -50,11 +50,17 @@ pub fn given<T: Real>(
     }
 }
 
-/// The speed, rad/s: at most that where a ball's centrifugal force would press it by the whole groove distance.
+/// The speed, rad/s: at most that where a ball's centrifugal force would press it by the whole groove distance; none of
+/// balls that are not `at_speed`.
 #[inline(always)]
-pub fn omega<T: Real>(c: &Constants<T>, speed: Speed<T>) -> Result<T, Status<T>> {
+pub fn omega<T: Real>(c: &Constants<T>, speed: Speed<T>, at_speed: bool) -> Result<T, Status<T>> {
     let omega = speed.as_rad_per_s();
-    check(Quantity::Speed, omega, (T::of(2048.0) / c.inertia).sqrt())?;
+    let limit = if at_speed {
+        (T::of(2048.0) / c.inertia).sqrt()
+    } else {
+        T::ZERO
+    };
+    check(Quantity::Speed, omega, limit)?;
     Ok(omega)
 }
 
@@ -72,10 +78,11 @@ pub fn growth<T: Real>(c: &Constants<T>, growth: &Growth<T>) -> Result<Growth<T>
     })
 }
 
-/// Inertia `m dm omega^2 / 2`; 0 where it changes no figure of a ring under loads of the size `size`.
-pub fn inertia<T: Real>(c: &Constants<T>, omega: T, size: T) -> T {
+/// Inertia `m dm omega^2 / 2`; 0 where that of all balls together, which weigh as much as `weight` of these, changes no figure
+/// of a ring under loads of the size `size`.
+pub fn inertia<T: Real>(c: &Constants<T>, omega: T, weight: T, size: T) -> T {
     let s = c.inertia * omega * omega;
-    if size > T::ZERO && s * c.balls < T::EPSILON * size {
+    if size > T::ZERO && s * weight < T::EPSILON * size {
         T::ZERO
     } else {
         s

@@ -45,6 +45,17 @@ impl<T: Real, const D: usize> Task<T, D> {
         }
     }
 
+    /// Whether enough balls carry: one holds the ring in two directions, and one that touches without force in none.
+    fn is_held_by<S: Rows<T, D>>(&self, rows: &S) -> bool {
+        let free = self.held.iter().filter(|held| held.is_none()).count();
+        2 * usize::from(rows.loaded()) >= free
+    }
+
+    /// Error of the balls' forces that is small enough, relative to the largest.
+    fn enough(&self) -> T {
+        T::of(tuning::FORCE) * self.tolerance
+    }
+
     /// The same for a start, which a solve from there refines.
     pub fn rough(&self) -> Self {
         Self {
@@ -85,11 +96,17 @@ pub struct Outcome<T> {
     pub residual: T,
     /// Length of the last step.
     pub step: T,
-    /// The last undamped step changes the stiffness by more than half as much as the one before: rounding may make it.
-    pub stalled: bool,
 }
 
 impl<T: Real> Outcome<T> {
+    /// Unbalanced force over the load that rounding makes of the balls' forces, of each `most` of it at most.
+    fn rounding<S: Rows<T, D>, const D: usize>(&self, rows: &S, task: &Task<T, D>, most: T) -> T {
+        let largest = self.estimate.largest;
+        let forces =
+            rows.weight() * largest / task.size.at_least(rows.internal()).at_least(largest);
+        rounding(largest).at_most(most) * forces.at_least(T::ONE)
+    }
+
     /// The status of a solution.
     pub const fn status(&self) -> Status<T> {
         match self.end {
@@ -110,7 +127,6 @@ impl<T: Real> Outcome<T> {
         },
         residual: T::ONE,
         step: T::ONE,
-        stalled: false,
     };
 }
 
@@ -138,10 +154,22 @@ impl<T: Real, const D: usize> Control<T, D> {
     }
 
     /// Looks at what the last step has made of the unbalanced force `r`; what of it is to be taken back, if anything.
+    ///
+    /// A force that rounding leaves unbalanced says nothing of the step but that it may be longer. `rounded` is whether it is
+    /// of rounding that is at most such a part of a ball's force, `enough` a part that makes no difference.
     #[inline(always)]
-    fn review(&mut self, r: &[T; D]) -> Option<[T; D]> {
+    fn review(&mut self, r: &[T; D], enough: T, rounded: impl Fn(T) -> bool) -> Option<[T; D]> {
         let step = self.last.as_mut().filter(|step| step.work > T::ZERO)?;
         let work = product(r, &step.du);
+        let turned = work < -step.work;
+        if step.damped && rounded(enough) {
+            self.least = T::of(0.5) * T::EPSILON;
+            self.radius = T::of(0.5 * L0).at_most(self.radius + self.radius);
+            return None;
+        }
+        if turned && rounded(T::ONE) {
+            return None;
+        }
         if work < T::of(-tuning::REJECT) * step.work {
             // Back to where the unbalanced force turned round, were it to grow with the cube.
             let part = (step.work / (step.work - work)).cbrt();
@@ -152,7 +180,7 @@ impl<T: Real, const D: usize> Control<T, D> {
             self.radius = norm(&step.du);
             return Some(whole.map(|x| (part - T::ONE) * x));
         }
-        if work < -step.work {
+        if turned {
             self.radius = T::of(0.5) * norm(&step.du);
         } else if work > T::of(-0.5) * step.work {
             // A damped step that changes nothing was too short.
@@ -178,7 +206,7 @@ impl<T: Real, const D: usize> State<T, D> {
             *v += *u - to;
             *u = to;
         }
-        rows.anchor(&self.u, &self.v);
+        self.beyond = !rows.anchor(&self.u, &self.v);
         self.grown = false;
     }
 
@@ -222,8 +250,17 @@ impl<T: Real, const D: usize> State<T, D> {
         })
     }
 
+    /// Largest diagonal element of the tangent.
+    pub(super) fn stiffest(&self) -> T {
+        let mut largest = T::TINY;
+        for i in 0..D {
+            largest = largest.at_least(self.sum.k[i][i].abs());
+        }
+        largest
+    }
+
     /// Factors the tangent. A given displacement stands in the place of the equation of its freedom.
-    fn factor(&mut self, task: &Task<T, D>, damping: T) {
+    pub(super) fn factor(&mut self, task: &Task<T, D>, damping: T) {
         if task.is_free() {
             self.factors.factor(&self.sum.k, damping);
             return;
@@ -269,19 +306,20 @@ impl<T: Real, const D: usize> State<T, D> {
             self.factor(task, damping);
             let du = self.resolve(plane, task, r, damping);
             let length = norm(&du);
+            if !(damping > T::ZERO) {
+                self.weak = self.factors.is_weak();
+            }
             if self.factors.least > T::ZERO && length <= radius {
                 return (du, length, damping > T::ZERO);
             }
             if damping > T::ZERO {
                 damping = T::of(tuning::DAMPING_GROWTH) * damping;
             } else {
-                let mut largest = T::TINY;
-                for i in 0..D {
-                    largest = largest.at_least(self.sum.k[i][i].abs());
-                }
                 // Where no ball carries, the ring floats towards its load.
                 let floating = T::of(1e-3) * norm(r) / radius;
-                damping = (least * largest).at_least(floating).at_least(T::TINY);
+                damping = (least * self.stiffest())
+                    .at_least(floating)
+                    .at_least(T::TINY);
             }
             if !(damping < T::ONE / T::TINY.sqrt()) {
                 return ([T::ZERO; D], T::ZERO, true);
@@ -367,21 +405,24 @@ impl<T: Real, const D: usize> State<T, D> {
             if !task.is_free() {
                 size = size.at_least(norm(&self.sum.force));
             }
+            let before = outcome;
             outcome.residual = norm(&r) / size.at_least(T::TINY);
-            if !outcome.residual.is_finite() {
-                // No figure that is not a number is handed on.
+            if self.beyond || !outcome.residual.is_finite() {
+                // Neither a figure that is not a number is handed on, nor one of grooves out of reach.
                 outcome.residual = T::ONE;
                 outcome.end = End::Lost;
                 break;
             }
-            if let Some(back) = control.review(&r) {
+            let Outcome { residual, .. } = outcome;
+            let stalled = !(residual < T::of(0.5) * before.residual);
+            let rounded = |most| stalled && residual < before.rounding(rows, task, most);
+            if let Some(back) = control.review(&r, task.enough(), rounded) {
                 self.advance(plane_of(plane, &back));
                 continue;
             }
             let (du, length, damped) = self.step(plane, task, &r, control.radius, control.least);
             self.plain = task.is_free() && !damped;
             let planar = plane_of(plane, &du);
-            let before = outcome.estimate.k;
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
             let far = outcome.residual > task.far();
             if !far {
@@ -393,16 +434,27 @@ impl<T: Real, const D: usize> State<T, D> {
             if damped {
                 // In balance, and no damping is too small to be followed further.
                 let stays = control.least < T::EPSILON || !(work > T::ZERO);
-                if outcome.residual < T::of(1e-6) && stays {
+                if stays && self.weak && rounded(task.enough()) {
                     outcome.end = End::Singular;
                     break;
                 }
-            } else if near && !far && self.is_done(rows, task, &mut outcome, before) {
+            } else if near && !far && self.is_done(rows, task, &mut outcome, &before) {
+                if self.weak || (outcome.end == End::Rounded && !task.is_held_by(rows)) {
+                    outcome.end = End::Singular;
+                }
                 break;
             }
             control.last = Some(Step { du, work, damped });
         }
         outcome
+    }
+
+    /// Whether rounding makes what is unbalanced, and what the step leaves of the balls' forces: rounding of a force, and of
+    /// one that touches without force the power 3/2 of that.
+    fn is_rounded<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>, outcome: &Outcome<T>) -> bool {
+        let of_ball = rounding(outcome.estimate.largest);
+        let most = task.enough().at_least(of_ball * of_ball.sqrt());
+        outcome.estimate.force <= most && outcome.residual < outcome.rounding(rows, task, T::ONE)
     }
 
     /// Whether the last step was small enough; if so, how the loop ends.
@@ -411,24 +463,14 @@ impl<T: Real, const D: usize> State<T, D> {
         rows: &mut S,
         task: &Task<T, D>,
         outcome: &mut Outcome<T>,
-        before: T,
+        before: &Outcome<T>,
     ) -> bool {
-        let Estimate {
-            k,
-            most,
-            force,
-            largest,
-            ..
-        } = outcome.estimate;
-        // Of the sum of the balls' forces, relative to the load.
-        let forces =
-            rows.weight() * largest / task.size.at_least(rows.internal()).at_least(largest);
-        let of_ball = rounding(largest);
-        let rounding = of_ball * forces.at_least(T::ONE);
-        outcome.stalled = k > T::of(0.5) * before;
+        let Estimate { k, most, force, .. } = outcome.estimate;
+        let enough = task.enough();
+        let half = T::of(0.5);
+        let stalled = k > half * before.estimate.k && !(outcome.residual < half * before.residual);
         // The correction of the stiffness along the step leaves what is of second order, and a small part of the first.
         let corrected = k * (most + T::of(tuning::CORRECTED));
-        let enough = T::of(tuning::FORCE) * task.tolerance;
         if corrected <= task.tolerance && force * most <= enough {
             if k > task.tolerance {
                 self.correct = true;
@@ -440,11 +482,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 outcome.estimate.force = force * most;
             }
             outcome.end = End::Converged;
-        } else if outcome.stalled
-            && most < T::of(tuning::ROUGH)
-            && force < of_ball
-            && outcome.residual < rounding
-        {
+        } else if stalled && most < T::of(tuning::ROUGH) && self.is_rounded(rows, task, outcome) {
             // Such a step may lead far along a weak direction: the answer is where the balance was seen.
             self.v = self.at;
             outcome.end = End::Rounded;

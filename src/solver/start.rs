@@ -2,7 +2,7 @@
 
 use super::State;
 use super::fallback::continuation;
-use super::newton::{Outcome, Task};
+use super::newton::{End, Outcome, Task};
 use crate::axial::AxialRest;
 use crate::body::Body;
 use crate::constants::{Constants, L0};
@@ -132,21 +132,32 @@ pub(super) fn at_speed<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     } else {
         [Start::Axisymmetric, Start::Rest, Start::OuterRace]
     };
+    let mut outcome = Outcome::NONE;
+    let [.., last] = order;
     for start in order {
         let mut some = (*budget).min(tuning::ATTEMPT);
+        let whole = some == tuning::ATTEMPT;
         *budget -= some;
         match start {
             Start::Rest => from_rest::<T, S, R, D>(state, rows, task, &mut some),
             Start::Axisymmetric => axisymmetric::<T, S, R, D>(state, rows, task),
             Start::OuterRace => from_outer_race::<T, S, R, D>(state, rows, task, &mut some),
         }
-        let outcome = state.newton::<S, R>(rows, task, T::ZERO, &mut some);
+        outcome = state.newton::<S, R>(rows, task, T::ZERO, &mut some);
         *budget += some;
-        if outcome.end.is_solved() || *budget == 0 {
+        let found = outcome.end.is_solved() || outcome.end == End::Singular;
+        if found || (*budget == 0 && !(whole && start == last)) {
             return outcome;
         }
     }
-    continuation::<T, S, R, D>(state, rows, task, budget)
+    if *budget > 0 {
+        outcome = continuation::<T, S, R, D>(state, rows, task, budget);
+    }
+    // Every start has had its iterations: no equilibrium was found.
+    if outcome.end == End::Unfinished {
+        outcome.end = End::Lost;
+    }
+    outcome
 }
 
 /// Where a solve at speed may start.

@@ -94,7 +94,7 @@ impl Arrangement {
         }
     }
 
-    /// Refuses rows that are not arranged like this, or where two are at one place.
+    /// Refuses rows that are not arranged like this, or where two are too near to each other.
     pub(super) fn check<T: Real, const N: usize>(
         self,
         rows: &[Mounted<'_, T, N>],
@@ -105,10 +105,13 @@ impl Arrangement {
                 if i == j {
                     continue;
                 }
-                if a.position == b.position {
-                    return Err(SpindleError::SamePlace {
+                let distance = (a.position - b.position).abs();
+                let least = a.constants.ball_radius.at_least(b.constants.ball_radius);
+                if !(distance >= least) {
+                    return Err(SpindleError::TooNear {
                         row: j,
-                        position: b.position,
+                        distance,
+                        least,
                     });
                 }
                 if a.position < b.position && !self.allows(a.facing, b.facing) {

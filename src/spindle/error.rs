@@ -26,12 +26,14 @@ pub enum SpindleError<T> {
         /// The force, N.
         force: T,
     },
-    /// Two rows are at one place.
-    SamePlace {
+    /// Two rows are nearer to each other than half a ball's diameter.
+    TooNear {
         /// One of them.
         row: usize,
-        /// Their position, m.
-        position: T,
+        /// Their distance, m.
+        distance: T,
+        /// Least distance, m.
+        least: T,
     },
     /// The rows do not stand to each other as the arrangement says.
     NotArranged {
@@ -67,9 +69,11 @@ impl<T: Real> fmt::Display for SpindleError<T> {
                 f,
                 "row {row} is preloaded by {force} N: give a positive force, or a closure"
             ),
-            Self::SamePlace { row, position } => {
-                write!(f, "row {row}: another row is at {position:e} m, too; give every row a place of its own")
-            }
+            Self::TooNear { row, distance, least } => write!(
+                f,
+                "row {row}: another row is {distance:e} m away, nearer than half a ball's diameter, {least:e} m: check \
+                 the positions"
+            ),
             Self::NotArranged { arrangement, row, facing } => {
                 write!(f, "row {row} faces {}, which is not {}: ", facing.name(), arrangement.name())?;
                 f.write_str(match arrangement {

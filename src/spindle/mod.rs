@@ -368,7 +368,8 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 sliding: row.slides(),
             };
             weight += c.balls * (seat.force * seat.inertia);
-            held += seat.force * c.balls * force_at(c, closure).at_least(T::ZERO);
+            let axial = c.balls * force_at(c, closure).at_least(T::ZERO);
+            held += seat.force * (axial + c.preload);
         }
         Self {
             rows,

@@ -227,11 +227,12 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     }
 
     #[inline(never)]
-    fn anchor(&mut self, u: &[T; D], v: &[T; D]) {
+    fn anchor(&mut self, u: &[T; D], v: &[T; D]) -> bool {
+        let mut within = true;
         let (mut seats, mut bases) = (self.seats.iter(), self.bases.iter_mut());
         for row in self.rows.iter_mut() {
             let (Some(seat), Some(base)) = (seats.next(), bases.next()) else {
-                return;
+                break;
             };
             // The row's reference position: multiples of 1/256, next to where the shaft's has it.
             let (high, low) = seat.position(u);
@@ -240,8 +241,9 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
                 own[i] = to_grid(high[i] + low[i]);
                 base[i] = (high[i] - own[i]) + low[i];
             }
-            row.anchor_at(&own, &seat.offset(base, v));
+            within &= row.anchor_at(&own, &seat.offset(base, v));
         }
+        within
     }
 
     fn loaded(&self) -> u16 {

@@ -133,8 +133,14 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             weight: spindle.weight,
         };
         let outcome = self.state.solve::<_, M::Rule>(&mut set, &task, &mut budget);
-        if let Err(status) = self.state.refuse(&set, &outcome) {
-            let nothing_carries = matches!(status, Status::Indeterminate { loaded_balls: 0 });
+        if let Err(status) = self.state.refuse(&set, &task, &outcome) {
+            let nothing_carries = matches!(
+                status,
+                Status::Indeterminate {
+                    loaded_balls: 0,
+                    ..
+                }
+            );
             return Err(if nothing_carries {
                 Status::Unloaded
             } else {
@@ -195,7 +201,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         task.size = norm(&task.load).at_least(spindle.held);
         let mut grown = [Growth::NONE; R];
         for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&spindle.rows) {
-            input::omega(row.constants, speed)?;
+            input::omega(row.constants, speed, M::AT_SPEED)?;
             *grown = input::growth(row.constants, growth)?;
         }
         for (last, grown) in self.growth.iter_mut().zip(grown) {
@@ -208,7 +214,8 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     fn points(&self, speed: Speed<T>, size: T) -> [Point<T>; R] {
         let spindle = &self.spindle;
         let s = if M::AT_SPEED {
-            input::inertia(spindle.unit(), speed.as_rad_per_s(), size)
+            let omega = speed.as_rad_per_s();
+            input::inertia(spindle.unit(), omega, spindle.weight, size)
         } else {
             T::ZERO
         };
