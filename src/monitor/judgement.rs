@@ -8,9 +8,10 @@
 //!   nothing, and the time without one counts for neither.
 //! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. Compared
 //!   is the *idling* spindle (all five loads within bounds, as between cuts), within a band of
-//!   speed ([`Baseline`]): what is left to change the stiffness there is preload, wear and heat. The baseline is
-//!   learnt on the good spindle: the mean diagonal of the stiffness in every band. The loss is that of the
-//!   element that has lost most, over the baseline.
+//!   speed ([`Baseline`]). The stiffness is computed from loads, speed and temperatures: there, heat and a drift of the
+//!   sensors change it. Wear, a loosened nut or a lost spacer do not, since no input has them. The baseline is learnt on
+//!   the good spindle: the mean diagonal of the stiffness in every band. The loss is that of the element that has lost
+//!   most, over the baseline.
 //! - **Trend.** Stiffness goes slowly. Means of the idling stiffness over the baseline, one for each span of
 //!   time, are kept ([`Trend`]); the least-squares line through them tells the loss to be expected some time
 //!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit, and so

@@ -20,10 +20,8 @@ pub enum Part {
     BallPass,
     /// What the balls hand to the ring, summed up.
     Assembly,
-    /// The ring's step, and control.
+    /// The ring's step, control, and the error estimate.
     Ring,
-    /// What the step changes of the stiffness.
-    Estimate,
     /// References moved, and the second order of the balls' motion.
     Moving,
     /// Checks, scaling, results.
@@ -32,12 +30,11 @@ pub enum Part {
 
 impl Part {
     /// All of them, in the order of a solve.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 6] = [
         Self::Start,
         Self::BallPass,
         Self::Assembly,
         Self::Ring,
-        Self::Estimate,
         Self::Moving,
         Self::Rest,
     ];
@@ -49,7 +46,6 @@ impl Part {
             Self::BallPass => "ball pass",
             Self::Assembly => "assembly",
             Self::Ring => "5x5 and control",
-            Self::Estimate => "error estimate",
             Self::Moving => "moving the balls",
             Self::Rest => "rest",
         }
@@ -63,10 +59,9 @@ impl Part {
 
 /// What belongs to which part: the first row whose functions are all on the way to an instruction.
 #[rustfmt::skip]
-const PARTS: [(&[&str], Part); 8] = [
+const PARTS: [(&[&str], Part); 7] = [
     (&["State::newton", "Row::condense_balls"], Part::BallPass),
     (&["State::newton", "Row::sum"], Part::Assembly),
-    (&["State::newton", "Row::estimate"], Part::Estimate),
     (&["State::newton", "State::anchor"], Part::Moving),
     (&["State::newton", "Row::follow"], Part::Moving),
     (&["State::newton", "State::bend"], Part::Moving),
@@ -400,24 +395,6 @@ mod tests {
         ] {
             assert_eq!(short(&plain(name)), expected);
         }
-    }
-
-    #[test]
-    fn the_first_row_that_fits_tells_the_part() {
-        let part = |all: &[&str]| {
-            let names: Vec<Rc<str>> = all
-                .iter()
-                .map(|name| format!("spindle_bearing::a::b::{name}").into())
-                .collect();
-            part(&names)
-        };
-        let newton = ["Solver::solve", "State::newton"];
-        let within = |name: &'static str| part(&[&newton[..], &[name]].concat());
-        assert_eq!(within("Row::sum"), Part::Assembly);
-        assert_eq!(within("Row::condense_balls"), Part::BallPass);
-        assert_eq!(part(&["State::newton", "Factors::of"]), Part::Ring);
-        assert_eq!(part(&["State::solve", "Factors::of"]), Part::Start);
-        assert_eq!(part(&["Solver::solve"]), Part::Rest);
     }
 
     #[test]
