@@ -43,7 +43,7 @@ pub fn residual(trial: &Trial, tick: &Tick, balls: &[BallState<f64>]) -> f64 {
 }
 
 /// Friction forces at the inner and at the outer contact, N.
-fn friction(ball: &BallState<f64>, attitude: Attitude, diameter: f64) -> [f64; 2] {
+pub fn friction(ball: &BallState<f64>, attitude: Attitude, diameter: f64) -> [f64; 2] {
     let shares = match attitude {
         Attitude::Inner if ball.q_i > 0.0 => [1.0, 1.0],
         Attitude::Inner | Attitude::Outer => [0.0, 2.0],

@@ -31,6 +31,8 @@ pub const RATIO: f64 = 30.0;
 pub const fn promise(family: Family) -> Promise {
     let missed = match family {
         Family::FewBalls => 4.0,
+        // Of these, a third have a ring that little holds.
+        Family::Typed => 0.1,
         Family::Random | Family::Radial | Family::ZeroLoads | Family::Opening => 1.0,
         _ => 0.2,
     };
@@ -236,8 +238,6 @@ pub const NOT_KEPT_YET: &[Gap] = &[
     (Family::Radial, Precision::F64, Ratio(2), 38.0),
     // not kept yet: 1 of 1429, promised none
     (Family::FewBalls, Precision::F32, Unbalanced, 0.15),
-    // not kept yet: 7.0 %, promised 4.0 %
-    (Family::FewBalls, Precision::F32, MissedOpposed, 7.7),
     // not kept yet: just above the promised 1e-6
     (Family::Reversed, Precision::F32, Error(1), 1.2e-6),
     // not kept yet: 40.5 times, promised 30
@@ -319,7 +319,7 @@ const PROMISED: f64 = f64::NAN;
 /// as much again or more, counts a tenth or two cases. Where a change of the solver passes one by a case or two, look
 /// whether other seeds say the same.
 #[rustfmt::skip]
-const MEASURED: [[Measured; 2]; 14] = [
+const MEASURED: [[Measured; 2]; 15] = [
     // random
     [row(1.2, 10.0, 0.4, [9e-6, 4e-6, 6e-5], [PROMISED, PROMISED, PROMISED]),
      row(0.8, 10.0, 0.5, [2e-14, 3e-14, 3e-13], [PROMISED, PROMISED, PROMISED])],
@@ -329,21 +329,21 @@ const MEASURED: [[Measured; 2]; 14] = [
     // radial
     [row(0.3, 4.0, 0.1, [2e-6, 3e-6, 8e-5], [PROMISED, PROMISED, PROMISED]),
      row(0.5, 4.0, 0.1, [2e-14, 3e-14, 4e-13], [PROMISED, PROMISED, PROMISED])],
-    // few-balls
-    [row(7.7, 17.2, 19.4, [2e0, 2e-4, 9e-2], [97.1, 99.2, 90.3]),
-     row(0.9, 28.8, 8.0, [4e-11, 3e-13, 4e-9], [98.8, 99.5, 97.4])],
+    // few-balls: some of these were refused before, and are the least well known
+    [row(1.7, 17.2, 19.4, [2e0, 2e-4, 4e-1], [93.0, 99.2, 90.3]),
+     row(0.9, 28.8, 12.0, [4e-11, 3e-13, 4e-9], [98.8, 99.5, 93.5])],
     // opening
     [row(0.7, 0.5, 0.5, [1e-2, 5e-6, 4e-3], [98.7, 99.5, 99.5]),
-     row(0.1, 0.8, 0.1, [2e-11, 3e-14, 7e-12], [99.0, 99.5, 99.5])],
+     row(0.1, 0.8, 0.1, [2e-11, 3e-14, 2e-11], [99.0, 99.5, 99.5])],
     // extreme-angles
     [row(0.1, 0.1, 0.1, [2e-6, 2e-6, 3e-5], [99.5, 99.5, 99.5]),
      row(0.1, 0.1, 0.1, [2e-14, 1e-14, 2e-13], [99.5, 99.5, 99.5])],
     // reversed
     [row(0.2, 1.1, 0.1, [PROMISED, PROMISED, PROMISED], [PROMISED, PROMISED, PROMISED]),
      row(0.2, 1.1, 0.1, [2e-14, 4e-14, 2e-13], [PROMISED, PROMISED, PROMISED])],
-    // deep-groove
-    [row(0.1, 0.3, 0.3, [6e-6, 6e-6, 4e-5], [99.2, 99.5, 99.5]),
-     row(0.1, 0.4, 0.1, [2e-14, 8e-15, 2e-13], [99.5, 99.5, 99.5])],
+    // deep-groove: one in thirty is a radial load on two balls, about which the ring is free to tilt
+    [row(0.2, 3.6, 0.3, [6e-6, 6e-6, 4e-5], [99.2, 99.5, 99.5]),
+     row(0.1, 3.6, 0.1, [2e-14, 8e-15, 2e-13], [99.5, 99.5, 99.5])],
     // moduli
     [row(0.1, 0.7, 0.1, [PROMISED, PROMISED, PROMISED], [99.5, 99.5, 99.5]),
      row(0.1, 0.7, 0.1, [3e-14, 3e-14, 2e-13], [99.5, 99.5, 99.5])],
@@ -362,6 +362,9 @@ const MEASURED: [[Measured; 2]; 14] = [
     // any-bits
     [row(0.1, 1.1, 0.3, [4e-6, 2e-6, 4e-5], [99.5, 99.5, 99.5]),
      row(0.1, 1.2, 0.1, [2e-14, 9e-15, 2e-13], [99.5, 99.5, 99.5])],
+    // typed
+    [row(0.1, 20.0, 1.0, [1e-3, 1e-3, 3e-2], [90.0, 90.0, 90.0]),
+     row(0.1, 20.0, 1.0, [1e-10, 1e-10, 1e-6], [90.0, 90.0, 90.0])],
 ];
 
 /// What a figure must be within in the tests, if anything: the promise; the bound of a promise that is not kept yet; or

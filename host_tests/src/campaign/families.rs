@@ -41,11 +41,13 @@ pub enum Family {
     WarmJumps,
     /// Any bit pattern as load and speed
     AnyBits,
+    /// Numbers that people type
+    Typed,
 }
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Random,
         Self::Moderate,
         Self::Radial,
@@ -60,6 +62,7 @@ impl Family {
         Self::WarmDrift,
         Self::WarmJumps,
         Self::AnyBits,
+        Self::Typed,
     ];
 
     /// Its name in tables and on the command line.
@@ -79,6 +82,7 @@ impl Family {
             Self::WarmDrift => "warm-drift",
             Self::WarmJumps => "warm-jumps",
             Self::AnyBits => "any-bits",
+            Self::Typed => "typed",
         }
     }
 
@@ -124,6 +128,10 @@ impl Family {
             }
             Self::AnyBits => {
                 "inputs replaced by not-a-number, infinities, subnormals, largest numbers, random bits"
+            }
+            Self::Typed => {
+                "round numbers: 4 to 32 balls, free angles of 0 to 40 degrees or clearances of either sign, one load \
+                 component alone, two equal ones or some of round ratios, at rest and at round speeds"
             }
         }
     }
@@ -438,6 +446,53 @@ impl Draft {
         }
     }
 
+    fn pick<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.r.below(of.len())]
+    }
+
+    /// A bearing, a load and a speed as people type them.
+    fn typed(&mut self) -> Tick {
+        self.balls = 4 + self.r.below(29);
+        let d = self.pick(&[5.0, 6.35, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0]);
+        // To the next 5 mm in which the balls have room.
+        let room = (1.1 * d / (PI / self.balls as f64).sin()).max(2.5 * d);
+        let [inner, outer] = self.pick(&[[0.515, 0.525], [0.52, 0.52], [0.52, 0.53]]);
+        self.design = Design {
+            inner_groove_factor: inner,
+            outer_groove_factor: outer,
+            ..Design::angular_contact(1e-3 * d, 5e-3 * (room / 5.0).ceil(), 0.0)
+        };
+        self.design.free_contact = match self.r.below(3) {
+            0 => FreeContact::Angle(0.0),
+            1 => FreeContact::Angle(self.pick(&[15f64, 25.0, 30.0, 40.0]).to_radians()),
+            _ => FreeContact::DiametralClearance(1e-6 * self.pick(&[0.0, 10.0, 20.0, -5.0])),
+        };
+        let tenths = self.pick(&[1.0, 2.0, 5.0]) * self.pick(&[1e-4, 1e-3, 1e-2, 1e-1]);
+        // A round number of newtons next to so much of the capacity.
+        let size = tenths * 10f64.powf(self.capacity().log10().floor());
+        let moment = 1e-3 * size * self.pick(&[1.0, 10.0]);
+        let sign = self.pick(&[1.0, -1.0]);
+        let load = match self.r.below(9) {
+            0 => [sign, 0.0, 0.0, 0.0, 0.0],
+            1 => [0.0, sign, 0.0, 0.0, 0.0],
+            2 => [0.0, 0.0, sign, 0.0, 0.0],
+            3 => [0.0, 1.0, sign, 0.0, 0.0],
+            4 => [1.0, sign, 0.0, 0.0, 0.0],
+            5 => [1.0, 0.0, 0.5 * sign, 0.0, 0.0],
+            6 => [0.0, 0.0, 0.0, 0.0, sign],
+            7 => [0.0, 0.0, 0.0, 1.0, sign],
+            _ => [1.0, 0.2, 0.0, 0.0, sign],
+        };
+        let rpm = self.pick(&[
+            0.0, 0.0, 0.0, 100.0, 500.0, 1000.0, 3000.0, 6000.0, 10_000.0,
+        ]);
+        let fastest = 1.5e6 / (1e3 * self.design.pitch_diameter);
+        Tick {
+            load: std::array::from_fn(|i| load[i] * if i < 3 { size } else { moment }),
+            omega: if rpm > fastest { 0.0 } else { rad_per_s(rpm) },
+        }
+    }
+
     fn any_bits(&mut self) -> Tick {
         let mut tick = self.moderate();
         loop {
@@ -624,6 +679,7 @@ impl Trial {
                 }
                 Family::ZeroLoads => Some((draft.zero_loads(), None)),
                 Family::AnyBits => Some((draft.any_bits(), None)),
+                Family::Typed => Some((draft.typed(), None)),
             };
             if let Some((tick, known)) = drawn {
                 return Self::finished(draft, family, index, tick, known);

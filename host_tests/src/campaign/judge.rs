@@ -4,13 +4,13 @@ use super::balance::residual;
 use super::families::{Family, Scene, Tick, Trial};
 use crate::compare::{Ball, Equilibrium};
 use crate::dispatch::{self, Figures, Precision};
-use crate::reference::{Solution, small_solve};
+use crate::reference::{self, Solution, small_solve};
 use spindle_bearing::BallState;
 use std::f64::consts::PI;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most iterations a solve may take: the limit of the default settings.
-pub const MOST_ITERATIONS: u16 = 100;
+pub const MOST_ITERATIONS: u16 = 120;
 
 /// Beyond this error in displacement, forces or stiffness the answer is judged from its own balls as
 /// well: it may be another equilibrium than the one it was compared with.
@@ -312,10 +312,18 @@ fn seen(tick: &Tick, precision: Precision) -> Tick {
 }
 
 /// Whether an equilibrium leaves the ring free to move in some direction, as far as this precision can
-/// tell: fewer than three balls carry, or the stiffness has no inverse to speak of.
+/// tell: fewer than three balls carry by more than rounding of the largest force, or the stiffness has no inverse to speak of.
 fn is_indeterminate(truth: &Solution, pitch_radius: f64, precision: Precision) -> bool {
-    let loaded = truth.balls.iter().filter(|ball| ball.q_i > 0.0).count();
-    if loaded < 3 {
+    let epsilon = match precision {
+        Precision::F32 => f64::from(f32::EPSILON),
+        Precision::F64 => f64::EPSILON,
+    };
+    let largest = truth
+        .balls
+        .iter()
+        .fold(0.0, |m, ball| f64::max(m, ball.q_i));
+    let carries = |ball: &&reference::BallState| ball.q_i > 10.0 * epsilon * largest;
+    if truth.balls.iter().filter(carries).count() < 3 {
         return true;
     }
     let unit = [1.0, 1.0, 1.0, pitch_radius, pitch_radius];
@@ -327,10 +335,6 @@ fn is_indeterminate(truth: &Solution, pitch_radius: f64, precision: Precision) -
         m.iter()
             .map(|row| row.iter().map(|x| x.abs()).sum::<f64>())
             .fold(0.0, f64::max)
-    };
-    let epsilon = match precision {
-        Precision::F32 => f64::from(f32::EPSILON),
-        Precision::F64 => f64::EPSILON,
     };
     small_solve(k, one).is_none_or(|inverse| norm(&k) * norm(&inverse) * epsilon > 1e-2)
 }

@@ -6,8 +6,8 @@ use super::solves::{
 use host_tests::cases::{B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
 use proptest::prelude::*;
-use spindle_bearing::Status;
 use spindle_bearing::{Bearing, Full, Given, Settings, Solver, Speed};
+use spindle_bearing::{Quantity, Status};
 use std::array::from_fn;
 
 /// The `load`, but for the displacements `u` of freedoms whose bit in `held` is set.
@@ -75,7 +75,10 @@ fn a_ring_that_nothing_touches_is_indeterminate() {
         let answer = solver(&B7005C, 16, precision, Balls::Static).ask(&question);
         assert_eq!(
             answer.err(),
-            Some(Status::Indeterminate { loaded_balls: 0 })
+            Some(Status::Indeterminate {
+                loaded_balls: 0,
+                free: Quantity::Dy
+            })
         );
     }
 }

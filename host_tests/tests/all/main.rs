@@ -10,6 +10,7 @@ mod cutting;
 mod cycle;
 mod designs;
 mod double_double;
+mod edges;
 mod frames;
 mod given;
 mod growth;

@@ -3,7 +3,7 @@
 use host_tests::cases::{B218, B7005C};
 use spindle_bearing::{
     Bearing, Design, FreeContact, Full, HertzContact, InnerRaceControl, Material, Motion,
-    OuterRaceControl, RacewayControlFree, Settings, Solver, Speed, Static,
+    OuterRaceControl, RacewayControlFree, Settings, Solver, Speed,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -135,15 +135,15 @@ fn balls_turn_and_touch_as_the_model_says() {
 #[test]
 fn a_slow_bearing_has_the_frequencies_of_the_textbook() {
     let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
-    let mut solver = Solver::<f64, 16, Static>::of(&bearing);
-    let speed = Speed::rad_per_s(10.0);
+    let mut solver = Solver::new(&bearing);
+    let speed = Speed::rad_per_s(1e-6);
     let settings = Settings::default();
     let solution = solver
         .solve([500.0, 0.0, 0.0, 0.0, 0.0], speed, &settings)
         .unwrap();
     let cos = solution.balls().next().unwrap().alpha_i.cos();
     let ratio = B7005C.ball_diameter / B7005C.pitch_diameter * cos;
-    let turns = 10.0 / (2.0 * PI);
+    let turns = 1e-6 / (2.0 * PI);
     let found = solution.frequencies();
     for (found, textbook) in [
         (found.cage, 0.5 * turns * (1.0 - ratio)),

@@ -100,6 +100,16 @@ fn grown<T: Real>(growth: Growth<f64>) -> Growth<T> {
     }
 }
 
+/// The speed of a question. Balls at rest are asked at rest, unless the speed is absurd: which speeds they refuse is for a
+/// test of its own.
+pub fn turning<T: Real, M: Motion>(omega: f64) -> Speed<T> {
+    if !M::AT_SPEED && omega.abs() < 1e5 {
+        Speed::REST
+    } else {
+        Speed::rad_per_s(T::of(omega))
+    }
+}
+
 /// A solution in doubles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
@@ -165,7 +175,7 @@ pub trait AnySolver {
 impl<T: Real, const N: usize, M: Motion> AnySolver for Solver<'static, T, N, M> {
     fn ask(&mut self, q: &Question) -> Result<Found, Status<f32>> {
         let given = q.given.map(narrow);
-        let speed = Speed::rad_per_s(T::of(q.omega));
+        let speed = turning::<T, M>(q.omega);
         self.solve_at(&given, speed, &grown(q.growth), &Settings::default())
             .map(|solution| Found::of(&solution.snapshot()))
             .map_err(Status::to_f32)
@@ -210,7 +220,7 @@ impl<T: Real, const N: usize, M: Motion> AnyAxialSolver for AxialSolver<'static,
         omega: f64,
         growth: Growth<f64>,
     ) -> Result<FoundAxial, Status<f32>> {
-        let speed = Speed::rad_per_s(T::of(omega));
+        let speed = turning::<T, M>(omega);
         self.solve_at(narrow(given), speed, &grown(growth), &Settings::default())
             .map(|s| FoundAxial {
                 u: s.displacement.to_f64(),

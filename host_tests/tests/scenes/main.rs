@@ -67,6 +67,15 @@ fn judge_ring<T: Working, const N: usize, M: Restricted>(
     judge(trial, &scene, given, tally, &mut *solver);
 }
 
+/// All families but the typed one: its loads often have no part in the freedoms that a scene keeps, and nothing to measure an
+/// error by.
+const DRAWN: [Family; 14] = {
+    let [drawn @ .., Family::Typed] = Family::ALL else {
+        panic!("the typed family is the last")
+    };
+    drawn
+};
+
 /// What there is to complain of.
 fn judge_motion<M: Restricted>(families: &[Family], rings: &[Ring]) -> String {
     let mut report = String::new();
@@ -110,22 +119,22 @@ fn pass(report: String) {
 
 #[test]
 fn scenes_at_rest_agree_with_the_restricted_reference_build() {
-    pass(judge_motion::<Static>(&Family::ALL, &RINGS));
+    pass(judge_motion::<Static>(&DRAWN, &RINGS));
 }
 
 #[test]
 fn scenes_under_centrifugal_force_agree_with_the_restricted_reference_build() {
-    pass(judge_motion::<Centrifugal>(&Family::ALL, &RINGS));
+    pass(judge_motion::<Centrifugal>(&DRAWN, &RINGS));
 }
 
 #[test]
 fn scenes_at_speed_agree_with_the_restricted_reference_build() {
-    pass(judge_motion::<Full>(&Family::ALL, &RINGS));
+    pass(judge_motion::<Full>(&DRAWN, &RINGS));
 }
 
 #[test]
 fn scenes_under_outer_race_control_agree_with_the_restricted_reference_build() {
-    pass(judge_motion::<Full<OuterRaceControl>>(&Family::ALL, &RINGS));
+    pass(judge_motion::<Full<OuterRaceControl>>(&DRAWN, &RINGS));
 }
 
 #[test]

@@ -98,11 +98,20 @@ pub trait AnySolver {
     fn ask(&mut self, given: &[Given<f64>], omega: f64) -> Result<Found, Status<f32>>;
 }
 
+/// Balls at rest are asked at rest, unless the speed is absurd.
+fn turning<T: Real, M: Motion>(omega: f64) -> Speed<T> {
+    if !M::AT_SPEED && omega.abs() < 1e5 {
+        Speed::REST
+    } else {
+        Speed::rad_per_s(T::of(omega))
+    }
+}
+
 impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver for Solver<'_, T, N, M, D> {
     fn ask(&mut self, given: &[Given<f64>], omega: f64) -> Result<Found, Status<f32>> {
         assert_eq!(given.len(), D);
         let given = from_fn(|i| narrow(given[i]));
-        let speed = Speed::rad_per_s(T::of(omega));
+        let speed = turning::<T, M>(omega);
         let s = self
             .solve_at(&given, speed, &Growth::NONE, &Settings::default())
             .map_err(Status::to_f32)?;
@@ -121,7 +130,7 @@ impl<T: Real, const N: usize, M: Motion> AnySolver for AxialSolver<'_, T, N, M> 
         let &[given] = given else {
             panic!("{given:?} for one freedom");
         };
-        let speed = Speed::rad_per_s(T::of(omega));
+        let speed = turning::<T, M>(omega);
         let s = self
             .solve_at(narrow(given), speed, &Growth::NONE, &Settings::default())
             .map_err(Status::to_f32)?;
