@@ -154,8 +154,14 @@ impl<T: Real> AxialRest<T> {
 
     /// Largest relative error of a displacement `dx` by rounding of what growth adds.
     pub fn rounding(&self, dx: T) -> T {
-        let both = self.free.at_least(dx.abs()).at_least(T::TINY);
-        let change = self.change.abs() / both + self.growth.abs();
+        // Without a constant in `A1`, the displacement is no small difference of squares.
+        let both = self.free.at_least(dx.abs());
+        let change = if self.free > T::ZERO {
+            self.change.abs() / both
+        } else {
+            T::ZERO
+        };
+        let change = change + self.growth.abs();
         T::EPSILON * change / dx.abs().at_least(T::TINY)
     }
 }

@@ -36,13 +36,13 @@ pub struct Constants<T> {
     /// Inner groove's centre where the displacement is 0, from the outer one's, over `L0`: sine and cosine of a free contact
     /// angle, or the middle of the play.
     pub n0: [T; 2],
-    /// `L0^2 (1 - |n0|^2)`: 0 where a contact angle is given, negative where the clearance is.
+    /// The inner groove's centre in units of length: multiples of 2^-17, and the rest.
+    pub centre: [T; 2],
+    pub centre_low: [T; 2],
+    /// `L0^2 (1 - |n0|^2)`: of the sign of the clearance, 0 where a contact angle is given.
     pub play: T,
     /// Sum of the contact forces without load: 0 unless the clearance is negative.
     pub preload: T,
-    /// The same groove's centre in units of length: multiples of 2^-17, and the rest.
-    pub centre: [T; 2],
-    pub centre_low: [T; 2],
     /// `lo` and `li`; their sum is exactly 64.
     pub lo: T,
     pub li: T,

@@ -37,7 +37,7 @@ pub fn to_grid<T: Real>(x: T) -> T {
     (x + T::GRID) - T::GRID
 }
 
-/// What rounding makes of a deformation, in units of length: some ten operations on numbers of about one unit.
+/// Rounding error of a deformation, in units of length: ten operations on numbers near 1.
 #[inline(always)]
 pub fn rounding<T: Real>() -> T {
     T::of(10.0) * T::EPSILON

@@ -48,8 +48,7 @@ pub struct Point<T> {
     pub s: T,
     /// Square of a force on a ball that makes no difference to the ring.
     pub negligible: T,
-    /// What rounding makes of a deformation: of one by the ball's share of the load, which is more than its deformation
-    /// where that is large.
+    /// Rounding error of a deformation under the ball's share of the load.
     pub rounding: T,
     /// What the balls are taken for.
     pub regime: Regime,

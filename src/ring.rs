@@ -261,8 +261,8 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
 
     /// Moves the balls' references next to where they are, for a ring at the offset `v` from its reference position `u`.
     ///
-    /// Whether the grooves' centres are within `2 L0` of each other at every azimuth: no balls are between grooves further
-    /// apart, and integers do not hold the squares of such distances.
+    /// Whether each component of the distance between the grooves' centres, growth aside, stays below `2 L0` at every azimuth.
+    /// No balls are between grooves further apart, and integers do not hold the squares of such distances.
     #[inline(never)]
     pub fn anchor_at(&mut self, u: &[T; 5], v: &[T; 5]) -> bool {
         let mut azimuths = self.azimuths.iter();

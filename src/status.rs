@@ -192,7 +192,7 @@ pub enum Status<T> {
         /// Largest magnitude that is accepted.
         limit: T,
     },
-    /// No load on the ring: it floats within its clearance, and no position is an answer.
+    /// No load on the ring, and no negative clearance: it floats, and no position is an answer.
     Unloaded,
     /// The loaded balls leave the ring free to move in some direction: position and stiffness are not determined.
     ///

@@ -158,9 +158,13 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             }
             // Balls that carry without a load hold the ring in the middle.
             Given::Load(load) if !(load.abs() > T::TINY.sqrt()) => {
-                let [dx, _] = point.growth.map(|g| -g);
-                let centres = balls.centres_at(dx);
-                (centres, balls.contact(&centres), dx)
+                let [growth, _] = point.growth;
+                let centres = balls.centres_at(-growth);
+                let contact = balls.contact(&centres);
+                if !(contact.q > T::ZERO) {
+                    return Err(Status::Unloaded);
+                }
+                (centres, contact, -growth)
             }
             Given::Load(load) => {
                 let q = load.abs() / c.balls;
@@ -224,7 +228,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         match given {
             Given::Load(load) => {
                 task.load[0] = load / c.balls;
-                task.size = task.load[0].abs();
+                task.size = task.load[0].abs().at_least(c.preload / c.balls);
             }
             Given::Displacement(dx) => task.held[0] = Some(dx),
         }

@@ -78,8 +78,7 @@ pub fn growth<T: Real>(c: &Constants<T>, growth: &Growth<T>) -> Result<Growth<T>
     })
 }
 
-/// Inertia `m dm omega^2 / 2`; 0 where that of all balls together, which weigh as much as `weight` of these, changes no figure
-/// of a ring under loads of the size `size`.
+/// Inertia `m dm omega^2 / 2`; 0 where the inertia of `weight` balls is below rounding of loads of the size `size`.
 pub fn inertia<T: Real>(c: &Constants<T>, omega: T, weight: T, size: T) -> T {
     let s = c.inertia * omega * omega;
     if size > T::ZERO && s * weight < T::EPSILON * size {

@@ -76,7 +76,7 @@ pub enum End {
     Singular,
     /// Not within the iterations.
     Unfinished,
-    /// A figure is not a number.
+    /// A figure is not a number, the grooves are out of reach of each other, or no start led to an equilibrium.
     Lost,
 }
 
@@ -99,7 +99,7 @@ pub struct Outcome<T> {
 }
 
 impl<T: Real> Outcome<T> {
-    /// Unbalanced force over the load that rounding makes of the balls' forces, of each `most` of it at most.
+    /// Residual that rounding of the balls' forces explains, that of each force capped at `most`.
     fn rounding<S: Rows<T, D>, const D: usize>(&self, rows: &S, task: &Task<T, D>, most: T) -> T {
         let largest = self.estimate.largest;
         let forces =
@@ -155,8 +155,8 @@ impl<T: Real, const D: usize> Control<T, D> {
 
     /// Looks at what the last step has made of the unbalanced force `r`; what of it is to be taken back, if anything.
     ///
-    /// A force that rounding leaves unbalanced says nothing of the step but that it may be longer. `rounded` is whether it is
-    /// of rounding that is at most such a part of a ball's force, `enough` a part that makes no difference.
+    /// A residual of rounding rejects no step. `rounded(part)`: rounding, capped at this part of a ball's force, explains the
+    /// residual; `enough` is a part that makes no difference.
     #[inline(always)]
     fn review(&mut self, r: &[T; D], enough: T, rounded: impl Fn(T) -> bool) -> Option<[T; D]> {
         let step = self.last.as_mut().filter(|step| step.work > T::ZERO)?;
@@ -408,7 +408,7 @@ impl<T: Real, const D: usize> State<T, D> {
             let before = outcome;
             outcome.residual = norm(&r) / size.at_least(T::TINY);
             if self.beyond || !outcome.residual.is_finite() {
-                // Neither a figure that is not a number is handed on, nor one of grooves out of reach.
+                // Hands on neither what is not a number nor grooves out of reach.
                 outcome.residual = T::ONE;
                 outcome.end = End::Lost;
                 break;

@@ -39,7 +39,8 @@ pub use solver::SpindleSolver;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Preload<T> {
     /// Clamped: spacers and ring faces leave a closure `e` (m), by which the row's rings are moved into each other. 0 if
-    /// they just touch, negative for a play.
+    /// they just touch, negative for a play. For a bearing that is given by its clearance, it counts from the middle of the
+    /// play.
     Closure(T),
     /// Clamped, with the closure that gives a pair of such bearings this preload (N), at rest, cold and without load.
     Force(T),
@@ -128,9 +129,10 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
             T::of(64.0) * first.constants.radius(),
         );
         let most = c.balls * c.force;
+        let half_play = c.play.at_least(T::ZERO).sqrt();
         let (held, force) = match self.preload {
             Preload::Closure(e) => (
-                input::check(Quantity::Closure, e, T::of(16.0) * c.length),
+                input::check(Quantity::Closure, e, (T::of(16.0) + half_play) * c.length),
                 None,
             ),
             Preload::Force(force) => (

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most iterations a solve may take: the limit of the default settings.
-pub const MOST_ITERATIONS: u16 = 120;
+pub const MOST_ITERATIONS: u16 = 128;
 
 /// Beyond this error in displacement, forces or stiffness the answer is judged from its own balls as
 /// well: it may be another equilibrium than the one it was compared with.

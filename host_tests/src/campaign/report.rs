@@ -412,7 +412,7 @@ load and speed, rounded to single precision; a warm family counts ten solves a c
 and whose stiffness can be inverted), in brackets those of them where the contacts of every ball that
 carries are within 90 degrees of each other: beyond that, the races no longer hold the ball between them.
 *Open* are those that were not looked into. *Failed* is what must never be: a panic, a figure that is not
-a finite number, more than 120 iterations, a refusal for a reason that does not hold. *Iterations* of
+a finite number, more than 128 iterations, a refusal for a reason that does not hold. *Iterations* of
 solves that ended with an answer: median / 99 % / worst, warm ones in warm families, cold ones elsewhere.
 
 {}
