@@ -77,13 +77,13 @@ pub(super) fn errors<T: Real, const D: usize>(
 ) -> ErrorEstimate<T> {
     let margin = T::of(tuning::MARGIN);
     let rounding = rounding(outcome.estimate.largest);
-    let moved = T::EPSILON * (T::of(4.0) + forces * state.factors.compliance());
-    // Where rounding ends a solve, its last step is not taken.
-    let untaken = if outcome.end == End::Rounded {
-        outcome.step
+    // Where rounding ends a solve, the balance is known to that of the balls' forces, and the last step is not taken.
+    let (unbalanced, untaken) = if outcome.end == End::Rounded {
+        (rounding, outcome.step)
     } else {
-        T::ZERO
+        (T::EPSILON, T::ZERO)
     };
+    let moved = T::of(4.0) * T::EPSILON + unbalanced * forces * state.factors.compliance();
     let step = untaken.at_least(margin * outcome.step * outcome.estimate.most);
     // Constants are worked out in double precision, by some thirty operations each.
     let constants = T::of(64.0 * f64::EPSILON);

@@ -485,7 +485,7 @@ const ESTIMATES: [Estimates; 2] = [
         deceiving: 0.2,
     },
     Estimates {
-        of: [(99.8, 48.0), (99.8, 80.0), (99.3, 44.0)],
+        of: [(99.8, 52.0), (99.8, 80.0), (99.3, 44.0)],
         deceiving: 0.01,
     },
 ];
