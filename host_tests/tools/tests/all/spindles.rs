@@ -220,7 +220,7 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
         (
             "position_mm = 27",
             "position_mm = 0",
-            "row 1: another row is at 0e0 m",
+            "row 1: another row is 0e0 m away",
         ),
         ("position_mm = 27", "", "this row lacks `position_mm`"),
         (
