@@ -99,7 +99,8 @@ fn radial_loads_on_balls_without_clearance_have_the_stiffness_of_those_a_little_
     }
 }
 
-/// The same of a moment alone, of two equal components, and where the shaft hardly turns: all are solved.
+/// Radial loads, moments and two equal components along the balls' symmetries are solved, at rest and where the shaft hardly
+/// turns.
 #[test]
 fn loads_along_the_symmetries_of_the_balls_are_solved() {
     for balls in [8, 12, 16] {

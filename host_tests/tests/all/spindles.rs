@@ -644,9 +644,8 @@ fn displacement_of(row: &Row, [dx, dy, dz, ty, tz]: [f64; 5]) -> [f64; 5] {
     [s * dx + closure, dy + x * tz, dz - x * ty, s * ty, s * tz]
 }
 
-/// How far the rows' forces are from those that the reference build says of their displacements, and from balance with the
-/// load, over the largest of them; and whether the reference build has an answer for every row that carries. The rows are
-/// clamped and have not grown.
+/// Distance of the rows' forces from the reference build's law, and of the shaft from balance, over the largest force; whether
+/// the law covers every row that carries. The rows are clamped and have not grown.
 fn off_law(
     plan: &Plan,
     attitude: Attitude,
