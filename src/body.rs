@@ -35,6 +35,8 @@ impl<T: Real> Share<T> {
     };
 
     /// The force is of more than this square.
+    // By a call: the loop over the balls is unrolled.
+    #[inline(never)]
     pub fn is_more_than(&self, square: T) -> bool {
         dot(self.force, self.force) > square
     }

@@ -258,7 +258,8 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
         self.anchor_at(&in_full(u), &in_full(v))
     }
 
-    #[inline(always)]
+    #[cold]
+    #[inline(never)]
     fn loaded(&self) -> u16 {
         let loaded = self.balls.iter().filter(|ball| ball.carries(&self.p));
         loaded.count() as u16

@@ -61,6 +61,7 @@ impl<T: Real> Estimate<T> {
 
 /// What rounding does to the force of a ball, relative to it: a deformation is rounded at about a unit of length,
 /// whatever it is.
+#[inline(never)]
 pub(super) fn rounding<T: Real>(force: T) -> T {
     let root = force.cbrt();
     let deformation = (root * root).at_least(T::EPSILON);

@@ -263,6 +263,8 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Freedom in which the tangent resists least: the largest component after two inverse iterations.
+    #[cold]
+    #[inline(never)]
     fn freest(&mut self, task: &Task<T, D>) -> Quantity {
         let largest = self.stiffest().at_least(T::EPSILON);
         self.factor(task, T::EPSILON.sqrt() * largest);

@@ -46,9 +46,14 @@ impl<T: Real, const D: usize> Task<T, D> {
     }
 
     /// Whether enough balls carry: one holds the ring in two directions, and one that touches without force in none.
+    #[cold]
+    #[inline(never)]
     fn is_held_by<S: Rows<T, D>>(&self, rows: &S) -> bool {
-        let free = self.held.iter().filter(|held| held.is_none()).count();
-        2 * usize::from(rows.loaded()) >= free
+        let mut free = 0;
+        for held in &self.held {
+            free += u16::from(held.is_none());
+        }
+        2 * rows.loaded() >= free
     }
 
     /// Error of the balls' forces that is small enough, relative to the largest.
@@ -100,6 +105,8 @@ pub struct Outcome<T> {
 
 impl<T: Real> Outcome<T> {
     /// Residual that rounding of the balls' forces explains, that of each force capped at `most`.
+    #[cold]
+    #[inline(never)]
     fn rounding<S: Rows<T, D>, const D: usize>(&self, rows: &S, task: &Task<T, D>, most: T) -> T {
         let largest = self.estimate.largest;
         let forces =
@@ -251,6 +258,7 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Largest diagonal element of the tangent.
+    #[inline(never)]
     pub(super) fn stiffest(&self) -> T {
         let mut largest = T::TINY;
         for i in 0..D {
@@ -451,6 +459,8 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Whether rounding makes what is unbalanced, and what the step leaves of the balls' forces: rounding of a force, and of
     /// one that touches without force the power 3/2 of that.
+    #[cold]
+    #[inline(never)]
     fn is_rounded<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>, outcome: &Outcome<T>) -> bool {
         let of_ball = rounding(outcome.estimate.largest);
         let most = task.enough().at_least(of_ball * of_ball.sqrt());
