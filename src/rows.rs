@@ -143,8 +143,9 @@ pub trait Rows<T: Real, const D: usize> {
     /// Has every ball follow to `v` and a relative change `ds` of `omega^2`.
     fn follow(&mut self, v: &[T; D], ds: T);
 
-    /// Moves the balls' references next to where they are, for a shaft at the offset `v` from its reference position `u`;
-    /// whether the grooves of all rows are within reach of each other.
+    /// Moves the balls' references next to where they are, for a shaft at the offset `v` from its reference position `u`.
+    ///
+    /// Returns whether the grooves of all rows are within reach of each other: see [`Row::anchor_at`].
     fn anchor(&mut self, u: &[T; D], v: &[T; D]) -> bool;
 
     /// Number of balls that carry, and that of the ball whose contacts are furthest apart, with that angle, if the cosine

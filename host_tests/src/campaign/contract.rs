@@ -31,8 +31,7 @@ pub const RATIO: f64 = 30.0;
 pub const fn promise(family: Family) -> Promise {
     let missed = match family {
         Family::FewBalls => 4.0,
-        // Of these, a third have a ring that little holds.
-        Family::Typed => 0.1,
+        Family::Typed => 0.05,
         Family::Random | Family::Radial | Family::ZeroLoads | Family::Opening => 1.0,
         _ => 0.2,
     };
@@ -272,6 +271,8 @@ pub const NOT_KEPT_YET: &[Gap] = &[
     (Family::WarmDrift, Precision::F64, Ratio(1), 64.0),
     // not kept yet: 30.8 times, promised 30
     (Family::WarmDrift, Precision::F64, Ratio(2), 34.0),
+    // not kept yet: 1 of 1429, promised 0.05 %: a moment alone on an angular contact row, after 180 iterations
+    (Family::Typed, Precision::F64, MissedOpposed, 0.1),
     // not kept yet: 1.7e-6, promised 1e-6
     (Family::WarmJumps, Precision::F32, Error(0), 2.0e-6),
     // not kept yet: 1.1e-6, promised 1e-6
@@ -330,7 +331,7 @@ const MEASURED: [[Measured; 2]; 15] = [
     [row(0.3, 4.0, 0.1, [2e-6, 3e-6, 8e-5], [PROMISED, PROMISED, PROMISED]),
      row(0.5, 4.0, 0.1, [2e-14, 3e-14, 4e-13], [PROMISED, PROMISED, PROMISED])],
     // few-balls: some of these were refused before, and are the least well known
-    [row(1.7, 17.2, 19.4, [2e0, 2e-4, 4e-1], [93.0, 99.2, 90.3]),
+    [row(1.7, 17.2, 19.4, [2e0, 2e-4, 4e-1], [97.1, 99.2, 90.3]),
      row(0.9, 28.8, 12.0, [4e-11, 3e-13, 4e-9], [98.8, 99.5, 93.5])],
     // opening
     [row(0.7, 0.5, 0.5, [1e-2, 5e-6, 4e-3], [98.7, 99.5, 99.5]),
@@ -363,8 +364,8 @@ const MEASURED: [[Measured; 2]; 15] = [
     [row(0.1, 1.1, 0.3, [4e-6, 2e-6, 4e-5], [99.5, 99.5, 99.5]),
      row(0.1, 1.2, 0.1, [2e-14, 9e-15, 2e-13], [99.5, 99.5, 99.5])],
     // typed
-    [row(0.1, 20.0, 1.0, [1e-3, 1e-3, 3e-2], [90.0, 90.0, 90.0]),
-     row(0.1, 20.0, 1.0, [1e-10, 1e-10, 1e-6], [90.0, 90.0, 90.0])],
+    [row(0.05, 9.0, 1.0, [1e-5, 2e-6, 4e-4], [99.5, 99.5, 97.0]),
+     row(0.1, 9.0, 1.0, [2e-14, 4e-15, 2e-9], [99.5, 99.5, 98.3])],
 ];
 
 /// What a figure must be within in the tests, if anything: the promise; the bound of a promise that is not kept yet; or
@@ -481,11 +482,11 @@ struct Estimates {
 /// in double precision; in single precision, nine in ten of the answers that deceive are of few-balls.
 const ESTIMATES: [Estimates; 2] = [
     Estimates {
-        of: [(99.5, 35.0), (99.8, 52.0), (99.4, 44.0)],
+        of: [(99.6, 35.0), (99.8, 51.0), (99.4, 44.0)],
         deceiving: 0.2,
     },
     Estimates {
-        of: [(99.8, 52.0), (99.8, 80.0), (99.3, 44.0)],
+        of: [(99.8, 50.0), (99.8, 80.0), (99.3, 44.0)],
         deceiving: 0.01,
     },
 ];
