@@ -6,7 +6,7 @@
 use super::body::{Body, Share};
 use super::constants::{Azimuth, Constants, L0};
 use super::kinematics::Rule;
-use super::linalg::{Matrix, Pair};
+use super::linalg::{Matrix, Pair, dot};
 use super::mounting::Point;
 use crate::float::Real;
 
@@ -261,8 +261,8 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
 
     /// Moves the balls' references next to where they are, for a ring at the offset `v` from its reference position `u`.
     ///
-    /// Whether each component of the distance between the grooves' centres, growth aside, stays below `2 L0` at every azimuth.
-    /// No balls are between grooves further apart, and integers do not hold the squares of such distances.
+    /// Returns whether the grooves' centres, growth aside, are nearer to each other than `sqrt(8) L0` at every azimuth: integers
+    /// hold no larger squares, and no balls are between grooves further apart.
     #[inline(never)]
     pub fn anchor_at(&mut self, u: &[T; 5], v: &[T; 5]) -> bool {
         let mut azimuths = self.azimuths.iter();
@@ -272,9 +272,10 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
             ball.anchor(self.c, &self.p, high, low, shift(v, at));
         }
         let [axial, radial] = self.c.centre;
-        let reach = T::of(2.0 * L0);
-        (axial + u[0]).abs() + u[3].abs() + u[4].abs() < reach
-            && radial + u[1].abs() + u[2].abs() < reach
+        let tilted = (u[3] * u[3] + u[4] * u[4]).sqrt();
+        let moved = (u[1] * u[1] + u[2] * u[2]).sqrt();
+        let furthest = [(axial + u[0]).abs() + tilted, radial + moved];
+        dot(furthest, furthest) < T::of(8.0 * L0 * L0)
     }
 
     /// Changes of the stiffness's diagonal if the ring makes the step `du`, and the balls follow.

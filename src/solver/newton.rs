@@ -81,7 +81,7 @@ pub enum End {
     Singular,
     /// Not within the iterations.
     Unfinished,
-    /// A figure is not a number, the grooves are out of reach of each other, or no start led to an equilibrium.
+    /// A figure is not a number, or no start led to an equilibrium.
     Lost,
 }
 
@@ -415,8 +415,8 @@ impl<T: Real, const D: usize> State<T, D> {
             }
             let before = outcome;
             outcome.residual = norm(&r) / size.at_least(T::TINY);
-            if self.beyond || !outcome.residual.is_finite() {
-                // Hands on neither what is not a number nor grooves out of reach.
+            if !outcome.residual.is_finite() {
+                // No figure that is not a number is handed on.
                 outcome.residual = T::ONE;
                 outcome.end = End::Lost;
                 break;
@@ -439,7 +439,9 @@ impl<T: Real, const D: usize> State<T, D> {
             outcome.step = length;
             self.advance(planar);
             let work = product(&r, &du);
-            if damped {
+            if self.beyond {
+                // A step may lead out of reach and back; no solve ends there.
+            } else if damped {
                 // In balance, and no damping is too small to be followed further.
                 let stays = control.least < T::EPSILON || !(work > T::ZERO);
                 if stays && self.weak && rounded(task.enough()) {

@@ -737,6 +737,36 @@ fn random_clamped_spindles_are_what_the_reference_build_says() {
     );
 }
 
+/// A ball that hardly presses the outer race, next to the inner one: the least force swings it through. One in thirty of these
+/// loads had no answer.
+#[test]
+fn balls_that_swing_against_the_inner_race_find_their_place() {
+    let plan = clamped(
+        &[(0.0, '+'), (46.615e-3, '+'), (157.430e-3, '-')],
+        Preload::Force(31.325),
+    );
+    let refused = |solver: &mut dyn AnySpindleSolver| {
+        let mut r = Random::seeded(3);
+        let mut refused = Vec::new();
+        for _ in 0..500 {
+            let load =
+                [-1042.055, -1299.63, -2167.465, 0.0, 0.0].map(|f| f * r.between(0.95, 1.05));
+            solver.reset();
+            if let Err(status) = solver.solve(&loaded(load, 100.0), &AT_0) {
+                refused.push((load, status));
+            }
+        }
+        refused
+    };
+    let refused = with_solver(&plan, FREE, Precision::F64, refused).unwrap();
+    assert!(
+        refused.is_empty(),
+        "{}: {:?}",
+        refused.len(),
+        refused.first()
+    );
+}
+
 /// Whether inertia counts is for all rows together: one of small balls may come first.
 #[test]
 fn a_light_first_row_does_not_take_the_others_inertia() {
