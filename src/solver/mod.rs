@@ -517,8 +517,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         let growth = input::growth(c, growth)?;
         let size = norm(&task.load).at_least(c.preload);
         task.size = size;
-        let loaded = size > T::TINY.sqrt() || task.held.iter().any(Option::is_some);
-        if !loaded {
+        if !task.is_loaded() {
             return Err(Status::Unloaded);
         }
         let s = if M::AT_SPEED {

@@ -34,6 +34,11 @@ impl<T: Real, const D: usize> Task<T, D> {
         self.held.iter().all(Option::is_none)
     }
 
+    /// A ring that nothing presses and nothing holds floats in its clearance.
+    pub fn is_loaded(&self) -> bool {
+        self.size > T::TINY.sqrt() || !self.is_free()
+    }
+
     /// Unbalanced part of the load from which on a step is not the last one: it changes the stiffness by more than the
     /// tolerance.
     fn far(&self) -> T {

@@ -105,9 +105,9 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
         matches!(self.preload, Preload::Spring)
     }
 
-    /// How far its groove plane is in front of its centre, in `+x`, m.
-    fn plane(&self) -> T {
-        self.facing.sign::<T>() * self.constants.plane * self.constants.radius()
+    /// How far its groove plane is in front of its centre, in `+x`, over the radius `rp`.
+    fn plane(&self, rp: T) -> T {
+        self.facing.sign::<T>() * self.constants.plane * (self.constants.radius() / rp)
     }
 
     /// Closure, in its unit of length; 0 if it slides.
@@ -348,7 +348,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         let (mut centre, mut plane, mut count) = (T::ZERO, T::ZERO, T::ZERO);
         for row in &rows {
             centre += row.position;
-            plane += row.plane();
+            plane += row.plane(rp);
             count += T::ONE;
         }
         let (centre, plane) = (centre / count, plane / count);
@@ -356,14 +356,14 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         let (mut weight, mut held) = (T::ZERO, T::ZERO);
         for (seat, row) in seats.iter_mut().zip(&rows) {
             let c = row.constants;
-            let reach = (row.position - centre) + row.plane();
-            let (facing, arm, closure) = (row.facing.sign(), c.radius() / rp, row.closure());
+            let (facing, arm, closure) = (row.facing.sign::<T>(), c.radius() / rp, row.closure());
+            let off = row.position - centre;
             *seat = Seat {
                 facing,
                 length: unit.length / c.length,
                 force: c.force / unit.force,
-                lever: (reach - plane) / rp,
-                reach: reach / (facing * c.radius()),
+                lever: (off / rp + row.plane(rp)) - plane,
+                reach: facing * (off / c.radius()) + c.plane,
                 arm,
                 inertia: c.inertia / unit.inertia,
                 closure,
@@ -380,7 +380,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             sliding,
             spring,
             centre,
-            plane: plane / rp,
+            plane,
             weight,
             held,
         }

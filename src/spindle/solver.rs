@@ -133,20 +133,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             weight: spindle.weight,
         };
         let outcome = self.state.solve::<_, M::Rule>(&mut set, &task, &mut budget);
-        if let Err(status) = self.state.refuse(&set, &task, &outcome) {
-            let nothing_carries = matches!(
-                status,
-                Status::Indeterminate {
-                    loaded_balls: 0,
-                    ..
-                }
-            );
-            return Err(if nothing_carries {
-                Status::Unloaded
-            } else {
-                status
-            });
-        }
+        self.state.refuse(&set, &task, &outcome)?;
         let u = self.state.displacement(spindle.plane);
         let error = self.state.errors(&set, &outcome, &u);
         let displacement = spindle.displacement_at(&u, T::ZERO);
@@ -199,6 +186,9 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             task.load[5] = spindle.spring / unit.force;
         }
         task.size = norm(&task.load).at_least(spindle.held);
+        if !task.is_loaded() {
+            return Err(Status::Unloaded);
+        }
         let mut grown = [Growth::NONE; R];
         for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&spindle.rows) {
             input::omega(row.constants, speed, M::AT_SPEED)?;
