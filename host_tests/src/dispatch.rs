@@ -1,20 +1,23 @@
 //! From ball count, precision and attitude rule known at run time to the solver, which wants them
 //! at compile time.
 //!
-//! The solver is generic over the ball count and owns no memory; a host program that reads the
-//! bearing from a file needs one compiled for every ball count. Only thin wrappers are: what is
-//! long in the solver does not depend on the ball count.
+//! The solver is generic over the ball count and owns no memory. A host program that reads the bearing from a file has one
+//! bearing compiled for every count, and solvers for the largest one alone: a row may have fewer balls than its spindle.
 
 use spindle_bearing::{
-    BallMotion, BallState, ContactPatch, Design, DesignError, ErrorEstimate, Frequencies,
-    InnerRaceControl, LimitSet, Limits, OuterRaceControl, RacewayControlFree, Real, Status,
+    Arrangement, BallMotion, BallState, Bearing, ContactPatch, Design, DesignError, ErrorEstimate,
+    Facing, Frequencies, Full, InnerRaceControl, LimitSet, Limits, Motion, Mounted,
+    OuterRaceControl, Quantity, RacewayControlFree, Real, Settings, Speed, Spindle, SpindleSolver,
+    Static,
 };
-use spindle_bearing::{Bearing, Full, Motion, Settings, Solver, Speed, Static};
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// Ball counts that a solver is compiled for.
-pub const BALL_COUNTS: RangeInclusive<usize> = 3..=64;
+/// Largest number of balls of a row.
+pub const MOST_BALLS: usize = 64;
+
+/// Ball counts that there is a bearing for.
+pub const BALL_COUNTS: RangeInclusive<usize> = 3..=MOST_BALLS;
 
 /// The working precision of a solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -176,119 +179,142 @@ pub fn bearing(
     balls: usize,
     precision: Precision,
 ) -> Result<Box<dyn AnyBearing>, DesignError> {
-    match precision {
-        Precision::F32 => in_single(design, balls),
-        Precision::F64 => in_double(design, balls),
-    }
+    Ok(match precision {
+        Precision::F32 => Box::new(Alone(mount::<f32>(design, balls)?, precision)),
+        Precision::F64 => Box::new(Alone(mount::<f64>(design, balls)?, precision)),
+    })
 }
 
-macro_rules! counted {
-    ($name:ident, $t:ty, $($n:literal)*) => {
-        fn $name(design: &Design, balls: usize) -> Result<Box<dyn AnyBearing>, DesignError> {
-            match balls {
-                $($n => Ok(Box::new(Bearing::<$t, $n>::new(design)?)),)*
-                _ => Err(DesignError {
-                    quantity: spindle_bearing::Quantity::BallCount,
-                    value: balls as f64,
-                    least: *BALL_COUNTS.start() as f64,
-                    most: *BALL_COUNTS.end() as f64,
-                }),
-            }
-        }
-    };
-    ($name:ident, $t:ty) => {
-        counted! {
-            $name, $t,
-            3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
-            35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
-        }
-    };
+/// A bearing of any ball count.
+pub trait Mount<T: Real> {
+    /// Its ball count.
+    fn ball_count(&self) -> usize;
+
+    /// The bearing on a shaft: clamped, with its rings just touching.
+    fn mounted(&self, position: f64, facing: Facing) -> Mounted<'_, T, MOST_BALLS>;
 }
 
-counted!(in_single, f32);
-counted!(in_double, f64);
-
-/// Adds to the solver's precisions the name they have here.
-trait Host: Real {
-    const PRECISION: Precision;
-}
-
-impl Host for f32 {
-    const PRECISION: Precision = Precision::F32;
-}
-
-impl Host for f64 {
-    const PRECISION: Precision = Precision::F64;
-}
-
-impl<T: Host, const N: usize> AnyBearing for Bearing<T, N> {
-    fn solver(&self, attitude: Attitude) -> Box<dyn AnySolver + '_> {
-        match attitude {
-            Attitude::Raceless => Box::new(Counted::<T, N, Full<RacewayControlFree>>::new(self)),
-            Attitude::Outer => Box::new(Counted::<T, N, Full<OuterRaceControl>>::new(self)),
-            Attitude::Inner => Box::new(Counted::<T, N, Full<InnerRaceControl>>::new(self)),
-        }
-    }
-
-    fn static_solver(&self) -> Box<dyn AnySolver + '_> {
-        Box::new(Counted::<T, N, Static>::new(self))
-    }
-}
-
-struct Counted<'b, T: Real, const N: usize, M: Motion> {
-    solver: Solver<'b, T, N, M>,
-    settings: Settings<T>,
-    limits: Limits<T>,
-}
-
-impl<'b, T: Host, const N: usize, M: Motion> Counted<'b, T, N, M> {
-    fn new(bearing: &'b Bearing<T, N>) -> Self {
-        Self {
-            solver: Solver::of(bearing),
-            settings: Settings::default(),
-            limits: Limits::default(),
-        }
-    }
-}
-
-impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
+impl<T: Real, const N: usize> Mount<T> for Bearing<T, N> {
     fn ball_count(&self) -> usize {
         N
     }
 
+    fn mounted(&self, position: f64, facing: Facing) -> Mounted<'_, T, MOST_BALLS> {
+        Mounted::new(self, T::of(position), facing)
+    }
+}
+
+macro_rules! mounts {
+    ($t:ident, $design:expr, $balls:expr, $($n:literal)*) => {
+        match $balls {
+            $($n => Ok(Box::new(Bearing::<$t, $n>::build($design)?) as Box<dyn Mount<$t>>),)*
+            balls => Err(DesignError {
+                quantity: Quantity::BallCount,
+                value: balls as f64,
+                least: *BALL_COUNTS.start() as f64,
+                most: MOST_BALLS as f64,
+            }),
+        }
+    };
+}
+
+/// Builds a bearing that can be mounted.
+///
+/// # Errors
+///
+/// As for [`bearing`].
+pub fn mount<T: Real>(design: &Design, balls: usize) -> Result<Box<dyn Mount<T>>, DesignError> {
+    mounts!(
+        T, design, balls,
+        3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
+        35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
+    )
+}
+
+/// A bearing as the only row of a shaft, which has the bits of a plain solver.
+struct Alone<T>(Box<dyn Mount<T>>, Precision);
+
+impl<T: Real> AnyBearing for Alone<T> {
+    fn solver(&self, attitude: Attitude) -> Box<dyn AnySolver + '_> {
+        match attitude {
+            Attitude::Raceless => Counted::<T, Full<RacewayControlFree>>::boxed(self),
+            Attitude::Outer => Counted::<T, Full<OuterRaceControl>>::boxed(self),
+            Attitude::Inner => Counted::<T, Full<InnerRaceControl>>::boxed(self),
+        }
+    }
+
+    fn static_solver(&self) -> Box<dyn AnySolver + '_> {
+        Counted::<T, Static>::boxed(self)
+    }
+}
+
+struct Counted<'b, T: Real, M: Motion> {
+    precision: Precision,
+    balls: usize,
+    solver: SpindleSolver<'b, T, 1, MOST_BALLS, M>,
+    settings: Settings<T>,
+    limits: Limits<T>,
+}
+
+impl<'b, T: Real, M: Motion> Counted<'b, T, M> {
+    fn boxed(bearing: &'b Alone<T>) -> Box<dyn AnySolver + 'b> {
+        let row = bearing.0.mounted(0.0, Facing::PlusX);
+        let spindle = Spindle::new(Arrangement::ByRows, [row]).expect("a clamped row");
+        Box::new(Self {
+            precision: bearing.1,
+            balls: bearing.0.ball_count(),
+            solver: SpindleSolver::of(spindle),
+            settings: Settings::default(),
+            limits: Limits::default(),
+        })
+    }
+}
+
+impl<T: Real, M: Motion> AnySolver for Counted<'_, T, M> {
+    fn ball_count(&self) -> usize {
+        self.balls
+    }
+
     fn precision(&self) -> Precision {
-        T::PRECISION
+        self.precision
     }
 
     fn solve_for(&mut self, load: [f64; 5], omega: f64, wanted: Wanted<'_>) -> Answer {
         let speed = Speed::rad_per_s(T::of(omega));
-        let solved = self.solver.solve(rounded(load), speed, &self.settings);
+        let solved = self.solver.solve(load.map(T::of), speed, &self.settings);
         match solved {
             Ok(solution) => {
+                let row = solution.rows().next().expect("a row");
                 match wanted {
                     Wanted::Figures => {}
-                    Wanted::Balls(balls) => keep(balls, solution.balls()),
+                    Wanted::Balls(balls) => keep(balls, row.balls()),
                     Wanted::Details(details) => {
-                        keep(&mut details.balls, solution.balls());
-                        keep_motions(&mut details.motions, solution.motions());
-                        details.frequencies = widened_frequencies(&solution.frequencies());
+                        keep(&mut details.balls, row.balls());
+                        details.motions = row.motions().map(|m| widened_motion(&m)).collect();
+                        details.frequencies = widened_frequencies(&row.frequencies());
                     }
                 }
+                let ErrorEstimate {
+                    displacement,
+                    force,
+                    stiffness,
+                } = solution.error;
                 let figures = Figures {
                     iterations: solution.iterations,
-                    limits: solution.exceedances(&self.limits).limits(),
-                    ..figures(
-                        &solution.displacement,
-                        &solution.stiffness(),
-                        &solution.error,
-                    )
+                    displacement: solution.displacement.map(T::to_f64),
+                    stiffness: wide(&solution.stiffness()),
+                    limits: row.limits(&self.limits),
+                    error: Some([displacement, force, stiffness].map(T::to_f64)),
                 };
                 Answer {
                     status: solution.status.name(),
                     figures: Ok(figures),
                 }
             }
-            Err(status) => refusal(&status),
+            Err(status) => Answer {
+                status: status.name(),
+                figures: Err(status.to_string()),
+            },
         }
     }
 
@@ -311,46 +337,14 @@ impl<T: Host, const N: usize, M: Motion> AnySolver for Counted<'_, T, N, M> {
     }
 }
 
-// Functions without the ball count: what they call, closures included, is compiled once for each precision.
-
-fn rounded<T: Real>(load: [f64; 5]) -> [T; 5] {
-    load.map(T::of)
-}
-
-/// The numbers of an equilibrium; no count, and no limits passed.
-#[inline(never)]
-fn figures<T: Real>(
-    displacement: &[T; 5],
-    stiffness: &[[T; 5]; 5],
-    error: &ErrorEstimate<T>,
-) -> Figures {
-    Figures {
-        iterations: 0,
-        displacement: displacement.map(T::to_f64),
-        stiffness: stiffness.map(|row| row.map(T::to_f64)),
-        limits: LimitSet::default(),
-        error: Some([error.displacement, error.force, error.stiffness].map(T::to_f64)),
-    }
+/// A matrix in doubles.
+pub fn wide<T: Real>(m: &[[T; 5]; 5]) -> [[f64; 5]; 5] {
+    m.map(|row| row.map(T::to_f64))
 }
 
 fn keep<T: Real>(kept: &mut Vec<BallState<f64>>, balls: impl Iterator<Item = BallState<T>>) {
     kept.clear();
     kept.extend(balls.map(|ball| widened(&ball)));
-}
-
-fn keep_motions<T: Real>(
-    kept: &mut Vec<BallMotion<f64>>,
-    motions: impl Iterator<Item = BallMotion<T>>,
-) {
-    kept.clear();
-    kept.extend(motions.map(|motion| widened_motion(&motion)));
-}
-
-fn refusal<T: Real>(status: &Status<T>) -> Answer {
-    Answer {
-        status: status.name(),
-        figures: Err(status.to_string()),
-    }
 }
 
 /// A ball's state in doubles.

@@ -1,16 +1,17 @@
 //! Spindles whose rows, ball counts and precision are known at run time only: what `dispatch` is for one bearing.
 
-use crate::dispatch::{Attitude, Precision, widened, widened_frequencies, widened_motion};
+use crate::dispatch::{
+    Attitude, MOST_BALLS, Mount, Precision, mount, wide, widened, widened_frequencies,
+    widened_motion,
+};
 use spindle_bearing::{
-    Arrangement, BallMotion, BallState, Bearing, Design, DesignError, Facing, Frequencies, Full,
-    Growth, InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
-    Quantity, RacewayControlFree, Real, Settings, ShaftEnd, Speed, Spindle, SpindleSolution,
-    SpindleSolver, Static, Status,
+    Arrangement, BallMotion, BallState, Design, DesignError, Facing, Frequencies, Full, Growth,
+    InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
+    RacewayControlFree, Real, Settings, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver,
+    Static, Status,
 };
 use std::fmt;
 
-/// Largest number of balls of a row, and of rows.
-pub const MOST_BALLS: usize = 64;
 /// Largest number of rows.
 pub const MOST_ROWS: usize = 8;
 
@@ -146,45 +147,6 @@ impl fmt::Display for BuildError {
 
 impl std::error::Error for BuildError {}
 
-/// A bearing of any ball count.
-trait Mount<T: Real> {
-    fn mounted(&self, row: &Row) -> Mounted<'_, T, MOST_BALLS>;
-}
-
-impl<T: Real, const N: usize> Mount<T> for Bearing<T, N> {
-    fn mounted(&self, row: &Row) -> Mounted<'_, T, MOST_BALLS> {
-        let preload = match row.preload {
-            Preload::Closure(e) => Preload::Closure(T::of(e)),
-            Preload::Force(force) => Preload::Force(T::of(force)),
-            Preload::Spring => Preload::Spring,
-        };
-        // What is larger than the spindle's rows is not in the table below.
-        Mounted::new(self, T::of(row.position), row.facing).with(preload)
-    }
-}
-
-macro_rules! mounts {
-    ($t:ident, $design:expr, $balls:expr, $($n:literal)*) => {
-        match $balls {
-            $($n => Ok(Box::new(Bearing::<$t, $n>::build($design)?) as Box<dyn Mount<$t>>),)*
-            balls => Err(DesignError {
-                quantity: Quantity::BallCount,
-                value: balls as f64,
-                least: 3.0,
-                most: MOST_BALLS as f64,
-            }),
-        }
-    };
-}
-
-fn mount<T: Real>(design: &Design, balls: usize) -> Result<Box<dyn Mount<T>>, DesignError> {
-    mounts!(
-        T, design, balls,
-        3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
-        35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
-    )
-}
-
 /// Builds a spindle, and hands a cold solver for it to `f`.
 ///
 /// # Errors
@@ -215,7 +177,15 @@ fn with<T: Real, O>(
         .rows
         .iter()
         .zip(&bearings)
-        .map(|(row, bearing)| bearing.mounted(row))
+        .map(|(row, bearing)| {
+            bearing
+                .mounted(row.position, row.facing)
+                .with(match row.preload {
+                    Preload::Closure(e) => Preload::Closure(T::of(e)),
+                    Preload::Force(force) => Preload::Force(T::of(force)),
+                    Preload::Spring => Preload::Spring,
+                })
+        })
         .collect();
     match mounted.len() {
         1 => of_rows::<T, 1, O>(plan, &mounted, balls, f),
@@ -324,10 +294,6 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
     fn reset(&mut self) {
         self.solver.reset();
     }
-}
-
-fn wide<T: Real>(m: &[[T; 5]; 5]) -> [[f64; 5]; 5] {
-    m.map(|row| row.map(T::to_f64))
 }
 
 fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
