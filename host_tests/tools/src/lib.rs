@@ -2,6 +2,7 @@
 
 pub mod arguments;
 pub mod bar;
+pub mod chart;
 pub mod cross;
 pub mod figure;
 pub mod graph;
