@@ -10,6 +10,7 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use serde::Deserialize;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// A picture: panels side by side or below each other, one legend.
@@ -32,6 +33,20 @@ pub struct Panel {
     pub curves: Vec<Curve>,
 }
 
+impl Panel {
+    /// Curves over axes of these labels.
+    pub fn new(title: &str, x: &str, y: &str, curves: Vec<Curve>) -> Self {
+        let title = title.to_owned();
+        let [x, y] = [x, y].map(Axis::new);
+        Self {
+            title,
+            x,
+            y,
+            curves,
+        }
+    }
+}
+
 /// An axis of a panel.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -42,9 +57,20 @@ pub struct Axis {
     pub logarithmic: bool,
 }
 
+impl Axis {
+    /// A straight one of the range of its curves.
+    pub fn new(label: &str) -> Self {
+        let label = label.to_owned();
+        Self {
+            label,
+            ..Self::default()
+        }
+    }
+}
+
 /// A curve, broken where a point is not finite or outside the axes.
 ///
-/// Curves of one name share a colour and an entry of the legend; a curve without a name has no entry.
+/// Curves of one name share a colour and an entry of the legend; a curve without a name has none, and is dark.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Curve {
@@ -53,17 +79,30 @@ pub struct Curve {
     pub style: Style,
 }
 
-/// The look of a curve.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+impl Curve {
+    /// A curve through points.
+    pub fn new(name: &str, style: Style, points: Vec<(f64, f64)>) -> Self {
+        let name = name.to_owned();
+        Self {
+            name,
+            points,
+            style,
+        }
+    }
+}
+
+/// The look of a curve; what comes first is drawn first.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Style {
+    /// A filled area: its points are (x, low), then (x, high) backwards.
+    Band,
+    /// With a marker here and there.
     #[default]
     Line,
     Dashed,
     /// A marker at every point.
     Dots,
-    /// A filled area: its points are (x, low), then (x, high) backwards.
-    Band,
 }
 
 /// Steps in a pixel: plotters draws on whole numbers.
@@ -72,18 +111,19 @@ const WIDTH: i32 = 3000;
 const MARGIN: i32 = 48;
 const HEADING: i32 = 124;
 const LEGEND_ROW: i32 = 76;
+/// Size of most texts, of which 1.24 is the part of plotters.
+const FONT: f64 = 52.0;
 
 const BACKGROUND: RGBColor = RGBColor(0xF7, 0xF8, 0xFA);
 const GRID: RGBColor = RGBColor(0xD5, 0xDA, 0xE1);
 const INK: RGBColor = RGBColor(0x25, 0x2B, 0x33);
 /// Told apart by people with any colour vision (Okabe and Ito), and by their lightness.
-const PALETTE: [RGBColor; 8] = [
+const PALETTE: [RGBColor; 7] = [
     RGBColor(0x00, 0x5A, 0x9C),
     RGBColor(0xD5, 0x5E, 0x00),
     RGBColor(0x00, 0x80, 0x60),
     RGBColor(0x9B, 0x3F, 0x83),
     RGBColor(0x4F, 0xA8, 0xDC),
-    RGBColor(0x25, 0x2B, 0x33),
     RGBColor(0xC9, 0x8A, 0x00),
     RGBColor(0x7A, 0x4F, 0x3A),
 ];
@@ -100,89 +140,83 @@ type Pixel = (i32, i32);
 ///
 /// It cannot be drawn.
 pub fn svg(chart: &Chart) -> Result<String> {
+    let curves = chart.panels.iter().flat_map(|panel| &panel.curves);
     let mut names: Vec<&str> = Vec::new();
-    for curve in chart.panels.iter().flat_map(|panel| &panel.curves) {
+    for curve in curves.clone().filter(|curve| !curve.name.is_empty()) {
         if !names.contains(&curve.name.as_str()) {
             names.push(&curve.name);
         }
     }
     let mut end = (MARGIN, HEADING);
-    let mut legend = Vec::new();
-    for (number, name) in names
-        .iter()
-        .enumerate()
-        .filter(|(_, name)| !name.is_empty())
-    {
+    let places = names.iter().map(|name| {
         let width = 190 + 25 * name.chars().count() as i32;
         if end.0 > MARGIN && end.0 + width > WIDTH - MARGIN {
             end = (MARGIN, end.1 + LEGEND_ROW);
         }
-        legend.push((number, name, end));
         end.0 += width;
-    }
-    let top = end.1 + if legend.is_empty() { 0 } else { LEGEND_ROW };
+        (end.0 - width, end.1)
+    });
+    let places: Vec<_> = places.collect();
+    let top = end.1 + if names.is_empty() { 0 } else { LEGEND_ROW };
     let columns = chart.columns.max(1);
     let rows = chart.panels.len().div_ceil(columns);
     let width = (WIDTH - 2 * MARGIN) / columns as i32;
-    let height = if columns == 1 && rows > 1 {
-        600
-    } else {
-        (width * 3 / 4).min(1200)
-    };
-    let size = (WIDTH as u32, (top + rows as i32 * height + MARGIN) as u32);
+    let most = if columns == 1 && rows > 1 { 600 } else { 1200 };
+    let height = top + rows as i32 * most.min(width * 3 / 4) + MARGIN;
+    let size = (WIDTH as u32, height as u32);
 
     let mut svg = String::new();
     let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
     root.fill(&BACKGROUND)?;
     root.draw(&Text::new(chart.title.as_str(), (MARGIN, 40), bold(64)))?;
-    for (number, name, (x, y)) in legend {
-        let curves = chart.panels.iter().flat_map(|panel| &panel.curves);
-        for style in [Style::Band, Style::Line, Style::Dashed, Style::Dots] {
-            if curves
-                .clone()
-                .any(|curve| curve.name == *name && curve.style == style)
-            {
-                let sample = match style {
-                    Style::Band => vec![(x, y), (x + 120, y), (x + 120, y + 50), (x, y + 50)],
-                    Style::Dots => vec![(x + 60, y + 25)],
-                    Style::Line | Style::Dashed => vec![(x, y + 25), (x + 120, y + 25)],
-                };
-                draw(&root, style, number, sample)?;
-                if style == Style::Line && names.len() > 1 {
-                    draw(&root, Style::Dots, number, vec![(x + 60, y + 25)])?;
-                }
-            }
+    for (name, (x, y)) in names.iter().zip(places) {
+        let of_name = curves.clone().filter(|curve| curve.name == *name);
+        let mut styles: BTreeSet<_> = of_name.map(|curve| curve.style).collect();
+        if styles.contains(&Style::Line) {
+            styles.insert(Style::Dots);
+        }
+        for style in styles {
+            let sample = match style {
+                Style::Band => vec![(x, y), (x + 120, y), (x + 120, y + 50), (x, y + 50)],
+                Style::Dots => vec![(x + 60, y + 25)],
+                Style::Line | Style::Dashed => vec![(x, y + 25), (x + 120, y + 25)],
+            };
+            draw(&root, style, look(&names, name), sample)?;
         }
         root.draw(&Text::new(*name, (x + 140, y + 4), plain()))?;
     }
-    for (i, panel) in chart.panels.iter().enumerate() {
-        let (column, row) = ((i % columns) as i32, (i / columns) as i32);
-        let corner = (MARGIN + column * width, top + row * height);
-        draw_panel(&root.clone().shrink(corner, (width, height)), panel, &names)?;
+    let grid = (rows.max(1), columns);
+    let areas = root.margin(top, MARGIN, MARGIN, MARGIN).split_evenly(grid);
+    for (panel, area) in chart.panels.iter().zip(areas) {
+        draw_panel(&root, &area, panel, &names)?;
     }
     root.present()?;
     drop(root);
     let page = |(width, height): (u32, u32)| format!("width=\"{width}\" height=\"{height}\"");
-    let shown = (size.0 / FINE, size.1 / FINE);
-    let svg = svg.replacen(&page(size), &page(shown), 1);
-    let svg = svg.replace(
-        &format!("opacity=\"{DASHES}\""),
-        "stroke-dasharray=\"28 16\"",
-    );
+    let font = format!(" font-family=\"sans-serif\" font-size=\"{}\"", FONT / 1.24);
+    let shown = page((size.0 / FINE, size.1 / FINE)) + &font;
+    let dashes = format!("opacity=\"{DASHES}\"");
+    let svg = svg.replace(&font, "").replacen(&page(size), &shown, 1);
+    let svg = svg.replace(&dashes, "stroke-dasharray=\"28 16\"");
     Ok(svg.replace(" opacity=\"1\"", "").replace(" \"/>", "\"/>"))
 }
 
+/// Number and colour of a curve's look.
+fn look(names: &[&str], name: &str) -> (usize, RGBColor) {
+    let number = names.iter().position(|known| *known == name);
+    number.map_or((0, INK), |number| (number, PALETTE[number % PALETTE.len()]))
+}
+
 fn plain() -> TextStyle<'static> {
-    ("sans-serif", 52).into_font().color(&INK)
+    ("sans-serif", FONT).into_font().color(&INK)
 }
 
 fn bold(size: i32) -> TextStyle<'static> {
-    ("sans-serif", size, FontStyle::Bold)
-        .into_font()
-        .color(&INK)
+    let font = ("sans-serif", size, FontStyle::Bold);
+    font.into_font().color(&INK)
 }
 
-fn draw_panel(area: &Area, panel: &Panel, names: &[&str]) -> Result<()> {
+fn draw_panel(root: &Area, area: &Area, panel: &Panel, names: &[&str]) -> Result<()> {
     let points = || panel.curves.iter().flat_map(|curve| &curve.points);
     let mut plane = ChartBuilder::on(area)
         .caption(&panel.title, bold(54))
@@ -209,66 +243,62 @@ fn draw_panel(area: &Area, panel: &Panel, names: &[&str]) -> Result<()> {
         .draw()?;
     let plane = plane.plotting_area();
     let (columns, rows) = plane.get_pixel_range();
-    let canvas = plane.strip_coord_spec();
     let pixel = |point: &(f64, f64)| -> Option<Pixel> {
         let (x, y) = plane.map_coordinate(point);
-        let inside = point.0.is_finite()
-            && point.1.is_finite()
-            && (columns.start..=columns.end).contains(&x)
-            && (rows.start..=rows.end).contains(&y);
-        inside.then_some((x - columns.start, y - rows.start))
+        let finite = point.0.is_finite() && point.1.is_finite();
+        let inside =
+            (columns.start..=columns.end).contains(&x) && (rows.start..=rows.end).contains(&y);
+        (finite && inside).then_some((x, y))
     };
-    for style in [Style::Band, Style::Line, Style::Dashed, Style::Dots] {
-        for curve in panel.curves.iter().filter(|curve| curve.style == style) {
-            let number = names
-                .iter()
-                .position(|name| *name == curve.name)
-                .unwrap_or(0);
-            let pixels: Vec<_> = curve.points.iter().map(pixel).collect();
-            for run in pixels.split(Option::is_none).filter(|run| !run.is_empty()) {
-                let mut run: Vec<_> = run.iter().copied().flatten().collect();
-                run.dedup();
-                draw(&canvas, style, number, run)?;
+    let mut curves: Vec<_> = panel.curves.iter().collect();
+    curves.sort_by_key(|curve| curve.style);
+    for curve in curves {
+        let look = look(names, &curve.name);
+        let pixels: Vec<_> = curve.points.iter().map(pixel).collect();
+        for run in pixels.split(Option::is_none).filter(|run| !run.is_empty()) {
+            let mut run: Vec<_> = run.iter().copied().flatten().collect();
+            if curve.style != Style::Dots {
+                // Of a level stretch, its ends.
+                let ends = |level: &[Pixel]| [level[0], level[level.len() - 1]];
+                run = run.chunk_by(|a, b| a.1 == b.1).flat_map(ends).collect();
             }
-            if style == Style::Line && names.len() > 1 {
-                let step = pixels.len().div_ceil(6).max(1);
-                let marks = pixels.iter().skip(step * (number % 4) / 4).step_by(step);
-                draw(
-                    &canvas,
-                    Style::Dots,
-                    number,
-                    marks.copied().flatten().collect(),
-                )?;
-            }
+            run.dedup();
+            draw(root, curve.style, look, run)?;
+        }
+        if curve.style == Style::Line && !curve.name.is_empty() {
+            let step = pixels.len().div_ceil(6).max(1);
+            let marks = pixels.iter().skip(step * (look.0 % 4) / 4).step_by(step);
+            draw(root, Style::Dots, look, marks.copied().flatten().collect())?;
         }
     }
     Ok(())
 }
 
-/// Draws a run of points in the look of curve `number`.
-fn draw(area: &Area, style: Style, number: usize, points: Vec<Pixel>) -> Result<()> {
-    let colour = PALETTE[number % PALETTE.len()];
+/// Draws a run of points.
+fn draw(
+    area: &Area,
+    style: Style,
+    (number, colour): (usize, RGBColor),
+    points: Vec<Pixel>,
+) -> Result<()> {
+    let line = colour.stroke_width(6);
+    let dashes = colour.mix(DASHES).stroke_width(6);
     match style {
         Style::Band => area.draw(&Polygon::new(points, colour.mix(0.25)))?,
         Style::Line if points.len() == 1 => {
             area.draw(&Circle::new(points[0], 6, colour.filled()))?
         }
-        Style::Line => area.draw(&PathElement::new(points, colour.stroke_width(6)))?,
-        Style::Dashed => area.draw(&PathElement::new(
-            points,
-            colour.mix(DASHES).stroke_width(6),
-        ))?,
+        Style::Line => area.draw(&PathElement::new(points, line))?,
+        Style::Dashed => area.draw(&PathElement::new(points, dashes))?,
         Style::Dots => {
             for at @ (x, y) in points {
+                let corners = [(x - 10, y - 10), (x + 10, y + 10)];
                 match number % 5 {
                     0 => area.draw(&Circle::new(at, 12, colour.filled()))?,
-                    1 => area.draw(&Rectangle::new(
-                        [(x - 10, y - 10), (x + 10, y + 10)],
-                        colour.filled(),
-                    ))?,
+                    1 => area.draw(&Rectangle::new(corners, colour.filled()))?,
                     2 => area.draw(&TriangleMarker::new(at, 17, colour.filled()))?,
-                    3 => area.draw(&Cross::new(at, 12, colour.stroke_width(6)))?,
-                    _ => area.draw(&Circle::new(at, 12, colour.stroke_width(6)))?,
+                    3 => area.draw(&Cross::new(at, 12, line))?,
+                    _ => area.draw(&Circle::new(at, 12, line))?,
                 }
             }
         }
@@ -276,11 +306,12 @@ fn draw(area: &Area, style: Style, number: usize, points: Vec<Pixel>) -> Result<
     Ok(())
 }
 
-/// A straight or logarithmic scale from the least to the largest value.
+/// A straight or logarithmic scale.
 struct Scale {
+    logarithmic: bool,
+    /// Ends, as powers of ten if it is logarithmic.
     least: f64,
     largest: f64,
-    logarithmic: bool,
 }
 
 impl Scale {
@@ -289,33 +320,35 @@ impl Scale {
         let logarithmic = axis.logarithmic;
         let along = |value: f64| if logarithmic { value.log10() } else { value };
         let values = values.map(along).filter(|value| value.is_finite());
-        let found = values.fold(None, |found: Option<(f64, f64)>, value| {
-            let (least, largest) = found.unwrap_or((value, value));
-            Some((least.min(value), largest.max(value)))
-        });
+        let found = values
+            .map(|value| (value, value))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let (least, largest) = found.unwrap_or((0.0, 1.0));
-        let size = least.abs().max(largest.abs());
-        // Rounding makes a curve of a constant.
-        let beyond = if largest - least > 1e-4 * size {
-            room * (largest - least)
-        } else {
+        let (span, size) = (largest - least, least.abs().max(largest.abs()));
+        let beyond = if size == 0.0 {
+            1.0
+        } else if span <= 1e-3 * room * size {
+            // Rounding makes a curve of a constant.
             0.05 * size
+        } else {
+            room * span
         };
-        let beyond = if size == 0.0 { 1.0 } else { beyond };
-        let back = |value: f64| {
-            if logarithmic {
-                10_f64.powf(value)
-            } else {
-                value
-            }
-        };
+        let found = (least - beyond, largest + beyond);
         let (least, largest) = axis
             .range
-            .unwrap_or((back(least - beyond), back(largest + beyond)));
+            .map_or(found, |(least, largest)| (along(least), along(largest)));
         Self {
+            logarithmic,
             least,
             largest,
-            logarithmic,
+        }
+    }
+
+    fn along(&self, value: f64) -> f64 {
+        if self.logarithmic {
+            value.log10()
+        } else {
+            value
         }
     }
 }
@@ -325,15 +358,7 @@ impl Ranged for Scale {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (start, end): Pixel) -> i32 {
-        let along = |value: f64| {
-            if self.logarithmic {
-                value.log10()
-            } else {
-                value
-            }
-        };
-        let (least, largest) = (along(self.least), along(self.largest));
-        let part = (along(*value) - least) / (largest - least);
+        let part = (self.along(*value) - self.least) / (self.largest - self.least);
         start + (part * f64::from(end - start)).round() as i32
     }
 
@@ -341,27 +366,28 @@ impl Ranged for Scale {
         if !self.logarithmic {
             return RangedCoordf64::from(self.range()).key_points(hint);
         }
-        let (first, last) = (
-            self.least.log10().floor() as i32,
-            self.largest.log10().ceil() as i32,
-        );
+        let (first, last) = (self.least.floor() as i32, self.largest.ceil() as i32);
         let step = (last - first) as usize / hint.max_num_points().max(1) + 1;
-        let digits = if last - first > 3 {
-            &[1.0][..]
+        let digits: &[f64] = if last - first > 3 {
+            &[1.0]
         } else {
             &[1.0, 2.0, 5.0]
         };
-        let decades = (first..=last)
-            .step_by(step)
-            .map(|decade| 10_f64.powi(decade));
-        let points = decades.flat_map(|decade| digits.iter().map(move |digit| digit * decade));
+        let decades = (first..=last).step_by(step).map(|power| 10_f64.powi(power));
+        let mut points: Vec<_> = decades
+            .flat_map(|one| digits.iter().map(move |digit| digit * one))
+            .collect();
+        points.retain(|point| self.range().contains(point));
         points
-            .filter(|point| (self.least..=self.largest).contains(point))
-            .collect()
     }
 
     fn range(&self) -> Range<f64> {
-        self.least..self.largest
+        let ends = self.least..self.largest;
+        if self.logarithmic {
+            10_f64.powf(ends.start)..10_f64.powf(ends.end)
+        } else {
+            ends
+        }
     }
 }
 

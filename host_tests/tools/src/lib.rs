@@ -11,7 +11,6 @@ pub mod replay;
 pub mod report;
 pub mod seal;
 pub mod stream;
-pub mod svg;
 pub mod table;
 pub mod telemetry;
 pub mod timing;
