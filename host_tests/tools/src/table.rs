@@ -3,75 +3,47 @@
 use host_tests::loads::LoadRow;
 
 /// Most rows of a table.
-pub const MOST_ROWS: usize = 1_000_000;
+const MOST_ROWS: usize = 1_000_000;
 
 /// Names of the axes, the one that changes most often last.
 const AXES: [&str; 8] = ["t_inner", "t_outer", "fx", "fy", "fz", "my", "mz", "speed"];
 
-/// Values of an axis: this many, from `first` in steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Range {
-    first: f64,
-    step: f64,
-    count: usize,
-}
-
-impl Range {
-    const fn of(value: f64) -> Self {
-        Self {
-            first: value,
-            step: 0.0,
-            count: 1,
-        }
+/// The values of an axis: `first`, `last` and `step` with colons between, or a single number.
+fn values(text: &str) -> Result<Vec<f64>, String> {
+    let numbers = text.split(':').map(|part| {
+        let number = part.trim().parse().ok().filter(|x: &f64| x.is_finite());
+        number.ok_or_else(|| format!("{part:?} is not a number"))
+    });
+    let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
+    let (first, last, step) = match numbers[..] {
+        [_] => return Ok(numbers),
+        [first, last, step] => (first, last, step),
+        _ => return Err("give FIRST:LAST:STEP or a single number".to_owned()),
+    };
+    let steps = (last - first) / step;
+    if step == 0.0 || !(steps >= 0.0) {
+        return Err(format!("no steps of {step} lead from {first} to {last}"));
     }
-
-    /// `first`, `last` and `step` with colons between, or a single number.
-    fn parse(text: &str) -> Result<Self, String> {
-        let numbers = text.split(':').map(|part| {
-            let number = part.trim().parse().ok().filter(|x: &f64| x.is_finite());
-            number.ok_or_else(|| format!("{part:?} is not a number"))
-        });
-        let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
-        let (first, last, step) = match numbers[..] {
-            [value] => return Ok(Self::of(value)),
-            [first, last, step] => (first, last, step),
-            _ => return Err("give FIRST:LAST:STEP or a single number".to_owned()),
-        };
-        let steps = (last - first) / step;
-        if step == 0.0 || !(steps >= 0.0) {
-            return Err(format!("no steps of {step} lead from {first} to {last}"));
-        }
-        // What rounding takes from the last step.
-        let steps = (steps * (1.0 + 1e-12) + 1e-9).floor();
-        if steps >= MOST_ROWS as f64 {
-            return Err(too_many());
-        }
-        Ok(Self {
-            first,
-            step,
-            count: steps as usize + 1,
-        })
+    // What rounding takes from the last step.
+    let steps = (steps * (1.0 + 1e-12) + 1e-9).floor();
+    if steps >= MOST_ROWS as f64 {
+        return Err(too_many());
     }
-
-    fn value(&self, i: usize) -> f64 {
-        let value = self.first + i as f64 * self.step;
-        if i == 0 || value.abs() < 1e-9 * self.step.abs() {
-            return if i == 0 { value } else { 0.0 };
-        }
+    let later = (1..=steps as usize).map(|i| match first + i as f64 * step {
+        value if value.abs() < 1e-9 * step.abs() => 0.0,
         // Steps of a tenth give tenths, which sums of rounded ones miss.
-        format!("{value:.12e}").parse().unwrap_or(value)
-    }
+        value => format!("{value:.12e}").parse().unwrap_or(value),
+    });
+    Ok([first].into_iter().chain(later).collect())
 }
 
 fn too_many() -> String {
     format!("the table has more than {MOST_ROWS} rows; take larger steps, or make several tables")
 }
 
-/// The axes of a table.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Axes {
-    ranges: [Option<Range>; AXES.len()],
-}
+/// The axes of a table: the values of each, none where it is not given.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Axes([Vec<f64>; AXES.len()]);
 
 impl Axes {
     /// Reads axes such as `speed=0:20000:500`.
@@ -80,7 +52,7 @@ impl Axes {
     ///
     /// What is wrong with one of them, or with their number of combinations.
     pub fn parse(texts: &[String]) -> Result<Self, String> {
-        let mut ranges = [None; AXES.len()];
+        let mut axes = Self::default();
         for text in texts {
             let Some((name, range)) = text.split_once('=') else {
                 return Err(format!(
@@ -89,20 +61,18 @@ impl Axes {
                 ));
             };
             let Some(axis) = AXES.iter().position(|axis| *axis == name.trim()) else {
+                let all = AXES.join(", ");
                 return Err(format!(
-                    "--table {text}: {name:?} is none of the axes {}",
-                    AXES.join(", ")
+                    "--table {text}: {name:?} is none of the axes {all}"
                 ));
             };
-            let range = Range::parse(range).map_err(|error| format!("--table {text}: {error}"))?;
-            if ranges[axis].replace(range).is_some() {
+            if !axes.0[axis].is_empty() {
                 return Err(format!("--table {text}: {name} is given twice"));
             }
+            axes.0[axis] = values(range).map_err(|error| format!("--table {text}: {error}"))?;
         }
-        let axes = Self { ranges };
-        let counts = axes.ranges.iter().flatten().map(|range| range.count);
-        let rows = counts.fold(1_usize, usize::saturating_mul);
-        if rows > MOST_ROWS {
+        let counts = axes.0.iter().map(|values| values.len().max(1));
+        if counts.fold(1, usize::saturating_mul) > MOST_ROWS {
             return Err(format!("--table: {}", too_many()));
         }
         Ok(axes)
@@ -110,26 +80,27 @@ impl Axes {
 
     /// Whether one of the temperatures is given.
     pub fn has_temperatures(&self) -> bool {
-        self.ranges[..2].iter().any(Option::is_some)
+        self.0[..2].iter().any(|values| !values.is_empty())
     }
 
     /// The rows: all combinations, time being their number. A load or speed that is not given is 0, a temperature that
     /// is not given is `reference`; without that, rows have no temperatures.
     pub fn rows(&self, reference: Option<f64>) -> impl ExactSizeIterator<Item = LoadRow> + use<> {
-        let warm = Range::of(reference.unwrap_or(0.0));
-        let mut ranges = [Range::of(0.0); AXES.len()];
-        for (i, (range, given)) in ranges.iter_mut().zip(self.ranges).enumerate() {
-            *range = given.unwrap_or(if i < 2 { warm } else { *range });
+        let mut axes = self.0.clone();
+        for (i, values) in axes.iter_mut().enumerate() {
+            if values.is_empty() {
+                values.push(reference.filter(|_| i < 2).unwrap_or(0.0));
+            }
         }
-        let rows = ranges.iter().map(|range| range.count).product();
+        let rows = axes.iter().map(Vec::len).product();
         (0..rows).map(move |number| {
             let mut rest = number;
-            let mut values = [0.0; AXES.len()];
-            for (value, range) in values.iter_mut().zip(&ranges).rev() {
-                *value = range.value(rest % range.count);
-                rest /= range.count;
+            let mut row = [0.0; AXES.len()];
+            for (value, axis) in row.iter_mut().zip(&axes).rev() {
+                *value = axis[rest % axis.len()];
+                rest /= axis.len();
             }
-            let [inner, outer, load @ .., speed_rpm] = values;
+            let [inner, outer, load @ .., speed_rpm] = row;
             LoadRow {
                 time_s: number as f64,
                 load,
