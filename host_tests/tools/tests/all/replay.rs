@@ -3,9 +3,10 @@
 use crate::malformed::{self, HEADER};
 use host_tests::design_file::{DesignFile, SHIPPED};
 use host_tests::dispatch::{self, Attitude, Precision};
-use host_tests::loads::{LoadRow, Loads, LoadsError};
+use host_tests::loads::{LoadRow, Loads};
 use host_tests::milling_cycle::RECORD;
-use spindle_bearing::{Bearing, FreeContact, Full, RacewayControlFree, Settings, Solver, Speed};
+use spindle_bearing::{Bearing, Full, InnerRaceControl, Motion, OuterRaceControl};
+use spindle_bearing::{RacewayControlFree, Settings, Solver, Speed};
 use std::ffi::OsString;
 use std::io::{self, Cursor, Write};
 use std::path::PathBuf;
@@ -45,73 +46,98 @@ pub fn replayed(args: &[&str], stdin: &str) -> (u8, String, String) {
     (status, text(stdout), text(stderr))
 }
 
-fn fields(line: &str) -> Vec<&str> {
-    line.split(',').collect()
+/// Standard output and error of a replay that succeeds with files of these options, and the files.
+pub fn with_files<const N: usize>(
+    args: &[&str],
+    options: [&str; N],
+    stdin: &str,
+) -> (String, String, [String; N]) {
+    let test = std::thread::current().name().unwrap().to_owned();
+    let paths = options.map(|option| scratch(&format!("{test}{option}")));
+    let mut args = args.to_vec();
+    for (option, path) in options.iter().zip(&paths) {
+        args.extend([option, path.to_str().unwrap()]);
+    }
+    let (status, out, err) = replayed(&args, stdin);
+    assert_eq!(status, 0, "{err}");
+    let files = paths.map(|path| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(path).unwrap();
+        text
+    });
+    (out, err, files)
 }
 
-fn parsed(csv: &str) -> Result<Vec<LoadRow>, LoadsError> {
-    Loads::from_reader("loads.csv", Box::new(Cursor::new(csv.as_bytes().to_vec())))?.collect()
+/// The fields of the lines below a header, each with as many as the header.
+pub fn table<'t>(text: &'t str, header: &str) -> Vec<Vec<&'t str>> {
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    assert_eq!(lines.next().unwrap().join(","), header);
+    let lines: Vec<_> = lines.collect();
+    let count = header.split(',').count();
+    assert!(lines.iter().all(|line| line.len() == count), "{text}");
+    lines
+}
+
+/// Numbers as they were before they were written.
+pub fn numbers(fields: &[&str], precision: Precision) -> Vec<f64> {
+    let number = |text: &&str| match precision {
+        Precision::F32 => f64::from(text.parse::<f32>().unwrap()),
+        Precision::F64 => text.parse().unwrap(),
+    };
+    fields.iter().map(number).collect()
+}
+
+pub fn parsed(csv: &str) -> Vec<LoadRow> {
+    let input = Cursor::new(csv.as_bytes().to_vec());
+    let loads = Loads::from_reader("loads.csv", Box::new(input)).unwrap();
+    loads.map(Result::unwrap).collect()
 }
 
 #[test]
 fn results_hold_the_bits_that_the_solver_gave() {
-    let file = DesignFile::read(shipped("b7005c")).unwrap();
+    let design = shipped("b7005c");
+    let file = DesignFile::read(&design).unwrap();
+    let text = format!("{HEADER}{ROWS}");
     for (name, precision) in [("f32", Precision::F32), ("f64", Precision::F64)] {
         for (rule, attitude) in [
             ("raceless", Attitude::Raceless),
             ("outer", Attitude::Outer),
             ("inner", Attitude::Inner),
         ] {
-            let (status, out, err) = replayed(
-                &[
-                    &shipped("b7005c"),
-                    "-",
-                    "--precision",
-                    name,
-                    "--attitude",
-                    rule,
-                ],
-                &format!("{HEADER}{ROWS}"),
-            );
+            let args = [&design, "-", "--precision", name, "--attitude", rule];
+            let (status, out, err) = replayed(&args, &text);
             assert_eq!((status, err.as_str()), (0, ""));
-            let mut lines = out.lines();
-            assert_eq!(lines.next(), Some(RESULT_HEADER));
+            let lines = table(&out, RESULT_HEADER);
+            let rows = parsed(&text);
+            assert_eq!(lines.len(), rows.len());
 
             let bearing = dispatch::bearing(&file.design, file.balls, precision).unwrap();
             let mut solver = bearing.solver(attitude);
-            for row in parsed(&format!("{HEADER}{ROWS}")).unwrap() {
-                let line = fields(lines.next().unwrap());
+            for (line, row) in lines.into_iter().zip(rows) {
                 let answer = solver.solve(row.load, row.omega());
                 let figures = answer.figures.unwrap();
-                assert_eq!(line[0].parse::<f64>().unwrap(), row.time_s);
                 assert_eq!(line[1], answer.status);
-                assert_eq!(line[2].parse::<u16>().unwrap(), figures.iterations);
-                let expected = figures
-                    .displacement
-                    .iter()
-                    .chain(figures.stiffness.iter().flatten());
-                assert_eq!(line.len(), 3 + 5 + 25 + 1 + 6 + 2);
-                let [revolutions, hours] = [40, 41].map(|i| line[i].parse::<f64>().unwrap());
-                assert!(revolutions > 0.0);
-                let speed = row.speed_rpm;
-                assert!(
-                    speed == 0.0 || (hours * 60.0 * speed / (1e6 * revolutions) - 1.0).abs() < 1e-6
-                );
-                assert!(speed != 0.0 || hours.is_infinite());
+                assert_eq!(line[2], figures.iterations.to_string());
+                let stiffness = figures.stiffness.as_flattened();
+                let expected = [&figures.displacement, stiffness].concat();
+                let bits = |numbers: Vec<f64>| numbers.into_iter().map(f64::to_bits).collect();
+                let [found, expected]: [Vec<_>; 2] =
+                    [numbers(&line[3..33], precision), expected].map(bits);
+                assert_eq!(found, expected);
                 assert_eq!(line[33], figures.limits.to_string());
                 let [fx, fy, fz, my, mz] = row.load;
-                for (text, copied) in line[34..].iter().zip([fx, fy, fz, my, mz, row.speed_rpm]) {
-                    assert_eq!(text.parse::<f64>().unwrap(), copied);
-                }
-                for (text, &expected) in line[3..33].iter().zip(expected) {
-                    let read_back = match precision {
-                        Precision::F32 => f64::from(text.parse::<f32>().unwrap()),
-                        Precision::F64 => text.parse().unwrap(),
-                    };
-                    assert_eq!(read_back.to_bits(), expected.to_bits(), "{text}");
+                let copied = [row.time_s, fx, fy, fz, my, mz, row.speed_rpm];
+                let copies = [&line[..1], &line[34..40]].concat();
+                assert_eq!(numbers(&copies, Precision::F64), copied);
+                let life = numbers(&line[40..], Precision::F64);
+                let (revolutions, hours, speed) = (life[0], life[1], row.speed_rpm);
+                assert!(revolutions > 0.0);
+                if speed == 0.0 {
+                    assert!(hours.is_infinite());
+                } else {
+                    assert!((hours * 60.0 * speed / (1e6 * revolutions) - 1.0).abs() < 1e-6);
                 }
             }
-            assert_eq!(lines.next(), None);
         }
     }
 }
@@ -119,16 +145,13 @@ fn results_hold_the_bits_that_the_solver_gave() {
 #[test]
 fn a_limit_that_is_set_marks_the_rows_that_pass_it() {
     let input = format!("{HEADER}0,100,0,0,0,0,0\n1,2000,0,0,0,0,0\n");
-    let replay = |pressure| {
-        let bearing = shipped("b7005c");
-        let args = [&bearing, "-", "--peak-pressure", pressure];
+    for (pressure, marks) in [("1200", ["", "peak-pressure"]), ("4200", ["", ""])] {
+        let args = [&shipped("b7005c"), "-", "--peak-pressure", pressure];
         let (status, out, _) = replayed(&args, &input);
         assert_eq!(status, 0);
-        let last = |line: &str| fields(line)[33].to_owned();
-        out.lines().skip(1).map(last).collect::<Vec<_>>()
-    };
-    assert_eq!(replay("1200"), ["", "peak-pressure"]);
-    assert_eq!(replay("4200"), ["", ""]);
+        let lines = table(&out, RESULT_HEADER).into_iter();
+        assert_eq!(lines.map(|line| line[33]).collect::<Vec<_>>(), marks);
+    }
 }
 
 #[test]
@@ -169,38 +192,22 @@ fn a_row_that_cannot_be_read_keeps_its_place_and_is_counted() {
         let text = text + &["1", "400", "0", "0", "0", "0", "7\n"].join(separator);
         let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], &text);
         assert_eq!((status, err.lines().count()), (0, 1), "{err}");
-        let refused: Vec<_> = out
-            .lines()
-            .map(fields)
-            .filter(|line| line[1] == "refused-input")
-            .collect();
-        assert_eq!(refused.len(), 1, "{out}");
-        assert_eq!(refused[0].len(), RESULT_HEADER.split(',').count());
-        assert!(out.lines().last().unwrap().starts_with("1,converged,"));
-        assert!(
-            err.contains("1 refused-input") && err.contains(&format!("standard input: {start}")),
-            "{err}"
-        );
+        let lines = table(&out, RESULT_HEADER);
+        let refused = lines.iter().filter(|line| line[1] == "refused-input");
+        assert_eq!(refused.count(), 1, "{out}");
+        assert_eq!(lines.last().unwrap()[..2], ["1", "converged"]);
+        assert!(err.contains("1 refused-input"), "{err}");
+        assert!(err.contains(&format!("standard input: {start}")), "{err}");
     }
     let rows =
         "0,400,0,0,0,0,0\n1,,0,0,0,0,0\n2,nan,0,0,0,0,0\nthree,,0,0,0,0,0\n4,400,0,0,0,0,0\n";
     let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], &format!("{HEADER}{rows}"));
-    let starts: Vec<_> = out
-        .lines()
-        .skip(1)
-        .map(|line| fields(line)[..2].join(","))
-        .collect();
     assert_eq!(status, 0);
-    assert_eq!(
-        starts,
-        [
-            "0,converged",
-            "1,refused-input",
-            "2,not-finite",
-            ",refused-input",
-            "4,converged"
-        ]
-    );
+    let starts = table(&out, RESULT_HEADER).into_iter();
+    let starts: Vec<_> = starts.map(|line| line[..2].join(",")).collect();
+    let refused = "1,refused-input 2,not-finite ,refused-input";
+    let expected = format!("0,converged {refused} 4,converged");
+    assert_eq!(starts.join(" "), expected);
     assert_eq!(
         err,
         "replay: 3 of 5 rows have no answer: 1 not-finite, 2 refused-input (the first at 2 s: axial load \
@@ -237,66 +244,47 @@ fn columns_that_are_not_read_are_named_once() {
 
 #[test]
 fn a_row_without_an_answer_keeps_its_place() {
-    let balls = scratch("refused.csv");
     let rows = "\
         0,400,0,0,0,0,0\n\
         1,nan,0,0,0,0,0\n\
         2,400,0,-inf,0,0,0\n\
         3,400,0,0,0,0,NaN\n\
         4,400,0,0,0,0,0\n";
+    let refused = |place: usize| [1, 2, 3].contains(&place);
     for precision in ["f32", "f64"] {
-        let (status, out, err) = replayed(
-            &[
-                &shipped("b7005c"),
-                "-",
-                "--precision",
-                precision,
-                "--balls",
-                balls.to_str().unwrap(),
-            ],
-            &format!("{HEADER}{rows}"),
-        );
-        assert_eq!(status, 0);
-        let lines: Vec<_> = out.lines().skip(1).map(fields).collect();
+        let args = [&shipped("b7005c"), "-", "--precision", precision];
+        let (out, err, [balls]) = with_files(&args, ["--balls"], &format!("{HEADER}{rows}"));
+        let lines = table(&out, RESULT_HEADER);
         assert_eq!(lines.len(), 5);
         for (i, line) in lines.iter().enumerate() {
-            assert_eq!(line.len(), 42);
+            let numeric = |fields: &[&str]| fields.iter().all(|text| text.parse::<f64>().is_ok());
             assert_eq!(line[0], i.to_string());
-            if [1, 2, 3].contains(&i) {
+            assert!(numeric(&line[34..40]));
+            if refused(i) {
                 assert_eq!(line[1], "not-finite");
-                assert!(line[2..34].iter().all(|field| field.is_empty()));
-                assert!(
-                    line[34..40]
-                        .iter()
-                        .all(|field| field.parse::<f64>().is_ok())
-                );
-                assert_eq!(line[40..], ["", ""]);
+                assert!([&line[2..34], &line[40..]].concat().concat().is_empty());
             } else {
                 assert_eq!(line[1], "converged");
-                assert!(line[2..33].iter().all(|field| field.parse::<f64>().is_ok()));
+                assert!(numeric(&line[2..33]));
             }
         }
         // A refusal leaves the warm start alone: same load as before, same place.
         let place = |line: &[&str]| line[3].parse::<f64>().unwrap();
         assert!((place(&lines[4]) / place(&lines[0]) - 1.0).abs() < 1e-5);
         assert_eq!(err.lines().count(), 1, "{err}");
-        assert!(
-            err.starts_with("replay: 3 of 5 rows have no answer: 3 not-finite (the first at 1 s: "),
-            "{err}"
-        );
+        let said = "replay: 3 of 5 rows have no answer: 3 not-finite (the first at 1 s: ";
+        assert!(err.starts_with(said), "{err}");
 
-        let text = std::fs::read_to_string(&balls).unwrap();
-        let lines: Vec<_> = text.lines().skip(1).map(fields).collect();
+        let lines = table(&balls, BALL_HEADER);
         assert_eq!(lines.len(), 5 * 16);
         for (i, line) in lines.iter().enumerate() {
-            assert_eq!(line.len(), 19);
-            assert_eq!(line[0], (i / 16).to_string());
-            assert_eq!(line[1], (i % 16).to_string());
-            let refused = [1, 2, 3].contains(&(i / 16));
-            assert!(line[2..].iter().all(|field| field.is_empty() == refused));
+            let place = [i / 16, i % 16].map(|number| number.to_string());
+            assert_eq!(line[..2], place);
+            let empty = line[2..].iter().all(|field| field.is_empty());
+            let full = line[2..].iter().all(|field| !field.is_empty());
+            assert!(if refused(i / 16) { empty } else { full });
         }
     }
-    std::fs::remove_file(balls).unwrap();
 }
 
 #[test]
@@ -320,10 +308,8 @@ fn warm_rows_take_fewer_iterations_than_cold_ones() {
         let args = [&[bearing.as_str(), RECORD], extra].concat();
         let (status, out, err) = replayed(&args, "");
         assert_eq!((status, err.as_str()), (0, ""));
-        out.lines()
-            .skip(1)
-            .map(|line| fields(line)[2].parse::<u32>().unwrap())
-            .sum()
+        let lines = table(&out, RESULT_HEADER).into_iter();
+        lines.map(|line| line[2].parse::<u32>().unwrap()).sum()
     };
     assert!(iterations(&[]) < iterations(&["--cold"]));
 }
@@ -340,116 +326,40 @@ fn standard_input_gives_what_the_file_gives() {
     assert_eq!(piped, named);
 }
 
-/// Forces of the balls on the inner ring, without friction: `(Fx, Fy, Fz, My, Mz)`.
-fn ring_load(file: &DesignFile, balls: &[Vec<f64>]) -> [f64; 5] {
-    let design = &file.design;
-    let li = (design.inner_groove_factor - 0.5) * design.ball_diameter;
-    let l0 = (design.inner_groove_factor + design.outer_groove_factor - 1.0) * design.ball_diameter;
-    let (cos, zp) = match design.free_contact {
-        FreeContact::Angle(angle) => (angle.cos(), li * angle.sin()),
-        FreeContact::DiametralClearance(clearance) => (1.0 - clearance / (2.0 * l0), 0.0),
-    };
-    let rp = 0.5 * design.pitch_diameter + li * cos;
-    let mut sum = [0.0; 5];
-    for ball in balls {
-        let (phi, alpha_i, q_i) = (ball[2], ball[3], ball[5]);
-        let (fa, fr) = (q_i * alpha_i.sin(), q_i * alpha_i.cos());
-        let moment = rp * fa - zp * fr;
-        sum[0] += fa;
-        sum[1] += fr * phi.cos();
-        sum[2] += fr * phi.sin();
-        sum[3] += moment * phi.sin();
-        sum[4] -= moment * phi.cos();
-    }
-    sum
-}
-
-/// At rest there is no friction, and under outer race control the inner contacts carry none, so that
-/// the contact forces alone must add up to the load.
-#[test]
-fn forces_of_the_balls_balance_the_load() {
-    let path = scratch("balance.csv");
-    let rows = "0,400,0,0,0,0,0\n1,500,60,-40,0.4,1.1,0\n2,1000,200,0,0,3,0\n";
-    for (name, rows, attitude) in [
-        ("b7005c", rows.to_owned(), "raceless"),
-        ("b7005c-hybrid", rows.to_owned(), "inner"),
-        ("b218", rows.to_owned(), "outer"),
-        ("b7005c", rows.replace(",0\n", ",18000\n"), "outer"),
-        ("skf6205", rows.replace(",0\n", ",9000\n"), "outer"),
-    ] {
-        let (status, _, err) = replayed(
-            &[
-                &shipped(name),
-                "-",
-                "--attitude",
-                attitude,
-                "--balls",
-                path.to_str().unwrap(),
-            ],
-            &format!("{HEADER}{rows}"),
-        );
-        assert_eq!((status, err.as_str()), (0, ""));
-        let file = DesignFile::read(shipped(name)).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let mut lines = text.lines();
-        assert_eq!(lines.next(), Some(BALL_HEADER));
-        let balls: Vec<Vec<f64>> = lines
-            .map(|line| fields(line).iter().map(|f| f.parse().unwrap()).collect())
-            .collect();
-        let loads = parsed(&format!("{HEADER}{rows}")).unwrap();
-        assert_eq!(balls.len(), loads.len() * file.balls);
-        for (balls, row) in balls.chunks(file.balls).zip(&loads) {
-            let sum = ring_load(&file, balls);
-            let (force, moment) = (row.load[0].abs(), row.load[0].abs() * 0.02);
-            for (i, (sum, load)) in sum.iter().zip(row.load).enumerate() {
-                let size = if i < 3 { force } else { moment };
-                assert!(
-                    (sum - load).abs() < 1e-9 * size,
-                    "{name} at {}, component {i}: {sum} for {load}",
-                    row.time_s
-                );
-            }
-        }
-    }
-    std::fs::remove_file(path).unwrap();
-}
-
-/// Motions, contacts and frequencies are those of the library, and hold together.
+/// States, motions, contacts and frequencies are those of the library, and hold together.
 #[test]
 fn balls_and_frequencies_are_written_as_the_solver_gave_them() {
-    let [of_balls, frequencies] = ["details.csv", "frequencies.csv"].map(scratch);
-    let args = [
-        &shipped("b7005c"),
-        "-",
-        "--balls",
-        of_balls.to_str().unwrap(),
-        "--frequencies",
-        frequencies.to_str().unwrap(),
-    ];
-    let (status, _, err) = replayed(&args, &format!("{HEADER}{ROWS}4,nan,0,0,0,0,0\n"));
-    assert_eq!(status, 0, "{err}");
-    let [of_balls, frequencies] = [of_balls, frequencies].map(|path| {
-        let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::remove_file(path).unwrap();
-        text
-    });
-    let (mut of_balls, mut frequencies) = (of_balls.lines().skip(1), frequencies.lines());
-    assert_eq!(
-        frequencies.next(),
-        Some("time_s,cage_hz,outer_race_hz,inner_race_hz,ball_hz")
-    );
+    check_balls::<Full<RacewayControlFree>>("raceless");
+    check_balls::<Full<OuterRaceControl>>("outer");
+    check_balls::<Full<InnerRaceControl>>("inner");
+}
+
+fn check_balls<M: Motion>(rule: &str) {
+    let args = [&shipped("b7005c"), "-", "--attitude", rule];
+    let loads = format!("{HEADER}{ROWS}4,nan,0,0,0,0,0\n");
+    let (.., [balls, frequencies]) = with_files(&args, ["--balls", "--frequencies"], &loads);
+    let mut balls = table(&balls, BALL_HEADER).into_iter();
+    let header = "time_s,cage_hz,outer_race_hz,inner_race_hz,ball_hz";
+    let mut frequencies = table(&frequencies, header).into_iter();
     let file = DesignFile::read(shipped("b7005c")).unwrap();
     let bearing = Bearing::<f64, 16>::new(&file.design).unwrap();
-    let mut solver = Solver::<f64, 16, Full<RacewayControlFree>>::of(&bearing);
-    let numbers =
-        |line: &str| -> Vec<f64> { fields(line).iter().map(|f| f.parse().unwrap()).collect() };
-    for row in parsed(&format!("{HEADER}{ROWS}")).unwrap() {
+    let mut solver = Solver::<f64, 16, M>::of(&bearing);
+    for row in parsed(&format!("{HEADER}{ROWS}")) {
         let speed = Speed::rad_per_s(row.omega());
         let solution = solver.solve(row.load, speed, &Settings::default()).unwrap();
-        for motion in solution.motions() {
-            let line = numbers(of_balls.next().unwrap());
+        for (j, (ball, motion)) in solution.balls().zip(solution.motions()).enumerate() {
+            let line = numbers(&balls.next().unwrap(), Precision::F64);
             let (i, o) = (motion.inner, motion.outer);
             let expected = [
+                row.time_s,
+                j as f64,
+                ball.azimuth,
+                ball.alpha_i,
+                ball.alpha_o,
+                ball.q_i,
+                ball.q_o,
+                ball.centrifugal_force,
+                ball.gyroscopic_moment,
                 i.peak_pressure,
                 o.peak_pressure,
                 i.semi_major,
@@ -461,28 +371,18 @@ fn balls_and_frequencies_are_written_as_the_solver_gave_them() {
                 i.spin_to_roll,
                 o.spin_to_roll,
             ];
-            assert_eq!(line[9..], expected);
+            assert_eq!(line, expected);
             // Hertz: force = 2/3 pi a b p.
             let force = 2.0 / 3.0 * std::f64::consts::PI * line[9] * line[11] * line[12];
-            assert!(
-                (force - line[5]).abs() <= 1e-9 * line[5].max(1.0),
-                "{line:?}"
-            );
+            assert!((force - ball.q_i).abs() <= 1e-9 * ball.q_i.max(1.0));
         }
         let found = solution.frequencies();
-        assert_eq!(
-            numbers(frequencies.next().unwrap()),
-            [
-                row.time_s,
-                found.cage,
-                found.outer_race,
-                found.inner_race,
-                found.ball
-            ]
-        );
+        let [cage, outer, inner] = [found.cage, found.outer_race, found.inner_race];
+        let line = numbers(&frequencies.next().unwrap(), Precision::F64);
+        assert_eq!(line, [row.time_s, cage, outer, inner, found.ball]);
     }
-    assert_eq!(frequencies.next(), Some("4,,,,"));
-    assert_eq!(of_balls.next(), Some("4,0,,,,,,,,,,,,,,,,,"));
+    assert_eq!(frequencies.next().unwrap().join(","), "4,,,,");
+    assert_eq!(balls.next().unwrap().join(","), "4,0,,,,,,,,,,,,,,,,,");
 }
 
 /// Hands out a little, then behaves as a pipe whose reader has gone.
@@ -534,11 +434,12 @@ fn ball_states_never_overwrite_the_input() {
 fn help_goes_to_standard_output_and_complaints_about_arguments_do_not() {
     let (status, out, err) = replayed(&["--help"], "");
     assert_eq!((status, err.as_str()), (0, ""));
+    let header = HEADER.trim_end();
     for word in [
         "cargo replay",
         "DESIGN.toml",
         "--attitude",
-        HEADER.trim_end(),
+        header,
         "k_y_tz",
     ] {
         assert!(out.contains(word), "{word} is missing in\n{out}");
@@ -556,45 +457,26 @@ fn help_goes_to_standard_output_and_complaints_about_arguments_do_not() {
 
 #[test]
 fn files_that_are_not_there_are_named() {
-    let (status, _, err) = replayed(&["nowhere.toml", "-"], "");
-    assert_eq!(status, 2);
-    assert!(
-        err.starts_with("replay: nowhere.toml: cannot be read: "),
-        "{err}"
-    );
-    let (status, _, err) = replayed(&[&shipped("b218"), "nowhere.csv"], "");
-    assert_eq!(status, 2);
-    assert!(
-        err.starts_with("replay: nowhere.csv: cannot be read: "),
-        "{err}"
-    );
+    for (args, name) in [
+        ([&*shipped("b218"), "nowhere.csv"], "nowhere.csv"),
+        (["nowhere.toml", "-"], "nowhere.toml"),
+    ] {
+        let (status, _, err) = replayed(&args, "");
+        assert_eq!(status, 2);
+        let start = format!("replay: {name}: cannot be read: ");
+        assert!(err.starts_with(&start), "{err}");
+    }
 }
 
 #[test]
 fn a_table_has_what_a_recording_of_its_loads_gives() {
-    let args = [
-        &shipped("b7005c"),
-        "--table",
-        "speed=0:20000:10000",
-        "fx=500",
-        "fy=0:200:100",
-        "--cold",
-    ];
-    let (status, table, err) = replayed(&args, "");
+    let design = shipped("b7005c");
+    let axes = ["speed=0:20000:10000", "fx=500", "fy=0:200:100", "--cold"];
+    let (status, table, err) = replayed(&[&[&*design, "--table"], &axes[..]].concat(), "");
     assert_eq!((status, &*err), (0, ""));
-    let mut rows = String::new();
-    for (i, (fy, speed)) in [0, 100, 200]
-        .into_iter()
-        .flat_map(|fy| [0, 10_000, 20_000].map(|speed| (fy, speed)))
-        .enumerate()
-    {
-        rows += &format!("{i},500,{fy},0,0,0,{speed}\n");
-    }
-    let recording = format!("{HEADER}{rows}");
-    assert_eq!(
-        table,
-        replayed(&[&shipped("b7005c"), "-", "--cold"], &recording).1
-    );
+    let row = |i| format!("{i},500,{},0,0,0,{}\n", i / 3 * 100, i % 3 * 10_000);
+    let recording = HEADER.to_owned() + &(0..9).map(row).collect::<String>();
+    assert_eq!(table, replayed(&[&design, "-", "--cold"], &recording).1);
 }
 
 #[test]

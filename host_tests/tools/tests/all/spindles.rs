@@ -1,8 +1,7 @@
 //! `cargo replay` of spindles: files, messages, and that the results are the solver's.
 
-use crate::replay::{BALL_HEADER, replayed, scratch};
+use crate::replay::{BALL_HEADER, numbers, parsed, replayed, scratch, table, with_files};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::loads::{self, LoadRow};
 use host_tests::spindle_file::SpindleFile;
 use host_tests::spindles::{AnySpindleSolver, Balls, with_solver};
 use host_tests::warm_up;
@@ -20,142 +19,84 @@ fn shipped(name: &str) -> String {
     format!("{SPINDLES}/{name}.toml")
 }
 
-fn rows(csv: &str) -> Vec<LoadRow> {
-    let input = std::io::Cursor::new(csv.as_bytes().to_vec());
-    let loads = loads::Loads::from_reader("loads.csv", Box::new(input)).unwrap();
-    loads.map(Result::unwrap).collect()
-}
-
 #[test]
 fn results_hold_the_bits_that_the_solver_gave() {
     for (name, precision) in [("f32", Precision::F32), ("f64", Precision::F64)] {
         let design = shipped("7014c_back_to_back");
-        let [of_rows, of_balls, frequencies] =
-            ["rows", "balls", "frequencies"].map(|what| scratch(&format!("{name}-{what}.csv")));
-        let args = [
-            &design,
-            "-",
-            "--precision",
-            name,
-            "--rows",
-            of_rows.to_str().unwrap(),
-            "--balls",
-            of_balls.to_str().unwrap(),
-            "--frequencies",
-            frequencies.to_str().unwrap(),
+        let args = [&design, "-", "--precision", name];
+        let options = ["--rows", "--balls", "--frequencies"];
+        let (out, err, files) = with_files(&args, options, LOADS);
+        let said = "1 of 4 rows has no answer: 1 not-finite (the first at 2 s: axial load Fx";
+        assert!(err.contains(said), "{err}");
+        let header = out.lines().next().unwrap();
+        let columns: Vec<_> = header.split(',').collect();
+        assert_eq!(columns.len(), 8 + 25 + 25 + 1 + 6 + 2);
+        assert_eq!(
+            [8, 33, 58, 66].map(|i| columns[i]),
+            ["k_x_x", "k_nose_x_x", "limits", "l10_h"]
+        );
+        let mut lines = table(&out, header).into_iter();
+        let headers = [
+            "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n",
+            &BALL_HEADER.replace("ball,", "row,ball,"),
+            "time_s,row,cage_hz,outer_race_hz,inner_race_hz,ball_hz",
         ];
-        let (status, out, err) = replayed(&args, LOADS);
-        assert_eq!(status, 0);
-        assert!(
-            err.contains(
-                "1 of 4 rows has no answer: 1 not-finite (the first at 2 s: axial load Fx"
-            ),
-            "{err}"
-        );
-        let [of_rows, of_balls, frequencies] = [of_rows, of_balls, frequencies].map(|path| {
-            let text = std::fs::read_to_string(&path).unwrap();
-            std::fs::remove_file(path).unwrap();
-            text
-        });
-        let mut lines = out.lines().map(|line| line.split(',').collect::<Vec<_>>());
-        let header = lines.next().unwrap();
-        assert_eq!(header.len(), 8 + 25 + 25 + 1 + 6 + 2);
-        assert_eq!(
-            (header[8], header[33], header[58], header[66]),
-            ("k_x_x", "k_nose_x_x", "limits", "l10_h")
-        );
-        let (mut of_rows, mut of_balls) = (of_rows.lines(), of_balls.lines());
-        let mut frequencies = frequencies.lines();
-        assert_eq!(
-            frequencies.next(),
-            Some("time_s,row,cage_hz,outer_race_hz,inner_race_hz,ball_hz")
-        );
-        let [rows_header, balls_header] =
-            [&mut of_rows, &mut of_balls].map(|lines| lines.next().unwrap());
-        assert_eq!(
-            rows_header,
-            "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n"
-        );
-        assert_eq!(balls_header, BALL_HEADER.replace("ball,", "row,ball,"));
+        let mut files = [0, 1, 2].map(|i| table(&files[i], headers[i]).into_iter());
+        let [of_rows, of_balls, frequencies] = &mut files;
 
         let file = SpindleFile::read(&design).unwrap();
         let end = file.nose.unwrap();
         assert_eq!(end, ShaftEnd::rigid(-0.06));
-        let number = |text: &str| -> f64 {
-            if precision == Precision::F32 {
-                text.parse::<f32>().unwrap().into()
-            } else {
-                text.parse().unwrap()
-            }
-        };
         let check = |solver: &mut dyn AnySpindleSolver| {
-            for row in rows(LOADS) {
+            for row in parsed(LOADS) {
                 let line = lines.next().unwrap();
-                let answer = solver.solve(&file.question(&row), &end);
-                let Ok(answer) = answer else {
+                let Ok(answer) = solver.solve(&file.question(&row), &end) else {
                     assert_eq!(line[1], "not-finite");
-                    assert!(
-                        line[2..59].iter().all(|field| field.is_empty())
-                            && line.len() == header.len()
-                    );
-                    for _ in 0..2 {
-                        assert!(of_rows.next().unwrap().ends_with(",,,,,,,"));
-                    }
-                    for _ in 0..40 {
-                        assert!(of_balls.next().unwrap().ends_with(",,,,,,,"));
-                    }
-                    for i in 0..2 {
-                        assert_eq!(frequencies.next().unwrap(), format!("2,{i},,,,"));
-                    }
+                    assert!(line[2..59].concat().is_empty());
+                    let rows = of_rows.take(2).map(|line| line[2..].concat());
+                    let balls = of_balls.take(40).map(|line| line[3..].concat());
+                    assert!(rows.chain(balls).all(|figures| figures.is_empty()));
+                    let frequencies: Vec<_> = frequencies.take(2).collect();
+                    let empty = |row| ["2", row, "", "", "", ""];
+                    assert_eq!(frequencies, [empty("0"), empty("1")]);
                     continue;
                 };
-                let figures = answer.displacement.into_iter();
-                let figures = figures.chain(answer.stiffness.into_iter().flatten());
-                let figures = figures.chain(answer.stiffness_at.into_iter().flatten());
-                for (field, figure) in line[3..58].iter().zip(figures) {
-                    assert_eq!(number(field), figure);
-                }
+                let stiffness = answer.stiffness.as_flattened();
+                let at_nose = answer.stiffness_at.as_flattened();
+                let figures = [&answer.displacement, stiffness, at_nose].concat();
+                assert_eq!(numbers(&line[3..58], precision), figures);
                 for (i, row) in answer.rows.iter().enumerate() {
-                    let line: Vec<&str> = of_rows.next().unwrap().split(',').collect();
+                    let line = of_rows.next().unwrap();
                     assert_eq!(line[1], i.to_string());
-                    let least = row
-                        .balls
-                        .iter()
-                        .map(|ball| ball.q_i)
-                        .fold(f64::INFINITY, f64::min);
-                    for (field, figure) in line[2..]
-                        .iter()
-                        .zip(row.force.into_iter().chain([row.preload, least]))
-                    {
-                        assert_eq!(number(field), figure);
-                    }
+                    let forces = row.balls.iter().map(|ball| ball.q_i);
+                    let least = forces.fold(f64::INFINITY, f64::min);
+                    let carried = [&row.force[..], &[row.preload, least]].concat();
+                    assert_eq!(numbers(&line[2..], precision), carried);
                     for (j, ball) in row.balls.iter().enumerate() {
-                        let line: Vec<&str> = of_balls.next().unwrap().split(',').collect();
-                        assert_eq!((line[1], line[2]), (&*i.to_string(), &*j.to_string()));
-                        assert_eq!(number(line[6]), ball.q_i);
+                        let line = of_balls.next().unwrap();
+                        assert_eq!(line[1..3], [i.to_string(), j.to_string()]);
                         let motion = &row.motions[j];
-                        assert_eq!(number(line[10]), motion.inner.peak_pressure);
-                        assert_eq!(number(line[19]), motion.outer.spin_to_roll);
+                        assert_eq!(
+                            numbers(&[line[6], line[10], line[19]], precision),
+                            [
+                                ball.q_i,
+                                motion.inner.peak_pressure,
+                                motion.outer.spin_to_roll
+                            ]
+                        );
                     }
-                    let line: Vec<&str> = frequencies.next().unwrap().split(',').collect();
+                    let line = frequencies.next().unwrap();
                     let found = &row.frequencies;
                     let found = [found.cage, found.outer_race, found.inner_race, found.ball];
                     assert_eq!(line[1], i.to_string());
-                    assert_eq!([2, 3, 4, 5].map(|i| number(line[i])), found);
+                    assert_eq!(numbers(&line[2..], precision), found);
                 }
             }
-            assert_eq!(
-                (lines.next(), of_rows.next(), of_balls.next()),
-                (None, None, None)
-            );
         };
-        with_solver(
-            &file.plan,
-            Balls::Moving(Attitude::Raceless),
-            precision,
-            check,
-        )
-        .unwrap();
+        let balls = Balls::Moving(Attitude::Raceless);
+        with_solver(&file.plan, balls, precision, check).unwrap();
+        assert_eq!(lines.next(), None);
+        assert!(files.iter_mut().all(|file| file.next().is_none()));
     }
 }
 
