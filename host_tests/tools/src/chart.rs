@@ -23,6 +23,17 @@ pub struct Chart {
     pub columns: usize,
 }
 
+impl Chart {
+    /// Panels below each other, or in columns.
+    pub fn new(title: &str, columns: usize, panels: Vec<Panel>) -> Self {
+        Self {
+            title: title.to_owned(),
+            panels,
+            columns,
+        }
+    }
+}
+
 /// Curves in one pair of axes.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -236,7 +247,7 @@ fn draw_panel(root: &Area, area: &Area, panel: &Panel, names: &[&str]) -> Result
         .label_style(plain())
         .axis_desc_style(plain())
         .set_all_tick_mark_size(18)
-        .x_labels(10)
+        .x_labels((area.dim_in_pixel().0 / 170).min(10) as usize)
         .y_labels(7)
         .x_desc(&panel.x.label)
         .y_desc(&panel.y.label)

@@ -263,11 +263,7 @@ fn over_time(rows: &[Row]) -> Result<Chart> {
     if together > 1 {
         title += &format!("; lines: means of {together} rows; bands: least to largest");
     }
-    Ok(Chart {
-        title,
-        panels,
-        columns: 1,
-    })
+    Ok(Chart::new(&title, 1, panels))
 }
 
 /// A line through the points; through means of them above a band, if there are too many.
@@ -314,44 +310,31 @@ fn over_speed(rows: &[Row]) -> Result<Chart> {
         rows.iter().any(|row| row.speed != rows[0].speed),
         "fewer than two speeds have an answer, nothing to draw over speed"
     );
+    let varies = [0, 1, 2, 3, 4].map(|i| rows.iter().any(|row| row.load[i] != rows[0].load[i]));
     let name = |row: &Row, varying: bool| {
-        let varies = |i: usize| rows.iter().any(|row| row.load[i] != rows[0].load[i]);
-        let loads = (0..5).filter(|i| varies(*i) == varying && (varying || row.load[*i] != 0.0));
+        let loads = (0..5).filter(|i| varies[*i] == varying && (varying || row.load[*i] != 0.0));
         let unit = |i| if i < 3 { "N" } else { "N m" };
         let loads = loads.map(|i| format!("{} = {} {}", LOADS[i], row.load[i], unit(i)));
         loads.collect::<Vec<_>>().join(", ")
     };
     let title = format!("stiffness over speed, {}", name(rows[0], false));
-    let title = title.trim_end_matches(", ").to_owned();
-    let mut groups: Vec<_> = rows
-        .chunk_by(|a, b| a.load == b.load)
-        .map(<[_]>::to_vec)
-        .collect();
-    let mut names: Vec<_> = groups
-        .iter()
-        .take(MOST_CURVES)
-        .map(|rows| name(rows[0], true))
-        .collect();
-    let mut style = Style::Line;
+    let groups = rows.chunk_by(|a, b| a.load == b.load);
+    let groups = groups.map(|rows| (name(rows[0], true), rows.to_vec()));
+    let (mut groups, mut style) = (groups.collect::<Vec<_>>(), Style::Line);
     if groups.len() > MOST_CURVES {
         let step = rows.len().div_ceil(MOST_DOTS);
-        names = vec![format!("one row of {step}")];
-        groups = vec![rows.into_iter().step_by(step).collect()];
-        style = Style::Dots;
+        let some = rows.into_iter().step_by(step).collect();
+        (groups, style) = (vec![(format!("one row of {step}"), some)], Style::Dots);
     }
     let panels = PANELS.iter().map(|&(title, unit, i)| {
-        let curves = names.iter().zip(&groups).map(|(name, rows)| {
+        let curves = groups.iter().map(|(name, rows)| {
             let points = rows.iter().map(|row| (row.speed, row.stiffness[i]));
             Curve::new(name, style, points.collect())
         });
         Panel::new(title, "shaft speed / 1000 rpm", unit, curves.collect())
     });
-    let panels = panels.collect();
-    Ok(Chart {
-        title,
-        panels,
-        columns: 2,
-    })
+    let title = title.trim_end_matches(", ");
+    Ok(Chart::new(title, 2, panels.collect()))
 }
 
 /// Contact forces around the bearing at the time nearest to `wanted`, or at that of the largest force.
@@ -371,39 +354,26 @@ fn around(table: &mut Table, wanted: Option<f64>) -> Result<Chart> {
         balls.iter().any(|ball| ball[2].max(ball[3]) > 0.0),
         "no ball carries a force at {time} s"
     );
-    balls.sort_by(|a, b| a[1].total_cmp(&b[1]));
-    let mut rows: Vec<_> = balls.iter().map(|ball| ball[4]).collect();
-    rows.sort_by(f64::total_cmp);
-    rows.dedup();
-    let panels = rows.iter().map(|row| {
-        let balls = balls.iter().filter(|ball| ball[4] == *row);
+    let place = |ball: &[f64; 5]| (ball[4], ball[1]);
+    balls.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(Ordering::Equal));
+    let rows = balls.chunk_by(|a, b| a[4] == b[4]).map(|balls| {
         let curve = |name, style, force: usize| {
-            let points = balls
-                .clone()
-                .map(|ball| (ball[1].to_degrees(), ball[force]));
+            let points = balls.iter().map(|ball| (ball[1].to_degrees(), ball[force]));
             Curve::new(name, style, points.collect())
         };
         let [inner, outer] = ["inner race", "outer race"];
         let mut curves = vec![curve(inner, Style::Line, 2), curve(outer, Style::Dashed, 3)];
         curves.extend([curve(inner, Style::Dots, 2), curve(outer, Style::Dots, 3)]);
-        Panel::new(
-            &format!("row {row}"),
-            "azimuth / degrees: y at 0, z at 90",
-            "contact force / N",
-            curves,
-        )
+        let azimuth = "azimuth / degrees: y at 0, z at 90";
+        let title = format!("row {}", balls[0][4]);
+        Panel::new(&title, azimuth, "contact force / N", curves)
     });
-    let mut panels: Vec<_> = panels.collect();
+    let mut panels: Vec<_> = rows.collect();
     if let [panel] = &mut panels[..] {
         panel.title.clear();
     }
     let title = format!("contact forces at {time} s");
-    let columns = rows.len().min(2);
-    Ok(Chart {
-        title,
-        panels,
-        columns,
-    })
+    Ok(Chart::new(&title, panels.len().min(2), panels))
 }
 
 /// Writes the picture where it is wanted.
