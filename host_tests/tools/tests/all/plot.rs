@@ -111,96 +111,47 @@ fn balls_are_drawn_at_the_time_of_the_largest_force_or_the_one_that_is_wanted() 
     }
 }
 
+/// Standard input is refused with this message.
+fn refused(args: &[&str], csv: &str, wanted: &str) {
+    let (status, out, err) = plotted(&[&["-"], args].concat(), csv.as_bytes());
+    assert_eq!((status, &*out), (2, ""), "{err}");
+    assert!(err.starts_with("plot: standard input: "), "{err}");
+    assert!(err.contains(wanted), "{err}\nnot\n{wanted}");
+}
+
 #[test]
 fn what_cannot_be_drawn_is_said_with_its_place() {
+    let none = "line 1: there is no column k_x_x as in the results";
+    refused(&[], "", none);
+    refused(&[], HEADER, none);
     let good = results("0,400,0,0,0,0,0\n1,400,0,0,0,0,0\n");
-    let balls = "time_s,azimuth_rad,q_i_n,q_o_n\n0,0,1,1\n";
-    for (args, csv, wanted) in [
-        (&[][..], String::new(), "line 1: there is no column k_x_x"),
-        (
-            &[],
-            HEADER.to_owned(),
-            "line 1: there is no column k_x_x as in the results",
-        ),
-        (
-            &[],
-            good.replace("k_z_z", "kzz"),
-            "line 1: the column k_z_z is missing",
-        ),
-        (
-            &[],
-            good.replace("time_s", "t"),
-            "line 1: the column time_s is missing",
-        ),
-        (
-            &["--over", "speed"],
-            good.replace("speed_rpm", "rpm"),
-            "line 1: the column speed_rpm is missing",
-        ),
-        (
-            &["--nose"],
-            good.clone(),
-            "the column k_nose_x_x is missing; did cargo replay write the file, and of a spindle",
-        ),
-        (
-            &["--over", "speed"],
-            good.clone(),
-            "fewer than two speeds have an answer",
-        ),
-        (
-            &[],
-            results("0,400,0,0,0,0,0\n1,nan,0,0,0,0,0\n"),
-            "fewer than two rows have an answer",
-        ),
-        (
-            &[],
-            results("5,400,0,0,0,0,0\n5,400,0,0,0,0,0\n"),
-            "all rows have the time 5 s",
-        ),
-        (
-            &[],
-            good.replace("\n1,", "\none,"),
-            "line 3 (time_s): \"one\" is not a number",
-        ),
-        (
-            &["--time", "3"],
-            good.clone(),
-            "--time is for a file of balls",
-        ),
-        (
-            &["--over", "speed"],
-            balls.to_owned(),
-            "--over speed and --nose are for results",
-        ),
-        (
-            &[],
-            balls.replace("0,0,1,1", ",,,"),
-            "no ball has forces, nothing to draw",
-        ),
-        (
-            &[],
-            balls.replace("1,1", "0,0"),
-            "no ball carries a force at 0 s",
-        ),
-        (
-            &[],
-            balls.replace("q_o_n", "q"),
-            "the column q_o_n is missing",
-        ),
-    ] {
-        let (status, out, err) = plotted(&[&["-"], args].concat(), csv.as_bytes());
-        assert_eq!((status, &*out), (2, ""), "{err}");
-        assert!(
-            err.starts_with("plot: standard input: ") && err.contains(wanted),
-            "{err}\nnot\n{wanted}"
-        );
+    for column in ["k_z_z", "time_s", "speed_rpm"] {
+        let missing = format!("line 1: the column {column} is missing");
+        refused(&[], &good.replace(column, "other"), &missing);
     }
+    refused(&["--nose"], &good, "the column k_nose_x_x is missing");
+    let speed = ["--over", "speed"];
+    refused(&speed, &good, "fewer than two speeds have an answer");
+    refused(&["--time", "3"], &good, "--time is for a file of balls");
+    let words = good.replace("\n1,", "\none,");
+    refused(&[], &words, "line 3 (time_s): \"one\" is not a number");
+    let unsolved = results("0,400,0,0,0,0,0\n1,nan,0,0,0,0,0\n");
+    refused(&[], &unsolved, "fewer than two rows have an answer");
+    let at_once = results("5,400,0,0,0,0,0\n5,400,0,0,0,0,0\n");
+    refused(&[], &at_once, "all rows have the time 5 s");
+    let balls = "time_s,azimuth_rad,q_i_n,q_o_n\n0,0,1,1\n";
+    refused(&speed, balls, "--over speed and --nose are for results");
+    let empty = balls.replace("0,0,1,1", ",,,");
+    refused(&[], &empty, "no ball has forces, nothing to draw");
+    let idle = balls.replace("1,1", "0,0");
+    refused(&[], &idle, "no ball carries a force at 0 s");
+    let nameless = balls.replace("q_o_n", "q");
+    refused(&[], &nameless, "the column q_o_n is missing");
+
     let (status, _, err) = plotted(&["nowhere.csv"], b"");
     assert_eq!(status, 2);
-    assert!(
-        err.starts_with("plot: nowhere.csv: cannot be read: "),
-        "{err}"
-    );
+    let start = "plot: nowhere.csv: cannot be read: ";
+    assert!(err.starts_with(start), "{err}");
     let path = scratch("plot.csv");
     std::fs::write(&path, &good).unwrap();
     let name = path.to_str().unwrap();

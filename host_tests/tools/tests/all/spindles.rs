@@ -138,82 +138,43 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
         assert_eq!((status, &*out), (2, ""), "{err}");
         err
     };
-    let changed = |from: &str, to: &str| {
+    let changed = |from: &str, to: &str, wanted: &str| {
         assert!(good.contains(from), "{from}");
-        complaint(good.replacen(from, to, 1), &[])
-    };
-    for (from, to, wanted) in [
-        (
-            "facing = \"+x\"",
-            "facing = \"x\"",
-            "line 10, column 10: \"x\" is none of \"+x\", \"-x\"",
-        ),
-        (
-            "facing = \"+x\"",
-            "",
-            "line 7, column 1: this row lacks `facing`; add a line such as `facing = \"+x\"`",
-        ),
-        (
-            "facing = \"+x\"",
-            "facing = \"-x\"",
-            "row 1 faces -x, which is not back-to-back",
-        ),
-        (
-            "position_mm = 27",
-            "position_mm = 0",
-            "row 1: another row is 0e0 m away",
-        ),
-        ("position_mm = 27", "", "this row lacks `position_mm`"),
-        (
-            "arrangement = \"back-to-back\"",
-            "arrangement = \"DB\"",
-            "line 4, column 15: \"DB\" is none of \"back-to-back\"",
-        ),
-        (
-            "name = \"7014C back to back\"",
-            "",
-            "the key `name` is missing",
-        ),
-        (
-            "bearing = \"../bearings/7014c.toml\"",
-            "bearing = \"none.toml\"",
-            "line 8, column 11: ",
-        ),
-        (
-            "bearing = \"../bearings/7014c.toml\"",
-            "",
-            "this row lacks `bearing`",
-        ),
-        (
-            "facing = \"+x\"",
-            "facing = \"+x\"\npreload_offset_um = 3",
-            "`preload_n` above preloads all clamped rows",
-        ),
-        (
-            "facing = \"+x\"",
-            "facing = \"+x\"\nspring = true",
-            "row 0 slides, but there is no spring",
-        ),
-        (
-            "facing = \"+x\"",
-            "facing = \"+x\"\nprelaod = 3",
-            "unknown field `prelaod`",
-        ),
-        (
-            "preload_n = 294",
-            "preload_n = -1",
-            "row 0 is preloaded by -1 N: give a positive force",
-        ),
-        ("position_mm = -60", "", "[nose] lacks `position_mm`"),
-        (
-            "[nose]",
-            "[heat]\nreference_c = 20\n[nose]",
-            "the columns t_inner_c and t_outer_c are missing, which [heat] needs",
-        ),
-    ] {
-        let found = changed(from, to);
+        let found = complaint(good.replacen(from, to, 1), &[]);
         assert!(found.contains(wanted), "{found}\nwithout: {wanted}");
-    }
+    };
+    let facing = r#"facing = "+x""#;
+    let added = |line: &str| format!("{facing}\n{line}");
+    let place = r#"line 10, column 10: "x" is none of "+x", "-x""#;
+    changed(facing, r#"facing = "x""#, place);
+    let place = r#"line 7, column 1: this row lacks `facing`; add a line such as `facing = "+x"`"#;
+    changed(facing, "", place);
+    let reason = "row 1 faces -x, which is not back-to-back";
+    changed(facing, r#"facing = "-x""#, reason);
+    let reason = "`preload_n` above preloads all clamped rows";
+    changed(facing, &added("preload_offset_um = 3"), reason);
+    let reason = "row 0 slides, but there is no spring";
+    changed(facing, &added("spring = true"), reason);
+    changed(facing, &added("prelaod = 3"), "unknown field `prelaod`");
+    let position = "position_mm = 27";
+    changed(
+        position,
+        "position_mm = 0",
+        "row 1: another row is 0e0 m away",
+    );
+    changed(position, "", "this row lacks `position_mm`");
+    changed("position_mm = -60", "", "[nose] lacks `position_mm`");
+    let place = r#"line 4, column 15: "DB" is none of "back-to-back""#;
+    changed(r#"= "back-to-back""#, r#"= "DB""#, place);
+    let name = r#"name = "7014C back to back""#;
+    changed(name, "", "the key `name` is missing");
+    let bearing = r#"bearing = "../bearings/7014c.toml""#;
+    changed(bearing, r#"bearing = "none.toml""#, "line 8, column 11: ");
+    changed(bearing, "", "this row lacks `bearing`");
+    let reason = "row 0 is preloaded by -1 N: give a positive force";
+    changed("preload_n = 294", "preload_n = -1", reason);
+    let reason = "the columns t_inner_c and t_outer_c are missing, which [heat] needs";
+    changed("[nose]", "[heat]\nreference_c = 20\n[nose]", reason);
     assert!(
         complaint("row = []\nname = \"none\"".to_owned(), &[])
             .contains("0 rows: a spindle has 1 to 8 here")
