@@ -430,6 +430,15 @@ impl Random {
     pub fn chance(&mut self, probability: f64) -> bool {
         self.between(0.0, 1.0) < probability
     }
+
+    /// Zero with this probability, else evenly distributed.
+    pub fn zero_or(&mut self, probability: f64, least: f64, most: f64) -> f64 {
+        if self.chance(probability) {
+            0.0
+        } else {
+            self.between(least, most)
+        }
+    }
 }
 
 impl Case {

@@ -1,141 +1,62 @@
 //! The families of cases, and how a case of each is drawn.
 //!
-//! A case is a family and an index: the same two, and the same seed of the campaign, give the same
-//! case for ever, whatever the solver does. Where a load has to be that of a known displacement, the
-//! reference build's law gives it.
+//! A family, an index and the campaign's seed give one case for ever, whatever the solver does. Where a load has to be that
+//! of a known displacement, the reference build's law gives it.
 
 use crate::cases::{Case, Random, rad_per_s};
 use crate::dispatch::Attitude;
 use crate::reference::Reference;
 use spindle_bearing::{Design, FreeContact, Material};
 use std::f64::consts::{PI, TAU};
+use std::iter::repeat_with;
 
-/// A kind of cases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Family {
-    /// Random bearings, loads and speeds
-    Random,
-    /// Realistic mixed loads
-    Moderate,
-    /// Mostly radial load, most balls unloaded
-    Radial,
-    /// Two or three balls loaded
-    FewBalls,
-    /// A ball within 1e-9 m of opening
-    Opening,
-    /// Contact angles near 0, or near the shoulder
-    ExtremeAngles,
-    /// Axial load reversed
-    Reversed,
-    /// Deep groove with clearance, at rest
-    DeepGroove,
-    /// Hybrid bearings and extreme ratios of stiffness
-    Moduli,
-    /// Inner race control, moderate loads
-    InnerControl,
-    /// Some load components zero, or all
-    ZeroLoads,
-    /// Warm: load and speed drift by about a percent
-    WarmDrift,
-    /// Warm: load and speed jump
-    WarmJumps,
-    /// Any bit pattern as load and speed
-    AnyBits,
-    /// Numbers that people type
-    Typed,
+/// The families, each with its name in tables and on the command line, and with what is in it.
+macro_rules! families {
+    ($($family:ident $name:literal $about:literal)*) => {
+        /// A kind of cases.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Family {
+            $(#[doc = $about] $family,)*
+        }
+
+        impl Family {
+            /// All of them.
+            pub const ALL: [Self; 15] = [$(Self::$family),*];
+
+            /// Its name in tables and on the command line.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$family => $name,)* }
+            }
+
+            /// What is in it.
+            pub const fn about(self) -> &'static str {
+                match self { $(Self::$family => $about,)* }
+            }
+        }
+    };
+}
+
+families! {
+    Random "random" "any bearing (3 to 64 balls of 1 to 100 mm, free angles of 0 to 45 degrees), loads of 1e-6 to 3 times \
+        the static capacity in any direction, up to n dm = 4 million (rpm mm)"
+    Moderate "moderate" "axial load of 0.001 to 0.3 of the static capacity, radial load and moment below it, n dm up to 1.5 \
+        million"
+    Radial "radial" "radial load with 0.01 to 0.3 of it axial: most balls are unloaded"
+    FewBalls "few-balls" "the load of a displacement that loads two or three balls"
+    Opening "opening" "the load of a displacement with one ball within 1e-9 m of leaving the inner race"
+    ExtremeAngles "extreme-angles" "free angles of 0 to 2 degrees; contact angles of 50 to 67 degrees"
+    Reversed "reversed" "moderate loads with the axial load reversed"
+    DeepGroove "deep-groove" "a small clearance or hardly any free angle, at rest, some loads purely radial"
+    Moduli "moduli" "ceramic balls on steel, and moduli of balls and rings times 0.1 to 10"
+    InnerControl "inner-control" "inner race control under moderate loads that keep balls loaded"
+    ZeroLoads "zero-loads" "moderate loads with some components exactly zero, or all"
+    WarmDrift "warm-drift" "ten warm solves: loads within 1 % and speed within 0.5 % of the solve before"
+    WarmJumps "warm-jumps" "ten warm solves: loads times 0.01 to 100, reversed or turned; speed to 0, to full or between"
+    AnyBits "any-bits" "inputs replaced by not-a-number, infinities, subnormals, largest numbers, random bits"
+    Typed "typed" "round numbers: 4 to 32 balls, free angles or clearances, one or a few load components, round speeds"
 }
 
 impl Family {
-    /// All of them.
-    pub const ALL: [Self; 15] = [
-        Self::Random,
-        Self::Moderate,
-        Self::Radial,
-        Self::FewBalls,
-        Self::Opening,
-        Self::ExtremeAngles,
-        Self::Reversed,
-        Self::DeepGroove,
-        Self::Moduli,
-        Self::InnerControl,
-        Self::ZeroLoads,
-        Self::WarmDrift,
-        Self::WarmJumps,
-        Self::AnyBits,
-        Self::Typed,
-    ];
-
-    /// Its name in tables and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Random => "random",
-            Self::Moderate => "moderate",
-            Self::Radial => "radial",
-            Self::FewBalls => "few-balls",
-            Self::Opening => "opening",
-            Self::ExtremeAngles => "extreme-angles",
-            Self::Reversed => "reversed",
-            Self::DeepGroove => "deep-groove",
-            Self::Moduli => "moduli",
-            Self::InnerControl => "inner-control",
-            Self::ZeroLoads => "zero-loads",
-            Self::WarmDrift => "warm-drift",
-            Self::WarmJumps => "warm-jumps",
-            Self::AnyBits => "any-bits",
-            Self::Typed => "typed",
-        }
-    }
-
-    /// What is in it.
-    pub const fn about(self) -> &'static str {
-        match self {
-            Self::Random => {
-                "any bearing (3 to 64 balls of 1 to 100 mm, groove factors 0.505 to 0.56, free angle 0 \
-                 to 45 degrees), load of any direction from 1e-6 to 3 times the static capacity, at \
-                 rest, hardly turning, or up to n dm = 4 million (rpm mm)"
-            }
-            Self::Moderate => {
-                "axial load of 0.001 to 0.3 of the static capacity, radial load up to 0.6 of it, a \
-                 moment up to 0.1 of it times the pitch radius, n dm up to 1.5 million"
-            }
-            Self::Radial => "radial load with 0.01 to 0.3 of it axial: most balls are unloaded",
-            Self::FewBalls => "the load of a displacement that loads two or three balls",
-            Self::Opening => {
-                "the load of a displacement that has one ball within 1e-9 m of opening or closing at \
-                 the inner race"
-            }
-            Self::ExtremeAngles => {
-                "free angles of 0 to 2 degrees under small loads; free angles of 40 to 45 degrees under \
-                 loads that open them to 50 to 67 degrees"
-            }
-            Self::Reversed => "moderate loads with the axial one reversed",
-            Self::DeepGroove => {
-                "a small clearance or hardly any free angle, at rest, tiny to large loads, purely \
-                 radial ones among them"
-            }
-            Self::Moduli => {
-                "ceramic balls on steel, and moduli of ball and rings times 0.1 to 10 each"
-            }
-            Self::InnerControl => "inner race control under moderate loads that keep balls loaded",
-            Self::ZeroLoads => "some components of the load exactly zero, or all",
-            Self::WarmDrift => {
-                "ten ticks from a cold solve, every load within 1 % and the speed within 0.5 % of the \
-                 tick before; the cold solve is not counted"
-            }
-            Self::WarmJumps => {
-                "ten ticks from a cold solve: load kept, times 0.01 to 100, reversed or turned, speed kept, to \
-                 0, to full speed or to anything between; the cold solve is not counted"
-            }
-            Self::AnyBits => {
-                "inputs replaced by not-a-number, infinities, subnormals, largest numbers, random bits"
-            }
-            Self::Typed => {
-                "round numbers: 4 to 32 balls, free angles of 0 to 40 degrees or clearances of either sign, one load \
-                 component alone, two equal ones or some of round ratios, at rest and at round speeds"
-            }
-        }
-    }
-
     /// Solves of a case that are counted.
     pub const fn ticks(self) -> usize {
         match self {
@@ -144,19 +65,10 @@ impl Family {
         }
     }
 
-    /// Whether what is counted are warm solves.
+    /// Whether only warm solves are counted.
     pub const fn is_warm(self) -> bool {
         self.ticks() > 1
     }
-}
-
-/// Which of the solver's scenes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Scene {
-    /// In closed form for every ball; at speed 0 only.
-    AtRest,
-    /// The bearing at speed, which 0 is one of.
-    AtSpeed,
 }
 
 /// What the ring is under for one solve.
@@ -179,17 +91,12 @@ pub struct Trial {
     pub case: Case,
     /// The bearing, prepared by the reference build.
     pub reference: Reference,
-    /// Scene it is solved in.
-    pub scene: Scene,
-    /// What it is solved for, one after the other; only the last [`Family::ticks`] count.
+    /// Solved by the solver for bearings at rest, in closed form for every ball.
+    pub at_rest: bool,
+    /// Loads and speeds, one after the other; only the last [`Family::ticks`] count.
     pub ticks: Vec<Tick>,
     /// A displacement that belongs to the load, before that was rounded to single precision.
     pub known: Option<[f64; 5]>,
-}
-
-/// Largest static load, N: what ISO 76 gives for a ball of this size, roughly.
-fn capacity(balls: usize, d: f64) -> f64 {
-    12e6 * balls as f64 * d * d
 }
 
 /// A bearing being drawn.
@@ -209,25 +116,18 @@ impl Draft {
         let balls = 3 + r.below(62);
         let d = r.log_between(1e-3, 100e-3);
         let least = (1.02 * d / (PI / balls as f64).sin()).max(2.2 * d);
+        let pitch_diameter = least * r.between(1.0, 1.5);
         let design = Design {
-            ball_diameter: d,
-            pitch_diameter: least * r.between(1.0, 1.5),
             inner_groove_factor: r.between(0.505, 0.56),
             outer_groove_factor: r.between(0.505, 0.56),
             free_contact: FreeContact::Angle(r.between(angles[0], angles[1]).to_radians()),
-            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-            first_ball: if r.chance(0.5) {
-                0.0
-            } else {
-                r.between(-PI, PI)
-            },
-            ring: Material::STEEL,
+            first_ball: r.zero_or(0.5, -PI, PI),
             ball: if r.chance(0.6) {
                 Material::STEEL
             } else {
                 Material::SILICON_NITRIDE
             },
+            ..Design::angular_contact(d, pitch_diameter, 0.0)
         };
         let attitude = if r.chance(0.25) {
             Attitude::Outer
@@ -242,8 +142,10 @@ impl Draft {
         }
     }
 
+    /// Largest static load, N: roughly that of ISO 76.
     fn capacity(&self) -> f64 {
-        capacity(self.balls, self.design.ball_diameter)
+        let d = self.design.ball_diameter;
+        12e6 * self.balls as f64 * d * d
     }
 
     fn pitch_radius(&self) -> f64 {
@@ -266,15 +168,11 @@ impl Draft {
 
     /// At rest with this probability, else up to `most` in `n dm`.
     fn rest_or_speed(&mut self, rest: f64, most: f64) -> f64 {
-        if self.r.chance(rest) {
-            0.0
-        } else {
-            let n_dm = self.r.between(0.0, most);
-            self.speed(n_dm)
-        }
+        let n_dm = self.r.zero_or(rest, 0.0, most);
+        self.speed(n_dm)
     }
 
-    /// Two components of this size, in any direction.
+    /// Two components of this size together, in any direction.
     fn across(&mut self, size: f64) -> [f64; 2] {
         let (sin, cos) = self.r.between(0.0, TAU).sin_cos();
         [size * cos, size * sin]
@@ -287,6 +185,33 @@ impl Draft {
         [axial, fy, fz, my, mz]
     }
 
+    /// A load and a speed of this family; `None` if this bearing has no displacement as it is wanted.
+    fn of(&mut self, family: Family) -> Option<Drawn> {
+        let tick = match family {
+            Family::Random => self.any(),
+            Family::Moderate | Family::WarmDrift | Family::WarmJumps => self.moderate(),
+            Family::Radial => self.radial(),
+            Family::FewBalls => return self.few_balls(),
+            Family::Opening => return self.opening(),
+            Family::ExtremeAngles => return self.extreme_angles(),
+            Family::Reversed => {
+                let Tick { mut load, omega } = self.moderate();
+                load[0] = -load[0];
+                Tick { load, omega }
+            }
+            Family::DeepGroove => self.deep_groove(),
+            Family::Moduli => self.moduli(),
+            Family::InnerControl => {
+                self.attitude = Attitude::Inner;
+                self.mixed([1e-2, 0.3], 0.3, 0.05, 1e6)
+            }
+            Family::ZeroLoads => self.zero_loads(),
+            Family::AnyBits => self.any_bits(),
+            Family::Typed => self.typed(),
+        };
+        Some((tick, None))
+    }
+
     /// Any load and any speed.
     fn any(&mut self) -> Tick {
         let size = self.capacity() * self.r.log_between(1e-6, 3.0);
@@ -295,11 +220,7 @@ impl Draft {
             1 => 0.0,
             _ => self.r.between(-1.0, 1.0),
         };
-        let moment = if self.r.chance(0.5) {
-            0.0
-        } else {
-            self.r.between(0.0, 0.5)
-        };
+        let moment = self.r.zero_or(0.5, 0.0, 0.5);
         let radial = (1.0 - axial * axial).sqrt();
         let load = self.load(size * axial, size * radial, size * moment);
         let omega = match self.r.below(20) {
@@ -329,11 +250,7 @@ impl Draft {
     fn radial(&mut self) -> Tick {
         let size = self.capacity() * self.r.log_between(1e-5, 1.0);
         let axial = size * self.r.log_between(0.01, 0.3);
-        let moment = if self.r.chance(0.5) {
-            0.0
-        } else {
-            size * self.r.between(0.0, 0.05)
-        };
+        let moment = size * self.r.zero_or(0.5, 0.0, 0.05);
         Tick {
             load: self.load(axial, size, moment),
             omega: self.rest_or_speed(0.5, 1.5e6),
@@ -515,10 +432,6 @@ impl Draft {
         crate::cases::reference(&self.design, self.balls)
     }
 
-    fn attitude(&self) -> crate::reference::Attitude {
-        self.attitude.into()
-    }
-
     /// A displacement that loads two or three balls, found by moving the ring along the axis.
     fn few_balls(&mut self) -> Option<Drawn> {
         let reference = self.reference();
@@ -530,11 +443,7 @@ impl Draft {
         let room = l0 * (1.0 - cos);
         let radial = room.min(l0 * self.r.log_between(1e-4, 0.05)) * self.r.between(0.3, 0.95);
         let [dy, dz] = self.across(radial);
-        let tilt = if self.r.chance(0.5) {
-            0.0
-        } else {
-            self.r.between(0.0, 0.3) * radial / self.pitch_radius()
-        };
+        let tilt = self.r.zero_or(0.5, 0.0, 0.3) * radial / self.pitch_radius();
         let [ty, tz] = self.across(tilt);
         let mut centres = Vec::new();
         let (mut low, mut high) = (
@@ -544,7 +453,7 @@ impl Draft {
         for _ in 0..40 {
             let u = [0.5 * (low + high), dy, dz, ty, tz];
             let (load, depths) = reference
-                .rough_law(u, omega, self.attitude(), &mut centres)
+                .rough_law(u, omega, self.attitude.into(), &mut centres)
                 .ok()?;
             let loaded = depths.iter().filter(|depth| **depth > 0.0).count();
             match loaded.cmp(&wanted) {
@@ -560,14 +469,14 @@ impl Draft {
     fn opening(&mut self) -> Option<Drawn> {
         let reference = self.reference();
         let omega = self.rest_or_speed(0.5, 1.5e6);
-        let attitude = self.attitude();
+        let attitude = self.attitude.into();
         let l0 = self.design.centre_distance();
         let (sin, cos) = self.free_angle().sin_cos();
         let depth = l0 * self.r.log_between(1e-5, 3e-2);
-        let size = depth * self.r.between(0.1, 1.5);
-        let [dy, dz] = self.across(size);
-        let size = depth * self.r.between(0.0, 0.5) / self.pitch_radius();
-        let [ty, tz] = self.across(size);
+        let radial = depth * self.r.between(0.1, 1.5);
+        let [dy, dz] = self.across(radial);
+        let tilt = depth * self.r.between(0.0, 0.5) / self.pitch_radius();
+        let [ty, tz] = self.across(tilt);
         // At this axial displacement the least loaded ball is as deep as was drawn, about.
         let reach = (l0 + 3.0 * depth).powi(2) - (l0 * cos).powi(2);
         let at = |dx: f64| [dx, dy, dz, ty, tz];
@@ -624,18 +533,20 @@ impl Draft {
         let [dy, dz] = self.across(size);
         let u = [dx, dy, dz, 0.0, 0.0];
         let (load, _) = reference
-            .rough_law(u, omega, self.attitude(), &mut Vec::new())
+            .rough_law(u, omega, self.attitude.into(), &mut Vec::new())
             .ok()?;
         Some((Tick { load, omega }, Some(u)))
     }
 }
 
-/// To single precision, so that one truth serves both.
-fn rounded(tick: Tick) -> Tick {
-    let round = |x: f64| f64::from(x as f32);
-    Tick {
-        load: tick.load.map(round),
-        omega: round(tick.omega),
+impl Tick {
+    /// Rounded to single precision.
+    pub fn rounded(&self) -> Self {
+        let round = |x: f64| f64::from(x as f32);
+        Self {
+            load: self.load.map(round),
+            omega: round(self.omega),
+        }
     }
 }
 
@@ -654,73 +565,32 @@ impl Trial {
             _ => [10.0, 45.0],
         };
         // A few draws have no displacement as it is wanted.
-        for _ in 0..100 {
+        let draw = || {
             let mut draft = Draft::new(start.clone(), angles);
             start = Random::seeded(r.bits());
-            let drawn = match family {
-                Family::Random => Some((draft.any(), None)),
-                Family::Moderate | Family::WarmDrift | Family::WarmJumps => {
-                    Some((draft.moderate(), None))
-                }
-                Family::Radial => Some((draft.radial(), None)),
-                Family::FewBalls => draft.few_balls(),
-                Family::Opening => draft.opening(),
-                Family::ExtremeAngles => draft.extreme_angles(),
-                Family::Reversed => {
-                    let mut tick = draft.moderate();
-                    tick.load[0] = -tick.load[0];
-                    Some((tick, None))
-                }
-                Family::DeepGroove => Some((draft.deep_groove(), None)),
-                Family::Moduli => Some((draft.moduli(), None)),
-                Family::InnerControl => {
-                    draft.attitude = Attitude::Inner;
-                    Some((draft.mixed([1e-2, 0.3], 0.3, 0.05, 1e6), None))
-                }
-                Family::ZeroLoads => Some((draft.zero_loads(), None)),
-                Family::AnyBits => Some((draft.any_bits(), None)),
-                Family::Typed => Some((draft.typed(), None)),
-            };
-            if let Some((tick, known)) = drawn {
-                return Self::finished(draft, family, index, tick, known);
-            }
-        }
-        panic!("{} {index}: cannot be drawn", family.name());
-    }
-
-    fn finished(
-        mut draft: Draft,
-        family: Family,
-        index: usize,
-        first: Tick,
-        known: Option<[f64; 5]>,
-    ) -> Self {
-        let mut ticks = vec![first];
-        if family.is_warm() {
-            let full = draft.speed(1.5e6);
-            for _ in 0..family.ticks() {
-                let last = ticks[ticks.len() - 1];
-                ticks.push(if family == Family::WarmDrift {
-                    draft.drift(&last)
-                } else {
-                    draft.jump(&last, full)
-                });
-            }
-        }
-        // Both precisions may get what single precision cannot hold, where that is the point.
-        if family != Family::AnyBits {
-            ticks = ticks.into_iter().map(rounded).collect();
-        }
-        let at_rest = ticks.iter().all(|tick| tick.omega == 0.0);
-        let scene = if at_rest && draft.r.chance(0.5) {
-            Scene::AtRest
-        } else {
-            Scene::AtSpeed
+            let (first, known) = draft.of(family)?;
+            Some((draft, first, known))
         };
-        let reference = draft.reference();
+        let drawn = repeat_with(draw).take(100).flatten().next();
+        let (mut draft, first, known) = drawn.expect("a draw with the displacement that is wanted");
+        let full = draft.speed(1.5e6);
+        let mut ticks = vec![first];
+        while family.is_warm() && ticks.len() <= family.ticks() {
+            let last = ticks[ticks.len() - 1];
+            ticks.push(match family {
+                Family::WarmDrift => draft.drift(&last),
+                _ => draft.jump(&last, full),
+            });
+        }
+        // One truth serves both precisions, but where the point is what single precision cannot hold.
+        if family != Family::AnyBits {
+            ticks = ticks.iter().map(Tick::rounded).collect();
+        }
+        let at_rest = ticks.iter().all(|tick| tick.omega == 0.0) && draft.r.chance(0.5);
         Self {
             family,
             index,
+            reference: draft.reference(),
             case: Case {
                 name: format!("{} {index}", family.name()),
                 balls: draft.balls,
@@ -729,15 +599,9 @@ impl Trial {
                 load: ticks[0].load,
                 omega: ticks[0].omega,
             },
-            reference,
-            scene,
+            at_rest,
             ticks,
             known,
         }
-    }
-
-    /// Number of the first tick that counts.
-    pub fn first_counted(&self) -> usize {
-        self.ticks.len() - self.family.ticks()
     }
 }

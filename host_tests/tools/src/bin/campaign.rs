@@ -1,23 +1,27 @@
 //! `cargo campaign`: see `cargo campaign --help`.
 
-use anyhow::{Context, bail};
+use anyhow::{Context, ensure};
 use clap::Parser;
 use host_tests::campaign::families::{Family, Trial};
-use host_tests::campaign::{self, Plan, detail, report};
+use host_tests::campaign::{Plan, contract, in_full, page, run};
 use std::fs::File;
 use std::path::PathBuf;
+use std::process::Command;
 use tools::arguments::family;
 use tools::bar::Bar;
 
 /// The page that `--write` writes.
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/campaign.md");
 
+/// Refusals of a family that the reference build looks into: a second or two each.
+const SEARCHES: usize = 10;
+
 /// Solves very many bearings of every kind and has every answer judged
 #[derive(Debug, Parser)]
 #[command(name = "cargo campaign")]
 struct Args {
     /// Solves of each precision, over all families
-    #[arg(long, default_value_t = Plan::SOLVES)]
+    #[arg(long, default_value_t = 1_000_000)]
     cases: usize,
     /// Seed of the cases
     #[arg(long, default_value_t = Plan::SEED)]
@@ -28,41 +32,23 @@ struct Args {
     /// Prints one case in full instead; needs one family
     #[arg(long, value_name = "INDEX")]
     case: Option<usize>,
-    /// Refusals of a family that the reference build looks into by itself: a second or two each
-    #[arg(long, value_name = "N", default_value_t = Plan::SEARCHES)]
-    searches: usize,
-    /// Has the reference build look into every refusal
-    #[arg(long, conflicts_with = "searches")]
-    judge_all: bool,
-    /// Every so many-th case is followed from rest to its speed, to tell which equilibrium its answer is
-    #[arg(long, value_name = "N", default_value_t = Plan::FOLLOWED, value_parser = followed)]
-    followed: usize,
-    /// Writes docs/campaign.md
+    /// Has the reference build look into every refusal, a second or two each
     #[arg(long)]
+    judge_all: bool,
+    /// Writes docs/campaign.md
+    #[arg(long, conflicts_with = "family")]
     write: bool,
     /// Writes a row for every solve that is worth a look
     #[arg(long, value_name = "FILE.csv")]
     list_failures: Option<PathBuf>,
 }
 
-/// Which cases are followed.
-fn followed(text: &str) -> Result<usize, String> {
-    text.parse::<std::num::NonZeroUsize>()
-        .map(usize::from)
-        .map_err(|e| e.to_string())
-}
-
 fn main() -> anyhow::Result<()> {
     let args = Args::parse();
     if let Some(index) = args.case {
-        let [family] = args.family[..] else {
-            bail!("--case needs one --family");
-        };
-        print!("{}", detail::in_full(&Trial::new(args.seed, family, index)));
+        ensure!(args.family.len() == 1, "--case needs one --family");
+        print!("{}", in_full(&Trial::new(args.seed, args.family[0], index)));
         return Ok(());
-    }
-    if args.write && !args.family.is_empty() {
-        bail!("the page is about all families");
     }
     let plan = Plan {
         seed: args.seed,
@@ -70,34 +56,39 @@ fn main() -> anyhow::Result<()> {
         families: if args.family.is_empty() {
             Family::ALL.to_vec()
         } else {
-            args.family.clone()
+            args.family
         },
-        searches: (!args.judge_all).then_some(args.searches),
-        followed: args.followed,
+        searches: (!args.judge_all).then_some(SEARCHES),
+        followed: 20,
     };
     // They are counted; a message each would tear the bar.
     std::panic::set_hook(Box::new(|_| {}));
     let bar = Bar::new("{bar:40} {pos} of {len} solves, {msg}, {eta} left")?;
-    let records = campaign::run(&plan, &bar);
+    let records = run(&plan, &bar);
     bar.finish();
     let _ = std::panic::take_hook();
 
-    let page = report::page(&plan, &records);
+    let page = page::page(&plan, &records);
     if args.write {
-        let searches = plan
-            .searches
-            .map_or("--judge-all".to_owned(), |n| format!("--searches {n}"));
+        let git = Command::new("git")
+            .args(["rev-parse", "--short", "HEAD"])
+            .output()?;
         let first = format!(
-            "<!-- Made by `cargo campaign --cases {} --seed {} {searches} --followed {} --write`. -->\n\n",
-            args.cases, args.seed, args.followed
+            "<!-- Made from commit {} by `cargo campaign --cases {} --seed {}{} --write`. -->\n\n",
+            String::from_utf8_lossy(&git.stdout).trim(),
+            args.cases,
+            args.seed,
+            if args.judge_all { " --judge-all" } else { "" },
         );
         std::fs::write(PAGE, first + &page).with_context(|| format!("cannot write {PAGE}"))?;
     }
-    println!("{page}\n{}", report::worst(&records));
+    println!("{page}");
     if let Some(path) = &args.list_failures {
         let file =
             File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-        report::list_failures(&records, file)?;
+        page::list_failures(&records, file)?;
     }
+    let broken = contract::broken(&records);
+    ensure!(broken.is_empty(), "promises broken:\n{}", broken.join("\n"));
     Ok(())
 }

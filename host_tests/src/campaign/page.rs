@@ -1,0 +1,198 @@
+//! A campaign as a page, and as a list of solves to look at.
+
+use super::Plan;
+use super::contract::promises;
+use super::families::Family;
+use super::judge::{Branch, PRECISIONS, Record, Verdict};
+use super::report::{Summary, name, part, table};
+use crate::tolerances::allowed;
+use std::fmt::{Debug, Write};
+use std::io;
+
+fn small(x: f64) -> String {
+    match x {
+        0.0 => "0".to_owned(),
+        x if x.is_nan() => "-".to_owned(),
+        x => format!("{x:.1e}"),
+    }
+}
+
+fn whole(x: f64) -> String {
+    if x.is_nan() {
+        "-".to_owned()
+    } else {
+        x.to_string()
+    }
+}
+
+/// A row for every family and precision.
+fn results(plan: &Plan, records: &[Record]) -> String {
+    let mut rows = Vec::new();
+    for &family in &plan.families {
+        for precision in PRECISIONS {
+            let of = Summary::of(&part(records, Some(family), precision));
+            let mut row = vec![family.name().to_owned(), name(precision).to_owned()];
+            row.extend([of.solves, of.solved[0]].map(|n| n.to_string()));
+            row.extend(of.unsolved.map(|n| n.to_string()));
+            row.push(of.iterations.show(whole));
+            row.extend(of.errors.map(|errors| errors.show(small)));
+            row.push(of.covered.map(|share| format!("{share:.1}")).join(" / "));
+            rows.push(row);
+        }
+    }
+    let head = [
+        "family",
+        "",
+        "solves",
+        "solved",
+        "none",
+        "missed",
+        "open",
+        "iterations",
+        "error of u",
+        "error of Q",
+        "error of K",
+        "covered, %",
+    ];
+    table(&head, &rows)
+}
+
+/// Each reason for no answer, with the families that have most of it.
+fn reasons(records: &[Record]) -> String {
+    let meanings = [
+        (
+            "diverged",
+            "no start led to an equilibrium; mostly there is none at this speed",
+        ),
+        (
+            "unseated",
+            "the load is too small to hold the balls in the inner groove at this speed",
+        ),
+        (
+            "indeterminate",
+            "the balls that carry leave the ring free to move: mostly there are two",
+        ),
+        ("iteration-limit", "all iterations were used up"),
+        (
+            "unloaded",
+            "the ring floats: no load, or so little that no ball carries",
+        ),
+        ("out-of-range", "an input is beyond what the model is about"),
+        ("not-finite", "an input is not a number or infinite"),
+    ];
+    let mut text = String::new();
+    for (status, meaning) in meanings {
+        let count = |family: Option<Family>| {
+            let of = |r: &&Record| r.status == status && family.is_none_or(|f| f == r.family);
+            records.iter().filter(of).count()
+        };
+        let mut families = Family::ALL.map(|family| (count(Some(family)), family.name()));
+        families.sort_by(|a, b| b.cmp(a));
+        let most = families[..3].iter().filter(|(count, _)| *count > 0);
+        let most: Vec<String> = most
+            .map(|(count, name)| format!("{name} {count}"))
+            .collect();
+        if !most.is_empty() {
+            let (all, most) = (count(None), most.join(", "));
+            let _ = writeln!(text, "- `{status}`, {all} solves ({most}): {meaning}.");
+        }
+    }
+    text
+}
+
+/// The page, but for its first line.
+pub fn page(plan: &Plan, records: &[Record]) -> String {
+    let families = plan.families.iter();
+    let families: String = families
+        .map(|f| format!("- **{}**: {}.\n", f.name(), f.about()))
+        .collect();
+    let searches = match plan.searches {
+        Some(most) => format!("for {most} of a family"),
+        None => "for all of them".to_owned(),
+    };
+    format!(
+        "# Stability campaign
+
+{} solves of seed {}, as many of every family. Every case is solved in both precisions from one load and speed, rounded
+to single precision. A warm family counts the ten solves after a cold one.
+
+{families}
+## Results
+
+- *None*: no answer, and no equilibrium is known. *Missed*: no answer, though the reference build knows an equilibrium.
+- *Open*: no answer, and nobody looked for an equilibrium. The reference build searches for one {searches}.
+- *Iterations* and errors: median / 99 % / worst.
+- Errors are those against the equilibrium that the reference build reaches in double-double arithmetic.
+- *u*: displacement, of its largest component, tilts times the pitch radius. *Q*: ball forces, of the largest.
+- *K*: `abs(dKij) / sqrt(abs(Kii Kjj))`.
+- *Covered*: answers whose error of *u* / *Q* / *K* is within the solver's own estimate.
+
+{}
+## Promises
+
+`cargo test` holds a small campaign to them, `cargo campaign` the one that it runs. Each figure is the largest allowed
+one of each family; three figures are those of *u*, *Q* and *K*.
+
+{}
+## What is not solved
+
+{}
+Two balls hold a ring by next to nothing: single precision does not know its position and its stiffness. Their errors
+are in the row of few-balls. Such an answer says so by its estimates, but for {} of {} answers.
+",
+        plan.solves,
+        plan.seed,
+        results(plan, records).trim_end_matches('\n').to_owned() + "\n",
+        promises(),
+        reasons(records),
+        records.iter().filter(|r| r.deceives()).count(),
+        records.iter().filter(|r| r.errors.is_some()).count(),
+    )
+}
+
+/// Whether a solve is one to look into: no answer and no good reason, or an answer that is not as exact as the solver is.
+fn is_failure(record: &Record) -> bool {
+    let allowed = allowed(record.precision);
+    let allowed = [allowed.displacement, allowed.force, allowed.stiffness];
+    !matches!(record.verdict, Verdict::Judged | Verdict::RightlyRefused)
+        || record.is_unbalanced()
+        || record.branch == Some(Branch::Other)
+        || record
+            .errors
+            .is_some_and(|errors| errors.iter().zip(allowed).any(|(e, most)| *e > most))
+}
+
+/// Writes every solve to look into as CSV.
+///
+/// # Errors
+///
+/// That of writing.
+pub fn list_failures(records: &[Record], mut out: impl io::Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "family,case,solve,precision,status,verdict,iterations,error_u,error_q,error_k,estimate_u,estimate_q,\
+         estimate_k,residual,branch"
+    )?;
+    fn cell<T: Debug>(value: Option<T>) -> String {
+        value.map_or(String::new(), |value| format!("{value:?}"))
+    }
+    for record in records.iter().filter(|r| is_failure(r)) {
+        let figures = [record.errors, record.estimate]
+            .map(|figures| [0, 1, 2].map(|i| cell(figures.map(|f| f[i]))).join(","));
+        writeln!(
+            out,
+            "{},{},{},{},{},{:?},{},{},{},{}",
+            record.family.name(),
+            record.index,
+            record.tick,
+            name(record.precision),
+            record.status,
+            record.verdict,
+            cell(record.iterations),
+            figures.join(","),
+            cell(record.residual),
+            cell(record.branch),
+        )?;
+    }
+    Ok(())
+}
