@@ -5,49 +5,32 @@ use crate::dispatch::Attitude;
 use crate::reference::{self, Reference};
 use crate::spindles::{self, Plan, Question};
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use spindle_bearing::{Arrangement, Design, Facing, FreeContact, Growth, Material, Preload};
 use std::f64::consts::{PI, TAU};
 
 /// Large, and turned fast for its size: gyroscopic moments matter.
 pub const B218: Design = Design {
-    ball_diameter: 22.23e-3,
-    pitch_diameter: 125.26e-3,
     inner_groove_factor: 0.5232,
     outer_groove_factor: 0.5232,
-    free_contact: FreeContact::Angle(40.0 * PI / 180.0),
-    inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-    outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-    first_ball: 0.0,
-    ring: Material::STEEL,
-    ball: Material::STEEL,
+    ..Design::angular_contact(22.23e-3, 125.26e-3, 40.0 * PI / 180.0)
 };
 
 /// A spindle bearing, of steel throughout.
 pub const B7005C: Design = Design {
-    ball_diameter: 6.35e-3,
-    pitch_diameter: 36e-3,
-    inner_groove_factor: 0.515,
-    outer_groove_factor: 0.525,
-    free_contact: FreeContact::Angle(15.0 * PI / 180.0),
     inner_shoulder_angle: 48.0 * PI / 180.0,
     outer_shoulder_angle: 47.5 * PI / 180.0,
-    first_ball: 0.0,
-    ring: Material::STEEL,
-    ball: Material::STEEL,
+    ..Design::angular_contact(6.35e-3, 36e-3, 15.0 * PI / 180.0)
 };
 
 /// A deep groove bearing with a small clearance.
 pub const SKF6205: Design = Design {
-    ball_diameter: 7.938e-3,
-    pitch_diameter: 39.04e-3,
     inner_groove_factor: 0.52,
     outer_groove_factor: 0.52,
     free_contact: FreeContact::DiametralClearance(10e-6),
     inner_shoulder_angle: 52.0 * PI / 180.0,
     outer_shoulder_angle: 52.0 * PI / 180.0,
-    first_ball: 0.0,
-    ring: Material::STEEL,
-    ball: Material::STEEL,
+    ..Design::angular_contact(7.938e-3, 39.04e-3, 0.0)
 };
 
 /// The file of solved cases; `README.md` beside it says what is in it.
@@ -138,17 +121,13 @@ impl MaterialRow {
 
 impl BearingRow {
     fn design(&self) -> Design {
+        let angle = self.contact_angle_deg.to_radians();
         Design {
-            ball_diameter: self.ball_diameter,
-            pitch_diameter: self.pitch_diameter,
             inner_groove_factor: self.inner_groove_factor,
             outer_groove_factor: self.outer_groove_factor,
-            free_contact: FreeContact::Angle(self.contact_angle_deg.to_radians()),
-            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-            first_ball: 0.0,
             ring: self.ring.material(),
             ball: self.ball.material(),
+            ..Design::angular_contact(self.ball_diameter, self.pitch_diameter, angle)
         }
     }
 }
@@ -207,13 +186,17 @@ pub fn rad_per_s(rpm: f64) -> f64 {
 ///
 /// If the file is not there or is not what it should be.
 pub fn public() -> Vec<SolvedCase> {
-    let text = std::fs::read_to_string(PUBLIC).unwrap_or_else(|e| panic!("{PUBLIC}: {e}"));
-    let rows: Vec<Row> = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{PUBLIC}: {e}"));
+    let rows: Vec<Row> = read(PUBLIC);
     let mut cases: Vec<SolvedCase> = rows.into_iter().map(SolvedCase::from).collect();
     for (number, solved) in cases.iter_mut().enumerate() {
         solved.case.name = format!("{number} ({})", solved.case.name);
     }
     cases
+}
+
+fn read<T: DeserializeOwned>(path: &str) -> Vec<T> {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
 /// The file of solved sets; `README.md` beside it says what is in it.
@@ -326,8 +309,7 @@ impl MountedRow {
 ///
 /// If the file is not there or is not what it should be.
 pub fn sets() -> Vec<SolvedSet> {
-    let text = std::fs::read_to_string(SETS).unwrap_or_else(|e| panic!("{SETS}: {e}"));
-    let sets: Vec<SetRow> = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{SETS}: {e}"));
+    let sets: Vec<SetRow> = read(SETS);
     let solved = |(number, set): (usize, SetRow)| SolvedSet {
         name: format!("set {number} ({})", set.layout),
         plan: Plan {
@@ -459,24 +441,16 @@ impl Case {
         // Few balls fill no bearing.
         let dm = (d / ((PI / balls as f64).sin() * crowding)).max(3.0 * d);
         let design = Design {
-            ball_diameter: d,
-            pitch_diameter: dm,
             inner_groove_factor: r.between(0.505, 0.55),
             outer_groove_factor: r.between(0.505, 0.55),
             free_contact: FreeContact::Angle(r.between(10.0, 45.0).to_radians()),
-            inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-            outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-            first_ball: if r.chance(0.5) {
-                0.0
-            } else {
-                r.between(-3.0, 3.0)
-            },
-            ring: Material::STEEL,
+            first_ball: r.zero_or(0.5, -3.0, 3.0),
             ball: if r.chance(0.5) {
                 Material::STEEL
             } else {
                 Material::SILICON_NITRIDE
             },
+            ..Design::angular_contact(d, dm, 0.0)
         };
         let attitude = match r.between(0.0, 10.0) as usize {
             0 | 1 => Attitude::Outer,

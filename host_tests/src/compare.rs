@@ -7,7 +7,6 @@
 //! | force | over the largest contact force; centrifugal forces and `Mg / D` included |
 //! | stiffness | of `K_ij`, over `sqrt(abs(K_ii K_jj))` |
 
-use crate::reference;
 use spindle_bearing::BallState;
 
 /// One contact of a ball.
@@ -182,33 +181,6 @@ impl From<&BallState<f64>> for Ball {
             },
             centrifugal_force: ball.centrifugal_force,
             gyroscopic_moment: ball.gyroscopic_moment,
-        }
-    }
-}
-
-impl From<&reference::BallState> for Ball {
-    fn from(ball: &reference::BallState) -> Self {
-        Self {
-            inner: Race {
-                angle: ball.alpha_i,
-                force: ball.q_i,
-            },
-            outer: Race {
-                angle: ball.alpha_o,
-                force: ball.q_o,
-            },
-            centrifugal_force: ball.fc,
-            gyroscopic_moment: ball.mg,
-        }
-    }
-}
-
-impl From<&reference::Solution> for Equilibrium {
-    fn from(solution: &reference::Solution) -> Self {
-        Self {
-            displacement: solution.u,
-            stiffness: solution.k,
-            balls: solution.balls.iter().map(Ball::from).collect(),
         }
     }
 }

@@ -287,9 +287,9 @@ impl<T: Real, M: Motion> AnySolver for Counted<'_, T, M> {
                 let row = solution.rows().next().expect("a row");
                 match wanted {
                     Wanted::Figures => {}
-                    Wanted::Balls(balls) => keep(balls, row.balls()),
+                    Wanted::Balls(balls) => *balls = row.balls().map(|b| widened(&b)).collect(),
                     Wanted::Details(details) => {
-                        keep(&mut details.balls, row.balls());
+                        details.balls = row.balls().map(|b| widened(&b)).collect();
                         details.motions = row.motions().map(|m| widened_motion(&m)).collect();
                         details.frequencies = widened_frequencies(&row.frequencies());
                     }
@@ -323,10 +323,7 @@ impl<T: Real, M: Motion> AnySolver for Counted<'_, T, M> {
     }
 
     fn set_limits(&mut self, limits: &Limits<f64>) {
-        self.limits = Limits {
-            peak_pressure: T::of(limits.peak_pressure),
-            friction: T::of(limits.friction),
-        };
+        self.limits = narrowed(limits);
     }
 
     fn set_settings(&mut self, tolerance: f64, max_iterations: u16) {
@@ -337,14 +334,17 @@ impl<T: Real, M: Motion> AnySolver for Counted<'_, T, M> {
     }
 }
 
+/// Limits in a solver's precision.
+pub fn narrowed<T: Real>(limits: &Limits<f64>) -> Limits<T> {
+    Limits {
+        peak_pressure: T::of(limits.peak_pressure),
+        friction: T::of(limits.friction),
+    }
+}
+
 /// A matrix in doubles.
 pub fn wide<T: Real>(m: &[[T; 5]; 5]) -> [[f64; 5]; 5] {
     m.map(|row| row.map(T::to_f64))
-}
-
-fn keep<T: Real>(kept: &mut Vec<BallState<f64>>, balls: impl Iterator<Item = BallState<T>>) {
-    kept.clear();
-    kept.extend(balls.map(|ball| widened(&ball)));
 }
 
 /// A ball's state in doubles.

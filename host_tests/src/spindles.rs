@@ -1,7 +1,7 @@
 //! Spindles whose rows, ball counts and precision are known at run time only: what `dispatch` is for one bearing.
 
 use crate::dispatch::{
-    Attitude, MOST_BALLS, Mount, Precision, mount, wide, widened, widened_frequencies,
+    Attitude, MOST_BALLS, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies,
     widened_motion,
 };
 use spindle_bearing::{
@@ -10,6 +10,7 @@ use spindle_bearing::{
     RacewayControlFree, Real, Settings, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver,
     Static, Status,
 };
+use std::array::from_fn;
 use std::fmt;
 
 /// Largest number of rows.
@@ -158,83 +159,89 @@ pub fn with_solver<O>(
     precision: Precision,
     f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
 ) -> Result<O, BuildError> {
+    let (mut f, mut outcome) = (Some(f), None);
+    let mut hand = |solver: &mut dyn AnySpindleSolver| outcome = f.take().map(|f| f(solver));
     match precision {
-        Precision::F32 => with::<f32, O>(plan, balls, f),
-        Precision::F64 => with::<f64, O>(plan, balls, f),
+        Precision::F32 => with::<f32>(plan, balls, &mut hand)?,
+        Precision::F64 => with::<f64>(plan, balls, &mut hand)?,
     }
+    Ok(outcome.expect("a solver was handed over"))
 }
 
-fn with<T: Real, O>(
-    plan: &Plan,
-    balls: Balls,
-    f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
-) -> Result<O, BuildError> {
+/// Takes a solver, whoever asked for it: without the type of a closure, a solver is compiled once.
+type Hand<'h> = &'h mut dyn FnMut(&mut dyn AnySpindleSolver);
+
+fn with<T: Real>(plan: &Plan, balls: Balls, hand: Hand<'_>) -> Result<(), BuildError> {
     let bearings = plan.rows.iter().enumerate();
     let bearings: Vec<Box<dyn Mount<T>>> = bearings
         .map(|(i, row)| mount(&row.design, row.balls).map_err(|e| BuildError::Design(i, e)))
         .collect::<Result<_, _>>()?;
-    let mounted: Vec<_> = plan
-        .rows
-        .iter()
-        .zip(&bearings)
-        .map(|(row, bearing)| {
-            bearing
-                .mounted(row.position, row.facing)
-                .with(match row.preload {
-                    Preload::Closure(e) => Preload::Closure(T::of(e)),
-                    Preload::Force(force) => Preload::Force(T::of(force)),
-                    Preload::Spring => Preload::Spring,
-                })
-        })
-        .collect();
+    let mounted = plan.rows.iter().zip(&bearings).map(|(row, bearing)| {
+        let preload = match row.preload {
+            Preload::Closure(e) => Preload::Closure(T::of(e)),
+            Preload::Force(force) => Preload::Force(T::of(force)),
+            Preload::Spring => Preload::Spring,
+        };
+        bearing.mounted(row.position, row.facing).with(preload)
+    });
+    let mounted: Vec<_> = mounted.collect();
     match mounted.len() {
-        1 => of_rows::<T, 1, O>(plan, &mounted, balls, f),
-        2 => of_rows::<T, 2, O>(plan, &mounted, balls, f),
-        3 => of_rows::<T, 3, O>(plan, &mounted, balls, f),
-        4 => of_rows::<T, 4, O>(plan, &mounted, balls, f),
-        5 => of_rows::<T, 5, O>(plan, &mounted, balls, f),
-        6 => of_rows::<T, 6, O>(plan, &mounted, balls, f),
-        7 => of_rows::<T, 7, O>(plan, &mounted, balls, f),
-        8 => of_rows::<T, 8, O>(plan, &mounted, balls, f),
+        1 => of_rows::<T, 1>(plan, &mounted, balls, hand),
+        2 => of_rows::<T, 2>(plan, &mounted, balls, hand),
+        3 => of_rows::<T, 3>(plan, &mounted, balls, hand),
+        4 => of_rows::<T, 4>(plan, &mounted, balls, hand),
+        5 => of_rows::<T, 5>(plan, &mounted, balls, hand),
+        6 => of_rows::<T, 6>(plan, &mounted, balls, hand),
+        7 => of_rows::<T, 7>(plan, &mounted, balls, hand),
+        8 => of_rows::<T, 8>(plan, &mounted, balls, hand),
         rows => Err(BuildError::Rows(rows)),
     }
 }
 
-fn of_rows<T: Real, const R: usize, O>(
+fn of_rows<T: Real, const R: usize>(
     plan: &Plan,
     mounted: &[Mounted<'_, T, MOST_BALLS>],
     balls: Balls,
-    f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
-) -> Result<O, BuildError> {
-    let rows: [Mounted<'_, T, MOST_BALLS>; R] = std::array::from_fn(|i| mounted[i]);
-    if let Some(spring) = plan.spring {
-        let spindle = Spindle::sprung(plan.arrangement, rows, T::of(spring));
-        let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
-        Ok(of_motion(spindle, balls, f))
-    } else {
-        let spindle = Spindle::new(plan.arrangement, rows);
-        let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
-        Ok(of_motion(spindle, balls, f))
+    hand: Hand<'_>,
+) -> Result<(), BuildError> {
+    let rows: [Mounted<'_, T, MOST_BALLS>; R] = from_fn(|i| mounted[i]);
+    let spindle = match plan.spring {
+        Some(spring) => Spindle::sprung(plan.arrangement, rows, T::of(spring))
+            .map(|spindle| of_motion(spindle, balls, hand)),
+        None => Spindle::new(plan.arrangement, rows).map(|spindle| of_motion(spindle, balls, hand)),
+    };
+    spindle.map_err(|e| BuildError::Spindle(e.to_string()))
+}
+
+fn of_motion<T: Real, const R: usize, const D: usize>(
+    spindle: Spindle<'_, T, R, MOST_BALLS, D>,
+    balls: Balls,
+    hand: Hand<'_>,
+) {
+    match balls {
+        Balls::Static => hand_over::<T, R, Static, D>(spindle, hand),
+        Balls::Moving(Attitude::Raceless) => {
+            hand_over::<T, R, Full<RacewayControlFree>, D>(spindle, hand);
+        }
+        Balls::Moving(Attitude::Outer) => {
+            hand_over::<T, R, Full<OuterRaceControl>, D>(spindle, hand);
+        }
+        Balls::Moving(Attitude::Inner) => {
+            hand_over::<T, R, Full<InnerRaceControl>, D>(spindle, hand);
+        }
     }
 }
 
-fn of_motion<T: Real, const R: usize, const D: usize, O>(
+fn hand_over<T: Real, const R: usize, M: Motion, const D: usize>(
     spindle: Spindle<'_, T, R, MOST_BALLS, D>,
-    balls: Balls,
-    f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
-) -> O {
-    match balls {
-        Balls::Static => f(&mut *Counted::<T, R, Static, D>::new(spindle)),
-        Balls::Moving(Attitude::Raceless) => f(
-            &mut *Counted::<T, R, Full<RacewayControlFree>, D>::new(spindle),
-        ),
-        Balls::Moving(Attitude::Outer) => f(&mut *Counted::<T, R, Full<OuterRaceControl>, D>::new(
-            spindle,
-        )),
-        Balls::Moving(Attitude::Inner) => f(&mut *Counted::<T, R, Full<InnerRaceControl>, D>::new(
-            spindle,
-        )),
-    }
+    hand: Hand<'_>,
+) {
+    let mut solver = Box::new(Counted {
+        solver: SpindleSolver::<T, R, MOST_BALLS, M, D>::of(spindle),
+        settings: Settings::default(),
+        limits: Limits::default(),
+    });
+    hand(&mut *solver);
 }
 
 struct Counted<'s, T: Real, const R: usize, M: Motion, const D: usize> {
@@ -243,21 +250,11 @@ struct Counted<'s, T: Real, const R: usize, M: Motion, const D: usize> {
     limits: Limits<T>,
 }
 
-impl<'s, T: Real, const R: usize, M: Motion, const D: usize> Counted<'s, T, R, M, D> {
-    fn new(spindle: Spindle<'s, T, R, MOST_BALLS, D>) -> Box<Self> {
-        Box::new(Self {
-            solver: SpindleSolver::of(spindle),
-            settings: Settings::default(),
-            limits: Limits::default(),
-        })
-    }
-}
-
 impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
     for Counted<'_, T, R, M, D>
 {
     fn solve(&mut self, question: &Question, end: &ShaftEnd<f64>) -> Result<Answer, Status<f32>> {
-        let growth = std::array::from_fn(|i| match question.growth.get(i) {
+        let growth = from_fn(|i| match question.growth.get(i) {
             Some(growth) => Growth {
                 axial: T::of(growth.axial),
                 radial: T::of(growth.radial),
@@ -285,10 +282,7 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
     }
 
     fn set_limits(&mut self, limits: &Limits<f64>) {
-        self.limits = Limits {
-            peak_pressure: T::of(limits.peak_pressure),
-            friction: T::of(limits.friction),
-        };
+        self.limits = narrowed(limits);
     }
 
     fn reset(&mut self) {

@@ -42,17 +42,10 @@ impl Reference {
         attitude: Attitude,
     ) -> Result<Solution, Failure> {
         check(&load, omega, &[0.0; 5])?;
-        let task = |part: f64| Task {
-            load,
-            omega: omega * part.sqrt(),
-            attitude,
-            free: [true; 5],
-            dense: false,
-            thorough: false,
-        };
+        let task = |part: f64| Task::new(load, omega * part.sqrt(), attitude);
         let rest = self.at_rest(&task(0.0))?;
         if omega == 0.0 {
-            return self.refine(&rest, &task(0.0), &mut 0);
+            return self.refine(&rest, &task(0.0));
         }
         let inertia = self.balls() as f64 * 0.5 * (self.mass * self.pitch).hi * omega * omega;
         let first = (FIRST * self.load_size(&task(0.0)) / inertia).min(1.0);
@@ -66,7 +59,7 @@ impl Reference {
         let mut stride = now.part;
         for _ in 0..STEPS {
             if now.part >= 1.0 {
-                return self.refine(&now.stage, &task(1.0), &mut 0);
+                return self.refine(&now.stage, &task(1.0));
             }
             let part = (now.part + stride).min(1.0);
             match self.advance(last.as_ref(), &now, part, &task(part)) {
@@ -82,10 +75,7 @@ impl Reference {
                 break;
             }
         }
-        Err(Failure::Stalled {
-            residual: 1.0 - now.part,
-            iterations: STEPS,
-        })
+        Err(Failure::Stalled)
     }
 
     /// The equilibrium at rest, from a ring that the axial load presses to its own side.
@@ -112,7 +102,7 @@ impl Reference {
                 .map(|()| direct)
                 .or_else(|_| self.follow(&mut stage, &start, task).map(|()| stage))
                 .and_then(|mut stage| {
-                    self.newton(&mut stage, task, 60, &mut 0)?;
+                    self.newton(&mut stage, task, 60)?;
                     Ok(stage)
                 });
             if outcome.is_ok() {
@@ -130,7 +120,7 @@ impl Reference {
         };
         self.place(&stage.u, task, &mut stage.x, false).ok()?;
         self.nested(&mut stage, task, 60).ok()?;
-        self.newton(&mut stage, task, 40, &mut 0).ok()?;
+        self.newton(&mut stage, task, 40).ok()?;
         Some(Point { part, stage })
     }
 
@@ -148,10 +138,10 @@ impl Reference {
             None => now.stage.clone(),
         };
         let mut stage = predicted.clone();
-        if self.newton(&mut stage, task, 12, &mut 0).is_err() {
+        if self.newton(&mut stage, task, 12).is_err() {
             stage = now.stage.clone();
             self.nested(&mut stage, task, 12).ok()?;
-            self.newton(&mut stage, task, 12, &mut 0).ok()?;
+            self.newton(&mut stage, task, 12).ok()?;
         }
         let step = self.distance(&now.stage, &stage);
         // Without a last point there is no prediction to miss.

@@ -20,6 +20,7 @@ mod newton;
 mod number;
 
 use super::double_double::Dd;
+use crate::compare::{Ball, Equilibrium, Race};
 use ball::{Linear, Station, Terms, Unknowns};
 use core::array::from_fn;
 use core::fmt;
@@ -110,14 +111,6 @@ pub struct Solution {
     pub k: [[f64; 5]; 5],
     /// The balls.
     pub balls: Vec<BallState>,
-    /// Largest remaining imbalance over the largest force, load or contact.
-    pub residual: f64,
-    /// Newton steps over the whole system, both stages.
-    pub iterations: usize,
-    /// Inner Hertz constant in N/m^1.5.
-    pub ki: f64,
-    /// Outer Hertz constant in N/m^1.5.
-    pub ko: f64,
 }
 
 /// Forces, stiffness and balls at prescribed displacements.
@@ -144,12 +137,7 @@ pub enum Failure {
     /// A Newton matrix could not be inverted.
     Singular,
     /// Newton stopped short.
-    Stalled {
-        /// Relative imbalance where it stopped.
-        residual: f64,
-        /// Newton steps taken.
-        iterations: usize,
-    },
+    Stalled,
 }
 
 impl fmt::Display for Failure {
@@ -158,13 +146,7 @@ impl fmt::Display for Failure {
             Failure::Input(what) => write!(f, "invalid input: {what}"),
             Failure::Ball { index } => write!(f, "no equilibrium found for ball {index}"),
             Failure::Singular => write!(f, "singular Newton matrix"),
-            Failure::Stalled {
-                residual,
-                iterations,
-            } => write!(
-                f,
-                "Newton stopped at relative imbalance {residual:e} after {iterations} steps"
-            ),
+            Failure::Stalled => write!(f, "Newton stopped short"),
         }
     }
 }
@@ -389,14 +371,7 @@ impl Reference {
     /// Displacements at rest under an axial force that keeps every ball loaded.
     pub(crate) fn static_guess(&self, load: [f64; 5]) -> Result<[f64; 5], Failure> {
         check(&load, 0.0, &[0.0; 5])?;
-        let task = Task {
-            load,
-            omega: 0.0,
-            attitude: Attitude::Outer,
-            free: [true; 5],
-            dense: false,
-            thorough: true,
-        };
+        let task = Task::new(load, 0.0, Attitude::Outer);
         Ok(self.preloaded(self.preload(&load, 1.0), &task)?.u)
     }
 
@@ -507,13 +482,11 @@ impl Reference {
         thorough: bool,
     ) -> Result<Solution, Failure> {
         check(&load, omega, &held)?;
+        let load = from_fn(|k| if free[k] { load[k] } else { 0.0 });
         let task = Task {
-            load: from_fn(|k| if free[k] { load[k] } else { 0.0 }),
-            omega,
-            attitude,
             free,
-            dense: thorough,
             thorough,
+            ..Task::new(load, omega, attitude)
         };
         self.cold(&task, &held)
     }
@@ -527,10 +500,9 @@ impl Reference {
                 }
             }
         };
-        let mut steps = 0;
-        let finish = |mut s: Stage, steps: &mut usize| {
-            self.newton(&mut s, task, 60, steps)?;
-            self.refine(&s, task, steps)
+        let finish = |mut s: Stage| {
+            self.newton(&mut s, task, 60)?;
+            self.refine(&s, task)
         };
         let mut outcome = Err(Failure::Singular);
         // Plain Newton from a preload that keeps every ball loaded, then with balls in equilibrium
@@ -560,7 +532,7 @@ impl Reference {
                             .and_then(|()| self.follow(&mut s, &rest, task))
                     }
                 }
-                .and_then(|()| finish(s, &mut steps));
+                .and_then(|()| finish(s));
                 if outcome.is_ok() {
                     return outcome;
                 }
@@ -599,24 +571,10 @@ impl Reference {
         centres: &[(f64, f64)],
     ) -> Result<Solution, Failure> {
         check(&load, omega, &u0)?;
-        if centres.len() != self.stations.len() {
-            return Err(Failure::Input("number of ball centres"));
-        }
-        let task = Task {
-            load,
-            omega,
-            attitude,
-            free: [true; 5],
-            dense: false,
-            thorough: false,
-        };
-        let mut s = Stage {
-            u: u0,
-            x: centres.iter().map(|&(a, r)| [a, r]).collect(),
-        };
-        let mut steps = 0;
-        self.newton(&mut s, &task, 12, &mut steps)?;
-        self.refine(&s, &task, &mut steps)
+        let task = Task::new(load, omega, attitude);
+        let mut s = self.stage(u0, centres)?;
+        self.newton(&mut s, &task, 12)?;
+        self.refine(&s, &task)
     }
 
     /// Like [`Self::polish`]; a freedom that is not `free` keeps its displacement of `u0`.
@@ -633,32 +591,31 @@ impl Reference {
         free: [bool; 5],
     ) -> Result<Solution, Failure> {
         check(&load, omega, &u0)?;
-        if centres.len() != self.stations.len() {
-            return Err(Failure::Input("number of ball centres"));
-        }
+        let load = from_fn(|k| if free[k] { load[k] } else { 0.0 });
         let task = Task {
-            load: from_fn(|k| if free[k] { load[k] } else { 0.0 }),
-            omega,
-            attitude,
             free,
-            dense: false,
-            thorough: true,
+            ..Task::new(load, omega, attitude)
         };
-        let mut s = Stage {
-            u: u0,
-            x: centres.iter().map(|&(a, r)| [a, r]).collect(),
-        };
-        let mut steps = 0;
+        let mut s = self.stage(u0, centres)?;
         let start = s.clone();
-        self.newton(&mut s, &task, 40, &mut steps)
-            .and_then(|()| self.refine(&s, &task, &mut steps))
+        self.newton(&mut s, &task, 40)
+            .and_then(|()| self.refine(&s, &task))
             .or_else(|_| {
                 // The centres did not belong to the displacements; give every ball its place first.
                 let mut s = start;
                 self.nested(&mut s, &task, 40)?;
-                self.newton(&mut s, &task, 40, &mut steps)?;
-                self.refine(&s, &task, &mut steps)
+                self.newton(&mut s, &task, 40)?;
+                self.refine(&s, &task)
             })
+    }
+
+    /// A start from displacements and ball centres of another program.
+    fn stage(&self, u: [f64; 5], centres: &[(f64, f64)]) -> Result<Stage, Failure> {
+        if centres.len() != self.stations.len() {
+            return Err(Failure::Input("number of ball centres"));
+        }
+        let x = centres.iter().map(|&(a, r)| [a, r]).collect();
+        Ok(Stage { u, x })
     }
 
     /// Like [`Self::law`], in f64 throughout and without the stiffness: the force on the ring and the
@@ -721,19 +678,15 @@ impl Reference {
     pub fn law(&self, u: [f64; 5], omega: f64, attitude: Attitude) -> Result<Law, Failure> {
         check(&[0.0; 5], omega, &u)?;
         let task = Task {
-            load: [0.0; 5],
-            omega,
-            attitude,
             free: [false; 5],
-            dense: false,
-            thorough: true,
+            ..Task::new([0.0; 5], omega, attitude)
         };
         let mut s = Stage {
             u,
             x: vec![[0.0, 0.0]; self.stations.len()],
         };
         self.place(&u, &task, &mut s.x, false)?;
-        let sol = self.refine(&s, &task, &mut 0)?;
+        let sol = self.refine(&s, &task)?;
         let mut force = [0.0; 5];
         for (b, st) in sol.balls.iter().zip(&self.stations) {
             let w = [b.alpha_i, b.alpha_o, b.delta_i, b.delta_o];
@@ -759,4 +712,31 @@ fn check(load: &[f64; 5], omega: f64, u: &[f64; 5]) -> Result<(), Failure> {
         return Err(Failure::Input("displacement"));
     }
     Ok(())
+}
+
+impl From<&BallState> for Ball {
+    fn from(ball: &BallState) -> Self {
+        Self {
+            inner: Race {
+                angle: ball.alpha_i,
+                force: ball.q_i,
+            },
+            outer: Race {
+                angle: ball.alpha_o,
+                force: ball.q_o,
+            },
+            centrifugal_force: ball.fc,
+            gyroscopic_moment: ball.mg,
+        }
+    }
+}
+
+impl From<&Solution> for Equilibrium {
+    fn from(solution: &Solution) -> Self {
+        Self {
+            displacement: solution.u,
+            stiffness: solution.k,
+            balls: solution.balls.iter().map(Ball::from).collect(),
+        }
+    }
 }

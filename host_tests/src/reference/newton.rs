@@ -21,9 +21,21 @@ pub(super) struct Task {
     pub(super) omega: f64,
     pub(super) attitude: Attitude,
     pub(super) free: [bool; 5],
-    pub(super) dense: bool,
-    /// Follows a solution in ever smaller steps before it gives up.
+    /// Factors the full matrix, and follows a solution in ever smaller steps before it gives up.
     pub(super) thorough: bool,
+}
+
+impl Task {
+    /// All freedoms under a load, the balls eliminated one by one, and soon given up.
+    pub(super) fn new(load: [f64; 5], omega: f64, attitude: Attitude) -> Self {
+        Self {
+            load,
+            omega,
+            attitude,
+            free: [true; 5],
+            thorough: false,
+        }
+    }
 }
 
 /// Newton direction of the whole system.
@@ -51,7 +63,7 @@ impl Reference {
     }
 
     /// Newton direction for residuals `ball[j]` (4 each) and `ring` (target minus force), by
-    /// eliminating the balls one by one or, if `task.dense`, from the full matrix.
+    /// eliminating the balls one by one or, if `task.thorough`, from the full matrix.
     fn direction(
         &self,
         lin: &[Linear],
@@ -60,9 +72,9 @@ impl Reference {
         task: &Task,
         damping: f64,
     ) -> Option<Direction> {
-        let lever = 0.5 * self.pitch.hi;
+        let lever = self.pitch_radius();
         let unit = [1.0, 1.0, 1.0, lever, lever];
-        if task.dense {
+        if task.thorough {
             return self.dense_direction(lin, ball, ring, &task.free);
         }
         let mut k = [[0.0; 5]; 5];
@@ -220,7 +232,7 @@ impl Reference {
 
     /// Norm of the ring's imbalance in units of `scale`, moments over the pitch radius.
     fn ring_size(&self, force: &[f64; 5], task: &Task, scale: f64) -> f64 {
-        let lever = 0.5 * self.pitch.hi;
+        let lever = self.pitch_radius();
         let mut sum = 0.0;
         for (k, (f, load)) in force.iter().zip(&task.load).enumerate() {
             if task.free[k] {
@@ -233,7 +245,7 @@ impl Reference {
 
     /// Magnitude of the load as a force.
     pub(super) fn load_size(&self, task: &Task) -> f64 {
-        let lever = 0.5 * self.pitch.hi;
+        let lever = self.pitch_radius();
         (0..5).fold(0.0_f64, |s, k| {
             let unit = if k < 3 { 1.0 } else { lever };
             s.max((task.load[k] / unit).abs())
@@ -241,13 +253,7 @@ impl Reference {
     }
 
     /// Damped Newton on all balls and the ring together; leaves `s` near enough for [`Self::refine`].
-    pub(super) fn newton(
-        &self,
-        s: &mut Stage,
-        task: &Task,
-        limit: usize,
-        steps: &mut usize,
-    ) -> Result<(), Failure> {
+    pub(super) fn newton(&self, s: &mut Stage, task: &Task, limit: usize) -> Result<(), Failure> {
         let length = self.lo.hi + self.li.hi;
         let mut residual = f64::INFINITY;
         for _ in 0..limit {
@@ -279,7 +285,6 @@ impl Reference {
                 .zip(&dir.dw)
                 .map(|(w, dw)| self.centre_change(w, dw))
                 .collect();
-            *steps += 1;
             let mut step = 1.0_f64;
             loop {
                 let mut trial = Stage {
@@ -304,17 +309,11 @@ impl Reference {
                     if size < 1e-7 {
                         return Ok(());
                     }
-                    return Err(Failure::Stalled {
-                        residual: size,
-                        iterations: *steps,
-                    });
+                    return Err(Failure::Stalled);
                 }
             }
         }
-        Err(Failure::Stalled {
-            residual,
-            iterations: *steps,
-        })
+        Err(Failure::Stalled)
     }
 
     /// Newton on the ring with every ball in equilibrium throughout, damped like Levenberg's method:
@@ -323,12 +322,10 @@ impl Reference {
         self.place(&s.u, task, &mut s.x, true)
             .or_else(|_| self.place(&s.u, task, &mut s.x, false))?;
         let mut damping = 0.0_f64;
-        let mut last = f64::INFINITY;
         for _ in 0..limit {
             let (lin, _, force, big) = self.survey(s, task);
             let scale = self.load_size(task).max(1e-3 * big);
             let size = self.ring_size(&force, task, scale);
-            last = size;
             if size < 1e-5 {
                 return Ok(());
             }
@@ -336,7 +333,7 @@ impl Reference {
             let ring = from_fn(|k| task.load[k] - force[k]);
             loop {
                 let soft = Task {
-                    dense: false,
+                    thorough: false,
                     ..*task
                 };
                 let better = self
@@ -357,17 +354,11 @@ impl Reference {
                 }
                 damping = (damping * 8.0).max(1e-7);
                 if damping > 1e4 {
-                    return Err(Failure::Stalled {
-                        residual: size,
-                        iterations: limit,
-                    });
+                    return Err(Failure::Stalled);
                 }
             }
         }
-        Err(Failure::Stalled {
-            residual: last,
-            iterations: limit,
-        })
+        Err(Failure::Stalled)
     }
 
     /// Follows the solution from `from` to `to` in growing and shrinking steps.
@@ -440,14 +431,9 @@ impl Reference {
     }
 
     /// Second stage: Newton on all `4 N + 5` unknowns with residual and unknowns in double-double.
-    pub(super) fn refine(
-        &self,
-        s: &Stage,
-        task: &Task,
-        steps: &mut usize,
-    ) -> Result<Solution, Failure> {
+    pub(super) fn refine(&self, s: &Stage, task: &Task) -> Result<Solution, Failure> {
         let n = self.stations.len();
-        let lever = 0.5 * self.pitch.hi;
+        let lever = self.pitch_radius();
         let mut u = s.u.map(Dd::of);
         let mut ws: Vec<Unknowns<Dd>> = (0..n)
             .map(|j| {
@@ -494,15 +480,13 @@ impl Reference {
                 .collect();
             let stuck = size >= 0.1 * best;
             if size <= 1e-20 || stuck && size <= 1e-15 {
-                let k = self.stiffness(&lin, task.dense).ok_or(Failure::Singular)?;
+                let k = self
+                    .stiffness(&lin, task.thorough)
+                    .ok_or(Failure::Singular)?;
                 return Ok(Solution {
                     u: u.map(Dd::value),
                     k,
                     balls: self.report(&ws, &terms),
-                    residual: size,
-                    iterations: *steps,
-                    ki: self.inner.k.value(),
-                    ko: self.outer.k.value(),
                 });
             }
             if stuck && round > 3 {
@@ -512,7 +496,6 @@ impl Reference {
             let dir = self
                 .direction(&lin, &ball, &ring, task, 0.0)
                 .ok_or(Failure::Singular)?;
-            *steps += 1;
             for (u, du) in u.iter_mut().zip(dir.du) {
                 *u = *u + Dd::of(du);
             }
@@ -522,9 +505,6 @@ impl Reference {
                 }
             }
         }
-        Err(Failure::Stalled {
-            residual: best,
-            iterations: *steps,
-        })
+        Err(Failure::Stalled)
     }
 }
