@@ -4,31 +4,14 @@ use super::families::Family::{self, *};
 use super::judge::{PRECISIONS, Record};
 use super::report::{Summary, name, part, percent, table};
 
-/// Figures that are no larger than their bounds in every one of these families.
-struct Promise {
-    /// The figures, in words.
-    text: &'static str,
-    /// The families; none for all of them together.
-    families: &'static [Family],
-    /// The figures.
-    figures: fn(&Summary) -> Vec<f64>,
-    /// Their bounds in single and in double precision; infinite where nothing is promised.
-    most: [&'static [f64]; 2],
-}
-
-const fn promise(
-    text: &'static str,
-    families: &'static [Family],
-    figures: fn(&Summary) -> Vec<f64>,
-    most: [&'static [f64]; 2],
-) -> Promise {
-    Promise {
-        text,
-        families,
-        figures,
-        most,
-    }
-}
+/// Figures in words; the families whose figures they are, none for all of them together; the figures; and their largest
+/// values in single and in double precision, infinite where nothing is promised.
+type Promise = (
+    &'static str,
+    &'static [Family],
+    fn(&Summary) -> Vec<f64>,
+    [&'static [f64]; 2],
+);
 
 /// Loads that spindles and machines have.
 const EVERYDAY: &[Family] = &[
@@ -74,60 +57,59 @@ fn beyond(of: &Summary) -> Vec<f64> {
 /// room to spare wherever a spindle runs. Double precision is good to some hundred units in the last place.
 #[rustfmt::skip]
 const PROMISES: &[Promise] = &[
-    promise("panics, figures not finite, solves past 128 iterations, wrong reasons", &Family::ALL,
+    ("panics, figures not finite, solves past 128 iterations, wrong reasons", &Family::ALL,
         |of| vec![of.failed as f64], [&[0.0], &[0.0]]),
-    promise("forces that do not balance to 1e-2, %", EVERYDAY, unbalanced, [&[0.0], &[0.0]]),
-    promise("forces that do not balance to 1e-2, %", &Family::ALL, unbalanced, [&[0.15], &[0.1]]),
-    promise("on another branch than that from rest, %", &[Moderate],
+    ("forces that do not balance to 1e-2, %", EVERYDAY, unbalanced, [&[0.0], &[0.0]]),
+    ("forces that do not balance to 1e-2, %", &Family::ALL, unbalanced, [&[0.15], &[0.1]]),
+    ("on another branch than that from rest, %", &[Moderate],
         |of| vec![percent(of.branches[1], of.branches[0].max(1))], [&[0.1], &[0.1]]),
-    promise("missed, %", EVERYDAY, missed, [&[0.2], &[0.2]]),
-    promise("missed, %", &[Opening, DeepGroove, AnyBits], missed, [&[0.2], &[0.1]]),
-    promise("missed, %", &[Typed], missed, [&[0.1], &[0.1]]),
-    promise("missed, %", &[Radial, ZeroLoads], missed, [&[0.3], &[0.5]]),
-    promise("missed, %", &[Random, FewBalls], missed, [&[1.7], &[1.2]]),
-    promise("missed or open, %", EVERYDAY, silent, [&[2.5], &[2.5]]),
-    promise("missed or open, %", &[Radial, Opening, DeepGroove, AnyBits], silent, [&[5.0], &[5.0]]),
-    promise("missed or open, %", &[Random, ZeroLoads, Typed], silent, [&[11.0], &[11.0]]),
-    promise("missed or open, %", &[FewBalls], silent, [&[14.0], &[14.0]]),
-    promise("unjudged, %", EVERYDAY, unjudged, [&[0.1], &[0.1]]),
-    promise("unjudged, %", &[Random, Radial, DeepGroove, ZeroLoads, AnyBits, Opening, Typed], unjudged,
+    ("missed, %", EVERYDAY, missed, [&[0.2], &[0.2]]),
+    ("missed, %", &[Opening, DeepGroove, AnyBits, Typed], missed, [&[0.2], &[0.1]]),
+    ("missed, %", &[Radial, ZeroLoads], missed, [&[0.3], &[0.5]]),
+    ("missed, %", &[Random, FewBalls], missed, [&[1.7], &[1.2]]),
+    ("missed or open, %", EVERYDAY, silent, [&[2.5], &[2.5]]),
+    ("missed or open, %", &[Radial, Opening, DeepGroove, AnyBits], silent, [&[5.0], &[5.0]]),
+    ("missed or open, %", &[Random, ZeroLoads, Typed], silent, [&[11.0], &[11.0]]),
+    ("missed or open, %", &[FewBalls], silent, [&[14.0], &[14.0]]),
+    ("unjudged, %", EVERYDAY, unjudged, [&[0.1], &[0.1]]),
+    ("unjudged, %", &[Random, Radial, DeepGroove, ZeroLoads, AnyBits, Opening, Typed], unjudged,
         [&[0.5], &[0.5]]),
-    promise("unjudged, %", &[FewBalls], unjudged, [&[13.0], &[12.0]]),
-    promise("error of u / Q / K, 99 %", EVERYDAY, errors, [&[3e-6, 2e-6, 5e-5], &[3e-14, 4e-14, 2e-13]]),
-    promise("error of u / Q / K, 99 %", WILD, errors, [&[9e-6, 6e-6, 8e-5], &[3e-14, 3e-14, 4e-13]]),
-    promise("error of u / Q / K, 99 %", &[Typed], errors, [&[1e-5, 2e-6, 4e-4], &[2e-14, 4e-15, 2e-9]]),
-    promise("error of u / Q / K, 99 %", &[Opening], errors, [&[1e-2, 5e-6, 4e-3], &[2e-11, 3e-14, 2e-11]]),
-    promise("error of u / Q / K, 99 %", &[FewBalls], errors, [&[f64::INFINITY, 2e-4, 0.4], &[4e-11, 3e-13, 4e-9]]),
-    promise("errors of u / Q / K beyond the estimate, %", EVERYDAY, beyond, [&[0.5; 3], &[0.5; 3]]),
-    promise("errors of u / Q / K beyond the estimate, %", WILD, beyond, [&[0.5, 0.5, 0.8], &[0.5, 0.5, 0.8]]),
-    promise("errors of u / Q / K beyond the estimate, %", &[Opening, Typed], beyond,
+    ("unjudged, %", &[FewBalls], unjudged, [&[13.0], &[12.0]]),
+    ("error of u / Q / K, 99 %", EVERYDAY, errors, [&[3e-6, 2e-6, 5e-5], &[3e-14, 4e-14, 2e-13]]),
+    ("error of u / Q / K, 99 %", WILD, errors, [&[9e-6, 6e-6, 8e-5], &[3e-14, 3e-14, 4e-13]]),
+    ("error of u / Q / K, 99 %", &[Typed], errors, [&[1e-5, 2e-6, 4e-4], &[2e-14, 4e-15, 2e-9]]),
+    ("error of u / Q / K, 99 %", &[Opening], errors, [&[1e-2, 5e-6, 4e-3], &[2e-11, 3e-14, 2e-11]]),
+    ("error of u / Q / K, 99 %", &[FewBalls], errors, [&[f64::INFINITY, 2e-4, 0.4], &[4e-11, 3e-13, 4e-9]]),
+    ("errors of u / Q / K beyond the estimate, %", EVERYDAY, beyond, [&[0.5; 3], &[0.5; 3]]),
+    ("errors of u / Q / K beyond the estimate, %", WILD, beyond, [&[0.5, 0.5, 0.8], &[0.5, 0.5, 0.8]]),
+    ("errors of u / Q / K beyond the estimate, %", &[Opening, Typed], beyond,
         [&[1.3, 0.5, 3.0], &[1.0, 0.5, 1.7]]),
-    promise("errors of u / Q / K beyond the estimate, %", &[FewBalls], beyond,
+    ("errors of u / Q / K beyond the estimate, %", &[FewBalls], beyond,
         [&[2.9, 0.8, 9.7], &[1.2, 0.5, 6.5]]),
-    promise("errors of u / Q / K beyond the estimate, %", &[], beyond, [&[0.4, 0.2, 0.6], &[0.2, 0.2, 0.7]]),
-    promise("median of estimate over error of u / Q / K", &[],
+    ("errors of u / Q / K beyond the estimate, %", &[], beyond, [&[0.4, 0.2, 0.6], &[0.2, 0.2, 0.7]]),
+    ("median of estimate over error of u / Q / K", &[],
         |of| of.ratio.to_vec(), [&[35.0, 51.0, 44.0], &[50.0, 80.0, 44.0]]),
-    promise("errors beyond 1e-3 and 30 times the estimate, % of the answers", &[],
+    ("errors beyond 1e-3 and 30 times the estimate, % of the answers", &[],
         |of| vec![percent(of.deceiving, of.solved[0] - of.solved[1])], [&[0.2], &[0.01]]),
 ];
 
-/// The promises that a campaign does not keep, in words.
+/// The promises that a campaign of all families does not keep, in words.
 pub fn broken(records: &[Record]) -> Vec<String> {
     let mut broken = Vec::new();
-    for promise in PROMISES {
-        for (precision, most) in PRECISIONS.into_iter().zip(promise.most) {
-            let all = promise.families.is_empty();
-            let families = promise.families.iter().map(|family| Some(*family));
-            for family in families.chain(all.then_some(None)) {
-                let part = part(records, family, precision);
-                let figures = (promise.figures)(&Summary::of(&part));
-                let within = |(figure, most): (&f64, &f64)| figure <= most;
-                if !part.is_empty() && !figures.iter().zip(most).all(within) {
+    for &(text, families, figures, bounds) in PROMISES {
+        let each = families.iter().map(|family| Some(*family));
+        for family in each.chain(families.is_empty().then_some(None)) {
+            for (precision, most) in PRECISIONS.into_iter().zip(bounds) {
+                let figures = figures(&Summary::of(&part(records, family, precision)));
+                if !figures
+                    .iter()
+                    .zip(most)
+                    .all(|(figure, most)| figure <= most)
+                {
                     let family = family.map_or("all families", Family::name);
+                    let precision = name(precision);
                     broken.push(format!(
-                        "{family} in {}: {figures:?}, promised {most:?}: {}",
-                        name(precision),
-                        promise.text
+                        "{family} in {precision}: {text}: {figures:?}, promised {most:?}"
                     ));
                 }
             }
@@ -138,22 +120,20 @@ pub fn broken(records: &[Record]) -> Vec<String> {
 
 /// The promises, as a table.
 pub fn promises() -> String {
-    let rows = PROMISES.iter().map(|promise| {
-        let families: Vec<&str> = match promise.families {
+    let bound = |most: &f64| match *most {
+        f64::INFINITY => "-".to_owned(),
+        most if most < 1e-3 && most > 0.0 => format!("{most:e}"),
+        most => most.to_string(),
+    };
+    let row = |&(text, families, _, bounds): &Promise| {
+        let families: Vec<&str> = match families {
             [] => vec!["all together"],
             families if families.len() == Family::ALL.len() => vec!["every family"],
             families => families.iter().map(|family| family.name()).collect(),
         };
-        let bound = |most: &f64| match *most {
-            f64::INFINITY => "-".to_owned(),
-            most if most < 1e-3 && most > 0.0 => format!("{most:e}"),
-            most => most.to_string(),
-        };
-        let bounds = promise.most;
-        let bounds = bounds.map(|most| most.iter().map(bound).collect::<Vec<_>>().join(" / "));
-        let mut row = vec![promise.text.to_owned(), families.join(", ")];
-        row.extend(bounds);
-        row
-    });
-    table(&["largest", "of", "f32", "f64"], &rows.collect::<Vec<_>>())
+        let [f32, f64] = bounds.map(|most| most.iter().map(bound).collect::<Vec<_>>().join(" / "));
+        vec![text.to_owned(), families.join(", "), f32, f64]
+    };
+    let rows: Vec<Vec<String>> = PROMISES.iter().map(row).collect();
+    table(&["largest", "of", "f32", "f64"], &rows)
 }

@@ -7,6 +7,8 @@ use crate::cases::{Case, Random, rad_per_s};
 use crate::dispatch::Attitude;
 use crate::reference::Reference;
 use spindle_bearing::{Design, FreeContact, Material};
+use std::array::from_fn;
+use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
 use std::iter::repeat_with;
 
@@ -292,17 +294,14 @@ impl Draft {
             tick.load = [zero; 5];
             return tick;
         }
-        loop {
-            let set: [bool; 5] = std::array::from_fn(|_| self.r.chance(0.5));
+        let set = loop {
+            let set: [bool; 5] = from_fn(|_| self.r.chance(0.5));
             if set.contains(&true) && set.contains(&false) {
-                for (load, set) in tick.load.iter_mut().zip(set) {
-                    if set {
-                        *load = zero;
-                    }
-                }
-                return tick;
+                break set;
             }
-        }
+        };
+        tick.load = from_fn(|i| if set[i] { zero } else { tick.load[i] });
+        tick
     }
 
     /// The next tick of a drift.
@@ -405,26 +404,24 @@ impl Draft {
         ]);
         let fastest = 1.5e6 / (1e3 * self.design.pitch_diameter);
         Tick {
-            load: std::array::from_fn(|i| load[i] * if i < 3 { size } else { moment }),
+            load: from_fn(|i| load[i] * if i < 3 { size } else { moment }),
             omega: if rpm > fastest { 0.0 } else { rad_per_s(rpm) },
         }
     }
 
     fn any_bits(&mut self) -> Tick {
         let mut tick = self.moderate();
-        loop {
-            let set: [bool; 6] = std::array::from_fn(|_| self.r.chance(0.35));
-            if !set.contains(&true) {
-                continue;
+        let set = loop {
+            let set: [bool; 6] = from_fn(|_| self.r.chance(0.35));
+            if set.contains(&true) {
+                break set;
             }
-            for (load, _) in tick.load.iter_mut().zip(set).filter(|(_, set)| *set) {
-                *load = self.bits();
-            }
-            if set[5] {
-                tick.omega = self.bits();
-            }
-            return tick;
+        };
+        let inputs = tick.load.iter_mut().chain([&mut tick.omega]);
+        for (input, _) in inputs.zip(set).filter(|(_, set)| *set) {
+            *input = self.bits();
         }
+        tick
     }
 
     /// The bearing, prepared by the reference build.
@@ -457,9 +454,9 @@ impl Draft {
                 .ok()?;
             let loaded = depths.iter().filter(|depth| **depth > 0.0).count();
             match loaded.cmp(&wanted) {
-                std::cmp::Ordering::Equal => return Some((Tick { load, omega }, Some(u))),
-                std::cmp::Ordering::Less => low = u[0],
-                std::cmp::Ordering::Greater => high = u[0],
+                Ordering::Equal => return Some((Tick { load, omega }, Some(u))),
+                Ordering::Less => low = u[0],
+                Ordering::Greater => high = u[0],
             }
         }
         None
@@ -496,10 +493,7 @@ impl Draft {
             let dx = (low * above - high * below) / (above - below);
             let there = off(dx)?;
             if there.abs() < 1e-10 {
-                let (load, _) = reference
-                    .rough_law(at(dx), omega, attitude, &mut Vec::new())
-                    .ok()?;
-                return Some((Tick { load, omega }, Some(at(dx))));
+                return self.at(at(dx), omega);
             }
             if there < 0.0 {
                 (low, below) = (dx, there);
@@ -521,7 +515,6 @@ impl Draft {
             let omega = self.rest_or_speed(0.5, 1e6);
             return Some((Tick { load, omega }, None));
         }
-        let reference = self.reference();
         let omega = self.rest_or_speed(0.3, 1e6);
         let l0 = self.design.centre_distance();
         let (sin, cos) = self.free_angle().sin_cos();
@@ -532,9 +525,15 @@ impl Draft {
         let size = dx * self.r.between(0.0, 0.1);
         let [dy, dz] = self.across(size);
         let u = [dx, dy, dz, 0.0, 0.0];
-        let (load, _) = reference
-            .rough_law(u, omega, self.attitude.into(), &mut Vec::new())
-            .ok()?;
+        self.at(u, omega)
+    }
+
+    /// The load that belongs to a displacement.
+    fn at(&self, u: [f64; 5], omega: f64) -> Option<Drawn> {
+        let law = self
+            .reference()
+            .rough_law(u, omega, self.attitude.into(), &mut Vec::new());
+        let (load, _) = law.ok()?;
         Some((Tick { load, omega }, Some(u)))
     }
 }

@@ -107,8 +107,8 @@ pub fn page(plan: &Plan, records: &[Record]) -> String {
         .map(|f| format!("- **{}**: {}.\n", f.name(), f.about()))
         .collect();
     let searches = match plan.searches {
-        Some(most) => format!("for {most} of a family"),
-        None => "for all of them".to_owned(),
+        Some(most) => format!("in {most} cases of a family"),
+        None => "in every case".to_owned(),
     };
     format!(
         "# Stability campaign
@@ -119,34 +119,33 @@ to single precision. A warm family counts the ten solves after a cold one.
 {families}
 ## Results
 
-- *None*: no answer, and no equilibrium is known. *Missed*: no answer, though the reference build knows an equilibrium.
-- *Open*: no answer, and nobody looked for an equilibrium. The reference build searches for one {searches}.
-- *Iterations* and errors: median / 99 % / worst.
-- Errors are those against the equilibrium that the reference build reaches in double-double arithmetic.
-- *u*: displacement, of its largest component, tilts times the pitch radius. *Q*: ball forces, of the largest.
-- *K*: `abs(dKij) / sqrt(abs(Kii Kjj))`.
+- *None*: no answer, and no equilibrium is known. *Missed*: no answer, though one is known. *Open*: nobody looked for one.
+- The reference build searches for equilibria of solves without an answer {searches}.
+- Iterations and errors: median / 99 % / worst. An error is that against the reference build in double-double arithmetic.
+- *u*: displacement, of its largest component. *Q*: ball forces, of the largest. *K*: `abs(dKij) / sqrt(abs(Kii Kjj))`.
 - *Covered*: answers whose error of *u* / *Q* / *K* is within the solver's own estimate.
 
 {}
+
 ## Promises
 
-`cargo test` holds a small campaign to them, `cargo campaign` the one that it runs. Each figure is the largest allowed
-one of each family; three figures are those of *u*, *Q* and *K*.
+Each family keeps the figures of its rows by itself. Three figures are those of *u*, *Q* and *K*.
 
 {}
+
 ## What is not solved
 
 {}
-Two balls hold a ring by next to nothing: single precision does not know its position and its stiffness. Their errors
-are in the row of few-balls. Such an answer says so by its estimates, but for {} of {} answers.
+Two balls hold a ring by next to nothing: single precision does not know its position and its stiffness. The row of
+few-balls has such answers. Of {} answers, {} are off by far more than their estimates.
 ",
         plan.solves,
         plan.seed,
-        results(plan, records).trim_end_matches('\n').to_owned() + "\n",
-        promises(),
+        results(plan, records).trim_end(),
+        promises().trim_end(),
         reasons(records),
-        records.iter().filter(|r| r.deceives()).count(),
         records.iter().filter(|r| r.errors.is_some()).count(),
+        records.iter().filter(|r| r.deceives()).count(),
     )
 }
 

@@ -88,7 +88,10 @@ fn main() -> anyhow::Result<()> {
             File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
         page::list_failures(&records, file)?;
     }
-    let broken = contract::broken(&records);
-    ensure!(broken.is_empty(), "promises broken:\n{}", broken.join("\n"));
+    // A promise is about all families.
+    if plan.families == Family::ALL {
+        let broken = contract::broken(&records);
+        ensure!(broken.is_empty(), "not kept:\n{}", broken.join("\n"));
+    }
     Ok(())
 }
