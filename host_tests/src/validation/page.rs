@@ -1,132 +1,181 @@
-//! The book as a page: `docs/validation.md` and the figures beside it.
+//! `docs/validation.md`: the claims as a page, and how two makings of it are compared.
 
-use super::statement::{Statement, Verdict};
-use super::{Block, COMMAND, Chapter, Table};
+use super::book::{Book, Measure};
+use super::judge::{Judged, JudgedClaim};
 use std::fmt::Write;
 
-const OPENING: &str = "What is known of angular contact ball bearings at speed, against what this solver computes: the \
-results of a published study of spindle bearings under tilting moments, a third party's program, makers' \
-tables, closed forms, and a check of the physics that shares no algebra with the solver. `docs/model.md` has the equations and symbols.
-
-Every row of the tables of statements is tested: `cargo test` fails if a number leaves the range in parentheses. Where a claim of the study does not hold in \
-this model, its row says so and by how much. A number that is rounding and nothing else is given as a bound.
-
-Unless a line says otherwise, figures and numbers are the solver's in double precision. Each chapter but that of makers' figures holds every \
-equilibrium against the reference build and against single precision. The bearings: 218 (16 balls of 22.23 mm, 40\u{b0}), \
-B7005C (16 of 6.35 mm, 15\u{b0}), SKF 6205 (9 of 7.938 mm, angle by clearance), of steel; `host_tests/bearings` \
-has the files. The study's own tables of dimensions are not known; those of the B7005C are a plausible set, not the \
-maker's.
-";
-
-/// The page.
-pub fn page(chapters: &[Chapter]) -> String {
-    let mut page =
-        format!("<!-- Made by `{COMMAND}`; do not edit. -->\n\n# Validation\n\n{OPENING}\n");
-    summary(&mut page, chapters);
-    let mut number = 0;
-    for chapter in chapters {
-        let _ = write!(page, "## {}\n\n", chapter.title);
-        for block in &chapter.blocks {
-            match block {
-                Block::Text(text) => {
-                    let _ = write!(page, "{text}\n\n");
-                }
-                Block::Figure(figure) => {
-                    number += 1;
-                    let _ = write!(
-                        page,
-                        "![{}](validation/{}.svg)\n\n*Figure {number}. {}*\n\n",
-                        figure.title, figure.name, figure.caption
-                    );
-                }
-                Block::Table(table) => markdown(&mut page, table),
-                Block::Statements(statements) => {
-                    let rows = statements.iter().map(row).collect();
-                    let head = ["statement", "measured", "verdict"]
-                        .map(str::to_owned)
-                        .into();
-                    markdown(
-                        &mut page,
-                        &Table {
-                            caption: String::new(),
-                            head,
-                            rows,
-                        },
-                    );
+/// The page; `made_from` names the commit.
+pub fn page(book: &Book, judged: &[Vec<JudgedClaim<'_>>], made_from: &str) -> String {
+    let mut page = format!(
+        "<!-- Made by `cargo reports validation` from {made_from}; do not edit. -->\n\n\
+         # Validation\n\n{}\n\n",
+        paragraphs(&book.opening)
+    );
+    let claims = || judged.iter().flatten();
+    let in_part = claims().filter(|one| one.claim.in_part.is_some()).count();
+    let _ = writeln!(
+        page,
+        "{} claims: {} hold, {in_part} hold in part.",
+        claims().count(),
+        claims().count() - in_part
+    );
+    for (chapter, claims) in book.chapter.iter().zip(judged) {
+        let _ = write!(
+            page,
+            "\n## {}\n\n{}\n\n",
+            chapter.title,
+            paragraphs(&chapter.text)
+        );
+        for picture in &chapter.picture {
+            let _ = write!(
+                page,
+                "![{}](validation/{}.svg)\n\n*{}*\n\n",
+                picture.title, picture.file, picture.caption
+            );
+        }
+        page.push_str("| claim | published | ours | bound |\n| --- | --- | --- | --- |\n");
+        for one in claims {
+            let claim = one.claim;
+            let verdict = match &claim.in_part {
+                Some(instead) => format!("**Holds in part.** {instead}"),
+                None => "**Holds.**".to_owned(),
+            };
+            let head = format!("*{}*: {} {verdict}", claim.by, claim.claim);
+            match one.measures.as_slice() {
+                [only] => row(&mut page, &format!("{head} {}:", only.measure.name), only),
+                measures => {
+                    let _ = writeln!(page, "| {head} | | | |");
+                    for one in measures {
+                        row(&mut page, &one.measure.name, one);
+                    }
                 }
             }
         }
     }
-    while page.ends_with("\n\n") {
-        page.pop();
-    }
     page
 }
 
-/// The study's claims and what became of them.
-fn summary(page: &mut String, chapters: &[Chapter]) {
-    let claims = || {
-        chapters
-            .iter()
-            .flat_map(Chapter::statements)
-            .filter(|s| s.source.is_some())
+/// Each paragraph on a line.
+fn paragraphs(text: &str) -> String {
+    let lines = text.trim().split("\n\n").map(|one| one.replace('\n', " "));
+    lines.collect::<Vec<_>>().join("\n\n")
+}
+
+fn row(page: &mut String, name: &str, judged: &Judged<'_>) {
+    let m = judged.measure;
+    let digits = m.published.iter().map(|v| decimals(*v)).max();
+    let unit = |text: String| match m.unit.as_str() {
+        unit if unit.is_empty() || text.is_empty() => text,
+        "°" => format!("{text}°"),
+        unit => format!("{text} {unit}"),
     };
-    let count = |verdict: Verdict| claims().filter(|s| s.verdict == verdict).count();
-    let _ = write!(
-        page,
-        "{} claims of the study: {} hold, {} in part, {} not. Those that do not hold as they stand:\n\n",
-        claims().count(),
-        count(Verdict::Holds),
-        count(Verdict::InPart),
-        count(Verdict::DoesNotHold)
+    let ours = match digits {
+        _ if m.rounding.is_some() => "rounding".to_owned(),
+        Some(digits) => unit(joined(
+            judged.numbers.iter().map(|v| format!("{v:.digits$}")),
+        )),
+        None => unit(range(&judged.numbers)),
+    };
+    let published = unit(joined(m.published.iter().map(f64::to_string)));
+    let _ = writeln!(page, "| {name} | {published} | {ours} | {} |", bound(m));
+}
+
+fn joined(texts: impl Iterator<Item = String>) -> String {
+    texts.collect::<Vec<_>>().join(", ")
+}
+
+fn decimals(value: f64) -> usize {
+    value
+        .to_string()
+        .split_once('.')
+        .map_or(0, |(_, part)| part.len())
+}
+
+fn range(numbers: &[f64]) -> String {
+    let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [least, largest] = [least, largest].map(shown);
+    if least == largest {
+        least
+    } else {
+        format!("{least} to {largest}")
+    }
+}
+
+fn bound(m: &Measure) -> String {
+    let mut bounds = Vec::new();
+    match (m.above, m.below) {
+        (Some(above), Some(below)) => bounds.push(format!("{} to {}", shown(above), shown(below))),
+        (Some(above), None) => bounds.push(format!("above {}", shown(above))),
+        (None, Some(below)) => bounds.push(format!("below {}", shown(below))),
+        (None, None) => {}
+    }
+    bounds.extend(m.within.map(|most| format!("within {}", shown(most))));
+    bounds.extend(
+        m.within_percent
+            .map(|most| format!("within {} %", shown(most))),
     );
-    for claim in claims().filter(|s| s.verdict != Verdict::Holds) {
-        let remark = claim.remark.as_deref().unwrap_or_default();
-        let source = claim.source.unwrap_or_default();
-        let _ = writeln!(
-            page,
-            "- \"{}\" ({source}) {}. {remark}",
-            claim.claim, claim.verdict
-        );
-    }
-    page.push('\n');
+    bounds.extend(m.rounding.map(|most| format!("at most {}", shown(most))));
+    bounds.join(", ")
 }
 
-fn row(statement: &Statement) -> Vec<String> {
-    let mut claim = statement.claim.clone();
-    if let Some(source) = statement.source {
-        claim = format!("Study, {source}: {claim}");
-    }
-    if let Some(remark) = &statement.remark {
-        claim = format!("{claim} *{remark}*");
-    }
-    let measures: Vec<String> = statement.measures.iter().map(ToString::to_string).collect();
-    vec![claim, measures.join("<br>"), statement.verdict.to_string()]
-}
-
-fn markdown(page: &mut String, table: &Table) {
-    if !table.caption.is_empty() {
-        let _ = write!(page, "{}\n\n", table.caption);
-    }
-    let line = |cells: &[String]| {
-        let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
-        format!("| {} |\n", cells.join(" | "))
+/// A number with four significant digits, trailing zeros of a fraction left out.
+pub fn shown(value: f64) -> String {
+    let trimmed = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
     };
-    page.push_str(&line(&table.head));
-    let rule = |i: usize| {
-        let numbers = table
-            .rows
-            .iter()
-            .all(|r| r.get(i).is_some_and(|c| c.parse::<f64>().is_ok()));
-        if numbers {
-            "--:".to_owned()
-        } else {
-            "---".to_owned()
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e6).contains(&size) {
+        let decimals = 3 - size.log10().floor() as i32;
+        trimmed(&format!("{value:.*}", decimals.max(0) as usize))
+    } else {
+        let text = format!("{value:.3e}");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        format!("{}e{exponent}", trimmed(mantissa))
+    }
+}
+
+/// First line of `committed` whose text is not that of `made`, or whose numbers are not within 1e-3 of it.
+///
+/// The commit in the first line makes no difference.
+pub fn difference(committed: &str, made: &str) -> Option<String> {
+    let lines =
+        |page: &'_ str| -> Vec<String> { page.lines().skip(1).map(str::to_owned).collect() };
+    let (committed, made) = (lines(committed), lines(made));
+    let most = committed.len().max(made.len());
+    (0..most).find_map(|i| {
+        let line = |lines: &[String]| lines.get(i).cloned().unwrap_or_default();
+        let (old, new) = (line(&committed), line(&made));
+        (!alike(&old, &new) || i >= committed.len() || i >= made.len())
+            .then(|| format!("line {}:\n  committed: {old}\n  made:      {new}", i + 2))
+    })
+}
+
+fn alike(old: &str, new: &str) -> bool {
+    let (old, new) = (parts(old), parts(new));
+    old.len() == new.len()
+        && old.iter().zip(&new).all(
+            |(old, new)| match (old.parse::<f64>(), new.parse::<f64>()) {
+                (Ok(old), Ok(new)) => (old - new).abs() <= 1e-3 * new.abs(),
+                _ => old == new,
+            },
+        )
+}
+
+/// Numbers of a line, and the texts between them.
+fn parts(line: &str) -> Vec<String> {
+    let mut parts: Vec<String> = Vec::new();
+    let mut in_number = false;
+    for c in line.chars() {
+        let number = c.is_ascii_digit() || c == '.' || c == '-' || (in_number && c == 'e');
+        match parts.last_mut() {
+            Some(part) if number == in_number => part.push(c),
+            _ => parts.push(c.to_string()),
         }
-    };
-    page.push_str(&line(&(0..table.head.len()).map(rule).collect::<Vec<_>>()));
-    for row in &table.rows {
-        page.push_str(&line(row));
+        in_number = number;
     }
-    page.push('\n');
+    parts
 }

@@ -40,8 +40,12 @@ pub enum Command {
     /// Measures the monitor's ticks alone, and writes what rests on that: the section of docs/report.md, its
     /// figures, and the constants of the deadline
     Monitor,
-    /// Known results reproduced: writes docs/validation.md and its figures
-    Validation,
+    /// Known results reproduced: writes docs/validation.md and its pictures
+    Validation {
+        /// Instead, fails if a number or a word of the committed page is not as made now
+        #[arg(long)]
+        check: bool,
+    },
 }
 
 /// A solver.

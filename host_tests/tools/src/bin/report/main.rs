@@ -19,7 +19,7 @@ fn main() -> ExitCode {
         // A few solves, for which the profile of the tests is fast enough, and built already.
         None if arguments.check => measure("dev"),
         None | Some(Command::Profile(_) | Command::Monitor) => measure("host"),
-        Some(Command::Validation) => validation::run().map(|()| ExitCode::SUCCESS),
+        Some(Command::Validation { check }) => validation::run(*check).map(|()| ExitCode::SUCCESS),
     };
     match result {
         Ok(status) => status,

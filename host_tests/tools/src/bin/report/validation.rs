@@ -1,45 +1,127 @@
-//! The validation book.
+//! `docs/validation.md` and its pictures.
 
-use anyhow::{Context, bail};
-use host_tests::validation::statement::Statement;
-use host_tests::validation::{self, Chapter, FIGURES, PAGE, page};
+use anyhow::{Context, Result, bail, ensure};
+use host_tests::validation::book::{Book, Measure, Panel, Picture, TEXT};
+use host_tests::validation::cases::{Solved, solve};
+use host_tests::validation::judge::{Line, factor, judge, lines};
+use host_tests::validation::{PAGE, page};
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
-use tools::bar::Bar;
-use tools::figure;
+use std::process::Command as Process;
+use tools::chart::{self, Axis, Chart, Curve, Style};
+use tools::cross::output;
 
-/// Makes the page and its figures, and says what is not as the page says.
-pub fn run() -> anyhow::Result<()> {
-    let bar = Bar::new("{bar:40} {pos} of {len} equilibria, {elapsed}")?;
-    let book = validation::book(&bar)?;
-    bar.finish();
-    write(&book)?;
-    let statements = || book.iter().flat_map(Chapter::statements);
-    let complaints: Vec<String> = statements().filter_map(Statement::complaint).collect();
-    let figures = book.iter().flat_map(Chapter::figures).count();
-    println!(
-        "docs/validation.md: {} statements, {figures} figures in docs/validation/",
-        statements().count()
-    );
-    if !complaints.is_empty() {
-        bail!(
-            "{} statements are not as the page says; mend the solver, or the statement in \
-             host_tests/src/validation/:\n{}",
-            complaints.len(),
-            complaints.join("\n")
-        );
+/// Makes the page and its pictures; writes them, or compares the page with the committed one.
+pub fn run(check: bool) -> Result<()> {
+    let book = Book::parse(TEXT)?;
+    let (mut judged, mut pictures) = (Vec::new(), BTreeMap::new());
+    for chapter in &book.chapter {
+        let runs = solve(chapter)?;
+        judged.push(judge(chapter, &runs)?);
+        for picture in &chapter.picture {
+            let svg = draw(picture, &runs).with_context(|| picture.title.clone())?;
+            pictures.insert(format!("{}.svg", picture.file), svg);
+        }
     }
+    let claims = judged.iter().flatten();
+    let complaints: Vec<String> = claims.filter_map(|claim| claim.complaint()).collect();
+    ensure!(
+        complaints.is_empty(),
+        "claims of host_tests/validation.toml are not as stated:\n{}",
+        complaints.join("\n")
+    );
+
+    let commit = output(Process::new("git").args(["rev-parse", "--short", "HEAD"]));
+    let made_from = commit.unwrap_or_else(|| "an unknown commit".to_owned());
+    let made = page::page(&book, &judged, made_from.trim());
+    let path = tools::root().join(PAGE);
+    let folder = path.with_extension("");
+    if check {
+        let committed = fs::read_to_string(&path).context(PAGE)?;
+        if let Some(line) = page::difference(&committed, &made) {
+            bail!("{PAGE}, {line}\n`cargo reports validation` writes it");
+        }
+        for file in fs::read_dir(&folder)? {
+            let name = file?.file_name().to_string_lossy().into_owned();
+            ensure!(
+                pictures.remove(&name).is_some(),
+                "{PAGE} has no picture {name}"
+            );
+        }
+        ensure!(
+            pictures.is_empty(),
+            "docs/validation lacks {:?}",
+            pictures.keys()
+        );
+        println!("{PAGE}: {} lines are as made", committed.lines().count());
+        return Ok(());
+    }
+    fs::create_dir_all(&folder)?;
+    for (name, svg) in &pictures {
+        fs::write(folder.join(name), svg).with_context(|| name.clone())?;
+    }
+    fs::write(&path, &made).context(PAGE)?;
+    println!(
+        "{PAGE}: {} lines, {} pictures",
+        made.lines().count(),
+        pictures.len()
+    );
     Ok(())
 }
 
-/// Writes the page and its figures to their places.
-fn write(book: &[Chapter]) -> anyhow::Result<()> {
-    let folder = Path::new(FIGURES);
-    fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make {}; is docs/ writable?", folder.display()))?;
-    for figure in book.iter().flat_map(Chapter::figures) {
-        figure::draw(figure, folder)?;
-    }
-    fs::write(PAGE, page::page(book))
-        .with_context(|| format!("cannot write {PAGE}; is docs/ writable?"))
+fn draw(picture: &Picture, runs: &[Solved]) -> Result<String> {
+    let panels = picture
+        .panel
+        .iter()
+        .map(|panel| of_panel(picture, panel, runs));
+    chart::svg(&Chart {
+        title: picture.title.clone(),
+        panels: panels.collect::<Result<_>>()?,
+        columns: picture.columns,
+    })
+}
+
+fn of_panel(picture: &Picture, panel: &Panel, runs: &[Solved]) -> Result<chart::Panel> {
+    let curves: Result<Vec<_>> = panel
+        .curve
+        .iter()
+        .map(|one| curves(picture, one, runs))
+        .collect();
+    Ok(chart::Panel {
+        title: panel.title.clone(),
+        x: Axis {
+            label: picture.x_label.clone(),
+            logarithmic: picture.logarithmic,
+            ..Axis::default()
+        },
+        y: Axis {
+            label: panel.y_label.clone(),
+            ..Axis::default()
+        },
+        curves: curves?.concat(),
+    })
+}
+
+/// A curve for each run.
+fn curves(picture: &Picture, measure: &Measure, runs: &[Solved]) -> Result<Vec<Curve>> {
+    let style = match measure.style.as_str() {
+        "" => Style::Line,
+        "dashed" => Style::Dashed,
+        "dots" => Style::Dots,
+        other => bail!("no style {other:?}"),
+    };
+    let unit = factor(&picture.x_unit)?;
+    let curve = |line: Line<'_>| {
+        let x = line.cases.iter().map(|case| case.get(&picture.x).copied());
+        let points = x.zip(line.values).map(|(x, y)| Some((unit * x?, y)));
+        Ok(Curve {
+            name: match measure.name.as_str() {
+                "" => line.run.to_owned(),
+                name => name.to_owned(),
+            },
+            points: points.collect::<Option<_>>().context(picture.x.clone())?,
+            style,
+        })
+    };
+    lines(measure, runs)?.into_iter().map(curve).collect()
 }

@@ -1,0 +1,315 @@
+//! Cases of a run, solved: a table whose columns are those of `cargo replay`.
+
+use super::book::{Chapter, Program, Rule, Run, Table};
+use crate::cases::{rad_per_s, reference};
+use crate::design_file::DesignFile;
+use crate::dispatch::{Attitude, Precision};
+use crate::reference::Reference;
+use crate::spindles::{Balls, Plan, Question, Row, with_solver};
+use anyhow::{Context, anyhow};
+use rayon::prelude::*;
+use spindle_bearing::{
+    Arrangement, Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload,
+    RatingLife, ShaftEnd, elliptic_integrals,
+};
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+
+/// Values by the names of their columns, SI but for the units in the names.
+pub type Case = BTreeMap<String, f64>;
+
+/// A run and its cases.
+#[derive(Debug, Clone)]
+pub struct Solved {
+    /// Name of the run.
+    pub name: String,
+    /// Its cases, in the order of the file.
+    pub cases: Vec<Case>,
+}
+
+/// Solves all runs of a chapter.
+///
+/// # Errors
+///
+/// A run that is no run, or a case without a solution; the message names it.
+pub fn solve(chapter: &Chapter) -> anyhow::Result<Vec<Solved>> {
+    let runs = chapter.run.par_iter().map(|keys| {
+        let mut all = chapter.common.clone();
+        for (key, value) in keys {
+            match (all.get_mut(key).and_then(toml::Value::as_table_mut), value) {
+                (Some(table), toml::Value::Table(more)) => table.extend(more.clone()),
+                _ => {
+                    all.insert(key.clone(), value.clone());
+                }
+            }
+        }
+        let run: Run = all.try_into().context(chapter.title.clone())?;
+        let cases = of_run(&run).with_context(|| format!("{}: {}", chapter.title, run.name))?;
+        Ok(Solved {
+            name: run.name,
+            cases,
+        })
+    });
+    runs.collect()
+}
+
+fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
+    let cases = given(run)?;
+    let solved: anyhow::Result<Vec<Vec<Case>>> = cases
+        .into_par_iter()
+        .map(|case| match run.table {
+            Some(Table::EllipticIntegrals) => Ok(vec![with_integrals(case)]),
+            Some(Table::HertzContacts) => Ok(vec![with_contact(case)]),
+            Some(Table::Spheres) => Ok(vec![of_spheres(case)]),
+            Some(Table::Fits) => Ok(vec![of_fits(case)]),
+            Some(Table::GmnS60 | Table::Ntn) | None => of_bearing(run, case),
+        })
+        .collect();
+    let mut solved = solved?.concat();
+    if run.each_ball {
+        solved.sort_by(|a, b| a["azimuth_rad"].total_cmp(&b["azimuth_rad"]));
+    }
+    Ok(solved)
+}
+
+/// Cases as they are given: rows of a table, or all combinations of the values.
+fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
+    let text = match run.table {
+        Some(Table::GmnS60) => include_str!("../../makers/gmn_s60.csv"),
+        Some(Table::Ntn) => include_str!("../../makers/ntn.csv"),
+        Some(Table::EllipticIntegrals) => include_str!("../../cases/elliptic_integrals.csv"),
+        Some(Table::HertzContacts) => include_str!("../../cases/hertz_contacts.csv"),
+        Some(Table::Spheres | Table::Fits) | None => return Ok(combinations(run)),
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
+    let rows = reader.deserialize::<BTreeMap<String, String>>();
+    rows.map(|row| {
+        let level = format!("_{}", run.level.as_deref().unwrap_or_default());
+        let row = row?.into_iter().filter_map(|(name, text)| {
+            let unit = if name.ends_with("_n_per_um") {
+                1e6
+            } else {
+                1.0
+            };
+            let name = match run.level {
+                Some(_) => name.replace(&level, ""),
+                None => name,
+            };
+            Some((name, unit * text.parse::<f64>().ok()?))
+        });
+        Ok(row.collect())
+    })
+    .collect()
+}
+
+fn combinations(run: &Run) -> Vec<Case> {
+    let [fx, fy, fz, my, mz] = run.load;
+    let columns = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
+    let loads = columns.map(str::to_owned).into_iter();
+    let mut cases = vec![Case::from_iter(loads.zip([fx, fy, fz, my, mz, 0.0]))];
+    for (column, values) in &run.values {
+        let values = values.list();
+        let with = |value: &f64| {
+            let case = |case: &Case| {
+                let mut case = case.clone();
+                case.insert(column.clone(), *value);
+                case
+            };
+            cases.iter().map(case).collect::<Vec<_>>()
+        };
+        cases = values.iter().flat_map(with).collect();
+    }
+    cases
+}
+
+/// A case with its equilibrium, or one case for each ball of it.
+fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
+    let (design, balls, rating) = bearing(run, &case)?;
+    let value = |column: &str| case.get(column).copied();
+    let load = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm"].map(|c| value(c).unwrap_or(0.0));
+    let omega = rad_per_s(value("speed_rpm").unwrap_or(0.0));
+    let attitude = match run.attitude {
+        Rule::Raceless => Some(Attitude::Raceless),
+        Rule::Outer => Some(Attitude::Outer),
+        Rule::Inner => Some(Attitude::Inner),
+        Rule::Rest => None,
+    };
+    let variant: Option<fn(Reference) -> Reference> = match run.by {
+        Program::Solver => None,
+        Program::FittedContacts => Some(Reference::with_fitted_contacts),
+        Program::WrongSign => Some(Reference::with_gyroscopic_moment_reversed),
+        Program::NoFrictionMoment => Some(Reference::without_friction_moment),
+    };
+    if let Some(variant) = variant {
+        let rule = attitude.context("the reference build has a rule")?;
+        let found = variant(reference(&design, balls))
+            .search(load, omega, rule.into())
+            .context("no equilibrium of the reference build")?;
+        let case = with_equilibrium(case, found.u, found.k);
+        let ball = &found.balls[0];
+        let angles = [ball.azimuth, ball.alpha_i, ball.alpha_o];
+        return Ok(vec![with_ball(case, angles, [ball.q_i, ball.q_o])]);
+    }
+
+    let facings = run.facings.as_deref().unwrap_or("+");
+    let row = |(i, facing): (usize, char)| Row {
+        balls,
+        design,
+        position: design.pitch_diameter * i as f64,
+        facing: match facing {
+            '-' => Facing::MinusX,
+            _ => Facing::PlusX,
+        },
+        preload: value("preload_n").map_or(Preload::Closure(0.0), Preload::Force),
+    };
+    let plan = Plan {
+        rows: facings.chars().enumerate().map(row).collect(),
+        arrangement: Arrangement::ByRows,
+        spring: None,
+    };
+    let question = Question {
+        load,
+        omega,
+        growth: Vec::new(),
+    };
+    let motion = attitude.map_or(Balls::Static, Balls::Moving);
+    let answer = with_solver(&plan, motion, Precision::F64, |solver| {
+        solver.solve(&question, &ShaftEnd::rigid(0.0))
+    })?
+    .map_err(|status| anyhow!("{load:?} N, N m, {omega} rad/s: {status}"))?;
+
+    let mut case = with_equilibrium(case, answer.displacement, answer.stiffness);
+    let side: f64 = answer.rows.iter().map(|row| 0.5 * row.preload).sum();
+    let lifted = answer.rows.iter().filter(|row| row.lifted_off).count();
+    case.insert("side_n".to_owned(), side);
+    case.insert("rows_lifted_off".to_owned(), lifted as f64);
+    let balls = &answer.rows.first().context("a set without rows")?.balls;
+    if let Some(rating) = rating {
+        let weight = rating.weight_of(balls.iter().map(|ball| (ball.q_i, ball.q_o)));
+        let life = RatingLife::of_weight(weight, omega);
+        case.insert("l10_mrev".to_owned(), life.million_revolutions);
+    }
+    let of_ball = balls.iter().map(|ball| {
+        let angles = [ball.azimuth, ball.alpha_i, ball.alpha_o];
+        with_ball(case.clone(), angles, [ball.q_i, ball.q_o])
+    });
+    let wanted = if run.each_ball { balls.len() } else { 1 };
+    Ok(of_ball.take(wanted).collect())
+}
+
+/// Design, number of balls and load rating of a case.
+fn bearing(run: &Run, case: &Case) -> anyhow::Result<(Design, usize, Option<LifeRating<f64>>)> {
+    let needed = |column: &str| {
+        let value = case.get(column).copied();
+        value.with_context(|| format!("no column {column}"))
+    };
+    if run.bearing.is_empty() {
+        let angle = needed("contact_angle_deg")?.to_radians();
+        let [ball, pitch] = [1e-3 * needed("ball_mm")?, 1e-3 * needed("pitch_mm")?];
+        let design = Design::angular_contact(ball, pitch, angle);
+        return Ok((design, needed("balls")? as usize, None));
+    }
+    let file = match run.bearing.ends_with(".toml") {
+        true => DesignFile::read(format!("{}/{}", env!("CARGO_MANIFEST_DIR"), run.bearing))?,
+        false => DesignFile::read(&run.bearing)?,
+    };
+    let mut design = file.design;
+    if let Ok(clearance) = needed("diametral_clearance_um") {
+        design.free_contact = FreeContact::DiametralClearance(1e-6 * clearance);
+    }
+    if let Ok(first) = needed("first_ball_deg") {
+        design.first_ball = first.to_radians();
+    }
+    let rating = file.dynamic_load_rating.map(|_| file.rating());
+    Ok((design, file.balls, rating))
+}
+
+fn with_equilibrium(mut case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
+    let freedoms = ["x", "y", "z", "ty", "tz"];
+    let columns = ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"];
+    case.extend(columns.map(str::to_owned).into_iter().zip(u));
+    for (row, values) in freedoms.iter().zip(k) {
+        let columns = freedoms.map(|column| format!("k_{row}_{column}"));
+        case.extend(columns.into_iter().zip(values));
+    }
+    case
+}
+
+fn with_ball(mut case: Case, [azimuth, inner, outer]: [f64; 3], [q_i, q_o]: [f64; 2]) -> Case {
+    case.extend([
+        ("azimuth_rad".to_owned(), azimuth.rem_euclid(TAU)),
+        ("alpha_i_rad".to_owned(), inner),
+        ("alpha_o_rad".to_owned(), outer),
+        ("q_i_n".to_owned(), q_i),
+        ("q_o_n".to_owned(), q_o),
+    ]);
+    case
+}
+
+fn with_integrals(mut case: Case) -> Case {
+    let (k, e) = elliptic_integrals(case["m"]);
+    case.extend([("our_k".to_owned(), k), ("our_e".to_owned(), e)]);
+    case
+}
+
+fn with_contact(mut case: Case) -> Case {
+    let contact = HertzContact::new(case["rolling"], case["across"], 1.0);
+    case.extend([
+        ("our_kappa".to_owned(), contact.ellipticity),
+        ("our_e".to_owned(), contact.elliptic_e),
+        ("our_load_deflection".to_owned(), contact.load_deflection),
+    ]);
+    case
+}
+
+/// Steel contact of the relative curvatures `(1 + excess/2) / r` and `(1 - excess/2) / r`, and spheres of that radius
+/// (Johnson, Contact Mechanics, 1985, 4.2).
+fn of_spheres(mut case: Case) -> Case {
+    let (r, half) = (case["radius_m"], 0.5 * case["excess"]);
+    let Material {
+        youngs_modulus,
+        poissons_ratio,
+        ..
+    } = Material::STEEL;
+    let modulus = youngs_modulus / (2.0 * (1.0 - poissons_ratio * poissons_ratio));
+    let contact = HertzContact::new((1.0 + half) / r, (1.0 - half) / r, 1.0 / modulus);
+    let pressed = 6.0 * 1000.0 * modulus * modulus / (PI.powi(3) * r * r);
+    let mean = (contact.semi_major * contact.semi_minor).sqrt();
+    case.extend([
+        ("our_load_deflection".to_owned(), contact.load_deflection),
+        ("load_deflection".to_owned(), 4.0 / 3.0 * modulus * r.sqrt()),
+        ("our_radius".to_owned(), mean),
+        ("radius".to_owned(), (3.0 * r / (4.0 * modulus)).cbrt()),
+        ("our_pressure".to_owned(), contact.peak_pressure(1000.0)),
+        ("pressure".to_owned(), pressed.cbrt()),
+    ]);
+    case
+}
+
+/// Ellipticity, integrals and load-deflection constant for a ratio of curvatures, and the fits of Brewe and Hamrock,
+/// J. Lubr. Technol. 99 (1977).
+fn of_fits(mut case: Case) -> Case {
+    let ratio = case["ratio"];
+    let kappa = HertzContact::new(ratio, 1.0, 1.0).ellipticity;
+    let (k, e) = elliptic_integrals(1.0 - 1.0 / (kappa * kappa));
+    let exact = [kappa, e, k];
+    let fitted = [
+        1.0339 * ratio.powf(0.636),
+        1.0003 + 0.5968 / ratio,
+        1.5277 + 0.6023 * ratio.ln(),
+    ];
+    for (prefix, [kappa, e, k]) in [("", exact), ("fit_", fitted)] {
+        case.extend([
+            (format!("{prefix}kappa"), kappa),
+            (format!("{prefix}e"), e),
+            (format!("{prefix}k"), k),
+            (
+                format!("{prefix}load_deflection"),
+                kappa * (e / k.powi(3)).sqrt(),
+            ),
+        ]);
+    }
+    case
+}
