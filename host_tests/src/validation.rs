@@ -5,7 +5,6 @@
 
 pub mod book;
 pub mod cases;
-pub mod figure;
 pub mod judge;
 pub mod page;
 

@@ -4,7 +4,6 @@ pub mod arguments;
 pub mod bar;
 pub mod chart;
 pub mod cross;
-pub mod figure;
 pub mod graph;
 pub mod plot;
 pub mod replay;
