@@ -16,7 +16,6 @@ pub mod replay;
 pub mod spindle_file;
 pub mod spindle_replay;
 pub mod spindles;
-pub mod study;
 pub mod telemetry;
 pub mod tolerances;
 pub mod validation;

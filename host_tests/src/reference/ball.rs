@@ -167,10 +167,6 @@ impl Reference {
         let (mut fc, mut mg, mut shares) = (zero, zero, [zero, zero]);
         if omega != 0.0 {
             (fc, mg, shares) = self.motion((si, ci), (so, co), di, d_o, qi, qo, omega, attitude);
-            if self.frozen {
-                let constant = |x: T| T::of(Dd::of(x.value()));
-                (fc, mg, shares) = (constant(fc), constant(mg), shares.map(constant));
-            }
         } else if di.value() <= 0.0 && d_o.value() <= 0.0 {
             // At rest and off both races nothing holds the ball; any rule that fixes it will do.
             let stiff = T::of(self.outer.k * self.lo.sqrt());
@@ -374,31 +370,5 @@ impl Reference {
                 }
                 Some(x)
             })
-    }
-
-    /// A first guess of one ball's unknowns: as at rest, or on the outer race if that is out of touch.
-    pub(crate) fn start_of_ball(
-        &self,
-        centre: &[f64; 2],
-        omega: f64,
-        attitude: Attitude,
-    ) -> Unknowns<f64> {
-        let w = self.unknowns(&self.resting(centre), centre);
-        if omega == 0.0 || w[3] > 0.0 {
-            return w;
-        }
-        self.unknowns(&self.flung(centre, omega, attitude), centre)
-    }
-
-    /// Largest of a ball's corrections as a length in m.
-    pub(crate) fn arc(&self, dw: &[f64; 4]) -> f64 {
-        let arcs = [dw[0] * self.li.hi, dw[1] * self.lo.hi, dw[2], dw[3]];
-        arcs.iter().fold(0.0, |s, x| {
-            if x.is_finite() {
-                s.max(x.abs())
-            } else {
-                f64::INFINITY
-            }
-        })
     }
 }

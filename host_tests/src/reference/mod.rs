@@ -21,11 +21,11 @@ mod number;
 
 use super::double_double::Dd;
 use crate::compare::{Ball, Equilibrium, Race};
-use ball::{Linear, Station, Terms, Unknowns};
+use ball::{Station, Terms, Unknowns};
 use core::array::from_fn;
 use core::fmt;
 use hertz::Hertz;
-pub(crate) use linear::{masked_solve, small_solve};
+pub(crate) use linear::small_solve;
 use newton::{Stage, Task};
 use number::Scalar;
 
@@ -169,8 +169,6 @@ pub struct Reference {
     inner_groove: Dd,
     mass: Dd,
     inertia: Dd,
-    /// Derivatives leave out those of the inertia loads and of the friction forces.
-    frozen: bool,
     pub(crate) stations: Vec<Station>,
 }
 
@@ -277,7 +275,6 @@ impl Reference {
             inner_groove: fi * d,
             mass,
             inertia: mass * d * d / Dd::of(10.0),
-            frozen: false,
             stations,
         })
     }
@@ -314,31 +311,6 @@ impl Reference {
         self
     }
 
-    /// The stiffness at an equilibrium without the derivatives of centrifugal forces, gyroscopic
-    /// moments and friction shares; for showing what leaving them out does.
-    ///
-    /// # Errors
-    /// [`Failure::Singular`] if a ball's equations cannot be inverted.
-    pub fn frozen_stiffness(
-        &self,
-        balls: &[BallState],
-        omega: f64,
-        attitude: Attitude,
-    ) -> Result<[[f64; 5]; 5], Failure> {
-        let frozen = Reference {
-            frozen: true,
-            ..self.clone()
-        };
-        let linear: Vec<Linear> = balls
-            .iter()
-            .map(|b| {
-                let w = [b.alpha_i, b.alpha_o, b.delta_i, b.delta_o];
-                frozen.linearise(&w, &[0.0; 2], omega, attitude)
-            })
-            .collect();
-        frozen.stiffness(&linear, false).ok_or(Failure::Singular)
-    }
-
     /// Number of balls.
     pub fn balls(&self) -> usize {
         self.stations.len()
@@ -368,34 +340,12 @@ impl Reference {
         0.5 * self.pitch.hi
     }
 
-    /// Displacements at rest under an axial force that keeps every ball loaded.
-    pub(crate) fn static_guess(&self, load: [f64; 5]) -> Result<[f64; 5], Failure> {
-        check(&load, 0.0, &[0.0; 5])?;
-        let task = Task::new(load, 0.0, Attitude::Outer);
-        Ok(self.preloaded(self.preload(&load, 1.0), &task)?.u)
-    }
-
     /// An axial force at least `factor` times the radial load and tilting moments.
     fn preload(&self, load: &[f64; 5], factor: f64) -> f64 {
         let [fx, fy, fz, my, mz] = *load;
         let least = 1e-9 * self.inner.k.hi * self.li.hi.powf(1.5);
         let other = fy.hypot(fz) + my.hypot(mz) / self.pitch_radius();
         fx.max(factor * other).max(least)
-    }
-
-    /// States of balls whose unknowns are known to f64 only.
-    pub(crate) fn report_plain(
-        &self,
-        ws: &[Unknowns<f64>],
-        omega: f64,
-        attitude: Attitude,
-    ) -> Vec<BallState> {
-        let wide: Vec<_> = ws.iter().map(|w| w.map(Dd::of)).collect();
-        let terms: Vec<_> = wide
-            .iter()
-            .map(|w| self.evaluate(w, &[Dd::ZERO; 2], omega, attitude))
-            .collect();
-        self.report(&wide, &terms)
     }
 
     fn report(&self, ws: &[Unknowns<Dd>], terms: &[Terms<Dd>]) -> Vec<BallState> {
