@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// What reset the chip last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ResetCause {
     /// The supply was switched on.
@@ -76,6 +77,7 @@ impl ResetCause {
 
 /// How a self-check ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Check {
     /// It has not been made yet.

@@ -49,6 +49,7 @@ pub enum Command {
 
 /// What an operator wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
     /// Somebody has seen this occurrence of an alarm: it may clear.
@@ -142,6 +143,7 @@ impl Request {
 
 /// What became of an order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AnswerCode {
     /// Carried out.

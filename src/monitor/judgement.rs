@@ -28,6 +28,7 @@ use serde::{Deserialize, Serialize};
 
 /// What there is to warn of, the most serious first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Alarm {
     /// Peak contact pressure, Pa.
@@ -136,6 +137,7 @@ impl fmt::Display for Alarm {
 
 /// Where an alarm stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AlarmState {
     /// No condition, nothing to acknowledge.
@@ -207,6 +209,7 @@ impl Level {
 
 /// What happened to an alarm, for which a report is sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum AlarmChange {
     /// The condition has stood for its hold time.

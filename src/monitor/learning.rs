@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where the learning of the baseline stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Learning {
     /// Nothing was learnt since the start.

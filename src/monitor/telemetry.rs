@@ -77,6 +77,7 @@ pub struct Frame {
 
 /// What a [`Frame`] is about.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 // Frames live in fixed memory, and the largest variant is what the queue must hold anyway.
 #[allow(clippy::large_enum_variant)]
@@ -105,6 +106,7 @@ pub enum Payload {
 
 /// How the last solve ended: [`Status`] without its numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StatusCode {
     /// [`Status::Converged`].
@@ -375,6 +377,7 @@ pub struct InputsReport {
 
 /// What became of something that was to be kept, when the monitor started.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Recovery {
     /// There is no memory for it: what is learnt is lost with the power.

@@ -55,6 +55,7 @@ impl TemperatureSettings {
 
 /// Where a side's temperature comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum TemperatureSource {
     /// Temperatures are not in use: the spindle counts as cold.
