@@ -1,6 +1,7 @@
 //! Bytes to frames. Damage is counted by its kind, and what is missing by the gaps in the sequence
 //! numbers.
 
+use serde::Serialize;
 use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::telemetry::{Frame, FrameReader};
 use std::fmt;
@@ -22,7 +23,8 @@ pub enum Event {
 }
 
 /// What lies between two undamaged frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Gap {
     /// Nothing; also before the first frame, since a receiver may join at any time.
     None,
@@ -30,8 +32,7 @@ pub enum Gap {
     Lost(u32),
     /// The number went back, once: an old frame again, or the first of a sender that has started again.
     Behind,
-    /// The numbers went back and go on from there: the sender has started again, with the frame before this one. What it
-    /// sent before that is not known.
+    /// The numbers went back and go on from there: the sender has started again, with the frame before this one.
     Restart,
 }
 

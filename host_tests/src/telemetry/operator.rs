@@ -4,9 +4,9 @@
 //! listens: [`Operator::follow`] sends what is wanted as soon as a nonce is known, and sends it again until it is
 //! answered.
 
-use super::state::State;
+use super::state::{State, words};
 use anyhow::{Context, Result};
-use spindle_bearing::monitor::command::{self, Answer, Command, Key, Order, Request};
+use spindle_bearing::monitor::command::{self, Command, Key, Order, Request};
 use spindle_bearing::monitor::judgement::AlarmState;
 use std::collections::VecDeque;
 use std::io::Write;
@@ -36,29 +36,14 @@ pub struct Operator<W> {
     wanted: VecDeque<Order>,
     sent: Vec<Sent>,
     unanswered: Vec<Order>,
-    /// Acknowledge what the board tells of until this time, us.
+    /// Acknowledge what the board tells of until this time, us; `None` within for a time that is not known yet.
     acknowledging: Option<Option<u64>>,
     /// A key that waits for a yes.
     asked: Option<char>,
 }
 
-/// An order in a few words.
-pub fn words(order: &Order) -> String {
-    match order {
-        Order::Acknowledge { alarm, raised } => format!("acknowledge {alarm}, occurrence {raised}"),
-        Order::Learn(true) => "learn the baseline".into(),
-        Order::Learn(false) => "end the learning".into(),
-        Order::ReplaceBearing => "take the bearing for a new one".into(),
-    }
-}
-
-/// An answer in a few words.
-pub fn answer_words(answer: &Answer) -> String {
-    format!("{}: {}", words(&answer.order), answer.outcome.name())
-}
-
 impl<W: Write> Operator<W> {
-    /// One whose words go there, authenticated if there is a key.
+    /// An operator whose requests go to a port, authenticated if there is a key.
     pub const fn new(to: W, key: Option<Key>) -> Self {
         Self {
             to,
@@ -85,18 +70,19 @@ impl<W: Write> Operator<W> {
 
     /// Wants acknowledged what the board has told of and nobody has acknowledged; returns how many alarms that are.
     pub fn acknowledge(&mut self, state: &State) -> usize {
-        let mut count = 0;
-        for at in state.standing() {
-            let (alarm, raised) = (at.report.alarm, at.report.raised);
-            let order = Order::Acknowledge { alarm, raised };
-            let known = self.wanted.contains(&order)
+        let before = self.wanted.len();
+        for (_, of) in state.standing() {
+            let order = Order::Acknowledge {
+                alarm: of.alarm,
+                raised: of.raised,
+            };
+            let is_known = self.wanted.contains(&order)
                 || self.sent.iter().any(|sent| sent.request.order == order);
-            if at.report.state != AlarmState::Acknowledged && !known {
+            if of.state != AlarmState::Acknowledged && !is_known {
                 self.want(order);
-                count += 1;
             }
         }
-        count
+        self.wanted.len() - before
     }
 
     /// What the board did not answer, however often it was sent.
@@ -110,33 +96,25 @@ impl<W: Write> Operator<W> {
     ///
     /// The port takes no bytes.
     pub fn follow(&mut self, state: &State) -> Result<()> {
-        if let Some(at) = &state.answer {
-            let number = at.report.number;
-            self.sent.retain(|sent| sent.request.number != number);
-        }
+        let now = state.time_us;
         if let Some(until) = self.acknowledging {
-            let until = until.unwrap_or(state.time_us + TOLD_US);
-            self.acknowledging = (state.time_us < until).then_some(Some(until));
+            let until = until.unwrap_or(now + TOLD_US);
+            self.acknowledging = (now < until).then_some(Some(until));
             self.acknowledge(state);
         }
-        let now = state.time_us;
-        let mut again = Vec::new();
-        let unanswered = &mut self.unanswered;
-        self.sent.retain_mut(|sent| {
-            if now.saturating_sub(sent.time_us) < REPEAT_US {
-                return true;
+        for mut sent in std::mem::take(&mut self.sent) {
+            if (state.answer).is_some_and(|answer| answer.number == sent.request.number) {
+                continue;
             }
-            if sent.tries == TRIES {
-                unanswered.push(sent.request.order);
-                return false;
+            if now.saturating_sub(sent.time_us) >= REPEAT_US {
+                if sent.tries == TRIES {
+                    self.unanswered.push(sent.request.order);
+                    continue;
+                }
+                self.send(sent.request)?;
+                (sent.time_us, sent.tries) = (now, sent.tries + 1);
             }
-            sent.tries += 1;
-            sent.time_us = now;
-            again.push(sent.request);
-            true
-        });
-        for request in again {
-            self.send(request)?;
+            self.sent.push(sent);
         }
         let Some(told) = state.nonce else {
             return Ok(());
@@ -166,35 +144,30 @@ impl<W: Write> Operator<W> {
             .context("cannot send a command to the board")
     }
 
-    /// What a key of the view says; returns what to show, `None` if the key means nothing. A key that wants something
-    /// is asked back, and `y` has it done.
+    /// Takes a key of the view; returns what to show, `None` if the key means nothing. A key that wants something is
+    /// asked back, and `y` has it done.
     pub fn press(&mut self, key: char, state: &State) -> Option<String> {
-        let asked = self.asked.take();
-        if asked.is_some() && key != 'y' {
-            return Some("nothing was sent".into());
-        }
-        match asked {
-            Some('a') => {
-                let count = self.acknowledge(state);
-                return Some(format!("{count} to be acknowledged"));
-            }
-            Some(asked) => {
+        match (self.asked.take(), key) {
+            (Some('a'), 'y') => Some(format!("{} to be acknowledged", self.acknowledge(state))),
+            (Some(asked), 'y') => {
                 let order = order_of(asked)?;
                 self.want(order);
-                return Some(format!("asked to {}", words(&order)));
+                Some(format!("asked to {}", words(&order)))
             }
-            None => {}
+            (Some(_), _) => Some("nothing was sent".into()),
+            (None, 'a') if state.unacknowledged() == 0 => Some("no alarm to acknowledge".into()),
+            (None, _) => {
+                let question = match order_of(key) {
+                    None if key == 'a' => format!("acknowledge {}", state.unacknowledged()),
+                    order => words(&order?),
+                };
+                self.asked = Some(key);
+                Some(format!("{question}? y, or any other key"))
+            }
         }
-        let question = match key {
-            'a' if state.unacknowledged() == 0 => return Some("no alarm to acknowledge".into()),
-            'a' => format!("acknowledge {}", state.unacknowledged()),
-            _ => words(&order_of(key)?),
-        };
-        self.asked = Some(key);
-        Some(format!("{question}? y, or any other key"))
     }
 
-    /// Where the words go.
+    /// Where the requests go.
     pub const fn get_mut(&mut self) -> &mut W {
         &mut self.to
     }

@@ -1,15 +1,14 @@
 //! What the frames so far say of the spindle.
 
 use super::decoder::{Event, Gap, Tally};
-use super::operator::answer_words;
 use spindle_bearing::Facing;
 use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::BoardReport;
-use spindle_bearing::monitor::command::Answer;
+use spindle_bearing::monitor::command::{Answer, Order};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    AlarmReport, BallReport, EstimateReport, Frame, HealthReport, InputsReport, Payload, RowPlace,
-    RowReport, ShaftReport, StartReport,
+    AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport, InputsReport,
+    Payload, RowPlace, RowReport, ShaftReport, StartReport,
 };
 use std::collections::VecDeque;
 
@@ -25,15 +24,6 @@ pub struct Point {
     pub stiffness: [f32; 5],
     /// The sample behind it was good, and it was solved: the estimate is none of an earlier tick.
     pub trusted: bool,
-}
-
-/// A report and when it was.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct At<T> {
-    /// Time of the monitor, us.
-    pub time_us: u64,
-    /// The report.
-    pub report: T,
 }
 
 /// The balls of a row as they are known.
@@ -62,7 +52,17 @@ pub const fn facing(place: &RowPlace) -> Facing {
     }
 }
 
-/// What is known.
+/// An order in a few words.
+pub fn words(order: &Order) -> String {
+    match order {
+        Order::Acknowledge { alarm, raised } => format!("acknowledge {alarm}, occurrence {raised}"),
+        Order::Learn(true) => "learn the baseline".into(),
+        Order::Learn(false) => "end the learning".into(),
+        Order::ReplaceBearing => "take the bearing for a new one".into(),
+    }
+}
+
+/// The last report of each kind, and the course of the stiffness.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct State {
     /// Latest time of any frame, us.
@@ -70,27 +70,27 @@ pub struct State {
     /// The course of the stiffness.
     pub history: VecDeque<Point>,
     /// The last estimate.
-    pub estimate: Option<At<EstimateReport>>,
+    pub estimate: Option<EstimateReport>,
     /// The balls, row by row.
     pub balls: Vec<Balls>,
     /// The last report of each row; `None` before its first one.
-    pub rows: Vec<Option<At<RowReport>>>,
+    pub rows: Vec<Option<RowReport>>,
     /// What stands where on the shaft.
-    pub shaft: Option<At<ShaftReport>>,
-    /// The last report of each alarm, in the order of [`Alarm::ALL`].
-    pub alarms: [Option<At<AlarmReport>>; Alarm::COUNT],
+    pub shaft: Option<ShaftReport>,
+    /// The last report of each alarm, in the order of [`Alarm::ALL`], and the time of its last change, us.
+    pub alarms: [Option<(u64, AlarmReport)>; Alarm::COUNT],
     /// The last counters.
-    pub health: Option<At<HealthReport>>,
+    pub health: Option<HealthReport>,
     /// The last report of what came in.
-    pub inputs: Option<At<InputsReport>>,
+    pub inputs: Option<InputsReport>,
     /// The last answer to an order.
-    pub answer: Option<At<Answer>>,
+    pub answer: Option<Answer>,
     /// The nonce that the board told last.
     pub nonce: Option<u32>,
     /// What the board last said of itself.
-    pub board: Option<At<BoardReport>>,
+    pub board: Option<BoardReport>,
     /// What the board says of its start.
-    pub start: Option<At<StartReport>>,
+    pub start: Option<StartReport>,
     /// Counts of the decoder.
     pub tally: Tally,
     /// The last damage.
@@ -105,31 +105,23 @@ impl State {
     /// Takes an event and the counts after it.
     pub fn note(&mut self, event: &Event, tally: Tally) {
         self.tally = tally;
-        let (frame, gap) = match event {
-            Event::Damaged(error) => {
-                self.last_damage = Some(*error);
-                return;
-            }
-            Event::Frame { frame, gap } => (frame, *gap),
-        };
-        if gap == Gap::Behind {
-            self.behind = Some(frame.clone());
-            return;
+        match event {
+            Event::Damaged(error) => self.last_damage = Some(*error),
+            Event::Frame { frame, gap } => match gap {
+                Gap::Behind => self.behind = Some(frame.clone()),
+                Gap::Restart => {
+                    // Time, counters and alarms begin again.
+                    let before = std::mem::take(self);
+                    self.tally = tally;
+                    self.last_damage = before.last_damage;
+                    self.said = before.said;
+                    for frame in before.behind.iter().chain([frame]) {
+                        self.take(frame);
+                    }
+                }
+                Gap::None | Gap::Lost(_) => self.take(frame),
+            },
         }
-        if gap == Gap::Restart {
-            let first = self.behind.take();
-            // Time, counters and alarms begin again.
-            *self = Self {
-                tally,
-                last_damage: self.last_damage,
-                said: self.said.take(),
-                ..Self::default()
-            };
-            if let Some(first) = first {
-                self.take(&first);
-            }
-        }
-        self.take(frame);
     }
 
     /// Takes what a frame says.
@@ -138,8 +130,7 @@ impl State {
         self.time_us = self.time_us.max(time_us);
         match &frame.payload {
             Payload::Estimate(report) => {
-                let report = *report;
-                self.estimate = Some(At { time_us, report });
+                self.estimate = Some(*report);
                 if self.history.len() == HISTORY {
                     self.history.pop_front();
                 }
@@ -149,95 +140,72 @@ impl State {
                     trusted: report.age == 0 && report.marks.is_empty(),
                 });
             }
-            Payload::Balls(report) => {
-                let (row, count) = (usize::from(report.row), usize::from(report.count));
-                if self.balls.len() <= row {
-                    self.balls.resize_with(row + 1, Balls::default);
-                }
-                let Some(known) = self.balls.get_mut(row) else {
-                    return;
-                };
-                if known.balls.len() != count {
-                    known.balls = vec![None; count];
-                }
-                known.first_azimuth = report.first_azimuth;
-                let places = known.balls.iter_mut().skip(report.first.into());
-                for (place, ball) in places.zip(&report.balls) {
-                    *place = Some(*ball);
-                }
-            }
+            Payload::Balls(report) => self.take_balls(report),
             Payload::Rows(report) => {
                 self.rows.resize(report.count.into(), None);
                 let places = self.rows.iter_mut().skip(report.first.into());
                 for (place, report) in places.zip(&report.rows) {
-                    let report = *report;
-                    *place = Some(At { time_us, report });
+                    *place = Some(*report);
                 }
             }
-            Payload::Shaft(report) => {
-                let report = report.clone();
-                self.shaft = Some(At { time_us, report });
-            }
+            Payload::Shaft(report) => self.shaft = Some(report.clone()),
             Payload::Alarm(report) => {
-                let report = *report;
-                if let Some(place) = self.alarms.get_mut(report.alarm as usize) {
-                    // One that only says how it stands keeps the time of the last change.
-                    let since = match place {
-                        Some(At {
-                            time_us,
-                            report: old,
-                        }) if old.state == report.state && old.raised == report.raised => *time_us,
-                        _ => time_us,
-                    };
-                    *place = Some(At {
-                        time_us: since,
-                        report,
-                    });
-                }
+                let place = &mut self.alarms[report.alarm as usize];
+                // A report that repeats how the alarm stands keeps the time of the last change.
+                let since = match place {
+                    Some((since, old))
+                        if (old.state, old.raised) == (report.state, report.raised) =>
+                    {
+                        *since
+                    }
+                    _ => time_us,
+                };
+                *place = Some((since, *report));
             }
-            Payload::Health(report) => {
-                let report = *report;
-                self.health = Some(At { time_us, report });
-            }
+            Payload::Health(report) => self.health = Some(*report),
             Payload::Inputs(report) => {
-                let report = *report;
                 self.nonce = Some(report.nonce);
-                self.inputs = Some(At { time_us, report });
+                self.inputs = Some(*report);
             }
             Payload::Answer(answer) => {
-                let report = *answer;
-                self.nonce = Some(report.nonce);
-                self.said = Some(format!("board: {}", answer_words(&report)));
-                self.answer = Some(At { time_us, report });
+                self.nonce = Some(answer.nonce);
+                let (order, outcome) = (words(&answer.order), answer.outcome.name());
+                self.said = Some(format!("board: {order}: {outcome}"));
+                self.answer = Some(*answer);
             }
-            Payload::Board(report) => {
-                let report = *report;
-                self.board = Some(At { time_us, report });
-            }
-            Payload::Start(report) => {
-                let report = *report;
-                self.start = Some(At { time_us, report });
-            }
+            Payload::Board(report) => self.board = Some(*report),
+            Payload::Start(report) => self.start = Some(*report),
+        }
+    }
+
+    fn take_balls(&mut self, report: &BallsReport) {
+        let (row, count) = (usize::from(report.row), usize::from(report.count));
+        if self.balls.len() <= row {
+            self.balls.resize_with(row + 1, Balls::default);
+        }
+        let known = &mut self.balls[row];
+        if known.balls.len() != count {
+            known.balls = vec![None; count];
+        }
+        known.first_azimuth = report.first_azimuth;
+        let places = known.balls.iter_mut().skip(report.first.into());
+        for (place, ball) in places.zip(&report.balls) {
+            *place = Some(*ball);
         }
     }
 
     /// Number of rows, as far as it is known; 0 before the first report of any.
     pub fn row_count(&self) -> usize {
-        let told = self.shaft.as_ref().map_or(0, |at| at.report.count.into());
+        let told = self.shaft.as_ref().map_or(0, |shaft| shaft.count.into());
         self.rows.len().max(self.balls.len()).max(told)
-    }
-
-    /// Where a row is and how it faces.
-    pub fn place(&self, row: usize) -> Option<&RowPlace> {
-        self.shaft.as_ref()?.report.rows.get(row)
     }
 
     /// Number of the balls of a row.
     fn ball_count(&self, row: usize) -> Option<usize> {
-        let known = self.balls.get(row).map(|row| row.balls.len());
-        known
-            .filter(|count| *count > 0)
-            .or_else(|| Some(self.place(row)?.balls.into()))
+        match self.balls.get(row).map(|row| row.balls.len()) {
+            Some(count) if count > 0 => Some(count),
+            _ => Some(self.shaft.as_ref()?.rows.get(row)?.balls.into()),
+        }
     }
 
     /// Row, and ball of that row, of a ball that is counted on from row to row, as alarms do. `None` as long as too
@@ -256,34 +224,34 @@ impl State {
 
     /// Whether rows face each other, so that they hold each other with a preload.
     pub fn is_opposed(&self) -> bool {
-        let is_shared = self.rows.iter().flatten().any(|at| at.report.preload > 0.0);
+        let is_shared = self.rows.iter().flatten().any(|row| row.preload > 0.0);
         is_shared
-            || self.shaft.as_ref().is_some_and(|at| {
-                let rows = &at.report.rows;
-                rows.iter().any(|row| row.mirrored) && rows.iter().any(|row| !row.mirrored)
+            || self.shaft.as_ref().is_some_and(|shaft| {
+                let mut rows = shaft.rows.iter();
+                let first = rows.next();
+                rows.any(|row| Some(row.mirrored) != first.map(|first| first.mirrored))
             })
     }
 
     /// Whether a row has lost the preload that it had from the others.
     pub fn is_lifted(&self, row: usize) -> bool {
-        let report = self.rows.get(row).and_then(Option::as_ref);
-        // No number is none either.
-        self.is_opposed() && report.is_some_and(|at| !(at.report.axial > 0.0))
+        let report = self.rows.get(row).copied().flatten();
+        // No number is no preload either.
+        self.is_opposed() && report.is_some_and(|report| !(report.axial > 0.0))
     }
 
-    /// Alarms that want somebody's attention or stand, the most serious first: none that is clear, or
-    /// pending for its hold time.
-    pub fn standing(&self) -> impl Iterator<Item = &At<AlarmReport>> {
-        self.alarms
-            .iter()
-            .flatten()
-            .filter(|at| !matches!(at.report.state, AlarmState::Clear | AlarmState::Pending))
+    /// Alarms that stand or want somebody's attention, with the time of their last change, the most serious first: none
+    /// that is clear, or pending for its hold time.
+    pub fn standing(&self) -> impl Iterator<Item = &(u64, AlarmReport)> {
+        let alarms = self.alarms.iter().flatten();
+        alarms.filter(|(_, of)| !matches!(of.state, AlarmState::Clear | AlarmState::Pending))
     }
 
     /// Alarms that nobody has acknowledged.
     pub fn unacknowledged(&self) -> usize {
-        self.standing()
-            .filter(|at| at.report.state != AlarmState::Acknowledged)
+        let alarms = self.standing();
+        alarms
+            .filter(|(_, of)| of.state != AlarmState::Acknowledged)
             .count()
     }
 }

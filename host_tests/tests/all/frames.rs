@@ -66,27 +66,32 @@ pub fn stream(frames: &[Frame]) -> Vec<u8> {
     frames.iter().flat_map(encode).collect()
 }
 
-pub fn state_of(payloads: impl IntoIterator<Item = Payload>) -> State {
-    let frames: Vec<_> = (0..)
-        .zip(payloads)
-        .map(|(i, payload)| frame(i, payload))
-        .collect();
-    let mut decoder = Decoder::new();
-    let mut state = State::default();
-    for byte in stream(&frames) {
+/// Takes the frames one after the other.
+pub fn note(state: &mut State, decoder: &mut Decoder, frames: &[Frame]) {
+    for byte in stream(frames) {
         if let Some(event) = decoder.push(byte) {
             state.note(&event, decoder.tally());
         }
     }
+}
+
+pub fn state_of(payloads: impl IntoIterator<Item = Payload>) -> State {
+    let frames = (0..).zip(payloads);
+    let frames: Vec<_> = frames.map(|(i, payload)| frame(i, payload)).collect();
+    let mut state = State::default();
+    note(&mut state, &mut Decoder::new(), &frames);
     assert_eq!(state.tally.frames, frames.len() as u64);
     state
 }
 
-pub fn balls(forces: &[f32]) -> Vec<Payload> {
-    balls_of(0, forces)
-}
-
-pub fn balls_of(row: u8, forces: &[f32]) -> Vec<Payload> {
+/// The balls of a row with these forces on both races.
+pub fn balls(row: u8, forces: &[f32]) -> Vec<Payload> {
+    let ball = |force: &f32| BallReport {
+        q_i: *force,
+        q_o: *force,
+        alpha_i: 0.3,
+        alpha_o: 0.25,
+    };
     let chunks = forces.chunks(BALLS_PER_FRAME).enumerate();
     let payloads = chunks.map(|(i, some)| {
         Payload::Balls(BallsReport {
@@ -94,15 +99,7 @@ pub fn balls_of(row: u8, forces: &[f32]) -> Vec<Payload> {
             first: (i * BALLS_PER_FRAME) as u16,
             count: forces.len() as u16,
             first_azimuth: 0.0,
-            balls: some
-                .iter()
-                .map(|q_i| BallReport {
-                    q_i: *q_i,
-                    q_o: *q_i,
-                    alpha_i: 0.3,
-                    alpha_o: 0.25,
-                })
-                .collect(),
+            balls: some.iter().map(ball).collect(),
         })
     });
     payloads.collect()
@@ -110,21 +107,19 @@ pub fn balls_of(row: u8, forces: &[f32]) -> Vec<Payload> {
 
 /// Rows with these axial forces, of which so much is preload.
 pub fn rows(axial: &[f32], preload: f32) -> Vec<Payload> {
+    let row = |axial: &f32| RowReport {
+        axial: *axial,
+        radial: [30.0, -40.0],
+        preload,
+        least_force: 12.0,
+        largest_force: 95.0,
+    };
     let chunks = axial.chunks(ROWS_PER_FRAME).enumerate();
     let payloads = chunks.map(|(i, some)| {
         Payload::Rows(RowsReport {
             first: (i * ROWS_PER_FRAME) as u8,
             count: axial.len() as u8,
-            rows: some
-                .iter()
-                .map(|axial| RowReport {
-                    axial: *axial,
-                    radial: [30.0, -40.0],
-                    preload,
-                    least_force: 12.0,
-                    largest_force: 95.0,
-                })
-                .collect(),
+            rows: some.iter().map(row).collect(),
         })
     });
     payloads.collect()
@@ -150,28 +145,21 @@ pub fn shaft(places: &[(f32, bool, u16)]) -> Payload {
 
 /// All that a pair in back-to-back arrangement says.
 pub fn pair() -> Vec<Payload> {
-    let force = |i: u16| 60.0 + 30.0 * (0.4 * f32::from(i)).cos();
+    let force = |i: usize| 60.0 + 30.0 * (0.4 * i as f32).cos();
     let mut payloads = vec![
         shaft(&[(-0.02, false, 16), (0.02, true, 18)]),
         Payload::Estimate(estimate(6.1e7)),
-        inputs([TemperatureSource::Measured, TemperatureSource::Held]),
+        Payload::Inputs(InputsReport {
+            temperatures: [41.2, 36.5],
+            temperature_sources: [TemperatureSource::Measured, TemperatureSource::Held],
+            ..InputsReport::default()
+        }),
     ];
     payloads.extend(rows(&[412.0, 244.0], 244.0));
-    payloads.extend(balls_of(
-        0,
-        &core::array::from_fn::<_, 16, _>(|i| force(i as u16)),
-    ));
-    payloads.extend(balls_of(
+    payloads.extend(balls(0, &core::array::from_fn::<_, 16, _>(force)));
+    payloads.extend(balls(
         1,
-        &core::array::from_fn::<_, 18, _>(|i| 0.6 * force(i as u16)),
+        &core::array::from_fn::<_, 18, _>(|i| 0.6 * force(i)),
     ));
     payloads
-}
-
-pub fn inputs(temperature_sources: [TemperatureSource; 2]) -> Payload {
-    Payload::Inputs(InputsReport {
-        temperatures: [41.2, 36.5],
-        temperature_sources,
-        ..InputsReport::default()
-    })
 }

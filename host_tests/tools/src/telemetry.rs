@@ -2,11 +2,13 @@
 //!
 //! | module | does |
 //! | --- | --- |
-//! | [`source`] | bytes of a port, a file or standard input |
+//! | [`source`] | bytes of a port, a recording or standard input |
+//! | [`session`] | what is done with them |
 //! | [`view`] | the state of the spindle, drawn in a terminal |
 //! | [`picture`] | a terminal's content as SVG |
 
 pub mod picture;
+pub mod session;
 mod shaft;
 pub mod source;
 pub mod view;

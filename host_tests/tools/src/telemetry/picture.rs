@@ -1,19 +1,17 @@
 //! A terminal's content as SVG, for documents.
 //!
-//! Braille and box drawing are drawn as dots and lines rather than as text, since few fonts have both,
-//! and none of them in the right width.
+//! Dots of braille are drawn, since few fonts have them. Text is a run of cells, stretched to their width.
 
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::{Color, Modifier};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Size of a cell, px.
 const CELL: (u16, u16) = (8, 16);
-/// Size of the letters, px: that of the usual fonts in which one is as wide as a cell.
-const LETTERS: f64 = 13.29;
 const BACKGROUND: &str = "#16181d";
 
-fn colour(colour: Color) -> &'static str {
+const fn colour(colour: Color) -> &'static str {
     match colour {
         Color::Red => "#ff6b6b",
         Color::Green => "#7bd88f",
@@ -30,137 +28,68 @@ fn colour(colour: Color) -> &'static str {
 pub fn svg(screen: &Buffer) -> String {
     let (width, height) = (screen.area.width, screen.area.height);
     let (w, h) = (width * CELL.0, height * CELL.1);
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
-         font-family=\"DejaVu Sans Mono, Menlo, Consolas, monospace\" font-size=\"{LETTERS}\">\n\
-         <rect width=\"{w}\" height=\"{h}\" fill=\"{BACKGROUND}\"/>\n"
-    );
+    let mut text = String::new();
+    let mut dots: BTreeMap<&str, String> = BTreeMap::new();
     for y in 0..height {
+        let line: Vec<&Cell> = (0..width).map(|x| &screen[(x, y)]).collect();
         let mut x = 0;
-        while x < width {
-            let cell = &screen[(x, y)];
-            let run = (x..width)
-                .take_while(|at| is_same_text(cell, &screen[(*at, y)]))
-                .count() as u16;
-            if run > 0 {
-                text(&mut out, screen, (x, y), run);
-                x += run;
-            } else {
-                drawn(&mut out, cell, x * CELL.0, y * CELL.1);
-                x += 1;
+        for run in line.chunk_by(|a, b| look(a) == look(b)) {
+            let letters: String = run.iter().map(|cell| cell.symbol()).collect();
+            if look(run[0]).2 {
+                let path = dots.entry(colour(run[0].fg)).or_default();
+                braille(path, &letters, x, y);
+            } else if !letters.trim().is_empty() {
+                let weight = match run[0].modifier.contains(Modifier::BOLD) {
+                    true => " font-weight=\"bold\"",
+                    false => "",
+                };
+                text += &format!(
+                    "<text x=\"{}\" y=\"{}\" textLength=\"{}\" fill=\"{}\"{weight}>{}</text>\n",
+                    x * CELL.0,
+                    y * CELL.1 + 12,
+                    run.len() * usize::from(CELL.0),
+                    colour(run[0].fg),
+                    letters.replace('&', "&amp;").replace('<', "&lt;"),
+                );
             }
+            x += run.len() as u16;
         }
     }
-    out + "</svg>\n"
-}
-
-fn symbol(cell: &Cell) -> char {
-    cell.symbol().chars().next().unwrap_or(' ')
-}
-
-/// Whether both cells are text, and look the same.
-fn is_same_text(first: &Cell, cell: &Cell) -> bool {
-    let is_drawn = matches!(symbol(cell), '\u{2500}'..='\u{257f}' | '\u{2800}'..='\u{28ff}');
-    !is_drawn && cell.fg == first.fg && cell.modifier == first.modifier
-}
-
-/// Cells of the same look, word by word, so that every word is at its place, whatever the font.
-fn text(out: &mut String, screen: &Buffer, (x, y): (u16, u16), run: u16) {
-    let first = &screen[(x, y)];
-    let weight = if first.modifier.contains(Modifier::BOLD) {
-        " font-weight=\"bold\""
-    } else {
-        ""
-    };
-    let mut at = x;
-    while at < x + run {
-        let mut word = String::new();
-        let start = at;
-        while at < x + run && symbol(&screen[(at, y)]) != ' ' {
-            match symbol(&screen[(at, y)]) {
-                '<' => word += "&lt;",
-                '&' => word += "&amp;",
-                other => word.push(other),
-            }
-            at += 1;
-        }
-        if !word.is_empty() {
-            // Writing to a string cannot fail.
-            let _ = writeln!(
-                out,
-                "<text x=\"{}\" y=\"{}\" fill=\"{}\"{weight}>{word}</text>",
-                start * CELL.0,
-                y * CELL.1 + 12,
-                colour(first.fg)
-            );
-        }
-        at += 1;
+    for (colour, path) in dots {
+        text += &format!("<path stroke=\"{colour}\" stroke-width=\"3\" d=\"{path}\"/>\n");
     }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" \
+         font-family=\"DejaVu Sans Mono, Menlo, Consolas, monospace\" font-size=\"13.3\" \
+         xml:space=\"preserve\">\n\
+         <rect width=\"{w}\" height=\"{h}\" fill=\"{BACKGROUND}\"/>\n{text}</svg>\n"
+    )
 }
 
-/// Braille or box drawing with its upper left corner at this place.
-fn drawn(out: &mut String, cell: &Cell, x: u16, y: u16) {
-    let colour = colour(cell.fg);
-    match symbol(cell) {
-        dots @ '\u{2800}'..='\u{28ff}' => {
-            let dots = dots as u32 - 0x2800;
-            let mut path = String::new();
-            // Bits 0 to 2 and 6 are the left column from the top, 3 to 5 and 7 the right one.
-            for (bit, (column, row)) in [
-                (0, 0),
-                (0, 1),
-                (0, 2),
-                (1, 0),
-                (1, 1),
-                (1, 2),
-                (0, 3),
-                (1, 3),
-            ]
-            .into_iter()
-            .enumerate()
-            {
-                if dots & 1 << bit != 0 {
-                    let _ = write!(path, "M{} {}h2v2h-2z", x + 1 + 4 * column, y + 1 + 4 * row);
+/// Cells that look alike make a run: colour, weight, and whether they are dots.
+fn look(cell: &Cell) -> (Color, Modifier, bool) {
+    let is_braille = |letter| ('\u{2800}'..='\u{28ff}').contains(&letter);
+    (
+        cell.fg,
+        cell.modifier,
+        cell.symbol().starts_with(is_braille),
+    )
+}
+
+/// The bits of braille, row by row: the left column, and the right one.
+const BITS: [[u32; 2]; 4] = [[0, 3], [1, 4], [2, 5], [6, 7]];
+
+/// Adds the dots of some cells from this one on, each a dash.
+fn braille(path: &mut String, letters: &str, x: u16, y: u16) {
+    for (row, bits) in (0..).zip(BITS) {
+        for (x, letter) in (x..).zip(letters.chars()) {
+            for (column, bit) in (0..).zip(bits) {
+                if (letter as u32) & (1 << bit) != 0 {
+                    let (x, y) = (x * CELL.0 + 4 * column, y * CELL.1 + 4 * row + 2);
+                    // Writing to a string cannot fail.
+                    let _ = write!(path, "M{x} {y}h3");
                 }
             }
-            let _ = writeln!(out, "<path d=\"{path}\" fill=\"{colour}\"/>");
         }
-        line => {
-            let (x, y) = (x + CELL.0 / 2, y + CELL.1 / 2);
-            let (half_w, half_h) = (CELL.0 / 2, CELL.1 / 2);
-            let [left, right, up, down] = arms(line);
-            let mut path = String::new();
-            for (is_there, arm) in [
-                (left, format!("M{x} {y}h-{half_w}")),
-                (right, format!("M{x} {y}h{half_w}")),
-                (up, format!("M{x} {y}v-{half_h}")),
-                (down, format!("M{x} {y}v{half_h}")),
-            ] {
-                if is_there {
-                    path += &arm;
-                }
-            }
-            let _ = writeln!(
-                out,
-                "<path d=\"{path}\" stroke=\"{colour}\" fill=\"none\"/>"
-            );
-        }
-    }
-}
-
-/// Whether a line goes to the left, to the right, up and down.
-const fn arms(line: char) -> [bool; 4] {
-    match line {
-        '─' => [true, true, false, false],
-        '│' => [false, false, true, true],
-        '┌' => [false, true, false, true],
-        '┐' => [true, false, false, true],
-        '└' => [false, true, true, false],
-        '┘' => [true, false, true, false],
-        '├' => [false, true, true, true],
-        '┤' => [true, false, true, true],
-        '┬' => [true, true, false, true],
-        '┴' => [true, true, true, false],
-        _ => [true, true, true, true],
     }
 }

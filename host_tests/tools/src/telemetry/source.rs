@@ -2,15 +2,18 @@
 //! nothing comes.
 
 use anyhow::{Context, Result, bail};
-use host_tests::telemetry::decoder::Tally;
+use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
+use host_tests::telemetry::json;
 use host_tests::telemetry::operator::Operator;
 use spindle_bearing::monitor::command::Key;
 use spindle_bearing::monitor::telemetry::VERSION;
 use std::fs::File;
-use std::io::{self, Read, Write};
-use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::io::ErrorKind::{Interrupted, TimedOut};
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::iter;
+use std::sync::mpsc::{self, Receiver};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Chunks that wait before the reader is held back.
 const WAITING: usize = 64;
@@ -39,48 +42,83 @@ pub fn port(name: &str, baud: u32, key: Option<Key>) -> Result<(Chunks, PortOper
     Ok((stream(reader), Operator::new(Box::new(writer), key)))
 }
 
-/// Opens a file; `-` is standard input, where an emulator's output can be led to.
+/// Opens a recorded stream: bytes as they came from a port, or the lines of JSON that were made of them. `-` is standard
+/// input.
 ///
 /// # Errors
 ///
-/// The file cannot be opened.
-pub fn file(path: &str) -> Result<Chunks> {
-    if path == "-" {
-        return Ok(stream(io::stdin()));
+/// The file cannot be opened or read.
+pub fn recorded(path: &str) -> Result<Chunks> {
+    let source: Box<dyn Read + Send> = match path {
+        "-" => Box::new(io::stdin()),
+        _ => Box::new(File::open(path).with_context(|| format!("cannot open {path}"))?),
+    };
+    let mut source = BufReader::new(source);
+    let start = source
+        .fill_buf()
+        .with_context(|| format!("cannot read {path}"))?;
+    if start.starts_with(b"{\"") {
+        return Ok(spawn(source.lines().map(|line| Ok(json::bytes(&line?)))));
     }
-    let file = File::open(path).with_context(|| format!("cannot open {path}"))?;
-    Ok(stream(file))
+    Ok(stream(source))
 }
 
 /// Reads any stream to its end.
-pub fn stream(source: impl Read + Send + 'static) -> Chunks {
+pub fn stream(mut source: impl Read + Send + 'static) -> Chunks {
+    let mut buffer = [0; 4096];
+    spawn(iter::from_fn(move || {
+        loop {
+            match source.read(&mut buffer) {
+                Ok(0) => return None,
+                Ok(length) => return Some(Ok(buffer[..length].to_vec())),
+                // A silent port.
+                Err(error) if matches!(error.kind(), TimedOut | Interrupted) => {}
+                Err(error) => return Some(Err(error)),
+            }
+        }
+    }))
+}
+
+/// Chunks in a thread of their own, up to the first error.
+fn spawn(chunks: impl Iterator<Item = io::Result<Vec<u8>>> + Send + 'static) -> Chunks {
     let (sender, receiver) = mpsc::sync_channel(WAITING);
-    thread::spawn(move || pump(source, &sender));
+    thread::spawn(move || {
+        for chunk in chunks {
+            let is_last = chunk.is_err();
+            if sender.send(chunk).is_err() || is_last {
+                return;
+            }
+        }
+    });
     receiver
 }
 
-fn pump(mut source: impl Read, sender: &SyncSender<io::Result<Vec<u8>>>) {
-    let mut buffer = [0; 4096];
-    loop {
-        let chunk = match source.read(&mut buffer) {
-            Ok(0) => return,
-            Ok(length) => Ok(buffer[..length].to_vec()),
-            // A silent port.
-            Err(error)
-                if matches!(
-                    error.kind(),
-                    io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
-                ) =>
-            {
-                continue;
+/// The frames of a stream when they are due by the monitor's own time, so many times as fast.
+pub fn paced(chunks: Chunks, times: f64) -> Chunks {
+    let mut decoder = Decoder::new();
+    let mut start = None;
+    let frames = chunks.into_iter().flat_map(|chunk| match chunk {
+        // Each frame with its end.
+        Ok(bytes) => bytes
+            .split_inclusive(|byte| *byte == 0)
+            .map(|of| Ok(of.to_vec()))
+            .collect(),
+        Err(error) => vec![Err(error)],
+    });
+    spawn(frames.inspect(move |chunk| {
+        for byte in chunk.iter().flatten() {
+            if let Some(Event::Frame { frame, gap }) = decoder.push(*byte) {
+                if gap == Gap::Restart {
+                    start = None;
+                }
+                let (at, first) = *start.get_or_insert((Instant::now(), frame.time_us));
+                let since = frame.time_us.saturating_sub(first) as f64 * 1e-6 / times;
+                // A time that was damaged is none to wait for.
+                let due = Duration::try_from_secs_f64(since).unwrap_or_default();
+                thread::sleep(due.saturating_sub(at.elapsed()));
             }
-            Err(error) => Err(error),
-        };
-        let last = chunk.is_err();
-        if sender.send(chunk).is_err() || last {
-            return;
         }
-    }
+    }))
 }
 
 /// Whether there was telemetry among the bytes of a stream, which came from a port with its rate or from elsewhere.

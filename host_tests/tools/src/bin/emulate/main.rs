@@ -32,7 +32,6 @@ use anyhow::{Result, anyhow};
 use clap::Parser;
 use exchange::{Answer, Manner};
 use host_tests::milling_cycle::record_of;
-use host_tests::telemetry::state::State;
 use plan::Plan;
 use spindle_bearing::monitor::tick::CycleCost;
 use std::path::PathBuf;
@@ -43,7 +42,8 @@ use std::time::Duration;
 use tools::report::Figures;
 use tools::stream::faults::{self, Spoiler};
 use tools::stream::records;
-use tools::telemetry::view;
+use tools::telemetry::session::Session;
+use tools::telemetry::{source, view};
 
 /// What the solver works in, as on the board.
 type Precision = f32;
@@ -203,8 +203,7 @@ fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
                 drop(manner);
                 answer
             });
-            view::view(&chunks, Some(1.0), &mut State::default(), |_| Ok(()), None)?;
-            drop(chunks);
+            view::view(&source::paced(chunks, 1.0), &mut Session::default())?;
             running.join().map_err(|_| anyhow!("the run panicked"))?
         })?
     } else {
