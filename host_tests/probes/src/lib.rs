@@ -1,21 +1,19 @@
-//! The scenes that are measured and proved, in one table for the images beside this file and for the programs that
-//! build them and look at them; and how each of them is solved.
+//! The scenes that are measured and proved: one table for the images beside this file, and for the programs that
+//! build the images and look at them.
 
 #![no_std]
 
 use core::hint::black_box;
 use core::marker::PhantomData;
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Facing, Given, Growth, Motion, Mounted, Preload,
-    RingVector, Settings, Solution, Solver, Speed, Spindle, SpindleSolver,
+    Arrangement, AxialSolver, Bearing, Design, Facing, Full, Limits, Motion, Mounted, Preload,
+    Real, RingVector, Settings, Solver, Speed, Spindle, SpindleSolver,
 };
-use spindle_bearing::{ErrorEstimate, Limits, Real, Status};
 
 /// Hands the table to a macro: `for_every_scene!(of_mine)`.
 ///
-/// A row begins with a number, a name and the [`Scene`]. The rule of attitude follows, `None` at rest; then what the
-/// scene leaves out of the full one, or has besides. A flag says whether the scene is measured in doubles, too. The last
-/// list has the parts that must not be in the scene's image. Whoever asks has these names in scope.
+/// A row has a number, a name, the freedoms and the [`Scene`]; what the scene leaves out of the full one, or has
+/// besides; and the parts that must not be in the scene's image. The caller has these names in scope.
 ///
 /// No scene has the way from a design to constants.
 #[macro_export]
@@ -23,194 +21,207 @@ use spindle_bearing::{ErrorEstimate, Limits, Real, Status};
 macro_rules! for_every_scene {
     ($with:ident) => {
         $with! {
-            0 "axial-static": Axial<Static>;
-                None, "speed, radial displacements, tilts", true,
+            0 "axial-static" 1: Axial<Static>;
+                "speed, radial displacements, tilts",
                 [Spindle, Speed, Friction, RaceControl, RacewayControlFree, Iteration, Radial, Tilts, Balls, Limits];
-            1 "axial-full": Axial<Full>;
-                FREE, "radial displacements, tilts", false,
+            1 "axial-full" 1: Axial<Full>;
+                "radial displacements, tilts",
                 [Spindle, RaceControl, Radial, Tilts, Balls, Limits];
-            2 "translations-static": Ring<Static, 3>;
-                None, "speed, tilts", false,
-                [Spindle, Speed, Friction, RaceControl, RacewayControlFree, Tilts, Balls, Limits];
-            3 "translations-full": Ring<Full, 3>;
-                FREE, "tilts", true,
+            2 "translations-full" 3: Ring<Full>;
+                "tilts",
                 [Spindle, RaceControl, Tilts, Balls, Limits];
-            4 "static": Ring<Static, 5>;
-                None, "speed", true,
+            3 "static" 5: Ring<Static>;
+                "speed",
                 [Spindle, Speed, Friction, RaceControl, RacewayControlFree, Balls, Limits];
-            5 "centrifugal": Ring<Centrifugal, 5>;
-                FREE, "friction", false,
+            4 "centrifugal" 5: Ring<Centrifugal>;
+                "friction",
                 [Spindle, Friction, RaceControl, Balls, Limits];
-            6 "outer": Ring<Full<OuterRaceControl>, 5>;
-                Some(Attitude::Outer), "free attitude: outer race control", false,
+            5 "outer" 5: Ring<Full<OuterRaceControl>>;
+                "free attitude: outer race control",
                 [Spindle, RacewayControlFree, Balls, Limits];
-            7 "inner": Ring<Full<InnerRaceControl>, 5>;
-                Some(Attitude::Inner), "free attitude: inner race control", false,
+            6 "inner" 5: Ring<Full<InnerRaceControl>>;
+                "free attitude: inner race control",
                 [Spindle, RacewayControlFree, Balls, Limits];
-            8 "displacement": Ring<Full, 5, Loads, Displacement>;
-                FREE, "stiffness asked for", false,
+            7 "displacement" 5: Ring<Full, { probes::DISPLACEMENT }>;
+                "stiffness asked for",
                 [Spindle, RaceControl, Stiffness, Balls, Limits];
-            9 "preloaded": Ring<Full, 5, RigidPreload>;
-                FREE, "axial load: displacement given", false,
-                [Spindle, RaceControl, Balls, Limits];
-            10 "balls": Ring<Full, 5, Loads, Balls>;
-                FREE, "nothing; states of balls besides", false,
+            8 "balls" 5: Ring<Full, { probes::BALLS }>;
+                "nothing; states of balls besides",
                 [Spindle, RaceControl, Limits];
-            11 "limits": Ring<Full, 5, Loads, Passed>;
-                FREE, "nothing; limits besides", false,
+            9 "limits" 5: Ring<Full, { probes::LIMITS }>;
+                "nothing; limits besides",
                 [Spindle, RaceControl];
-            12 "pair": Shaft<Full, Clamped, 2, 5>;
-                FREE, "one bearing: two of them, back to back", false,
+            10 "pair" 5: Clamped<2>;
+                "nothing; two bearings, back to back",
                 [RaceControl, Balls, Limits];
-            13 "sprung-pair": Shaft<Full, Sprung, 2, 6>;
-                FREE, "one bearing: two of them, one under a spring", false,
+            11 "sprung-pair" 5: Sprung<2>;
+                "nothing; two bearings, one under a spring",
                 [RaceControl, Balls, Limits];
-            14 "four-rows": Shaft<Full, Clamped, 4, 5>;
-                FREE, "one bearing: two pairs of them, back to back", false,
+            12 "four-rows" 5: Clamped<4>;
+                "nothing; two pairs, back to back",
                 [RaceControl, Balls, Limits];
-            15 "full": Ring<Full, 5>;
-                FREE, "nothing", true,
+            13 "full" 5: Ring<Full>;
+                "nothing",
                 [Spindle, RaceControl, Balls, Limits];
         }
     };
 }
 
-/// What to solve, SI units.
+/// The parts that every image has: an entry that calls `run` for ever, and a panic handler that links only where
+/// nothing is `proved`.
+#[macro_export]
+macro_rules! image {
+    ($run:path, proved: $proved:expr) => {
+        // For the interrupt vectors, which the linker script asks for.
+        #[cfg(target_os = "none")]
+        use stm32f4 as _;
+
+        #[cfg(target_os = "none")]
+        #[panic_handler]
+        #[allow(unsafe_code, reason = "the function is declared, and there is none")]
+        fn panic(_: &core::panic::PanicInfo) -> ! {
+            unsafe extern "C" {
+                safe fn the_solver_can_panic() -> !;
+            }
+            if $proved {
+                the_solver_can_panic()
+            }
+            loop {}
+        }
+
+        #[cfg(target_os = "none")]
+        #[cortex_m_rt::entry]
+        fn main() -> ! {
+            loop {
+                $run();
+            }
+        }
+
+        #[cfg(not(target_os = "none"))]
+        fn main() {
+            println!("This is for a microcontroller: see host_tests/README.md.");
+        }
+    };
+}
+
+/// Whether the build asks for double precision: `MEASURED_PRECISION` is `f32`, `f64` or not set.
+pub const DOUBLE: bool = match option_env!("MEASURED_PRECISION") {
+    None => false,
+    Some(name) => match name.as_bytes() {
+        b"f32" => false,
+        b"f64" => true,
+        _ => panic!("MEASURED_PRECISION is f32 or f64"),
+    },
+};
+
+/// The precision that the build asks for.
+pub type Precision = <Choice<DOUBLE> as Chosen>::Real;
+
+/// Double precision, or single.
+pub struct Choice<const DOUBLE: bool>;
+
+/// The type of a precision.
+pub trait Chosen {
+    /// Its numbers.
+    type Real: Real;
+}
+
+impl Chosen for Choice<false> {
+    type Real = f32;
+}
+
+impl Chosen for Choice<true> {
+    type Real = f64;
+}
+
+/// The load, the speed and the tolerance of a solve, SI units.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
-pub struct Question<T, V> {
-    /// Loads, or the displacement where that is given.
-    pub values: V,
+pub struct Question<T, const D: usize> {
+    /// Loads.
+    pub load: [T; D],
     /// Speed of the shaft, rad/s.
     pub omega: T,
     /// Tolerance of the stiffness.
     pub tolerance: T,
-    /// Most iterations.
-    pub max_iterations: u32,
 }
 
-impl<T: Real, V> Question<T, V> {
+/// Most iterations of a solve.
+const MOST_ITERATIONS: u16 = 100;
+
+impl<T: Real, const D: usize> Question<T, D> {
     #[inline(always)]
-    fn settings(&self) -> Settings<T> {
-        Settings {
-            max_iterations: self.max_iterations as u16,
+    fn terms(&self) -> (Speed<T>, Settings<T>) {
+        let settings = Settings {
+            max_iterations: MOST_ITERATIONS,
             tolerance: self.tolerance,
-        }
-    }
-
-    #[inline(always)]
-    fn speed(&self) -> Speed<T> {
-        Speed::rad_per_s(self.omega)
+        };
+        (Speed::rad_per_s(self.omega), settings)
     }
 }
 
-/// What came of it.
+/// The solution.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
-pub struct Answer<T, V, K> {
+pub struct Answer<T, const D: usize> {
     /// Displacements.
-    pub displacement: V,
-    /// Stiffness, if it is asked for.
-    pub stiffness: K,
-    /// Errors of displacement, force and stiffness.
-    pub error: [T; 3],
-    /// 1 or 2: converged, precision limit.
-    pub status: u32,
+    pub displacement: [T; D],
+    /// Stiffness; zeros if it is not asked for.
+    pub stiffness: [[T; D]; D],
     /// Iterations.
     pub iterations: u32,
+    /// 1; 0 where there is no solution.
+    pub solved: u32,
 }
 
-impl<T: Real, V, K> Answer<T, V, K> {
+impl<T, const D: usize> Answer<T, D> {
     #[inline(always)]
-    fn new(
-        displacement: V,
-        stiffness: K,
-        error: &ErrorEstimate<T>,
-        status: &Status<T>,
-        iterations: u16,
-    ) -> Self {
+    fn new(displacement: [T; D], stiffness: [[T; D]; D], iterations: u16) -> Self {
         Self {
             displacement,
             stiffness,
-            error: [error.displacement, error.force, error.stiffness],
-            status: match status {
-                Status::Converged => 1,
-                _ => 2,
-            },
             iterations: iterations.into(),
+            solved: 1,
         }
     }
 }
 
-/// Numbers of a vector or matrix, row by row.
-pub trait Numbers<T> {
-    /// All of them.
-    fn numbers(&self) -> &[T];
-}
-
-impl<T, const D: usize> Numbers<T> for [T; D] {
-    fn numbers(&self) -> &[T] {
-        self
-    }
-}
-
-impl<T, const D: usize> Numbers<T> for [[T; D]; D] {
-    fn numbers(&self) -> &[T] {
-        self.as_flattened()
-    }
-}
-
-/// A solver, and what is asked of it.
-pub trait Scene<T: Real, const N: usize> {
-    /// Freedoms of the ring.
-    const FREEDOMS: usize;
-    /// The axial displacement is given, and not the load.
-    const PRELOADED: bool = false;
-    /// One value for each freedom.
-    type Vector: Copy + Numbers<T>;
-    /// The stiffness; nothing if it is not asked for.
-    type Matrix: Copy + Numbers<T>;
+/// A solver for `D` freedoms, and the numbers that are asked of it.
+pub trait Scene<T: Real, const N: usize, const D: usize> {
+    /// The shaft turns.
+    const AT_SPEED: bool = true;
     /// The solver.
     type Solver<'b>
     where
         T: 'b;
-    /// As many of these as there are freedoms.
-    fn vector(values: [T; 5]) -> Self::Vector;
-    /// One without history, unless the design allows none.
+    /// A cold one, unless the design allows none.
     fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>>;
-    /// Has the next solve start from nothing.
-    fn reset(solver: &mut Self::Solver<'_>);
-    /// Solves.
-    ///
-    /// # Errors
-    ///
-    /// A status that names why there is no answer.
-    fn solve(
-        solver: &mut Self::Solver<'_>,
-        question: &Question<T, Self::Vector>,
-    ) -> Result<Answer<T, Self::Vector, Self::Matrix>, Status<T>>;
+    /// Solves, if there is a solution.
+    fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, D>) -> Option<Answer<T, D>>;
 }
 
-/// A ring with three or five freedoms: how its balls move, what is given and what is asked for.
-pub struct Ring<M, const D: usize, G = Loads, O = Stiffness>(PhantomData<(M, G, O)>);
+/// Asked of a ring: the displacement alone.
+pub const DISPLACEMENT: u8 = 0;
+/// Asked of a ring: displacement and stiffness.
+pub const STIFFNESS: u8 = 1;
+/// Asked of a ring: states of the balls besides.
+pub const BALLS: u8 = 2;
+/// Asked of a ring: limits that are passed, besides.
+pub const LIMITS: u8 = 3;
 
-impl<T: Real, const N: usize, M: Motion, const D: usize, G: Condition, O: Output> Scene<T, N>
-    for Ring<M, D, G, O>
+/// A bearing with three or five freedoms: how its balls move, and the numbers that are asked for.
+pub struct Ring<M, const ASKED: u8 = STIFFNESS>(PhantomData<M>);
+
+impl<T: Real, const N: usize, M: Motion, const D: usize, const ASKED: u8> Scene<T, N, D>
+    for Ring<M, ASKED>
 where
     [T; D]: RingVector,
 {
-    const FREEDOMS: usize = D;
-    const PRELOADED: bool = G::PRELOADED;
-    type Vector = [T; D];
-    type Matrix = O::Matrix<T, D>;
+    const AT_SPEED: bool = M::AT_SPEED;
     type Solver<'b>
         = Solver<'b, T, N, M, D>
     where
         T: 'b;
-
-    fn vector(values: [T; 5]) -> Self::Vector {
-        core::array::from_fn(|i| values[i])
-    }
 
     #[inline(always)]
     fn solver<'b>(bearing: &'b Bearing<T, N>, _: &Design) -> Option<Self::Solver<'b>> {
@@ -218,41 +229,37 @@ where
     }
 
     #[inline(always)]
-    fn reset(solver: &mut Self::Solver<'_>) {
-        solver.reset();
-    }
-
-    #[inline(always)]
-    fn solve(
-        solver: &mut Self::Solver<'_>,
-        question: &Question<T, Self::Vector>,
-    ) -> Result<Answer<T, Self::Vector, Self::Matrix>, Status<T>> {
-        let s = G::solve(solver, question)?;
-        Ok(Answer::new(
-            s.displacement,
-            O::of(&s),
-            &s.error,
-            &s.status,
-            s.iterations,
-        ))
+    fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, D>) -> Option<Answer<T, D>> {
+        let (speed, settings) = question.terms();
+        let s = solver.solve(question.load, speed, &settings).ok()?;
+        match ASKED {
+            BALLS => {
+                for ball in s.balls() {
+                    black_box(&ball);
+                }
+            }
+            LIMITS => {
+                black_box(&s.exceedances(&Limits::default()));
+            }
+            _ => {}
+        }
+        let stiffness = match ASKED {
+            DISPLACEMENT => [[T::ZERO; D]; D],
+            _ => s.stiffness(),
+        };
+        Some(Answer::new(s.displacement, stiffness, s.iterations))
     }
 }
 
-/// One ball for all.
+/// A bearing under axial load: one ball stands for all.
 pub struct Axial<M>(PhantomData<M>);
 
-impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Axial<M> {
-    const FREEDOMS: usize = 1;
-    type Vector = [T; 1];
-    type Matrix = [[T; 1]; 1];
+impl<T: Real, const N: usize, M: Motion> Scene<T, N, 1> for Axial<M> {
+    const AT_SPEED: bool = M::AT_SPEED;
     type Solver<'b>
         = AxialSolver<'b, T, N, M>
     where
         T: 'b;
-
-    fn vector(values: [T; 5]) -> Self::Vector {
-        [values[0]]
-    }
 
     #[inline(always)]
     fn solver<'b>(bearing: &'b Bearing<T, N>, _: &Design) -> Option<Self::Solver<'b>> {
@@ -260,43 +267,23 @@ impl<T: Real, const N: usize, M: Motion> Scene<T, N> for Axial<M> {
     }
 
     #[inline(always)]
-    fn reset(solver: &mut Self::Solver<'_>) {
-        solver.reset();
-    }
-
-    #[inline(always)]
-    fn solve(
-        solver: &mut Self::Solver<'_>,
-        question: &Question<T, Self::Vector>,
-    ) -> Result<Answer<T, Self::Vector, Self::Matrix>, Status<T>> {
-        let s = solver.solve(question.values[0], question.speed(), &question.settings())?;
-        Ok(Answer::new(
+    fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 1>) -> Option<Answer<T, 1>> {
+        let (speed, settings) = question.terms();
+        let s = solver.solve(question.load[0], speed, &settings).ok()?;
+        Some(Answer::new(
             [s.displacement],
             [[s.stiffness()]],
-            &s.error,
-            &s.status,
             s.iterations,
         ))
     }
 }
 
-/// `R` such bearings on one shaft, back to back, held as `H` says; `D` freedoms.
-pub struct Shaft<M, H, const R: usize, const D: usize>(PhantomData<(M, H)>);
-
-/// What holds the bearings of a shaft.
-pub trait Holding<const R: usize, const D: usize> {
-    /// The shaft in its bearings, unless the design allows none.
-    fn spindle<'b, T: Real, const N: usize>(
-        bearing: &'b Bearing<T, N>,
-        design: &Design,
-    ) -> Option<Spindle<'b, T, R, N, D>>;
-}
-
-/// The rows, two of a side next to each other, and the distance of the groove centres.
+/// The rows of a shaft, half of them on each side, and the distance of the groove centres.
+#[inline(always)]
 fn rows<'b, T: Real, const R: usize, const N: usize>(
     bearing: &'b Bearing<T, N>,
     design: &Design,
-    preload: impl Fn(usize, T) -> Preload<T>,
+    preload: impl Fn(Facing, T) -> Preload<T>,
 ) -> [Mounted<'b, T, N>; R] {
     let grooves = design.inner_groove_factor + design.outer_groove_factor - 1.0;
     let distance = T::of(grooves * design.ball_diameter);
@@ -307,200 +294,66 @@ fn rows<'b, T: Real, const R: usize, const N: usize>(
             Facing::MinusX
         };
         let position = T::of(0.3 * design.pitch_diameter * i as f64);
-        Mounted::new(bearing, position, facing).with(preload(i, distance))
+        Mounted::new(bearing, position, facing).with(preload(facing, distance))
     })
 }
 
-/// Clamped by a fiftieth of the distance of the groove centres each.
-pub struct Clamped;
-
-impl<const R: usize> Holding<R, 5> for Clamped {
-    fn spindle<'b, T: Real, const N: usize>(
-        bearing: &'b Bearing<T, N>,
-        design: &Design,
-    ) -> Option<Spindle<'b, T, R, N, 5>> {
-        let rows = rows(bearing, design, |_, distance| {
-            Preload::Closure(T::of(0.02) * distance)
-        });
-        Spindle::new(Arrangement::BackToBack, rows).ok()
-    }
+#[inline(always)]
+fn solve_shaft<T: Real, const R: usize, const N: usize, const F: usize>(
+    solver: &mut SpindleSolver<'_, T, R, N, Full, F>,
+    question: &Question<T, 5>,
+) -> Option<Answer<T, 5>> {
+    let (speed, settings) = question.terms();
+    let s = solver.solve(question.load, speed, &settings).ok()?;
+    Some(Answer::new(s.displacement, s.stiffness(), s.iterations))
 }
 
-/// The rear half in a sleeve, whose spring has 0.3 N for each ball and square millimetre of its diameter.
-pub struct Sprung;
+/// `R` bearings on one shaft, back to back, each clamped by a fiftieth of the distance of the groove centres.
+pub struct Clamped<const R: usize>;
 
-impl<const R: usize> Holding<R, 6> for Sprung {
-    fn spindle<'b, T: Real, const N: usize>(
-        bearing: &'b Bearing<T, N>,
-        design: &Design,
-    ) -> Option<Spindle<'b, T, R, N, 6>> {
-        let rows = rows(bearing, design, |i, _| {
-            if i < R / 2 {
-                Preload::Closure(T::ZERO)
-            } else {
-                Preload::Spring
-            }
-        });
-        let area = N as f64 * design.ball_diameter * design.ball_diameter;
-        Spindle::sprung(Arrangement::BackToBack, rows, T::of(0.3e6 * area)).ok()
-    }
-}
-
-impl<T: Real, const N: usize, M: Motion, H: Holding<R, D>, const R: usize, const D: usize>
-    Scene<T, N> for Shaft<M, H, R, D>
-{
-    const FREEDOMS: usize = 5;
-    type Vector = [T; 5];
-    type Matrix = [[T; 5]; 5];
+impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Clamped<R> {
     type Solver<'b>
-        = SpindleSolver<'b, T, R, N, M, D>
+        = SpindleSolver<'b, T, R, N, Full, 5>
     where
         T: 'b;
 
-    fn vector(values: [T; 5]) -> Self::Vector {
-        values
+    #[inline(always)]
+    fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>> {
+        let rows = rows(bearing, design, |_, distance| {
+            Preload::Closure(T::of(0.02) * distance)
+        });
+        let spindle = Spindle::new(Arrangement::BackToBack, rows).ok()?;
+        Some(SpindleSolver::of(spindle))
     }
+
+    #[inline(always)]
+    fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 5>) -> Option<Answer<T, 5>> {
+        solve_shaft(solver, question)
+    }
+}
+
+/// `R` bearings, the rear half in a sleeve, whose spring has 0.3 N for each ball and square millimetre of its diameter.
+pub struct Sprung<const R: usize>;
+
+impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Sprung<R> {
+    type Solver<'b>
+        = SpindleSolver<'b, T, R, N, Full, 6>
+    where
+        T: 'b;
 
     #[inline(always)]
     fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>> {
-        Some(SpindleSolver::of(H::spindle(bearing, design)?))
+        let rows = rows(bearing, design, |facing, _| match facing {
+            Facing::PlusX => Preload::Closure(T::ZERO),
+            Facing::MinusX => Preload::Spring,
+        });
+        let force = 0.3e6 * N as f64 * design.ball_diameter * design.ball_diameter;
+        let spindle = Spindle::sprung(Arrangement::BackToBack, rows, T::of(force)).ok()?;
+        Some(SpindleSolver::of(spindle))
     }
 
     #[inline(always)]
-    fn reset(solver: &mut Self::Solver<'_>) {
-        solver.reset();
-    }
-
-    #[inline(always)]
-    fn solve(
-        solver: &mut Self::Solver<'_>,
-        question: &Question<T, Self::Vector>,
-    ) -> Result<Answer<T, Self::Vector, Self::Matrix>, Status<T>> {
-        let s = solver.solve(question.values, question.speed(), &question.settings())?;
-        Ok(Answer::new(
-            s.displacement,
-            s.stiffness(),
-            &s.error,
-            &s.status,
-            s.iterations,
-        ))
-    }
-}
-
-/// What is given of the ring's freedoms.
-pub trait Condition {
-    /// The axial displacement is.
-    const PRELOADED: bool;
-    /// Solves for it.
-    ///
-    /// # Errors
-    ///
-    /// A status that names why there is no answer.
-    fn solve<'s, T: Real, const N: usize, M: Motion, const D: usize>(
-        solver: &'s mut Solver<'_, T, N, M, D>,
-        question: &Question<T, [T; D]>,
-    ) -> Result<Solution<'s, T, N, M, D>, Status<T>>;
-}
-
-/// All loads.
-pub struct Loads;
-
-impl Condition for Loads {
-    const PRELOADED: bool = false;
-
-    #[inline(always)]
-    fn solve<'s, T: Real, const N: usize, M: Motion, const D: usize>(
-        solver: &'s mut Solver<'_, T, N, M, D>,
-        question: &Question<T, [T; D]>,
-    ) -> Result<Solution<'s, T, N, M, D>, Status<T>> {
-        solver.solve(question.values, question.speed(), &question.settings())
-    }
-}
-
-/// The axial displacement, and the other loads.
-pub struct RigidPreload;
-
-impl Condition for RigidPreload {
-    const PRELOADED: bool = true;
-
-    #[inline(always)]
-    fn solve<'s, T: Real, const N: usize, M: Motion, const D: usize>(
-        solver: &'s mut Solver<'_, T, N, M, D>,
-        question: &Question<T, [T; D]>,
-    ) -> Result<Solution<'s, T, N, M, D>, Status<T>> {
-        let mut given = question.values.map(Given::Load);
-        given[0] = Given::Displacement(question.values[0]);
-        let (speed, settings) = (question.speed(), question.settings());
-        solver.solve_at(&given, speed, &Growth::NONE, &settings)
-    }
-}
-
-/// What is asked of a solution besides the displacement.
-pub trait Output {
-    /// The stiffness, or nothing.
-    type Matrix<T: Real, const D: usize>: Copy + Numbers<T>;
-    /// Asks for it.
-    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
-        solution: &Solution<'_, T, N, M, D>,
-    ) -> Self::Matrix<T, D>;
-}
-
-/// Nothing.
-pub struct Displacement;
-
-impl Output for Displacement {
-    type Matrix<T: Real, const D: usize> = [T; 0];
-
-    #[inline(always)]
-    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
-        _: &Solution<'_, T, N, M, D>,
-    ) -> Self::Matrix<T, D> {
-        []
-    }
-}
-
-/// The stiffness.
-pub struct Stiffness;
-
-impl Output for Stiffness {
-    type Matrix<T: Real, const D: usize> = [[T; D]; D];
-
-    #[inline(always)]
-    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
-        solution: &Solution<'_, T, N, M, D>,
-    ) -> Self::Matrix<T, D> {
-        solution.stiffness()
-    }
-}
-
-/// Stiffness and states of balls.
-pub struct Balls;
-
-impl Output for Balls {
-    type Matrix<T: Real, const D: usize> = [[T; D]; D];
-
-    #[inline(always)]
-    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
-        solution: &Solution<'_, T, N, M, D>,
-    ) -> Self::Matrix<T, D> {
-        for ball in solution.balls() {
-            black_box(&ball);
-        }
-        solution.stiffness()
-    }
-}
-
-/// Stiffness and limits that are passed.
-pub struct Passed;
-
-impl Output for Passed {
-    type Matrix<T: Real, const D: usize> = [[T; D]; D];
-
-    #[inline(always)]
-    fn of<T: Real, const N: usize, M: Motion, const D: usize>(
-        solution: &Solution<'_, T, N, M, D>,
-    ) -> Self::Matrix<T, D> {
-        black_box(&solution.exceedances(&Limits::default()));
-        solution.stiffness()
+    fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 5>) -> Option<Answer<T, 5>> {
+        solve_shaft(solver, question)
     }
 }

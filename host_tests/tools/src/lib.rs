@@ -12,7 +12,6 @@ pub mod seal;
 pub mod stream;
 pub mod table;
 pub mod telemetry;
-pub mod timing;
 
 use std::path::Path;
 

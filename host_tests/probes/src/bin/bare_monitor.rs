@@ -3,15 +3,14 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 
+probes::image!(bare::run, proved: true);
+
 #[cfg(target_os = "none")]
 #[path = "../../../../examples/firmware/monitored.rs"]
 mod monitored;
 /// That of the smaller core.
 #[cfg(target_os = "none")]
 type Precision = f32;
-// For the interrupt vectors, which the linker script asks for.
-#[cfg(target_os = "none")]
-extern crate stm32f4;
 
 #[cfg(target_os = "none")]
 mod bare {
@@ -31,15 +30,6 @@ mod bare {
     };
     use spindle_bearing::monitor::tick::{CycleCounter, Watchdog, Widened};
     use spindle_bearing::monitor::{Alarm, Identity, Monitor, MonitorSettings, Readings, Store};
-
-    #[panic_handler]
-    #[allow(unsafe_code, reason = "the function is declared, and there is none")]
-    fn panic(_: &core::panic::PanicInfo) -> ! {
-        unsafe extern "C" {
-            safe fn the_solver_can_panic() -> !;
-        }
-        the_solver_can_panic()
-    }
 
     static SETTINGS: MonitorSettings<{ monitored::ROWS }> =
         MonitorSettings::new(&monitored::DESIGN, monitored::BALLS);
@@ -115,14 +105,7 @@ mod bare {
         fn feed(&mut self) {}
     }
 
-    #[cortex_m_rt::entry]
-    fn main() -> ! {
-        loop {
-            run();
-        }
-    }
-
-    fn run() {
+    pub fn run() {
         let bands = &SETTINGS.judgement.baseline;
         let Ok(spindle) = monitored::spindle(&monitored::BEARING) else {
             return;
@@ -202,9 +185,4 @@ mod bare {
         standstill_us: 500_000,
         deceleration: 1000.0,
     };
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!("This is for a microcontroller; `cargo check-firmware` links it.");
 }

@@ -7,15 +7,14 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 
+probes::image!(bare::run, proved: true);
+
 #[cfg(target_os = "none")]
 #[path = "../../../../examples/firmware/monitored.rs"]
 mod monitored;
 /// That of the smaller core.
 #[cfg(target_os = "none")]
 type Precision = f32;
-// For the interrupt vectors, which the linker script asks for.
-#[cfg(target_os = "none")]
-extern crate stm32f4;
 
 #[cfg(target_os = "none")]
 mod bare {
@@ -35,24 +34,12 @@ mod bare {
     static BEARING: Bearing<f32, { monitored::BALLS }> =
         Bearing::<f32, { monitored::BALLS }>::checked(&monitored::DESIGN);
 
-    #[panic_handler]
-    #[allow(unsafe_code, reason = "the function is declared, and there is none")]
-    fn panic(_: &core::panic::PanicInfo) -> ! {
-        unsafe extern "C" {
-            safe fn the_solver_can_panic() -> !;
-        }
-        the_solver_can_panic()
-    }
-
-    #[cortex_m_rt::entry]
-    fn main() -> ! {
-        loop {
-            // The check builds all of these, the last one to see itself fail.
-            match option_env!("BARE_SOLVER") {
-                None => single(),
-                Some("double") => double(),
-                Some(_) => spoiled(),
-            }
+    pub fn run() {
+        // The check builds all of these, the last one to see itself fail.
+        match option_env!("BARE_SOLVER") {
+            None => single(),
+            Some("double") => double(),
+            Some(_) => spoiled(),
         }
     }
 
@@ -190,9 +177,4 @@ mod bare {
             }
         }
     }
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!("This is for `cargo check-firmware`, which links it and looks at what is in it.");
 }

@@ -7,9 +7,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 
-// For the interrupt vectors, which the linker script asks for.
-#[cfg(target_os = "none")]
-extern crate stm32f4;
+probes::image!(measured::keep, proved: false);
 
 #[cfg(target_os = "none")]
 #[path = "../../../../examples/firmware/chain.rs"]
@@ -22,7 +20,10 @@ mod monitor_settings;
 mod monitored;
 
 #[cfg(target_os = "none")]
-use measured::{CORE_HZ, COST, Precision};
+use {
+    measured::{CORE_HZ, COST},
+    probes::Precision,
+};
 
 #[cfg(target_os = "none")]
 #[allow(
@@ -34,39 +35,18 @@ mod measured {
     use super::monitor_settings::MONITOR;
     use core::hint::black_box;
     use core::mem::MaybeUninit;
-    use spindle_bearing::Real;
+    use probes::DOUBLE;
     use spindle_bearing::monitor::Past;
     use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
 
-    pub struct Choice<const I: usize>;
-    pub trait Board {
-        type T: Real;
-        const CORE_HZ: u32;
-        const COST: [CycleCost; 2];
-    }
-    impl Board for Choice<0> {
-        type T = f32;
-        const CORE_HZ: u32 = 168_000_000;
-        const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
-    }
-    impl Board for Choice<1> {
-        type T = f64;
-        const CORE_HZ: u32 = 400_000_000;
-        const COST: [CycleCost; 2] = [CycleCost::CORTEX_M7_SINGLE, CycleCost::CORTEX_M7];
-    }
-    const PRECISION: usize = match option_env!("MEASURED_PRECISION") {
-        None => 0,
-        Some(name) => match name.as_bytes() {
-            b"f32" => 0,
-            b"f64" => 1,
-            _ => panic!("MEASURED_PRECISION is f32 or f64"),
-        },
-    };
-    pub type Precision = <Choice<PRECISION> as Board>::T;
-    pub const CORE_HZ: u32 = <Choice<PRECISION> as Board>::CORE_HZ;
+    pub const CORE_HZ: u32 = if DOUBLE { 400_000_000 } else { 168_000_000 };
     /// One iteration more than the firmware allows: what that takes decides whether it fits. A period is 1 ms.
     pub const COST: [CycleCost; 2] = {
-        let [single, pair] = <Choice<PRECISION> as Board>::COST;
+        let [single, pair] = if DOUBLE {
+            [CycleCost::CORTEX_M7_SINGLE, CycleCost::CORTEX_M7]
+        } else {
+            [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F]
+        };
         [
             single.with_an_iteration_more(CORE_HZ / 1000),
             pair.with_an_iteration_more(CORE_HZ / 1000),
@@ -150,24 +130,9 @@ mod measured {
         *black_box(tick) = [length, room, sent, outcome.iterations.into()];
     }
 
-    #[panic_handler]
-    fn panic(_: &core::panic::PanicInfo) -> ! {
-        loop {}
+    /// Takes the addresses of the entry points, so that the linker keeps them, each a function by itself.
+    pub fn keep() {
+        black_box(measured_tick as unsafe extern "C" fn());
+        black_box(measured_prepare as unsafe extern "C" fn() -> u32);
     }
-
-    #[cortex_m_rt::entry]
-    fn main() -> ! {
-        loop {
-            // Takes their addresses, so that the linker keeps them, each a function by itself.
-            black_box(measured_tick as unsafe extern "C" fn());
-            black_box(measured_prepare as unsafe extern "C" fn() -> u32);
-        }
-    }
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!(
-        "This is for `cargo reports`, which calls what is in it on an emulated microcontroller."
-    );
 }

@@ -110,8 +110,7 @@ impl Part {
 }
 
 macro_rules! left_out {
-    ($($number:literal $name:literal: $scene:ty;
-        $attitude:expr, $without:literal, $double:literal, [$($part:ident),*];)*) => {
+    ($($number:literal $name:literal $freedoms:literal: $scene:ty; $without:literal, [$($part:ident),*];)*) => {
         /// The scenes, and what each leaves out besides designs, which all do.
         const SCENES: &[(&str, &[Part])] = &[$(($name, &[$(Part::$part),*])),*];
     };

@@ -1,31 +1,14 @@
-//! Instructions, as far as timing and flow go.
+//! Instructions, as far as their timing goes.
 
-use anyhow::{Context, Result, anyhow};
+use crate::timing::{Class, Timed};
+use anyhow::{Context, Result, anyhow, ensure};
 use capstone::RegId;
 use capstone::arch::arm::{ArchExtraMode, ArchMode, ArmOperandType};
 use capstone::prelude::*;
-use tools::timing::{Class, Timed};
-
-/// What a block of instructions ends in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
-    /// A call.
-    Call,
-    /// Another branch, or nothing.
-    Other,
-}
 
 /// A disassembler that remembers nothing but its settings.
 pub struct Decoder {
     capstone: Capstone,
-}
-
-/// A decoded instruction.
-pub struct Instruction {
-    /// Where it is.
-    pub address: u32,
-    /// What it costs.
-    pub timed: Timed,
 }
 
 /// The bit of a register, or bits of a pair, by its name.
@@ -64,38 +47,24 @@ impl Decoder {
     }
 
     /// Decodes a block.
-    pub fn block(&self, code: &[u8], address: u32) -> Result<(Vec<Instruction>, End)> {
+    pub fn block(&self, code: &[u8], address: u32) -> Result<Vec<Timed>> {
         let instructions = self
             .capstone
             .disasm_all(code, address.into())
             .map_err(|e| anyhow!("no instructions at {address:#x}: {e}"))?;
-        let mut block = Vec::new();
-        let mut end = End::Other;
-        let mut length = 0;
-        for instruction in instructions.iter() {
-            length += instruction.bytes().len();
-            let mnemonic = instruction
-                .mnemonic()
-                .context("an instruction without name")?;
-            end = match mnemonic.trim_end_matches(".w") {
-                "bl" | "blx" => End::Call,
-                _ => End::Other,
-            };
-            block.push(Instruction {
-                address: instruction.address() as u32,
-                timed: self.timed(instruction, mnemonic)?,
-            });
-        }
-        if length != code.len() {
-            return Err(anyhow!(
-                "the disassembler knows no instruction at {:#x}",
-                address as usize + length
-            ));
-        }
-        Ok((block, end))
+        let length: usize = instructions.iter().map(|i| i.bytes().len()).sum();
+        ensure!(
+            length == code.len(),
+            "the disassembler knows no instruction at {:#x}",
+            address as usize + length
+        );
+        instructions.iter().map(|i| self.timed(i)).collect()
     }
 
-    fn timed(&self, instruction: &capstone::Insn<'_>, mnemonic: &str) -> Result<Timed> {
+    fn timed(&self, instruction: &capstone::Insn<'_>) -> Result<Timed> {
+        let mnemonic = instruction
+            .mnemonic()
+            .context("an instruction without name")?;
         let detail = self
             .capstone
             .insn_detail(instruction)
@@ -133,7 +102,7 @@ impl Decoder {
             }
         }
         let class = class(mnemonic, indexed)
-            .with_context(|| format!("no timing for `{mnemonic}`: add it to `class`"))?;
+            .with_context(|| format!("no timing for `{mnemonic}`: add it to `CLASSES`"))?;
         let double = (registers >> 32).count_ones() > 1 && mnemonic.contains(".f64")
             || matches!(class, Class::FpLoad | Class::FpStore)
                 && (registers >> 32).count_ones() == 2;
@@ -159,50 +128,36 @@ impl Decoder {
     }
 }
 
+/// Beginnings of names, and the class; the first that fits counts.
+#[rustfmt::skip]
+const CLASSES: [(&[&str], Class); 14] = [
+    (&["vadd", "vsub", "vcmp", "vcvt", "vneg", "vabs", "vsel", "vmaxnm", "vminnm", "vrint"], Class::FpAdd),
+    (&["vmul", "vnmul"], Class::FpMul),
+    (&["vmla", "vmls", "vfma", "vfms", "vnmla", "vnmls", "vfnma", "vfnms"], Class::FpMac),
+    (&["vdiv"], Class::FpDiv),
+    (&["vsqrt"], Class::FpSqrt),
+    (&["vmov", "vmrs", "vmsr"], Class::FpMove),
+    (&["vldr"], Class::FpLoad),
+    (&["vstr"], Class::FpStore),
+    (&["vldm", "vstm", "vpush", "vpop"], Class::FpMultiple),
+    (&["ldm", "stm", "push", "pop", "ldrd", "strd"], Class::Multiple),
+    (&["ldr"], Class::Load),
+    (&["str"], Class::Store),
+    (&["mla", "mls", "smla", "umla", "umaal"], Class::IntegerMac),
+    (&["sdiv", "udiv"], Class::IntegerDiv),
+];
+
 /// The class of an instruction, by its name.
 fn class(mnemonic: &str, indexed: bool) -> Option<Class> {
     let name = mnemonic.split('.').next().unwrap_or_default();
-    let starts = |names: &[&str]| names.iter().any(|n| name.starts_with(n));
-    Some(if let Some(fp) = name.strip_prefix('v') {
-        let starts = |names: &[&str]| names.iter().any(|n| fp.starts_with(n));
-        match () {
-            () if starts(&[
-                "add", "sub", "cmp", "cvt", "neg", "abs", "sel", "maxnm", "minnm", "rint",
-            ]) =>
-            {
-                Class::FpAdd
-            }
-            () if starts(&["mul", "nmul"]) => Class::FpMul,
-            () if starts(&["mla", "mls", "fma", "fms", "nmla", "nmls", "fnma", "fnms"]) => {
-                Class::FpMac
-            }
-            () if starts(&["div"]) => Class::FpDiv,
-            () if starts(&["sqrt"]) => Class::FpSqrt,
-            () if starts(&["mov", "mrs", "msr"]) => Class::FpMove,
-            () if starts(&["ldr"]) => Class::FpLoad,
-            () if starts(&["str"]) => Class::FpStore,
-            () if starts(&["ldm", "stm", "push", "pop"]) => Class::FpMultiple,
-            () => return None,
-        }
-    } else if starts(&["ldm", "stm", "push", "pop", "ldrd", "strd"]) {
-        Class::Multiple
-    } else if starts(&["ldr"]) {
-        Class::Load
-    } else if starts(&["str"]) {
-        if indexed {
-            Class::StoreIndexed
-        } else {
-            Class::Store
-        }
-    } else if starts(&["mla", "mls", "smla", "umla", "umaal"]) {
-        Class::IntegerMac
-    } else if starts(&["sdiv", "udiv"]) {
-        Class::IntegerDiv
-    } else if is_branch(name) {
-        Class::Branch
-    } else {
-        Class::Integer
-    })
+    let fits = |(names, _): &&(&[&str], Class)| names.iter().any(|start| name.starts_with(start));
+    match CLASSES.iter().find(fits) {
+        Some((_, Class::Store)) if indexed => Some(Class::StoreIndexed),
+        Some((_, class)) => Some(*class),
+        None if name.starts_with('v') => None,
+        None if is_branch(name) => Some(Class::Branch),
+        None => Some(Class::Integer),
+    }
 }
 
 fn is_branch(name: &str) -> bool {

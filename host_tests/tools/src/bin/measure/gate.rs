@@ -1,152 +1,152 @@
-//! Figures that must not get worse unnoticed: instructions and flash of a few fixed solves.
+//! Figures that must not get worse unnoticed, and README's table, which must be true.
 
-use crate::bench::Bench;
-use crate::host::Limit;
-use crate::image::{Image, Motion, name};
-use crate::memory::Memory;
-use crate::milling::{self, Ticks};
-use crate::plan::{OTHERS, USUAL, bar};
-use crate::scenes;
+use crate::page;
+use crate::scenes::{self, Measured};
 use crate::ticks;
-use crate::workload::{self, EVERYDAY_BALLS, State, Work};
+use crate::workload::Work;
 use anyhow::{Context, Result, bail};
-use host_tests::dispatch::Precision;
+use std::fs;
 use std::path::Path;
 use tools::report::{self, FIGURES, Figures};
-use tools::timing::Core;
 
 /// Growth that is let pass.
 const LEEWAY: f64 = 0.02;
-/// Mixed cases whose instructions are summed up, besides the everyday one.
-const CASES: u64 = 12;
-
-/// Ticks of the milling cycle whose instructions are summed up, and the second of it where they begin.
-const MILLING: (usize, usize) = (3, 200);
-
-/// Scenes besides those that are measured anyway.
-const SCENES: [&str; 5] = [
-    "axial-static",
-    "axial-full",
-    "translations-full",
-    "pair",
-    "sprung-pair",
-];
 
 fn measure(root: &Path) -> Result<Figures> {
-    let mut programs = vec![
-        (Core::M4f, Precision::F32, USUAL.name()),
-        (Core::M7, Precision::F64, USUAL.name()),
-    ];
-    let others = OTHERS.map(Motion::name);
-    programs.extend(others.map(|motion| (Core::M4f, Precision::F32, motion)));
-    programs.extend(SCENES.map(|scene| (Core::M4f, Precision::F32, scene)));
-    let progress = bar(programs.len() as u64)?;
-    progress.set_message("fixed solves");
-    let mut figures = Figures::new();
-    for (core, precision, scene) in programs {
-        let of = format!("{}, {}, {scene}", core.name(), name(precision));
-        let image = Image::of_scene(root, core, precision, EVERYDAY_BALLS, scene)?;
-        let mut bench = Bench::new(image, core, precision)?;
-        let mut mixed = [0; 2];
-        let turns = scene != Motion::Static.name();
-        let works = (0..CASES).map(|seed| Work::mixed(seed, EVERYDAY_BALLS, turns));
-        for (number, work) in [Work::everyday()].into_iter().chain(works).enumerate() {
-            bench.bearing(&work.design)?;
-            let states: [State; 2] = scenes::scene(scene)
-                .and_then(|scene| scene.states(&work, None))
-                .context("a scene that is not there, or needs a preload")?;
-            for (i, state) in states.into_iter().enumerate() {
-                let question = workload::question(state, precision, Limit::Default);
-                let instructions = bench.solve(&question)?.instructions;
-                if number == 0 {
-                    let start = ["cold", "warm"][i];
-                    figures.insert(
-                        format!("{of}: instructions, everyday, {start}"),
-                        instructions,
-                    );
-                } else {
-                    mixed[i] += instructions;
-                }
-            }
-        }
-        for (start, sum) in ["cold", "warm"].into_iter().zip(mixed) {
-            figures.insert(format!("{of}: instructions, {CASES} mixed, {start}"), sum);
-        }
-        if (core, precision, scene) == (milling::CORE, milling::PRECISION, USUAL.name()) {
-            let (from, count) = MILLING;
-            let states = workload::milling(from, count)?;
-            let ticks = Ticks::measure(&mut bench, None, &states, Limit::Default)?;
-            figures.insert(
-                format!("{of}: instructions, milling cycle, warm ticks of {count}"),
-                ticks.instructions,
-            );
-        }
-        let memory = Memory::of(&bench)?;
-        figures.insert(format!("{of}: flash"), memory.flash());
-        figures.insert(format!("{of}: state"), memory.state.into());
-        progress.inc(1);
-    }
-    progress.finish_and_clear();
-    Ok(figures)
+    let measured = scenes::run(root, scenes::programs(), &Work::all())?;
+    Ok(measured.iter().flat_map(Measured::figures).collect())
 }
 
-/// Takes the figures as they are now.
+/// Takes the figures, README's table and the deadline's constants as they are now.
 pub fn accept(root: &Path) -> Result<()> {
     let mut figures = measure(root)?;
     figures.extend(ticks::accept(root)?);
-    write(root, &figures)?;
-    println!("{FIGURES}: {} figures; commit it", figures.len());
-    Ok(())
+    page::write_readme(root, &figures)?;
+    write(root, &figures)
 }
 
-/// Takes these figures in the place of those of the same names.
-pub fn replace(root: &Path, some: Figures) -> Result<()> {
+/// Takes the monitor's figures and the deadline's constants as they are now.
+pub fn accept_monitor(root: &Path) -> Result<()> {
+    let measured = ticks::accept(root)?;
+    for (name, figure) in &measured {
+        println!("{name}: {figure}");
+    }
+    if !ticks::IS_SHIPPED {
+        return Ok(());
+    }
     let mut figures = report::figures(root)?;
-    figures.extend(some);
+    figures.extend(measured);
     write(root, &figures)
 }
 
 fn write(root: &Path, figures: &Figures) -> Result<()> {
     let path = root.join(FIGURES);
     let text = serde_json::to_string_pretty(&figures)? + "\n";
-    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+    fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    println!("{FIGURES}: {} figures; commit it", figures.len());
+    Ok(())
 }
 
-/// Fails if a figure has grown by more than the leeway.
+/// Fails if a figure has grown by more than the leeway, or README's table differs by more than it.
 pub fn check(root: &Path) -> Result<()> {
     let accepted = report::figures(root)?;
     let mut figures = measure(root)?;
     figures.extend(ticks::check(root, LEEWAY)?);
-    let mut grown = Vec::new();
-    let mut shrunk = false;
     for (what, now) in &figures {
-        let Some(before) = accepted.get(what) else {
-            grown.push(format!("{what}: {now}, and no figure to hold it to"));
-            continue;
-        };
-        let change = *now as f64 / *before as f64 - 1.0;
-        println!("{what}: {now} ({:+.2} %)", 100.0 * change);
-        shrunk |= change < -LEEWAY;
-        if change > LEEWAY {
-            grown.push(format!(
-                "{what}: {now}, was {before} ({:+.1} %)",
-                100.0 * change
-            ));
-        }
+        println!("{what}: {now}");
     }
-    if let Some(gone) = accepted.keys().find(|what| !figures.contains_key(*what)) {
-        grown.push(format!("{gone}: not measured any more"));
-    }
-    if !grown.is_empty() {
+    let mut complaints = worse(&accepted, &figures);
+    complaints.extend(differences(
+        &page::readme_table_of(root)?,
+        &page::readme_table(&figures)?,
+    ));
+    if !complaints.is_empty() {
         bail!(
-            "more than {:.0} % worse than {FIGURES}:\n       {}\n       `cargo reports profile` shows where it \
-             goes. If it is worth it, take the new figures with `cargo reports --accept` and commit them",
-            100.0 * LEEWAY,
-            grown.join("\n       ")
+            "{}\n`cargo reports --accept` takes the figures as they are now: commit them if they are worth it",
+            complaints.join("\n")
         );
     }
-    if shrunk {
-        println!("better than {FIGURES}: `cargo reports --accept` holds on to it");
-    }
     Ok(())
+}
+
+/// Figures that are worse than accepted ones, or are accepted and not measured.
+fn worse(accepted: &Figures, figures: &Figures) -> Vec<String> {
+    let worse = figures.iter().filter_map(|(what, now)| {
+        let Some(before) = accepted.get(what) else {
+            return Some(format!("{what}: {now}, and {FIGURES} has no such figure"));
+        };
+        let allowed = *before as f64 * (1.0 + LEEWAY);
+        (*now as f64 > allowed).then(|| format!("{what}: {now}, was {before}"))
+    });
+    let gone = accepted.keys().filter(|what| !figures.contains_key(*what));
+    worse
+        .chain(gone.map(|what| format!("{what}: not measured any more")))
+        .collect()
+}
+
+/// Lines of a published table whose numbers are not the measured ones.
+fn differences(published: &str, measured: &str) -> Vec<String> {
+    let differs = |(published, measured): &(&str, &str)| {
+        let (published, measured) = (numbers(published), numbers(measured));
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= LEEWAY * b.abs();
+        published.len() != measured.len() || !published.iter().zip(&measured).all(near)
+    };
+    let of_published: Vec<&str> = published.trim().lines().collect();
+    let of_measured: Vec<&str> = measured.trim().lines().collect();
+    if of_published.len() != of_measured.len() {
+        return vec![format!("README's table is not this one:\n{measured}")];
+    }
+    of_published
+        .into_iter()
+        .zip(of_measured)
+        .filter(differs)
+        .map(|(published, measured)| format!("README has\n{published}\nmeasured:\n{measured}"))
+        .collect()
+}
+
+/// The numbers of a line, their thousands set apart by commas.
+fn numbers(line: &str) -> Vec<f64> {
+    let line = line.replace(',', "");
+    let words = line.split_whitespace();
+    words.filter_map(|word| word.parse().ok()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_may_grow_by_the_leeway_and_none_may_vanish() {
+        let of = |pairs: &[(&str, u64)]| -> Figures {
+            pairs
+                .iter()
+                .map(|(name, figure)| ((*name).to_owned(), *figure))
+                .collect()
+        };
+        let accepted = of(&[("a", 1000), ("b", 0)]);
+        assert!(worse(&accepted, &of(&[("a", 1020), ("b", 0)])).is_empty());
+        for now in [
+            of(&[("a", 1021), ("b", 0)]),
+            of(&[("a", 1000), ("b", 1)]),
+            of(&[("a", 1000)]),
+            of(&[("a", 1000), ("b", 0), ("c", 1)]),
+        ] {
+            assert_eq!(worse(&accepted, &now).len(), 1, "{now:?}");
+        }
+    }
+
+    #[test]
+    fn a_number_of_the_readme_that_is_off_is_told_with_its_line() {
+        let measured = "| a | cycles |\n| - | -: |\n| one | 23,674 | 0.141 ms |\n";
+        assert!(differences(&measured.replace("23,674", "23,900"), measured).is_empty());
+        assert_eq!(
+            differences(&measured.replace("23,674", "24,674"), measured).len(),
+            1
+        );
+        assert_eq!(
+            differences(&measured.replace("0.141", "0.15"), measured).len(),
+            1
+        );
+        assert_eq!(differences("", measured).len(), 1);
+    }
 }

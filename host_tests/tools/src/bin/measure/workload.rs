@@ -1,86 +1,61 @@
-//! What is solved: mixed cases, and one case that stands for everyday use.
+//! The bearings, loads and speeds that are solved.
 
-use crate::bench::Question;
-use crate::host::Limit;
-use anyhow::Result;
-use host_tests::cases::{B7005C, Case, Random, rad_per_s};
-use host_tests::dispatch::Precision;
-use host_tests::milling_cycle::RECORD;
+use host_tests::cases::{Case, Random};
 use spindle_bearing::Design;
-use tools::stream::records;
 
-/// Balls of the everyday case.
-pub const EVERYDAY_BALLS: usize = 16;
+/// Balls of a row.
+pub const BALLS: usize = 16;
+
+/// Mixed cases, seeds from 0 on.
+pub const CASES: u64 = 100;
 
 /// Load (N, N m) and speed (rad/s), numbers of single precision.
 pub type State = ([f64; 5], f64);
 
-/// A bearing under load, and the same a moment later.
+/// Starts of a solve: from nothing, and from the solution a tick before.
+pub const STARTS: [&str; 2] = ["cold", "warm"];
+
+/// A bearing under load, and a moment later.
 #[derive(Debug, Clone)]
 pub struct Work {
     /// The bearing.
     pub design: Design,
-    /// At first.
-    pub cold: State,
-    /// One tick later: every load 1 % and the speed 0.5 % larger or smaller.
-    pub warm: State,
+    /// At first; then one tick later, every load 1 % and the speed 0.5 % larger or smaller.
+    pub states: [State; 2],
 }
 
 impl Work {
-    fn new(design: Design, load: [f64; 5], omega: f64, seed: u64) -> Self {
+    /// A random bearing under a random load.
+    fn mixed(seed: u64) -> Self {
+        let case = Case::random_with(seed, Some(BALLS));
         let single = |x: f64| f64::from(x as f32);
-        let mut r = Random::seeded(seed);
+        let mut random = Random::seeded(!seed);
         let mut by = |part: f64| {
-            if r.chance(0.5) {
+            if random.chance(0.5) {
                 1.0 + part
             } else {
                 1.0 - part
             }
         };
+        let cold = (case.load.map(single), single(case.omega));
+        let warm = (
+            cold.0.map(|f| single(f * by(0.01))),
+            single(cold.1 * by(0.005)),
+        );
         Self {
-            design,
-            cold: (load.map(single), single(omega)),
-            warm: (
-                load.map(|f| single(f * by(0.01))),
-                single(omega * by(0.005)),
-            ),
+            design: case.design,
+            states: [cold, warm],
         }
     }
 
-    /// A random bearing of this ball count under a random load; at rest if it does not turn.
-    pub fn mixed(seed: u64, balls: usize, turns: bool) -> Self {
-        let case = Case::random_with(seed, Some(balls));
-        let omega = if turns { case.omega } else { 0.0 };
-        Self::new(case.design, case.load, omega, !seed)
+    /// The state of a start, at rest if the shaft does not turn.
+    pub fn state(&self, start: usize, at_speed: bool) -> State {
+        let (load, omega) = self.states[start];
+        (load, if at_speed { omega } else { 0.0 })
     }
 
-    /// A spindle bearing in a cut: the example of the README.
-    pub fn everyday() -> Self {
-        let load = [1000.0, 200.0, 0.0, 0.0, 3.0];
-        Self::new(B7005C, load, rad_per_s(20_000.0), 0)
-    }
-}
-
-/// The recorded milling cycle on a B7005C, a state every millisecond; from a second on, so many ticks.
-pub fn milling(from_s: usize, ticks: usize) -> Result<Vec<State>> {
-    let records = records::read(RECORD, None, 1000)?.records;
-    let states = records.iter().skip(1000 * from_s).take(ticks);
-    let single = |x: f64| f64::from(x as f32);
-    Ok(states
-        .map(|r| {
-            let omega = single(rad_per_s(r.speed_rpm.into()));
-            (r.load().map(f64::from), omega)
-        })
-        .collect())
-}
-
-/// As a question to a solver of this precision.
-pub fn question((load, omega): State, precision: Precision, limit: Limit) -> Question {
-    let (tolerance, iterations) = limit.settings(precision);
-    Question {
-        load,
-        omega,
-        tolerance,
-        max_iterations: iterations.into(),
+    /// All of them.
+    pub fn all() -> Vec<Self> {
+        (0..CASES).map(Self::mixed).collect()
     }
 }

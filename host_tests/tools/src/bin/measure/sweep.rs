@@ -1,0 +1,230 @@
+//! Error of the stiffness over cycles, by tolerance; and times on this machine.
+
+use crate::scenes::{self, Host, Measured, Program, Solve, solved};
+use crate::table::{markdown, name, thousands};
+use crate::timing::Core;
+use crate::workload::{BALLS, STARTS, Work};
+use anyhow::Result;
+use host_tests::campaign::report::Spread;
+use host_tests::cases;
+use host_tests::compare::stiffness_error;
+use host_tests::dispatch::{Attitude, Precision};
+use rayon::prelude::*;
+use spindle_bearing::{Settings, Solver, Speed};
+use std::hint::black_box;
+use std::time::Instant;
+use tools::chart::{Axis, Chart, Curve, Panel, Style};
+
+/// Tolerances besides the default one; those below it are left out.
+const TOLERANCES: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12];
+
+/// The full scene on all cores. Doubles in software are solved at the default tolerance alone.
+pub fn programs() -> Vec<Program> {
+    let full = scenes::full().into_iter();
+    full.flat_map(|scene| {
+        [
+            (Core::M4f, Precision::F32),
+            (Core::M4f, Precision::F64),
+            (Core::M7, Precision::F32),
+            (Core::M7, Precision::F64),
+        ]
+        .map(|(core, precision)| {
+            let default = scenes::tolerance(precision);
+            let in_software = core == Core::M4f && precision == Precision::F64;
+            let others = TOLERANCES
+                .into_iter()
+                .filter(|t| !in_software && *t > default);
+            Program {
+                core,
+                precision,
+                scene,
+                tolerances: [default].into_iter().chain(others).collect(),
+            }
+        })
+    })
+    .collect()
+}
+
+/// Stiffness of the reference build's equilibrium, cold and warm.
+type Truth = [Option<[[f64; 5]; 5]>; 2];
+
+/// Found from the solver's equilibrium in doubles.
+pub fn truths(works: &[Work]) -> Result<Vec<Truth>> {
+    let truth = |work: &Work| {
+        let bearing = f64::bearing(&work.design)?;
+        let mut solver = Solver::new(&bearing);
+        let reference = cases::reference(&work.design, BALLS);
+        let groove = (work.design.outer_groove_factor - 0.5) * work.design.ball_diameter;
+        Ok(work.states.map(|(load, omega)| {
+            let speed = Speed::rad_per_s(omega);
+            let solution = solver.solve(load, speed, &Settings::default()).ok()?;
+            let centres: Vec<(f64, f64)> = solution
+                .balls()
+                .map(|ball| {
+                    let (sin, cos) = ball.alpha_o.sin_cos();
+                    ((groove + ball.delta_o) * sin, (groove + ball.delta_o) * cos)
+                })
+                .collect();
+            let rule = Attitude::Raceless.into();
+            let truth = reference.polish_near(load, omega, rule, solution.displacement, &centres);
+            truth.ok().map(|truth| truth.k)
+        }))
+    };
+    works.par_iter().map(truth).collect()
+}
+
+/// Cycles and errors of a program's solves at a tolerance.
+fn point(measured: &Measured, truths: &[Truth], tolerance: usize, start: usize) -> [Spread; 2] {
+    let solves: &[Solve] = &measured.solves[tolerance][start];
+    let cycles = solved(solves).map(|(solve, _)| solve.count.cycles as f64);
+    let errors = solved(solves).filter_map(|(solve, answer)| {
+        let truth = truths[solve.case][start].as_ref()?;
+        Some(stiffness_error(&answer.stiffness(), truth))
+    });
+    [Spread::of(cycles), Spread::of(errors)]
+}
+
+fn of_core(measured: &Measured) -> String {
+    format!(
+        "{}, {}",
+        measured.program.core.name(),
+        name(measured.program.precision)
+    )
+}
+
+/// The table of tolerances: error and cycles, cold and warm.
+pub fn tolerances(all: &[Measured], truths: &[Truth]) -> String {
+    let mut lines = Vec::new();
+    for measured in all {
+        for (i, tolerance) in measured.program.tolerances.iter().enumerate() {
+            let mut line = vec![format!("{}, {tolerance:.0e}", of_core(measured))];
+            for start in [1, 0] {
+                let [cycles, error] = point(measured, truths, i, start);
+                line.push(thousands(cycles.median as u64));
+                line.extend([error.median, error.most].map(|error| format!("{error:.1e}")));
+            }
+            lines.push(line);
+        }
+    }
+    markdown(
+        "tolerance | warm | error | 99 % | cold | error | 99 %",
+        &lines,
+    )
+}
+
+/// The picture: error of the stiffness over cycles, a point for every tolerance.
+pub fn chart(all: &[Measured], truths: &[Truth]) -> Chart {
+    let panel = |start: usize| {
+        let curves = all.iter().flat_map(|measured| {
+            let mut points: Vec<[Spread; 2]> = (0..measured.solves.len())
+                .map(|i| point(measured, truths, i, start))
+                .collect();
+            // The default tolerance, the smallest, comes last.
+            points.rotate_left(1);
+            let curve = |style, error: fn(&Spread) -> f64| Curve {
+                name: of_core(measured),
+                points: points
+                    .iter()
+                    .map(|[cycles, e]| (cycles.median, error(e)))
+                    .collect(),
+                style,
+            };
+            [
+                curve(Style::Line, |e| e.median),
+                curve(Style::Dots, |e| e.median),
+                curve(Style::Dashed, |e| e.most),
+            ]
+        });
+        Panel {
+            title: format!("{}, by tolerance", STARTS[start]),
+            x: Axis {
+                label: "cycles of a solve, median (modelled)".to_owned(),
+                logarithmic: true,
+                ..Axis::default()
+            },
+            y: Axis {
+                label: "error of the stiffness".to_owned(),
+                range: Some((1e-16, 1.0)),
+                logarithmic: true,
+            },
+            curves: curves.collect(),
+        }
+    };
+    Chart {
+        title: "Error of the stiffness over cycles. Lines: median; dashed: 99 % of the cases"
+            .to_owned(),
+        panels: [1, 0].map(panel).into(),
+        columns: 2,
+    }
+}
+
+/// Shortest time of three rounds, s a solve.
+fn seconds(solves: usize, mut round: impl FnMut()) -> f64 {
+    let rounds = (0..3).map(|_| {
+        let start = Instant::now();
+        round();
+        start.elapsed().as_secs_f64() / solves as f64
+    });
+    rounds.fold(f64::INFINITY, f64::min)
+}
+
+/// Times of a cold solve and of a warm one, s.
+fn times<T: Host>(works: &[&Work]) -> Result<[f64; 2]> {
+    let bearings: Vec<_> = works
+        .iter()
+        .map(|work| T::bearing(&work.design))
+        .collect::<Result<_>>()?;
+    let mut solvers: Vec<_> = bearings.iter().map(Solver::new).collect();
+    Ok([true, false].map(|cold| {
+        seconds(2 * works.len(), || {
+            for (solver, work) in solvers.iter_mut().zip(works) {
+                // To and fro: both are warm ticks of one size.
+                for (load, omega) in work.states {
+                    if cold {
+                        solver.reset();
+                    }
+                    let (load, speed) = (load.map(T::of), Speed::rad_per_s(T::of(omega)));
+                    let solution = solver.solve(load, speed, &Settings::default());
+                    let _ = black_box(solution.map(|solution| solution.stiffness()));
+                }
+            }
+        })
+    }))
+}
+
+/// The table of times on this machine, beside the reference build's, over the cases with a solution.
+pub fn host(works: &[Work], truths: &[Truth]) -> Result<String> {
+    let solved = works.iter().zip(truths);
+    let works: Vec<&Work> = solved
+        .filter(|(_, truth)| truth.iter().all(Option::is_some))
+        .map(|(work, _)| work)
+        .collect();
+    let reference = seconds(works.len(), || {
+        for work in &works {
+            let reference = cases::reference(&work.design, BALLS);
+            let (load, omega) = work.states[0];
+            let _ = black_box(reference.solve(load, omega, Attitude::Raceless.into()));
+        }
+    });
+    let ([cold, warm], [cold_single, warm_single]) = (times::<f64>(&works)?, times::<f32>(&works)?);
+    let lines: Vec<Vec<String>> = [
+        ("f64, cold", cold),
+        ("f64, warm", warm),
+        ("f32, cold", cold_single),
+        ("f32, warm", warm_single),
+        ("reference build", reference),
+    ]
+    .iter()
+    .map(|(solver, time)| {
+        vec![
+            (*solver).to_owned(),
+            format!("{:.1}", 1e6 * time),
+            thousands((reference / time) as u64),
+        ]
+    })
+    .collect();
+    Ok(markdown(
+        "solver | us a solve | reference build over it",
+        &lines,
+    ))
+}

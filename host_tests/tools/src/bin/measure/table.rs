@@ -1,0 +1,26 @@
+//! Names and numbers in tables.
+
+use host_tests::campaign::report::table;
+use host_tests::dispatch::Precision;
+
+/// Name of a precision in tables and to the build.
+pub const fn name(precision: Precision) -> &'static str {
+    match precision {
+        Precision::F32 => "f32",
+        Precision::F64 => "f64",
+    }
+}
+
+/// A whole number, its thousands set apart.
+pub fn thousands(number: u64) -> String {
+    match number {
+        0..1000 => number.to_string(),
+        _ => format!("{},{:03}", thousands(number / 1000), number % 1000),
+    }
+}
+
+/// A Markdown table, the cells of its head set apart by bars.
+pub fn markdown(head: &str, lines: &[Vec<String>]) -> String {
+    let head: Vec<&str> = head.split(" | ").collect();
+    table(&head, lines)
+}
