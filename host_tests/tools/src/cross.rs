@@ -1,8 +1,7 @@
 //! Firmware built from a host program: the Rust target, and cargo's way to the ELF.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
-use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -142,19 +141,6 @@ pub fn output(command: &mut Command) -> Option<String> {
         .then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
-/// Runs a command in the open, and fails if it does.
-pub fn run(command: &mut Command) -> Result<()> {
-    let name = format!("{command:?}").replace('"', "");
-    let status = command
-        .stdin(Stdio::null())
-        .status()
-        .with_context(|| format!("cannot run `{name}`"))?;
-    if !status.success() {
-        bail!("`{name}` ended with {status}");
-    }
-    Ok(())
-}
-
 /// Something that is not on this machine.
 #[derive(Debug, Clone, Copy)]
 pub struct Missing<'m> {
@@ -166,132 +152,51 @@ pub struct Missing<'m> {
     pub elsewhere: &'m str,
 }
 
-/// Installs what is missing where that takes no password: on Debian and Ubuntu, by root or with `sudo`. Asks first
-/// where somebody is there to answer.
+/// Installs the packages that are its arguments, on Debian and Ubuntu. A package of the release may not get along with a
+/// newer one that is there: it then comes from Debian's backports, and the system's own sources are left alone.
+const INSTALL: &str = r#"
+export DEBIAN_FRONTEND=noninteractive
+install="install -q -y --no-remove --no-install-recommends"
+apt-get -q update
+apt-get $install "$@" && exit
+. /etc/os-release
+suite="$VERSION_CODENAME-backports"
+sources=$(mktemp --suffix .list)
+archive="s|^$VERSION_CODENAME \(.*\)|deb \1 $suite main|p"
+apt-get indextargets --format '$(CODENAME) $(REPO_URI)' | sed -n "$archive" | head -n 1 >"$sources"
+apt-get -q -o "Dir::Etc::SourceList=$sources" update
+apt-get -o "Dir::Etc::SourceList=$sources" -t "$suite" $install "$@"
+"#;
+
+/// Installs what is missing where that takes no password: on Debian and Ubuntu, by root or with `sudo`.
 ///
 /// # Errors
 ///
 /// How to do it by hand.
 pub fn install(missing: &Missing<'_>) -> Result<()> {
-    let what = missing.what;
-    let packages = missing.debian.join(" ");
-    let by_hand = format!("apt-get update && apt-get install --no-remove {packages}");
-    if !is_debian() {
-        bail!(
-            "{what} is missing. Install it, then try again. Debian and Ubuntu: {by_hand}; {}",
-            missing.elsewhere
-        );
-    }
+    let Missing {
+        what,
+        debian,
+        elsewhere,
+    } = missing;
+    eprintln!("{what} is missing; to be installed, in a minute or two");
     let root = output(Command::new("id").arg("-u")).as_deref() == Some("0");
-    if !root && output(Command::new("sudo").args(["-n", "true"])).is_none() {
-        bail!(
-            "{what} is missing, and installing it needs a password. Run this, then try again: \
-             sudo sh -c '{by_hand}'"
-        );
-    }
-    let apt = |arguments: &[&str]| {
-        let mut command = if root {
-            Command::new("env")
-        } else {
-            let mut command = Command::new("sudo");
-            command.args(["-n", "env"]);
-            command
-        };
-        command
-            .args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-q"])
-            .args(arguments)
-            // Standard output is for results.
-            .stdout(std::io::stderr());
-        run(&mut command)
-    };
-    eprintln!("{what} is missing; to be installed, in a minute or two: {by_hand}");
-    if !agreed("install it now?")? {
-        bail!("{what} was not installed. To do it by hand: {by_hand}");
-    }
-    // One source that does not answer fails the update, though the package may well be there.
-    if let Err(error) = apt(&["update"]) {
-        eprintln!("warning: {error:#}");
-    }
-    let install = ["install", "-y", "--no-remove", "--no-install-recommends"];
-    let Err(error) = apt(&[&install, missing.debian].concat()) else {
-        return Ok(());
-    };
-    let failed = || format!("{what} could not be installed; try by hand: {by_hand}");
-    // What is newer here than the release does not get along with the release's own packages.
-    let Some(backports) = backports()? else {
-        return Err(error).with_context(failed);
-    };
-    eprintln!("{error:#}; to be tried from {}", backports.suite);
-    apt(&["-o", &backports.sources, "update"]).with_context(failed)?;
-    let from = ["-o", &backports.sources, "-t", &backports.suite];
-    apt(&[&from, &install[..], missing.debian].concat()).with_context(failed)
-}
-
-/// Debian's backports, as a further source for one call of apt.
-struct Backports {
-    suite: String,
-    sources: String,
-}
-
-/// Those of this release; none where it is not Debian's. The system's own sources are left alone.
-fn backports() -> Result<Option<Backports>> {
-    let release = release();
-    let named = |name: &str| {
-        let mut pairs = release.lines().filter_map(|line| line.split_once('='));
-        let (_, value) = pairs.find(|(key, _)| *key == name)?;
-        Some(value.trim_matches('"').to_owned())
-    };
-    let (Some("debian"), Some(codename)) = (named("ID").as_deref(), named("VERSION_CODENAME"))
-    else {
-        return Ok(None);
-    };
-    // Where the release itself comes from.
-    let format = "$(CODENAME) $(REPO_URI)";
-    let sources = output(Command::new("apt-get").args(["indextargets", "--format", format]));
-    let archive = sources.as_deref().and_then(|sources| {
-        let mut pairs = sources.lines().filter_map(|line| line.split_once(' '));
-        pairs.find_map(|(of, archive)| (of == codename).then_some(archive))
-    });
-    let Some(archive) = archive else {
-        return Ok(None);
-    };
-    let suite = format!("{codename}-backports");
-    let list = std::env::temp_dir().join(format!("{suite}.list"));
-    let line = format!("deb {archive} {suite} main\n");
-    std::fs::write(&list, line).with_context(|| format!("cannot write {}", list.display()))?;
-    let sources = format!("Dir::Etc::SourceList={}", list.display());
-    Ok(Some(Backports { suite, sources }))
-}
-
-/// Whether the person at the terminal agrees, if there is one. Who answers nothing does; a program that nobody
-/// watches goes on.
-fn agreed(question: &str) -> Result<bool> {
-    if !(io::stdin().is_terminal() && io::stderr().is_terminal()) {
-        return Ok(true);
-    }
-    eprint!("{question} [Y/n] ");
-    let mut answer = String::new();
-    let length = io::stdin().read_line(&mut answer)?;
-    Ok(length > 0 && is_yes(&answer))
-}
-
-fn is_yes(answer: &str) -> bool {
-    matches!(answer.trim().to_lowercase().as_str(), "" | "y" | "yes")
-}
-
-/// What the system says that it is.
-fn release() -> String {
-    std::fs::read_to_string("/etc/os-release").unwrap_or_default()
-}
-
-/// Debian, Ubuntu, and what is made from them.
-fn is_debian() -> bool {
-    release()
-        .lines()
-        .filter_map(|line| line.split_once('='))
-        .filter(|(key, _)| matches!(*key, "ID" | "ID_LIKE"))
-        .flat_map(|(_, value)| value.trim_matches('"').split_whitespace())
-        .any(|id| matches!(id, "debian" | "ubuntu"))
+    let shell: &[&str] = if root { &["sh"] } else { &["sudo", "-n", "sh"] };
+    let mut command = Command::new(shell[0]);
+    command
+        .args(&shell[1..])
+        .args(["-c", INSTALL, "install"])
+        .args(*debian)
+        // Standard output is for results.
+        .stdout(std::io::stderr());
+    let installed = command.stdin(Stdio::null()).status();
+    ensure!(
+        installed.is_ok_and(|status| status.success()),
+        "{what} is missing, and could not be installed. Install it, then try again. Debian and Ubuntu: sudo apt-get install {}; \
+         {elsewhere}",
+        debian.join(" ")
+    );
+    Ok(())
 }
 
 /// Adds the Rust target of the firmware, unless it is there.
@@ -305,30 +210,11 @@ pub fn add_target(root: &Path) -> Result<()> {
     if libraries.is_some_and(|path| Path::new(&path).is_dir()) {
         return Ok(());
     }
-    if output(Command::new("rustup").arg("--version")).is_none() {
-        bail!(
-            "Rust's target {TARGET} is missing, and there is no rustup to add it; install it the \
-             way Rust was installed, then try again"
-        );
-    }
-    eprintln!("installing Rust's target {TARGET}, in some seconds: rustup target add {TARGET}");
-    run(Command::new("rustup")
-        .args(["target", "add", TARGET])
-        .current_dir(root))
-    .context("the Rust target could not be added; is there a network?")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_a_yes_or_the_return_key_agrees() {
-        for answer in ["\n", "y\n", "Yes\r\n"] {
-            assert!(is_yes(answer), "{answer:?}");
-        }
-        for answer in ["n\n", "no\n", "what?\n"] {
-            assert!(!is_yes(answer), "{answer:?}");
-        }
-    }
+    let mut rustup = Command::new("rustup");
+    rustup.args(["target", "add", TARGET]).current_dir(root);
+    ensure!(
+        rustup.status().is_ok_and(|status| status.success()),
+        "Rust's target {TARGET} is missing, and could not be added; is there a network, and rustup?"
+    );
+    Ok(())
 }

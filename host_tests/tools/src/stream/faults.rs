@@ -34,40 +34,26 @@ pub enum Fault {
     TemperatureSpike,
 }
 
-/// Each of them, and how long it lasts, in ticks: least and most.
-const FAULTS: [(Fault, [u64; 2]); 13] = [
-    (Fault::Dropped, [5, 40]),
-    (Fault::Corrupt, [1, 10]),
-    (Fault::Repeated, [1, 5]),
-    (Fault::Silence, [60, 300]),
-    (Fault::NotANumber, [1, 30]),
-    (Fault::OutOfRange, [1, 150]),
-    (Fault::Spike, [1, 2]),
-    (Fault::Stuck, [120, 250]),
-    (Fault::Step, [50, 200]),
-    (Fault::SpeedLost, [20, 200]),
-    (Fault::LinkShut, [300, 900]),
-    (Fault::TemperatureLost, [200, 400]),
-    (Fault::TemperatureSpike, [100, 200]),
+/// Each of them, its name, and how long it lasts, in ticks: least and most.
+const FAULTS: [(Fault, &str, [u64; 2]); 13] = [
+    (Fault::Dropped, "frames dropped", [5, 40]),
+    (Fault::Corrupt, "frames corrupt", [1, 10]),
+    (Fault::Repeated, "frames repeated", [1, 5]),
+    (Fault::Silence, "no frames", [60, 300]),
+    (Fault::NotANumber, "load not a number", [1, 30]),
+    (Fault::OutOfRange, "load out of range", [1, 150]),
+    (Fault::Spike, "load spike", [1, 2]),
+    (Fault::Stuck, "channel stuck", [120, 250]),
+    (Fault::Step, "load step", [50, 200]),
+    (Fault::SpeedLost, "speed lost at full speed", [20, 200]),
+    (Fault::LinkShut, "telemetry link shut", [300, 900]),
+    (Fault::TemperatureLost, "temperature lost", [200, 400]),
+    (Fault::TemperatureSpike, "temperature spike", [100, 200]),
 ];
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Dropped => "frames dropped",
-            Self::Corrupt => "frames corrupt",
-            Self::Repeated => "frames repeated",
-            Self::Silence => "no frames",
-            Self::NotANumber => "load not a number",
-            Self::OutOfRange => "load out of range",
-            Self::Spike => "load spike",
-            Self::Stuck => "channel stuck",
-            Self::Step => "load step",
-            Self::SpeedLost => "speed lost at full speed",
-            Self::LinkShut => "telemetry link shut",
-            Self::TemperatureLost => "temperature lost",
-            Self::TemperatureSpike => "temperature spike",
-        })
+        f.write_str(FAULTS[*self as usize].1)
     }
 }
 
@@ -109,7 +95,7 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
     let mut dice = Dice(seed);
     let highest = records.iter().map(|r| r.speed_rpm).fold(0.0, f32::max);
     let mut episodes = Vec::new();
-    let mut kinds: Vec<(Fault, [u64; 2])> = Vec::new();
+    let mut kinds: Vec<(Fault, &str, [u64; 2])> = Vec::new();
     let mut at = LEAD;
     while at + SLOT <= records.len() {
         if kinds.is_empty() {
@@ -120,11 +106,15 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
         }
         let full_speed = highest > 0.0 && records[at].speed_rpm >= 0.95 * highest;
         // A speed that is lost waits for full speed, and is then the first.
-        let lost = kinds.iter().position(|(kind, _)| *kind == Fault::SpeedLost);
-        let other = kinds.iter().position(|(kind, _)| *kind != Fault::SpeedLost);
+        let lost = kinds
+            .iter()
+            .position(|(kind, ..)| *kind == Fault::SpeedLost);
+        let other = kinds
+            .iter()
+            .position(|(kind, ..)| *kind != Fault::SpeedLost);
         let index = if full_speed { lost.or(other) } else { other };
         if let Some(index) = index {
-            let (fault, [least, most]) = kinds.remove(index);
+            let (fault, _, [least, most]) = kinds.remove(index);
             let length = least + dice.below(most - least + 1);
             let from = at + dice.below(40) as usize;
             episodes.push(Episode {
@@ -141,7 +131,7 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
     episodes
 }
 
-/// Bytes of a tick, and how many the link takes in it.
+/// Bytes of a tick, and whether the link takes any.
 pub struct Spoilt {
     /// What goes over the line.
     pub bytes: Vec<u8>,
@@ -283,18 +273,15 @@ mod tests {
     fn a_schedule_has_every_fault_and_is_that_of_its_seed() {
         let records: Vec<_> = (0..10_000).map(record).collect();
         let episodes = schedule(1, &records);
-        for (fault, _) in FAULTS {
+        for (fault, ..) in FAULTS {
             assert!(episodes.iter().any(|e| e.fault == fault), "{fault}");
         }
         assert_eq!(episodes, schedule(1, &records));
         assert_ne!(episodes, schedule(2, &records));
-        let standing: Vec<_> = records
-            .iter()
-            .map(|r| LoadRecord {
-                speed_rpm: 0.0,
-                ..*r
-            })
-            .collect();
+        let mut standing = records;
+        standing
+            .iter_mut()
+            .for_each(|record| record.speed_rpm = 0.0);
         let lost = |e: &Episode| e.fault == Fault::SpeedLost;
         assert!(!schedule(1, &standing).iter().any(lost));
     }

@@ -1,46 +1,57 @@
 //! The emulated board while it runs: bytes into its port and out of it, and lines of its log.
 
 use crate::firmware::Firmware;
-use crate::toolchain;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
 use std::io::{Read, Write};
 use std::net::TcpListener;
-use std::process::{Child, ChildStdin, Stdio};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
-use std::sync::{Mutex, PoisonError};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use tools::cross::{self, Missing, output};
 
+/// The emulator's command.
+const QEMU: &str = "qemu-system-arm";
+/// The emulator's board with an STM32F405.
+pub const MACHINE: &str = "netduinoplus2";
+/// First major version of QEMU whose serial port gives the byte that is read, and not the next one, where the
+/// next one is there already (QEMU's commit ab08c3467605, "Fix STM32F2XX USART data register readout").
+const KEEPS_READ_BYTES: u32 = 7;
 /// Byte that the emulator's multiplexer takes for the start of a command of its own, unless it comes twice.
 const ESCAPE: u8 = 0x01;
 
-/// The emulator that runs, for whoever has to end it.
-static RUNNING: Mutex<Option<Child>> = Mutex::new(None);
-
-/// Ends the emulator, if one runs; returns how it ended.
-fn end() -> Option<String> {
-    let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut child = running.take()?;
-    let _ = child.kill();
-    Some(
-        child
-            .wait()
-            .map_or_else(|error| error.to_string(), |status| status.to_string()),
-    )
+/// Sees to it that there is an emulator, and installs it where that is allowed.
+pub fn find() -> Result<()> {
+    let version = || output(Command::new(QEMU).arg("--version"));
+    if version().is_none() {
+        cross::install(&Missing {
+            what: QEMU,
+            debian: &[QEMU],
+            elsewhere: "Fedora: dnf install qemu-system-arm; Arch: pacman -S qemu-system-arm; \
+                        macOS: brew install qemu",
+        })?;
+    }
+    let version = version().with_context(|| format!("{QEMU} does not run"))?;
+    ensure!(
+        major(&version).is_some_and(|major| major >= KEEPS_READ_BYTES),
+        "this {QEMU} is older than version {KEEPS_READ_BYTES}: {version}"
+    );
+    Ok(())
 }
 
-/// Has signals that ask this program to end, end the emulator first, and leave the terminal as it was.
-pub fn end_on_signals() -> Result<()> {
-    ctrlc::set_handler(|| {
-        end();
-        if ratatui::crossterm::terminal::is_raw_mode_enabled().unwrap_or(false) {
-            ratatui::restore();
-        }
-        // As shells have it of a program that was interrupted.
-        std::process::exit(130)
-    })
-    .context("signals cannot be handled")
+/// The first number of what QEMU says of its version: `QEMU emulator version 7.2.22 (Debian ...)`.
+fn major(text: &str) -> Option<u32> {
+    let (_, version) = text.split_once("version ")?;
+    version.split('.').next()?.parse().ok()
+}
+
+/// A program that the system kills when the thread that has started it is gone, for whatever reason: Linux
+/// can do that, and its util-linux has a command for it.
+fn tied(program: &str) -> Command {
+    let mut command = Command::new("setpriv");
+    command.args(["--pdeathsig", "KILL", program]);
+    command
 }
 
 /// `input` with every [`ESCAPE`] twice, which the multiplexer turns back into one.
@@ -54,36 +65,36 @@ fn escaped(input: &[u8]) -> Vec<u8> {
 
 /// A running board. Ends with its owner.
 pub struct Board {
+    running: Child,
     port: Option<ChildStdin>,
-    /// A multiplexer is between the port and the board.
-    multiplexed: bool,
     bytes: Receiver<Vec<u8>>,
     log: Receiver<Vec<u8>>,
-    complaints: Receiver<String>,
-    patience: Duration,
+    complaints: Receiver<Vec<u8>>,
 }
 
-/// Hands on what `source` gives until it ends, from a thread of its own.
-fn pump(mut source: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
-    let (sender, receiver) = mpsc::channel();
-    thread::spawn(move || {
-        let mut buffer = [0; 4096];
-        while let Ok(length @ 1..) = source.read(&mut buffer) {
-            if sender.send(buffer[..length].to_vec()).is_err() {
-                break;
-            }
+/// Longest silence of a board that runs.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Hands on the bytes of `source` until it ends.
+fn pump(mut source: impl Read, sender: &Sender<Vec<u8>>) {
+    let mut buffer = [0; 4096];
+    while let Ok(length @ 1..) = source.read(&mut buffer) {
+        if sender.send(buffer[..length].to_vec()).is_err() {
+            break;
         }
-    });
+    }
+}
+
+/// The bytes of `source`, which a thread of its own reads.
+fn pumped(source: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
+    let (sender, receiver) = mpsc::channel();
+    thread::spawn(move || pump(source, &sender));
     receiver
 }
 
 impl Board {
     /// Switches the board on.
-    pub fn start(
-        emulator: &toolchain::Emulator,
-        firmware: &Firmware,
-        patience: Duration,
-    ) -> Result<Self> {
+    pub fn start(firmware: &Firmware) -> Result<Self> {
         // The second port, which the emulator reaches by a socket of this machine.
         let listener =
             TcpListener::bind(("127.0.0.1", 0)).context("cannot listen to the emulator's log")?;
@@ -91,20 +102,18 @@ impl Board {
             "socket,id=log,host=127.0.0.1,port={},server=off,nodelay=on",
             listener.local_addr()?.port()
         );
-        // The emulator's main loop reads standard input a byte per turn, and only while there is room for
-        // that byte: what the firmware has not taken stays in the pipe. Without a multiplexer the room is
-        // the receiver's register, so that the firmware waits a turn for every byte. A multiplexer has a
-        // queue of 32 bytes, from which a read of that register fetches the next byte at once.
-        let multiplexed = emulator.keeps_read_bytes;
-        let port = if multiplexed {
-            "stdio,id=port,signal=off,mux=on"
+        let is_tied = cfg!(target_os = "linux") && output(&mut tied("true")).is_some();
+        let mut command = if is_tied {
+            tied(QEMU)
         } else {
-            "stdio,id=port,signal=off"
+            Command::new(QEMU)
         };
-        let mut child = emulator
-            .command()
-            .args(["-monitor", "none"])
-            .args(["-chardev", port])
+        // The emulator's main loop reads standard input a byte per turn, and only while there is room for
+        // that byte: bytes that the firmware has not taken stay in the pipe. The room is a multiplexer's queue of
+        // 32 bytes, from which a read of the receiver's register fetches the next byte at once.
+        let mut running = command
+            .args(["-machine", MACHINE, "-display", "none", "-monitor", "none"])
+            .args(["-chardev", "stdio,id=port,signal=off,mux=on"])
             .args(["-echr", &ESCAPE.to_string()])
             .args(["-serial", "chardev:port"])
             .args(["-chardev", &log])
@@ -116,53 +125,34 @@ impl Board {
             .stderr(Stdio::piped())
             .spawn()
             .context("cannot start the emulator")?;
-        let (Some(port), Some(output), Some(errors)) =
-            (child.stdin.take(), child.stdout.take(), child.stderr.take())
-        else {
+        let port = running.stdin.take();
+        let (Some(output), Some(errors)) = (running.stdout.take(), running.stderr.take()) else {
             bail!("the emulator's serial port cannot be reached");
         };
-        let (sender, complaints) = mpsc::channel();
-        let errors = pump(errors);
-        thread::spawn(move || {
-            let all: Vec<u8> = errors.into_iter().flatten().collect();
-            let _ = sender.send(String::from_utf8_lossy(&all).trim().to_owned());
-        });
         let (sender, log) = mpsc::channel();
         thread::spawn(move || {
-            let Ok((socket, _)) = listener.accept() else {
-                return;
-            };
-            for bytes in pump(socket) {
-                if sender.send(bytes).is_err() {
-                    break;
-                }
+            if let Ok((socket, _)) = listener.accept() {
+                pump(socket, &sender);
             }
         });
-        *RUNNING.lock().unwrap_or_else(PoisonError::into_inner) = Some(child);
         Ok(Self {
-            port: Some(port),
-            multiplexed,
-            bytes: pump(output),
+            running,
+            port,
+            bytes: pumped(output),
             log,
-            complaints,
-            patience,
+            complaints: pumped(errors),
         })
     }
 
     /// Sends bytes to the port, once, as fast as the board takes them.
-    pub fn send(&mut self, input: Vec<u8>) {
+    pub fn send(&mut self, input: &[u8]) {
         let Some(mut port) = self.port.take() else {
             return;
         };
-        let input = if self.multiplexed {
-            escaped(&input)
-        } else {
-            input
-        };
+        let input = escaped(input);
         thread::spawn(move || {
             // An emulator that has gone is told of by what it does not answer.
-            let sent = port.write_all(&input).and_then(|()| port.flush());
-            if sent.is_ok() {
+            if port.write_all(&input).and_then(|()| port.flush()).is_ok() {
                 // The end of its input must not become one of its output.
                 thread::sleep(Duration::MAX);
             }
@@ -171,57 +161,47 @@ impl Board {
 
     /// The next bytes of the telemetry.
     pub fn bytes(&mut self) -> Result<Vec<u8>> {
-        match self.bytes.recv_timeout(self.patience) {
-            Ok(bytes) => Ok(bytes),
-            Err(RecvTimeoutError::Timeout) => bail!(
-                "the board has been silent for {:.0} s: the firmware hangs, or this machine is very \
-                 busy (then try a longer --patience)",
-                self.patience.as_secs_f64()
-            ),
-            Err(RecvTimeoutError::Disconnected) => Err(self.post_mortem("stopped")),
-        }
+        let bytes = self.bytes.recv_timeout(PATIENCE);
+        bytes.map_err(|error| self.post_mortem(error))
     }
 
     /// Waits for the first line of the log.
     pub fn wait_for_log(&mut self, log: &mut Log<'_>) -> Result<()> {
-        let deadline = Instant::now() + self.patience;
         while log.lines.is_empty() {
-            let left = deadline.saturating_duration_since(Instant::now());
-            match self.log.recv_timeout(left) {
-                Ok(bytes) => log.take(&bytes)?,
-                Err(RecvTimeoutError::Timeout) => bail!("the board has not said that it is ready"),
-                Err(RecvTimeoutError::Disconnected) => return Err(self.post_mortem("stopped")),
-            }
+            let bytes = self.log.recv_timeout(PATIENCE);
+            log.take(&bytes.map_err(|error| self.post_mortem(error))?)?;
         }
         Ok(())
     }
 
-    /// Takes what there is of the log.
+    /// Takes the part of the log that is there.
     pub fn read_log(&mut self, log: &mut Log<'_>) -> Result<()> {
-        while let Ok(bytes) = self.log.try_recv() {
-            log.take(&bytes)?;
-        }
-        Ok(())
+        self.log.try_iter().try_for_each(|bytes| log.take(&bytes))
     }
 
-    /// What is to be said of an emulator that has gone.
-    fn post_mortem(&mut self, how: &str) -> anyhow::Error {
-        let status = end().unwrap_or_else(|| "it was ended".to_owned());
-        let complaint = self
-            .complaints
-            .recv_timeout(Duration::from_secs(1))
-            .unwrap_or_default();
-        if complaint.is_empty() {
-            anyhow!("the emulator {how}; {status}")
-        } else {
-            anyhow!("the emulator {how}; {status}; it said: {complaint}")
+    /// What is to be said of an emulator that says nothing.
+    fn post_mortem(&mut self, error: RecvTimeoutError) -> anyhow::Error {
+        if error == RecvTimeoutError::Timeout {
+            return anyhow!(
+                "the board has been silent for {} s: the firmware hangs, or this machine is very busy",
+                PATIENCE.as_secs()
+            );
         }
+        let _ = self.running.kill();
+        let status = self.running.wait();
+        let status = status.map_or_else(|error| error.to_string(), |status| status.to_string());
+        let complaint: Vec<u8> = self.complaints.iter().flatten().collect();
+        anyhow!(
+            "the emulator stopped; {status}; it said: {}",
+            String::from_utf8_lossy(&complaint).trim()
+        )
     }
 }
 
 impl Drop for Board {
     fn drop(&mut self) {
-        end();
+        let _ = self.running.kill();
+        let _ = self.running.wait();
     }
 }
 
@@ -267,10 +247,50 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_major_version_is_found_in_what_each_distribution_says() {
+        for (text, expected) in [
+            (
+                "QEMU emulator version 7.2.22 (Debian 1:7.2+dfsg-7)\n(c) 2003",
+                Some(7),
+            ),
+            ("QEMU emulator version 10.0.2", Some(10)),
+            ("another program", None),
+        ] {
+            assert_eq!(major(text), expected);
+        }
+    }
+
+    #[test]
     fn an_escape_is_sent_twice_and_every_other_byte_once() {
         assert_eq!(
             escaped(&[0, 1, 1, 2, 255, 1]),
             [0, 1, 1, 1, 1, 2, 255, 1, 1]
         );
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_tied_program_does_not_outlive_its_parent() {
+        use std::io::BufRead;
+        use std::os::unix::process::ExitStatusExt;
+        if output(&mut tied("true")).is_none() {
+            eprintln!(
+                "no setpriv on this machine: an emulator may outlive a program that is killed"
+            );
+            return;
+        }
+        // The thread stays until the program has spoken: before, it may not be tied yet.
+        let start = || {
+            let mut child = tied("sh")
+                .args(["-c", "echo tied; exec sleep 10"])
+                .stdout(Stdio::piped())
+                .spawn()
+                .unwrap();
+            let mut said = std::io::BufReader::new(child.stdout.take().unwrap());
+            said.read_line(&mut String::new()).unwrap();
+            child
+        };
+        let mut child = thread::spawn(start).join().unwrap();
+        assert_eq!(child.wait().unwrap().signal(), Some(9));
     }
 }

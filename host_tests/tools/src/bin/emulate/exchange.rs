@@ -1,26 +1,18 @@
 //! The run itself: what the board sends, held against what the host's build of the same monitor sends.
 
-use crate::emulator::{self, Board, Log};
+use crate::emulator::{self, Board, Log, MACHINE};
 use crate::firmware::Firmware;
 use crate::plan::Plan;
 use crate::rows;
-use crate::toolchain::Emulator;
 use anyhow::{Result, bail};
 use host_tests::telemetry::decoder::{Decoder, Event};
 use spindle_bearing::monitor::telemetry::{Frame, Payload};
 use std::io::{self, Write};
 use std::sync::mpsc::SyncSender;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// How to run.
-pub struct Manner {
-    /// Print every so many estimates, 0 for nothing at all.
-    pub every: usize,
-    /// Longest silence of the board.
-    pub patience: Duration,
-    /// Where else the board's bytes go.
-    pub tee: Option<SyncSender<io::Result<Vec<u8>>>>,
-}
+/// Where a copy of the board's bytes goes.
+pub type Tee = SyncSender<io::Result<Vec<u8>>>;
 
 /// What came from the board.
 pub struct Answer {
@@ -28,8 +20,6 @@ pub struct Answer {
     pub frames: Vec<Frame>,
     /// Lines of the log.
     pub log: Vec<String>,
-    /// How long it took.
-    pub took: Duration,
 }
 
 fn frames(bytes: &[u8]) -> Vec<Frame> {
@@ -43,49 +33,33 @@ fn frames(bytes: &[u8]) -> Vec<Frame> {
         .collect()
 }
 
-/// Runs the plan, prints estimates, and fails at the first byte that is not the host's. `None` if who was to
-/// have the bytes, too, has gone.
-pub fn run(
-    plan: &Plan,
-    manner: &Manner,
-    firmware: &Firmware,
-    emulator: &Emulator,
-) -> Result<Option<Answer>> {
+/// Runs the plan, prints some hundred estimates, and fails at the first byte that is not the host's.
+///
+/// With a `tee`, it prints nothing; `None` if nobody takes the copy any more.
+pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<Answer>> {
     let table = emulator::table(firmware)?;
     let mut log = Log::new(&table);
-    let started = Instant::now();
-    let mut board = Board::start(emulator, firmware, manner.patience)?;
+    let mut board = Board::start(firmware)?;
     // A port that is not open yet takes no bytes.
     board.wait_for_log(&mut log)?;
-    board.send(plan.input.clone());
-    let mut out = io::stdout();
-    let quiet = manner.every == 0;
-    if !quiet {
-        writeln!(out, "{} {}", emulator.machine, log.lines[0])?;
-        writeln!(out, "\n{}", rows::HEADER)?;
-    }
+    board.send(&plan.input);
+    let mut out: Box<dyn Write> = match tee {
+        Some(_) => Box::new(io::sink()),
+        None => Box::new(io::stdout()),
+    };
+    writeln!(out, "{MACHINE} {}\n\n{}", log.lines[0], rows::HEADER)?;
+    // An estimate is sent every twenty ticks.
+    let every = plan.health.ticks.div_ceil(20 * 100) as usize;
     let mut received: Vec<u8> = Vec::with_capacity(plan.expected.len());
     let mut decoder = Decoder::new();
-    let mut estimates = 0;
-    let mut shown = 1;
+    let (mut estimates, mut shown) = (0, 1);
     while received.len() < plan.expected.len() {
         let bytes = board.bytes()?;
         board.read_log(&mut log)?;
         let from = received.len();
         received.extend(&bytes);
-        let expected = plan.expected.get(from..received.len());
-        if expected != Some(&bytes[..]) {
-            board.read_log(&mut log)?;
+        if plan.expected.get(from..received.len()) != Some(&bytes[..]) {
             bail!("{}", difference(&plan.expected, &received, &log.lines));
-        }
-        if let Some(tee) = &manner.tee
-            && tee.send(Ok(bytes.clone())).is_err()
-        {
-            // Nobody looks any more.
-            return Ok(None);
-        }
-        if quiet {
-            continue;
         }
         for line in &log.lines[shown..] {
             writeln!(out, "log: {line}")?;
@@ -95,15 +69,17 @@ pub fn run(
             if let Event::Frame { frame, .. } = event
                 && let Payload::Estimate(report) = &frame.payload
             {
-                if estimates % manner.every == 0 {
+                if estimates % every == 0 {
                     writeln!(out, "{}", rows::row(frame.time_us, report))?;
                 }
                 estimates += 1;
             }
         }
+        if tee.as_ref().is_some_and(|tee| tee.send(Ok(bytes)).is_err()) {
+            return Ok(None);
+        }
     }
-    let took = started.elapsed();
-    // What is still on its way to the log.
+    // The last lines are still on their way to the log.
     std::thread::sleep(Duration::from_millis(100));
     board.read_log(&mut log)?;
     let unwanted = |line: &&String| {
@@ -117,7 +93,6 @@ pub fn run(
     Ok(Some(Answer {
         frames: frames(&received),
         log: log.lines,
-        took,
     }))
 }
 

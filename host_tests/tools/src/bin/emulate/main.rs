@@ -6,13 +6,12 @@
 //!
 //! | module | does |
 //! | --- | --- |
-//! | `toolchain` | sees to it that there is an emulator |
-//! | `firmware` | builds the ELF and reads its sizes |
+//! | `firmware` | builds the ELF |
 //! | `plan` | the bytes for the board, and what it must answer |
 //! | `emulator` | the running board: bytes in and out, lines of its log |
 //! | `exchange` | the run, and the comparison |
 //! | `rows` | an estimate as a row of the table |
-//! | `summary` | counts, budget, and the golden file |
+//! | `summary` | counts, and the golden file |
 
 #[path = "../../../../../examples/firmware/chain.rs"]
 mod chain;
@@ -26,11 +25,10 @@ mod monitored;
 mod plan;
 mod rows;
 mod summary;
-mod toolchain;
 
 use anyhow::{Result, anyhow};
 use clap::Parser;
-use exchange::{Answer, Manner};
+use firmware::Firmware;
 use host_tests::milling_cycle::record_of;
 use plan::Plan;
 use spindle_bearing::monitor::tick::CycleCost;
@@ -38,8 +36,6 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::mpsc;
 use std::thread;
-use std::time::Duration;
-use tools::report::Figures;
 use tools::stream::faults::{self, Spoiler};
 use tools::stream::records;
 use tools::telemetry::session::Session;
@@ -95,14 +91,6 @@ struct Arguments {
     /// Show the telemetry live; q leaves
     #[arg(long)]
     view: bool,
-
-    /// Show every so many estimates [default: some 100 rows in all]
-    #[arg(long, value_name = "ESTIMATES", value_parser = clap::value_parser!(u32).range(1..))]
-    every: Option<u32>,
-
-    /// Longest wait for an answer, s
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive)]
-    patience: f64,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -119,7 +107,7 @@ fn main() -> ExitCode {
         Ok(ready) => ready,
         Err(error) => return fail(&error, NOT_STARTED),
     };
-    match run(&arguments, ready) {
+    match run(&arguments, &ready) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => fail(&error, DISAGREEMENT),
     }
@@ -134,9 +122,7 @@ fn fail(error: &anyhow::Error, status: u8) -> ExitCode {
 struct Ready {
     plan: Plan,
     golden: Option<PathBuf>,
-    firmware: firmware::Firmware,
-    emulator: toolchain::Emulator,
-    figures: Figures,
+    firmware: Firmware,
 }
 
 fn prepare(arguments: &Arguments) -> Result<Ready> {
@@ -146,7 +132,7 @@ fn prepare(arguments: &Arguments) -> Result<Ready> {
     let period_us = monitor_settings::MONITOR.tick.period_us;
     let recording = records::read(&input, arguments.seconds, period_us)?;
     tools::cross::add_target(root)?;
-    let emulator = toolchain::find_emulator()?;
+    emulator::find()?;
     let firmware = firmware::build(root)?;
     let episodes = if arguments.faults {
         faults::schedule(arguments.seed, &recording.records)
@@ -155,9 +141,8 @@ fn prepare(arguments: &Arguments) -> Result<Ready> {
     };
     let plan = plan::plan(&recording, Spoiler::new(arguments.seed, episodes))?;
     let golden = (arguments.faults && arguments.input.is_none()).then(|| {
-        let length = arguments
-            .seconds
-            .map_or("whole".into(), |seconds| format!("{seconds}_s"));
+        let seconds = arguments.seconds.map(|seconds| format!("{seconds}_s"));
+        let length = seconds.unwrap_or_else(|| "whole".into());
         let rows = match monitored::ROWS {
             1 => "bearing_",
             _ => "",
@@ -169,64 +154,35 @@ fn prepare(arguments: &Arguments) -> Result<Ready> {
         plan,
         golden,
         firmware,
-        emulator,
-        figures: tools::report::figures(root)?,
     })
 }
 
-fn run(arguments: &Arguments, ready: Ready) -> Result<()> {
-    emulator::end_on_signals()?;
-    let Ready {
-        plan,
-        golden,
-        firmware,
-        emulator,
-        figures,
-    } = ready;
-    let sent = plan.health.ticks / 20;
-    let every = arguments
-        .every
-        .map_or_else(|| sent.div_ceil(100).max(1) as usize, |n| n as usize);
-    let mut manner = Manner {
-        every,
-        patience: Duration::from_secs_f64(arguments.patience),
-        tee: None,
-    };
-    let memory = firmware.memory;
+fn run(arguments: &Arguments, ready: &Ready) -> Result<()> {
+    let Ready { plan, firmware, .. } = ready;
     let answer = if arguments.view {
         // The view draws at the pace of the recording; the board may be ahead of it.
         let (sender, chunks) = mpsc::sync_channel(usize::from(u16::MAX));
-        (manner.every, manner.tee) = (0, Some(sender));
-        thread::scope(|scope| -> Result<Option<Answer>> {
-            let running = scope.spawn(|| {
-                let answer = exchange::run(&plan, &manner, &firmware, &emulator);
-                drop(manner);
-                answer
-            });
+        thread::scope(|scope| {
+            let running = scope.spawn(|| exchange::run(plan, firmware, Some(sender)));
             view::view(&source::paced(chunks, 1.0), &mut Session::default())?;
             running.join().map_err(|_| anyhow!("the run panicked"))?
         })?
     } else {
-        exchange::run(&plan, &manner, &firmware, &emulator)?
+        exchange::run(plan, firmware, None)?
     };
     let Some(answer) = answer else {
         println!("the view was left before the run was over");
         return Ok(());
     };
-    let text = summary::summary(&plan, &answer)?;
-    println!("\n{text}");
+    let text = summary::summary(plan, &answer)?;
     println!(
-        "{} frames in {} bytes of telemetry in {:.1} s, equal to the host's to the last bit; {} lines of log",
+        "\n{text}\n{} frames in {} bytes of telemetry, equal to the host's to the last bit; {} lines of log",
         answer.frames.len(),
         plan.expected.len(),
-        answer.took.as_secs_f64(),
         answer.log.len(),
     );
-    println!("{}", summary::budget(&figures)?);
-    println!("the emulator counts no cycles: overruns are those that its counter shows, none");
-    println!("firmware: {memory}");
-    match golden {
-        Some(path) => summary::check(&path, &text, arguments.accept),
+    match &ready.golden {
+        Some(path) => summary::check(path, &text, arguments.accept),
         None => Ok(()),
     }
 }
