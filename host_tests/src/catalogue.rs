@@ -2,6 +2,7 @@
 
 use crate::design_file::{DesignFile, DesignFileError, SHIPPED};
 use serde::Deserialize;
+use spindle_bearing::FreeContact;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -57,22 +58,18 @@ impl Listed {
         format!("{GMN}{}", self.designation.replace(' ', ""))
     }
 
-    /// As the text of a design file. Groove factors are assumed.
-    fn design_file(&self) -> String {
-        format!(
-            "name = \"GMN {}\"\nballs = {}\nball_diameter_mm = {}\npitch_diameter_mm = {}\n\
-             inner_groove_factor = 0.515\nouter_groove_factor = 0.525\ncontact_angle_deg = {}\n",
-            self.designation, self.balls, self.ball_mm, self.pitch_mm, self.contact_angle_deg
-        )
-    }
-
     /// The bearing, with groove factors of 0.515 and 0.525 assumed, of steel.
     ///
     /// # Errors
     ///
     /// A row of the table that is no bearing.
     pub fn design(&self) -> Result<DesignFile, DesignFileError> {
-        DesignFile::parse(&self.name(), &self.design_file())
+        let text = format!(
+            "name = \"GMN {}\"\nballs = {}\nball_diameter_mm = {}\npitch_diameter_mm = {}\n\
+             inner_groove_factor = 0.515\nouter_groove_factor = 0.525\ncontact_angle_deg = {}\n",
+            self.designation, self.balls, self.ball_mm, self.pitch_mm, self.contact_angle_deg
+        );
+        DesignFile::parse(&self.name(), &text)
     }
 }
 
@@ -92,17 +89,11 @@ pub fn gmn_s60() -> Vec<Listed> {
 /// Designs that come with the project, by their files' names.
 fn shipped() -> Vec<String> {
     let files = std::fs::read_dir(SHIPPED).into_iter().flatten().flatten();
-    let names = files.filter_map(|file| {
-        let path = file.path();
-        let is_design = path.extension().is_some_and(|ending| ending == "toml");
-        is_design.then(|| {
-            path.file_stem()
-                .map(|stem| stem.to_string_lossy().into_owned())
-        })?
-    });
-    let mut names: Vec<String> = names.collect();
-    names.sort();
-    names
+    let names = files.map(|file| file.file_name().to_string_lossy().into_owned());
+    let designs = names.filter_map(|name| name.strip_suffix(".toml").map(str::to_owned));
+    let mut designs: Vec<String> = designs.collect();
+    designs.sort();
+    designs
 }
 
 /// Small letters and no blanks.
@@ -118,23 +109,26 @@ fn plain(name: &str) -> String {
 /// A catalogue has no such bearing; the message has names that are alike.
 pub fn find(name: &str) -> Option<Result<DesignFile, DesignFileError>> {
     let wanted = plain(name);
-    if wanted.starts_with(GMN) {
+    let (names, found): (Vec<String>, _) = if wanted.starts_with(GMN) {
         let listed = gmn_s60();
         let found = listed.iter().find(|one| plain(&one.name()) == wanted);
-        let names = || listed.iter().map(Listed::name).collect();
-        Some(found.map_or_else(|| Err(unknown(name, &wanted, names())), Listed::design))
+        (
+            listed.iter().map(Listed::name).collect(),
+            found.map(Listed::design),
+        )
     } else if let Some(stem) = wanted.strip_prefix(PROJECT) {
-        let names = shipped();
-        Some(match names.iter().find(|one| plain(one) == stem) {
-            Some(stem) => DesignFile::read(Path::new(SHIPPED).join(format!("{stem}.toml"))),
-            None => {
-                let names = names.iter().map(|one| format!("{PROJECT}{one}"));
-                Err(unknown(name, &wanted, names.collect()))
-            }
-        })
+        let stems = shipped();
+        let found = stems.iter().find(|one| plain(one) == stem);
+        let found =
+            found.map(|stem| DesignFile::read(Path::new(SHIPPED).join(format!("{stem}.toml"))));
+        (
+            stems.iter().map(|one| format!("{PROJECT}{one}")).collect(),
+            found,
+        )
     } else {
-        None
-    }
+        return None;
+    };
+    Some(found.unwrap_or_else(|| Err(unknown(name, &wanted, names))))
 }
 
 /// The three names that are most alike.
@@ -176,8 +170,8 @@ pub fn list() -> String {
         };
         let design = &file.design;
         let angle = match design.free_contact {
-            spindle_bearing::FreeContact::Angle(angle) => format!("{:6.0}", angle.to_degrees()),
-            spindle_bearing::FreeContact::DiametralClearance(_) => "     -".to_owned(),
+            FreeContact::Angle(angle) => format!("{:6.0}", angle.to_degrees()),
+            FreeContact::DiametralClearance(_) => "     -".to_owned(),
         };
         let _ = writeln!(
             text,

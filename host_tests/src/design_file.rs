@@ -23,7 +23,6 @@
 //! density_kg_m3 = 3200
 //! ```
 
-use crate::catalogue;
 use crate::dispatch::BALL_COUNTS;
 use serde::de::{DeserializeOwned, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -48,7 +47,7 @@ pub struct DesignFile {
     /// Basic dynamic load rating `C`, N, if the file has it.
     pub dynamic_load_rating: Option<f64>,
     file: String,
-    places: Vec<(Quantity, &'static str, Place)>,
+    places: Vec<(Quantity, Place)>,
 }
 
 /// A design file that cannot be read or understood, or whose bearing cannot be built.
@@ -76,17 +75,11 @@ impl Place {
     const TOP: Self = Self { line: 1, column: 1 };
 
     fn of(text: &str, byte: usize) -> Self {
-        let before = &text.as_bytes()[..byte.min(text.len())];
-        let line_start = before
-            .iter()
-            .rposition(|&b| b == b'\n')
-            .map_or(0, |i| i + 1);
+        let before = String::from_utf8_lossy(&text.as_bytes()[..byte.min(text.len())]);
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
         Self {
-            line: before.iter().filter(|&&b| b == b'\n').count() + 1,
-            column: String::from_utf8_lossy(&before[line_start..])
-                .chars()
-                .count()
-                + 1,
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
         }
     }
 }
@@ -170,11 +163,36 @@ struct BallKeys {
     density_kg_m3: Key<Number>,
 }
 
-/// The text being read, for messages, and where the values stand.
+/// Keys, with an example of each that must be there.
+const KEYS: [(Quantity, &str, &str); 15] = [
+    (Quantity::BallCount, "balls", "16"),
+    (Quantity::BallDiameter, "ball_diameter_mm", "6.35"),
+    (Quantity::PitchDiameter, "pitch_diameter_mm", "36"),
+    (Quantity::InnerGrooveFactor, "inner_groove_factor", "0.515"),
+    (Quantity::OuterGrooveFactor, "outer_groove_factor", "0.525"),
+    (Quantity::ContactAngle, "contact_angle_deg", ""),
+    (Quantity::DiametralClearance, "diametral_clearance_um", ""),
+    (Quantity::InnerShoulderAngle, "inner_shoulder_deg", ""),
+    (Quantity::OuterShoulderAngle, "outer_shoulder_deg", ""),
+    (Quantity::FirstBall, "first_ball_deg", ""),
+    (Quantity::RingYoungsModulus, "ring.youngs_modulus_gpa", ""),
+    (Quantity::RingPoissonsRatio, "ring.poissons_ratio", ""),
+    (Quantity::BallYoungsModulus, "ball.youngs_modulus_gpa", ""),
+    (Quantity::BallPoissonsRatio, "ball.poissons_ratio", ""),
+    (Quantity::BallDensity, "ball.density_kg_m3", ""),
+];
+
+/// Key of a quantity, and an example.
+fn key(quantity: Quantity) -> (&'static str, &'static str) {
+    let found = KEYS.iter().find(|(one, ..)| *one == quantity);
+    found.map_or(("", ""), |(_, key, example)| (key, example))
+}
+
+/// The text being read, for messages, and the places of its values.
 pub(crate) struct Reading<'t> {
     file: &'t str,
     text: &'t str,
-    places: Vec<(Quantity, &'static str, Place)>,
+    places: Vec<(Quantity, Place)>,
 }
 
 impl<'t> Reading<'t> {
@@ -210,50 +228,30 @@ impl<'t> Reading<'t> {
     /// Value of a key that must be there.
     pub fn required<T>(
         &self,
-        key: &'static str,
+        key: &str,
         example: &str,
         value: Key<T>,
     ) -> Result<Spanned<T>, DesignFileError> {
-        value.ok_or_else(|| {
-            self.error(
-                Place::TOP,
-                format!(
-                    "the key `{key}` is missing; add a line such as `{key} = {example}` above the \
-                     first [table]"
-                ),
-            )
-        })
+        let add = "add a line such as";
+        let message = format!(
+            "the key `{key}` is missing; {add} `{key} = {example}` above the first [table]"
+        );
+        value.ok_or_else(|| self.error(Place::TOP, message))
     }
 
-    /// Takes a number out, remembering its place.
-    fn take(&mut self, quantity: Quantity, key: &'static str, value: Spanned<Number>) -> f64 {
-        let place = self.place(value.span());
-        self.places.push((quantity, key, place));
-        value.into_inner().0
+    /// A number that may be left out. Its place is remembered.
+    fn optional(&mut self, quantity: Quantity, value: Key<Number>) -> Option<f64> {
+        let value = value?;
+        self.places.push((quantity, self.place(value.span())));
+        Some(value.into_inner().0)
     }
 
     /// A number that must be there.
-    fn number(
-        &mut self,
-        quantity: Quantity,
-        key: &'static str,
-        example: &str,
-        value: Key<Number>,
-    ) -> Result<f64, DesignFileError> {
+    fn number(&mut self, quantity: Quantity, value: Key<Number>) -> Result<f64, DesignFileError> {
+        let (key, example) = key(quantity);
         let value = self.required(key, example, value)?;
-        Ok(self.take(quantity, key, value))
-    }
-
-    /// A number that may be left out.
-    fn optional(
-        &mut self,
-        quantity: Quantity,
-        key: &'static str,
-        value: Key<Number>,
-        si: impl Fn(f64) -> f64,
-        default: f64,
-    ) -> f64 {
-        value.map_or(default, |value| si(self.take(quantity, key, value)))
+        self.places.push((quantity, self.place(value.span())));
+        Ok(value.into_inner().0)
     }
 
     fn free_contact(
@@ -261,29 +259,21 @@ impl<'t> Reading<'t> {
         angle: Key<Number>,
         clearance: Key<Number>,
     ) -> Result<FreeContact, DesignFileError> {
+        let angle = self.optional(Quantity::ContactAngle, angle);
+        let clearance = self.optional(Quantity::DiametralClearance, clearance);
         match (angle, clearance) {
-            (Some(angle), None) => Ok(FreeContact::Angle(
-                self.take(Quantity::ContactAngle, "contact_angle_deg", angle)
-                    .to_radians(),
-            )),
-            (None, Some(clearance)) => Ok(FreeContact::DiametralClearance(micrometres(self.take(
-                Quantity::DiametralClearance,
-                "diametral_clearance_um",
-                clearance,
-            )))),
-            (Some(angle), Some(clearance)) => {
-                let (angle, clearance) = (self.place(angle.span()), self.place(clearance.span()));
-                let (first, second) = if angle.line < clearance.line {
-                    (angle, clearance)
-                } else {
-                    (clearance, angle)
-                };
+            (Some(angle), None) => Ok(FreeContact::Angle(angle.to_radians())),
+            (None, Some(clearance)) => Ok(FreeContact::DiametralClearance(micrometres(clearance))),
+            (Some(_), Some(_)) => {
+                let mut places: Vec<Place> = self.places.iter().map(|(_, place)| *place).collect();
+                let mut last = places.split_off(places.len() - 2);
+                last.sort_by_key(|place| place.line);
                 Err(self.error(
-                    second,
+                    last[1],
                     format!(
                         "`contact_angle_deg` and `diametral_clearance_um` say the same thing, and \
                          line {} already says it; remove one of them",
-                        first.line
+                        last[0].line
                     ),
                 ))
             }
@@ -309,10 +299,6 @@ fn gigapascals(x: f64) -> f64 {
     x * 1e9
 }
 
-fn as_is(x: f64) -> f64 {
-    x
-}
-
 /// A file's name, as messages give it, and its text.
 pub(crate) fn read_text(path: &Path) -> Result<(String, String), DesignFileError> {
     let file = path.display().to_string();
@@ -335,15 +321,12 @@ pub(crate) fn read_text(path: &Path) -> Result<(String, String), DesignFileError
 }
 
 impl DesignFile {
-    /// Reads a design file, or takes a design from the [`catalogue`] if the path is a name there.
+    /// Reads a design file.
     ///
     /// # Errors
     ///
     /// A file that cannot be read, or is not a design; the place in it where it goes wrong.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignFileError> {
-        if let Some(found) = path.as_ref().to_str().and_then(catalogue::find) {
-            return found;
-        }
         let (file, text) = read_text(path.as_ref())?;
         Self::parse(&file, &text)
     }
@@ -362,122 +345,50 @@ impl DesignFile {
     /// The design of these keys.
     pub(crate) fn of(mut r: Reading<'_>, keys: Keys) -> Result<Self, DesignFileError> {
         let name = r.required("name", "\"B7005C\"", keys.name)?.into_inner();
-        let balls = r.required("balls", "16", keys.balls)?;
-        let balls_place = r.place(balls.span());
-        let wanted = balls.into_inner().0;
-        let balls = BALL_COUNTS
-            .into_iter()
-            .find(|&balls| balls as f64 == wanted)
-            .ok_or_else(|| {
-                let (least, most) = (BALL_COUNTS.start(), BALL_COUNTS.end());
-                r.error(
-                    balls_place,
-                    format!(
-                        "`balls` is {wanted}, but must be a whole number from {least} to {most}"
-                    ),
-                )
-            })?;
-        r.places.push((Quantity::BallCount, "balls", balls_place));
-
-        let dynamic_load_rating = match keys.dynamic_load_rating_n {
-            None => None,
-            Some(rating) if (1.0..=1e9).contains(&rating.get_ref().0) => Some(rating.get_ref().0),
-            Some(rating) => {
-                let message = "`dynamic_load_rating_n` must be 1 to 1e9 (N); or leave it out";
-                return Err(r.error(r.place(rating.span()), message));
-            }
-        };
-
         use Quantity as Q;
+        let wanted = r.number(Q::BallCount, keys.balls)?;
+        let (least, most) = (BALL_COUNTS.start(), BALL_COUNTS.end());
+        let Some(balls) = BALL_COUNTS.into_iter().find(|&n| n as f64 == wanted) else {
+            let message =
+                format!("`balls` is {wanted}, but must be a whole number from {least} to {most}");
+            return Err(r.error(r.places[0].1, message));
+        };
+        let rating = keys.dynamic_load_rating_n;
+        if let Some(rating) = &rating
+            && !(1.0..=1e9).contains(&rating.get_ref().0)
+        {
+            let message = "`dynamic_load_rating_n` must be 1 to 1e9 (N); or leave it out";
+            return Err(r.error(r.place(rating.span()), message));
+        }
+        let (ring, ball) = (keys.ring, keys.ball);
         let steel = Material::STEEL;
+        let angle = |degrees: Option<f64>, default| degrees.map_or(default, f64::to_radians);
+        let modulus = |given: Option<f64>| given.map_or(steel.youngs_modulus, gigapascals);
+        let ratio = |given: Option<f64>| given.unwrap_or(steel.poissons_ratio);
+        let inner = r.optional(Q::InnerShoulderAngle, keys.inner_shoulder_deg);
+        let outer = r.optional(Q::OuterShoulderAngle, keys.outer_shoulder_deg);
+        let density = r.optional(Q::BallDensity, ball.density_kg_m3);
         let design = Design {
-            ball_diameter: millimetres(r.number(
-                Q::BallDiameter,
-                "ball_diameter_mm",
-                "6.35",
-                keys.ball_diameter_mm,
-            )?),
-            pitch_diameter: millimetres(r.number(
-                Q::PitchDiameter,
-                "pitch_diameter_mm",
-                "36",
-                keys.pitch_diameter_mm,
-            )?),
-            inner_groove_factor: r.number(
-                Q::InnerGrooveFactor,
-                "inner_groove_factor",
-                "0.515",
-                keys.inner_groove_factor,
-            )?,
-            outer_groove_factor: r.number(
-                Q::OuterGrooveFactor,
-                "outer_groove_factor",
-                "0.525",
-                keys.outer_groove_factor,
-            )?,
+            ball_diameter: millimetres(r.number(Q::BallDiameter, keys.ball_diameter_mm)?),
+            pitch_diameter: millimetres(r.number(Q::PitchDiameter, keys.pitch_diameter_mm)?),
+            inner_groove_factor: r.number(Q::InnerGrooveFactor, keys.inner_groove_factor)?,
+            outer_groove_factor: r.number(Q::OuterGrooveFactor, keys.outer_groove_factor)?,
             free_contact: r.free_contact(keys.contact_angle_deg, keys.diametral_clearance_um)?,
-            inner_shoulder_angle: r.optional(
-                Q::InnerShoulderAngle,
-                "inner_shoulder_deg",
-                keys.inner_shoulder_deg,
-                f64::to_radians,
-                Design::HIGHEST_SHOULDER,
-            ),
-            outer_shoulder_angle: r.optional(
-                Q::OuterShoulderAngle,
-                "outer_shoulder_deg",
-                keys.outer_shoulder_deg,
-                f64::to_radians,
-                Design::HIGHEST_SHOULDER,
-            ),
-            first_ball: r.optional(
-                Q::FirstBall,
-                "first_ball_deg",
-                keys.first_ball_deg,
-                f64::to_radians,
-                0.0,
-            ),
+            inner_shoulder_angle: angle(inner, Design::HIGHEST_SHOULDER),
+            outer_shoulder_angle: angle(outer, Design::HIGHEST_SHOULDER),
+            first_ball: angle(r.optional(Q::FirstBall, keys.first_ball_deg), 0.0),
             ring: Material {
-                youngs_modulus: r.optional(
-                    Q::RingYoungsModulus,
-                    "ring.youngs_modulus_gpa",
-                    keys.ring.youngs_modulus_gpa,
-                    gigapascals,
-                    steel.youngs_modulus,
-                ),
-                poissons_ratio: r.optional(
-                    Q::RingPoissonsRatio,
-                    "ring.poissons_ratio",
-                    keys.ring.poissons_ratio,
-                    as_is,
-                    steel.poissons_ratio,
-                ),
+                youngs_modulus: modulus(r.optional(Q::RingYoungsModulus, ring.youngs_modulus_gpa)),
+                poissons_ratio: ratio(r.optional(Q::RingPoissonsRatio, ring.poissons_ratio)),
                 density: steel.density,
             },
             ball: Material {
-                youngs_modulus: r.optional(
-                    Q::BallYoungsModulus,
-                    "ball.youngs_modulus_gpa",
-                    keys.ball.youngs_modulus_gpa,
-                    gigapascals,
-                    steel.youngs_modulus,
-                ),
-                poissons_ratio: r.optional(
-                    Q::BallPoissonsRatio,
-                    "ball.poissons_ratio",
-                    keys.ball.poissons_ratio,
-                    as_is,
-                    steel.poissons_ratio,
-                ),
-                density: r.optional(
-                    Q::BallDensity,
-                    "ball.density_kg_m3",
-                    keys.ball.density_kg_m3,
-                    as_is,
-                    steel.density,
-                ),
+                youngs_modulus: modulus(r.optional(Q::BallYoungsModulus, ball.youngs_modulus_gpa)),
+                poissons_ratio: ratio(r.optional(Q::BallPoissonsRatio, ball.poissons_ratio)),
+                density: density.unwrap_or(steel.density),
             },
         };
+        let dynamic_load_rating = rating.map(|rating| rating.into_inner().0);
         Ok(Self {
             name,
             balls,
@@ -497,15 +408,13 @@ impl DesignFile {
 
     /// The message for a design that the solver refuses: the key and the place it came from.
     pub fn explain(&self, error: &DesignError) -> DesignFileError {
-        let source = self
-            .places
-            .iter()
-            .find(|(quantity, ..)| *quantity == error.quantity);
+        let (key, _) = key(error.quantity);
+        let source = self.places.iter().find(|(one, _)| *one == error.quantity);
         DesignFileError {
             file: self.file.clone(),
-            place: source.map(|&(_, _, place)| place),
+            place: source.map(|(_, place)| *place),
             message: match source {
-                Some((_, key, _)) => format!("`{key}`: in SI units, {error}"),
+                Some(_) => format!("`{key}`: in SI units, {error}"),
                 None => error.to_string(),
             },
         }

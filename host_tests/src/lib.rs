@@ -14,7 +14,6 @@ pub mod progress;
 pub mod reference;
 pub mod replay;
 pub mod spindle_file;
-pub mod spindle_replay;
 pub mod spindles;
 pub mod telemetry;
 pub mod tolerances;

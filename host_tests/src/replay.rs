@@ -1,8 +1,10 @@
 //! Recorded loads and speed in, displacements and stiffness out, as tables. `cargo replay` is around it.
 
-use crate::dispatch::{AnySolver, Details, Precision, Wanted};
-use crate::loads::{COLUMNS, Fault, LoadRow, LoadsError};
-use spindle_bearing::{BallMotion, BallState, LifeRating, LimitSet, RatingLife, Speed};
+use crate::dispatch::Precision;
+use crate::loads::{Fault, LoadRow, LoadsError};
+use crate::spindle_file::SpindleFile;
+use crate::spindles::{Answer, AnySpindleSolver, RowAnswer};
+use spindle_bearing::{BallMotion, BallState, LifeRating, LimitSet, RatingLife, ShaftEnd, Speed};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Write};
@@ -10,176 +12,97 @@ use std::io::{self, Write};
 /// Names of the five freedoms in column names.
 const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
 
-/// Header of the file of rows.
-const ROW_HEADER: &str = "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n";
-
-/// Columns of the file of ball states, after those that say when and in which row.
-const BALL_COLUMNS: &str = "ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,\
-     p_i_pa,p_o_pa,a_i_m,b_i_m,a_o_m,b_o_m,cage_rad_s,attitude_rad,spin_roll_i,spin_roll_o";
-/// Number of figures of a ball.
-const BALL_FIGURES: usize = 17;
-
-/// Columns of the file of frequencies, likewise.
-const FREQUENCY_COLUMNS: &str = "cage_hz,outer_race_hz,inner_race_hz,ball_hz";
-
-/// Columns that follow: loads and speed, as the recording has them.
-const ECHO_COLUMNS: &str = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm";
-/// Columns that end the results: rating life, million revolutions and hours.
-const LIFE_COLUMNS: &str = "l10_mrev,l10_h";
+/// Columns that end the results: loads and speed, as the recording has them; rating life, million revolutions and hours.
+const LAST_COLUMNS: &str = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,l10_mrev,l10_h";
 
 /// Status of a row of the recording that cannot be read.
 pub const REFUSED_INPUT: &str = "refused-input";
 
-/// Header of the results; with the stiffness at the nose, if there is one.
-fn header(nose: bool) -> String {
-    let mut header = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_rad".to_owned();
-    for place in ["k", "k_nose"].iter().take(if nose { 2 } else { 1 }) {
-        for row in FREEDOMS {
-            for column in FREEDOMS {
-                header.push_str(&format!(",{place}_{row}_{column}"));
+/// A table besides the results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// Load, preload and least contact force of every row of a spindle.
+    Rows,
+    /// State of every ball.
+    Balls,
+    /// Frequencies at which damage of every row is heard.
+    Frequencies,
+}
+
+impl Detail {
+    /// Columns after those that say when, in which row and which ball.
+    fn columns(self) -> &'static str {
+        match self {
+            Self::Rows => "fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n",
+            Self::Balls => {
+                "azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,\
+                 p_i_pa,p_o_pa,a_i_m,b_i_m,a_o_m,b_o_m,cage_rad_s,attitude_rad,spin_roll_i,spin_roll_o"
+            }
+            Self::Frequencies => "cage_hz,outer_race_hz,inner_race_hz,ball_hz",
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Rows => "rows of the spindle",
+            Self::Balls => "ball states",
+            Self::Frequencies => "frequencies",
+        }
+    }
+
+    /// Figures of a row of balls, line by line.
+    fn figures(self, row: &RowAnswer) -> Vec<Vec<f64>> {
+        match self {
+            Self::Rows => {
+                let forces = row.balls.iter().map(|ball| ball.q_i);
+                let least = forces.fold(f64::INFINITY, f64::min);
+                vec![[&row.force[..], &[row.preload, least]].concat()]
+            }
+            Self::Balls => {
+                let balls = row.balls.iter().zip(&row.motions);
+                balls
+                    .map(|(ball, motion)| ball_figures(ball, motion).to_vec())
+                    .collect()
+            }
+            Self::Frequencies => {
+                let found = &row.frequencies;
+                vec![vec![
+                    found.cage,
+                    found.outer_race,
+                    found.inner_race,
+                    found.ball,
+                ]]
             }
         }
     }
-    header + ",limits," + ECHO_COLUMNS + "," + LIFE_COLUMNS
-}
-
-/// What is replayed: one bearing, or a spindle.
-pub trait Replayed {
-    /// Number of balls of each row.
-    fn balls(&self) -> Vec<usize>;
-
-    /// Whether it is a spindle, whose rows the tables number.
-    fn is_spindle(&self) -> bool;
-
-    /// Whether the stiffness at the nose is wanted.
-    fn has_nose(&self) -> bool;
-
-    /// Precision.
-    fn precision(&self) -> Precision;
-
-    /// Load ratings of the rows; none without a rating life.
-    fn ratings(&self) -> Vec<LifeRating<f64>>;
-
-    /// Makes the next solve a cold one.
-    fn reset(&mut self);
-
-    /// Solves for a row of the recording, with forces on the balls, and with what the rows of balls carry if that is wanted.
-    ///
-    /// # Errors
-    ///
-    /// The status of a solve without an answer, and a sentence that says why.
-    fn solve(&mut self, row: &LoadRow, details: bool) -> Result<Solved, (&'static str, String)>;
-}
-
-/// An equilibrium of what is replayed.
-#[derive(Debug, Clone)]
-pub struct Solved {
-    /// How the solve ended.
-    pub status: &'static str,
-    /// Iterations.
-    pub iterations: u16,
-    /// Displacement.
-    pub displacement: [f64; 5],
-    /// Stiffness.
-    pub stiffness: [[f64; 5]; 5],
-    /// Stiffness at the nose.
-    pub stiffness_at_nose: Option<[[f64; 5]; 5]>,
-    /// Limits that are passed.
-    pub limits: LimitSet,
-    /// The rows of balls.
-    pub rows: Vec<SolvedRow>,
-}
-
-/// What a row of balls carries.
-#[derive(Debug, Clone)]
-pub struct SolvedRow {
-    /// Force on its inner ring, in its own frame.
-    pub force: [f64; 5],
-    /// Preload, N.
-    pub preload: f64,
-    /// What its balls do.
-    pub details: Details,
 }
 
 /// Where the tables go.
 pub struct Outputs<'o> {
     /// The results.
     pub results: &'o mut dyn Write,
-    /// What each row of a spindle carries.
-    pub rows: Option<&'o mut dyn Write>,
-    /// What each ball carries.
-    pub balls: Option<&'o mut dyn Write>,
-    /// At what frequencies damage of each row is heard.
-    pub frequencies: Option<&'o mut dyn Write>,
+    /// Other tables that are wanted.
+    pub details: Vec<(Detail, Box<dyn Write + 'o>)>,
 }
 
-impl<'o> Outputs<'o> {
-    /// The results alone.
-    pub fn of(results: &'o mut dyn Write) -> Self {
-        Self {
-            results,
-            rows: None,
-            balls: None,
-            frequencies: None,
+impl Outputs<'_> {
+    fn write(&mut self, results: &str, text: impl Fn(Detail) -> String) -> Result<(), ReplayError> {
+        let written = self.results.write_all(results.as_bytes());
+        written.map_err(ReplayError::Results)?;
+        for (detail, out) in &mut self.details {
+            let written = out.write_all(text(*detail).as_bytes());
+            written.map_err(|error| ReplayError::Detail(*detail, error))?;
         }
-    }
-}
-
-/// One bearing.
-pub struct OneBearing<'s> {
-    /// Its solver.
-    pub solver: &'s mut dyn AnySolver,
-    /// Its load rating, if its life is wanted.
-    pub rating: Option<LifeRating<f64>>,
-}
-
-impl Replayed for OneBearing<'_> {
-    fn balls(&self) -> Vec<usize> {
-        vec![self.solver.ball_count()]
+        Ok(())
     }
 
-    fn is_spindle(&self) -> bool {
-        false
-    }
-
-    fn has_nose(&self) -> bool {
-        false
-    }
-
-    fn precision(&self) -> Precision {
-        self.solver.precision()
-    }
-
-    fn ratings(&self) -> Vec<LifeRating<f64>> {
-        self.rating.into_iter().collect()
-    }
-
-    fn reset(&mut self) {
-        self.solver.reset();
-    }
-
-    fn solve(&mut self, row: &LoadRow, details: bool) -> Result<Solved, (&'static str, String)> {
-        let mut found = Details::default();
-        let wanted = if details {
-            Wanted::Details(&mut found)
-        } else {
-            Wanted::Balls(&mut found.balls)
-        };
-        let answer = self.solver.solve_for(row.load, row.omega(), wanted);
-        let figures = answer.figures.map_err(|why| (answer.status, why))?;
-        Ok(Solved {
-            status: answer.status,
-            iterations: figures.iterations,
-            displacement: figures.displacement,
-            stiffness: figures.stiffness,
-            stiffness_at_nose: None,
-            limits: figures.limits,
-            rows: vec![SolvedRow {
-                force: row.load,
-                preload: 0.0,
-                details: found,
-            }],
-        })
+    fn flush(&mut self) -> Result<(), ReplayError> {
+        self.results.flush().map_err(ReplayError::Results)?;
+        for (detail, out) in &mut self.details {
+            let flushed = out.flush();
+            flushed.map_err(|error| ReplayError::Detail(*detail, error))?;
+        }
+        Ok(())
     }
 }
 
@@ -190,12 +113,8 @@ pub enum ReplayError {
     Loads(LoadsError),
     /// The results cannot be written.
     Results(io::Error),
-    /// The ball states cannot be written.
-    Balls(io::Error),
-    /// The rows of a spindle cannot be written.
-    Rows(io::Error),
-    /// The frequencies cannot be written.
-    Frequencies(io::Error),
+    /// Another table cannot be written.
+    Detail(Detail, io::Error),
 }
 
 impl fmt::Display for ReplayError {
@@ -203,24 +122,14 @@ impl fmt::Display for ReplayError {
         match self {
             Self::Loads(error) => error.fmt(f),
             Self::Results(error) => write!(f, "the results cannot be written: {error}"),
-            Self::Balls(error) => write!(f, "the ball states cannot be written: {error}"),
-            Self::Rows(error) => write!(f, "the rows of the spindle cannot be written: {error}"),
-            Self::Frequencies(error) => write!(f, "the frequencies cannot be written: {error}"),
+            Self::Detail(detail, error) => {
+                write!(f, "the {} cannot be written: {error}", detail.name())
+            }
         }
     }
 }
 
-impl std::error::Error for ReplayError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Loads(error) => Some(error),
-            Self::Results(error)
-            | Self::Balls(error)
-            | Self::Rows(error)
-            | Self::Frequencies(error) => Some(error),
-        }
-    }
-}
+impl std::error::Error for ReplayError {}
 
 /// How a replay went.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -272,24 +181,21 @@ impl fmt::Display for Summary {
 ///
 /// A recording that ends in a fault, or an output that fails.
 pub fn replay(
-    solver: &mut dyn Replayed,
+    file: &SpindleFile,
+    solver: &mut dyn AnySpindleSolver,
+    precision: Precision,
     rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
     cold: bool,
     out: &mut Outputs<'_>,
 ) -> Result<Summary, ReplayError> {
     let mut summary = Summary::default();
-    let mut tables = Tables {
-        counts: solver.balls(),
-        spindle: solver.is_spindle(),
-        nose: solver.has_nose(),
-        precision: solver.precision(),
-        ratings: solver.ratings(),
-        out,
+    let tables = Tables {
+        file,
+        precision,
+        ratings: file.ratings(),
     };
-    tables.headers()?;
-    let outputs = &tables.out;
-    let details =
-        outputs.rows.is_some() || outputs.balls.is_some() || outputs.frequencies.is_some();
+    out.write(&tables.header(), |detail| tables.detail_header(detail))?;
+    let end = file.nose.unwrap_or(ShaftEnd::rigid(0.0));
     for row in rows {
         summary.rows += 1;
         let (given, answer) = match row {
@@ -297,10 +203,11 @@ pub fn replay(
                 if cold {
                     solver.reset();
                 }
-                let answer = solver.solve(&row, details);
-                let answer = answer.map_err(|(status, why)| {
-                    summary.first_refusal.get_or_insert((row.time_s, why));
-                    status
+                let answer = solver.solve(&file.question(&row), &end);
+                let answer = answer.map_err(|status| {
+                    let why = || (row.time_s, status.to_string());
+                    summary.first_refusal.get_or_insert_with(why);
+                    status.name()
                 });
                 let [fx, fy, fz, my, mz] = row.load;
                 let given = [row.time_s, fx, fy, fz, my, mz, row.speed_rpm];
@@ -315,208 +222,117 @@ pub fn replay(
         if let Err(status) = &answer {
             *summary.refused.entry(status).or_default() += 1;
         }
-        tables.row(&given, &answer)?;
+        // Never rounded to the solver's precision: time identifies the row, and loads are those of the recording.
+        let given_text = given.map(|number| {
+            let shown = number.map(|number| Precision::F64.show(number).to_string());
+            shown.unwrap_or_default()
+        });
+        let (time, loads) = (&given_text[0], given_text[1..].join(","));
+        let result = tables.result(time, &answer, &loads, given[6]);
+        let answer = answer.ok();
+        out.write(&result, |detail| {
+            tables.detail(detail, time, answer.as_ref())
+        })?;
     }
-    tables.flush()?;
+    out.flush()?;
     Ok(summary)
 }
 
-/// Rating life of the rows together at a speed in rpm.
-fn life(
-    rows: &[SolvedRow],
-    ratings: &[LifeRating<f64>],
-    speed_rpm: Option<f64>,
-) -> Option<RatingLife<f64>> {
-    if ratings.len() != rows.len() {
-        return None;
-    }
-    let weight = |(row, rating): (&SolvedRow, &LifeRating<f64>)| {
-        rating.weight_of(row.details.balls.iter().map(|ball| (ball.q_i, ball.q_o)))
-    };
-    let together = rows.iter().zip(ratings).map(weight).sum();
-    let speed = Speed::rpm(speed_rpm?);
-    Some(RatingLife::of_weight(together, speed.as_rad_per_s()))
-}
-
-/// The tables that are being written.
-struct Tables<'t, 'o> {
-    /// Number of balls of each row.
-    counts: Vec<usize>,
-    spindle: bool,
-    nose: bool,
+/// The text of the tables.
+struct Tables<'t> {
+    file: &'t SpindleFile,
     precision: Precision,
     ratings: Vec<LifeRating<f64>>,
-    out: &'t mut Outputs<'o>,
 }
 
-impl Tables<'_, '_> {
-    fn headers(&mut self) -> Result<(), ReplayError> {
-        writeln!(self.out.results, "{}", header(self.nose)).map_err(ReplayError::Results)?;
-        if let Some(rows) = &mut self.out.rows {
-            writeln!(rows, "{ROW_HEADER}").map_err(ReplayError::Rows)?;
+impl Tables<'_> {
+    fn header(&self) -> String {
+        let mut text = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_rad".to_owned();
+        let nose = self.file.nose.map(|_| "k_nose");
+        for place in ["k"].into_iter().chain(nose) {
+            for row in FREEDOMS {
+                text += &FREEDOMS
+                    .map(|column| format!(",{place}_{row}_{column}"))
+                    .concat();
+            }
         }
-        let row = if self.spindle { "row," } else { "" };
-        if let Some(balls) = &mut self.out.balls {
-            writeln!(balls, "time_s,{row}{BALL_COLUMNS}").map_err(ReplayError::Balls)?;
-        }
-        if let Some(out) = &mut self.out.frequencies {
-            writeln!(out, "time_s,{row}{FREQUENCY_COLUMNS}").map_err(ReplayError::Frequencies)?;
-        }
-        Ok(())
+        text + ",limits," + LAST_COLUMNS + "\n"
     }
 
-    fn flush(&mut self) -> Result<(), ReplayError> {
-        self.out.results.flush().map_err(ReplayError::Results)?;
-        if let Some(rows) = &mut self.out.rows {
-            rows.flush().map_err(ReplayError::Rows)?;
-        }
-        if let Some(balls) = &mut self.out.balls {
-            balls.flush().map_err(ReplayError::Balls)?;
-        }
-        if let Some(frequencies) = &mut self.out.frequencies {
-            frequencies.flush().map_err(ReplayError::Frequencies)?;
-        }
-        Ok(())
-    }
-
-    /// What there is to write of a row of the recording, of which this could be read.
-    fn row(
-        &mut self,
-        given: &[Option<f64>; COLUMNS.len()],
-        answer: &Result<Solved, &str>,
-    ) -> Result<(), ReplayError> {
-        // Never rounded to the solver's precision: time identifies the row, and loads are those of the recording.
-        let copied = given.map(|number| match number {
-            Some(number) => Precision::F64.show(number).to_string(),
-            None => String::new(),
-        });
-        let [time, loads @ ..] = &copied;
-        self.result(time, answer, &loads.join(","), given[6])
-            .map_err(ReplayError::Results)?;
-        let solved = answer.as_ref().ok();
-        self.rows(time, solved).map_err(ReplayError::Rows)?;
-        self.balls(time, solved).map_err(ReplayError::Balls)?;
-        self.frequencies(time, solved)
-            .map_err(ReplayError::Frequencies)
-    }
-
+    /// A row of the results.
     fn result(
-        &mut self,
+        &self,
         time: &str,
-        answer: &Result<Solved, &str>,
+        answer: &Result<Answer, &str>,
         loads: &str,
-        speed: Option<f64>,
-    ) -> io::Result<()> {
-        let out = &mut self.out.results;
-        match answer {
-            Ok(solved) => {
-                write!(out, "{time},{},{}", solved.status, solved.iterations)?;
-                let matrices = [Some(solved.stiffness), solved.stiffness_at_nose];
-                let stiffness = matrices.into_iter().flatten().flatten().flatten();
-                for figure in solved.displacement.into_iter().chain(stiffness) {
-                    write!(out, ",{}", self.precision.show(figure))?;
-                }
-                write!(out, ",{},{loads}", solved.limits)?;
-                match life(&solved.rows, &self.ratings, speed) {
-                    Some(life) => {
-                        let figures = [life.million_revolutions, life.hours];
-                        let [revolutions, hours] = figures.map(|x| Precision::F32.show(x));
-                        writeln!(out, ",{revolutions},{hours}")
-                    }
-                    None => writeln!(out, ",,"),
-                }
-            }
+        speed_rpm: Option<f64>,
+    ) -> String {
+        let answer = match answer {
+            Ok(answer) => answer,
             Err(status) => {
-                let matrices = if self.nose { 2 } else { 1 };
-                let empty = 1 + FREEDOMS.len() + matrices * FREEDOMS.len().pow(2) + 1;
-                writeln!(out, "{time},{status}{:,<empty$},{loads},,", "")
+                let matrices = if self.file.nose.is_some() { 2 } else { 1 };
+                let empty = ",".repeat(1 + 5 + matrices * 25 + 1);
+                return format!("{time},{status}{empty},{loads},,\n");
             }
-        }
-    }
-
-    fn rows(&mut self, time: &str, solved: Option<&Solved>) -> io::Result<()> {
-        let Some(out) = &mut self.out.rows else {
-            return Ok(());
         };
-        for number in 0..self.counts.len() {
-            write!(out, "{time},{number}")?;
-            let figures = solved.and_then(|solved| {
-                let row = solved.rows.get(number)?;
-                let forces = row.details.balls.iter().map(|ball| ball.q_i);
-                let least = forces.fold(f64::INFINITY, f64::min);
-                let [fx, fy, fz, my, mz] = row.force;
-                Some([fx, fy, fz, my, mz, row.preload, least])
-            });
-            write_figures(out, figures.as_ref(), self.precision)?;
+        let mut text = format!("{time},{},{}", answer.status, answer.iterations);
+        text += &self.figures(&answer.displacement);
+        text += &self.figures(answer.stiffness.as_flattened());
+        if self.file.nose.is_some() {
+            text += &self.figures(answer.stiffness_at.as_flattened());
         }
-        Ok(())
+        let limits = answer.rows.iter().map(|row| row.limits);
+        let limits = limits.fold(LimitSet::default(), LimitSet::union);
+        let weights = answer.rows.iter().zip(&self.ratings).map(|(row, rating)| {
+            rating.weight_of(row.balls.iter().map(|ball| (ball.q_i, ball.q_o)))
+        });
+        let omega = Speed::rpm(speed_rpm.unwrap_or(0.0)).as_rad_per_s();
+        let life = RatingLife::of_weight(weights.sum(), omega);
+        let [revolutions, hours] =
+            [life.million_revolutions, life.hours].map(|x| Precision::F32.show(x));
+        text + &format!(",{limits},{loads},{revolutions},{hours}\n")
     }
 
-    /// Start of a line of a table of rows or balls: the time, and the row of a spindle.
-    fn start(&self, time: &str, number: usize) -> String {
-        if self.spindle {
-            format!("{time},{number}")
-        } else {
-            time.to_owned()
-        }
+    fn detail_header(&self, detail: Detail) -> String {
+        let row = if self.file.is_bearing { "" } else { "row," };
+        let ball = if detail == Detail::Balls { "ball," } else { "" };
+        format!("time_s,{row}{ball}{}\n", detail.columns())
     }
 
-    fn balls(&mut self, time: &str, solved: Option<&Solved>) -> io::Result<()> {
-        for (number, &count) in self.counts.iter().enumerate() {
-            let start = self.start(time, number);
-            let Some(out) = &mut self.out.balls else {
-                return Ok(());
-            };
-            let row = solved.and_then(|solved| solved.rows.get(number));
-            let details = row.map(|row| &row.details);
-            for ball in 0..count {
-                write!(out, "{start},{ball}")?;
-                let figures = details.and_then(|details| {
-                    let state = details.balls.get(ball)?;
-                    Some(ball_figures(state, details.motions.get(ball)?))
-                });
-                write_figures(out, figures.as_ref(), self.precision)?;
+    /// The lines of a table besides the results, for a row of the recording.
+    fn detail(&self, detail: Detail, time: &str, answer: Option<&Answer>) -> String {
+        let mut text = String::new();
+        for (number, row) in self.file.plan.rows.iter().enumerate() {
+            let found = answer.map(|answer| detail.figures(&answer.rows[number]));
+            let is_of_balls = detail == Detail::Balls;
+            for ball in 0..if is_of_balls { row.balls } else { 1 } {
+                text += time;
+                if !self.file.is_bearing {
+                    text += &format!(",{number}");
+                }
+                if is_of_balls {
+                    text += &format!(",{ball}");
+                }
+                text += &match &found {
+                    Some(lines) => self.figures(&lines[ball]),
+                    None => ",".repeat(detail.columns().split(',').count()),
+                };
+                text += "\n";
             }
         }
-        Ok(())
+        text
     }
 
-    fn frequencies(&mut self, time: &str, solved: Option<&Solved>) -> io::Result<()> {
-        for number in 0..self.counts.len() {
-            let start = self.start(time, number);
-            let Some(out) = &mut self.out.frequencies else {
-                return Ok(());
-            };
-            write!(out, "{start}")?;
-            let row = solved.and_then(|solved| solved.rows.get(number));
-            let figures = row.map(|row| {
-                let found = &row.details.frequencies;
-                [found.cage, found.outer_race, found.inner_race, found.ball]
-            });
-            write_figures(out, figures.as_ref(), self.precision)?;
-        }
-        Ok(())
+    /// These figures, a comma before each.
+    fn figures(&self, figures: &[f64]) -> String {
+        let shown = figures
+            .iter()
+            .map(|&figure| format!(",{}", self.precision.show(figure)));
+        shown.collect()
     }
 }
 
-/// These figures, or as many empty fields, and the line's end.
-fn write_figures<const N: usize>(
-    out: &mut dyn Write,
-    figures: Option<&[f64; N]>,
-    precision: Precision,
-) -> io::Result<()> {
-    match figures {
-        Some(figures) => {
-            for &figure in figures {
-                write!(out, ",{}", precision.show(figure))?;
-            }
-        }
-        None => write!(out, "{:,<N$}", "")?,
-    }
-    writeln!(out)
-}
-
-fn ball_figures(ball: &BallState<f64>, motion: &BallMotion<f64>) -> [f64; BALL_FIGURES] {
+fn ball_figures(ball: &BallState<f64>, motion: &BallMotion<f64>) -> [f64; 17] {
     let (inner, outer) = (&motion.inner, &motion.outer);
     [
         ball.azimuth,

@@ -1,4 +1,5 @@
-//! Spindle files: several bearings on one shaft as a TOML file, in the units of a data sheet.
+//! Spindle files: several bearings on one shaft as a TOML file, in the units of a data sheet. A bearing alone is the only
+//! row of a shaft.
 //!
 //! ```toml
 //! name = "7014C back to back"
@@ -51,8 +52,8 @@ use toml::Spanned;
 /// A spindle read from a file.
 #[derive(Debug, Clone)]
 pub struct SpindleFile {
-    /// Its name.
-    pub name: String,
+    /// It is a bearing alone, from a design file.
+    pub is_bearing: bool,
     /// Its rows.
     pub plan: Plan,
     /// The point where the stiffness is wanted besides `x = 0`.
@@ -147,15 +148,13 @@ fn or(key: Key<Number>, default: f64) -> f64 {
 fn needed(
     r: &Reading<'_>,
     table: &str,
-    key: &'static str,
+    key: &str,
     example: &str,
     value: Key<Number>,
 ) -> Result<f64, DesignFileError> {
-    let missing = || {
-        let message = format!("[{table}] lacks `{key}`; add a line such as `{key} = {example}`");
-        r.error(r.place(0..0), message)
-    };
-    Ok(value.ok_or_else(missing)?.into_inner().0)
+    let message = format!("[{table}] lacks `{key}`; add a line such as `{key} = {example}`");
+    let value = value.ok_or_else(|| r.error(r.place(0..0), message))?;
+    Ok(value.into_inner().0)
 }
 
 /// The one of these that has this name.
@@ -174,10 +173,35 @@ fn named<T: Copy>(
 }
 
 /// Whether a file describes a spindle: it has rows.
-pub fn is_spindle(text: &str) -> bool {
+fn is_spindle(text: &str) -> bool {
     match text.parse::<toml::Table>() {
         Ok(table) => table.contains_key("row"),
         Err(_) => text.contains("[[row]]"),
+    }
+}
+
+impl From<DesignFile> for SpindleFile {
+    fn from(file: DesignFile) -> Self {
+        Self {
+            is_bearing: true,
+            plan: Plan {
+                rows: vec![Row {
+                    balls: file.balls,
+                    design: file.design,
+                    position: 0.0,
+                    facing: Facing::PlusX,
+                    preload: Preload::Closure(0.0),
+                }],
+                arrangement: Arrangement::ByRows,
+                spring: None,
+            },
+            nose: None,
+            growth: vec![Growth::NONE],
+            bore: None,
+            heat: None,
+            file: String::new(),
+            designs: vec![file],
+        }
     }
 }
 
@@ -187,16 +211,24 @@ impl SpindleFile {
         self.designs.iter().map(DesignFile::rating).collect()
     }
 
-    /// Reads a spindle file, and the design files that it names.
+    /// Reads a spindle file with the design files that it names, or a design file, or takes a design from the
+    /// [`catalogue`] if the path is a name there.
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, or is not a spindle; the place in it where it goes wrong.
+    /// A file that cannot be read, or is no spindle and no design; the place in it where it goes wrong.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignFileError> {
         let path = path.as_ref();
+        if let Some(found) = path.to_str().and_then(catalogue::find) {
+            return found.map(Self::from);
+        }
         let (file, text) = read_text(path)?;
-        let folder = path.parent().unwrap_or_else(|| Path::new(""));
-        Self::parse(&file, &text, folder)
+        if is_spindle(&text) {
+            let folder = path.parent().unwrap_or_else(|| Path::new(""));
+            Self::parse(&file, &text, folder)
+        } else {
+            DesignFile::parse(&file, &text).map(Self::from)
+        }
     }
 
     /// Reads a spindle from the text of a file; messages call the file `file`, design files are looked for in `folder`.
@@ -207,9 +239,7 @@ impl SpindleFile {
     pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, DesignFileError> {
         let r = Reading::of(file, text);
         let keys: SpindleKeys = r.keys()?;
-        let name = r
-            .required("name", "\"7014C back to back\"", keys.name)?
-            .into_inner();
+        r.required("name", "\"7014C back to back\"", keys.name)?;
         let together = keys.preload_n;
         let arrangement = match keys.arrangement {
             Some(text) => named(&r, text, &ARRANGEMENTS, Arrangement::name)?,
@@ -228,15 +258,13 @@ impl SpindleFile {
             let design = match (row.bearing, row.design) {
                 (Some(bearing), None) => {
                     let name = bearing.get_ref();
-                    let found = catalogue::find(name);
                     let read = || DesignFile::read(folder.join(name));
-                    found
-                        .unwrap_or_else(read)
-                        .map_err(|error| match error.place {
-                            // It is this file's line that names it.
-                            None => r.error(r.place(bearing.span()), error.to_string()),
-                            Some(_) => error,
-                        })?
+                    let design = catalogue::find(name).unwrap_or_else(read);
+                    design.map_err(|error| match error.place {
+                        // It is this file's line that names it.
+                        None => r.error(r.place(bearing.span()), error.to_string()),
+                        Some(_) => error,
+                    })?
                 }
                 (None, Some(keys)) => DesignFile::of(Reading::of(file, text), keys.into_inner())?,
                 (Some(bearing), Some(_)) => {
@@ -246,21 +274,21 @@ impl SpindleFile {
                 (None, None) => return Err(missing("bearing", "\"7014c.toml\"")),
             };
             let spring = row.spring.is_some_and(Spanned::into_inner);
-            let preload = match (&row.preload_offset_um, spring, &together) {
-                (Some(offset), true, _) => {
-                    let message = "a row that slides under the spring has no closure; remove `preload_offset_um` or `spring`";
-                    return Err(r.error(r.place(offset.span()), message));
-                }
-                (Some(offset), false, Some(_)) => {
-                    let message =
-                        "`preload_n` above preloads all clamped rows; remove that or this";
-                    return Err(r.error(r.place(offset.span()), message));
-                }
-                (Some(offset), false, None) => Preload::Closure(micrometres(offset.get_ref().0)),
-                (None, true, _) => Preload::Spring,
-                (None, false, Some(force)) => Preload::Force(force.get_ref().0),
-                (None, false, None) => Preload::Closure(0.0),
+            let offset = row.preload_offset_um;
+            let closure = micrometres(offset.as_ref().map_or(0.0, |offset| offset.get_ref().0));
+            let preload = match (spring, &together) {
+                (true, _) => Preload::Spring,
+                (false, Some(force)) => Preload::Force(force.get_ref().0),
+                (false, None) => Preload::Closure(closure),
             };
+            if let (Some(offset), Preload::Spring | Preload::Force(_)) = (offset, preload) {
+                let message = if spring {
+                    "a row that slides under the spring has no closure; remove `preload_offset_um` or `spring`"
+                } else {
+                    "`preload_n` above preloads all clamped rows; remove that or this"
+                };
+                return Err(r.error(r.place(offset.span()), message));
+            }
             let Some(position) = row.position_mm else {
                 return Err(missing("position_mm", "0.0"));
             };
@@ -284,53 +312,39 @@ impl SpindleFile {
         if !(1..=MOST_ROWS).contains(&rows.len()) {
             return Err(r.error(r.place(0..0), BuildError::Rows(rows.len()).to_string()));
         }
-        let spring = match keys.spring {
-            Some(keys) => Some(needed(&r, "spring", "force_n", "300", keys.force_n)?),
-            None => None,
-        };
-        let bore = match keys.shaft {
-            Some(keys) => Some(millimetres(needed(
-                &r,
-                "shaft",
-                "bore_mm",
-                "40",
-                keys.bore_mm,
-            )?)),
-            None => None,
-        };
-        let heat = match keys.heat {
-            Some(keys) => Some(Heat {
+        let spring = keys.spring;
+        let spring = spring.map(|keys| needed(&r, "spring", "force_n", "300", keys.force_n));
+        let bore = keys.shaft;
+        let bore = bore.map(|keys| needed(&r, "shaft", "bore_mm", "40", keys.bore_mm));
+        let heat = keys.heat.map(|keys| {
+            Ok(Heat {
                 reference: needed(&r, "heat", "reference_c", "20", keys.reference_c)?,
                 expansion: Expansion {
                     ring: or(keys.ring_per_k, Expansion::STEEL.ring),
                     ball: or(keys.ball_per_k, Expansion::STEEL.ball),
                 },
-            }),
-            None => None,
-        };
-        let nose = match keys.nose {
-            Some(keys) => {
-                let position = needed(&r, "nose", "position_mm", "-60", keys.position_mm)?;
-                let mut nose = ShaftEnd::rigid(millimetres(position));
-                let radial = or(keys.radial_um_per_kn, 0.0) / 1e9;
-                nose.flexibility[0][0] = or(keys.axial_um_per_kn, 0.0) / 1e9;
-                nose.flexibility[1][1] = radial;
-                nose.flexibility[2][2] = radial;
-                Some(nose)
-            }
-            None => None,
-        };
+            })
+        });
+        let nose = keys.nose.map(|keys| {
+            let position = needed(&r, "nose", "position_mm", "-60", keys.position_mm)?;
+            let mut nose = ShaftEnd::rigid(millimetres(position));
+            let radial = or(keys.radial_um_per_kn, 0.0) / 1e9;
+            nose.flexibility[0][0] = or(keys.axial_um_per_kn, 0.0) / 1e9;
+            nose.flexibility[1][1] = radial;
+            nose.flexibility[2][2] = radial;
+            Ok(nose)
+        });
         Ok(Self {
-            name,
+            is_bearing: false,
             plan: Plan {
                 rows,
                 arrangement,
-                spring,
+                spring: spring.transpose()?,
             },
-            nose,
+            nose: nose.transpose()?,
             growth,
-            bore,
-            heat,
+            bore: bore.transpose()?.map(millimetres),
+            heat: heat.transpose()?,
             file: file.to_owned(),
             designs,
         })
@@ -363,20 +377,13 @@ impl SpindleFile {
 
     /// The message for a spindle that the solver refuses.
     pub fn explain(&self, error: &BuildError) -> DesignFileError {
-        match error {
-            BuildError::Design(row, error) => match self.designs.get(*row) {
-                Some(design) => design.explain(error),
-                None => self.error(error.to_string()),
-            },
-            error => self.error(error.to_string()),
+        if let BuildError::Design(row, error) = error {
+            return self.designs[*row].explain(error);
         }
-    }
-
-    fn error(&self, message: String) -> DesignFileError {
         DesignFileError {
             file: self.file.clone(),
             place: None,
-            message,
+            message: error.to_string(),
         }
     }
 }

@@ -22,13 +22,16 @@ fn every_bearing_of_the_catalogue_can_be_built_and_is_listed() {
         file.design.check(file.balls).unwrap();
         assert!(list.contains(&listed.name()), "{}", listed.name());
     }
-    for name in [
-        "project:b7005c",
-        "project:7014c",
-        "project:b218",
-        "project:skf6205",
+    for (name, balls) in [
+        ("project:b7005c", 16),
+        ("project:b7005c-hybrid", 16),
+        ("project:7014c", 20),
+        ("project:b218", 16),
+        ("project:skf6205", 9),
     ] {
-        named(name);
+        let file = named(name);
+        assert_eq!(file.balls, balls);
+        file.design.check(balls).unwrap();
         assert!(list.contains(name), "{name}");
     }
 }

@@ -18,7 +18,6 @@ mod gyroscope;
 mod hostile;
 mod life;
 mod limits;
-mod malformed;
 mod monitor;
 mod motions;
 mod precision;

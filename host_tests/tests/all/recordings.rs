@@ -1,18 +1,18 @@
 //! From a recording to results: formats of files, what is refused and how, and that nothing is lost between the
 //! solver and the table.
 
-use crate::malformed::{self, HEADER};
-use host_tests::design_file::{DesignFile, DesignFileError, SHIPPED};
-use host_tests::dispatch::{
-    self, Answer, AnySolver, Attitude, BALL_COUNTS, Figures, Precision, Wanted,
-};
-use host_tests::loads::write_csv;
-use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError};
+use host_tests::design_file::{DesignFile, SHIPPED};
+use host_tests::dispatch::{self, Attitude, BALL_COUNTS, Precision};
+use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError, write_csv};
 use host_tests::milling_cycle::{CRASH, NOSE_RECORD, Place, RECORD, recorded};
-use host_tests::replay::{OneBearing, Outputs, replay};
+use host_tests::replay::{Outputs, Summary, replay};
+use host_tests::spindle_file::SpindleFile;
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Question, with_solver};
 use host_tests::warm_up;
-use spindle_bearing::{Design, FreeContact, LimitSet, Limits, Material};
+use spindle_bearing::{Design, FreeContact, Limits, Material, ShaftEnd, Status};
 use std::io::Cursor;
+
+const HEADER: &str = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n";
 
 fn shipped(name: &str) -> String {
     format!("{SHIPPED}/{name}.toml")
@@ -39,21 +39,14 @@ fn a_printed_number_reads_back_exactly_in_its_precision() {
     let wide = patterns(20_000).map(f64::from_bits).chain(edges);
     for x in wide.filter(|x| x.is_finite()) {
         let text = Precision::F64.show(x).to_string();
-        assert_eq!(
-            text.parse::<f64>().unwrap().to_bits(),
-            x.to_bits(),
-            "{text}"
-        );
-        assert!(text.len() <= 24, "{text}");
+        let read = text.parse::<f64>().unwrap();
+        assert!(read.to_bits() == x.to_bits() && text.len() <= 24, "{text}");
     }
     let narrow = patterns(20_000).map(|bits| f32::from_bits(bits as u32));
     for x in narrow.filter(|x| x.is_finite()) {
         let text = Precision::F32.show(f64::from(x)).to_string();
-        assert_eq!(
-            text.parse::<f32>().unwrap().to_bits(),
-            x.to_bits(),
-            "{text}"
-        );
+        let read = text.parse::<f32>().unwrap();
+        assert_eq!(read.to_bits(), x.to_bits(), "{text}");
         let digits = text.split('e').next().unwrap();
         let digits = digits.trim_start_matches(['-', '0', '.']);
         let digits = digits.trim_end_matches('0');
@@ -91,40 +84,6 @@ fn files_of_spreadsheets_are_read() {
         format!("{header}\n1, 2 ,3,4,5,6,7\n8,+9,1e1,11.,12,13,\"14\"\n"),
     ] {
         assert_eq!(parsed(&text).unwrap(), plain, "{text:?}");
-    }
-}
-
-#[test]
-fn a_malformed_recording_is_refused_with_line_and_column() {
-    for (text, start) in malformed::recordings() {
-        let error = parsed(&text).unwrap_err();
-        assert!(!matches!(error, LoadsError::Row(_)), "{error}");
-        let (error, expected) = (error.to_string(), format!("loads.csv: {start}"));
-        assert!(error.starts_with(&expected), "{error}\nnot\n{expected}");
-    }
-}
-
-#[test]
-fn a_row_that_cannot_be_read_is_refused_with_line_and_column_and_the_next_one_is_read() {
-    for (text, start) in malformed::rows() {
-        let line = |text: &str| {
-            text.lines()
-                .nth(usize::from(text.starts_with('#')))
-                .unwrap()
-                .to_owned()
-        };
-        let separator = if line(&text).contains(';') { ";" } else { "," };
-        let text = text + &["11", "12", "13", "14", "15", "16", "17\n"].join(separator);
-        let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
-        let rows: Vec<_> = Loads::from_reader("loads.csv", input).unwrap().collect();
-        let mut faults = rows.iter().filter_map(|row| row.as_ref().err());
-        let Some(error @ LoadsError::Row(_)) = faults.next() else {
-            panic!("{text}");
-        };
-        let (error, expected) = (error.to_string(), format!("loads.csv: {start}"));
-        assert!(error.starts_with(&expected), "{error}\nnot\n{expected}");
-        assert!(faults.next().is_none());
-        assert_eq!(rows.last().unwrap().as_ref().unwrap().time_s, 11.0);
     }
 }
 
@@ -217,32 +176,17 @@ fn any_bytes_are_refused_or_read() {
 fn bytes_that_are_no_text_are_refused_with_line_and_column() {
     let mut bytes = format!("{HEADER}1,2,3,4,5,6,7\n").into_bytes();
     bytes.extend(b"1,2,\xFF\xFE,4,5,6,7\n");
-    let error = Loads::from_reader("x", Box::new(Cursor::new(bytes)))
-        .unwrap()
-        .find_map(Result::err)
-        .unwrap();
-    assert!(
-        error
-            .to_string()
-            .starts_with("x: line 3, column 3 (fy_n): "),
-        "{error}"
-    );
+    let mut loads = Loads::from_reader("x", Box::new(Cursor::new(bytes))).unwrap();
+    let error = loads.find_map(Result::err).unwrap().to_string();
+    assert!(error.starts_with("x: line 3, column 3 (fy_n): "), "{error}");
 }
 
 /// Says what it is told to say.
 struct Parrot(Answer);
 
-impl AnySolver for Parrot {
-    fn ball_count(&self) -> usize {
-        3
-    }
-
-    fn precision(&self) -> Precision {
-        Precision::F32
-    }
-
-    fn solve_for(&mut self, _: [f64; 5], _: f64, _: Wanted<'_>) -> Answer {
-        self.0.clone()
+impl AnySpindleSolver for Parrot {
+    fn solve(&mut self, _: &Question, _: &ShaftEnd<f64>) -> Result<Answer, Status<f32>> {
+        Ok(self.0.clone())
     }
 
     fn reset(&mut self) {}
@@ -252,39 +196,47 @@ impl AnySolver for Parrot {
     fn set_settings(&mut self, _: f64, _: u16) {}
 }
 
+/// Summary and results of a replay of a row by the B7005C.
+fn replayed(
+    solver: &mut dyn AnySpindleSolver,
+    precision: Precision,
+    row: LoadRow,
+) -> (Summary, String) {
+    let file = SpindleFile::read(shipped("b7005c")).unwrap();
+    let mut results = Vec::new();
+    let mut out = Outputs {
+        results: &mut results,
+        details: Vec::new(),
+    };
+    let rows = [Ok(row)].into_iter();
+    let summary = replay(&file, solver, precision, rows, false, &mut out).unwrap();
+    drop(out);
+    let text = String::from_utf8(results).unwrap();
+    (summary, text.lines().nth(1).unwrap().to_owned())
+}
+
 #[test]
 fn figures_are_printed_as_the_solver_gave_them() {
+    let stiffness = [[1e8, 0.0, 0.0, 0.0, f64::from(0.3_f32)]; 5];
     let mut solver = Parrot(Answer {
         status: "precision-limit",
-        figures: Ok(Figures {
-            iterations: 40,
-            displacement: [f64::from(1e-7_f32), 0.0, -2.5, 0.0, f64::from(-3e-9_f32)],
-            stiffness: [[1e8, 0.0, 0.0, 0.0, f64::from(0.3_f32)]; 5],
-            limits: LimitSet::default(),
-            error: None,
-        }),
+        iterations: 40,
+        displacement: [f64::from(1e-7_f32), 0.0, -2.5, 0.0, f64::from(-3e-9_f32)],
+        stiffness,
+        compliance_at: stiffness,
+        stiffness_at: stiffness,
+        spring_closure: 0.0,
+        rows: Vec::new(),
+        error: [0.0; 3],
     });
-    let row = LoadRow {
-        time_s: 0.1,
-        // A load is copied, though it is none of single precision.
-        load: [0.1, 0.0, 0.0, 0.0, -2e-5],
-        speed_rpm: 6000.0,
-        temperatures: None,
-    };
-    let mut out = Vec::new();
-    let rows = [Ok(row)].into_iter();
-    let mut solver = OneBearing {
-        solver: &mut solver,
-        rating: None,
-    };
-    let summary = replay(&mut solver, rows, false, &mut Outputs::of(&mut out)).unwrap();
-    assert_eq!(summary.rows, 1);
-    assert!(summary.refused.is_empty());
-    let out = String::from_utf8(out).unwrap();
+    // A load is copied, though it is none of single precision.
+    let row = parsed(&format!("{HEADER}0.1,0.1,0,0,0,-2e-5,6000\n")).unwrap();
+    let (summary, line) = replayed(&mut solver, Precision::F32, row[0]);
+    assert_eq!((summary.rows, summary.refused.len()), (1, 0));
     assert_eq!(
-        out.lines().nth(1).unwrap(),
+        line,
         format!(
-            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},,0.1,0,0,0,-2e-5,6000,,",
+            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},,0.1,0,0,0,-2e-5,6000,inf,inf",
             ",100000000,0,0,0,0.3".repeat(5)
         )
     );
@@ -293,48 +245,23 @@ fn figures_are_printed_as_the_solver_gave_them() {
 /// Where a solve stopped for want of iterations there is no equilibrium, and no figure of one.
 #[test]
 fn a_solve_that_ran_out_of_iterations_has_no_figures() {
-    let file = DesignFile::read(shipped("b7005c")).unwrap();
+    let plan = SpindleFile::read(shipped("b7005c")).unwrap().plan;
+    let row = parsed(&format!("{HEADER}0.5,1000,200,0,0,3,20000\n")).unwrap();
     for precision in [Precision::F32, Precision::F64] {
-        let bearing = dispatch::bearing(&file.design, file.balls, precision).unwrap();
-        let mut solver = bearing.solver(Attitude::Raceless);
-        solver.set_settings(1e-6, 1);
-        let row = LoadRow {
-            time_s: 0.5,
-            load: [1000.0, 200.0, 0.0, 0.0, 3.0],
-            speed_rpm: 20_000.0,
-            temperatures: None,
+        let run = |solver: &mut dyn AnySpindleSolver| {
+            solver.set_settings(1e-6, 1);
+            replayed(solver, precision, row[0])
         };
-        let (mut out, mut balls) = (Vec::new(), Vec::new());
-        let rows = [Ok(row)].into_iter();
-        let mut outputs = Outputs {
-            balls: Some(&mut balls),
-            ..Outputs::of(&mut out)
+        let balls = Balls::Moving(Attitude::Raceless);
+        let (summary, line) = with_solver(&plan, balls, precision, run).unwrap();
+        assert_eq!(summary.refused.values().sum::<u64>(), 1, "{summary}");
+        let [time, status, rest] = line.splitn(3, ',').collect::<Vec<_>>()[..] else {
+            panic!("{line}");
         };
-        let mut solver = OneBearing {
-            solver: solver.as_mut(),
-            rating: None,
-        };
-        let summary = replay(&mut solver, rows, false, &mut outputs).unwrap();
-        let count = summary.refused.values().sum::<u64>();
-        assert_eq!((summary.rows, count), (1, 1), "{summary}");
-
-        let text = String::from_utf8(out).unwrap();
-        let fields: Vec<&str> = text.lines().nth(1).unwrap().split(',').collect();
-        assert_eq!(fields.len(), 3 + 5 + 25 + 1 + 6 + 2);
-        assert_eq!(fields[0], "0.5");
-        assert!(!["", "converged", "precision-limit"].contains(&fields[1]));
-        let figures = &fields[2..34];
-        assert!(figures.iter().all(|field| field.is_empty()), "{text}");
-        assert_eq!(
-            fields[34..],
-            ["1000", "200", "0", "0", "3", "20000", "", ""]
-        );
-
-        let text = String::from_utf8(balls).unwrap();
-        assert_eq!(text.lines().count(), 1 + file.balls);
-        for line in text.lines().skip(1) {
-            assert!(line.ends_with(",,,,,,,"), "{line}");
-        }
+        assert_eq!(time, "0.5");
+        assert!(!["", "converged", "precision-limit"].contains(&status));
+        let figures = ",".repeat(1 + 5 + 25 + 1);
+        assert_eq!(rest, format!("{}1000,200,0,0,3,20000,,", figures));
     }
 }
 
@@ -370,182 +297,130 @@ const DESIGN: &str = "\
 #[test]
 fn a_design_file_means_si_units_and_steel_unless_it_says_otherwise() {
     let file = DesignFile::parse("x", DESIGN).unwrap();
-    assert_eq!(file.name, "test");
-    assert_eq!(file.balls, 16);
-    let design = file.design;
-    assert_eq!(design.ball_diameter, 0.00635);
-    assert_eq!(design.pitch_diameter, 0.036);
-    assert_eq!(design.inner_groove_factor, 0.515);
-    assert_eq!(design.outer_groove_factor, 0.525);
-    assert_eq!(design.free_contact, FreeContact::Angle(15_f64.to_radians()));
-    assert_eq!(design.inner_shoulder_angle, Design::HIGHEST_SHOULDER);
-    assert_eq!(design.outer_shoulder_angle, Design::HIGHEST_SHOULDER);
-    assert_eq!(design.first_ball, 0.0);
-    assert_eq!(design.ring, Material::STEEL);
-    assert_eq!(design.ball, Material::STEEL);
-
-    let clearance = DESIGN.replace("contact_angle_deg = 15", "diametral_clearance_um = 10");
+    assert_eq!((&*file.name, file.balls), ("test", 16));
+    let design = Design {
+        ball_diameter: 0.00635,
+        pitch_diameter: 0.036,
+        inner_groove_factor: 0.515,
+        outer_groove_factor: 0.525,
+        free_contact: FreeContact::Angle(15_f64.to_radians()),
+        inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+        outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+        first_ball: 0.0,
+        ring: Material::STEEL,
+        ball: Material::STEEL,
+    };
+    assert_eq!(file.design, design);
+    for (clearance, metres) in [("10", 10e-6), ("-5", -5e-6)] {
+        let key = format!("diametral_clearance_um = {clearance}");
+        let text = DESIGN.replace("contact_angle_deg = 15", &key);
+        let found = DesignFile::parse("x", &text).unwrap().design;
+        assert_eq!(found.free_contact, FreeContact::DiametralClearance(metres));
+    }
     let more = "first_ball_deg = 11.25\ninner_shoulder_deg = 50\nouter_shoulder_deg = 45\n\
                 [ball]\nyoungs_modulus_gpa = 310\ndensity_kg_m3 = 3200\n\
                 [ring]\npoissons_ratio = 0.29\n";
-    let design = DesignFile::parse("x", &(clearance + more)).unwrap().design;
-    assert_eq!(design.free_contact, FreeContact::DiametralClearance(10e-6));
-    let pressed = DESIGN.replace("contact_angle_deg = 15", "diametral_clearance_um = -5");
-    let pressed = DesignFile::parse("x", &pressed).unwrap().design;
-    assert_eq!(pressed.free_contact, FreeContact::DiametralClearance(-5e-6));
-    assert_eq!(design.first_ball, 11.25_f64.to_radians());
-    assert_eq!(design.inner_shoulder_angle, 50_f64.to_radians());
-    assert_eq!(design.outer_shoulder_angle, 45_f64.to_radians());
-    assert_eq!(
-        design.ball,
-        Material {
-            youngs_modulus: 310e9,
-            poissons_ratio: 0.3,
-            density: 3200.0
-        }
-    );
-    assert_eq!(
-        design.ring,
-        Material {
-            poissons_ratio: 0.29,
-            ..Material::STEEL
-        }
-    );
+    let found = DesignFile::parse("x", &format!("{DESIGN}{more}"));
+    let mut expected = Design {
+        first_ball: 11.25_f64.to_radians(),
+        inner_shoulder_angle: 50_f64.to_radians(),
+        outer_shoulder_angle: 45_f64.to_radians(),
+        ..design
+    };
+    expected.ball.youngs_modulus = 310e9;
+    expected.ball.density = 3200.0;
+    expected.ring.poissons_ratio = 0.29;
+    assert_eq!(found.unwrap().design, expected);
+}
+
+/// Messages of these texts must begin so, line by line.
+fn assert_starts(messages: impl Iterator<Item = String>, starts: &str) {
+    let messages: Vec<String> = messages.collect();
+    assert_eq!(messages.len(), starts.lines().count());
+    for (message, start) in messages.iter().zip(starts.lines()) {
+        let start = format!("b.toml: line {start}");
+        assert!(message.starts_with(&start), "{message}\nnot\n{start}");
+    }
 }
 
 #[test]
 fn a_malformed_design_file_is_refused_with_line_and_column() {
-    let with = |from: &str, to: &str| DESIGN.replace(from, to);
-    for (text, expected) in [
-        (with("balls = 16", "balls ="), "line 2, column 8: "),
-        (
-            with("contact_angle_deg", "contact_angle"),
-            "line 7, column 1: unknown field `contact_angle`, expected one of `name`, ",
-        ),
-        (
-            with("6.35", "\"6.35\""),
-            "line 3, column 20: invalid type: string \"6.35\", expected a number",
-        ),
-        (
-            with("balls = 16", "balls = 16.5"),
-            "line 2, column 9: `balls` is 16.5, but must be a whole number from 3 to 64",
-        ),
-        (
-            with("balls = 16", "balls = 2"),
-            "line 2, column 9: `balls` is 2, but must be a whole number from 3 to 64",
-        ),
-        (
-            with("balls = 16", "balls = -16"),
-            "line 2, column 9: `balls` is -16, but must be a whole number from 3 to 64",
-        ),
-        (
-            with("balls = 16\n", ""),
-            "line 1, column 1: the key `balls` is missing; add a line such as `balls = 16`",
-        ),
-        (
-            with("contact_angle_deg = 15\n", ""),
-            "line 1, column 1: the contact angle is missing; add a line such as",
-        ),
-        (
-            format!("{DESIGN}diametral_clearance_um = 10\n"),
-            "line 8, column 26: `contact_angle_deg` and `diametral_clearance_um` say the same \
-             thing, and line 7 already says it",
-        ),
-        (
-            format!("{DESIGN}balls = 9\n"),
-            "line 8, column 1: duplicate key",
-        ),
-        (
-            format!("{DESIGN}[ring]\ndensity_kg_m3 = 7850\n"),
-            "line 9, column 1: unknown field `density_kg_m3`",
-        ),
-        (
-            format!("{DESIGN}[rings]\n"),
-            "line 8, column 2: unknown field `rings`",
-        ),
-    ] {
-        let error = DesignFile::parse("b.toml", &text).unwrap_err().to_string();
-        let expected = format!("b.toml: {expected}");
-        assert!(error.starts_with(&expected), "{error}\nnot\n{expected}");
-    }
-}
-
-#[test]
-fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
-    let explained = |text: &str| -> DesignFileError {
-        let file = DesignFile::parse("b.toml", text).unwrap();
-        let error = dispatch::bearing(&file.design, file.balls, Precision::F64)
-            .err()
-            .unwrap();
-        file.explain(&error)
-    };
-    for (text, expected) in [
-        (
-            DESIGN.replace("6.35", "60"),
-            "b.toml: line 4, column 21: `pitch_diameter_mm`: ",
-        ),
-        (
-            DESIGN.replace("6.35", "8"),
-            "b.toml: line 3, column 20: `ball_diameter_mm`: ",
-        ),
-        (
-            DESIGN.replace("0.515", "0.5"),
-            "b.toml: line 5, column 23: `inner_groove_factor`: ",
-        ),
-        (
-            DESIGN.replace("= 15", "= nan"),
-            "b.toml: line 7, column 21: `contact_angle_deg`: ",
-        ),
-        (
-            format!("{DESIGN}[ball]\ndensity_kg_m3 = 0\n"),
-            "b.toml: line 9, column 17: `ball.density_kg_m3`: ",
-        ),
-    ] {
-        let error = explained(&text).to_string();
-        assert!(error.starts_with(expected), "{error}\nnot\n{expected}");
-    }
-}
-
-#[test]
-fn the_shipped_design_files_can_be_built() {
-    for (name, balls) in [
-        ("b218", 16),
-        ("b7005c", 16),
-        ("b7005c-hybrid", 16),
-        ("skf6205", 9),
-    ] {
-        let file = DesignFile::read(shipped(name)).unwrap();
-        assert_eq!(file.balls, balls);
-        for precision in [Precision::F32, Precision::F64] {
-            assert!(dispatch::bearing(&file.design, file.balls, precision).is_ok());
-        }
-    }
-}
-
-#[test]
-fn the_recording_of_a_spindle_that_warms_up_is_what_its_program_writes() {
-    let kept = std::fs::read_to_string(warm_up::RECORD)
-        .unwrap()
-        .replace('\r', "");
-    let mut made = Vec::new();
-    write_csv(&warm_up::warm_up(), &mut made).unwrap();
-    assert!(
-        kept.as_bytes() == made,
-        "`cargo run -p tools --bin make_record -- --warm-up` writes it again"
+    let changes = [
+        ("balls = 16", "balls ="),
+        ("contact_angle_deg", "contact_angle"),
+        ("6.35", "\"6.35\""),
+        ("balls = 16", "balls = 16.5"),
+        ("balls = 16", "balls = 2"),
+        ("balls = 16", "balls = -16"),
+        ("balls = 16\n", ""),
+        ("contact_angle_deg = 15\n", ""),
+    ];
+    let more = [
+        "diametral_clearance_um = 10",
+        "balls = 9",
+        "[ring]\ndensity_kg_m3 = 7850",
+        "[rings]",
+    ];
+    let changed = changes.map(|(from, to)| DESIGN.replace(from, to));
+    let texts = changed
+        .into_iter()
+        .chain(more.map(|more| format!("{DESIGN}{more}\n")));
+    assert_starts(
+        texts.map(|text| DesignFile::parse("b.toml", &text).unwrap_err().to_string()),
+        "\
+2, column 8:
+7, column 1: unknown field `contact_angle`, expected one of `name`,
+3, column 20: invalid type: string \"6.35\", expected a number
+2, column 9: `balls` is 16.5, but must be a whole number from 3 to 64
+2, column 9: `balls` is 2, but must be a whole number from 3 to 64
+2, column 9: `balls` is -16, but must be a whole number from 3 to 64
+1, column 1: the key `balls` is missing; add a line such as `balls = 16`
+1, column 1: the contact angle is missing; add a line such as
+8, column 26: `contact_angle_deg` and `diametral_clearance_um` say the same thing, and line 7 already says it
+8, column 1: duplicate key
+9, column 1: unknown field `density_kg_m3`
+8, column 2: unknown field `rings`",
     );
 }
 
 #[test]
-fn the_recording_is_what_its_program_writes() {
-    for (place, path) in [(Place::Bearing, RECORD), (Place::Nose, NOSE_RECORD)] {
+fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
+    let changes = [
+        ("6.35", "60"),
+        ("6.35", "8"),
+        ("0.515", "0.5"),
+        ("= 15", "= nan"),
+        ("= 15\n", "= 15\n[ball]\ndensity_kg_m3 = 0\n"),
+    ];
+    let explained = changes.into_iter().map(|(from, to)| {
+        let file = DesignFile::parse("b.toml", &DESIGN.replace(from, to)).unwrap();
+        let bearing = dispatch::bearing(&file.design, file.balls, Precision::F64);
+        file.explain(&bearing.err().unwrap()).to_string()
+    });
+    assert_starts(
+        explained,
+        "\
+4, column 21: `pitch_diameter_mm`:
+3, column 20: `ball_diameter_mm`:
+5, column 23: `inner_groove_factor`:
+7, column 21: `contact_angle_deg`:
+9, column 17: `ball.density_kg_m3`: ",
+    );
+}
+
+#[test]
+fn the_recordings_are_what_their_program_writes() {
+    for (path, rows) in [
+        (RECORD, recorded(Place::Bearing)),
+        (NOSE_RECORD, recorded(Place::Nose)),
+        (warm_up::RECORD, warm_up::warm_up()),
+    ] {
         let mut written = Vec::new();
-        write_csv(&recorded(place), &mut written).unwrap();
+        write_csv(&rows, &mut written).unwrap();
         // Line ends aside, which a checkout may change.
         let kept = std::fs::read_to_string(path).unwrap().replace('\r', "");
-        assert!(
-            kept.as_bytes() == written,
-            "{place:?}: run `cargo run -p tools --bin make_record`, once more with `-- --nose`"
-        );
+        let command = "cargo run -p tools --bin make_record -- [--nose | --warm-up]";
+        assert!(kept.as_bytes() == written, "{path}: run `{command}`");
         assert!(written.len() < 1_200_000);
         assert!(kept.starts_with(&COLUMNS.join(",")));
     }
@@ -577,27 +452,4 @@ fn the_recording_holds_a_whole_cycle_within_what_a_spindle_carries() {
         .filter(|pair| pair[0].speed_rpm > 0.0 && pair[1].speed_rpm == 0.0)
         .count();
     assert_eq!(stops, 2, "a tool change and an end");
-}
-
-#[test]
-fn the_recording_is_solved_to_the_last_row() {
-    let file = DesignFile::read(shipped("b7005c")).unwrap();
-    for precision in [Precision::F32, Precision::F64] {
-        let bearing = dispatch::bearing(&file.design, file.balls, precision).unwrap();
-        let mut solver = bearing.solver(Attitude::Raceless);
-        let mut out = Vec::new();
-        let rows = loads::read(RECORD).unwrap();
-        let mut solver = OneBearing {
-            solver: solver.as_mut(),
-            rating: None,
-        };
-        let summary = replay(&mut solver, rows, false, &mut Outputs::of(&mut out)).unwrap();
-        assert!(summary.refused.is_empty(), "{summary}");
-        let text = String::from_utf8(out).unwrap();
-        assert_eq!(text.lines().count(), 1 + 20_001);
-        for line in text.lines().skip(1) {
-            let status = line.split(',').nth(1).unwrap();
-            assert!(["converged", "precision-limit"].contains(&status), "{line}");
-        }
-    }
 }

@@ -4,13 +4,11 @@ use crate::arguments::{attitude, parsed, precision};
 use crate::table::Axes;
 use clap::Parser;
 use host_tests::catalogue;
-use host_tests::design_file::DesignFile;
-use host_tests::dispatch::{self, Attitude, Precision};
-use host_tests::loads::{self, LoadRow, Loads, LoadsError};
-use host_tests::replay::{OneBearing, Outputs, ReplayError, Summary, replay};
-use host_tests::spindle_file::{SpindleFile, is_spindle};
-use host_tests::spindle_replay::OneSpindle;
-use host_tests::spindles::{self, Balls};
+use host_tests::dispatch::{Attitude, Precision};
+use host_tests::loads::{self, LoadRow, Loads};
+use host_tests::replay::{Detail, Outputs, ReplayError, Summary, replay};
+use host_tests::spindle_file::SpindleFile;
+use host_tests::spindles::{Balls, with_solver};
 use indicatif::{ProgressBar, ProgressStyle};
 use spindle_bearing::Limits;
 use std::ffi::OsString;
@@ -230,10 +228,7 @@ impl From<ReplayError> for Failure {
                 exit_status: 0,
                 message: String::new(),
             },
-            ReplayError::Results(_)
-            | ReplayError::Balls(_)
-            | ReplayError::Rows(_)
-            | ReplayError::Frequencies(_) => Self {
+            ReplayError::Results(_) | ReplayError::Detail(..) => Self {
                 exit_status: 1,
                 message: error.to_string(),
             },
@@ -247,26 +242,57 @@ fn run_parsed(
     stdout: impl Write,
     stderr: &mut dyn Write,
 ) -> Result<Summary, Failure> {
-    // What cannot be read is said below.
-    let text = std::fs::read(args.design()).unwrap_or_default();
-    if is_spindle(&String::from_utf8_lossy(&text)) {
-        of_spindle(args, stdin, stdout, stderr)
-    } else {
-        of_bearing(args, stdin, stdout, stderr)
+    let file = SpindleFile::read(args.design()).map_err(Failure::input)?;
+    if args.rows.is_some() && file.is_bearing {
+        return Err(Failure::input(format!(
+            "--rows is for spindles, and {} is one bearing: it has no [[row]]",
+            args.design().display()
+        )));
     }
+    let balls = Balls::Moving(args.attitude);
+    let solved = with_solver(&file.plan, balls, args.precision, |solver| {
+        solver.set_limits(&Limits {
+            peak_pressure: args.peak_pressure * 1e6,
+            friction: args.friction,
+        });
+        let mut input = args.input(stdin, stderr, file.heat.map(|heat| heat.reference))?;
+        let mut results = BufWriter::with_capacity(64 * 1024, stdout);
+        let mut out = Outputs {
+            results: &mut results,
+            details: args.details()?,
+        };
+        let bar = match &input {
+            Input::Recording(loads) => {
+                progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}")
+            }
+            Input::Table(rows) => progress_bar(Some(rows.len() as u64), "{pos} of {len} rows"),
+        };
+        let rows = std::iter::from_fn(|| match &mut input {
+            Input::Recording(loads) => {
+                let row = loads.next();
+                bar.set_position(loads.bytes_read());
+                row
+            }
+            Input::Table(rows) => {
+                bar.inc(1);
+                rows.next().map(Ok)
+            }
+        });
+        let outcome = replay(&file, solver, args.precision, rows, args.cold, &mut out);
+        bar.finish_and_clear();
+        if matches!(outcome, Err(ReplayError::Loads(_))) {
+            // Rows before the fault are good; what hinders their output is less news than the fault.
+            let _ = out.results.flush();
+        }
+        outcome.map_err(Failure::from)
+    });
+    solved.map_err(|error| Failure::input(file.explain(&error)))?
 }
 
 impl Args {
     /// The arguments' own rule has it that there is one.
     fn design(&self) -> &Path {
         self.design.as_deref().unwrap_or(Path::new(""))
-    }
-
-    fn limits(&self) -> Limits<f64> {
-        Limits {
-            peak_pressure: self.peak_pressure * 1e6,
-            friction: self.friction,
-        }
     }
 
     /// What the rows are read from, or made of; `reference` is the temperature of a spindle with [heat].
@@ -307,15 +333,23 @@ impl Args {
         Err(Failure::input(format!("{}: {wrong}", loads.file())))
     }
 
-    /// Creates the file that an option names, if it does.
-    fn output(
-        &self,
-        option: &str,
-        path: Option<&PathBuf>,
-    ) -> Result<Option<BufWriter<File>>, Failure> {
+    /// Creates the files that options name.
+    fn details(&self) -> Result<Vec<(Detail, Box<dyn Write>)>, Failure> {
         let loads = self.loads.as_ref().map(Path::new);
         let inputs: Vec<&Path> = [Some(self.design()), loads].into_iter().flatten().collect();
-        path.map(|path| create(option, path, &inputs)).transpose()
+        let wanted = [
+            (Detail::Balls, "--balls", &self.balls),
+            (Detail::Rows, "--rows", &self.rows),
+            (Detail::Frequencies, "--frequencies", &self.frequencies),
+        ];
+        wanted
+            .into_iter()
+            .filter_map(|(detail, option, path)| Some((detail, option, path.as_ref()?)))
+            .map(|(detail, option, path)| {
+                let file: Box<dyn Write> = Box::new(create(option, path, &inputs)?);
+                Ok((detail, file))
+            })
+            .collect()
     }
 }
 
@@ -334,112 +368,6 @@ fn listed(names: &[String]) -> String {
         list.push_str(&format!(" and {} more", names.len() - SHOWN));
     }
     list
-}
-
-/// The rows of the recording, with a bar, and what is to be done with them; then the results' end.
-fn with_bar(
-    input: &mut Input,
-    results: &mut dyn Write,
-    replay: impl FnOnce(
-        &mut dyn Iterator<Item = Result<LoadRow, LoadsError>>,
-        &mut dyn Write,
-    ) -> Result<Summary, ReplayError>,
-) -> Result<Summary, Failure> {
-    let bar = match input {
-        Input::Recording(loads) => progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}"),
-        Input::Table(rows) => progress_bar(Some(rows.len() as u64), "{pos} of {len} rows"),
-    };
-    let mut rows = std::iter::from_fn(|| match input {
-        Input::Recording(loads) => {
-            let row = loads.next();
-            bar.set_position(loads.bytes_read());
-            row
-        }
-        Input::Table(rows) => {
-            bar.inc(1);
-            rows.next().map(Ok)
-        }
-    });
-    let outcome = replay(&mut rows, results);
-    bar.finish_and_clear();
-    if matches!(outcome, Err(ReplayError::Loads(_))) {
-        // Rows before the fault are good; what hinders their output is less news than the fault.
-        let _ = results.flush();
-    }
-    outcome.map_err(Failure::from)
-}
-
-fn of_bearing(
-    args: &Args,
-    stdin: Box<dyn Read>,
-    stdout: impl Write,
-    stderr: &mut dyn Write,
-) -> Result<Summary, Failure> {
-    let file = DesignFile::read(args.design()).map_err(Failure::input)?;
-    if args.rows.is_some() {
-        return Err(Failure::input(format!(
-            "--rows is for spindles, and {} is one bearing: it has no [[row]]",
-            args.design().display()
-        )));
-    }
-    let bearing = dispatch::bearing(&file.design, file.balls, args.precision)
-        .map_err(|error| Failure::input(file.explain(&error)))?;
-    let mut solver = bearing.solver(args.attitude);
-    solver.set_limits(&args.limits());
-    let mut input = args.input(stdin, stderr, None)?;
-    let mut balls = args.output("--balls", args.balls.as_ref())?;
-    let mut frequencies = args.output("--frequencies", args.frequencies.as_ref())?;
-    let mut results = BufWriter::with_capacity(64 * 1024, stdout);
-    with_bar(&mut input, &mut results, |rows, results| {
-        let mut out = Outputs {
-            frequencies: frequencies.as_mut().map(|out| out as &mut dyn Write),
-            balls: balls.as_mut().map(|out| out as &mut dyn Write),
-            ..Outputs::of(results)
-        };
-        let mut bearing = OneBearing {
-            solver: solver.as_mut(),
-            rating: Some(file.rating()),
-        };
-        replay(&mut bearing, rows, args.cold, &mut out)
-    })
-}
-
-fn of_spindle(
-    args: &Args,
-    stdin: Box<dyn Read>,
-    stdout: impl Write,
-    stderr: &mut dyn Write,
-) -> Result<Summary, Failure> {
-    let file = SpindleFile::read(args.design()).map_err(Failure::input)?;
-    let reference = file.heat.map(|heat| heat.reference);
-    let mut input = args.input(stdin, stderr, reference)?;
-    let solved = spindles::with_solver(
-        &file.plan,
-        Balls::Moving(args.attitude),
-        args.precision,
-        |solver| {
-            solver.set_limits(&args.limits());
-            let mut balls = args.output("--balls", args.balls.as_ref())?;
-            let mut rows = args.output("--rows", args.rows.as_ref())?;
-            let mut frequencies = args.output("--frequencies", args.frequencies.as_ref())?;
-            let mut results = BufWriter::with_capacity(64 * 1024, stdout);
-            with_bar(&mut input, &mut results, |loads, results| {
-                let mut out = Outputs {
-                    results,
-                    rows: rows.as_mut().map(|out| out as &mut dyn Write),
-                    balls: balls.as_mut().map(|out| out as &mut dyn Write),
-                    frequencies: frequencies.as_mut().map(|out| out as &mut dyn Write),
-                };
-                let mut spindle = OneSpindle {
-                    file: &file,
-                    solver,
-                    precision: args.precision,
-                };
-                replay(&mut spindle, loads, args.cold, &mut out)
-            })
-        },
-    );
-    solved.map_err(|error| Failure::input(file.explain(&error)))?
 }
 
 /// Creates the file that an option names, unless that would destroy one of the `inputs`.
@@ -480,8 +408,5 @@ fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
             "replaying {spinner} {bytes}, {elapsed}".to_owned(),
         ),
     };
-    match ProgressStyle::with_template(&template) {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
+    bar.with_style(ProgressStyle::with_template(&template).expect("a template"))
 }

@@ -2,7 +2,6 @@
 
 #[path = "../../../tests/all/frames.rs"]
 mod frames;
-#[path = "../../../tests/all/malformed.rs"]
 mod malformed;
 mod plot;
 mod replay;
