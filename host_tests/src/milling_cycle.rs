@@ -7,6 +7,7 @@
 //! The same rows come out everywhere: the noise comes from a generator with a fixed seed, and sines
 //! from `libm` rather than from the platform.
 
+use crate::cases::Random;
 use crate::loads::LoadRow;
 use std::f64::consts::{PI, TAU};
 
@@ -110,19 +111,18 @@ struct Tool {
     unbalance: f64,
 }
 
-const TOOLS: [Tool; 2] = [
-    // It also drills.
-    Tool {
-        from: 0.0,
-        teeth: 2,
-        unbalance: 6.0e-6,
-    },
-    Tool {
-        from: 11.3,
-        teeth: 1,
-        unbalance: 3.0e-6,
-    },
-];
+impl Tool {
+    const fn new(from: f64, teeth: u32, unbalance: f64) -> Self {
+        Self {
+            from,
+            teeth,
+            unbalance,
+        }
+    }
+}
+
+/// The first one also drills.
+const TOOLS: [Tool; 2] = [Tool::new(0.0, 2, 6.0e-6), Tool::new(11.3, 1, 3.0e-6)];
 
 /// Force of the last tooth over that of the first: the cutter's run-out.
 const RUN_OUT: f64 = 0.85;
@@ -140,128 +140,48 @@ struct Cut {
 
 const CUTS: [Cut; 8] = [
     // Slots at 395 teeth a second: one tooth leaves as the next one enters.
-    Cut {
-        time: [2.05, 3.5],
-        towards: 0.0,
-        force: 500.0,
-        engaged: 1.0,
-    },
+    Cut::new([2.05, 3.5], 0.0, 500.0, 1.0),
     // Shoulders at 190.
-    Cut {
-        time: [3.95, 5.3],
-        towards: 0.5 * PI,
-        force: 1000.0,
-        engaged: 0.4,
-    },
+    Cut::new([3.95, 5.3], 0.5 * PI, 1000.0, 0.4),
     // Slots at 140.
-    Cut {
-        time: [6.9, 7.7],
-        towards: PI,
-        force: 400.0,
-        engaged: 1.0,
-    },
+    Cut::new([6.9, 7.7], PI, 400.0, 1.0),
     // Shoulders at 395.
-    Cut {
-        time: [8.2, 9.0],
-        towards: -0.25 * PI,
-        force: 1000.0,
-        engaged: 0.5,
-    },
+    Cut::new([8.2, 9.0], -0.25 * PI, 1000.0, 0.5),
     // Slots with one tooth, at 316 a second.
-    Cut {
-        time: [13.5, 14.6],
-        towards: 0.75 * PI,
-        force: 500.0,
-        engaged: 0.5,
-    },
+    Cut::new([13.5, 14.6], 0.75 * PI, 500.0, 0.5),
     // Slots at 120.
-    Cut {
-        time: [15.3, 16.3],
-        towards: -0.5 * PI,
-        force: 800.0,
-        engaged: 0.5,
-    },
+    Cut::new([15.3, 16.3], -0.5 * PI, 800.0, 0.5),
     // Shoulders at 52.
-    Cut {
-        time: [16.7, 17.7],
-        towards: 0.0,
-        force: 1000.0,
-        engaged: 0.3,
-    },
-    // What plunging leaves of it.
-    Cut {
-        time: [17.8, 18.5],
-        towards: 0.25 * PI,
-        force: 150.0,
-        engaged: 0.5,
-    },
+    Cut::new([16.7, 17.7], 0.0, 1000.0, 0.3),
+    // Plunging leaves a little of it.
+    Cut::new([17.8, 18.5], 0.25 * PI, 150.0, 0.5),
 ];
 
-/// A thrust along the shaft.
-struct Thrust {
-    /// Start and end, s.
-    time: [f64; 2],
-    /// Axial force, N.
-    force: f64,
-}
+/// Thrusts along the shaft: start and end, s, and force, N. With the preload, drilling makes some 1,200 N, and hardly any
+/// radial load.
+const THRUSTS: [([f64; 2], f64); 2] = [(DRILLING, 800.0), ([17.8, 18.5], 500.0)];
 
-const THRUSTS: [Thrust; 2] = [
-    // With the preload some 1,200 N, and hardly any radial load.
-    Thrust {
-        time: DRILLING,
-        force: 800.0,
-    },
-    Thrust {
-        time: [17.8, 18.5],
-        force: 500.0,
-    },
+/// The tool bends, the holder hits, the tool breaks: `(ms, N)`, as for all pushes.
+const CRASHING: &[(f64, f64)] = &[
+    (0.0, 0.0),
+    (9.0, 2700.0),
+    (30.0, 2700.0),
+    (36.0, 4500.0),
+    (75.0, 4500.0),
+    (80.0, 2600.0),
+    (90.0, 2400.0),
+    (95.0, 0.0),
 ];
-
-/// A force that comes and goes.
-struct Push {
-    /// When it begins, s.
-    from: f64,
-    /// Force along x, y and z, parts of 1.
-    along: [f64; 3],
-    /// Its course, `(ms, N)`, straight between these points.
-    course: &'static [(f64, f64)],
-}
-
 /// Up and down by 200 N/ms.
 const RADIAL_RAMP: &[(f64, f64)] = &[(0.0, 0.0), (7.5, 1500.0), (40.0, 1500.0), (47.5, 0.0)];
 const AXIAL_RAMP: &[(f64, f64)] = &[(0.0, 0.0), (10.0, 2000.0), (40.0, 2000.0), (50.0, 0.0)];
 
-const PUSHES: [Push; 4] = [
-    // The tool bends, the holder hits, the tool breaks.
-    Push {
-        from: CRASH[0],
-        along: [AXIAL, 0.8, -0.6],
-        course: &[
-            (0.0, 0.0),
-            (9.0, 2700.0),
-            (30.0, 2700.0),
-            (36.0, 4500.0),
-            (75.0, 4500.0),
-            (80.0, 2600.0),
-            (90.0, 2400.0),
-            (95.0, 0.0),
-        ],
-    },
-    Push {
-        from: 18.65,
-        along: [0.0, 1.0, 0.0],
-        course: RADIAL_RAMP,
-    },
-    Push {
-        from: 18.8,
-        along: [0.0, 0.0, -1.0],
-        course: RADIAL_RAMP,
-    },
-    Push {
-        from: 18.95,
-        along: [1.0, 0.0, 0.0],
-        course: AXIAL_RAMP,
-    },
+/// Forces that come and go: when they begin, s; their parts along x, y and z; their course, straight between its points.
+const PUSHES: [(f64, [f64; 3], &[(f64, f64)]); 4] = [
+    (CRASH[0], [AXIAL, 0.8, -0.6], CRASHING),
+    (18.65, [0.0, 1.0, 0.0], RADIAL_RAMP),
+    (18.8, [0.0, 0.0, -1.0], RADIAL_RAMP),
+    (18.95, [1.0, 0.0, 0.0], AXIAL_RAMP),
 ];
 
 /// What pushes the shaft at the nose while the tool is changed, `(s, N)`.
@@ -274,7 +194,7 @@ pub fn milling_cycle() -> Vec<LoadRow> {
 
 /// The recording of one cycle.
 pub fn recorded(place: Place) -> Vec<LoadRow> {
-    let mut noise = Noise(0x5EED_0FB7_005C);
+    let mut random = Random::seeded(0x5EED_0FB7_005C);
     let mut turns = 0.0;
     let mut heat = 0.0;
     let mut hard = 0.5;
@@ -282,12 +202,9 @@ pub fn recorded(place: Place) -> Vec<LoadRow> {
     (0..=LENGTH_MS)
         .map(|ms| {
             let time = f64::from(ms) / 1e3;
-            let tool = TOOLS
-                .iter()
-                .rfind(|tool| time >= tool.from)
-                .unwrap_or(&TOOLS[0]);
+            let tool = &TOOLS[usize::from(time >= TOOLS[1].from)];
             // Part of the material's hardness that varies, 0 to 1.
-            hard += 0.01 * (noise.uniform() - hard);
+            hard += 0.01 * (random.between(0.0, 1.0) - hard);
             let material = 0.9 + 0.1 * hard;
             let effort: f64 = CUTS
                 .iter()
@@ -304,21 +221,22 @@ pub fn recorded(place: Place) -> Vec<LoadRow> {
             let unbalance = tool.unbalance * omega * omega;
             let mut axial = 0.0;
             let mut radial = [unbalance * libm::cos(angle), unbalance * libm::sin(angle)];
-            for cut in &CUTS {
-                let share = material * presence(cut.time, time);
-                let [x, y, z] = cut.force_of(tool, turns);
+            let mut add = |share: f64, [x, y, z]: [f64; 3]| {
                 axial += share * x;
                 radial[0] += share * y;
                 radial[1] += share * z;
+            };
+            for cut in &CUTS {
+                add(
+                    material * presence(cut.time, time),
+                    cut.force_of(tool, turns),
+                );
             }
-            for thrust in &THRUSTS {
-                axial += thrust.force * material * presence(thrust.time, time);
+            for (span, force) in THRUSTS {
+                add(material * presence(span, time), [force, 0.0, 0.0]);
             }
-            for push in &PUSHES {
-                let force = straight(push.course, 1e3 * (time - push.from));
-                axial += force * push.along[0];
-                radial[0] += force * push.along[1];
-                radial[1] += force * push.along[2];
+            for (from, along, course) in PUSHES {
+                add(straight(course, 1e3 * (time - from)), along);
             }
             let temperatures = WARM.map(|[start, more]| rounded(start + more * heat, 100.0));
             let (part, held, arm, askew, temperatures) = match place {
@@ -332,18 +250,18 @@ pub fn recorded(place: Place) -> Vec<LoadRow> {
                 }
             };
             let axial = held + part * axial;
-            let [fy, fz] = radial.map(|force| part * force + 1.2 * noise.next());
+            let [fy, fz] = radial.map(|force| part * force + 1.2 * noise(&mut random));
             LoadRow {
                 time_s: time,
                 load: [
-                    rounded(axial + 1.5 * noise.next(), 10.0),
+                    rounded(axial + 1.5 * noise(&mut random), 10.0),
                     rounded(fy, 10.0),
                     rounded(fz, 10.0),
-                    rounded(askew[0] - arm * fz + 0.008 * noise.next(), 1e3),
-                    rounded(askew[1] + arm * fy + 0.008 * noise.next(), 1e3),
+                    rounded(askew[0] - arm * fz + 0.008 * noise(&mut random), 1e3),
+                    rounded(askew[1] + arm * fy + 0.008 * noise(&mut random), 1e3),
                 ],
                 // The encoder counts, and so does not see movement where there is none.
-                speed_rpm: rounded(speed * (1.0 + 5e-5 * noise.next()), 1.0),
+                speed_rpm: rounded(speed * (1.0 + 5e-5 * noise(&mut random)), 1.0),
                 temperatures,
             }
         })
@@ -351,6 +269,15 @@ pub fn recorded(place: Place) -> Vec<LoadRow> {
 }
 
 impl Cut {
+    const fn new(time: [f64; 2], towards: f64, force: f64, engaged: f64) -> Self {
+        Self {
+            time,
+            towards,
+            force,
+            engaged,
+        }
+    }
+
     /// Force on the cutter along x, y and z after so many turns of the spindle.
     fn force_of(&self, tool: &Tool, turns: f64) -> [f64; 3] {
         let teeth = f64::from(tool.teeth);
@@ -392,12 +319,12 @@ fn curve(points: &[(f64, f64)], x: f64, shape: impl Fn(f64) -> f64) -> f64 {
     y0 + (y1 - y0) * shape((x - x0) / (x1 - x0))
 }
 
-/// The same, smooth between points.
+/// Value at a time of a curve that is smooth between points.
 fn profile(points: &[(f64, f64)], time: f64) -> f64 {
     curve(points, time, smooth)
 }
 
-/// The same, straight between points.
+/// Value at `x` of a curve that is straight between points.
 fn straight(points: &[(f64, f64)], x: f64) -> f64 {
     curve(points, x, |part| part)
 }
@@ -407,21 +334,7 @@ fn rounded(x: f64, per_unit: f64) -> f64 {
     (x * per_unit).round() / per_unit + 0.0
 }
 
-/// Noise of standard deviation 1: the sum of twelve uniform numbers of a splitmix64 generator.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-    }
-
-    /// From 0 to 1.
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        x ^= x >> 31;
-        (x >> 11) as f64 / (1u64 << 53) as f64
-    }
+/// Noise of standard deviation 1: the sum of twelve uniform numbers.
+fn noise(random: &mut Random) -> f64 {
+    (0..12).map(|_| random.between(0.0, 1.0)).sum::<f64>() - 6.0
 }

@@ -41,10 +41,9 @@ const CUTS: [(u32, [f64; 2]); 9] = [
     (1650, [0.0, 0.0]),
 ];
 
-/// What holds at a time.
-fn at<T: Copy>(table: &[(u32, T)], first: T, time: u32) -> T {
-    let before = table.iter().take_while(|(from, _)| *from <= time);
-    before.last().map_or(first, |(_, value)| *value)
+/// Value at a time. Every table begins at 0.
+fn at<T: Copy>(table: &[(u32, T)], time: u32) -> T {
+    table[table.partition_point(|(from, _)| *from <= time) - 1].1
 }
 
 /// The recording.
@@ -52,14 +51,14 @@ pub fn warm_up() -> Vec<LoadRow> {
     let (mut speed, mut inner, mut outer) = (0.0_f64, ROOM, ROOM);
     let row = |time: u32| {
         // The drive reaches a new speed in some ten seconds.
-        speed += 0.3 * (at(&SPEED, 0.0, time) - speed);
+        speed += 0.3 * (at(&SPEED, time) - speed);
         if time >= 1700 + 60 {
             speed = 0.0;
         }
         let heat = libm::pow(speed / 12_000.0, 1.6);
         inner += (ROOM + 22.0 * heat - inner) / 240.0;
         outer += (ROOM + 12.0 * heat - outer) / 600.0;
-        let [radial, axial] = at(&CUTS, [0.0; 2], time);
+        let [radial, axial] = at(&CUTS, time);
         // The cutter feeds round a pocket.
         let turn = TAU * f64::from(time) / 37.0;
         let (fy, fz) = (radial * libm::cos(turn), radial * libm::sin(turn));

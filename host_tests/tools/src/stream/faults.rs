@@ -1,5 +1,6 @@
 //! Faults, when they come, and what they do to the stream. The same for the same seed and recording.
 
+use host_tests::cases::Random;
 use spindle_bearing::record::{DELIMITER, FRAME_LENGTH, LoadRecord, encode};
 use std::fmt;
 
@@ -68,21 +69,9 @@ pub struct Episode {
     pub until: usize,
 }
 
-/// SplitMix64: small, and the same everywhere.
-pub struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: u64) -> u64 {
-        self.next() % n.max(1)
-    }
+/// A whole number below `n`.
+fn below(random: &mut Random, n: u64) -> u64 {
+    random.bits() % n
 }
 
 /// Ticks for each fault, the calm after it included.
@@ -92,7 +81,7 @@ const LEAD: usize = 500;
 
 /// The faults of a run: all kinds in a shuffled order, again and again.
 pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
-    let mut dice = Dice(seed);
+    let mut random = Random::seeded(seed);
     let highest = records.iter().map(|r| r.speed_rpm).fold(0.0, f32::max);
     let mut episodes = Vec::new();
     let mut kinds: Vec<(Fault, &str, [u64; 2])> = Vec::new();
@@ -101,7 +90,7 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
         if kinds.is_empty() {
             kinds.extend(FAULTS);
             for i in (1..kinds.len()).rev() {
-                kinds.swap(i, dice.below(i as u64 + 1) as usize);
+                kinds.swap(i, below(&mut random, i as u64 + 1) as usize);
             }
         }
         let full_speed = highest > 0.0 && records[at].speed_rpm >= 0.95 * highest;
@@ -115,8 +104,8 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
         let index = if full_speed { lost.or(other) } else { other };
         if let Some(index) = index {
             let (fault, _, [least, most]) = kinds.remove(index);
-            let length = least + dice.below(most - least + 1);
-            let from = at + dice.below(40) as usize;
+            let length = least + below(&mut random, most - least + 1);
+            let from = at + below(&mut random, 40) as usize;
             episodes.push(Episode {
                 fault,
                 from,
@@ -142,7 +131,7 @@ pub struct Spoilt {
 /// Spoils the frame of a record.
 pub struct Spoiler {
     episodes: Vec<Episode>,
-    dice: Dice,
+    random: Random,
     /// What a stuck channel is stuck at.
     stuck: Option<f32>,
     damaged: usize,
@@ -153,7 +142,7 @@ impl Spoiler {
     pub fn new(seed: u64, episodes: Vec<Episode>) -> Self {
         Self {
             episodes,
-            dice: Dice(!seed),
+            random: Random::seeded(!seed),
             stuck: None,
             damaged: 0,
         }
@@ -190,7 +179,7 @@ impl Spoiler {
         let mut stuck = None;
         for episode in self.at(tick) {
             match episode.fault {
-                Fault::Dropped => times = self.dice.below(2),
+                Fault::Dropped => times = below(&mut self.random, 2),
                 Fault::Corrupt => corrupt = true,
                 Fault::Repeated => times = 2,
                 Fault::Silence => times = 0,
