@@ -24,13 +24,7 @@ import math
 import sys
 
 # ROSS's coefficient, and the table's column: its force, then its displacement.
-COEFFICIENTS = {
-    "kxx": "k_y_y",
-    "kxy": "k_y_z",
-    "kyx": "k_z_y",
-    "kyy": "k_z_z",
-    "kzz": "k_x_x",
-}
+COEFFICIENTS = {"kxx": "k_y_y", "kxy": "k_y_z", "kyx": "k_z_y", "kyy": "k_z_z", "kzz": "k_x_x"}
 LOADS = ("fx_n", "fy_n", "fz_n", "my_nm", "mz_nm")
 
 
@@ -48,22 +42,21 @@ def read_table(path, load=None, place="k"):
     found, loads = {}, set()
     with open(path, newline="", encoding="utf-8") as file:
         rows = csv.DictReader(file)
-        needed = ["status", "speed_rpm", *LOADS, *columns.values()]
-        missing = [name for name in needed if name not in (rows.fieldnames or ())]
-        if missing:
-            raise ValueError(f"{path}: the column {missing[0]} is missing; is this a table of cargo replay?")
+        for name in ["status", "speed_rpm", *LOADS, *columns.values()]:
+            if name not in (rows.fieldnames or ()):
+                raise ValueError(f"{path}: the column {name} is missing; is this a table of cargo replay?")
         for row in rows:
-            line = rows.line_num
             if any(float(row[name]) != wanted for name, wanted in load.items()):
                 continue
+            line = f"{path}: line {rows.line_num}"
             if not row[columns["kxx"]]:
-                raise ValueError(f"{path}: line {line}: no stiffness ({row['status']}); leave this speed out")
+                raise ValueError(f"{line}: no stiffness ({row['status']}); leave this speed out")
             loads.add(tuple(float(row[name]) for name in LOADS))
             if len(loads) > 1:
-                raise ValueError(f"{path}: line {line}: another load than above; pick one with load={{...}}")
+                raise ValueError(f"{line}: another load than above; pick one with load={{...}}")
             speed = float(row["speed_rpm"])
             if speed in found:
-                raise ValueError(f"{path}: line {line}: {speed} rpm is there twice")
+                raise ValueError(f"{line}: {speed} rpm is there twice")
             found[speed] = {name: float(row[column]) for name, column in columns.items()}
     if not found:
         raise ValueError(f"{path}: no row has this load")
@@ -91,69 +84,56 @@ def check():
     """Tests the mapping with a stand-in for ROSS's class, and with physics that no renaming of axes changes."""
     import os
     import tempfile
-
-    class Element:
-        def __init__(self, n, kxx, cxx, kyy=None, kxy=0, kyx=0, kzz=0, frequency=None, tag=None):
-            self.n, self.cxx, self.frequency, self.tag = n, cxx, frequency, tag
-            self.kxx, self.kxy, self.kyx, self.kyy, self.kzz = kxx, kxy, kyx, kyy, kzz
+    from types import SimpleNamespace as Element
 
     freedoms = ("x", "y", "z", "ty", "tz")
-    stiffness = [f"{{}}_{a}_{b}" for a in freedoms for b in freedoms]
-    header = ["time_s", "status", *(k.format("k") for k in stiffness), *(k.format("k_nose") for k in stiffness)]
-    header += ["limits", *LOADS, "speed_rpm"]
+    stiffness = [f"{place}_{a}_{b}" for place in ("k", "k_nose") for a in freedoms for b in freedoms]
+    header = ["time_s", "status", *stiffness, "limits", *LOADS, "speed_rpm"]
+    folder = tempfile.TemporaryDirectory()
+    path = os.path.join(folder.name, "table.csv")
 
-    def line(speed, fy, start):
-        numbers = [start + i for i in range(25)]
-        fields = [0, "converged", *numbers, *(100 + k for k in numbers), "", 300, fy, 0, 0, 0, speed]
-        return fields
+    def line(speed, fy=0, start=0):
+        nose = range(start + 100, start + 125)
+        return [0, "converged", *range(start, start + 25), *nose, "", 300, fy, 0, 0, 0, speed]
 
-    def refused(words, *args, **named):
+    def write(rows, head=header):
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([head, *rows])
+
+    def bearing(**named):
+        return bearing_element(path, 3, element=Element, **named)
+
+    def refused(words, rows, head=header, **named):
+        write(rows, head)
         try:
-            bearing_element(*args, element=Element, **named)
+            bearing(**named)
         except ValueError as error:
             assert words in str(error), error
         else:
             raise AssertionError(f"not refused: {words}")
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "table.csv")
+    # Out of order; the k-th column of a row is its start plus k, rows x y z ty tz by columns x y z ty tz.
+    rows = [line(speed, fy, 1000 * speed + fy) for fy in (0, 250) for speed in (60, 0, 90, 30)]
+    write(rows)
+    found = bearing(load={"fy_n": 250}, cxx=5.0, tag="front")
+    assert (found.n, found.cxx, found.tag) == (3, 5.0, "front")
+    assert all(math.isclose(a, b * math.pi) for a, b in zip(found.frequency, (0, 1, 2, 3), strict=True))
+    for name, column in {"kzz": 0, "kxx": 6, "kxy": 7, "kyx": 11, "kyy": 12}.items():
+        assert getattr(found, name) == [1000 * speed + 250 + column for speed in (0, 30, 60, 90)], name
+    assert bearing(load={"fy_n": 0}, place="k_nose").kxx[0] == 106
 
-        def write(rows, head=header):
-            with open(path, "w", newline="", encoding="utf-8") as file:
-                csv.writer(file).writerows([head, *rows])
-
-        # Out of order; the k-th column of a row is its start plus k, rows x y z ty tz by columns x y z ty tz.
-        write([line(speed, fy, 1000 * speed + fy) for fy in (0, 250) for speed in (60, 0, 90, 30)])
-        bearing = bearing_element(path, 3, load={"fy_n": 250}, cxx=5.0, tag="front", element=Element)
-        assert (bearing.n, bearing.cxx, bearing.tag) == (3, 5.0, "front")
-        assert all(math.isclose(a, b * math.pi) for a, b in zip(bearing.frequency, (0, 1, 2, 3), strict=True))
-        for found, column in (
-            (bearing.kzz, 0),
-            (bearing.kxx, 6),
-            (bearing.kxy, 7),
-            (bearing.kyx, 11),
-            (bearing.kyy, 12),
-        ):
-            assert found == [1000 * speed + 250 + column for speed in (0, 30, 60, 90)], (column, found)
-        nose = bearing_element(path, 3, load={"fy_n": 0}, place="k_nose", element=Element)
-        assert nose.kxx[0] == 106
-
-        refused("another load than above", path, 3)
-        refused("no row has this load", path, 3, load={"fy_n": 1})
-        refused("speed is no load", path, 3, load={"speed": 1})
-        write([line(30, 0, 0)])
-        constant = bearing_element(path, 0, element=Element)
-        assert constant.frequency is None
-        write([line(30, 0, 0), line(30, 0, 0)])
-        refused("30.0 rpm is there twice", path, 0)
-        write([line(-30, 0, 0)])
-        refused("must not be negative", path, 0)
-        write([[0, "unseated", *[""] * 51, 300, 0, 0, 0, 0, 30]])
-        refused("line 2: no stiffness (unseated)", path, 0)
-        write([], header[:5])
-        refused("the column speed_rpm is missing", path, 0)
-        write([], [name for name in header if name != "k_y_z"])
-        refused("the column k_y_z is missing", path, 0)
+    refused("another load than above", rows)
+    refused("no row has this load", rows, load={"fy_n": 1})
+    refused("speed is no load", rows, load={"speed": 1})
+    refused("30.0 rpm is there twice", [line(30), line(30)])
+    refused("must not be negative", [line(-30)])
+    refused("line 2: no stiffness (unseated)", [[0, "unseated", *[""] * 51, 300, 0, 0, 0, 0, 30]])
+    refused("the column speed_rpm is missing", [], header[:5])
+    refused("the column k_y_z is missing", [], [name for name in header if name != "k_y_z"])
+    write([line(30)])
+    constant = bearing()
+    folder.cleanup()
+    assert not hasattr(constant, "frequency")
 
     # ROSS's axes in the table's frame, where x, y and z are these. Both frames are right-handed, and the shaft turns
     # the same way in both: the table's from y to z about x, ROSS's from x to y about z.

@@ -5,12 +5,9 @@
 use arbitrary::{Arbitrary, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use spindle_bearing::{
-    AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, RingVector, Settings, Solver,
-    Speed, Static,
-};
-use spindle_bearing::{
-    BallState, Design, ErrorEstimate, FreeContact, InnerRaceControl, Material, OuterRaceControl,
-    Real, Status,
+    AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, FreeContact, Full, Given,
+    Growth, InnerRaceControl, Material, Motion, OuterRaceControl, Real, RingVector, Settings,
+    Solver, Speed, Static, Status,
 };
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -23,68 +20,28 @@ const MOST_ITERATIONS: u16 = 400;
 
 #[derive(Debug, Arbitrary)]
 struct Run {
-    balls: Balls,
-    precision: Precision,
-    motion: AnyMotion,
-    ring: Ring,
-    design: AnyDesign,
-    settings: AnySettings,
+    /// Numbers of the ball count, the precision, the motion and the freedoms of the ring.
+    scene: [u8; 4],
+    #[arbitrary(with = design)]
+    design: Design,
+    /// The default, or these.
+    #[arbitrary(with = settings)]
+    settings: Option<Settings<f64>>,
     #[arbitrary(with = steps)]
     steps: Vec<Step>,
 }
-
-#[derive(Debug, Arbitrary)]
-enum Balls {
-    Three,
-    Eight,
-    Sixteen,
-    ThirtyOne,
-}
-
-#[derive(Debug, Arbitrary)]
-enum Precision {
-    Single,
-    Double,
-}
-
-#[derive(Debug, Arbitrary)]
-enum AnyMotion {
-    Static,
-    Centrifugal,
-    Free,
-    Outer,
-    Inner,
-}
-
-/// The freedoms of the ring.
-#[derive(Debug, Arbitrary)]
-enum Ring {
-    Axial,
-    TiltsLocked,
-    Five,
-}
-
-#[derive(Debug)]
-struct AnyDesign(Design);
-
-/// The default, or these.
-#[derive(Debug)]
-struct AnySettings(Option<Settings<f64>>);
 
 /// Numbers relative to what the bearing can take.
 #[derive(Debug)]
 enum Step {
     /// Loads, or displacements, and a speed.
-    Solve([AnyGiven; 5], f64),
+    Solve([Given<f64>; 5], f64),
     /// The last loads, displacements and speed times these: mostly a warm start.
     Nudge([f64; 5], f64),
     /// Axial and radial growth of the rings, growth of the balls: for the solves to come.
     Grow([f64; 3]),
     Reset,
 }
-
-#[derive(Debug, Clone, Copy)]
-struct AnyGiven(Given<f64>);
 
 /// Mostly a number of the range, sometimes an end of it, now and then any number at all.
 fn number(u: &mut Unstructured, least: f64, most: f64) -> Result<f64> {
@@ -97,7 +54,7 @@ fn number(u: &mut Unstructured, least: f64, most: f64) -> Result<f64> {
     })
 }
 
-/// The same, with all orders of magnitude alike.
+/// A number with all orders of magnitude alike.
 fn magnitude(u: &mut Unstructured, least: f64, most: f64) -> Result<f64> {
     Ok(10f64.powf(number(u, least.log10(), most.log10())?))
 }
@@ -132,91 +89,87 @@ fn material(u: &mut Unstructured) -> Result<Material> {
     })
 }
 
-impl<'a> Arbitrary<'a> for AnyDesign {
-    fn arbitrary(u: &mut Unstructured<'a>) -> Result<Self> {
-        let mut design = Design {
-            ball_diameter: magnitude(u, 1e-5, 10.0)?,
-            pitch_diameter: magnitude(u, 1.01, 1e4)?,
-            inner_groove_factor: number(u, 0.501, 0.7)?,
-            outer_groove_factor: number(u, 0.501, 0.7)?,
-            free_contact: FreeContact::Angle(number(u, 0.0, 1.4)?),
-            inner_shoulder_angle: number(u, 1.4, 1.6)?,
-            outer_shoulder_angle: number(u, 1.4, 1.6)?,
-            first_ball: number(u, -7.0, 7.0)?,
-            ring: material(u)?,
-            ball: material(u)?,
-        };
-        design.pitch_diameter *= design.ball_diameter;
-        if u.arbitrary()? {
-            let clearance = number(u, 0.0, 1.66)? * design.centre_distance();
-            design.free_contact = FreeContact::DiametralClearance(clearance);
-        }
-        Ok(Self(design))
+fn design(u: &mut Unstructured) -> Result<Design> {
+    let mut design = Design {
+        ball_diameter: magnitude(u, 1e-5, 10.0)?,
+        pitch_diameter: magnitude(u, 1.01, 1e4)?,
+        inner_groove_factor: number(u, 0.501, 0.7)?,
+        outer_groove_factor: number(u, 0.501, 0.7)?,
+        free_contact: FreeContact::Angle(number(u, 0.0, 1.4)?),
+        inner_shoulder_angle: number(u, 1.4, 1.6)?,
+        outer_shoulder_angle: number(u, 1.4, 1.6)?,
+        first_ball: number(u, -7.0, 7.0)?,
+        ring: material(u)?,
+        ball: material(u)?,
+    };
+    design.pitch_diameter *= design.ball_diameter;
+    if u.arbitrary()? {
+        let clearance = number(u, 0.0, 1.66)? * design.centre_distance();
+        design.free_contact = FreeContact::DiametralClearance(clearance);
     }
+    Ok(design)
 }
 
-impl<'a> Arbitrary<'a> for AnySettings {
-    fn arbitrary(u: &mut Unstructured<'a>) -> Result<Self> {
-        Ok(Self(match u.arbitrary::<u8>()? {
-            0..=191 => None,
-            192.. => Some(Settings {
-                max_iterations: u.int_in_range(0..=MOST_ITERATIONS)?,
-                tolerance: signed(u, 1e-20, 1.0)?,
-            }),
-        }))
+fn settings(u: &mut Unstructured) -> Result<Option<Settings<f64>>> {
+    if u.ratio(3, 4)? {
+        return Ok(None);
     }
+    Ok(Some(Settings {
+        max_iterations: u.int_in_range(0..=MOST_ITERATIONS)?,
+        tolerance: signed(u, 1e-20, 1.0)?,
+    }))
+}
+
+/// Mostly a load.
+fn given(u: &mut Unstructured) -> Result<Given<f64>> {
+    Ok(if u.ratio(3, 4)? {
+        Given::Load(signed(u, 1e-12, 10.0)?)
+    } else {
+        Given::Displacement(signed(u, 1e-9, 3.0)?)
+    })
 }
 
 fn steps(u: &mut Unstructured) -> Result<Vec<Step>> {
-    u.arbitrary_iter()?.take(MOST_STEPS).collect()
-}
-
-impl<'a> Arbitrary<'a> for AnyGiven {
-    /// Mostly a load.
-    fn arbitrary(u: &mut Unstructured<'a>) -> Result<Self> {
-        Ok(Self(match u.arbitrary::<u8>()? {
-            0..=191 => Given::Load(signed(u, 1e-12, 10.0)?),
-            192.. => Given::Displacement(signed(u, 1e-9, 3.0)?),
-        }))
+    let mut steps = Vec::new();
+    while steps.len() < MOST_STEPS && !u.is_empty() {
+        steps.push(match u.int_in_range(0..=7)? {
+            0..=3 => {
+                let given = [given(u)?, given(u)?, given(u)?, given(u)?, given(u)?];
+                Step::Solve(given, signed(u, 1e-6, 3.0)?)
+            }
+            4..=5 => Step::Nudge(several(u, 0.3, 3.0)?, signed(u, 0.3, 3.0)?),
+            6 => Step::Grow(several(u, 1e-6, 0.3)?),
+            _ => Step::Reset,
+        });
     }
-}
-
-impl<'a> Arbitrary<'a> for Step {
-    fn arbitrary(u: &mut Unstructured<'a>) -> Result<Self> {
-        Ok(match u.int_in_range(0..=7)? {
-            0..=3 => Self::Solve(u.arbitrary()?, signed(u, 1e-6, 3.0)?),
-            4..=5 => Self::Nudge(several(u, 0.3, 3.0)?, signed(u, 0.3, 3.0)?),
-            6 => Self::Grow(several(u, 1e-6, 0.3)?),
-            _ => Self::Reset,
-        })
-    }
+    Ok(steps)
 }
 
 fuzz_target!(|run: Run| {
-    match run.balls {
-        Balls::Three => with_balls::<3>(&run),
-        Balls::Eight => with_balls::<8>(&run),
-        Balls::Sixteen => with_balls::<16>(&run),
-        Balls::ThirtyOne => with_balls::<31>(&run),
+    match run.scene[0] % 4 {
+        0 => with_balls::<3>(&run),
+        1 => with_balls::<8>(&run),
+        2 => with_balls::<16>(&run),
+        _ => with_balls::<31>(&run),
     }
 });
 
 fn with_balls<const N: usize>(run: &Run) {
-    match run.precision {
-        Precision::Single => in_precision::<f32, N>(run),
-        Precision::Double => in_precision::<f64, N>(run),
+    match run.scene[1] % 2 {
+        0 => in_precision::<f32, N>(run),
+        _ => in_precision::<f64, N>(run),
     }
 }
 
 fn in_precision<T: Real, const N: usize>(run: &Run) {
-    match Bearing::<T, N>::build(&run.design.0) {
+    match Bearing::<T, N>::build(&run.design) {
         Err(error) => assert!(!(error.value >= error.least && error.value <= error.most)),
-        Ok(bearing) => match run.motion {
-            AnyMotion::Static => with_ring::<T, N, Static>(run, &bearing),
-            AnyMotion::Centrifugal => with_ring::<T, N, Centrifugal>(run, &bearing),
-            AnyMotion::Free => with_ring::<T, N, Full>(run, &bearing),
-            AnyMotion::Outer => with_ring::<T, N, Full<OuterRaceControl>>(run, &bearing),
-            AnyMotion::Inner => with_ring::<T, N, Full<InnerRaceControl>>(run, &bearing),
+        Ok(bearing) => match run.scene[2] % 5 {
+            0 => with_ring::<T, N, Static>(run, &bearing),
+            1 => with_ring::<T, N, Centrifugal>(run, &bearing),
+            2 => with_ring::<T, N, Full>(run, &bearing),
+            3 => with_ring::<T, N, Full<OuterRaceControl>>(run, &bearing),
+            _ => with_ring::<T, N, Full<InnerRaceControl>>(run, &bearing),
         },
     }
 }
@@ -225,10 +178,19 @@ fn with_ring<T: Real, const N: usize, M: Motion + Copy + Debug>(
     run: &Run,
     bearing: &Bearing<T, N>,
 ) {
-    match run.ring {
-        Ring::Axial => solve(run, N, || AxialSolver::<T, N, M>::of(bearing)),
-        Ring::TiltsLocked => solve(run, N, || Solver::<T, N, M, 3>::of(bearing)),
-        Ring::Five => solve(run, N, || Solver::<T, N, M, 5>::of(bearing)),
+    match run.scene[3] % 3 {
+        0 => {
+            let fresh = || AxialSolver::<T, N, M>::of(bearing);
+            solve(run, N, fresh, AxialSolver::reset, ask_axial);
+        }
+        1 => {
+            let fresh = || Solver::<T, N, M, 3>::of(bearing);
+            solve(run, N, fresh, Solver::reset, ask);
+        }
+        _ => {
+            let fresh = || Solver::<T, N, M, 5>::of(bearing);
+            solve(run, N, fresh, Solver::reset, ask);
+        }
     }
 }
 
@@ -252,70 +214,51 @@ struct Answer<T> {
     inner_forces: Vec<T>,
 }
 
-/// A solver of a ring with 1, 3 or 5 freedoms.
-trait AnySolver<T>: Copy {
-    fn ask(
-        &mut self,
-        question: &Question<T>,
-        settings: &Settings<T>,
-    ) -> std::result::Result<Answer<T>, Status<T>>;
-    fn reset(&mut self);
-}
+type Asked<T> = std::result::Result<Answer<T>, Status<T>>;
 
-impl<T: Real, const N: usize, M: Motion + Copy, const D: usize> AnySolver<T>
-    for Solver<'_, T, N, M, D>
+/// Asks a solver of a ring with 3 or 5 freedoms.
+fn ask<T: Real, const N: usize, M: Motion, const D: usize>(
+    solver: &mut Solver<'_, T, N, M, D>,
+    question: &Question<T>,
+    settings: &Settings<T>,
+) -> Asked<T>
 where
     [T; D]: RingVector,
 {
-    fn ask(
-        &mut self,
-        question: &Question<T>,
-        settings: &Settings<T>,
-    ) -> std::result::Result<Answer<T>, Status<T>> {
-        let given = from_fn(|i| question.given[i]);
-        let speed = Speed::rad_per_s(question.omega);
-        let s = self.solve_at(&given, speed, &question.growth, settings)?;
-        let mut figures = s.stiffness().concat();
-        figures.extend(s.displacement);
-        figures.extend(s.load);
-        figures.extend(s.cage_speeds());
-        Ok(Answer {
-            status: s.status,
-            iterations: s.iterations,
-            error: s.error,
-            figures,
-            balls: s.balls().collect(),
-            inner_forces: s.inner_forces().collect(),
-        })
-    }
-
-    fn reset(&mut self) {
-        Solver::reset(self);
-    }
+    let given = from_fn(|i| question.given[i]);
+    let speed = Speed::rad_per_s(question.omega);
+    let s = solver.solve_at(&given, speed, &question.growth, settings)?;
+    let mut figures = s.stiffness().concat();
+    figures.extend(s.displacement);
+    figures.extend(s.load);
+    figures.extend(s.cage_speeds());
+    Ok(Answer {
+        status: s.status,
+        iterations: s.iterations,
+        error: s.error,
+        figures,
+        balls: s.balls().collect(),
+        inner_forces: s.inner_forces().collect(),
+    })
 }
 
-impl<T: Real, const N: usize, M: Motion + Copy> AnySolver<T> for AxialSolver<'_, T, N, M> {
-    fn ask(
-        &mut self,
-        question: &Question<T>,
-        settings: &Settings<T>,
-    ) -> std::result::Result<Answer<T>, Status<T>> {
-        let speed = Speed::rad_per_s(question.omega);
-        let s = self.solve_at(question.given[0], speed, &question.growth, settings)?;
-        let ball = s.ball();
-        Ok(Answer {
-            status: s.status,
-            iterations: s.iterations,
-            error: s.error,
-            figures: vec![s.stiffness(), s.displacement, s.load],
-            balls: vec![ball],
-            inner_forces: vec![ball.q_i],
-        })
-    }
-
-    fn reset(&mut self) {
-        AxialSolver::reset(self);
-    }
+/// Asks a solver of a ring with one freedom.
+fn ask_axial<T: Real, const N: usize, M: Motion>(
+    solver: &mut AxialSolver<'_, T, N, M>,
+    question: &Question<T>,
+    settings: &Settings<T>,
+) -> Asked<T> {
+    let speed = Speed::rad_per_s(question.omega);
+    let s = solver.solve_at(question.given[0], speed, &question.growth, settings)?;
+    let ball = s.ball();
+    Ok(Answer {
+        status: s.status,
+        iterations: s.iterations,
+        error: s.error,
+        figures: vec![s.stiffness(), s.displacement, s.load],
+        balls: vec![ball],
+        inner_forces: vec![ball.q_i],
+    })
 }
 
 /// What the bearing can take, to an order of magnitude.
@@ -343,7 +286,7 @@ impl Scale {
         }
     }
 
-    fn given<T: Real>(&self, i: usize, AnyGiven(given): AnyGiven) -> Given<T> {
+    fn given<T: Real>(&self, i: usize, given: Given<f64>) -> Given<T> {
         match given {
             Given::Load(x) => Given::Load(T::of(x * self.load[i])),
             Given::Displacement(x) => Given::Displacement(T::of(x * self.displacement[i])),
@@ -358,9 +301,15 @@ fn times<T: Real>(given: Given<T>, factor: f64) -> Given<T> {
     }
 }
 
-fn solve<T: Real, S: AnySolver<T>>(run: &Run, balls: usize, fresh: impl Fn() -> S) {
-    let scale = Scale::of(&run.design.0, balls);
-    let settings = run.settings.0.map_or_else(Settings::default, |s| Settings {
+fn solve<T: Real, S: Copy>(
+    run: &Run,
+    balls: usize,
+    fresh: impl Fn() -> S,
+    reset: impl Fn(&mut S),
+    ask: impl Fn(&mut S, &Question<T>, &Settings<T>) -> Asked<T>,
+) {
+    let scale = Scale::of(&run.design, balls);
+    let settings = run.settings.map_or_else(Settings::default, |s| Settings {
         max_iterations: s.max_iterations,
         tolerance: T::of(s.tolerance),
     });
@@ -371,11 +320,11 @@ fn solve<T: Real, S: AnySolver<T>>(run: &Run, balls: usize, fresh: impl Fn() -> 
             given: near.given.map(|given| times(given, 0.9)),
             ..*near
         };
-        format!("{:?}", solver.ask(&question, &Settings::default()))
+        format!("{:?}", ask(&mut solver, &question, &Settings::default()))
     };
     let mut solver = fresh();
     let light = [1e-4, 1e-5, 0.0, 1e-6, 0.0];
-    let light = from_fn(|i| scale.given(i, AnyGiven(Given::Load(light[i]))));
+    let light = from_fn(|i| scale.given(i, Given::Load(light[i])));
     let mut question = Question {
         given: light,
         omega: T::ZERO,
@@ -387,7 +336,7 @@ fn solve<T: Real, S: AnySolver<T>>(run: &Run, balls: usize, fresh: impl Fn() -> 
         let before = solver;
         match step {
             Step::Reset => {
-                solver.reset();
+                reset(&mut solver);
                 continue;
             }
             Step::Grow(lengths) => {
@@ -408,7 +357,7 @@ fn solve<T: Real, S: AnySolver<T>>(run: &Run, balls: usize, fresh: impl Fn() -> 
                 question.omega = question.omega * T::of(*factor);
             }
         }
-        let ended = inspect(solver.ask(&question, &settings), most);
+        let ended = inspect(ask(&mut solver, &question, &settings), most);
         match ended {
             Status::NotFinite { value, .. } => assert!(!value.is_finite()),
             Status::OutOfRange { value, limit, .. } => {
@@ -440,25 +389,16 @@ fn solve<T: Real, S: AnySolver<T>>(run: &Run, balls: usize, fresh: impl Fn() -> 
 }
 
 /// Looks at every figure of an answer; returns how the solve ended.
-fn inspect<T: Real>(
-    answer: std::result::Result<Answer<T>, Status<T>>,
-    most_iterations: u16,
-) -> Status<T> {
-    let answer = match answer {
-        Ok(answer) => answer,
-        Err(status) => {
-            assert!(
-                !matches!(status, Status::Converged | Status::PrecisionLimit),
-                "{status:?} without an answer"
-            );
-            return status;
-        }
+fn inspect<T: Real>(answer: Asked<T>, most_iterations: u16) -> Status<T> {
+    let is_answer = answer.is_ok();
+    let status = answer
+        .as_ref()
+        .map_or_else(|status| *status, |answer| answer.status);
+    let is_good = matches!(status, Status::Converged | Status::PrecisionLimit);
+    assert_eq!(is_answer, is_good, "{status:?}");
+    let Ok(answer) = answer else {
+        return status;
     };
-    let status = answer.status;
-    assert!(
-        matches!(status, Status::Converged | Status::PrecisionLimit),
-        "an answer to {status:?}"
-    );
     assert!(answer.iterations <= most_iterations);
     let numbers = |values: &[T]| values.iter().all(|x| x.is_finite());
     assert!(numbers(&answer.figures), "{answer:?}");
@@ -467,18 +407,11 @@ fn inspect<T: Real>(
         assert!(estimate >= T::ZERO, "{error:?}");
     }
     for (ball, force) in answer.balls.iter().zip(&answer.inner_forces) {
+        let angles = [ball.azimuth, ball.alpha_i, ball.alpha_o];
+        let contacts = [ball.q_i, ball.q_o, ball.delta_i, ball.delta_o];
+        let inertia = [ball.centrifugal_force, ball.gyroscopic_moment];
         assert!(
-            numbers(&[
-                ball.azimuth,
-                ball.alpha_i,
-                ball.alpha_o,
-                ball.q_i,
-                ball.q_o,
-                ball.delta_i,
-                ball.delta_o,
-                ball.centrifugal_force,
-                ball.gyroscopic_moment,
-            ]),
+            numbers(&angles) && numbers(&contacts) && numbers(&inertia),
             "{status:?}, {ball:?}"
         );
         assert!(ball.q_i >= T::ZERO && ball.q_o >= T::ZERO, "{ball:?}");
