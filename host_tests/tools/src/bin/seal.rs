@@ -1,26 +1,13 @@
-//! `seal ELF...`: cargo's way from a firmware to a board. Writes the firmware with its seal beside it, and hands that to
-//! the program that flashes it.
+//! `seal [PROGRAM ...] ELF [...]`: cargo's way from a firmware to a board. Writes the firmware with its seal beside it, as
+//! `.sealed`, and calls the program with that copy in the place of the firmware. Without a program, only the copy is made.
 
-use anyhow::{Context, Result, bail};
-use clap::Parser;
+use anyhow::{Context, Result};
 use std::fs;
-use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 use tools::seal::sealed;
 
-/// Writes what a firmware's self-checks expect into a copy of it, and calls a program with that copy.
-///
-/// The last argument is the firmware; the copy is beside it, as `.sealed`.
-#[derive(Parser, Debug)]
-#[command(name = "seal")]
-struct Arguments {
-    /// The program and its arguments, the firmware among them; without a program, only the copy is made
-    #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
-    command: Vec<String>,
-}
-
 fn main() -> ExitCode {
-    match run(Arguments::parse()) {
+    match run(std::env::args().skip(1).collect()) {
         Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error:#}");
@@ -29,34 +16,22 @@ fn main() -> ExitCode {
     }
 }
 
-/// The first argument that is a file of an ELF program.
-fn firmware(arguments: &[String]) -> Option<(usize, Vec<u8>)> {
-    let read = |path: &String| fs::read(path).ok().filter(|of| of.starts_with(b"\x7fELF"));
-    let mut files = arguments.iter().map(read).enumerate();
-    files.find_map(|(i, file)| Some((i, file?)))
-}
-
-fn run(Arguments { mut command }: Arguments) -> Result<ExitCode> {
-    let Some((at, elf)) = firmware(&command) else {
-        bail!("there is no firmware among the arguments");
-    };
-    let mut path = PathBuf::from(&command[at]).into_os_string();
-    path.push(".sealed");
-    let of = || format!("{}", path.display());
-    let sealed = sealed(&elf).with_context(|| format!("cannot seal {}", command[at]))?;
-    fs::write(&path, sealed).with_context(|| format!("cannot write {}", of()))?;
+fn run(mut command: Vec<String>) -> Result<ExitCode> {
+    let is_elf = |path: &String| fs::read(path).is_ok_and(|file| file.starts_with(b"\x7fELF"));
+    let at = command.iter().position(is_elf);
+    let at = at.context("there is no firmware among the arguments")?;
+    let path = format!("{}.sealed", command[at]);
+    let sealed = sealed(&fs::read(&command[at])?);
+    let sealed = sealed.with_context(|| format!("cannot seal {}", command[at]))?;
+    fs::write(&path, sealed).with_context(|| format!("cannot write {path}"))?;
     if at == 0 {
-        println!("{}", of());
+        println!("{path}");
         return Ok(ExitCode::SUCCESS);
     }
-    command[at] = of();
-    let program = command.remove(0);
-    let status = Command::new(&program)
-        .args(&command)
-        .status()
-        .with_context(|| format!("cannot run {program}"))?;
-    Ok(match status.code().map(u8::try_from) {
-        Some(Ok(code)) => ExitCode::from(code),
-        _ => ExitCode::FAILURE,
-    })
+    command[at] = path;
+    let program = &command[0];
+    let status = Command::new(program).args(&command[1..]).status();
+    let status = status.with_context(|| format!("cannot run {program}"))?;
+    let code = status.code().and_then(|code| u8::try_from(code).ok());
+    Ok(code.map_or(ExitCode::FAILURE, ExitCode::from))
 }
