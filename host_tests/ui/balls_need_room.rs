@@ -1,19 +1,7 @@
 //~ this bearing cannot be built: ball diameter D must be
-use spindle_bearing::Bearing;
-use spindle_bearing::{Design, FreeContact, Material};
+use spindle_bearing::{Bearing, Design};
 
-const DESIGN: Design = Design {
-    ball_diameter: 6.35e-3,
-    pitch_diameter: 36e-3,
-    inner_groove_factor: 0.515,
-    outer_groove_factor: 0.525,
-    free_contact: FreeContact::Angle(0.26),
-    inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-    outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-    first_ball: 0.0,
-    ring: Material::STEEL,
-    ball: Material::STEEL,
-};
+const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 0.26);
 
 #[cfg(good)]
 pub static BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&DESIGN);
