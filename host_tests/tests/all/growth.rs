@@ -1,51 +1,39 @@
 //! Bearings whose rings and balls have grown.
 
-use super::solves::{Balls, PRECISIONS, Question, SKEW, forces, lengths, solver, vector_error};
+use super::solves::{
+    BALL_COUNTS, Balls, PRECISIONS, Question, SKEW, forces, lengths, solver, vector_error,
+};
 use host_tests::cases::{self, B7005C};
-use host_tests::compare::{Errors, worse};
 use host_tests::dispatch::Precision;
 use spindle_bearing::{Expansion, FreeContact, Growth};
 
 #[test]
 fn rows_of_solved_sets_have_their_loads_and_displacements() {
-    let mut worst = Errors::default();
-    for row in cases::rows_of_sets() {
-        let (design, omega) = (&row.case.design, row.case.omega);
-        let balls = row.case.attitude.into();
-        let mut solver = solver(design, row.case.balls, Precision::F64, balls);
-        let growth = row.growth;
-        let mut ask = |question: Question| {
-            solver
-                .ask(&Question { growth, ..question })
-                .unwrap_or_else(|status| panic!("{}: {status}", row.case.name))
-        };
-        let (load, u) = (row.case.load, row.displacement);
-        let by_load = ask(Question::load(load, omega));
-        let by_displacement = ask(Question::displacement(u, omega));
-        let displacement = vector_error(by_load.u, u, lengths(design));
-        worst.displacement = worse(worst.displacement, displacement);
-        let force = vector_error(by_displacement.load, load, forces(design));
-        worst.force = worse(worst.force, force);
+    let rows = cases::rows_of_sets();
+    // The others' sets are judged as a whole.
+    let rows = rows
+        .iter()
+        .filter(|row| BALL_COUNTS.contains(&row.case.balls));
+    assert!(rows.clone().count() > 30);
+    for row in rows {
+        let (case, design) = (&row.case, &row.case.design);
+        let mut solver = solver(design, case.balls, Precision::F64, case.attitude.into());
+        let mut ask = |question: Question| solver.solve(&question.grown(row.growth));
+        let by_load = ask(Question::load(case.load, case.omega));
+        let by_displacement = ask(Question::displacement(row.displacement, case.omega));
+        let u = vector_error(by_load.u, row.displacement, lengths(design));
+        let load = vector_error(by_displacement.load, case.load, forces(design));
+        assert!(u < 1e-9 && load < 1e-10, "{}: {u:e}, {load:e}", case.name);
         for found in [&by_load, &by_displacement] {
-            let largest = row.balls.iter().map(|b| b[3]).fold(0.0, f64::max);
-            for (found, truth) in found.balls.iter().zip(&row.balls) {
-                for (a, b) in [(found.q_i, truth[2]), (found.q_o, truth[3])] {
-                    worst.force = worse(worst.force, (a - b).abs() / largest);
-                }
-                if truth[2] > 0.0 {
-                    let angle = (found.alpha_i - truth[0]).abs();
-                    worst.contact_angle = worse(worst.contact_angle, angle);
-                }
+            let largest = found.largest_force();
+            for (found, [alpha_i, _, q_i, q_o, ..]) in found.balls.iter().zip(&row.balls) {
+                let force = (found.q_i - q_i).abs().max((found.q_o - q_o).abs()) / largest;
+                let angle = (found.alpha_i - alpha_i).abs();
+                assert!(force < 1e-10, "{}: {force:e}", case.name);
+                assert!(*q_i == 0.0 || angle < 1e-10, "{}: {angle:e}", case.name);
             }
         }
     }
-    let allowed = Errors {
-        displacement: 1e-9,
-        contact_angle: 1e-10,
-        force: 1e-10,
-        stiffness: 0.0,
-    };
-    assert!(worst.within(allowed), "{worst}");
 }
 
 #[test]
@@ -55,14 +43,11 @@ fn growth_of_nothing_changes_no_bit() {
         for step in 0..20 {
             let load = SKEW.map(|f| f * (1.0 + 0.01 * f64::from(step)));
             let question = Question::load(load, 2094.0);
-            let grown = Question {
-                growth: Growth {
-                    axial: -0.0,
-                    ..Growth::NONE
-                },
-                ..question
+            let none = Growth {
+                axial: -0.0,
+                ..Growth::NONE
             };
-            assert_eq!(without.ask(&question), with.ask(&grown));
+            assert_eq!(without.ask(&question), with.ask(&question.grown(none)));
         }
     }
 }
@@ -79,10 +64,7 @@ fn a_bearing_that_warms_up_is_followed() {
                 radial: 9e-6 * share,
                 ball: 1e-6 * share,
             };
-            let question = Question {
-                growth,
-                ..Question::load(SKEW, 2094.0)
-            };
+            let question = Question::load(SKEW, 2094.0).grown(growth);
             let found = warm.solve(&question);
             let cold = solver(&B7005C, 16, Precision::F64, balls).solve(&question);
             let u = vector_error(found.u, cold.u, lengths(&B7005C));
@@ -164,17 +146,14 @@ fn a_ring_on_a_shaft_grows_until_both_press_each_other_alike() {
         let [ring, rim] = displacements([seat, groove], 0.0, [pressure, 0.0]);
         let expected = rim * interference / (ring - shaft);
         let found = Growth::by_fit(&B7005C, seat, bore, interference).radial;
-        assert!(
-            (found / expected - 1.0).abs() < 1e-6,
-            "{found:e} {expected:e}"
-        );
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found:e}");
     }
 }
 
 #[test]
 fn heat_that_is_everywhere_the_same_grows_rings_alike_and_a_hot_shaft_closes_the_bearing() {
     let even = Growth::by_heat(&B7005C, &Expansion::STEEL, [10.0; 3]);
-    // Grooves and balls grow as the bearing would as a whole: by the same part.
+    // Grooves and balls grow by one part, as the bearing would as a whole.
     let part = 10.0 * Expansion::STEEL.ring;
     let FreeContact::Angle(angle) = B7005C.free_contact else {
         unreachable!("an angular contact bearing")
@@ -184,7 +163,7 @@ fn heat_that_is_everywhere_the_same_grows_rings_alike_and_a_hot_shaft_closes_the
     assert!((even.radial / gap - 1.0).abs() < 1e-9, "{even:?}");
     let hot_shaft = Growth::by_heat(&B7005C, &Expansion::HYBRID, [10.0, 0.0, 0.0]);
     assert!(hot_shaft.radial > 1e-6 && hot_shaft.ball == 0.0);
-    // What is linear may be added up.
+    // Linear growths add up.
     let [a, b] = [[3.0, 1.0, 2.0], [4.0, -1.0, 0.0]]
         .map(|kelvin| Growth::by_heat(&B7005C, &Expansion::HYBRID, kelvin));
     let both = Growth::by_heat(&B7005C, &Expansion::HYBRID, [10.0, 1.0, 4.0]);

@@ -1,5 +1,4 @@
-//! The judge's tests in one program, so that they overlap. `scenes` is a program by itself, so that both compile at the
-//! same time.
+//! The judge's tests in one program, so that they overlap.
 
 mod axial;
 mod balance;
@@ -24,6 +23,7 @@ mod precision;
 mod recordings;
 mod refusals;
 mod retained;
+mod scenes;
 mod self_check;
 mod solution;
 mod solves;
@@ -32,6 +32,7 @@ mod starts;
 mod symmetry;
 mod tangent;
 mod telemetry;
+mod textbook;
 mod thresholds;
 mod truth;
 mod validation;

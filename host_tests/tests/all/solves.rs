@@ -1,14 +1,14 @@
-//! Solvers whose precision, ball count and motion are known at run time, and their solutions in doubles.
+//! Solvers whose precision, ball count, motion and freedoms are known at run time, and their solutions in doubles.
 
-use host_tests::compare::{Ball, Equilibrium, worse};
+use host_tests::compare::{Ball, Equilibrium, Errors, worse};
 use host_tests::dispatch::{Attitude, Precision, widened};
 use proptest::strategy::Strategy;
 use spindle_bearing::{
-    AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, Settings, Snapshot, Solver,
-    Speed, Static,
+    AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, Full, Given, Growth,
+    InnerRaceControl, Motion, OuterRaceControl, Real, Settings, Solver, Speed, Static, Status,
 };
-use spindle_bearing::{BallState, Design, InnerRaceControl, OuterRaceControl, Real, Status};
 use std::array::from_fn;
+use std::f64::consts::TAU;
 
 pub const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
@@ -25,14 +25,25 @@ pub const GROWN: Growth<f64> = Growth {
 
 /// Loads of the B7005C from light to heavy, with radial parts and moments.
 pub fn loads() -> impl Strategy<Value = [f64; 5]> {
-    (
-        1.0..3.3f64,
-        -1.0..1.0f64,
-        -1.0..1.0f64,
-        -3e-3..3e-3f64,
-        -3e-3..3e-3f64,
-    )
+    let (radial, moment) = (-1.0..1.0f64, -3e-3..3e-3f64);
+    (1.0..3.3f64, radial.clone(), radial, moment.clone(), moment)
         .prop_map(|(size, fy, fz, my, mz)| [1.0, fy, fz, my, mz].map(|x| x * 10f64.powf(size)))
+}
+
+/// A number as a solver of this precision sees it.
+pub fn rounded(precision: Precision, x: f64) -> f64 {
+    match precision {
+        Precision::F32 => f64::from(x as f32),
+        Precision::F64 => x,
+    }
+}
+
+/// Distance of 1 to the next number.
+pub fn epsilon(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => f32::EPSILON.into(),
+        Precision::F64 => f64::EPSILON,
+    }
 }
 
 /// How the balls move.
@@ -40,12 +51,25 @@ pub fn loads() -> impl Strategy<Value = [f64; 5]> {
 pub enum Balls {
     Static,
     Centrifugal,
+    /// Under centrifugal force and outer race control.
+    CentrifugalOuter,
     /// With all inertia loads, and no race in control.
     Free,
-    /// The same under outer race control.
+    /// With all inertia loads, under outer race control.
     Outer,
-    /// The same under inner race control.
+    /// With all inertia loads, under inner race control.
     Inner,
+}
+
+impl Balls {
+    /// The rule for the axis about which a ball turns, where that matters.
+    pub fn rule(self) -> Attitude {
+        match self {
+            Self::Centrifugal | Self::Free => Attitude::Raceless,
+            Self::Static | Self::CentrifugalOuter | Self::Outer => Attitude::Outer,
+            Self::Inner => Attitude::Inner,
+        }
+    }
 }
 
 impl From<Attitude> for Balls {
@@ -58,7 +82,7 @@ impl From<Attitude> for Balls {
     }
 }
 
-/// Loads, or displacements, and all else that a bearing is solved at.
+/// Loads, or displacements, and all else that a bearing is solved at. A ring of fewer freedoms takes the first ones.
 #[derive(Debug, Clone, Copy)]
 pub struct Question {
     pub given: [Given<f64>; 5],
@@ -69,51 +93,70 @@ pub struct Question {
 
 impl Question {
     pub fn load(load: [f64; 5], omega: f64) -> Self {
+        Self::mixed([false; 5], load, load, omega)
+    }
+
+    pub fn displacement(u: [f64; 5], omega: f64) -> Self {
+        Self::mixed([true; 5], u, u, omega)
+    }
+
+    pub fn axial(load: f64, omega: f64) -> Self {
+        Self::load([load, 0.0, 0.0, 0.0, 0.0], omega)
+    }
+
+    /// The `load`, but for the displacements `u` of freedoms that are `held`.
+    pub fn mixed(held: [bool; 5], u: [f64; 5], load: [f64; 5], omega: f64) -> Self {
+        let given = |i| match held[i] {
+            true => Given::Displacement(u[i]),
+            false => Given::Load(load[i]),
+        };
         Self {
-            given: load.map(Given::Load),
+            given: from_fn(given),
             omega,
             growth: Growth::NONE,
         }
     }
 
-    pub fn displacement(u: [f64; 5], omega: f64) -> Self {
-        Self {
-            given: u.map(Given::Displacement),
-            ..Self::load(u, omega)
+    pub fn grown(self, growth: Growth<f64>) -> Self {
+        Self { growth, ..self }
+    }
+
+    /// One given quantity, in the precision of a solver.
+    fn narrow<T: Real>(&self, freedom: usize) -> Given<T> {
+        match self.given[freedom] {
+            Given::Load(x) => Given::Load(T::of(x)),
+            Given::Displacement(x) => Given::Displacement(T::of(x)),
+        }
+    }
+
+    fn growth<T: Real>(&self) -> Growth<T> {
+        let Growth {
+            axial,
+            radial,
+            ball,
+        } = self.growth;
+        Growth {
+            axial: T::of(axial),
+            radial: T::of(radial),
+            ball: T::of(ball),
+        }
+    }
+
+    /// Balls at rest are asked at rest, unless the speed is absurd: a test of its own says which speeds they refuse.
+    fn speed<T: Real, M: Motion>(&self) -> Speed<T> {
+        if !M::AT_SPEED && self.omega.abs() < 1e5 {
+            Speed::REST
+        } else {
+            Speed::rad_per_s(T::of(self.omega))
         }
     }
 }
 
-/// What is given, in the precision of a solver.
-pub fn narrow<T: Real>(given: Given<f64>) -> Given<T> {
-    match given {
-        Given::Load(x) => Given::Load(T::of(x)),
-        Given::Displacement(x) => Given::Displacement(T::of(x)),
-    }
-}
-
-fn grown<T: Real>(growth: Growth<f64>) -> Growth<T> {
-    Growth {
-        axial: T::of(growth.axial),
-        radial: T::of(growth.radial),
-        ball: T::of(growth.ball),
-    }
-}
-
-/// The speed of a question. Balls at rest are asked at rest, unless the speed is absurd: which speeds they refuse is for a
-/// test of its own.
-pub fn turning<T: Real, M: Motion>(omega: f64) -> Speed<T> {
-    if !M::AT_SPEED && omega.abs() < 1e5 {
-        Speed::REST
-    } else {
-        Speed::rad_per_s(T::of(omega))
-    }
-}
-
-/// A solution in doubles.
+/// A solution in doubles. Freedoms that the ring does not have are zero, and of stiffness 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     pub status: Status<f32>,
+    pub freedoms: usize,
     pub u: [f64; 5],
     pub load: [f64; 5],
     pub k: [[f64; 5]; 5],
@@ -122,24 +165,38 @@ pub struct Found {
     pub estimate: [f64; 3],
 }
 
-impl Found {
-    fn of<T: Real, const N: usize>(s: &Snapshot<T, N, 5>) -> Self {
-        Self {
-            status: s.status.to_f32(),
-            u: s.displacement.map(T::to_f64),
-            load: s.load.map(T::to_f64),
-            k: s.stiffness.map(|row| row.map(T::to_f64)),
-            balls: s.balls.iter().map(widened).collect(),
-            estimate: [s.error.displacement, s.error.force, s.error.stiffness].map(T::to_f64),
-        }
-    }
+fn identity() -> [[f64; 5]; 5] {
+    from_fn(|i| from_fn(|j| f64::from(u8::from(i == j))))
+}
 
+fn in_doubles<T: Real>(values: &[T]) -> [f64; 5] {
+    from_fn(|i| values.get(i).map_or(0.0, |x| x.to_f64()))
+}
+
+fn errors_in_doubles<T: Real>(error: &ErrorEstimate<T>) -> [f64; 3] {
+    [error.displacement, error.force, error.stiffness].map(T::to_f64)
+}
+
+impl Found {
     pub fn equilibrium(&self) -> Equilibrium {
         Equilibrium {
             displacement: self.u,
             stiffness: self.k,
             balls: self.balls.iter().map(Ball::from).collect(),
         }
+    }
+
+    /// Distance from `truth` in the freedoms that the ring has.
+    pub fn errors(&self, design: &Design, truth: &Equilibrium) -> Errors {
+        let mut whole = self.equilibrium();
+        for (i, row) in whole.stiffness.iter_mut().enumerate() {
+            for (j, element) in row.iter_mut().enumerate() {
+                if i.max(j) >= self.freedoms {
+                    *element = truth.stiffness[i][j];
+                }
+            }
+        }
+        whole.errors(truth, design.ball_diameter, 0.5 * design.pitch_diameter)
     }
 
     pub fn largest_force(&self) -> f64 {
@@ -149,9 +206,14 @@ impl Found {
     pub fn unloaded_balls(&self) -> usize {
         self.equilibrium().unloaded_balls()
     }
+
+    /// Errors of displacement, force and stiffness that this solution and another one together say they have.
+    pub fn stated(&self, other: &Self) -> [f64; 3] {
+        from_fn(|i| self.estimate[i] + other.estimate[i])
+    }
 }
 
-/// A solver of five freedoms, of any precision, ball count and motion.
+/// A solver of any precision, ball count, motion and number of freedoms.
 pub trait AnySolver {
     fn ask(&mut self, question: &Question) -> Result<Found, Status<f32>>;
 
@@ -166,19 +228,27 @@ pub trait AnySolver {
     fn load(&mut self, load: [f64; 5], omega: f64) -> Found {
         self.solve(&Question::load(load, omega))
     }
-
-    fn displacement(&mut self, u: [f64; 5], omega: f64) -> Found {
-        self.solve(&Question::displacement(u, omega))
-    }
 }
 
-impl<T: Real, const N: usize, M: Motion> AnySolver for Solver<'static, T, N, M> {
+impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver for Solver<'static, T, N, M, D> {
     fn ask(&mut self, q: &Question) -> Result<Found, Status<f32>> {
-        let given = q.given.map(narrow);
-        let speed = turning::<T, M>(q.omega);
-        self.solve_at(&given, speed, &grown(q.growth), &Settings::default())
-            .map(|solution| Found::of(&solution.snapshot()))
-            .map_err(Status::to_f32)
+        let (given, speed) = (from_fn(|i| q.narrow(i)), q.speed::<T, M>());
+        let s = self
+            .solve_at(&given, speed, &q.growth(), &Settings::default())
+            .map_err(Status::to_f32)?;
+        let mut k = identity();
+        for (wide, row) in k.iter_mut().zip(s.stiffness()) {
+            *wide = in_doubles(&row);
+        }
+        Ok(Found {
+            status: s.status.to_f32(),
+            freedoms: D,
+            u: in_doubles(&s.displacement),
+            load: in_doubles(&s.load),
+            k,
+            balls: s.balls().map(|ball| widened(&ball)).collect(),
+            estimate: errors_in_doubles(&s.error),
+        })
     }
 
     fn reset(&mut self) {
@@ -186,110 +256,104 @@ impl<T: Real, const N: usize, M: Motion> AnySolver for Solver<'static, T, N, M> 
     }
 }
 
-/// An axial solution in doubles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FoundAxial {
-    pub u: f64,
-    pub load: f64,
-    pub k: f64,
-    pub ball: BallState<f64>,
-    /// Estimated errors of displacement, force and stiffness.
-    pub estimate: [f64; 3],
-}
+impl<T: Real, const N: usize, M: Motion> AnySolver for AxialSolver<'static, T, N, M> {
+    fn ask(&mut self, q: &Question) -> Result<Found, Status<f32>> {
+        let (given, speed) = (q.narrow(0), q.speed::<T, M>());
+        let s = self
+            .solve_at(given, speed, &q.growth(), &Settings::default())
+            .map_err(Status::to_f32)?;
+        let mut k = identity();
+        k[0][0] = s.stiffness().to_f64();
+        let first = widened(&s.ball());
+        let ball = |j| BallState {
+            azimuth: first.azimuth + TAU * j as f64 / N as f64,
+            ..first
+        };
+        Ok(Found {
+            status: s.status.to_f32(),
+            freedoms: 1,
+            u: in_doubles(&[s.displacement]),
+            load: in_doubles(&[s.load]),
+            k,
+            balls: (0..N).map(ball).collect(),
+            estimate: errors_in_doubles(&s.error),
+        })
+    }
 
-/// An axial solver of any precision, ball count and motion.
-pub trait AnyAxialSolver {
-    fn ask(
-        &mut self,
-        given: Given<f64>,
-        omega: f64,
-        growth: Growth<f64>,
-    ) -> Result<FoundAxial, Status<f32>>;
-
-    /// Answers what must have an answer.
-    fn solve(&mut self, given: Given<f64>, omega: f64, growth: Growth<f64>) -> FoundAxial {
-        self.ask(given, omega, growth)
-            .unwrap_or_else(|status| panic!("{given:?} at {omega} rad/s, {growth:?}: {status}"))
+    fn reset(&mut self) {
+        AxialSolver::reset(self);
     }
 }
 
-impl<T: Real, const N: usize, M: Motion> AnyAxialSolver for AxialSolver<'static, T, N, M> {
-    fn ask(
-        &mut self,
-        given: Given<f64>,
-        omega: f64,
-        growth: Growth<f64>,
-    ) -> Result<FoundAxial, Status<f32>> {
-        let speed = turning::<T, M>(omega);
-        self.solve_at(narrow(given), speed, &grown(growth), &Settings::default())
-            .map(|s| FoundAxial {
-                u: s.displacement.to_f64(),
-                load: s.load.to_f64(),
-                k: s.stiffness().to_f64(),
-                ball: widened(&s.ball()),
-                estimate: [s.error.displacement, s.error.force, s.error.stiffness].map(T::to_f64),
-            })
-            .map_err(Status::to_f32)
+fn of_motion<T: Real, const N: usize, M: Motion>(
+    bearing: &'static Bearing<T, N>,
+    freedoms: usize,
+) -> Box<dyn AnySolver> {
+    match freedoms {
+        1 => Box::new(AxialSolver::<T, N, M>::of(bearing)),
+        3 => Box::new(Solver::<T, N, M, 3>::of(bearing)),
+        5 => Box::new(Solver::<T, N, M, 5>::of(bearing)),
+        _ => panic!("no ring has {freedoms} freedoms"),
     }
 }
 
-/// A bearing that lives as long as the test.
-fn kept<T: Real, const N: usize>(design: &Design) -> &'static Bearing<T, N> {
-    Box::leak(Box::new(Bearing::build(design).unwrap()))
-}
-
-fn five<T: Real, const N: usize>(design: &Design, balls: Balls) -> Box<dyn AnySolver> {
-    let bearing = kept::<T, N>(design);
+/// A solver for a bearing that lives as long as the test.
+fn of_count<T: Real, const N: usize>(
+    design: &Design,
+    balls: Balls,
+    freedoms: usize,
+) -> Box<dyn AnySolver> {
+    let bearing = Box::leak(Box::new(Bearing::<T, N>::build(design).unwrap()));
     match balls {
-        Balls::Static => Box::new(Solver::<T, N, Static>::of(bearing)),
-        Balls::Centrifugal => Box::new(Solver::<T, N, Centrifugal>::of(bearing)),
-        Balls::Free => Box::new(Solver::new(bearing)),
-        Balls::Outer => Box::new(Solver::<T, N, Full<OuterRaceControl>>::of(bearing)),
-        Balls::Inner => Box::new(Solver::<T, N, Full<InnerRaceControl>>::of(bearing)),
+        Balls::Static => of_motion::<T, N, Static>(bearing, freedoms),
+        Balls::Centrifugal => of_motion::<T, N, Centrifugal>(bearing, freedoms),
+        Balls::CentrifugalOuter => {
+            of_motion::<T, N, Centrifugal<OuterRaceControl>>(bearing, freedoms)
+        }
+        Balls::Free => of_motion::<T, N, Full>(bearing, freedoms),
+        Balls::Outer => of_motion::<T, N, Full<OuterRaceControl>>(bearing, freedoms),
+        Balls::Inner => of_motion::<T, N, Full<InnerRaceControl>>(bearing, freedoms),
     }
 }
 
-fn one<T: Real, const N: usize>(design: &Design, balls: Balls) -> Box<dyn AnyAxialSolver> {
-    let bearing = kept::<T, N>(design);
-    match balls {
-        Balls::Static => Box::new(AxialSolver::<T, N, Static>::of(bearing)),
-        Balls::Centrifugal => Box::new(AxialSolver::<T, N, Centrifugal>::of(bearing)),
-        Balls::Free => Box::new(AxialSolver::new(bearing)),
-        Balls::Outer => Box::new(AxialSolver::<T, N, Full<OuterRaceControl>>::of(bearing)),
-        Balls::Inner => Box::new(AxialSolver::<T, N, Full<InnerRaceControl>>::of(bearing)),
+/// Ball counts that there are solvers for: each takes its time to compile.
+pub const BALL_COUNTS: [usize; 4] = [5, 8, 16, 33];
+
+/// A solver for a ring of 1, 3 or 5 freedoms.
+pub fn ring_solver(
+    design: &Design,
+    n: usize,
+    precision: Precision,
+    balls: Balls,
+    freedoms: usize,
+) -> Box<dyn AnySolver> {
+    match (n, precision) {
+        (5, Precision::F32) => of_count::<f32, 5>(design, balls, freedoms),
+        (5, Precision::F64) => of_count::<f64, 5>(design, balls, freedoms),
+        (8, Precision::F32) => of_count::<f32, 8>(design, balls, freedoms),
+        (8, Precision::F64) => of_count::<f64, 8>(design, balls, freedoms),
+        (16, Precision::F32) => of_count::<f32, 16>(design, balls, freedoms),
+        (16, Precision::F64) => of_count::<f64, 16>(design, balls, freedoms),
+        (33, Precision::F32) => of_count::<f32, 33>(design, balls, freedoms),
+        (33, Precision::F64) => of_count::<f64, 33>(design, balls, freedoms),
+        _ => panic!("no solver for {n} balls"),
     }
 }
 
-macro_rules! solvers {
-    ($($n:literal)*) => {
-        /// Ball counts that there are solvers for.
-        pub const BALL_COUNTS: &[usize] = &[$($n),*];
-
-        /// A solver of five freedoms.
-        pub fn solver(
-            design: &Design, n: usize, precision: Precision, balls: Balls,
-        ) -> Box<dyn AnySolver> {
-            match (n, precision) {
-                $(($n, Precision::F32) => five::<f32, $n>(design, balls),
-                ($n, Precision::F64) => five::<f64, $n>(design, balls),)*
-                _ => panic!("no solver for {n} balls"),
-            }
-        }
-
-        /// A solver of one ball for all.
-        pub fn axial_solver(
-            design: &Design, n: usize, precision: Precision, balls: Balls,
-        ) -> Box<dyn AnyAxialSolver> {
-            match (n, precision) {
-                $(($n, Precision::F32) => one::<f32, $n>(design, balls),
-                ($n, Precision::F64) => one::<f64, $n>(design, balls),)*
-                _ => panic!("no solver for {n} balls"),
-            }
-        }
-    };
+/// A solver of five freedoms.
+pub fn solver(design: &Design, n: usize, precision: Precision, balls: Balls) -> Box<dyn AnySolver> {
+    ring_solver(design, n, precision, balls, 5)
 }
 
-solvers! { 9 16 19 20 }
+/// A solver of one ball for all.
+pub fn axial_solver(
+    design: &Design,
+    n: usize,
+    precision: Precision,
+    balls: Balls,
+) -> Box<dyn AnySolver> {
+    ring_solver(design, n, precision, balls, 1)
+}
 
 /// A solution in double precision from nothing.
 pub fn cold(design: &Design, n: usize, balls: Balls, load: [f64; 5], omega: f64) -> Found {
@@ -307,24 +371,20 @@ pub fn forces(design: &Design) -> [f64; 5] {
     lengths(design).map(|x| 1.0 / x)
 }
 
+/// Largest component of a vector, each in its `unit`.
+pub fn size(vector: [f64; 5], unit: [f64; 5]) -> f64 {
+    (0..5).fold(0.0, |m, i| worse(m, (vector[i] * unit[i]).abs()))
+}
+
 /// Error of a vector over its largest component, each in its `unit`.
 pub fn vector_error(found: [f64; 5], truth: [f64; 5], unit: [f64; 5]) -> f64 {
-    let size = (0..5).fold(0.0, |m, i| worse(m, (truth[i] * unit[i]).abs()));
-    (0..5).fold(0.0, |m, i| {
-        worse(m, ((found[i] - truth[i]) * unit[i]).abs() / size)
-    })
+    size(from_fn(|i| found[i] - truth[i]), unit) / size(truth, unit)
 }
 
 /// Largest difference of two solutions, by the measures of `host_tests::compare`.
 pub fn apart(design: &Design, a: &Found, b: &Found) -> f64 {
-    let (a, b) = (a.equilibrium(), b.equilibrium());
-    let e = a.errors(&b, design.ball_diameter, 0.5 * design.pitch_diameter);
+    let e = a.errors(design, &b.equilibrium());
     [e.displacement, e.contact_angle, e.force, e.stiffness]
         .into_iter()
         .fold(0.0, worse)
-}
-
-/// Errors that two solutions together say they have.
-pub fn stated(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    from_fn(|i| a[i] + b[i])
 }

@@ -45,20 +45,12 @@ fn errors_of_turned(
 }
 
 #[test]
-fn turning_the_load_by_90_degrees_swaps_radial_and_tilt_stiffness() {
-    for rpm in [0.0, 5_000.0, 20_000.0, 40_000.0] {
-        let k = |load| cold(&B7005C, 16, Balls::Free, load, rad_per_s(rpm)).k;
-        let (y, z) = (
-            k([1000.0, 200.0, 0.0, 0.0, 3.0]),
-            k([1000.0, 0.0, 200.0, -3.0, 0.0]),
-        );
-        for (a, b) in [(1, 2), (2, 1), (3, 4), (4, 3)] {
-            let e = (y[a][a] / z[b][b] - 1.0).abs();
-            assert!(e < 1e-12, "{rpm} rpm, {a} {b}: {e:.1e}");
-        }
-    }
+fn turning_the_load_by_90_degrees_turns_the_answer() {
     for (balls, load, rpm) in [
+        (Balls::Free, SKEW, 0.0),
+        (Balls::Free, SKEW, 5_000.0),
         (Balls::Free, SKEW, 20_000.0),
+        (Balls::Free, SKEW, 40_000.0),
         (Balls::Outer, SKEW, 20_000.0),
         (Balls::Inner, SKEW, 20_000.0),
         (Balls::Centrifugal, SKEW, 20_000.0),
@@ -66,10 +58,7 @@ fn turning_the_load_by_90_degrees_swaps_radial_and_tilt_stiffness() {
         (Balls::Free, LIFTING, 40_000.0),
     ] {
         let [u, k] = errors_of_turned((&B7005C, 16), balls, load, rpm, (1.0, 0.0));
-        assert!(
-            u < 1e-13 && k < 1e-12,
-            "{balls:?}, {load:?} at {rpm} rpm: {u:.1e}, {k:.1e}"
-        );
+        assert!(u < 1e-13 && k < 1e-12, "{balls:?}, {rpm} rpm: {u:e}, {k:e}");
     }
 }
 
@@ -116,11 +105,11 @@ proptest! {
 
     #[test]
     fn turning_the_load_by_a_pitch_turns_the_answer(
-        load in loads(), rpm in 0.0..40_000.0f64, pitches in 1..9u8,
+        load in loads(), rpm in 0.0..40_000.0f64, pitches in 1..8u8,
     ) {
-        let turn = (TAU * f64::from(pitches) / 9.0).sin_cos();
+        let turn = (TAU * f64::from(pitches) / 8.0).sin_cos();
         let half = load.map(|x| 0.5 * x);
-        let [u, k] = errors_of_turned((&SKF6205, 9), Balls::Free, half, 0.5 * rpm, turn);
+        let [u, k] = errors_of_turned((&SKF6205, 8), Balls::Free, half, 0.5 * rpm, turn);
         prop_assert!(u < 1e-9 && k < 1e-9, "{u:.1e}, {k:.1e}");
     }
 

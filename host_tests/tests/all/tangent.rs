@@ -25,7 +25,7 @@ fn derivative(h: f64, mut f: impl FnMut(f64) -> [f64; 5]) -> [f64; 5] {
     from_fn(|i| (4.0 * narrow[i] - wide[i]) / 3.0)
 }
 
-/// What a tangent is judged at.
+/// A place at which a tangent is judged.
 #[derive(Debug, Clone, Copy)]
 struct Point<'d> {
     design: &'d Design,
@@ -37,60 +37,26 @@ struct Point<'d> {
 }
 
 impl Point<'_> {
-    fn question(&self, question: fn([f64; 5], f64) -> Question, values: [f64; 5]) -> Question {
-        Question {
-            growth: self.growth,
-            ..question(values, rad_per_s(self.rpm))
-        }
-    }
-
-    /// Error of the tangent against central differences of the forces by the displacements.
-    fn error_by_displacements(&self, at: &Found) -> f64 {
+    /// The tangent of a solution for loads is the slope of the reactions to given displacements.
+    fn assert_tangent(&self, bound: f64) {
         let mut solver = solver(self.design, self.n, Precision::F64, self.balls);
+        let omega = rad_per_s(self.rpm);
+        let at = solver.solve(&Question::load(self.load, omega).grown(self.growth));
         let unit = lengths(self.design);
         let mut k = [[0.0; 5]; 5];
         for j in 0..5 {
-            let column = derivative(1e-3 * deepest(at) / unit[j], |x| {
+            let column = derivative(1e-3 * deepest(&at) / unit[j], |x| {
                 let mut u = at.u;
                 u[j] += x;
-                solver.solve(&self.question(Question::displacement, u)).load
+                let question = Question::displacement(u, omega).grown(self.growth);
+                solver.solve(&question).load
             });
             for i in 0..5 {
                 k[i][j] = column[i];
             }
         }
-        stiffness_error(&k, &at.k)
-    }
-
-    /// Error of the tangent against central differences of the displacements by the loads: `K du/dF` is compared with
-    /// the identity.
-    fn error_by_loads(&self, at: &Found) -> f64 {
-        let mut solver = solver(self.design, self.n, Precision::F64, self.balls);
-        let k = at.k;
-        let mut error = 0.0;
-        for j in 0..5 {
-            let h = 1e-3 * deepest(at) * (k[0][0] * k[j][j]).abs().sqrt();
-            let column = derivative(h, |x| {
-                let mut load = self.load;
-                load[j] += x;
-                solver.solve(&self.question(Question::load, load)).u
-            });
-            for i in 0..5 {
-                let product: f64 = (0..5).map(|m| k[i][m] * column[m]).sum();
-                let scale = (k[i][i] / k[j][j]).abs().sqrt();
-                let identity = f64::from(u8::from(i == j));
-                error = worse(error, (product - identity).abs() / scale);
-            }
-        }
-        error
-    }
-
-    fn assert_tangent(&self, bound: f64) {
-        let mut solver = solver(self.design, self.n, Precision::F64, self.balls);
-        let at = solver.solve(&self.question(Question::load, self.load));
-        let by = [self.error_by_displacements(&at), self.error_by_loads(&at)];
-        println!("{self:?}: {by:?}");
-        assert!(by.iter().all(|e| *e < bound), "{self:?}: {by:?}");
+        let error = stiffness_error(&k, &at.k);
+        assert!(error < bound, "{self:?}: {error:e}");
     }
 }
 
@@ -109,57 +75,44 @@ fn b7005c(balls: Balls, load: [f64; 5], rpm: f64) -> Point<'static> {
     }
 }
 
-fn b218(balls: Balls, rpm: f64) -> Point<'static> {
-    Point {
-        design: &B218,
-        ..b7005c(balls, LOAD_OF_218, rpm)
+#[test]
+fn the_tangent_is_the_slope_of_forces() {
+    for (balls, rpm) in [
+        (Balls::Static, 0.0),
+        (Balls::Free, 0.0),
+        (Balls::Free, 5_000.0),
+        (Balls::Free, 20_000.0),
+        (Balls::Free, 40_000.0),
+        (Balls::Centrifugal, 20_000.0),
+        (Balls::Outer, 20_000.0),
+        (Balls::Inner, 20_000.0),
+    ] {
+        b7005c(balls, SKEW, rpm).assert_tangent(DIFFERENCES);
     }
-}
-
-#[test]
-fn the_tangent_is_the_slope_of_forces_and_of_displacements_without_race_control() {
-    for rpm in [0.0, 5_000.0, 20_000.0, 40_000.0] {
-        b7005c(Balls::Free, SKEW, rpm).assert_tangent(DIFFERENCES);
+    for (balls, rpm) in [
+        (Balls::Free, 3_000.0),
+        (Balls::Free, 10_000.0),
+        (Balls::Free, 15_000.0),
+        (Balls::Centrifugal, 10_000.0),
+        (Balls::Outer, 10_000.0),
+        (Balls::Inner, 6_000.0),
+    ] {
+        let of_218 = Point {
+            design: &B218,
+            ..b7005c(balls, LOAD_OF_218, rpm)
+        };
+        of_218.assert_tangent(DIFFERENCES);
     }
-    for rpm in [3_000.0, 10_000.0, 15_000.0] {
-        b218(Balls::Free, rpm).assert_tangent(DIFFERENCES);
-    }
-}
-
-#[test]
-fn the_tangent_is_the_slope_of_forces_and_of_displacements_with_balls_off_the_inner_race() {
-    let found = cold(&B7005C, 16, Balls::Free, LIFTING, rad_per_s(40_000.0));
-    assert!(found.unloaded_balls() > 0, "{:?}", found.balls);
-    b7005c(Balls::Free, LIFTING, 40_000.0).assert_tangent(1e-7);
-}
-
-#[test]
-fn the_tangent_is_the_slope_of_forces_and_of_displacements_under_race_control() {
-    for (balls, rpm_of_218) in [(Balls::Outer, 10_000.0), (Balls::Inner, 6_000.0)] {
-        b7005c(balls, SKEW, 20_000.0).assert_tangent(DIFFERENCES);
-        b218(balls, rpm_of_218).assert_tangent(DIFFERENCES);
-    }
-}
-
-#[test]
-fn the_tangent_is_the_slope_of_forces_and_of_displacements_under_centrifugal_force_alone() {
-    b7005c(Balls::Centrifugal, SKEW, 20_000.0).assert_tangent(DIFFERENCES);
-    b218(Balls::Centrifugal, 10_000.0).assert_tangent(DIFFERENCES);
-}
-
-#[test]
-fn the_tangent_is_the_slope_of_forces_and_of_displacements_at_rest() {
-    b7005c(Balls::Static, SKEW, 0.0).assert_tangent(DIFFERENCES);
     let deep_groove = Point {
         design: &SKF6205,
-        n: 9,
+        n: 8,
         ..b7005c(Balls::Static, [100.0, 80.0, 10.0, 0.05, 0.1], 0.0)
     };
     deep_groove.assert_tangent(DIFFERENCES);
 }
 
 #[test]
-fn the_tangent_is_the_slope_of_forces_and_of_displacements_of_a_grown_bearing() {
+fn the_tangent_is_the_slope_of_forces_of_a_grown_bearing() {
     for balls in [Balls::Static, Balls::Free, Balls::Outer, Balls::Inner] {
         let grown = Point {
             growth: GROWN,
@@ -167,6 +120,13 @@ fn the_tangent_is_the_slope_of_forces_and_of_displacements_of_a_grown_bearing() 
         };
         grown.assert_tangent(DIFFERENCES);
     }
+}
+
+#[test]
+fn the_tangent_is_the_slope_of_forces_with_balls_off_the_inner_race() {
+    let found = cold(&B7005C, 16, Balls::Free, LIFTING, rad_per_s(40_000.0));
+    assert!(found.unloaded_balls() > 0, "{:?}", found.balls);
+    b7005c(Balls::Free, LIFTING, 40_000.0).assert_tangent(1e-7);
 }
 
 #[test]
@@ -203,7 +163,7 @@ fn a_pure_axial_load_leaves_the_stiffness_of_a_body_of_revolution() {
         (&B218, 16, Balls::Outer, 4_450.0, 6_000.0),
         (&B218, 16, Balls::Inner, 17_800.0, 6_000.0),
         (&B218, 16, Balls::Static, 17_800.0, 0.0),
-        (&SKF6205, 9, Balls::Free, 100.0, 12_000.0),
+        (&SKF6205, 8, Balls::Free, 100.0, 12_000.0),
     ] {
         let k = cold(design, n, balls, [load, 0.0, 0.0, 0.0, 0.0], rad_per_s(rpm)).k;
         let mut round = [[0.0; 5]; 5];
@@ -217,9 +177,6 @@ fn a_pure_axial_load_leaves_the_stiffness_of_a_body_of_revolution() {
             round[m][n] = -round[i][j];
         }
         let error = stiffness_error(&k, &round);
-        assert!(
-            error < 1e-12,
-            "{balls:?}, {load} N at {rpm} rpm: {error:.1e}"
-        );
+        assert!(error < 1e-12, "{balls:?}, {load} N: {error:e}");
     }
 }

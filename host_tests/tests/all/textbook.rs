@@ -1,0 +1,98 @@
+//! The textbook's equations: balance of a ball and of the ring on its balls, and the places of the grooves' centres.
+
+use host_tests::campaign::balance::friction;
+use host_tests::compare::worse;
+use host_tests::dispatch::Attitude;
+use spindle_bearing::{BallState, Design, FreeContact};
+
+/// Sine and cosine of the angle at which an unloaded ball just touches both races.
+fn free_angle(design: &Design) -> (f64, f64) {
+    match design.free_contact {
+        FreeContact::Angle(angle) => angle.sin_cos(),
+        FreeContact::DiametralClearance(clearance) => (
+            0.0,
+            1.0 - clearance.max(0.0) / (2.0 * design.centre_distance()),
+        ),
+    }
+}
+
+/// Distances of the inner and of the outer groove's centre from the centre of an unloaded ball.
+fn groove_centres(design: &Design) -> [f64; 2] {
+    [design.inner_groove_factor, design.outer_groove_factor]
+        .map(|f| (f - 0.5) * design.ball_diameter)
+}
+
+/// Radius and axial place of the inner groove's centre.
+fn inner_centre(design: &Design) -> [f64; 2] {
+    let ([li, _], (sin0, cos0)) = (groove_centres(design), free_angle(design));
+    [0.5 * design.pitch_diameter + li * cos0, li * sin0]
+}
+
+/// A ball's forces on the inner ring, axial and radial, the moment of its friction there, and what its own balance leaves.
+fn forces(design: &Design, rule: Attitude, ball: &BallState<f64>) -> ([f64; 3], [f64; 2]) {
+    let [ti, to] = friction(ball, rule, design.ball_diameter);
+    let ((si, ci), (so, co)) = (ball.alpha_i.sin_cos(), ball.alpha_o.sin_cos());
+    let (axial, radial) = (ball.q_i * si + ti * ci, ball.q_i * ci - ti * si);
+    let left = [
+        axial - ball.q_o * so - to * co,
+        radial - ball.q_o * co + to * so + ball.centrifugal_force,
+    ];
+    let moment = design.inner_groove_factor * design.ball_diameter * ti;
+    ([axial, radial, moment], left)
+}
+
+/// Force and moment of all balls on the inner ring.
+pub fn carried(design: &Design, rule: Attitude, balls: &[BallState<f64>]) -> [f64; 5] {
+    let [rp, zp] = inner_centre(design);
+    let mut sum = [0.0; 5];
+    for ball in balls {
+        let ([axial, radial, of_friction], _) = forces(design, rule, ball);
+        let (sin, cos) = ball.azimuth.sin_cos();
+        let moment = rp * axial - zp * radial - of_friction;
+        let parts = [
+            axial,
+            radial * cos,
+            radial * sin,
+            moment * sin,
+            -moment * cos,
+        ];
+        for (sum, part) in sum.iter_mut().zip(parts) {
+            *sum += part;
+        }
+    }
+    sum
+}
+
+/// Residual force of the ball that is worst off, N.
+pub fn unbalanced(design: &Design, rule: Attitude, balls: &[BallState<f64>]) -> f64 {
+    balls.iter().fold(0.0, |most, ball| {
+        let (_, [axial, radial]) = forces(design, rule, ball);
+        worse(most, axial.hypot(radial))
+    })
+}
+
+/// By how much the triangles of the grooves' and the balls' centres do not close at the displacement `u` of the ring, m.
+pub fn unclosed(design: &Design, [dx, dy, dz, ty, tz]: [f64; 5], balls: &[BallState<f64>]) -> f64 {
+    let ([li, lo], [rp, zp]) = (groove_centres(design), inner_centre(design));
+    let (l0, (sin0, cos0)) = (design.centre_distance(), free_angle(design));
+    // Between the races at rest, a ball without force has no place of its own.
+    let placed = balls.iter().filter(|ball| ball.q_i > 0.0 || ball.q_o > 0.0);
+    placed.fold(0.0, |most, ball| {
+        let (sin, cos) = ball.azimuth.sin_cos();
+        let ((si, ci), (so, co)) = (ball.alpha_i.sin_cos(), ball.alpha_o.sin_cos());
+        let [ri, ro] = [li + ball.delta_i, lo + ball.delta_o];
+        let axial = l0 * sin0 + dx + rp * (ty * sin - tz * cos) - ri * si - ro * so;
+        let radial = l0 * cos0 + (dy + zp * tz) * cos + (dz - zp * ty) * sin - ri * ci - ro * co;
+        worse(most, axial.hypot(radial))
+    })
+}
+
+/// The balls' centres, axial and radial from the outer groove's centre.
+pub fn centres(design: &Design, balls: &[BallState<f64>]) -> Vec<(f64, f64)> {
+    let [_, lo] = groove_centres(design);
+    let centre = |ball: &BallState<f64>| {
+        let (sin, cos) = ball.alpha_o.sin_cos();
+        ((lo + ball.delta_o) * sin, (lo + ball.delta_o) * cos)
+    };
+    balls.iter().map(centre).collect()
+}
