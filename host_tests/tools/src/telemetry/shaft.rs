@@ -1,6 +1,6 @@
 //! The shaft from the side: its rows, how they face, the nose, and where loads are measured.
 
-use super::view::{FAINT, INNER, OUTER, WORST, boxed};
+use super::style::{FAINT, INNER, OUTER, WORST, boxed};
 use host_tests::telemetry::state::{State, facing};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;

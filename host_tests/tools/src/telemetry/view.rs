@@ -4,6 +4,7 @@
 use super::session::Session;
 use super::shaft;
 use super::source::Chunks;
+use super::style::{FAINT, INNER, OUTER, UNLOADED, WORST, boxed, flag};
 use anyhow::{Context, Result};
 use host_tests::telemetry::operator::wants_a_board;
 use host_tests::telemetry::state::{Balls, State};
@@ -15,7 +16,7 @@ use ratatui::style::{Color, Style, Stylize};
 use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle};
-use ratatui::widgets::{Axis, Block, Chart, Dataset, Paragraph, Row, Table, Widget, Wrap};
+use ratatui::widgets::{Axis, Chart, Dataset, Paragraph, Row, Table, Widget, Wrap};
 use serde_json::{Value, json};
 use spindle_bearing::monitor::judgement::AlarmState;
 use std::ops::Range;
@@ -37,12 +38,6 @@ const DIRECTIONS: [(&str, Color); 5] = [
     ("Kty", Color::Cyan),
     ("Ktz", Color::Magenta),
 ];
-
-pub(super) const INNER: Color = Color::Green;
-pub(super) const OUTER: Color = Color::Blue;
-pub(super) const WORST: Color = Color::Red;
-const UNLOADED: Color = Color::Yellow;
-pub(super) const FAINT: Color = Color::DarkGray;
 
 /// What the polar picture reaches to, in parts of its scale: room for the numbers of the balls.
 const MARGIN: f64 = 1.25;
@@ -150,19 +145,6 @@ fn row_table(state: &State) -> Table<'static> {
         row.style(flag(is_lifted))
     });
     Table::new(rows, [7, 8, 8, 9, 16, 10]).header(Row::new(head).fg(FAINT))
-}
-
-/// A box with a title.
-pub(super) fn boxed<'a>(title: impl Into<Line<'a>>) -> Block<'a> {
-    Block::bordered().title(title).border_style(FAINT)
-}
-
-/// Red, if something is amiss.
-const fn flag(is_amiss: bool) -> Style {
-    match is_amiss {
-        true => Style::new().fg(WORST),
-        false => Style::new(),
-    }
 }
 
 /// A number of one digit and zeros, at or above `x`.
