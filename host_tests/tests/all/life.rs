@@ -1,6 +1,6 @@
 //! Rating life that the monitor counts, against that of the loads as they are.
 
-use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED};
+use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use rayon::prelude::*;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::{Mark, Marks, Readings};
@@ -28,18 +28,13 @@ fn counted(
     ticks: u32,
     load: impl Fn(u32) -> [f32; 5],
 ) -> (f64, f64) {
-    let mut rig = Rig::new(settings);
-    rig.run_up();
+    let mut rig = Rig::running(settings);
     let before = (rig.monitor.life().used(), rig.monitor.life().estimated());
     let mut solver = Solver::new(&BEARING);
     let mut sum = 0.0;
     for tick in 0..ticks {
         let sample = rig.sample(load(tick));
-        rig.tick(&Readings {
-            loads: Ok(Some(sample)),
-            speed: Some(Some(SPEED)),
-            temperatures: None,
-        });
+        rig.tick(&at_speed(Ok(Some(sample))));
         sum += truth(&mut solver, sample.load);
     }
     let revolutions = f64::from(SPEED) * 1e-3 / std::f64::consts::TAU;
@@ -114,17 +109,12 @@ fn life_through_overloads_is_on_the_safe_side_and_within_a_factor_of_1_3() {
 #[test]
 fn a_broken_sensor_does_not_use_up_the_life() {
     let rate = |load: [f32; 5], doubts: Marks| {
-        let mut rig = Rig::new(&ON_BEARING);
-        rig.run_up();
+        let mut rig = Rig::running(&ON_BEARING);
         let before = rig.monitor.life().used();
         for _ in 0..1000 {
             let mut sample = rig.sample(load);
             sample.doubts = doubts;
-            rig.tick(&Readings {
-                loads: Ok(Some(sample)),
-                speed: Some(Some(SPEED)),
-                temperatures: None,
-            });
+            rig.tick(&at_speed(Ok(Some(sample))));
         }
         rig.monitor.life().used() - before
     };
@@ -145,9 +135,8 @@ fn a_sensor_that_fails_from_the_start_stops_no_life() {
     let mut rig = Rig::new(&ON_BEARING);
     for ms in 0..2000 {
         rig.tick(&Readings {
-            loads: Err(Mark::Bus.into()),
             speed: Some(Some(SPEED * (ms as f32 * 1e-3).min(1.0))),
-            temperatures: None,
+            ..at_speed(Err(Mark::Bus.into()))
         });
     }
     let life = rig.monitor.life();
