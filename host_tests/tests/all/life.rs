@@ -3,7 +3,7 @@
 use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use rayon::prelude::*;
 use spindle_bearing::monitor::settings::MonitorSettings;
-use spindle_bearing::monitor::{Mark, Marks, Readings};
+use spindle_bearing::monitor::{Life, Mark, Marks, Readings};
 use spindle_bearing::{
     Arrangement, Bearing, Design, LifeRating, Preload, Settings, Solver, Speed, Spindle,
     SpindleSolver,
@@ -103,6 +103,19 @@ fn life_through_overloads_is_on_the_safe_side_and_within_a_factor_of_1_3() {
         .filter(|(ratio, estimated, ..)| !((0.998..=1.3).contains(ratio) && *estimated > 0.1))
         .collect();
     assert!(off.is_empty(), "{off:?}");
+}
+
+#[test]
+fn life_without_an_estimate_goes_by_the_cube_of_the_load() {
+    let mut life = Life::NEW;
+    life.measure(0.40);
+    life.set_damage(1.0);
+    life.turn(SPEED, 1.0, false);
+    let known = life.used();
+    life.measure(0.48);
+    life.turn(SPEED, 1.0, true);
+    let ratio = life.estimated() / known;
+    assert!((ratio - 1.2f32.powi(3)).abs() < 1e-4, "{ratio}");
 }
 
 /// What cannot be believed counts for no load: the last one that was solved goes on.
