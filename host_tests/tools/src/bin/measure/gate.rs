@@ -20,14 +20,14 @@ fn measure(root: &Path) -> Result<Figures> {
 /// Takes the figures, README's table and the deadline's constants as they are now.
 pub fn accept(root: &Path) -> Result<()> {
     let mut figures = measure(root)?;
-    figures.extend(ticks::accept(root)?);
+    figures.extend(accept_ticks(root)?);
     page::write_readme(root, &figures)?;
     write(root, &figures)
 }
 
 /// Takes the monitor's figures and the deadline's constants as they are now.
 pub fn accept_monitor(root: &Path) -> Result<()> {
-    let measured = ticks::accept(root)?;
+    let measured = accept_ticks(root)?;
     for (name, figure) in &measured {
         println!("{name}: {figure}");
     }
@@ -39,7 +39,14 @@ pub fn accept_monitor(root: &Path) -> Result<()> {
     write(root, &figures)
 }
 
-fn write(root: &Path, figures: &Figures) -> Result<()> {
+fn accept_ticks(root: &Path) -> Result<Figures> {
+    let measured = ticks::measure(root)?;
+    ticks::write_constants(root, &measured)?;
+    Ok(ticks::figures(&measured))
+}
+
+/// Writes the figures.
+pub fn write(root: &Path, figures: &Figures) -> Result<()> {
     let path = root.join(FIGURES);
     let text = serde_json::to_string_pretty(&figures)? + "\n";
     fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;

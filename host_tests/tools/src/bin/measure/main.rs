@@ -34,6 +34,6 @@ fn main() -> Result<()> {
     } else if let Some(Command::Monitor) = arguments.command {
         gate::accept_monitor(root)
     } else {
-        page::write(root)
+        gate::write(root, &page::write(root)?)
     }
 }

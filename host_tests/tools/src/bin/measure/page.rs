@@ -13,15 +13,14 @@ use tools::chart;
 use tools::cross::output;
 use tools::report::Figures;
 
-/// Measures everything; writes the page, its picture and README's table.
-pub fn write(root: &Path) -> Result<()> {
+/// Measures everything; writes the page, its picture, README's table and the deadline's constants. Returns the figures.
+pub fn write(root: &Path) -> Result<Figures> {
     let works = Work::all();
     let truths = sweep::truths(&works)?;
-    let cores = scenes::run(root, sweep::programs(), &works)?;
-    let gate = scenes::run(root, scenes::programs(), &works)?;
+    let measured = scenes::run(root, sweep::programs(), &works)?;
     let ticks = ticks::measure(root)?;
-    let mut figures: Figures = gate.iter().flat_map(Measured::figures).collect();
-    figures.extend(ticks::figures(&ticks));
+    ticks::write_constants(root, &ticks)?;
+    let all: Figures = measured.iter().flat_map(Measured::figures).collect();
     let commit = output(
         Command::new("git")
             .args(["rev-parse", "--short", "HEAD"])
@@ -30,26 +29,30 @@ pub fn write(root: &Path) -> Result<()> {
     let text = format!(
         "<!-- Made by `cargo reports` from commit {}; the seeds of the cases are 0 to {}. -->\n\n\
          # Error against run time\n\n\
-         Cycles are **modelled, +-15 %, no wait states**. Instructions are counted exactly on an emulated core. Each has the cycles of \
-         `host_tests/tools/src/bin/measure/timing.rs`, which names its sources. Nothing was calibrated on silicon. Arm does not \
-         publish the timings of the Cortex-M7, so that its model is the coarser one.\n\n\
-         The cases are {CASES} random bearings under random loads and speeds. A warm solve follows a solve with every load 1 % and the \
-         speed 0.5 % larger or smaller. The call around a solve is not counted. An error is that of the stiffness, over its diagonal, \
-         against the reference build. Every answer of an emulated core equals that of the host to the last bit.\n\n\
-         Take `f32` on a Cortex-M4F, which works out doubles in software. A Cortex-M7 has both: `f64` for solutions that are \
-         differentiated or summed up, `f32` where cycles count.\n\n\
+         Cycles are **modelled, +-15 %, no wait states**. Instructions are counted exactly on an emulated core. Each has \
+         the cycles of `host_tests/tools/src/bin/measure/timing.rs`, which names its sources. Nothing was calibrated on \
+         silicon. Arm does not publish the timings of the Cortex-M7, so that its model is the coarser one.\n\n\
+         The cases are {CASES} random bearings under random loads and speeds. A warm solve follows a solve with every \
+         load 1 % and the speed 0.5 % larger or smaller. The call around a solve is not counted. An error is that of the \
+         stiffness, over its diagonal, against the reference build. Every answer of an emulated core equals that of the \
+         host to the last bit.\n\n\
          ![Error of the stiffness over cycles](report.svg)\n\n\
-         {BALLS} balls, five freedoms, raceway control free. Cycles are medians; errors are medians and 99 % of the cases. The first \
-         line of a core is for the default tolerance.\n\n{}\n\
-         ## Scenes\n\nA firmware with one scene alone has nothing of the parts that the scene leaves out. There are {BALLS} balls a row. A scene drops the loads for which it has no freedom. Cycles are medians. Flash is the code and the constants that a \
-         solve reaches, without the bearing's constants. State is the solver with its balls. The last column counts loads without \
-         a solution, of {CASES}.\n\n{}\n{}## On a host\n\n\
-         Times of one run on {}, one thread, of the cases that all of them solve. Every run has other times. The last column is the \
-         time of the reference build, which is written for clarity, over that of the solver.\n\n{}\n",
+         {BALLS} balls, five freedoms, raceway control free. Cycles are medians. Errors are medians, and 99 % of the \
+         cases. The first line of a core is for the default tolerance.\n\n{}\n\
+         Take `f32` on a Cortex-M4F, which works out doubles in software. A Cortex-M7 has both: `f64` for solutions that \
+         are differentiated or summed up, `f32` where cycles count.\n\n\
+         ## Scenes\n\n\
+         A firmware with one scene alone has nothing of the parts that the scene leaves out. There are {BALLS} balls a \
+         row. A scene drops the loads for which it has no freedom. Cycles are medians. Flash is the code and the \
+         constants that a solve reaches, without the bearing's constants. State is the solver with its balls. The last \
+         column counts loads without a solution, of {CASES}.\n\n{}\n{}\
+         ## On a host\n\n\
+         Times of one run on {}, one thread, over the cases that are solved. Every run has other times. The last column \
+         is the time of the reference build, which is written for clarity, over that of the solver.\n\n{}\n",
         commit.as_deref().unwrap_or("?"),
         CASES - 1,
-        sweep::tolerances(&cores, &truths),
-        scene_table(&gate, &figures)?,
+        sweep::tolerances(&measured, &truths),
+        scene_table(&measured, &all)?,
         ticks::section(&ticks),
         std::env::consts::ARCH,
         sweep::host(&works, &truths)?,
@@ -58,11 +61,15 @@ pub fn write(root: &Path) -> Result<()> {
     write_file(&docs.join("report.md"), &text.replace("\n\n\n", "\n\n"))?;
     write_file(
         &docs.join("report.svg"),
-        &chart::svg(&sweep::chart(&cores, &truths))?,
+        &chart::svg(&sweep::chart(&measured, &truths))?,
     )?;
+    // The gate's programs are the first ones.
+    let gate = measured.iter().take(scenes::programs().len());
+    let mut figures: Figures = gate.flat_map(Measured::figures).collect();
+    figures.extend(ticks::figures(&ticks));
     write_readme(root, &figures)?;
     println!("docs/report.md, docs/report.svg and README's table are written");
-    Ok(())
+    Ok(figures)
 }
 
 fn write_file(path: &Path, text: &str) -> Result<()> {
@@ -76,7 +83,7 @@ fn figure(figures: &Figures, program: &str, what: &str) -> Result<u64> {
     figure.with_context(|| format!("`{name}` is not measured"))
 }
 
-fn scene_table(gate: &[Measured], figures: &Figures) -> Result<String> {
+fn scene_table(measured: &[Measured], figures: &Figures) -> Result<String> {
     let line = |measured: &Measured| {
         let (scene, program) = (measured.program.scene, measured.program.name());
         let mut line = vec![program.clone(), scene.without.to_owned()];
@@ -92,7 +99,7 @@ fn scene_table(gate: &[Measured], figures: &Figures) -> Result<String> {
         }
         Ok(line)
     };
-    let lines = gate.iter().map(line).collect::<Result<Vec<_>>>()?;
+    let lines = measured.iter().map(line).collect::<Result<Vec<_>>>()?;
     Ok(markdown(
         "core, precision, scene | without | flash / B | state / B | stack / B | warm | cold | unsolved",
         &lines,

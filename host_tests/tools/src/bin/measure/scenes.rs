@@ -140,32 +140,16 @@ pub struct Measured {
 /// Names of the bytes.
 pub const BYTES: [&str; 3] = ["flash", "state", "stack"];
 
-/// The default tolerance of a precision.
-pub fn tolerance(precision: Precision) -> f64 {
-    match precision {
-        Precision::F32 => f32::TOLERANCE.into(),
-        Precision::F64 => f64::TOLERANCE,
-    }
-}
+/// The scene that all others are compared with.
+pub const FULL: &Scene = &SCENES[SCENES.len() - 1];
 
 /// The gate's programs: all scenes on the smaller core, and the full one on the larger.
 pub fn programs() -> Vec<Program> {
-    let program = |core, precision, scene| Program {
-        core,
-        precision,
-        scene,
-        tolerances: vec![tolerance(precision)],
-    };
-    SCENES
-        .iter()
-        .map(|scene| program(Core::M4f, Precision::F32, scene))
-        .chain(full().map(|scene| program(Core::M7, Precision::F64, scene)))
+    let scenes = SCENES.iter();
+    scenes
+        .map(|scene| Program::new(Core::M4f, Precision::F32, scene))
+        .chain([Program::new(Core::M7, Precision::F64, FULL)])
         .collect()
-}
-
-/// The scene that all others are compared with.
-pub fn full() -> Option<&'static Scene> {
-    SCENES.last()
 }
 
 /// Builds and measures programs.
@@ -200,6 +184,20 @@ pub fn run(root: &Path, programs: Vec<Program>, works: &[Work]) -> Result<Vec<Me
 }
 
 impl Program {
+    /// A program at the default tolerance.
+    pub fn new(core: Core, precision: Precision, scene: &'static Scene) -> Self {
+        let tolerance = match precision {
+            Precision::F32 => f32::TOLERANCE.into(),
+            Precision::F64 => f64::TOLERANCE,
+        };
+        Self {
+            core,
+            precision,
+            scene,
+            tolerances: vec![tolerance],
+        }
+    }
+
     /// Its name in figures.
     pub fn name(&self) -> String {
         format!(

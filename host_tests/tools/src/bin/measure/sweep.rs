@@ -1,6 +1,6 @@
 //! Error of the stiffness over cycles, by tolerance; and times on this machine.
 
-use crate::scenes::{self, Host, Measured, Program, Solve, solved};
+use crate::scenes::{self, FULL, Host, Measured, Program, Solve, solved};
 use crate::table::{markdown, name, thousands};
 use crate::timing::Core;
 use crate::workload::{BALLS, STARTS, Work};
@@ -18,31 +18,25 @@ use tools::chart::{Axis, Chart, Curve, Panel, Style};
 /// Tolerances besides the default one; those below it are left out.
 const TOLERANCES: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12];
 
-/// The full scene on all cores. Doubles in software are solved at the default tolerance alone.
+/// The gate's programs, then the full scene in single precision on the larger core; the full scene at all tolerances.
 pub fn programs() -> Vec<Program> {
-    let full = scenes::full().into_iter();
-    full.flat_map(|scene| {
-        [
-            (Core::M4f, Precision::F32),
-            (Core::M4f, Precision::F64),
-            (Core::M7, Precision::F32),
-            (Core::M7, Precision::F64),
-        ]
-        .map(|(core, precision)| {
-            let default = scenes::tolerance(precision);
-            let in_software = core == Core::M4f && precision == Precision::F64;
-            let others = TOLERANCES
-                .into_iter()
-                .filter(|t| !in_software && *t > default);
-            Program {
-                core,
-                precision,
-                scene,
-                tolerances: [default].into_iter().chain(others).collect(),
-            }
-        })
-    })
-    .collect()
+    let mut programs = scenes::programs();
+    programs.push(Program::new(Core::M7, Precision::F32, FULL));
+    for program in programs.iter_mut().filter(|program| is_full(program)) {
+        let default = program.tolerances[0];
+        let others = TOLERANCES.into_iter().filter(|t| *t > default);
+        program.tolerances.extend(others);
+    }
+    programs
+}
+
+fn is_full(program: &Program) -> bool {
+    program.scene.name == FULL.name
+}
+
+/// The full scene's programs.
+fn full(all: &[Measured]) -> impl Iterator<Item = &Measured> {
+    all.iter().filter(|measured| is_full(&measured.program))
 }
 
 /// Stiffness of the reference build's equilibrium, cold and warm.
@@ -95,7 +89,7 @@ fn of_core(measured: &Measured) -> String {
 /// The table of tolerances: error and cycles, cold and warm.
 pub fn tolerances(all: &[Measured], truths: &[Truth]) -> String {
     let mut lines = Vec::new();
-    for measured in all {
+    for measured in full(all) {
         for (i, tolerance) in measured.program.tolerances.iter().enumerate() {
             let mut line = vec![format!("{}, {tolerance:.0e}", of_core(measured))];
             for start in [1, 0] {
@@ -115,7 +109,7 @@ pub fn tolerances(all: &[Measured], truths: &[Truth]) -> String {
 /// The picture: error of the stiffness over cycles, a point for every tolerance.
 pub fn chart(all: &[Measured], truths: &[Truth]) -> Chart {
     let panel = |start: usize| {
-        let curves = all.iter().flat_map(|measured| {
+        let curves = full(all).flat_map(|measured| {
             let mut points: Vec<[Spread; 2]> = (0..measured.solves.len())
                 .map(|i| point(measured, truths, i, start))
                 .collect();

@@ -398,16 +398,15 @@ pub fn check(root: &Path, leeway: f64) -> Result<Figures> {
     Ok(figures(&measured))
 }
 
-/// Writes the constants as they are measured; returns the figures.
+/// Writes the constants as they are measured.
 ///
 /// Fails where not even one iteration fits: firmware with such constants does not compile, and could then not
 /// be measured again.
-pub fn accept(root: &Path) -> Result<Figures> {
-    let measured = measure(root)?;
+pub fn write_constants(root: &Path, measured: &[Costs]) -> Result<()> {
     let path = root.join(CONSTANTS);
     let mut text = std::fs::read_to_string(&path)
         .with_context(|| format!("cannot read {}", path.display()))?;
-    for costs in &measured {
+    for costs in measured {
         let (name, board, cost) = (costs.board.name(), costs.board, costs.constant());
         let [before, now] = [board.cost, cost].map(|cost| cost.iterations_within(board.period()));
         ensure!(
@@ -430,8 +429,7 @@ pub fn accept(root: &Path) -> Result<Figures> {
             "{before}{head}\n        fixed: {fixed},\n        iteration: {iteration},\n    }};{after}"
         );
     }
-    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
-    Ok(figures(&measured))
+    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
 #[cfg(test)]
