@@ -95,10 +95,7 @@ pub fn in_full(trial: &Trial) -> String {
         let searched = judge::search(trial, &mut solve.records);
         let _ = writeln!(text, "\n{:?}", trial.ticks[solve.records[0].tick]);
         for ((record, answer), truth) in solve.records.iter().zip(solve.answers).zip(solve.truths) {
-            let _ = writeln!(text, "\n{record:#?}\n{:?}", answer.answer.figures);
-            for ball in &answer.balls {
-                let _ = writeln!(text, "{ball:?}");
-            }
+            let _ = writeln!(text, "\n{record:#?}\n{:#?}", answer.figures);
             for truth in truth.iter().chain(&searched) {
                 let _ = writeln!(
                     text,

@@ -5,10 +5,8 @@
 //! bearing compiled for every count, and solvers for the largest one alone: a row may have fewer balls than its spindle.
 
 use spindle_bearing::{
-    Arrangement, BallMotion, BallState, Bearing, ContactPatch, Design, DesignError, ErrorEstimate,
-    Facing, Frequencies, Full, InnerRaceControl, LimitSet, Limits, Motion, Mounted,
-    OuterRaceControl, Quantity, RacewayControlFree, Real, Settings, Speed, Spindle, SpindleSolver,
-    Static,
+    BallMotion, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies, Limits,
+    Mounted, Quantity, Real,
 };
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -72,133 +70,13 @@ pub enum Attitude {
     Inner,
 }
 
-/// What a solve gave, widened to double, which is exact.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
-    /// How the solve ended, in a word.
-    pub status: &'static str,
-    /// The figures; or, if there are none, a sentence that says why.
-    pub figures: Result<Figures, String>,
-}
-
-/// An equilibrium.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Figures {
-    /// Iterations, those of starts included.
-    pub iterations: u16,
-    /// Displacement of the inner ring `(dx, dy, dz, ty, tz)`, m and rad.
-    pub displacement: [f64; 5],
-    /// Stiffness, N and N m per m and rad; rows are forces, columns displacements.
-    pub stiffness: [[f64; 5]; 5],
-    /// Physical limits that are passed.
-    pub limits: LimitSet,
-    /// The solver's own estimate of its errors of displacement, force and stiffness, measured as in
-    /// [`compare`](crate::compare); none of figures that come from elsewhere.
-    pub error: Option<[f64; 3]>,
-}
-
-/// What the balls of a row do.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Details {
-    /// Where they are, and their forces.
-    pub balls: Vec<BallState<f64>>,
-    /// How they turn, and how their contacts are pressed.
-    pub motions: Vec<BallMotion<f64>>,
-    /// Frequencies at which damage is heard.
-    pub frequencies: Frequencies<f64>,
-}
-
-/// What is wanted of a solve besides its figures; it is filled if there is an answer.
-pub enum Wanted<'w> {
-    /// Nothing.
-    Figures,
-    /// The states of the balls.
-    Balls(&'w mut Vec<BallState<f64>>),
-    /// All that there is of them.
-    Details(&'w mut Details),
-}
-
-/// A bearing whose ball count and precision are known at run time only.
-pub trait AnyBearing {
-    /// A cold solver for it.
-    fn solver(&self, attitude: Attitude) -> Box<dyn AnySolver + '_>;
-
-    /// A cold solver for the bearing at rest, in closed form for every ball.
-    fn static_solver(&self) -> Box<dyn AnySolver + '_>;
-}
-
-/// A solver whose ball count, precision and attitude rule are known at run time only.
-///
-/// The scene of [`AnyBearing::solver`] is the bearing at speed, throughout: speed 0 is a speed like
-/// any other, so that a recording runs through standstill without a change of solver.
-pub trait AnySolver {
-    /// Ball count.
-    fn ball_count(&self) -> usize;
-
-    /// Precision.
-    fn precision(&self) -> Precision;
-
-    /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
-    /// precision.
-    fn solve_for(&mut self, load: [f64; 5], omega: f64, wanted: Wanted<'_>) -> Answer;
-
-    /// Makes the next solve a cold one.
-    fn reset(&mut self);
-
-    /// Holds the next solves against these limits instead of the default ones.
-    fn set_limits(&mut self, limits: &Limits<f64>);
-
-    /// Makes the next solves stop at this tolerance, or after this many iterations.
-    fn set_settings(&mut self, tolerance: f64, max_iterations: u16);
-
-    /// Solves for a load `(Fx, Fy, Fz, My, Mz)`, N and N m, at a speed in rad/s, both rounded to the
-    /// precision.
-    fn solve(&mut self, load: [f64; 5], omega: f64) -> Answer {
-        self.solve_for(load, omega, Wanted::Figures)
-    }
-
-    /// The same. If `balls` is given and there is an answer, it becomes the states of the balls.
-    fn solve_with_balls(
-        &mut self,
-        load: [f64; 5],
-        omega: f64,
-        balls: Option<&mut Vec<BallState<f64>>>,
-    ) -> Answer {
-        self.solve_for(load, omega, balls.map_or(Wanted::Figures, Wanted::Balls))
-    }
-}
-
-/// Builds a bearing.
-///
-/// # Errors
-///
-/// The first quantity of the design that is out of its range; the ball count, if it is not among
-/// [`BALL_COUNTS`].
-pub fn bearing(
-    design: &Design,
-    balls: usize,
-    precision: Precision,
-) -> Result<Box<dyn AnyBearing>, DesignError> {
-    Ok(match precision {
-        Precision::F32 => Box::new(Alone(mount::<f32>(design, balls)?, precision)),
-        Precision::F64 => Box::new(Alone(mount::<f64>(design, balls)?, precision)),
-    })
-}
-
 /// A bearing of any ball count.
 pub trait Mount<T: Real> {
-    /// Its ball count.
-    fn ball_count(&self) -> usize;
-
     /// The bearing on a shaft: clamped, with its rings just touching.
     fn mounted(&self, position: f64, facing: Facing) -> Mounted<'_, T, MOST_BALLS>;
 }
 
 impl<T: Real, const N: usize> Mount<T> for Bearing<T, N> {
-    fn ball_count(&self) -> usize {
-        N
-    }
-
     fn mounted(&self, position: f64, facing: Facing) -> Mounted<'_, T, MOST_BALLS> {
         Mounted::new(self, T::of(position), facing)
     }
@@ -222,116 +100,14 @@ macro_rules! mounts {
 ///
 /// # Errors
 ///
-/// As for [`bearing`].
+/// The first quantity of the design that is out of its range; the ball count, if it is not among
+/// [`BALL_COUNTS`].
 pub fn mount<T: Real>(design: &Design, balls: usize) -> Result<Box<dyn Mount<T>>, DesignError> {
     mounts!(
         T, design, balls,
         3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
         35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
     )
-}
-
-/// A bearing as the only row of a shaft, which has the bits of a plain solver.
-struct Alone<T>(Box<dyn Mount<T>>, Precision);
-
-impl<T: Real> AnyBearing for Alone<T> {
-    fn solver(&self, attitude: Attitude) -> Box<dyn AnySolver + '_> {
-        match attitude {
-            Attitude::Raceless => Counted::<T, Full<RacewayControlFree>>::boxed(self),
-            Attitude::Outer => Counted::<T, Full<OuterRaceControl>>::boxed(self),
-            Attitude::Inner => Counted::<T, Full<InnerRaceControl>>::boxed(self),
-        }
-    }
-
-    fn static_solver(&self) -> Box<dyn AnySolver + '_> {
-        Counted::<T, Static>::boxed(self)
-    }
-}
-
-struct Counted<'b, T: Real, M: Motion> {
-    precision: Precision,
-    balls: usize,
-    solver: SpindleSolver<'b, T, 1, MOST_BALLS, M>,
-    settings: Settings<T>,
-    limits: Limits<T>,
-}
-
-impl<'b, T: Real, M: Motion> Counted<'b, T, M> {
-    fn boxed(bearing: &'b Alone<T>) -> Box<dyn AnySolver + 'b> {
-        let row = bearing.0.mounted(0.0, Facing::PlusX);
-        let spindle = Spindle::new(Arrangement::ByRows, [row]).expect("a clamped row");
-        Box::new(Self {
-            precision: bearing.1,
-            balls: bearing.0.ball_count(),
-            solver: SpindleSolver::of(spindle),
-            settings: Settings::default(),
-            limits: Limits::default(),
-        })
-    }
-}
-
-impl<T: Real, M: Motion> AnySolver for Counted<'_, T, M> {
-    fn ball_count(&self) -> usize {
-        self.balls
-    }
-
-    fn precision(&self) -> Precision {
-        self.precision
-    }
-
-    fn solve_for(&mut self, load: [f64; 5], omega: f64, wanted: Wanted<'_>) -> Answer {
-        let speed = Speed::rad_per_s(T::of(omega));
-        let solved = self.solver.solve(load.map(T::of), speed, &self.settings);
-        match solved {
-            Ok(solution) => {
-                let row = solution.rows().next().expect("a row");
-                match wanted {
-                    Wanted::Figures => {}
-                    Wanted::Balls(balls) => *balls = row.balls().map(|b| widened(&b)).collect(),
-                    Wanted::Details(details) => {
-                        details.balls = row.balls().map(|b| widened(&b)).collect();
-                        details.motions = row.motions().map(|m| widened_motion(&m)).collect();
-                        details.frequencies = widened_frequencies(&row.frequencies());
-                    }
-                }
-                let ErrorEstimate {
-                    displacement,
-                    force,
-                    stiffness,
-                } = solution.error;
-                let figures = Figures {
-                    iterations: solution.iterations,
-                    displacement: solution.displacement.map(T::to_f64),
-                    stiffness: wide(&solution.stiffness()),
-                    limits: row.limits(&self.limits),
-                    error: Some([displacement, force, stiffness].map(T::to_f64)),
-                };
-                Answer {
-                    status: solution.status.name(),
-                    figures: Ok(figures),
-                }
-            }
-            Err(status) => Answer {
-                status: status.name(),
-                figures: Err(status.to_string()),
-            },
-        }
-    }
-
-    fn reset(&mut self) {
-        self.solver.reset();
-    }
-
-    fn set_limits(&mut self, limits: &Limits<f64>) {
-        self.limits = narrowed(limits);
-    }
-
-    fn set_settings(&mut self, tolerance: f64, max_iterations: u16) {
-        self.settings = Settings {
-            tolerance: T::of(tolerance),
-            max_iterations,
-        };
-    }
 }
 
 /// Limits in a solver's precision.

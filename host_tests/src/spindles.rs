@@ -1,4 +1,4 @@
-//! Spindles whose rows, ball counts and precision are known at run time only: what `dispatch` is for one bearing.
+//! Spindles whose rows, ball counts and precision are known at run time only. A bearing is a spindle with one row.
 
 use crate::dispatch::{
     Attitude, MOST_BALLS, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies,
@@ -40,6 +40,23 @@ pub struct Plan {
     pub arrangement: Arrangement,
     /// Force of the spring, N.
     pub spring: Option<f64>,
+}
+
+impl Plan {
+    /// A bearing as the only row, which has the bits of a plain solver.
+    pub fn alone(design: &Design, balls: usize) -> Self {
+        Self {
+            rows: vec![Row {
+                balls,
+                design: *design,
+                position: 0.0,
+                facing: Facing::PlusX,
+                preload: Preload::Closure(0.0),
+            }],
+            arrangement: Arrangement::ByRows,
+            spring: None,
+        }
+    }
 }
 
 /// How the balls move.
@@ -123,6 +140,20 @@ pub trait AnySpindleSolver {
 
     /// Makes the next solve a cold one.
     fn reset(&mut self);
+
+    /// Solves for a load at `x = 0`, N and N m, at a speed in rad/s.
+    ///
+    /// # Errors
+    ///
+    /// Why there is no answer.
+    fn load(&mut self, load: [f64; 5], omega: f64) -> Result<Answer, Status<f32>> {
+        let question = Question {
+            load,
+            omega,
+            growth: Vec::new(),
+        };
+        self.solve(&question, &ShaftEnd::rigid(0.0))
+    }
 }
 
 /// Why a spindle cannot be built.

@@ -3,8 +3,9 @@
 use super::balance::residual;
 use super::families::{Family, Tick, Trial};
 use crate::compare::{Ball, Equilibrium};
-use crate::dispatch::{self, Precision};
+use crate::dispatch::Precision;
 use crate::reference::{self, Failure, Solution, small_solve};
+use crate::spindles::{self, Balls, Plan, with_solver};
 use spindle_bearing::BallState;
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -32,25 +33,33 @@ pub const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 /// The answer of a solver, or its panic, whose status is `panic`.
 #[derive(Debug)]
 pub struct Answer {
-    /// Status and figures.
-    pub answer: dispatch::Answer,
-    /// The balls, where there are figures.
-    pub balls: Vec<BallState<f64>>,
+    /// How the solve ended.
+    pub status: &'static str,
+    /// The figures, where there are any.
+    pub figures: Option<spindles::Answer>,
 }
 
 impl Answer {
     fn equilibrium(&self) -> Option<Equilibrium> {
-        let figures = self.answer.figures.as_ref().ok()?;
+        let figures = self.figures.as_ref()?;
         Some(Equilibrium {
             displacement: figures.displacement,
             stiffness: figures.stiffness,
-            balls: self.balls.iter().map(Ball::from).collect(),
+            balls: self.balls().iter().map(Ball::from).collect(),
         })
+    }
+
+    /// The balls, where there are figures.
+    fn balls(&self) -> &[BallState<f64>] {
+        match &self.figures {
+            Some(figures) => &figures.rows[0].balls,
+            None => &[],
+        }
     }
 
     /// Says what must never be, if the answer to this tick is that.
     fn failure(&self, tick: &Tick) -> Option<&'static str> {
-        let status = self.answer.status;
+        let status = self.status;
         let finite = tick.omega.is_finite() && tick.load.iter().all(|f| f.is_finite());
         let unloaded = tick.load == [0.0; 5];
         let refused = match status {
@@ -63,7 +72,7 @@ impl Answer {
             _ if unloaded => Some("no load, and not refused as such"),
             _ => None,
         };
-        let Ok(figures) = &self.answer.figures else {
+        let Some(figures) = &self.figures else {
             return refused;
         };
         let of_ball = |b: &BallState<f64>| {
@@ -80,7 +89,7 @@ impl Answer {
             Some("figures of a status that is no answer")
         } else if figures.iterations > MOST_ITERATIONS {
             Some("more iterations than the limit")
-        } else if !(of_ring.all(|x| x.is_finite()) && self.balls.iter().all(of_ball)) {
+        } else if !(of_ring.all(|x| x.is_finite()) && self.balls().iter().all(of_ball)) {
             Some("a figure is not a finite number")
         } else {
             None
@@ -184,32 +193,36 @@ pub struct Judged {
 /// All solves of a case in a precision; panics become answers.
 fn answers(trial: &Trial, precision: Precision) -> Vec<Answer> {
     let case = &trial.case;
-    let bearing = dispatch::bearing(&case.design, case.balls, precision)
-        .unwrap_or_else(|e| panic!("{}: {e}", case.name));
-    let fresh = || {
-        if trial.at_rest {
-            bearing.static_solver()
-        } else {
-            bearing.solver(case.attitude)
-        }
+    let plan = Plan::alone(&case.design, case.balls);
+    let balls = match trial.at_rest {
+        true => Balls::Static,
+        false => Balls::Moving(case.attitude),
     };
-    let mut solver = fresh();
-    let mut solve = |tick: &Tick| {
-        let mut balls = Vec::with_capacity(case.balls);
-        let solve =
-            AssertUnwindSafe(|| solver.solve_with_balls(tick.load, tick.omega, Some(&mut balls)));
-        let answer = catch_unwind(solve).unwrap_or_else(|cause| {
-            // What a panic left of the solver is nobody's business.
-            solver = fresh();
-            let text = cause.downcast_ref::<String>().cloned();
-            dispatch::Answer {
-                status: "panic",
-                figures: Err(text.unwrap_or_default()),
+    with_solver(&plan, balls, precision, |solver| {
+        let mut solve = |tick: &Tick| {
+            let solve = AssertUnwindSafe(|| solver.load(tick.load, tick.omega));
+            match catch_unwind(solve) {
+                Ok(Ok(figures)) => Answer {
+                    status: figures.status,
+                    figures: Some(figures),
+                },
+                Ok(Err(status)) => Answer {
+                    status: status.name(),
+                    figures: None,
+                },
+                Err(_) => {
+                    // Nobody knows in which state a panic leaves the solver.
+                    solver.reset();
+                    Answer {
+                        status: "panic",
+                        figures: None,
+                    }
+                }
             }
-        });
-        Answer { answer, balls }
-    };
-    trial.ticks.iter().map(&mut solve).collect()
+        };
+        trial.ticks.iter().map(&mut solve).collect()
+    })
+    .unwrap_or_else(|e| panic!("{}: {e}", case.name))
 }
 
 /// A tick as a precision sees it.
@@ -222,14 +235,14 @@ fn seen(tick: &Tick, precision: Precision) -> Tick {
 
 /// The equilibrium that the reference build reaches from an answer.
 fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
-    let u = answer.answer.figures.as_ref().ok()?.displacement;
+    let u = answer.figures.as_ref()?.displacement;
     let design = &trial.case.design;
     let lo = (design.outer_groove_factor - 0.5) * design.ball_diameter;
     let centre = |ball: &BallState<f64>| {
         let (sin, cos) = ball.alpha_o.sin_cos();
         ((lo + ball.delta_o) * sin, (lo + ball.delta_o) * cos)
     };
-    let centres: Vec<(f64, f64)> = answer.balls.iter().map(centre).collect();
+    let centres: Vec<(f64, f64)> = answer.balls().iter().map(centre).collect();
     let (reference, attitude) = (&trial.reference, trial.case.reference_attitude());
     let near = |omega| {
         let found = reference.polish_near(tick.load, omega, attitude, u, &centres);
@@ -239,7 +252,7 @@ fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
         // A ball that is off the inner race and hardly turns is held by next to nothing, and where it is
         // makes no difference: as well judged at rest.
         let largest =
-            |of: fn(&BallState<f64>) -> f64| answer.balls.iter().map(of).fold(0.0, f64::max);
+            |of: fn(&BallState<f64>) -> f64| answer.balls().iter().map(of).fold(0.0, f64::max);
         if largest(|b| b.centrifugal_force) <= NEGLIGIBLE * largest(|b| b.q_o) {
             near(0.0)
         } else if trial.known.is_some() {
@@ -340,19 +353,19 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> Judged {
     let ticks = PRECISIONS.map(|precision| seen(&trial.ticks[number], precision));
     let same = ticks[0] == ticks[1];
     let mut records = [0, 1].map(|p| {
-        let figures = answers[p].answer.figures.as_ref().ok();
+        let figures = answers[p].figures.as_ref();
         let failure = answers[p].failure(&ticks[p]);
         Record {
             family: trial.family,
             index: trial.index,
             tick: number,
             precision: PRECISIONS[p],
-            status: answers[p].answer.status,
+            status: answers[p].status,
             iterations: figures.map(|f| f.iterations),
             verdict: failure.map_or(Verdict::Undecided, Verdict::Failed),
             errors: None,
-            estimate: figures.and_then(|f| f.error),
-            residual: figures.map(|_| residual(trial, &ticks[p], &answers[p].balls)),
+            estimate: figures.map(|f| f.error),
+            residual: figures.map(|_| residual(trial, &ticks[p], answers[p].balls())),
             branch: None,
         }
     });

@@ -4,7 +4,8 @@ use super::solves::{Balls, Found, LIFTING, SKEW, apart, cold, forces, solver, ve
 use super::textbook::{carried, unbalanced};
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::cases::{B218, B7005C, SKF6205, rad_per_s};
-use host_tests::dispatch::{self, Precision};
+use host_tests::dispatch::Precision;
+use host_tests::spindles::{self, Plan, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::Design;
 
@@ -45,15 +46,15 @@ fn forces_of_an_answer_balance_the_load_where_the_ring_hardly_resists() {
         .filter(|&index| {
             let trial = Trial::new(11, Family::DeepGroove, index);
             let (case, tick) = (&trial.case, &trial.ticks[0]);
-            let bearing = dispatch::bearing(&case.design, case.balls, Precision::F32).unwrap();
-            let mut balls = Vec::new();
-            let answer = bearing
-                .static_solver()
-                .solve_with_balls(tick.load, 0.0, Some(&mut balls));
-            if answer.figures.is_err() {
+            let plan = Plan::alone(&case.design, case.balls);
+            let found = with_solver(&plan, spindles::Balls::Static, Precision::F32, |solver| {
+                solver.load(tick.load, 0.0)
+            });
+            let Ok(found) = found.unwrap() else {
                 return false;
-            }
-            let sum = carried(&case.design, case.attitude, &balls);
+            };
+            let balls = &found.rows[0].balls;
+            let sum = carried(&case.design, case.attitude, balls);
             let largest = balls.iter().map(|b| b.q_i).fold(0.0, f64::max);
             for (sum, load) in sum[..3].iter().zip(tick.load) {
                 let off = (sum - load).abs();

@@ -3,7 +3,8 @@
 use super::solves::{PRECISIONS, lengths, vector_error};
 use host_tests::cases::{B218, SKF6205, rad_per_s};
 use host_tests::compare::stiffness_error;
-use host_tests::dispatch::{self, Attitude, Details, Figures, Precision, Wanted};
+use host_tests::dispatch::{Attitude, Precision};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::{Bearing, Design, FreeContact, Given, Growth, Settings, Solver, Speed};
 use std::array::from_fn;
@@ -25,6 +26,8 @@ fn straight(balls: usize, ball_diameter: f64, factor: f64) -> Design {
     }
 }
 
+const FREE: Balls = Balls::Moving(Attitude::Raceless);
+
 /// The answers of one solver to a sequence of loads at a speed, each from nothing or from the one before.
 fn answers(
     (design, balls): (&Design, usize),
@@ -32,21 +35,20 @@ fn answers(
     warm: bool,
     loads: &[[f64; 5]],
     rpm: f64,
-) -> Vec<Figures> {
-    let bearing = dispatch::bearing(design, balls, precision).unwrap();
-    let mut solver = bearing.solver(Attitude::Raceless);
-    loads
-        .iter()
-        .map(|load| {
+) -> Vec<Answer> {
+    let found = with_solver(&Plan::alone(design, balls), FREE, precision, |solver| {
+        let solve = |load: &[f64; 5]| {
             if !warm {
                 solver.reset();
             }
-            let answer = solver.solve(*load, rad_per_s(rpm));
-            answer.figures.unwrap_or_else(|why| {
+            let found = solver.load(*load, rad_per_s(rpm));
+            found.unwrap_or_else(|why| {
                 panic!("{balls} balls, {precision:?}, {load:?} at {rpm} rpm: {why}")
             })
-        })
-        .collect()
+        };
+        loads.iter().map(solve).collect()
+    });
+    found.unwrap()
 }
 
 fn radial(force: f64) -> [f64; 5] {
@@ -57,7 +59,7 @@ fn radial(force: f64) -> [f64; 5] {
 /// rounding, and nothing else depends on it. A little load across presses one of them.
 #[test]
 fn radial_loads_on_balls_without_clearance_have_the_stiffness_of_those_a_little_aside() {
-    let found = answers((&EIGHT, 8), Precision::F64, false, &[radial(500.0)], 0.0)[0];
+    let found = answers((&EIGHT, 8), Precision::F64, false, &[radial(500.0)], 0.0).remove(0);
     assert!((found.displacement[1] / 8.8287919e-6 - 1.0).abs() < 1e-8);
     assert!((found.stiffness[1][1] / 8.4949e7 - 1.0).abs() < 1e-5);
     let sizes = (0..40).map(|i| 10.0 + 127.9 * f64::from(i));
@@ -142,19 +144,11 @@ fn a_symmetric_bearing_has_the_mirrored_answer_to_the_mirrored_load() {
     ];
     for (precision, bound) in PRECISIONS.into_iter().zip([1e-5, 1e-10]) {
         for (design, balls) in &designs {
-            let bearing = dispatch::bearing(design, *balls, precision).unwrap();
             let solve = |load, rpm| {
-                let mut details = Details::default();
-                let answer = bearing.solver(Attitude::Raceless).solve_for(
-                    load,
-                    rad_per_s(rpm),
-                    Wanted::Details(&mut details),
-                );
-                let place = format!("{precision:?}, {load:?} at {rpm} rpm");
-                (
-                    answer.figures.unwrap_or_else(|e| panic!("{place}: {e}")),
-                    details,
-                )
+                let mut found = answers((design, *balls), precision, false, &[load], rpm);
+                let found = found.remove(0);
+                let row = found.rows[0].clone();
+                (found, row)
             };
             for load in loads {
                 for rpm in [0.0, 6000.0, 20_000.0] {
@@ -186,7 +180,7 @@ fn a_symmetric_bearing_has_the_mirrored_answer_to_the_mirrored_load() {
 #[test]
 fn a_radial_load_alone_tilts_no_symmetric_bearing() {
     for rpm in [0.0, 6000.0] {
-        let found = answers((&SKF6205, 9), Precision::F64, false, &[radial(1000.0)], rpm)[0];
+        let found = answers((&SKF6205, 9), Precision::F64, false, &[radial(1000.0)], rpm).remove(0);
         let [dx, dy, _, ty, tz] = found.displacement;
         let pitch_radius = 0.5 * SKF6205.pitch_diameter;
         let tilt = pitch_radius * ty.abs().max(tz.abs());
@@ -250,21 +244,20 @@ fn a_ring_that_is_free_is_told_so_and_an_axial_load_holds_it() {
         let mut refused = 0;
         for (design, balls) in [(B218, 16), (b25, 16), (steep, 8)] {
             let is_refused = |&&(force, rpm): &&(f64, f64)| {
-                let bearing = dispatch::bearing(&design, balls, precision).unwrap();
+                let plan = Plan::alone(&design, balls);
                 let solve = |axial: f64| {
                     let load = [axial, force, 0.0, 0.0, 0.0];
-                    let mut solver = bearing.solver(Attitude::Raceless);
-                    solver.solve(load, rad_per_s(rpm))
+                    let ask = |solver: &mut dyn AnySpindleSolver| solver.load(load, rad_per_s(rpm));
+                    with_solver(&plan, FREE, precision, ask).unwrap()
                 };
-                let alone = solve(0.0);
-                let Err(why) = alone.figures else {
+                let Err(status) = solve(0.0) else {
                     return false;
                 };
-                let place = format!("{precision:?}, {force} N at {rpm} rpm: {why}");
+                let place = format!("{precision:?}, {force} N at {rpm} rpm: {status}");
                 let statuses = ["indeterminate", "diverged", "unseated"];
-                assert!(statuses.contains(&alone.status), "{place}");
-                assert!(why.contains("axial load"), "{place}");
-                let is_held = (1..8).any(|n| solve(force * 4f64.powi(n)).figures.is_ok());
+                assert!(statuses.contains(&status.name()), "{place}");
+                assert!(status.to_string().contains("axial load"), "{place}");
+                let is_held = (1..8).any(|n| solve(force * 4f64.powi(n)).is_ok());
                 assert!(is_held, "{place}");
                 true
             };

@@ -7,8 +7,9 @@
 
 use host_tests::cases::{B218, rad_per_s, reference};
 use host_tests::compare::worse;
-use host_tests::dispatch::{Attitude, Precision, bearing};
+use host_tests::dispatch::{Attitude, Precision};
 use host_tests::reference;
+use host_tests::spindles::{Balls, Plan, with_solver};
 use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 
@@ -93,12 +94,12 @@ struct Ball {
 
 impl Ball {
     fn solved(attitude: Attitude, rpm: f64) -> Self {
-        let bearing = bearing(&B218, 16, Precision::F64).unwrap();
-        let mut balls = Vec::new();
-        let shaft = rad_per_s(rpm);
-        let mut solver = bearing.solver(attitude);
-        solver.solve_with_balls(LOAD, shaft, Some(&mut balls));
-        let ball = balls[0];
+        let (plan, shaft) = (Plan::alone(&B218, 16), rad_per_s(rpm));
+        let balls = Balls::Moving(attitude);
+        let found = with_solver(&plan, balls, Precision::F64, |solver| {
+            solver.load(LOAD, shaft)
+        });
+        let ball = found.unwrap().unwrap().rows[0].balls[0];
         let both = ball.q_i + ball.q_o;
         Self {
             shaft,

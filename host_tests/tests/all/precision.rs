@@ -5,7 +5,8 @@ use super::solves::{
 };
 use host_tests::cases::{B7005C, SKF6205, rad_per_s};
 use host_tests::compare::{stiffness_error, worse};
-use host_tests::dispatch::{self, Attitude, Precision};
+use host_tests::dispatch::{Attitude, Precision};
+use host_tests::spindles::{self, Plan, with_solver};
 use host_tests::tolerances::allowed;
 use spindle_bearing::{Design, FreeContact, Status};
 use std::f64::consts::PI;
@@ -85,10 +86,14 @@ fn where_rounding_ends_a_solve_at_speed_the_stiffness_is_still_good() {
 fn a_bearing_that_hardly_turns_has_its_equilibria_and_balls_without_force_lack_next_to_none() {
     let ball_mass = SKF6205.ball.density * PI / 6.0 * SKF6205.ball_diameter.powi(3);
     let centrifugal = 0.5 * ball_mass * SKF6205.pitch_diameter;
+    let plan = Plan::alone(&SKF6205, 9);
+    let moving = spindles::Balls::Moving(Attitude::Raceless);
     for precision in PRECISIONS {
         let [mut solves, mut unsolved, mut fast, mut lacking] = [0; 4];
-        let bearing = dispatch::bearing(&SKF6205, 9, precision).unwrap();
-        let (mut solver, mut balls) = (bearing.solver(Attitude::Raceless), Vec::new());
+        let solve = |load, omega| {
+            let found = with_solver(&plan, moving, precision, |solver| solver.load(load, omega));
+            found.unwrap()
+        };
         for exponent in 4..15 {
             // Centrifugal forces of all balls, over the load.
             let inertia = 10f64.powi(-exponent);
@@ -98,20 +103,19 @@ fn a_bearing_that_hardly_turns_has_its_equilibria_and_balls_without_force_lack_n
                 let load = [0.02 * size * sin, size * cos, size * sin, 0.0, 1e-3 * size];
                 let omega = (inertia * size / (9.0 * centrifugal)).sqrt();
                 for omega in [0.0, omega] {
-                    solver.reset();
                     solves += 1;
-                    let answer = solver.solve_with_balls(load, omega, Some(&mut balls));
-                    if answer.figures.is_err() {
+                    let Ok(found) = solve(load, omega) else {
                         unsolved += 1;
                         continue;
-                    }
+                    };
                     // A speed that the precision can tell from a standstill.
                     if omega == 0.0 || inertia <= 9.0 * epsilon(precision) {
                         continue;
                     }
                     fast += 1;
-                    let largest = balls.iter().map(|ball| ball.q_o).fold(0.0, f64::max);
-                    let off = balls.iter().filter(|ball| ball.q_o <= 0.0);
+                    let balls = found.rows[0].balls.iter();
+                    let largest = balls.clone().map(|ball| ball.q_o).fold(0.0, f64::max);
+                    let off = balls.filter(|ball| ball.q_o <= 0.0);
                     let lacks = off.map(|ball| ball.centrifugal_force).fold(0.0, f64::max);
                     lacking += usize::from(lacks > 0.0);
                     let error = lacks / largest;
@@ -178,14 +182,21 @@ fn a_ring_that_rocks_on_few_balls_comes_to_rest_before_the_solve_ends() {
     };
     for fy in [240.0, 250.0, 254.0, 260.0, 270.0] {
         let load = [0.0, fy, -1323.75, 0.0, 0.0];
-        let mut balls = Vec::new();
+        let plan = Plan::alone(&design, 20);
         let [found, truth] = PRECISIONS.map(|precision| {
-            let bearing = dispatch::bearing(&design, 20, precision).unwrap();
-            let mut solver = bearing.static_solver();
-            let answer = solver.solve_with_balls(load, 0.0, Some(&mut balls));
-            answer.figures.unwrap()
+            let found = with_solver(&plan, spindles::Balls::Static, precision, |solver| {
+                solver.load(load, 0.0)
+            });
+            found.unwrap().unwrap()
         });
-        assert!(balls.iter().filter(|ball| ball.q_i > 0.0).count() <= 3);
+        assert!(
+            truth.rows[0]
+                .balls
+                .iter()
+                .filter(|ball| ball.q_i > 0.0)
+                .count()
+                <= 3
+        );
         let u = vector_error(found.displacement, truth.displacement, lengths(&design));
         let k = stiffness_error(&found.stiffness, &truth.stiffness);
         assert!(u < 1e-2 && k < 1e-2, "{load:?}: {u:e}, {k:e}");

@@ -7,7 +7,7 @@ use host_tests::loads::{self, COLUMNS, LoadRow, Loads, LoadsError, write_csv};
 use host_tests::milling_cycle::{CRASH, NOSE_RECORD, Place, RECORD, recorded};
 use host_tests::replay::{Outputs, Summary, replay};
 use host_tests::spindle_file::SpindleFile;
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Question, with_solver};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, Question, with_solver};
 use host_tests::warm_up;
 use spindle_bearing::{Design, FreeContact, Limits, Material, ShaftEnd, Status};
 use std::io::Cursor;
@@ -271,16 +271,17 @@ fn every_ball_count_has_a_solver() {
     design.ball_diameter = 1.5e-3;
     for balls in BALL_COUNTS {
         for precision in [Precision::F32, Precision::F64] {
-            let bearing = dispatch::bearing(&design, balls, precision).unwrap();
-            for attitude in [Attitude::Raceless, Attitude::Outer, Attitude::Inner] {
-                let solver = bearing.solver(attitude);
-                assert_eq!(solver.ball_count(), balls);
-                assert_eq!(solver.precision(), precision);
-            }
+            let plan = Plan::alone(&design, balls);
+            let moving = Balls::Moving(Attitude::Raceless);
+            let found = with_solver(&plan, moving, precision, |solver| {
+                solver.load([50.0, 10.0, 0.0, 0.0, 0.0], 0.0)
+            });
+            assert_eq!(found.unwrap().unwrap().rows[0].balls.len(), balls);
         }
     }
     for balls in [0, 2, 65, usize::MAX] {
-        assert!(dispatch::bearing(&design, balls, Precision::F64).is_err());
+        let plan = Plan::alone(&design, balls);
+        assert!(with_solver(&plan, Balls::Static, Precision::F64, |_| ()).is_err());
     }
 }
 
@@ -394,7 +395,7 @@ fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
     ];
     let explained = changes.into_iter().map(|(from, to)| {
         let file = DesignFile::parse("b.toml", &DESIGN.replace(from, to)).unwrap();
-        let bearing = dispatch::bearing(&file.design, file.balls, Precision::F64);
+        let bearing = dispatch::mount::<f64>(&file.design, file.balls);
         file.explain(&bearing.err().unwrap()).to_string()
     });
     assert_starts(

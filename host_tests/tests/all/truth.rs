@@ -4,7 +4,8 @@ use super::solves::PRECISIONS;
 use super::textbook::centres;
 use host_tests::cases::{Case, SolvedCase, public};
 use host_tests::compare::{Ball, Equilibrium, Errors, worse};
-use host_tests::dispatch::{self, Attitude, Precision};
+use host_tests::dispatch::{Attitude, Precision};
+use host_tests::spindles::{Balls, Plan, with_solver};
 use host_tests::tolerances::{TOLERANCES, allowed, allowed_at, allowed_of_reference};
 use rayon::prelude::*;
 use spindle_bearing::BallState;
@@ -17,27 +18,29 @@ struct Found {
 
 /// The answers to a case in every scene that it fits into.
 fn solutions(case: &Case, precision: Precision) -> Vec<Found> {
-    let bearing = dispatch::bearing(&case.design, case.balls, precision).unwrap();
-    let mut solvers = vec![bearing.solver(case.attitude)];
+    let plan = Plan::alone(&case.design, case.balls);
+    let mut scenes = vec![Balls::Moving(case.attitude)];
     if case.omega == 0.0 {
-        solvers.push(bearing.static_solver());
+        scenes.push(Balls::Static);
     }
-    let solve = |mut solver: Box<dyn dispatch::AnySolver + '_>| {
-        let mut balls = Vec::new();
-        let answer = solver.solve_with_balls(case.load, case.omega, Some(&mut balls));
-        let figures = answer
-            .figures
+    let solve = |balls| {
+        let found = with_solver(&plan, balls, precision, |solver| {
+            solver.load(case.load, case.omega)
+        });
+        let mut found = found
+            .unwrap()
             .unwrap_or_else(|why| panic!("{case:?}: {why}"));
+        let balls = std::mem::take(&mut found.rows[0].balls);
         Found {
             equilibrium: Equilibrium {
-                displacement: figures.displacement,
-                stiffness: figures.stiffness,
+                displacement: found.displacement,
+                stiffness: found.stiffness,
                 balls: balls.iter().map(Ball::from).collect(),
             },
             balls,
         }
     };
-    solvers.into_iter().map(solve).collect()
+    scenes.into_iter().map(solve).collect()
 }
 
 fn errors(found: &Equilibrium, truth: &Equilibrium, case: &Case) -> Errors {

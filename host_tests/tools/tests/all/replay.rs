@@ -2,9 +2,10 @@
 
 use crate::malformed::{self, HEADER};
 use host_tests::design_file::{DesignFile, SHIPPED};
-use host_tests::dispatch::{self, Attitude, Precision};
+use host_tests::dispatch::{Attitude, Precision};
 use host_tests::loads::{LoadRow, Loads};
 use host_tests::milling_cycle::RECORD;
+use host_tests::spindles::{Balls, Plan, with_solver};
 use spindle_bearing::{Bearing, Full, InnerRaceControl, Motion, OuterRaceControl};
 use spindle_bearing::{RacewayControlFree, Settings, Solver, Speed};
 use std::ffi::OsString;
@@ -111,12 +112,13 @@ fn results_hold_the_bits_that_the_solver_gave() {
             let rows = parsed(&text);
             assert_eq!(lines.len(), rows.len());
 
-            let bearing = dispatch::bearing(&file.design, file.balls, precision).unwrap();
-            let mut solver = bearing.solver(attitude);
-            for (line, row) in lines.into_iter().zip(rows) {
-                let answer = solver.solve(row.load, row.omega());
-                let figures = answer.figures.unwrap();
-                assert_eq!(line[1], answer.status);
+            let plan = Plan::alone(&file.design, file.balls);
+            let answers = with_solver(&plan, Balls::Moving(attitude), precision, |solver| {
+                let solve = |row: &LoadRow| solver.load(row.load, row.omega()).unwrap();
+                rows.iter().map(solve).collect::<Vec<_>>()
+            });
+            for ((line, row), figures) in lines.into_iter().zip(rows).zip(answers.unwrap()) {
+                assert_eq!(line[1], figures.status);
                 assert_eq!(line[2], figures.iterations.to_string());
                 let stiffness = figures.stiffness.as_flattened();
                 let expected = [&figures.displacement, stiffness].concat();
@@ -124,7 +126,7 @@ fn results_hold_the_bits_that_the_solver_gave() {
                 let [found, expected]: [Vec<_>; 2] =
                     [numbers(&line[3..33], precision), expected].map(bits);
                 assert_eq!(found, expected);
-                assert_eq!(line[33], figures.limits.to_string());
+                assert_eq!(line[33], figures.rows[0].limits.to_string());
                 let [fx, fy, fz, my, mz] = row.load;
                 let copied = [row.time_s, fx, fy, fz, my, mz, row.speed_rpm];
                 let copies = [&line[..1], &line[34..40]].concat();
