@@ -161,8 +161,11 @@ const CUTS: [Cut; 8] = [
 /// radial load.
 const THRUSTS: [([f64; 2], f64); 2] = [(DRILLING, 800.0), ([17.8, 18.5], 500.0)];
 
-/// The tool bends, the holder hits, the tool breaks: `(ms, N)`, as for all pushes.
-const CRASHING: &[(f64, f64)] = &[
+/// Course of a push: `(ms, N)`, straight between these points.
+type Course = &'static [(f64, f64)];
+
+/// The tool bends, the holder hits, the tool breaks.
+const CRASHING: Course = &[
     (0.0, 0.0),
     (9.0, 2700.0),
     (30.0, 2700.0),
@@ -173,11 +176,11 @@ const CRASHING: &[(f64, f64)] = &[
     (95.0, 0.0),
 ];
 /// Up and down by 200 N/ms.
-const RADIAL_RAMP: &[(f64, f64)] = &[(0.0, 0.0), (7.5, 1500.0), (40.0, 1500.0), (47.5, 0.0)];
-const AXIAL_RAMP: &[(f64, f64)] = &[(0.0, 0.0), (10.0, 2000.0), (40.0, 2000.0), (50.0, 0.0)];
+const RADIAL_RAMP: Course = &[(0.0, 0.0), (7.5, 1500.0), (40.0, 1500.0), (47.5, 0.0)];
+const AXIAL_RAMP: Course = &[(0.0, 0.0), (10.0, 2000.0), (40.0, 2000.0), (50.0, 0.0)];
 
-/// Forces that come and go: when they begin, s; their parts along x, y and z; their course, straight between its points.
-const PUSHES: [(f64, [f64; 3], &[(f64, f64)]); 4] = [
+/// Forces that come and go: when they begin, s; their parts along x, y and z; their course.
+const PUSHES: [(f64, [f64; 3], Course); 4] = [
     (CRASH[0], [AXIAL, 0.8, -0.6], CRASHING),
     (18.65, [0.0, 1.0, 0.0], RADIAL_RAMP),
     (18.8, [0.0, 0.0, -1.0], RADIAL_RAMP),

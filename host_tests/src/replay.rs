@@ -77,12 +77,15 @@ impl Detail {
     }
 }
 
+/// Tables besides the results, and where they go.
+pub type Details<'o> = Vec<(Detail, Box<dyn Write + 'o>)>;
+
 /// Where the tables go.
 pub struct Outputs<'o> {
     /// The results.
     pub results: &'o mut dyn Write,
     /// Other tables that are wanted.
-    pub details: Vec<(Detail, Box<dyn Write + 'o>)>,
+    pub details: Details<'o>,
 }
 
 impl Outputs<'_> {

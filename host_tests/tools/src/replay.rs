@@ -6,7 +6,7 @@ use clap::Parser;
 use host_tests::catalogue;
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::loads::{self, LoadRow, Loads};
-use host_tests::replay::{Detail, Outputs, ReplayError, Summary, replay};
+use host_tests::replay::{Detail, Details, Outputs, ReplayError, Summary, replay};
 use host_tests::spindle_file::SpindleFile;
 use host_tests::spindles::{Balls, with_solver};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -334,7 +334,7 @@ impl Args {
     }
 
     /// Creates the files that options name.
-    fn details(&self) -> Result<Vec<(Detail, Box<dyn Write>)>, Failure> {
+    fn details(&self) -> Result<Details<'static>, Failure> {
         let loads = self.loads.as_ref().map(Path::new);
         let inputs: Vec<&Path> = [Some(self.design()), loads].into_iter().flatten().collect();
         let wanted = [
