@@ -43,28 +43,12 @@ fn check() -> Result<()> {
     cross::add_target(root)?;
     be_seen_to_fail(root)?;
     bare(root, SOLVER, None, &Unwanted::ALL)?;
-    bare(
-        root,
-        SOLVER,
-        Some("double"),
-        &[Unwanted::Panic, Unwanted::Allocation],
-    )?;
+    bare(root, SOLVER, Some("double"), &Unwanted::IN_DOUBLE)?;
     bare(root, MONITOR, None, &Unwanted::BUT_ROOTS)?;
     for sensors in [None, Some("bridges")] {
-        shipped(
-            root,
-            Origin::F405,
-            "spindle_monitor",
-            sensors,
-            &Unwanted::BUT_ROOTS,
-        )?;
-        shipped(
-            root,
-            Origin::H743,
-            "spindle_monitor_h743",
-            sensors,
-            &[Unwanted::Panic, Unwanted::Allocation],
-        )?;
+        let [f405, h743] = ["spindle_monitor", "spindle_monitor_h743"];
+        shipped(root, Origin::F405, f405, sensors, &Unwanted::BUT_ROOTS)?;
+        shipped(root, Origin::H743, h743, sensors, &Unwanted::IN_DOUBLE)?;
     }
     scenes::check(root)
 }

@@ -18,6 +18,8 @@ impl Unwanted {
     pub const ALL: [Self; 4] = [Self::Panic, Self::Double, Self::Allocation, Self::Root];
     /// Those of the monitor: a power takes a root in software.
     pub const BUT_ROOTS: [Self; 3] = [Self::Panic, Self::Double, Self::Allocation];
+    /// Those of a core that computes in double precision.
+    pub const IN_DOUBLE: [Self; 2] = [Self::Panic, Self::Allocation];
 
     /// What code that contains it does.
     pub fn verb(self) -> &'static str {
