@@ -141,8 +141,8 @@ pub fn check(path: &Path, text: &str, accept: bool) -> Result<()> {
     let golden = fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
     let (expected, found): (Vec<_>, Vec<_>) = (golden.lines().collect(), text.lines().collect());
     if expected != found {
-        let mut pairs = expected.iter().zip(&found);
-        let difference = pairs.find(|(expected, found)| expected != found);
+        let mut lines = (0..).map(|i| (expected.get(i), found.get(i)));
+        let difference = lines.find(|(expected, found)| expected != found);
         bail!(
             "the summary is not that of {name}; first expected and found: {difference:?}. If that is right, accept it: the \
              same command with --accept"
