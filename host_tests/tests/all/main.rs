@@ -15,6 +15,7 @@ mod given;
 mod growth;
 mod gyroscope;
 mod hostile;
+mod imports;
 mod life;
 mod limits;
 mod monitor;

@@ -1,0 +1,58 @@
+//! Data flows one way: no module imports another one that imports it, be it by way of others. A module that imports its own
+//! parts is one with them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+/// Reads the modules of a folder, each with the paths that it imports. Every folder of `bin` is a crate.
+fn read(folder: &Path, root: &str, parent: &str, modules: &mut BTreeMap<String, Vec<String>>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = match path.file_stem().unwrap().to_str().unwrap() {
+            "lib" | "main" | "mod" => parent.to_owned(),
+            stem => format!("{parent}::{stem}"),
+        };
+        if path.is_dir() {
+            let is_crate = parent.ends_with("::bin");
+            read(&path, if is_crate { &name } else { root }, &name, modules);
+            continue;
+        }
+        let (above, _) = name.rsplit_once("::").unwrap_or_default();
+        let text = fs::read_to_string(&path).unwrap();
+        let text = text.replace("\npub use ", "\nuse ");
+        let paths = modules.entry(name.clone()).or_default();
+        for line in text.split("\nuse ").skip(1) {
+            let (tree, _) = line.split_once(';').unwrap();
+            let tree = tree.replacen("super::", &format!("{above}::"), 1);
+            let tree = tree.replacen("crate::", &format!("{root}::"), 1);
+            let (start, names) = tree.split_once('{').unwrap_or((&tree, ""));
+            let names = names.split([',', '{', '}']);
+            paths.extend(names.map(|name| format!("{start}{}::", name.trim())));
+        }
+    }
+}
+
+#[test]
+fn imports_do_not_go_round() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut modules = BTreeMap::new();
+    read(&here.join("src"), "judge", "judge", &mut modules);
+    read(&here.join("tools/src"), "tools", "tools", &mut modules);
+    let mut imports = BTreeSet::new();
+    for (from, paths) in &modules {
+        for path in paths {
+            let within = |to: &&String| path.starts_with(&format!("{to}::"));
+            let to = modules.keys().filter(within).max_by_key(|to| to.len());
+            imports.extend(to.filter(|to| *to != from).map(|to| (from, to)));
+        }
+    }
+    // An import is in no circle if its module is not imported, or imports nothing.
+    let mut before = usize::MAX;
+    while imports.len() < before {
+        before = imports.len();
+        let (from, to): (BTreeSet<_>, BTreeSet<_>) = imports.iter().copied().unzip();
+        imports.retain(|(one, other)| to.contains(one) && from.contains(other));
+    }
+    assert!(imports.is_empty(), "imports go round: {imports:#?}");
+}
