@@ -58,7 +58,10 @@ pub fn write(root: &Path) -> Result<Figures> {
         sweep::host(&works, &truths)?,
     );
     let docs = root.join("docs");
-    write_file(&docs.join("report.md"), &text.replace("\n\n\n", "\n\n"))?;
+    write_file(
+        &docs.join("report.md"),
+        &(text.replace("\n\n\n", "\n\n").trim_end().to_owned() + "\n"),
+    )?;
     write_file(
         &docs.join("report.svg"),
         &chart::svg(&sweep::chart(&measured, &truths))?,

@@ -133,8 +133,8 @@ pub fn chart(all: &[Measured], truths: &[Truth]) -> Chart {
             title: format!("{}, by tolerance", STARTS[start]),
             x: Axis {
                 label: "cycles of a solve, median (modelled)".to_owned(),
+                range: Some((1e4, 4e5)),
                 logarithmic: true,
-                ..Axis::default()
             },
             y: Axis {
                 label: "error of the stiffness".to_owned(),

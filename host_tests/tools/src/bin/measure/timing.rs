@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn the_larger_core_issues_two_independent_instructions_at_a_time() {
-        let integer = |reads, writes| op(Class::Integer, 1 << reads, 1 << writes);
+        let integer = |reads: u64, writes: u64| op(Class::Integer, 1 << reads, 1 << writes);
         assert_eq!(Core::M7.cycles(&[integer(1, 2), integer(3, 4)]), 1);
         assert_eq!(Core::M7.cycles(&[integer(1, 2), integer(2, 4)]), 2);
     }
