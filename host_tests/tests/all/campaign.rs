@@ -2,7 +2,7 @@
 
 use host_tests::campaign::families::Family::{self, *};
 use host_tests::campaign::families::Trial;
-use host_tests::campaign::judge::{Record, judge};
+use host_tests::campaign::judge::{Record, Verdict, judge};
 use host_tests::campaign::{Plan, contract, run};
 use host_tests::dispatch::Precision;
 
@@ -34,6 +34,22 @@ fn a_small_campaign_keeps_the_promises() {
 fn four_seeds_keep_the_promises() {
     let records = (1..=4).flat_map(|seed| small_campaign(seed, 21_430));
     assert_kept(&records.collect::<Vec<_>>());
+}
+
+/// Loads that people type have an answer wherever three balls carry. Every refusal is looked into.
+#[test]
+fn loads_that_people_type_are_solved() {
+    let plan = Plan {
+        seed: Plan::SEED,
+        solves: 3000 * Family::ALL.len(),
+        families: vec![Typed],
+        searches: None,
+        followed: usize::MAX,
+    };
+    let records = run(&plan, &());
+    let is_lost = |verdict| matches!(verdict, Verdict::Missed | Verdict::Failed(_));
+    let lost: Vec<_> = records.iter().filter(|of| is_lost(of.verdict)).collect();
+    assert!(1000 * lost.len() <= records.len(), "{lost:?}");
 }
 
 /// The records of a case of one solve, in single and in double precision.

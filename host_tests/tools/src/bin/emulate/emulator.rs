@@ -1,7 +1,7 @@
 //! The emulated board while it runs: bytes into its port and out of it, and lines of its log.
 
 use crate::firmware::Firmware;
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail};
 use defmt_decoder::{DecodeError, Table};
 use std::io::{Read, Write};
 use std::net::TcpListener;
@@ -21,9 +21,12 @@ const KEEPS_READ_BYTES: u32 = 7;
 /// Byte that the emulator's multiplexer takes for the start of a command of its own, unless it comes twice.
 const ESCAPE: u8 = 0x01;
 
+fn version() -> Option<String> {
+    output(Command::new(QEMU).arg("--version"))
+}
+
 /// Sees to it that there is an emulator, and installs it where that is allowed.
 pub fn find() -> Result<()> {
-    let version = || output(Command::new(QEMU).arg("--version"));
     if version().is_none() {
         cross::install(&Missing {
             what: QEMU,
@@ -32,11 +35,7 @@ pub fn find() -> Result<()> {
                         macOS: brew install qemu",
         })?;
     }
-    let version = version().with_context(|| format!("{QEMU} does not run"))?;
-    ensure!(
-        major(&version).is_some_and(|major| major >= KEEPS_READ_BYTES),
-        "this {QEMU} is older than version {KEEPS_READ_BYTES}: {version}"
-    );
+    version().with_context(|| format!("{QEMU} does not run"))?;
     Ok(())
 }
 
@@ -67,6 +66,7 @@ fn escaped(input: &[u8]) -> Vec<u8> {
 pub struct Board {
     running: Child,
     port: Option<ChildStdin>,
+    is_multiplexed: bool,
     bytes: Receiver<Vec<u8>>,
     log: Receiver<Vec<u8>>,
     complaints: Receiver<Vec<u8>>,
@@ -109,11 +109,15 @@ impl Board {
             Command::new(QEMU)
         };
         // The emulator's main loop reads standard input a byte per turn, and only while there is room for
-        // that byte: bytes that the firmware has not taken stay in the pipe. The room is a multiplexer's queue of
-        // 32 bytes, from which a read of the receiver's register fetches the next byte at once.
+        // that byte: bytes that the firmware has not taken stay in the pipe. The room is the receiver's register, so that
+        // the firmware waits a turn for every byte; or a multiplexer's queue of 32 bytes, from which a read of that register
+        // fetches the next byte at once.
+        let version = version().unwrap_or_default();
+        let is_multiplexed = major(&version).is_some_and(|major| major >= KEEPS_READ_BYTES);
+        let mux = if is_multiplexed { "on" } else { "off" };
         let mut running = command
             .args(["-machine", MACHINE, "-display", "none", "-monitor", "none"])
-            .args(["-chardev", "stdio,id=port,signal=off,mux=on"])
+            .args(["-chardev", &format!("stdio,id=port,signal=off,mux={mux}")])
             .args(["-echr", &ESCAPE.to_string()])
             .args(["-serial", "chardev:port"])
             .args(["-chardev", &log])
@@ -138,6 +142,7 @@ impl Board {
         Ok(Self {
             running,
             port,
+            is_multiplexed,
             bytes: pumped(output),
             log,
             complaints: pumped(errors),
@@ -149,7 +154,11 @@ impl Board {
         let Some(mut port) = self.port.take() else {
             return;
         };
-        let input = escaped(input);
+        let input = if self.is_multiplexed {
+            escaped(input)
+        } else {
+            input.to_vec()
+        };
         thread::spawn(move || {
             // An emulator that has gone is told of by what it does not answer.
             if port.write_all(&input).and_then(|()| port.flush()).is_ok() {
