@@ -77,7 +77,7 @@ const PROMISES: &[Promise] = &[
     ("unjudged, %", &[FewBalls], unjudged, [&[13.0], &[12.0]]),
     ("error of u / Q / K, 99 %", EVERYDAY, errors, [&[3e-6, 2e-6, 5e-5], &[3e-14, 4e-14, 2e-13]]),
     ("error of u / Q / K, 99 %", WILD, errors, [&[9e-6, 6e-6, 8e-5], &[3e-14, 3e-14, 4e-13]]),
-    ("error of u / Q / K, 99 %", &[Typed], errors, [&[1e-5, 2e-6, 4e-4], &[3e-14, 4e-15, 2e-9]]),
+    ("error of u / Q / K, 99 %", &[Typed], errors, [&[2e-5, 2e-6, 4e-4], &[3e-14, 4e-15, 2e-9]]),
     ("error of u / Q / K, 99 %", &[Opening], errors, [&[1e-2, 5e-6, 2e-2], &[2e-11, 3e-14, 2e-11]]),
     ("error of u / Q / K, 99 %", &[FewBalls], errors, [&[f64::INFINITY, 2e-4, 0.5], &[1e-10, 3e-13, 4e-9]]),
     ("errors of u / Q / K beyond the estimate, %", EVERYDAY, beyond, [&[0.5; 3], &[0.5; 3]]),
