@@ -2,6 +2,7 @@
 
 use super::book::{Chapter, Program, Rule, Run, Table};
 use crate::cases::{rad_per_s, reference};
+use crate::catalogue;
 use crate::design_file::DesignFile;
 use crate::dispatch::{Attitude, Precision};
 use crate::reference::Reference;
@@ -211,10 +212,8 @@ fn bearing(run: &Run, case: &Case) -> anyhow::Result<(Design, usize, Option<Life
         let design = Design::angular_contact(ball, pitch, angle);
         return Ok((design, needed("balls")? as usize, None));
     }
-    let file = match run.bearing.ends_with(".toml") {
-        true => DesignFile::read(format!("{}/{}", env!("CARGO_MANIFEST_DIR"), run.bearing))?,
-        false => DesignFile::read(&run.bearing)?,
-    };
+    let in_file = || DesignFile::read(format!("{}/{}", env!("CARGO_MANIFEST_DIR"), run.bearing));
+    let file = catalogue::find(&run.bearing).unwrap_or_else(in_file)?;
     let mut design = file.design;
     if let Ok(clearance) = needed("diametral_clearance_um") {
         design.free_contact = FreeContact::DiametralClearance(1e-6 * clearance);
