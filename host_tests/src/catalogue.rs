@@ -13,7 +13,7 @@ const PROJECT: &str = "project:";
 
 const GMN_S60: &str = include_str!("../makers/gmn_s60.csv");
 
-/// A bearing of a maker's table, with the rigidity of a pair of it.
+/// A bearing of a maker's table, with the preloads of a pair of it.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Listed {
     /// As the maker calls it.
@@ -29,30 +29,9 @@ pub struct Listed {
     preload_light_n: f64,
     preload_medium_n: f64,
     preload_strong_n: f64,
-    axial_light_n_per_um: f64,
-    axial_medium_n_per_um: f64,
-    axial_strong_n_per_um: f64,
 }
 
 impl Listed {
-    /// Light, medium and strong preload, N.
-    pub fn preloads(&self) -> [f64; 3] {
-        [
-            self.preload_light_n,
-            self.preload_medium_n,
-            self.preload_strong_n,
-        ]
-    }
-
-    /// Axial rigidity of a pair under these, N/um.
-    pub fn axial_rigidity(&self) -> [f64; 3] {
-        [
-            self.axial_light_n_per_um,
-            self.axial_medium_n_per_um,
-            self.axial_strong_n_per_um,
-        ]
-    }
-
     /// The name that the catalogue has for it.
     pub fn name(&self) -> String {
         format!("{GMN}{}", self.designation.replace(' ', ""))
@@ -152,15 +131,17 @@ pub fn list() -> String {
          \x20                                mm     mm    deg    light  medium  strong\n",
     );
     for one in gmn_s60() {
-        let [light, medium, strong] = one.preloads();
         let _ = writeln!(
             text,
-            "{:<24}{:5} {:6.3} {:6.1} {:6.0} {light:8.0} {medium:7.0} {strong:7.0}",
+            "{:<24}{:5} {:6.3} {:6.1} {:6.0} {:8.0} {:7.0} {:7.0}",
             one.name(),
             one.balls,
             one.ball_mm,
             one.pitch_mm,
-            one.contact_angle_deg
+            one.contact_angle_deg,
+            one.preload_light_n,
+            one.preload_medium_n,
+            one.preload_strong_n
         );
     }
     for name in shipped() {
