@@ -24,8 +24,8 @@
 //! ```
 
 use crate::dispatch::BALL_COUNTS;
-use serde::de::{DeserializeOwned, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use spindle_bearing::{Design, DesignError, FreeContact, LifeRating, Material, Quantity};
 use std::fmt;
 use std::ops::Range;
@@ -57,7 +57,7 @@ pub struct DesignFileError {
     pub file: String,
     /// Line and column at fault, from 1; `None` if the file could not be read at all.
     pub place: Option<Place>,
-    /// What is wrong, and what to do about it.
+    /// The fault, and how to mend it.
     pub message: String,
 }
 
@@ -99,49 +99,22 @@ impl std::error::Error for DesignFileError {}
 /// A key that may be absent, and where its value stands.
 pub(crate) type Key<T> = Option<Spanned<T>>;
 
-/// A number, with or without a decimal point, and called so in messages.
-pub(crate) struct Number(pub f64);
-
-impl<'de> Deserialize<'de> for Number {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct AnyNumber;
-
-        impl Visitor<'_> for AnyNumber {
-            type Value = Number;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number")
-            }
-
-            fn visit_f64<E>(self, value: f64) -> Result<Number, E> {
-                Ok(Number(value))
-            }
-
-            fn visit_i64<E>(self, value: i64) -> Result<Number, E> {
-                Ok(Number(value as f64))
-            }
-        }
-
-        deserializer.deserialize_f64(AnyNumber)
-    }
-}
-
 /// The keys of a design.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Keys {
     name: Key<String>,
-    balls: Key<Number>,
-    ball_diameter_mm: Key<Number>,
-    pitch_diameter_mm: Key<Number>,
-    inner_groove_factor: Key<Number>,
-    outer_groove_factor: Key<Number>,
-    contact_angle_deg: Key<Number>,
-    diametral_clearance_um: Key<Number>,
-    inner_shoulder_deg: Key<Number>,
-    outer_shoulder_deg: Key<Number>,
-    first_ball_deg: Key<Number>,
-    dynamic_load_rating_n: Key<Number>,
+    balls: Key<f64>,
+    ball_diameter_mm: Key<f64>,
+    pitch_diameter_mm: Key<f64>,
+    inner_groove_factor: Key<f64>,
+    outer_groove_factor: Key<f64>,
+    contact_angle_deg: Key<f64>,
+    diametral_clearance_um: Key<f64>,
+    inner_shoulder_deg: Key<f64>,
+    outer_shoulder_deg: Key<f64>,
+    first_ball_deg: Key<f64>,
+    dynamic_load_rating_n: Key<f64>,
     #[serde(default)]
     ring: RingKeys,
     #[serde(default)]
@@ -151,16 +124,16 @@ pub(crate) struct Keys {
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct RingKeys {
-    youngs_modulus_gpa: Key<Number>,
-    poissons_ratio: Key<Number>,
+    youngs_modulus_gpa: Key<f64>,
+    poissons_ratio: Key<f64>,
 }
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct BallKeys {
-    youngs_modulus_gpa: Key<Number>,
-    poissons_ratio: Key<Number>,
-    density_kg_m3: Key<Number>,
+    youngs_modulus_gpa: Key<f64>,
+    poissons_ratio: Key<f64>,
+    density_kg_m3: Key<f64>,
 }
 
 /// Keys, with an example of each that must be there.
@@ -209,7 +182,9 @@ impl<'t> Reading<'t> {
     pub fn keys<K: DeserializeOwned>(&self) -> Result<K, DesignFileError> {
         toml::from_str(self.text).map_err(|error| {
             let place = error.span().map_or(Place::TOP, |span| self.place(span));
-            self.error(place, error.message().trim_end())
+            // A machinist knows no type `f64`.
+            let message = error.message().replace("expected f64", "expected a number");
+            self.error(place, message.trim_end())
         })
     }
 
@@ -240,24 +215,24 @@ impl<'t> Reading<'t> {
     }
 
     /// A number that may be left out. Its place is remembered.
-    fn optional(&mut self, quantity: Quantity, value: Key<Number>) -> Option<f64> {
+    fn optional(&mut self, quantity: Quantity, value: Key<f64>) -> Option<f64> {
         let value = value?;
         self.places.push((quantity, self.place(value.span())));
-        Some(value.into_inner().0)
+        Some(value.into_inner())
     }
 
     /// A number that must be there.
-    fn number(&mut self, quantity: Quantity, value: Key<Number>) -> Result<f64, DesignFileError> {
+    fn number(&mut self, quantity: Quantity, value: Key<f64>) -> Result<f64, DesignFileError> {
         let (key, example) = key(quantity);
         let value = self.required(key, example, value)?;
         self.places.push((quantity, self.place(value.span())));
-        Ok(value.into_inner().0)
+        Ok(value.into_inner())
     }
 
     fn free_contact(
         &mut self,
-        angle: Key<Number>,
-        clearance: Key<Number>,
+        angle: Key<f64>,
+        clearance: Key<f64>,
     ) -> Result<FreeContact, DesignFileError> {
         let angle = self.optional(Quantity::ContactAngle, angle);
         let clearance = self.optional(Quantity::DiametralClearance, clearance);
@@ -355,7 +330,7 @@ impl DesignFile {
         };
         let rating = keys.dynamic_load_rating_n;
         if let Some(rating) = &rating
-            && !(1.0..=1e9).contains(&rating.get_ref().0)
+            && !(1.0..=1e9).contains(rating.get_ref())
         {
             let message = "`dynamic_load_rating_n` must be 1 to 1e9 (N); or leave it out";
             return Err(r.error(r.place(rating.span()), message));
@@ -388,7 +363,7 @@ impl DesignFile {
                 density: density.unwrap_or(steel.density),
             },
         };
-        let dynamic_load_rating = rating.map(|rating| rating.into_inner().0);
+        let dynamic_load_rating = rating.map(|rating| rating.into_inner());
         Ok(Self {
             name,
             balls,

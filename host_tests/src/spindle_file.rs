@@ -38,7 +38,7 @@
 
 use crate::catalogue;
 use crate::design_file::{
-    DesignFile, DesignFileError, Key, Keys, Number, Reading, micrometres, millimetres, read_text,
+    DesignFile, DesignFileError, Key, Keys, Reading, micrometres, millimetres, read_text,
 };
 use crate::loads::LoadRow;
 use crate::spindles::{BuildError, MOST_ROWS, Plan, Question, Row};
@@ -62,13 +62,13 @@ pub struct SpindleFile {
     growth: Vec<Growth<f64>>,
     /// Bore of the hollow shaft on which the inner rings grow with the speed, m.
     bore: Option<f64>,
-    /// What makes growth of temperatures.
+    /// Thermal expansion: how temperatures make rings and balls grow.
     pub heat: Option<Heat>,
     file: String,
     designs: Vec<DesignFile>,
 }
 
-/// What makes growth of temperatures.
+/// Thermal expansion: how temperatures make rings and balls grow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heat {
     /// Temperature at which the bearings have their free contact angle, degrees Celsius.
@@ -82,7 +82,7 @@ pub struct Heat {
 struct SpindleKeys {
     name: Key<String>,
     arrangement: Key<String>,
-    preload_n: Key<Number>,
+    preload_n: Key<f64>,
     #[serde(default)]
     row: Vec<Spanned<RowKeys>>,
     spring: Option<SpringKeys>,
@@ -96,41 +96,41 @@ struct SpindleKeys {
 struct RowKeys {
     bearing: Key<String>,
     design: Option<Spanned<Keys>>,
-    position_mm: Key<Number>,
+    position_mm: Key<f64>,
     facing: Key<String>,
-    preload_offset_um: Key<Number>,
+    preload_offset_um: Key<f64>,
     spring: Key<bool>,
-    axial_growth_um: Key<Number>,
-    radial_growth_um: Key<Number>,
-    ball_growth_um: Key<Number>,
+    axial_growth_um: Key<f64>,
+    radial_growth_um: Key<f64>,
+    ball_growth_um: Key<f64>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SpringKeys {
-    force_n: Key<Number>,
+    force_n: Key<f64>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ShaftKeys {
-    bore_mm: Key<Number>,
+    bore_mm: Key<f64>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct HeatKeys {
-    reference_c: Key<Number>,
-    ring_per_k: Key<Number>,
-    ball_per_k: Key<Number>,
+    reference_c: Key<f64>,
+    ring_per_k: Key<f64>,
+    ball_per_k: Key<f64>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NoseKeys {
-    position_mm: Key<Number>,
-    radial_um_per_kn: Key<Number>,
-    axial_um_per_kn: Key<Number>,
+    position_mm: Key<f64>,
+    radial_um_per_kn: Key<f64>,
+    axial_um_per_kn: Key<f64>,
 }
 
 const ARRANGEMENTS: [Arrangement; 4] = [
@@ -140,8 +140,8 @@ const ARRANGEMENTS: [Arrangement; 4] = [
     Arrangement::ByRows,
 ];
 
-fn or(key: Key<Number>, default: f64) -> f64 {
-    key.map_or(default, |value| value.into_inner().0)
+fn or(key: Key<f64>, default: f64) -> f64 {
+    key.map_or(default, |value| value.into_inner())
 }
 
 /// A number that a table must have.
@@ -150,11 +150,11 @@ fn needed(
     table: &str,
     key: &str,
     example: &str,
-    value: Key<Number>,
+    value: Key<f64>,
 ) -> Result<f64, DesignFileError> {
     let message = format!("[{table}] lacks `{key}`; add a line such as `{key} = {example}`");
     let value = value.ok_or_else(|| r.error(r.place(0..0), message))?;
-    Ok(value.into_inner().0)
+    Ok(value.into_inner())
 }
 
 /// The one of these that has this name.
@@ -184,17 +184,7 @@ impl From<DesignFile> for SpindleFile {
     fn from(file: DesignFile) -> Self {
         Self {
             is_bearing: true,
-            plan: Plan {
-                rows: vec![Row {
-                    balls: file.balls,
-                    design: file.design,
-                    position: 0.0,
-                    facing: Facing::PlusX,
-                    preload: Preload::Closure(0.0),
-                }],
-                arrangement: Arrangement::ByRows,
-                spring: None,
-            },
+            plan: Plan::alone(&file.design, file.balls),
             nose: None,
             growth: vec![Growth::NONE],
             bore: None,
@@ -275,10 +265,10 @@ impl SpindleFile {
             };
             let spring = row.spring.is_some_and(Spanned::into_inner);
             let offset = row.preload_offset_um;
-            let closure = micrometres(offset.as_ref().map_or(0.0, |offset| offset.get_ref().0));
+            let closure = micrometres(offset.as_ref().map_or(0.0, |offset| *offset.get_ref()));
             let preload = match (spring, &together) {
                 (true, _) => Preload::Spring,
-                (false, Some(force)) => Preload::Force(force.get_ref().0),
+                (false, Some(force)) => Preload::Force(*force.get_ref()),
                 (false, None) => Preload::Closure(closure),
             };
             if let (Some(offset), Preload::Spring | Preload::Force(_)) = (offset, preload) {
@@ -303,7 +293,7 @@ impl SpindleFile {
             rows.push(Row {
                 balls: design.balls,
                 design: design.design,
-                position: millimetres(position.into_inner().0),
+                position: millimetres(position.into_inner()),
                 facing: named(&r, facing, &[Facing::PlusX, Facing::MinusX], Facing::name)?,
                 preload,
             });
@@ -350,7 +340,7 @@ impl SpindleFile {
         })
     }
 
-    /// What a row of loads asks of the spindle.
+    /// The load, speed and growth that a row of loads stands for.
     pub fn question(&self, row: &LoadRow) -> Question {
         let omega = row.omega();
         let growth = self.plan.rows.iter().zip(&self.growth);
