@@ -39,7 +39,7 @@ pub const PUBLIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/public.json
 /// A bearing, its load and its speed.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// What failure messages call it.
+    /// Its name in failure messages.
     pub name: String,
     /// Ball count.
     pub balls: usize,
@@ -67,7 +67,7 @@ pub struct SolvedCase {
 #[derive(Deserialize)]
 struct Row {
     name: String,
-    attitude: String,
+    attitude: Attitude,
     bearing: BearingRow,
     load: [f64; 5],
     speed_rpm: f64,
@@ -132,15 +132,6 @@ impl BearingRow {
     }
 }
 
-fn attitude(name: &str) -> Attitude {
-    match name {
-        "raceless" => Attitude::Raceless,
-        "outer" => Attitude::Outer,
-        "inner" => Attitude::Inner,
-        other => panic!("attitude {other:?}"),
-    }
-}
-
 impl From<Row> for SolvedCase {
     fn from(row: Row) -> Self {
         let b = &row.bearing;
@@ -161,7 +152,7 @@ impl From<Row> for SolvedCase {
                 name: row.name,
                 balls: b.balls,
                 design: b.design(),
-                attitude: attitude(&row.attitude),
+                attitude: row.attitude,
                 load: row.load,
                 omega: rad_per_s(row.speed_rpm),
             },
@@ -202,33 +193,20 @@ fn read<T: DeserializeOwned>(path: &str) -> Vec<T> {
 /// The file of solved sets; `README.md` beside it says what is in it.
 pub const SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/sets.json");
 
-/// A row of a solved set, by itself: a grown bearing, with its load and its displacement in the row's own frame.
-#[derive(Debug, Clone)]
-pub struct RowOfSet {
-    /// The bearing under the load that it carries.
-    pub case: Case,
-    /// Growth of its rings and balls.
-    pub growth: Growth<f64>,
-    /// Displacement of its inner ring.
-    pub displacement: [f64; 5],
-    /// Per ball: inner and outer contact angle, inner and outer contact force, centrifugal force, gyroscopic moment.
-    pub balls: Vec<[f64; 6]>,
-}
-
 /// A solved set of bearings on one shaft.
 #[derive(Debug, Clone)]
 pub struct SolvedSet {
-    /// What failure messages call it.
+    /// Its name in failure messages.
     pub name: String,
-    /// What it is made of.
+    /// Rows, arrangement and spring.
     pub plan: Plan,
     /// Rule for the balls' attitude.
     pub attitude: Attitude,
     /// Load on the shaft, speed and growth.
     pub question: Question,
-    /// Displacement and stiffness of the shaft, and the closure that a spring makes, m.
+    /// Displacement of the shaft at `x = 0`.
     pub displacement: [f64; 5],
-    /// Stiffness.
+    /// Stiffness there.
     pub stiffness: [[f64; 5]; 5],
     /// Closure that a spring makes, m.
     pub spring_closure: Option<f64>,
@@ -236,7 +214,7 @@ pub struct SolvedSet {
     pub rows: Vec<SolvedRow>,
 }
 
-/// What a row of a solved set carries.
+/// Load and ball forces of a row of a solved set.
 #[derive(Debug, Clone, Deserialize)]
 pub struct SolvedRow {
     /// Load on its inner ring, in the row's own frame.
@@ -249,7 +227,7 @@ pub struct SolvedRow {
 #[derive(Deserialize)]
 struct SetRow {
     layout: String,
-    attitude: String,
+    attitude: Attitude,
     rows: Vec<MountedRow>,
     load: [f64; 5],
     speed_rpm: f64,
@@ -275,7 +253,7 @@ struct SetExpect {
     spring_offset: Option<f64>,
 }
 
-/// What a layout of the file is an arrangement of.
+/// Arrangement of a layout of the file.
 fn arrangement(layout: &str) -> Arrangement {
     match layout {
         "DB" | "TBT" | "QBC" | "spindle" => Arrangement::BackToBack,
@@ -317,7 +295,7 @@ pub fn sets() -> Vec<SolvedSet> {
             arrangement: arrangement(&set.layout),
             spring: set.spring_force,
         },
-        attitude: attitude(&set.attitude),
+        attitude: set.attitude,
         question: Question {
             load: set.load,
             omega: rad_per_s(set.speed_rpm),
@@ -340,37 +318,6 @@ pub fn sets() -> Vec<SolvedSet> {
         rows: set.expect.rows,
     };
     sets.into_iter().enumerate().map(solved).collect()
-}
-
-/// The rows of the solved sets.
-pub fn rows_of_sets() -> Vec<RowOfSet> {
-    let mut rows = Vec::new();
-    for set in sets() {
-        let growths = &set.question.growth;
-        for ((row, growth), solved) in set.plan.rows.iter().zip(growths).zip(set.rows) {
-            // A rigid shaft, and the mirror image of a row that faces the other way.
-            let [dx, dy, dz, ty, tz] = set.displacement;
-            let (x, s) = (row.position, row.facing.sign::<f64>());
-            let closure = match row.preload {
-                Preload::Closure(closure) => closure,
-                _ => set.spring_closure.unwrap_or_default(),
-            };
-            rows.push(RowOfSet {
-                case: Case {
-                    name: format!("{}, row at {x} m", set.name),
-                    balls: row.balls,
-                    design: row.design,
-                    attitude: set.attitude,
-                    load: solved.load,
-                    omega: set.question.omega,
-                },
-                growth: *growth,
-                displacement: [s * dx + closure, dy + x * tz, dz - x * ty, s * ty, s * tz],
-                balls: solved.balls,
-            });
-        }
-    }
-    rows
 }
 
 /// Pseudo-random numbers (splitmix64), the same everywhere and for ever.
@@ -431,7 +378,7 @@ impl Case {
         Self::random_with(seed, None)
     }
 
-    /// The same with this number of balls.
+    /// A random case with this number of balls, if there is one.
     pub fn random_with(seed: u64, balls: Option<usize>) -> Self {
         let mut r = Random::seeded(seed);
         let drawn = r.between(7.0, 31.0) as usize;

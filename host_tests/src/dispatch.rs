@@ -4,11 +4,11 @@
 //! The solver is generic over the ball count and owns no memory. A host program that reads the bearing from a file has one
 //! bearing compiled for every count, and solvers for the largest one alone: a row may have fewer balls than its spindle.
 
+use serde::Deserialize;
 use spindle_bearing::{
-    BallMotion, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies, Limits,
+    BallMotion, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies,
     Mounted, Quantity, Real,
 };
-use std::fmt;
 use std::ops::RangeInclusive;
 
 /// Largest number of balls of a row.
@@ -27,42 +27,26 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// `value`, a number of this precision, with as few digits as read back to exactly that number
-    /// in this precision.
-    pub fn show(self, value: f64) -> Shown {
-        Shown {
-            value,
-            precision: self,
-        }
-    }
-}
-
-/// A number about to be printed: see [`Precision::show`].
-#[derive(Debug, Clone, Copy)]
-pub struct Shown {
-    value: f64,
-    precision: Precision,
-}
-
-impl fmt::Display for Shown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Rust's own formatting of floats is the shortest that reads back; only where to switch to
-        // an exponent is ours to say.
-        let size = self.value.abs();
-        let plain = self.value == 0.0 || !size.is_finite() || (1e-4..1e16).contains(&size);
-        match (self.precision, plain) {
-            (Precision::F32, true) => write!(f, "{}", self.value as f32),
-            (Precision::F32, false) => write!(f, "{:e}", self.value as f32),
-            (Precision::F64, true) => write!(f, "{}", self.value),
-            (Precision::F64, false) => write!(f, "{:e}", self.value),
+    /// `value`, a number of this precision, with as few digits as read back to exactly that number.
+    pub fn show(self, value: f64) -> String {
+        // Rust's own formatting of floats is the shortest that reads back. An exponent starts where zeros would fill the text.
+        let size = value.abs();
+        let plain = value == 0.0 || !size.is_finite() || (1e-4..1e16).contains(&size);
+        match (self, plain) {
+            (Self::F32, true) => (value as f32).to_string(),
+            (Self::F32, false) => format!("{:e}", value as f32),
+            (Self::F64, true) => value.to_string(),
+            (Self::F64, false) => format!("{value:e}"),
         }
     }
 }
 
 /// The rule for the axis about which a ball turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Attitude {
     /// Raceway-control-free: from d'Alembert's principle, no race presumed to be in control
+    #[default]
     Raceless,
     /// Outer race control: no spin at the outer race
     Outer,
@@ -108,14 +92,6 @@ pub fn mount<T: Real>(design: &Design, balls: usize) -> Result<Box<dyn Mount<T>>
         3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
         35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
     )
-}
-
-/// Limits in a solver's precision.
-pub fn narrowed<T: Real>(limits: &Limits<f64>) -> Limits<T> {
-    Limits {
-        peak_pressure: T::of(limits.peak_pressure),
-        friction: T::of(limits.friction),
-    }
 }
 
 /// A matrix in doubles.

@@ -30,7 +30,7 @@ pub enum Detail {
 }
 
 impl Detail {
-    /// Columns after those that say when, in which row and which ball.
+    /// Columns after the time, the row and the ball.
     fn columns(self) -> &'static str {
         match self {
             Self::Rows => "fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n",
@@ -109,7 +109,7 @@ impl Outputs<'_> {
     }
 }
 
-/// What stopped a replay.
+/// Reason why a replay stopped.
 #[derive(Debug)]
 pub enum ReplayError {
     /// The recording is at fault.
@@ -143,7 +143,7 @@ pub struct Summary {
     pub refused: BTreeMap<&'static str, u64>,
     /// Time of the first row that the solver has no answer to, and why.
     pub first_refusal: Option<(f64, String)>,
-    /// What is wrong with the first row that cannot be read.
+    /// Fault of the first row that cannot be read.
     pub first_fault: Option<Fault>,
 }
 
@@ -226,10 +226,8 @@ pub fn replay(
             *summary.refused.entry(status).or_default() += 1;
         }
         // Never rounded to the solver's precision: time identifies the row, and loads are those of the recording.
-        let given_text = given.map(|number| {
-            let shown = number.map(|number| Precision::F64.show(number).to_string());
-            shown.unwrap_or_default()
-        });
+        let given_text =
+            given.map(|number| number.map_or(String::new(), |number| Precision::F64.show(number)));
         let (time, loads) = (&given_text[0], given_text[1..].join(","));
         let result = tables.result(time, &answer, &loads, given[6]);
         let answer = answer.ok();

@@ -1,7 +1,7 @@
 //! Spindles whose rows, ball counts and precision are known at run time only. A bearing is a spindle with one row.
 
 use crate::dispatch::{
-    Attitude, MOST_BALLS, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies,
+    Attitude, MOST_BALLS, Mount, Precision, mount, wide, widened, widened_frequencies,
     widened_motion,
 };
 use spindle_bearing::{
@@ -36,7 +36,7 @@ pub struct Row {
 pub struct Plan {
     /// The rows.
     pub rows: Vec<Row>,
-    /// What they are said to be.
+    /// Arrangement that the rows claim to be.
     pub arrangement: Arrangement,
     /// Force of the spring, N.
     pub spring: Option<f64>,
@@ -68,7 +68,7 @@ pub enum Balls {
     Moving(Attitude),
 }
 
-/// What is asked of a spindle.
+/// Load, speed and growth that a spindle is solved for.
 #[derive(Debug, Clone)]
 pub struct Question {
     /// `Fx, Fy, Fz, My, Mz` on the shaft at `x = 0`, N and N m.
@@ -90,7 +90,7 @@ pub struct Answer {
     pub displacement: [f64; 5],
     /// Stiffness there.
     pub stiffness: [[f64; 5]; 5],
-    /// Compliance and stiffness at the point that was asked for.
+    /// Compliance at the point that was asked for.
     pub compliance_at: [[f64; 5]; 5],
     /// Stiffness there.
     pub stiffness_at: [[f64; 5]; 5],
@@ -102,7 +102,7 @@ pub struct Answer {
     pub error: [f64; 3],
 }
 
-/// What a row carries.
+/// Load, stiffness and balls of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowAnswer {
     /// Force on its inner ring, in its own frame.
@@ -313,7 +313,10 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
     }
 
     fn set_limits(&mut self, limits: &Limits<f64>) {
-        self.limits = narrowed(limits);
+        self.limits = Limits {
+            peak_pressure: T::of(limits.peak_pressure),
+            friction: T::of(limits.friction),
+        };
     }
 
     fn reset(&mut self) {

@@ -1,5 +1,6 @@
 //! `host_tests/validation.toml` as types; the head of that file explains each key.
 
+use crate::dispatch::Attitude;
 use anyhow::Context;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -44,7 +45,7 @@ pub struct Chapter {
     /// Pictures of them.
     #[serde(default)]
     pub picture: Vec<Picture>,
-    /// What is claimed about them.
+    /// Claims about them.
     pub claim: Vec<Claim>,
 }
 
@@ -63,7 +64,7 @@ pub struct Run {
     pub level: Option<String>,
     /// Attitude rule of the balls.
     #[serde(default)]
-    pub attitude: Rule,
+    pub attitude: Attitude,
     /// Program that solves.
     #[serde(default)]
     pub by: Program,
@@ -98,21 +99,6 @@ pub enum Table {
     Fits,
 }
 
-/// Rule for the attitude of the balls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Rule {
-    /// No race in control.
-    #[default]
-    Raceless,
-    /// Outer race control.
-    Outer,
-    /// Inner race control.
-    Inner,
-    /// Balls at rest.
-    Rest,
-}
-
 /// A program that solves a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -120,6 +106,8 @@ pub enum Program {
     /// The solver, in double precision.
     #[default]
     Solver,
+    /// The solver for balls at rest, in closed form.
+    SolverAtRest,
     /// The reference build with the contact constants of Brewe and Hamrock.
     FittedContacts,
     /// The reference build with the gyroscopic moment reversed.
@@ -180,7 +168,7 @@ pub struct Claim {
     pub by: String,
     /// A whole sentence.
     pub claim: String,
-    /// What is true instead, if the claim holds in part.
+    /// The truth, if the claim holds in part.
     pub in_part: Option<String>,
     /// Values and their bounds.
     pub measure: Vec<Measure>,
@@ -227,7 +215,7 @@ pub struct Panel {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {
-    /// What it is.
+    /// Its name on the page.
     #[serde(default)]
     pub name: String,
     /// Columns.

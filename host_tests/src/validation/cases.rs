@@ -1,10 +1,10 @@
 //! Cases of a run, solved: a table whose columns are those of `cargo replay`.
 
-use super::book::{Chapter, Program, Rule, Run, Table};
+use super::book::{Chapter, Program, Run, Table};
 use crate::cases::{rad_per_s, reference};
 use crate::catalogue;
 use crate::design_file::DesignFile;
-use crate::dispatch::{Attitude, Precision};
+use crate::dispatch::Precision;
 use crate::reference::Reference;
 use crate::spindles::{Balls, Plan, Question, Row, with_solver};
 use anyhow::{Context, anyhow};
@@ -131,22 +131,15 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     let value = |column: &str| case.get(column).copied();
     let load = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm"].map(|c| value(c).unwrap_or(0.0));
     let omega = rad_per_s(value("speed_rpm").unwrap_or(0.0));
-    let attitude = match run.attitude {
-        Rule::Raceless => Some(Attitude::Raceless),
-        Rule::Outer => Some(Attitude::Outer),
-        Rule::Inner => Some(Attitude::Inner),
-        Rule::Rest => None,
-    };
     let variant: Option<fn(Reference) -> Reference> = match run.by {
-        Program::Solver => None,
+        Program::Solver | Program::SolverAtRest => None,
         Program::FittedContacts => Some(Reference::with_fitted_contacts),
         Program::WrongSign => Some(Reference::with_gyroscopic_moment_reversed),
         Program::NoFrictionMoment => Some(Reference::without_friction_moment),
     };
     if let Some(variant) = variant {
-        let rule = attitude.context("the reference build has a rule")?;
         let found = variant(reference(&design, balls))
-            .search(load, omega, rule.into())
+            .search(load, omega, run.attitude.into())
             .context("no equilibrium of the reference build")?;
         let case = with_equilibrium(case, found.u, found.k);
         let ball = &found.balls[0];
@@ -175,7 +168,10 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         omega,
         growth: Vec::new(),
     };
-    let motion = attitude.map_or(Balls::Static, Balls::Moving);
+    let motion = match run.by {
+        Program::SolverAtRest => Balls::Static,
+        _ => Balls::Moving(run.attitude),
+    };
     let answer = with_solver(&plan, motion, Precision::F64, |solver| {
         solver.solve(&question, &ShaftEnd::rigid(0.0))
     })?

@@ -3,37 +3,44 @@
 use super::solves::{
     BALL_COUNTS, Balls, PRECISIONS, Question, SKEW, forces, lengths, solver, vector_error,
 };
-use host_tests::cases::{self, B7005C};
+use super::spindles::displacement_of;
+use host_tests::cases::{B7005C, sets};
 use host_tests::dispatch::Precision;
 use spindle_bearing::{Expansion, FreeContact, Growth};
 
 #[test]
 fn rows_of_solved_sets_have_their_loads_and_displacements() {
-    let rows = cases::rows_of_sets();
-    // The others' sets are judged as a whole.
-    let rows = rows
-        .iter()
-        .filter(|row| BALL_COUNTS.contains(&row.case.balls));
-    assert!(rows.clone().count() > 30);
-    for row in rows {
-        let (case, design) = (&row.case, &row.case.design);
-        let mut solver = solver(design, case.balls, Precision::F64, case.attitude.into());
-        let mut ask = |question: Question| solver.solve(&question.grown(row.growth));
-        let by_load = ask(Question::load(case.load, case.omega));
-        let by_displacement = ask(Question::displacement(row.displacement, case.omega));
-        let u = vector_error(by_load.u, row.displacement, lengths(design));
-        let load = vector_error(by_displacement.load, case.load, forces(design));
-        assert!(u < 1e-9 && load < 1e-10, "{}: {u:e}, {load:e}", case.name);
-        for found in [&by_load, &by_displacement] {
-            let largest = found.largest_force();
-            for (found, [alpha_i, _, q_i, q_o, ..]) in found.balls.iter().zip(&row.balls) {
-                let force = (found.q_i - q_i).abs().max((found.q_o - q_o).abs()) / largest;
-                let angle = (found.alpha_i - alpha_i).abs();
-                assert!(force < 1e-10, "{}: {force:e}", case.name);
-                assert!(*q_i == 0.0 || angle < 1e-10, "{}: {angle:e}", case.name);
+    let mut judged = 0;
+    for set in sets() {
+        let (name, omega) = (&set.name, set.question.omega);
+        let rows = set.plan.rows.iter().zip(&set.question.growth);
+        for ((row, growth), solved) in rows.zip(&set.rows) {
+            // Rows of other ball counts are judged with their sets.
+            if !BALL_COUNTS.contains(&row.balls) {
+                continue;
+            }
+            judged += 1;
+            let design = &row.design;
+            let displacement = displacement_of(row, set.displacement, set.spring_closure);
+            let mut solver = solver(design, row.balls, Precision::F64, set.attitude.into());
+            let mut ask = |question: Question| solver.solve(&question.grown(*growth));
+            let by_load = ask(Question::load(solved.load, omega));
+            let by_displacement = ask(Question::displacement(displacement, omega));
+            let u = vector_error(by_load.u, displacement, lengths(design));
+            let load = vector_error(by_displacement.load, solved.load, forces(design));
+            assert!(u < 1e-9 && load < 1e-10, "{name}: {u:e}, {load:e}");
+            for found in [&by_load, &by_displacement] {
+                let largest = found.largest_force();
+                for (found, [alpha_i, _, q_i, q_o, ..]) in found.balls.iter().zip(&solved.balls) {
+                    let force = (found.q_i - q_i).abs().max((found.q_o - q_o).abs()) / largest;
+                    let angle = (found.alpha_i - alpha_i).abs();
+                    assert!(force < 1e-10, "{name}: {force:e}");
+                    assert!(*q_i == 0.0 || angle < 1e-10, "{name}: {angle:e}");
+                }
             }
         }
     }
+    assert!(judged > 30, "{judged}");
 }
 
 #[test]
