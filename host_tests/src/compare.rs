@@ -61,16 +61,6 @@ pub fn worse(a: f64, b: f64) -> f64 {
 }
 
 impl Errors {
-    /// The larger of every quantity's.
-    pub fn worse(self, other: Self) -> Self {
-        Self {
-            displacement: worse(self.displacement, other.displacement),
-            contact_angle: worse(self.contact_angle, other.contact_angle),
-            force: worse(self.force, other.force),
-            stiffness: worse(self.stiffness, other.stiffness),
-        }
-    }
-
     /// No quantity is further off than allowed.
     pub fn within(self, allowed: Self) -> bool {
         self.displacement <= allowed.displacement

@@ -1,37 +1,12 @@
-//! The errors that are allowed: one table, which tests and reports read.
+//! Errors that are allowed: of the quantities of [`compare`](crate::compare), which says their units.
 //!
-//! What an error is says [`compare`](crate::compare). The bounds are about three times what the solver
-//! reaches over the solved cases in `cases/public.json` and over random ones of the same kind.
+//! The bounds are about three times the errors that the solver reaches over the solved cases in `cases/public.json` and
+//! over random ones of the same kind.
 
 use crate::compare::Errors;
 use crate::dispatch::Precision;
 
-/// A quantity and how far it may be off.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
-    /// What.
-    pub quantity: &'static str,
-    /// What its error is relative to, or its unit.
-    pub measure: &'static str,
-    /// Allowed in double precision.
-    pub f64: f64,
-    /// Allowed in single precision.
-    pub f32: f64,
-    /// Allowed of the reference build.
-    pub reference: f64,
-}
-
-/// The table.
-#[rustfmt::skip]
-pub const TOLERANCES: [Row; 4] = [
-    Row { quantity: "displacement", measure: "of the largest component", f64: 1e-11, f32: 1e-5, reference: 1e-14 },
-    Row { quantity: "contact angle", measure: "rad", f64: 3e-14, f32: 1e-6, reference: 5e-15 },
-    Row { quantity: "force", measure: "of the largest contact force", f64: 3e-14, f32: 5e-6, reference: 5e-15 },
-    Row { quantity: "stiffness", measure: "of its diagonal", f64: 2e-12, f32: 5e-4, reference: 2e-14 },
-];
-
-fn column(of: impl Fn(&Row) -> f64) -> Errors {
-    let [displacement, contact_angle, force, stiffness] = [0, 1, 2, 3].map(|i| of(&TOLERANCES[i]));
+const fn errors(displacement: f64, contact_angle: f64, force: f64, stiffness: f64) -> Errors {
     Errors {
         displacement,
         contact_angle,
@@ -40,21 +15,24 @@ fn column(of: impl Fn(&Row) -> f64) -> Errors {
     }
 }
 
-/// What the solver is allowed in a precision.
-pub fn allowed(precision: Precision) -> Errors {
+/// Errors allowed of the solver in a precision.
+pub const fn allowed(precision: Precision) -> Errors {
     match precision {
-        Precision::F64 => column(|row| row.f64),
-        Precision::F32 => column(|row| row.f32),
+        Precision::F64 => errors(1e-11, 3e-14, 3e-14, 2e-12),
+        Precision::F32 => errors(1e-5, 1e-6, 5e-6, 5e-4),
     }
 }
 
-/// What single precision resolves of a displacement, relative to `L0`: half a unit in the last place of 1.
+/// Errors allowed of the reference build.
+pub const OF_REFERENCE: Errors = errors(1e-14, 5e-15, 5e-15, 2e-14);
+
+/// Resolution of a displacement in single precision, relative to `L0`: half a unit in the last place of 1.
 ///
 /// A contact angle that is rounded in its last digit moves the ring by as much, however light the
 /// load; on a B7005C it is 15 picometres.
-pub const SINGLE_RESOLUTION: f64 = 6e-8;
+const SINGLE_RESOLUTION: f64 = 6e-8;
 
-/// What the solver is allowed in a precision for a displacement whose largest component is
+/// Errors allowed of the solver in a precision for a displacement whose largest component is
 /// `largest` times the distance `L0` of the groove centres.
 pub fn allowed_at(precision: Precision, largest: f64) -> Errors {
     let mut errors = allowed(precision);
@@ -62,9 +40,4 @@ pub fn allowed_at(precision: Precision, largest: f64) -> Errors {
         errors.displacement = errors.displacement.max(SINGLE_RESOLUTION / largest);
     }
     errors
-}
-
-/// What the reference build is allowed.
-pub fn allowed_of_reference() -> Errors {
-    column(|row| row.reference)
 }

@@ -1,9 +1,9 @@
-//! Whether the forces of an answer balance: its figures against each other, without another solver.
+//! Forces and places of an answer's balls: whether they balance, without another solver.
 
 use super::families::{Tick, Trial};
 use crate::compare::worse;
 use crate::dispatch::Attitude;
-use spindle_bearing::BallState;
+use spindle_bearing::{BallState, Design};
 
 /// Forces that count as part of a load or of a ball's forces, of all forces about: what rounding moves is far less.
 const ABOUT: f64 = 1e-3;
@@ -57,4 +57,14 @@ pub fn friction(ball: &BallState<f64>, attitude: Attitude, diameter: f64) -> [f6
         }
     };
     shares.map(|share| share * ball.gyroscopic_moment / diameter)
+}
+
+/// The balls' centres, axial and radial from the outer groove's centre.
+pub fn centres(design: &Design, balls: &[BallState<f64>]) -> Vec<(f64, f64)> {
+    let lo = (design.outer_groove_factor - 0.5) * design.ball_diameter;
+    let centre = |ball: &BallState<f64>| {
+        let (sin, cos) = ball.alpha_o.sin_cos();
+        ((lo + ball.delta_o) * sin, (lo + ball.delta_o) * cos)
+    };
+    balls.iter().map(centre).collect()
 }

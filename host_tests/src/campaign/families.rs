@@ -30,7 +30,7 @@ macro_rules! families {
                 match self { $(Self::$family => $name,)* }
             }
 
-            /// What is in it.
+            /// Its cases in a few words.
             pub const fn about(self) -> &'static str {
                 match self { $(Self::$family => $about,)* }
             }
@@ -73,7 +73,7 @@ impl Family {
     }
 }
 
-/// What the ring is under for one solve.
+/// Load and speed of one solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tick {
     /// `Fx, Fy, Fz, My, Mz`, N and N m.

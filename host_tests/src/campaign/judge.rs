@@ -1,6 +1,6 @@
 //! One case: solved in both precisions, and judged by the reference build.
 
-use super::balance::residual;
+use super::balance::{centres, residual};
 use super::families::{Family, Tick, Trial};
 use crate::compare::{Ball, Equilibrium};
 use crate::dispatch::Precision;
@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most iterations a solve may take: the limit of the default settings.
-pub const MOST_ITERATIONS: u16 = 128;
+const MOST_ITERATIONS: u16 = 128;
 
 /// Beyond this error in displacement, forces or stiffness, an answer may be another equilibrium than the one it was
 /// compared with: it is judged from its own balls as well.
@@ -117,7 +117,7 @@ pub enum Verdict {
     Missed,
     /// No answer, and it takes the reference build's own search to know whether there is one.
     Undecided,
-    /// What must never be.
+    /// A failure that must never be, in words.
     Failed(&'static str),
 }
 
@@ -186,7 +186,7 @@ pub struct Judged {
     pub answers: [Answer; 2],
     /// The equilibrium that each answer was compared with.
     pub truths: [Option<Solution>; 2],
-    /// What the report takes of each.
+    /// The record of each for the report.
     pub records: [Record; 2],
 }
 
@@ -211,7 +211,7 @@ fn answers(trial: &Trial, precision: Precision) -> Vec<Answer> {
                     figures: None,
                 },
                 Err(_) => {
-                    // Nobody knows in which state a panic leaves the solver.
+                    // A panic may leave the solver in any state.
                     solver.reset();
                     Answer {
                         status: "panic",
@@ -236,13 +236,7 @@ fn seen(tick: &Tick, precision: Precision) -> Tick {
 /// The equilibrium that the reference build reaches from an answer.
 fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
     let u = answer.figures.as_ref()?.displacement;
-    let design = &trial.case.design;
-    let lo = (design.outer_groove_factor - 0.5) * design.ball_diameter;
-    let centre = |ball: &BallState<f64>| {
-        let (sin, cos) = ball.alpha_o.sin_cos();
-        ((lo + ball.delta_o) * sin, (lo + ball.delta_o) * cos)
-    };
-    let centres: Vec<(f64, f64)> = answer.balls().iter().map(centre).collect();
+    let centres = centres(&trial.case.design, answer.balls());
     let (reference, attitude) = (&trial.reference, trial.case.reference_attitude());
     let near = |omega| {
         let found = reference.polish_near(tick.load, omega, attitude, u, &centres);

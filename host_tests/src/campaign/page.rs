@@ -6,8 +6,7 @@ use super::families::Family;
 use super::judge::{Branch, PRECISIONS, Record, Verdict};
 use super::report::{Summary, name, part, table};
 use crate::tolerances::allowed;
-use std::fmt::{Debug, Write};
-use std::io;
+use std::fmt::Write;
 
 fn small(x: f64) -> String {
     match x {
@@ -161,37 +160,8 @@ fn is_failure(record: &Record) -> bool {
             .is_some_and(|errors| errors.iter().zip(allowed).any(|(e, most)| *e > most))
 }
 
-/// Writes every solve to look into as CSV.
-///
-/// # Errors
-///
-/// That of writing.
-pub fn list_failures(records: &[Record], mut out: impl io::Write) -> io::Result<()> {
-    writeln!(
-        out,
-        "family,case,solve,precision,status,verdict,iterations,error_u,error_q,error_k,estimate_u,estimate_q,\
-         estimate_k,residual,branch"
-    )?;
-    fn cell<T: Debug>(value: Option<T>) -> String {
-        value.map_or(String::new(), |value| format!("{value:?}"))
-    }
-    for record in records.iter().filter(|r| is_failure(r)) {
-        let figures = [record.errors, record.estimate]
-            .map(|figures| [0, 1, 2].map(|i| cell(figures.map(|f| f[i]))).join(","));
-        writeln!(
-            out,
-            "{},{},{},{},{},{:?},{},{},{},{}",
-            record.family.name(),
-            record.index,
-            record.tick,
-            name(record.precision),
-            record.status,
-            record.verdict,
-            cell(record.iterations),
-            figures.join(","),
-            cell(record.residual),
-            cell(record.branch),
-        )?;
-    }
-    Ok(())
+/// Every solve to look into, a line each.
+pub fn failures(records: &[Record]) -> String {
+    let failures = records.iter().filter(|record| is_failure(record));
+    failures.map(|record| format!("{record:?}\n")).collect()
 }

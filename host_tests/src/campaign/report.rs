@@ -45,7 +45,7 @@ impl Spread {
 pub struct Summary {
     /// All of the solves.
     pub solves: usize,
-    /// Solves with an answer; those that the reference build could not judge.
+    /// Solves with an answer; answers that the reference build could not judge.
     pub solved: [usize; 2],
     /// Solves without an answer: no equilibrium is known; one is; nobody looked for one.
     pub unsolved: [usize; 3],

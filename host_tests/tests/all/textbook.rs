@@ -1,4 +1,4 @@
-//! The textbook's equations: balance of a ball and of the ring on its balls, and the places of the grooves' centres.
+//! The textbook's equations: balance of a ball and of the ring on its balls, and their geometry.
 
 use host_tests::campaign::balance::friction;
 use host_tests::compare::worse;
@@ -85,14 +85,4 @@ pub fn unclosed(design: &Design, [dx, dy, dz, ty, tz]: [f64; 5], balls: &[BallSt
         let radial = l0 * cos0 + (dy + zp * tz) * cos + (dz - zp * ty) * sin - ri * ci - ro * co;
         worse(most, axial.hypot(radial))
     })
-}
-
-/// The balls' centres, axial and radial from the outer groove's centre.
-pub fn centres(design: &Design, balls: &[BallState<f64>]) -> Vec<(f64, f64)> {
-    let [_, lo] = groove_centres(design);
-    let centre = |ball: &BallState<f64>| {
-        let (sin, cos) = ball.alpha_o.sin_cos();
-        ((lo + ball.delta_o) * sin, (lo + ball.delta_o) * cos)
-    };
-    balls.iter().map(centre).collect()
 }

@@ -2,7 +2,8 @@
 
 use super::Ring;
 use crate::solves::{Balls, Found, Question, epsilon, lengths, ring_solver, rounded, size};
-use crate::textbook::{carried, centres, unbalanced};
+use crate::textbook::{carried, unbalanced};
+use host_tests::campaign::balance::centres;
 use host_tests::campaign::families::{Tick, Trial};
 use host_tests::compare::{Equilibrium, worse};
 use host_tests::dispatch::{Attitude, Precision};

@@ -4,7 +4,6 @@ use anyhow::{Context, ensure};
 use clap::Parser;
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::campaign::{Plan, contract, in_full, page, run};
-use std::fs::File;
 use std::path::PathBuf;
 use std::process::Command;
 use tools::arguments::family;
@@ -38,8 +37,8 @@ struct Args {
     /// Writes docs/campaign.md
     #[arg(long, conflicts_with = "family")]
     write: bool,
-    /// Writes a row for every solve that is worth a look
-    #[arg(long, value_name = "FILE.csv")]
+    /// Writes a line for every solve that is worth a look
+    #[arg(long, value_name = "FILE")]
     list_failures: Option<PathBuf>,
 }
 
@@ -84,9 +83,8 @@ fn main() -> anyhow::Result<()> {
     }
     println!("{page}");
     if let Some(path) = &args.list_failures {
-        let file =
-            File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-        page::list_failures(&records, file)?;
+        std::fs::write(path, page::failures(&records))
+            .with_context(|| format!("cannot write {}", path.display()))?;
     }
     // A promise is about all families.
     if plan.families == Family::ALL {
