@@ -34,7 +34,8 @@ pub enum Place {
     Nose,
 }
 
-/// What acts on the cutter over what that puts onto the front bearing, 180 mm and 80 mm in front of the rear one.
+/// Force on the cutter over the load that it puts onto the front bearing: they are 180 mm and 80 mm in front of the
+/// rear bearing.
 const AT_CUTTER: f64 = 0.55;
 
 /// Position of the cutter, m, the nose being at 0.
@@ -78,7 +79,7 @@ const SPEED: [(f64, f64); 19] = [
     (19.6, 0.0),
 ];
 
-/// What springs and the tool's clamping press axially onto the bearing, `(s, N)`.
+/// Axial force of the springs and of the tool's clamping on the bearing, `(s, N)`.
 const CLAMPING: [(f64, f64); 8] = [
     (10.95, 420.0),
     // The release cylinder pushes the tool out.
@@ -187,13 +188,8 @@ const PUSHES: [(f64, [f64; 3], Course); 4] = [
     (18.95, [1.0, 0.0, 0.0], AXIAL_RAMP),
 ];
 
-/// What pushes the shaft at the nose while the tool is changed, `(s, N)`.
+/// Axial force on the nose while the tool is changed, `(s, N)`.
 const RELEASE: [(f64, f64); 4] = [(10.95, 0.0), (11.05, 210.0), (11.2, 210.0), (11.3, 0.0)];
-
-/// The recording of the front bearing's loads.
-pub fn milling_cycle() -> Vec<LoadRow> {
-    recorded(Place::Bearing)
-}
 
 /// The recording of one cycle.
 pub fn recorded(place: Place) -> Vec<LoadRow> {

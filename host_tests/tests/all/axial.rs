@@ -179,12 +179,3 @@ fn errors_are_numbers_where_the_ring_is_not_moved() {
         }
     }
 }
-
-#[test]
-fn an_axial_load_of_none_is_refused() {
-    let unloaded = Question::axial(0.0, rad_per_s(20_000.0));
-    for balls in [Balls::Static, Balls::Free] {
-        let refused = axial_solver(&B7005C, 16, Precision::F32, balls).ask(&unloaded);
-        assert_eq!(refused.err(), Some(Status::Unloaded));
-    }
-}

@@ -7,7 +7,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
 use host_tests::cases::B7005C;
-use host_tests::milling_cycle::milling_cycle;
+use host_tests::milling_cycle::{Place, recorded};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 pub(super) use host_tests::telemetry::simulated::monitored::BEARING;
 use host_tests::telemetry::simulated::monitored::{ROWS, spindle};
@@ -109,7 +109,7 @@ impl Watchdog for Dog {
     }
 }
 
-/// What a host has received.
+/// Frames that a host has received.
 #[derive(Default)]
 pub(super) struct Host {
     reader: FrameReader,
@@ -995,7 +995,7 @@ fn bridges_give_back_the_load_that_bent_them_warm_or_cold() {
 #[test]
 fn a_tare_is_refused_while_the_shaft_turns_or_samples_are_doubted() {
     let mut bridge = bridges(ZERO, CALIBRATION);
-    // Nobody has said that it stands.
+    // It is not known to stand.
     assert_eq!(bridge.take_tare(5), Err(TareError::Turning));
     bridge.set_turning(false);
     bridge.take_tare(5).unwrap();
@@ -1134,7 +1134,7 @@ struct Chip<'a> {
     /// A register that keeps its value.
     stuck: Option<usize>,
     commands: Vec<u16>,
-    /// What comes of each conversion.
+    /// Outcome of each conversion.
     frames: &'a mut VecDeque<Result<[u8; 30], ErrorKind>>,
 }
 
@@ -1381,7 +1381,7 @@ static DAY: MonitorSettings = {
 fn a_day_passes_without_drift_or_overflow() {
     const TICKS: u64 = 86_400_000;
     // A sample every 10 ms, and 20 s in all.
-    let rows: Vec<LoadSample> = milling_cycle()
+    let rows: Vec<LoadSample> = recorded(Place::Bearing)
         .iter()
         .step_by(10)
         .take(2000)

@@ -188,7 +188,7 @@ type WideWords = Memory<32, 4096>;
 
 const IDLE: [f32; 5] = [420.0, 0.0, 0.0, 0.0, 0.0];
 
-/// What an idling spindle of this stiffness looks like to the one who judges it, without any limit near.
+/// Findings of an idling spindle of this stiffness, without any limit near.
 pub(super) fn idling(speed: f32, stiffness: [f32; 5]) -> Findings {
     let quiet = Level::of(0.0);
     Findings {
@@ -323,16 +323,12 @@ impl<F: NorFlash> Board<F> {
 
     /// Starts once more, and finds all of this.
     fn recovers(flash: F, learnt: Learnt) -> F {
-        Self::recovers_as(flash, IDENTITY, learnt)
-    }
-
-    fn recovers_as(flash: F, identity: Identity, learnt: Learnt) -> F {
-        let board = Self::start_as(flash, identity);
+        let board = Self::start(flash);
         assert_eq!((board.found(), board.recovery()), (learnt, RECOVERED));
         board.off()
     }
 
-    /// What became of baseline, life and alarms.
+    /// Recovery of baseline, life and alarms.
     fn recovery(&self) -> [Recovery; 3] {
         let report = self.report();
         [report.baseline, report.life, self.found.alarms]
@@ -791,7 +787,7 @@ fn both_copies_of_the_newest_record_damaged_is_an_older_copy_until_there_is_a_ne
     for (half, end) in flash.ends().into_iter().enumerate() {
         flash.bytes[half * 4096 + end - 30] ^= 1;
     }
-    // Nobody knows what kind it was; and the next starts still know that something was lost.
+    // Its kind is not known, and the next starts still know that a record was lost.
     for start in 0..4 {
         let mut board = Board::start(flash);
         assert_eq!(board.found(), (learnt.0, older));
@@ -1202,7 +1198,7 @@ fn a_half_that_is_worn_out_leaves_the_other_one() {
     }
 }
 
-/// What cannot be erased is told of, and there is still the rest.
+/// A sector that cannot be erased is reported, and the other sectors are used.
 #[test]
 fn a_flash_that_does_not_erase_is_told_of() {
     let mut flash = Words::new(2);
