@@ -12,11 +12,11 @@ pub trait Progress: Sync {
         let _ = count;
     }
 
-    /// What the next steps are about.
+    /// Name of the next steps.
     fn stage(&self, name: &'static str) {
         let _ = name;
     }
 }
 
-/// Nobody.
+/// A listener that is not there.
 impl Progress for () {}

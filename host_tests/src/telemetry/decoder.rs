@@ -6,7 +6,7 @@ use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::telemetry::{Frame, FrameReader};
 use std::fmt;
 
-/// What the decoder has to say at the end of a frame.
+/// An undamaged frame, or a damaged piece.
 // Events are handed on one at a time.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone, PartialEq)]
@@ -15,14 +15,14 @@ pub enum Event {
     Frame {
         /// The frame.
         frame: Frame,
-        /// What lies between it and the frame before.
+        /// Gap between it and the frame before.
         gap: Gap,
     },
     /// A piece of the stream that is no frame.
     Damaged(FrameError),
 }
 
-/// What lies between two undamaged frames.
+/// Gap between two undamaged frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gap {
@@ -43,7 +43,7 @@ pub struct Tally {
     pub bytes: u64,
     /// Undamaged frames.
     pub frames: u64,
-    /// Frames missing between them, those among them that arrived damaged.
+    /// Frames missing between them, damaged ones included.
     pub lost: u64,
     /// Pieces that are no frame.
     pub damaged: u64,
@@ -83,7 +83,7 @@ const IN_STEP: u32 = 1000;
 pub struct Decoder {
     reader: FrameReader,
     expected: Option<u32>,
-    /// What follows a frame whose number went back, if that was the first of a new start.
+    /// Next number of a sender whose first frame of a new start was the one that went back.
     after_first: Option<u32>,
     tally: Tally,
 }

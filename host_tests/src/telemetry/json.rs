@@ -18,7 +18,7 @@ enum Line<'a> {
     Frame {
         #[serde(flatten)]
         frame: &'a Frame,
-        /// What lies before the frame, if anything does.
+        /// Gap before the frame, if there is one.
         #[serde(skip_serializing_if = "Option::is_none")]
         gap: Option<Gap>,
         /// Names of the bits that are set in `marks`, `limits` and `alarms`.

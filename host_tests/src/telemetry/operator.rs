@@ -85,7 +85,7 @@ impl<W: Write> Operator<W> {
         self.wanted.len() - before
     }
 
-    /// What the board did not answer, however often it was sent.
+    /// Orders that the board did not answer, however often they were sent.
     pub fn unanswered(&self) -> &[Order] {
         &self.unanswered
     }

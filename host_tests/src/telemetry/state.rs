@@ -75,7 +75,7 @@ pub struct State {
     pub balls: Vec<Balls>,
     /// The last report of each row; `None` before its first one.
     pub rows: Vec<Option<RowReport>>,
-    /// What stands where on the shaft.
+    /// Places of the rows and of the nose on the shaft.
     pub shaft: Option<ShaftReport>,
     /// The last report of each alarm, in the order of [`Alarm::ALL`], and the time of its last change, us.
     pub alarms: [Option<(u64, AlarmReport)>; Alarm::COUNT],
@@ -87,9 +87,9 @@ pub struct State {
     pub answer: Option<Answer>,
     /// The nonce that the board told last.
     pub nonce: Option<u32>,
-    /// What the board last said of itself.
+    /// The last report of the board itself.
     pub board: Option<BoardReport>,
-    /// What the board says of its start.
+    /// The board's report of its start.
     pub start: Option<StartReport>,
     /// Counts of the decoder.
     pub tally: Tally,
@@ -97,7 +97,7 @@ pub struct State {
     pub last_damage: Option<FrameError>,
     /// The last frame whose number went back: the first one of a new start, if that goes on.
     pub behind: Option<Frame>,
-    /// What was last said to the board, or by it.
+    /// The last message to the board, or from it.
     pub said: Option<String>,
 }
 

@@ -20,7 +20,7 @@ fn share<const R: usize>(rig: Rig<R>, ticks: u32, load: impl Fn(u32) -> [f32; 5]
     f64::from((0..ticks).filter(fresh).count() as u32) / f64::from(ticks)
 }
 
-/// The same of a single bearing and of the shipped pair, under a force (N) on the front bearing besides the idling loads.
+/// Shares of a single bearing and of the shipped pair, under a force (N) on the front bearing besides the idling loads.
 pub(super) fn shares(ticks: u32, force: impl Fn(u32) -> [f64; 3]) -> [f64; 2] {
     let on_bearing = |tick| {
         let [x, y, z] = force(tick).map(|force| force as f32);
@@ -210,7 +210,7 @@ fn no_command_blinds_the_monitor() {
     assert!(rig.monitor.replace_bearing(rig.time_us));
 }
 
-/// What an operator asks for, and the outcome.
+/// Outcome of an order.
 fn ask(rig: &mut Rig, order: Order) -> AnswerCode {
     let nonce = rig.monitor.inputs().nonce;
     let request = Request::new(nonce as u16, nonce, order, None);

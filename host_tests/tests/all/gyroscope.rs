@@ -205,7 +205,7 @@ impl Ball {
         })
     }
 
-    /// What the contact forces and friction leave of the ball's equations of motion at +y: force over the largest contact
+    /// Residual of the ball's equations of motion at +y under contact forces and friction: force over the largest contact
     /// force, and couple over `Mg`. Friction supplies the couple of the motion, times `sense`.
     fn motion_error(&self, sense: f64) -> [f64; 2] {
         let [couple, force] = self.supplied(0.0);

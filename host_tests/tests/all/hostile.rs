@@ -172,7 +172,7 @@ fn a_hundred_thousand_damaged_streams_to_the_board_break_no_law() {
     });
 }
 
-/// What a host takes for a frame is one that the board has sent; counts do not go back.
+/// Every frame that a host receives is one that the board has sent; counts do not go back.
 #[test]
 fn a_hundred_thousand_damaged_streams_to_the_host_make_up_no_frame() {
     let (_, bytes) = cycle(2.0);

@@ -118,7 +118,7 @@ fn life_without_an_estimate_goes_by_the_cube_of_the_load() {
     assert!((ratio - 1.2f32.powi(3)).abs() < 1e-4, "{ratio}");
 }
 
-/// What cannot be believed counts for no load: the last one that was solved goes on.
+/// A sample that cannot be believed counts for no load: the last load that was solved goes on.
 #[test]
 fn a_broken_sensor_does_not_use_up_the_life() {
     let rate = |load: [f32; 5], doubts: Marks| {

@@ -23,7 +23,10 @@ use spindle_bearing::monitor::{Mark, Marks, TemperatureSource};
 
 pub(super) fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
     let mut decoder = Decoder::new();
-    let events = decoder.push_all(bytes).collect();
+    let events = bytes
+        .iter()
+        .filter_map(|byte| decoder.push(*byte))
+        .collect();
     (events, decoder)
 }
 
