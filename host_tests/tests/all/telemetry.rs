@@ -23,10 +23,7 @@ use spindle_bearing::monitor::{Mark, Marks, TemperatureSource};
 
 pub(super) fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
     let mut decoder = Decoder::new();
-    let events = bytes
-        .iter()
-        .filter_map(|byte| decoder.push(*byte))
-        .collect();
+    let events = decoder.push_all(bytes).collect();
     (events, decoder)
 }
 
