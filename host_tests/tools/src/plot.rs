@@ -9,7 +9,6 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 /// Most points of a curve: of a longer recording, each point is the mean of many rows.
 const MOST_POINTS: usize = 120;
@@ -32,8 +31,7 @@ pub struct Args {
 
     /// Picture to write; `-` is standard output
     ///
-    /// The default is FILE.svg; standard output if FILE is standard input. A name that ends with
-    /// .png needs rsvg-convert.
+    /// The default is FILE.svg; standard output if FILE is standard input.
     #[arg(short, long, value_name = "FILE.svg")]
     output: Option<PathBuf>,
 
@@ -386,25 +384,7 @@ fn write(args: &Args, svg: &str, stdout: &mut dyn Write) -> Result<()> {
     let written: Result<()> = match path.extension().and_then(|ending| ending.to_str()) {
         _ if path.as_os_str() == "-" => stdout.write_all(svg.as_bytes()).map_err(Into::into),
         Some("svg") => std::fs::write(&path, svg).map_err(Into::into),
-        Some("png") => png(svg, &path),
-        _ => bail!("{}: pictures are .svg or .png; name one so", path.display()),
+        _ => bail!("{}: pictures are .svg; name one so", path.display()),
     };
     written.with_context(|| format!("{}: cannot be written", path.display()))
-}
-
-/// Has rsvg-convert write a PNG file.
-fn png(svg: &str, path: &Path) -> Result<()> {
-    let mut command = Command::new("rsvg-convert");
-    let converter = command.arg("-o").arg(path).stdin(Stdio::piped()).spawn();
-    let mut converter =
-        converter.context("rsvg-convert of librsvg2-bin does not start; or name a .svg file")?;
-    let mut input = converter
-        .stdin
-        .take()
-        .context("rsvg-convert does not listen")?;
-    input.write_all(svg.as_bytes())?;
-    drop(input);
-    let status = converter.wait()?;
-    ensure!(status.success(), "rsvg-convert: {status}");
-    Ok(())
 }

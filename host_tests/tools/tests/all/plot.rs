@@ -157,7 +157,7 @@ fn what_cannot_be_drawn_is_said_with_its_place() {
     let name = path.to_str().unwrap();
     let (status, _, err) = plotted(&[name, "-o", name], b"");
     assert_eq!(status, 1);
-    assert!(err.contains("pictures are .svg or .png"), "{err}");
+    assert!(err.contains("pictures are .svg"), "{err}");
     // Beside the file, if nothing else is said.
     assert_eq!(plotted(&[name], b""), (0, String::new(), String::new()));
     let picture = path.with_extension("svg");
