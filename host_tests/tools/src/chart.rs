@@ -9,13 +9,11 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
-use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// A picture: panels side by side or below each other, one legend.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Debug, Clone, Default)]
 pub struct Chart {
     pub title: String,
     pub panels: Vec<Panel>,
@@ -35,8 +33,7 @@ impl Chart {
 }
 
 /// Curves in one pair of axes.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Debug, Clone, Default)]
 pub struct Panel {
     pub title: String,
     pub x: Axis,
@@ -59,8 +56,7 @@ impl Panel {
 }
 
 /// An axis of a panel.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Debug, Clone, Default)]
 pub struct Axis {
     pub label: String,
     /// Lowest and highest value; those of the curves, if none are given.
@@ -82,8 +78,7 @@ impl Axis {
 /// A curve, broken where a point is not finite or outside the axes.
 ///
 /// Curves of one name share a colour and an entry of the legend; a curve without a name has none, and is dark.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Debug, Clone, Default)]
 pub struct Curve {
     pub name: String,
     pub points: Vec<(f64, f64)>,
@@ -102,9 +97,8 @@ impl Curve {
     }
 }
 
-/// The look of a curve; what comes first is drawn first.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "lowercase")]
+/// The look of a curve. The first of these is drawn first.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Style {
     /// A filled area: its points are (x, low), then (x, high) backwards.
     Band,
@@ -420,17 +414,22 @@ mod tests {
 
     #[test]
     fn curves_of_one_name_share_a_colour_and_an_entry() {
-        let data = serde_json::json!({
-            "title": "a < b", "columns": 2, "panels": [
-                {"title": "left", "curves": [
-                    {"name": "one", "points": [[0, 1], [1, 2]]},
-                    {"name": "two", "points": [[0, 2], [1, 1]], "style": "dashed"}]},
-                {"title": "right", "y": {"label": "force / N", "logarithmic": true}, "curves": [
-                    {"name": "two", "points": [[0, 1], [1, 1000]], "style": "dots"},
-                    {"name": "one", "points": [[0, 1], [1, 10], [1, 20], [0, 2]], "style": "band"}]},
-            ]
-        });
-        let chart: Chart = serde_json::from_value(data).unwrap();
+        let curve = |name, style, points: &[(f64, f64)]| Curve::new(name, style, points.to_vec());
+        let left = vec![
+            curve("one", Style::Line, &[(0.0, 1.0), (1.0, 2.0)]),
+            curve("two", Style::Dashed, &[(0.0, 2.0), (1.0, 1.0)]),
+        ];
+        let area = [(0.0, 1.0), (1.0, 10.0), (1.0, 20.0), (0.0, 2.0)];
+        let right = vec![
+            curve("two", Style::Dots, &[(0.0, 1.0), (1.0, 1000.0)]),
+            curve("one", Style::Band, &area),
+        ];
+        let mut panels = vec![
+            Panel::new("left", "", "", left),
+            Panel::new("right", "", "force / N", right),
+        ];
+        panels[1].y.logarithmic = true;
+        let chart = Chart::new("a < b", 2, panels);
         let drawn = svg(&chart).unwrap();
         let count = |what: &str| drawn.matches(what).count();
         assert!(
@@ -445,38 +444,17 @@ mod tests {
     #[test]
     fn a_curve_is_broken_where_it_leaves_the_axes_or_is_not_a_number() {
         let lines = |points: &[(f64, f64)]| {
-            let curve = Curve {
-                points: points.to_vec(),
-                ..Curve::default()
-            };
-            let y = Axis {
-                range: Some((0.0, 9.0)),
-                ..Axis::default()
-            };
-            let panel = Panel {
-                y,
-                curves: vec![curve],
-                ..Panel::default()
-            };
-            let chart = Chart {
-                panels: vec![panel],
-                ..Chart::default()
-            };
+            let curve = Curve::new("", Style::Line, points.to_vec());
+            let mut panel = Panel::new("", "", "", vec![curve]);
+            panel.y.range = Some((0.0, 9.0));
+            let chart = Chart::new("", 1, vec![panel]);
             let drawn = svg(&chart).unwrap();
             drawn.matches("<polyline").count()
         };
-        let whole = lines(&[(0.0, 1.0), (1.0, 1.0), (2.0, 1.0), (3.0, 1.0), (4.0, 1.0)]);
+        let through = |y| lines(&[(0.0, 1.0), (1.0, 1.0), (2.0, y), (3.0, 1.0), (4.0, 1.0)]);
+        let whole = through(1.0);
         for broken in [f64::NAN, 10.0, -1.0, f64::INFINITY] {
-            assert_eq!(
-                lines(&[
-                    (0.0, 1.0),
-                    (1.0, 1.0),
-                    (2.0, broken),
-                    (3.0, 1.0),
-                    (4.0, 1.0)
-                ]),
-                whole + 1
-            );
+            assert_eq!(through(broken), whole + 1);
         }
     }
 

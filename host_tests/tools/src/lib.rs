@@ -14,6 +14,7 @@ pub mod table;
 pub mod telemetry;
 
 use std::path::Path;
+use std::process::Command;
 
 /// The path of the solver's core, in front of the names of its functions.
 pub const CORE: &str = "spindle_bearing::";
@@ -22,4 +23,11 @@ pub const CORE: &str = "spindle_bearing::";
 pub fn root() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.ancestors().nth(2).unwrap_or(here)
+}
+
+/// The commit that is checked out, in short.
+pub fn commit() -> String {
+    let mut git = Command::new("git");
+    let git = git.args(["rev-parse", "--short", "HEAD"]);
+    cross::output(git.current_dir(root())).unwrap_or_else(|| "unknown".to_owned())
 }

@@ -5,7 +5,6 @@ use clap::Parser;
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::campaign::{Plan, contract, in_full, page, run};
 use std::path::PathBuf;
-use std::process::Command;
 use tools::arguments::family;
 use tools::bar::Bar;
 
@@ -69,12 +68,9 @@ fn main() -> anyhow::Result<()> {
 
     let page = page::page(&plan, &records);
     if args.write {
-        let git = Command::new("git")
-            .args(["rev-parse", "--short", "HEAD"])
-            .output()?;
         let first = format!(
             "<!-- Made from commit {} by `cargo campaign --cases {} --seed {}{} --write`. -->\n\n",
-            String::from_utf8_lossy(&git.stdout).trim(),
+            tools::commit(),
             args.cases,
             args.seed,
             if args.judge_all { " --judge-all" } else { "" },

@@ -8,9 +8,7 @@ use crate::workload::{BALLS, CASES, STARTS, Work};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use tools::chart;
-use tools::cross::output;
 use tools::report::Figures;
 
 /// Measures everything; writes the page, its picture, README's table and the deadline's constants. Returns the figures.
@@ -21,11 +19,6 @@ pub fn write(root: &Path) -> Result<Figures> {
     let ticks = ticks::measure(root)?;
     ticks::write_constants(root, &ticks)?;
     let all: Figures = measured.iter().flat_map(Measured::figures).collect();
-    let commit = output(
-        Command::new("git")
-            .args(["rev-parse", "--short", "HEAD"])
-            .current_dir(root),
-    );
     let text = format!(
         "<!-- Made by `cargo reports` from commit {}; the seeds of the cases are 0 to {}. -->\n\n\
          # Error against run time\n\n\
@@ -49,7 +42,7 @@ pub fn write(root: &Path) -> Result<Figures> {
          ## On a host\n\n\
          Times of one run on {}, one thread, over the cases that are solved. Every run has other times. The last column \
          is the time of the reference build, which is written for clarity, over that of the solver.\n\n{}\n",
-        commit.as_deref().unwrap_or("?"),
+        tools::commit(),
         CASES - 1,
         sweep::tolerances(&measured, &truths),
         scene_table(&measured, &all)?,

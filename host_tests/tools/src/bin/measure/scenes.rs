@@ -6,12 +6,12 @@ use crate::machine::Count;
 use crate::table::name;
 use crate::timing::Core;
 use crate::workload::{BALLS, STARTS, Work};
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use host_tests::dispatch::Precision;
 use host_tests::progress::Progress;
 use probes::{Axial, Clamped, Question, Ring, Sprung};
 use rayon::prelude::*;
-use spindle_bearing::{Bearing, Centrifugal, Design, Full, Real, Static};
+use spindle_bearing::{Bearing, Centrifugal, Full, Real, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
 use std::path::Path;
 use tools::bar::Bar;
@@ -52,31 +52,12 @@ macro_rules! scenes {
 }
 probes::for_every_scene!(scenes);
 
-/// A precision in which a bearing's constants are worked out.
-pub trait Host: Real {
-    /// The bearing of a design.
-    fn bearing(design: &Design) -> Result<Bearing<Self, BALLS>>;
-}
-
-macro_rules! host {
-    ($t:ident) => {
-        impl Host for $t {
-            fn bearing(design: &Design) -> Result<Bearing<Self, BALLS>> {
-                Bearing::<$t, BALLS>::new(design)
-                    .map_err(|e| anyhow!("the solver refuses a design of the cases: {e}"))
-            }
-        }
-    };
-}
-host!(f32);
-host!(f64);
-
 /// The host's answers: cold, and warm after a cold solve at the first tolerance.
-fn answers<T: Host, S: probes::Scene<T, BALLS, D>, const D: usize>(
+fn answers<T: Real, S: probes::Scene<T, BALLS, D>, const D: usize>(
     work: &Work,
     tolerances: &[f64],
 ) -> Result<Answers> {
-    let bearing = T::bearing(&work.design)?;
+    let bearing = Bearing::build(&work.design)?;
     let question = |start: usize, tolerance: f64| {
         let (load, omega) = work.state(start, S::AT_SPEED);
         Question {

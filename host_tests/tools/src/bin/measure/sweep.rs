@@ -1,6 +1,6 @@
 //! Error of the stiffness over cycles, by tolerance; and times on this machine.
 
-use crate::scenes::{self, FULL, Host, Measured, Program, Solve, solved};
+use crate::scenes::{self, FULL, Measured, Program, Solve, solved};
 use crate::table::{markdown, name, thousands};
 use crate::timing::Core;
 use crate::workload::{BALLS, STARTS, Work};
@@ -10,10 +10,10 @@ use host_tests::cases;
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::{Attitude, Precision};
 use rayon::prelude::*;
-use spindle_bearing::{Settings, Solver, Speed};
+use spindle_bearing::{Bearing, Real, Settings, Solver, Speed};
 use std::hint::black_box;
 use std::time::Instant;
-use tools::chart::{Axis, Chart, Curve, Panel, Style};
+use tools::chart::{Chart, Curve, Panel, Style};
 
 /// Tolerances besides the default one; those below it are left out.
 const TOLERANCES: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12];
@@ -45,7 +45,7 @@ type Truth = [Option<[[f64; 5]; 5]>; 2];
 /// Found from the solver's equilibrium in doubles.
 pub fn truths(works: &[Work]) -> Result<Vec<Truth>> {
     let truth = |work: &Work| {
-        let bearing = f64::bearing(&work.design)?;
+        let bearing = Bearing::<f64, BALLS>::build(&work.design)?;
         let mut solver = Solver::new(&bearing);
         let reference = cases::reference(&work.design, BALLS);
         let groove = (work.design.outer_groove_factor - 0.5) * work.design.ball_diameter;
@@ -115,13 +115,9 @@ pub fn chart(all: &[Measured], truths: &[Truth]) -> Chart {
                 .collect();
             // The default tolerance, the smallest, comes last.
             points.rotate_left(1);
-            let curve = |style, error: fn(&Spread) -> f64| Curve {
-                name: of_core(measured),
-                points: points
-                    .iter()
-                    .map(|[cycles, e]| (cycles.median, error(e)))
-                    .collect(),
-                style,
+            let curve = |style, error: fn(&Spread) -> f64| {
+                let along = points.iter().map(|[cycles, e]| (cycles.median, error(e)));
+                Curve::new(&of_core(measured), style, along.collect())
             };
             [
                 curve(Style::Line, |e| e.median),
@@ -129,27 +125,23 @@ pub fn chart(all: &[Measured], truths: &[Truth]) -> Chart {
                 curve(Style::Dashed, |e| e.most),
             ]
         });
-        Panel {
-            title: format!("{}, by tolerance", STARTS[start]),
-            x: Axis {
-                label: "cycles of a solve, median (modelled)".to_owned(),
-                range: Some((1e4, 4e5)),
-                logarithmic: true,
-            },
-            y: Axis {
-                label: "error of the stiffness".to_owned(),
-                range: Some((1e-16, 1.0)),
-                logarithmic: true,
-            },
-            curves: curves.collect(),
+        let mut panel = Panel::new(
+            &format!("{}, by tolerance", STARTS[start]),
+            "cycles of a solve, median (modelled)",
+            "error of the stiffness",
+            curves.collect(),
+        );
+        for (axis, range) in [(&mut panel.x, (1e4, 4e5)), (&mut panel.y, (1e-16, 1.0))] {
+            axis.range = Some(range);
+            axis.logarithmic = true;
         }
+        panel
     };
-    Chart {
-        title: "Error of the stiffness over cycles. Lines: median; dashed: 99 % of the cases"
-            .to_owned(),
-        panels: [1, 0].map(panel).into(),
-        columns: 2,
-    }
+    Chart::new(
+        "Error of the stiffness over cycles. Lines: median; dashed: 99 % of the cases",
+        2,
+        [1, 0].map(panel).into(),
+    )
 }
 
 /// Shortest time of three rounds, s a solve.
@@ -163,11 +155,11 @@ fn seconds(solves: usize, mut round: impl FnMut()) -> f64 {
 }
 
 /// Times of a cold solve and of a warm one, s.
-fn times<T: Host>(works: &[&Work]) -> Result<[f64; 2]> {
+fn times<T: Real>(works: &[&Work]) -> Result<[f64; 2]> {
     let bearings: Vec<_> = works
         .iter()
-        .map(|work| T::bearing(&work.design))
-        .collect::<Result<_>>()?;
+        .map(|work| Bearing::<T, BALLS>::build(&work.design))
+        .collect::<Result<_, _>>()?;
     let mut solvers: Vec<_> = bearings.iter().map(Solver::new).collect();
     Ok([true, false].map(|cold| {
         seconds(2 * works.len(), || {

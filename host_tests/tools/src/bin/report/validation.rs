@@ -7,9 +7,7 @@ use host_tests::validation::judge::{Line, factor, judge, lines};
 use host_tests::validation::{PAGE, page};
 use std::collections::BTreeMap;
 use std::fs;
-use std::process::Command as Process;
-use tools::chart::{self, Axis, Chart, Curve, Style};
-use tools::cross::output;
+use tools::chart::{self, Chart, Curve, Style};
 
 /// Makes the page and its pictures; writes them, or compares the page with the committed one.
 pub fn run(check: bool) -> Result<()> {
@@ -31,9 +29,7 @@ pub fn run(check: bool) -> Result<()> {
         complaints.join("\n")
     );
 
-    let commit = output(Process::new("git").args(["rev-parse", "--short", "HEAD"]));
-    let made_from = commit.unwrap_or_else(|| "an unknown commit".to_owned());
-    let made = page::page(&book, &judged, made_from.trim());
+    let made = page::page(&book, &judged, &tools::commit());
     let path = tools::root().join(PAGE);
     let folder = path.with_extension("");
     if check {
@@ -74,11 +70,8 @@ fn draw(picture: &Picture, runs: &[Solved]) -> Result<String> {
         .panel
         .iter()
         .map(|panel| of_panel(picture, panel, runs));
-    chart::svg(&Chart {
-        title: picture.title.clone(),
-        panels: panels.collect::<Result<_>>()?,
-        columns: picture.columns,
-    })
+    let panels: Result<_> = panels.collect();
+    chart::svg(&Chart::new(&picture.title, picture.columns, panels?))
 }
 
 fn of_panel(picture: &Picture, panel: &Panel, runs: &[Solved]) -> Result<chart::Panel> {
@@ -87,19 +80,10 @@ fn of_panel(picture: &Picture, panel: &Panel, runs: &[Solved]) -> Result<chart::
         .iter()
         .map(|one| curves(picture, one, runs))
         .collect();
-    Ok(chart::Panel {
-        title: panel.title.clone(),
-        x: Axis {
-            label: picture.x_label.clone(),
-            logarithmic: picture.logarithmic,
-            ..Axis::default()
-        },
-        y: Axis {
-            label: panel.y_label.clone(),
-            ..Axis::default()
-        },
-        curves: curves?.concat(),
-    })
+    let curves = curves?.concat();
+    let mut made = chart::Panel::new(&panel.title, &picture.x_label, &panel.y_label, curves);
+    made.x.logarithmic = picture.logarithmic;
+    Ok(made)
 }
 
 /// A curve for each run.
@@ -114,14 +98,12 @@ fn curves(picture: &Picture, measure: &Measure, runs: &[Solved]) -> Result<Vec<C
     let curve = |line: Line<'_>| {
         let x = line.cases.iter().map(|case| case.get(&picture.x).copied());
         let points = x.zip(line.values).map(|(x, y)| Some((unit * x?, y)));
-        Ok(Curve {
-            name: match measure.name.as_str() {
-                "" => line.run.to_owned(),
-                name => name.to_owned(),
-            },
-            points: points.collect::<Option<_>>().context(picture.x.clone())?,
-            style,
-        })
+        let points: Option<_> = points.collect();
+        let name = match measure.name.as_str() {
+            "" => line.run,
+            name => name,
+        };
+        Ok(Curve::new(name, style, points.context(picture.x.clone())?))
     };
     lines(measure, runs)?.into_iter().map(curve).collect()
 }
