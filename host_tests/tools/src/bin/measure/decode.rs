@@ -155,17 +155,6 @@ fn class(mnemonic: &str, indexed: bool) -> Option<Class> {
         Some((_, Class::Store)) if indexed => Some(Class::StoreIndexed),
         Some((_, class)) => Some(*class),
         None if name.starts_with('v') => None,
-        None if is_branch(name) => Some(Class::Branch),
         None => Some(Class::Integer),
     }
-}
-
-fn is_branch(name: &str) -> bool {
-    let conditions = [
-        "", "eq", "ne", "hs", "lo", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le",
-    ];
-    let conditional = |rest: &str| conditions.contains(&rest);
-    matches!(name, "cbz" | "cbnz" | "tbb" | "tbh" | "bl" | "blx")
-        || name.strip_prefix("bx").is_some_and(conditional)
-        || name.strip_prefix('b').is_some_and(conditional)
 }

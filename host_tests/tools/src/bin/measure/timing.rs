@@ -73,10 +73,10 @@ pub enum Class {
     Store,
     StoreIndexed,
     Multiple,
+    /// Branches, too.
     Integer,
     IntegerMac,
     IntegerDiv,
-    Branch,
 }
 
 impl Class {
@@ -104,10 +104,10 @@ pub struct Timed {
     pub words: u32,
     /// It works on doubles.
     pub double: bool,
-    /// Registers that it reads and writes: r0 to r15, the flags, the FPU's flags, and from bit 32
+    /// Registers that it reads, a bit each: r0 to r15, the flags, the FPU's flags, and from bit 32
     /// on s0 to s31.
     pub reads: u64,
-    /// See there.
+    /// Registers that it writes, by the same bits.
     pub writes: u64,
 }
 
@@ -121,7 +121,7 @@ fn in_turn(block: &[Timed]) -> u32 {
         sum += u32::from(waits);
         sum += match op.class {
             Class::FpAdd | Class::FpMul | Class::FpMove => 1,
-            Class::Store | Class::Integer | Class::Branch => 1,
+            Class::Store | Class::Integer => 1,
             Class::FpMac => 3,
             Class::FpDiv | Class::FpSqrt => 14,
             Class::FpLoad | Class::FpStore | Class::Load | Class::StoreIndexed => {
