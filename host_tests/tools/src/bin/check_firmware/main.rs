@@ -114,7 +114,6 @@ fn build_scene(root: &Path, scene: &str) -> Result<Program> {
         link: &[RELOCATIONS],
         environment: &[
             ("MEASURED_PRECISION", Some("f32")),
-            ("MEASURED_BALLS", None),
             ("MEASURED_SCENE", Some(scene)),
             ("PROVED", Some("yes")),
         ],

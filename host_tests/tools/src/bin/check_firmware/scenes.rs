@@ -11,6 +11,7 @@ use anyhow::{Context, Result, bail};
 use probes::for_every_scene;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 use tools::CORE;
 use tools::graph::Reach;
@@ -124,7 +125,7 @@ const SHARED: [&str; 1] = ["shift"];
 /// Source lines of the solver that stand behind a condition, by file under `src`.
 struct Guarded {
     /// The condition's line, and the block's.
-    blocks: BTreeMap<String, Vec<(String, std::ops::Range<u32>)>>,
+    blocks: BTreeMap<String, Vec<(String, Range<u32>)>>,
 }
 
 impl Guarded {
@@ -152,15 +153,14 @@ impl Guarded {
     }
 
     /// Blocks of `if`s that end on the line that they begin on, which is how they are formatted.
-    fn blocks(text: &str) -> Vec<(String, std::ops::Range<u32>)> {
+    fn blocks(text: &str) -> Vec<(String, Range<u32>)> {
         let lines: Vec<&str> = text.lines().collect();
         let indent = |line: &str| line.len() - line.trim_start().len();
         let mut found = Vec::new();
         let mut function = "";
         for (i, line) in lines.iter().enumerate() {
             if let Some((_, name)) = line.split_once("fn ") {
-                let end = name.find(|c: char| !c.is_alphanumeric() && c != '_');
-                function = &name[..end.unwrap_or(name.len())];
+                function = name.split(['(', '<']).next().unwrap_or(name);
             }
             let opens = line.trim_end().ends_with('{');
             let is_if = line.trim_start().starts_with("if ") || line.contains("= if ");
@@ -202,12 +202,8 @@ struct Origins {
 }
 
 impl Origins {
-    /// Of the solver of a scene's firmware.
-    fn of(program: &Program) -> Result<Self> {
-        Self::reached(program, program.graph.reach(is_solver))
-    }
-
-    fn reached(program: &Program, reach: Reach<'_>) -> Result<Self> {
+    /// Of what is reached in a program.
+    fn of(program: &Program, reach: &Reach<'_>) -> Result<Self> {
         let loader = Loader::new(&program.path)
             .map_err(|error| anyhow::anyhow!("no debug information: {error}"))?;
         let mut origins = Self {
@@ -276,7 +272,7 @@ pub fn check(root: &Path) -> Result<()> {
             bail!("this check is blind: there is no solver in {scene}");
         }
         clean(scene, &program, &reach, &Unwanted::ALL)?;
-        let origins = Origins::of(&program)?;
+        let origins = Origins::of(&program, &reach)?;
         if origins.lines.is_empty() {
             bail!("this check is blind: {scene} has no debug information");
         }
@@ -294,18 +290,11 @@ pub fn check(root: &Path) -> Result<()> {
         }
         let in_flash = reach.symbols().filter(|(at, ..)| *at < RAM);
         let flash: u64 = in_flash.map(|(_, size, _)| size).sum();
-        println!(
-            "{scene}: {flash} bytes of flash, nothing of {}",
-            without
-                .iter()
-                .map(|part| format!("{part:?}"))
-                .collect::<Vec<_>>()
-                .join(", ")
-        );
+        println!("{scene}: {flash} bytes of flash, nothing of {without:?}");
     }
     // A firmware that asks for everything.
     let whole = crate::build_bare(root, crate::SOLVER, Some("double"), true)?;
-    let whole = Origins::reached(&whole, whole.reach_from_main())?;
+    let whole = Origins::of(&whole, &whole.reach_from_main())?;
     if whole.find(Part::Design, &guarded).is_some() {
         seen.insert(Part::Design);
     }
