@@ -6,14 +6,21 @@
 probes::image!(bare::run, proved: true);
 
 #[cfg(target_os = "none")]
+#[path = "../../../../examples/firmware/monitor_settings.rs"]
+mod monitor_settings;
+#[cfg(target_os = "none")]
 #[path = "../../../../examples/firmware/monitored.rs"]
 mod monitored;
-/// That of the smaller core.
+
+#[cfg(target_os = "none")]
+use bare::{CORE_HZ, COST};
+/// The precision of the smaller core.
 #[cfg(target_os = "none")]
 type Precision = f32;
 
 #[cfg(target_os = "none")]
 mod bare {
+    use super::monitor_settings::{CALIBRATION, IDENTITY, MONITOR, TACHOMETER};
     use super::monitored;
     use core::convert::Infallible;
     use core::hint::black_box;
@@ -23,17 +30,14 @@ mod bare {
     use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
     use spindle_bearing::monitor::board::ResetCause;
     use spindle_bearing::monitor::loads::{
-        Ads131m08, Ads131m08Bridges, Calibration, FramedLoads, LoadSource, StrainBridge,
+        Ads131m08, Ads131m08Bridges, FramedLoads, LoadSource, StrainBridge,
     };
-    use spindle_bearing::monitor::speed::{
-        Edges, PulseSpeed, SpeedMethod, SpeedSettings, SpeedSource,
-    };
-    use spindle_bearing::monitor::tick::{CycleCounter, Watchdog, Widened};
-    use spindle_bearing::monitor::{Alarm, Identity, Monitor, MonitorSettings, Readings, Store};
+    use spindle_bearing::monitor::speed::{Edges, PulseSpeed, SpeedMethod, SpeedSource};
+    use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
+    use spindle_bearing::monitor::{Alarm, Monitor, Readings, Store};
 
-    static SETTINGS: MonitorSettings<{ monitored::ROWS }> =
-        MonitorSettings::new(&monitored::DESIGN, monitored::BALLS);
-    const _: () = assert!(SETTINGS.check().is_ok());
+    pub const CORE_HZ: u32 = 168_000_000;
+    pub const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
 
     /// Pins, bus, cycles and watchdog that the compiler knows nothing of.
     struct Unknown;
@@ -106,26 +110,16 @@ mod bare {
     }
 
     pub fn run() {
-        let bands = &SETTINGS.judgement.baseline;
         let Ok(spindle) = monitored::spindle(&monitored::BEARING) else {
             return;
         };
-        let identity = Identity::new(&monitored::DESIGN, monitored::BALLS, bands);
         let (mut store, past) =
-            Store::open(Unknown, black_box(identity), black_box(ResetCause::Pin));
+            Store::open(Unknown, black_box(IDENTITY), black_box(ResetCause::Pin));
         let mut monitor: Monitor<{ monitored::ROWS }, { monitored::BALLS }> =
-            Monitor::new(spindle, &SETTINGS).with_past(&past);
+            Monitor::new(spindle, &MONITOR).with_past(&past);
         let _ = monitor.prepare(black_box([420.0; 5]), black_box(0.0));
         let mut frames = FramedLoads::new();
-        let calibration: Calibration<6> = black_box(Calibration {
-            loads: [[0.0; 6]; 5],
-            counts: [[0.0; 5]; 6],
-            zero_slope: [0.0; 6],
-            gain_slope: [0.0; 6],
-            temperature: 0.0,
-            temperatures: [0.0; 2],
-            standing: [0.0; 5],
-        });
+        let calibration = black_box(CALIBRATION);
         let _ = black_box(calibration.check());
         let device = Ads131m08::new(Unknown, Unknown, Unknown, Unknown, Unknown);
         let Ok(adc) = Ads131m08Bridges::<_, 6>::start(device, &black_box(Default::default()))
@@ -173,16 +167,4 @@ mod bare {
             black_box((monitor.outbox().next_byte(), buffer, bridges.tare()));
         }
     }
-
-    const TACHOMETER: SpeedSettings = SpeedSettings {
-        pulses_per_revolution: 4,
-        timer_hz: 1_000_000,
-        timer_bits: 32,
-        counter_bits: 16,
-        count_above: 400.0,
-        period_below: 300.0,
-        gate_us: 5000,
-        standstill_us: 500_000,
-        deceleration: 1000.0,
-    };
 }
