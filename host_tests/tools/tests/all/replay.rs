@@ -157,18 +157,6 @@ fn a_limit_that_is_set_marks_the_rows_that_pass_it() {
 }
 
 #[test]
-fn the_three_attitude_rules_differ_at_speed_only() {
-    let result = |rule, speed| {
-        let input = format!("{HEADER}0,500,100,0,0,1,{speed}\n");
-        replayed(&[&shipped("b7005c"), "-", "--attitude", rule], &input).1
-    };
-    assert_ne!(result("raceless", 20_000), result("outer", 20_000));
-    assert_ne!(result("raceless", 20_000), result("inner", 20_000));
-    assert_eq!(result("raceless", 0), result("outer", 0));
-    assert_eq!(result("raceless", 0), result("inner", 0));
-}
-
-#[test]
 fn a_malformed_recording_ends_the_replay_with_one_line_of_complaint() {
     for (text, start) in malformed::recordings() {
         let (status, _, err) = replayed(&[&shipped("b7005c"), "-"], &text);
@@ -246,23 +234,18 @@ fn columns_that_are_not_read_are_named_once() {
 
 #[test]
 fn a_row_without_an_answer_keeps_its_place() {
-    let rows = "\
-        0,400,0,0,0,0,0\n\
-        1,nan,0,0,0,0,0\n\
-        2,400,0,-inf,0,0,0\n\
-        3,400,0,0,0,0,NaN\n\
-        4,400,0,0,0,0,0\n";
-    let refused = |place: usize| [1, 2, 3].contains(&place);
+    let rows = "0,400,0,0,0,0,0\n1,nan,0,0,0,0,0\n2,400,0,-inf,0,0,0\n3,400,0,0,0,0,NaN\n4,400,0,0,0,0,0\n";
     for precision in ["f32", "f64"] {
         let args = [&shipped("b7005c"), "-", "--precision", precision];
-        let (out, err, [balls]) = with_files(&args, ["--balls"], &format!("{HEADER}{rows}"));
+        let (status, out, _) = replayed(&args, &format!("{HEADER}{rows}"));
+        assert_eq!(status, 0);
         let lines = table(&out, RESULT_HEADER);
         assert_eq!(lines.len(), 5);
         for (i, line) in lines.iter().enumerate() {
             let numeric = |fields: &[&str]| fields.iter().all(|text| text.parse::<f64>().is_ok());
             assert_eq!(line[0], i.to_string());
             assert!(numeric(&line[34..40]));
-            if refused(i) {
+            if (1..4).contains(&i) {
                 assert_eq!(line[1], "not-finite");
                 assert!([&line[2..34], &line[40..]].concat().concat().is_empty());
             } else {
@@ -270,22 +253,9 @@ fn a_row_without_an_answer_keeps_its_place() {
                 assert!(numeric(&line[2..33]));
             }
         }
-        // A refusal leaves the warm start alone: same load as before, same place.
+        // A refusal leaves the warm start alone: the first load and the last are equal, and so are their places.
         let place = |line: &[&str]| line[3].parse::<f64>().unwrap();
         assert!((place(&lines[4]) / place(&lines[0]) - 1.0).abs() < 1e-5);
-        assert_eq!(err.lines().count(), 1, "{err}");
-        let said = "replay: 3 of 5 rows have no answer: 3 not-finite (the first at 1 s: ";
-        assert!(err.starts_with(said), "{err}");
-
-        let lines = table(&balls, BALL_HEADER);
-        assert_eq!(lines.len(), 5 * 16);
-        for (i, line) in lines.iter().enumerate() {
-            let place = [i / 16, i % 16].map(|number| number.to_string());
-            assert_eq!(line[..2], place);
-            let empty = line[2..].iter().all(|field| field.is_empty());
-            let full = line[2..].iter().all(|field| !field.is_empty());
-            assert!(if refused(i / 16) { empty } else { full });
-        }
     }
 }
 
@@ -301,31 +271,6 @@ fn cold_rows_are_those_of_fresh_solvers() {
             assert_eq!(fresh.lines().nth(1), Some(line));
         }
     }
-}
-
-#[test]
-fn warm_rows_take_fewer_iterations_than_cold_ones() {
-    let iterations = |extra: &[&str]| -> u32 {
-        let bearing = shipped("b7005c");
-        let args = [&[bearing.as_str(), RECORD], extra].concat();
-        let (status, out, err) = replayed(&args, "");
-        assert_eq!((status, err.as_str()), (0, ""));
-        let lines = table(&out, RESULT_HEADER).into_iter();
-        lines.map(|line| line[2].parse::<u32>().unwrap()).sum()
-    };
-    assert!(iterations(&[]) < iterations(&["--cold"]));
-}
-
-#[test]
-fn standard_input_gives_what_the_file_gives() {
-    let path = scratch("loads.csv");
-    let text = format!("{HEADER}{ROWS}");
-    std::fs::write(&path, &text).unwrap();
-    let piped = replayed(&[&shipped("skf6205"), "-"], &text);
-    let named = replayed(&[&shipped("skf6205"), path.to_str().unwrap()], "");
-    std::fs::remove_file(path).unwrap();
-    assert_eq!(piped.0, 0);
-    assert_eq!(piped, named);
 }
 
 /// States, motions, contacts and frequencies are those of the library, and hold together.
@@ -384,7 +329,9 @@ fn check_balls<M: Motion>(rule: &str) {
         assert_eq!(line, [row.time_s, cage, outer, inner, found.ball]);
     }
     assert_eq!(frequencies.next().unwrap().join(","), "4,,,,");
-    assert_eq!(balls.next().unwrap().join(","), "4,0,,,,,,,,,,,,,,,,,");
+    let rest: Vec<_> = balls.map(|line| line.join(",")).collect();
+    let empty = |j| format!("4,{j},,,,,,,,,,,,,,,,,");
+    assert_eq!(rest, (0..16).map(empty).collect::<Vec<_>>());
 }
 
 /// Hands out a little, then behaves as a pipe whose reader has gone.

@@ -1,4 +1,4 @@
-//! The live view of the telemetry shows what is so, and so does its picture.
+//! What the live view of the telemetry shows.
 
 use crate::frames::{
     alarm, balls, estimate, frame, health, note, pair, rows, shaft, state_of, stream,
@@ -16,7 +16,7 @@ use spindle_bearing::monitor::telemetry::{
 use spindle_bearing::monitor::{Mark, Marks};
 use std::io::Cursor;
 use std::time::{Duration, Instant};
-use tools::telemetry::{picture, source, view};
+use tools::telemetry::{source, view};
 
 /// The lines of a screen.
 fn lines(screen: &Buffer) -> Vec<String> {
@@ -164,15 +164,6 @@ fn the_ball_with_the_largest_force_is_drawn_farthest_out_along_its_azimuth() {
             "ball {hardest}: {length} long, {width} wide"
         );
     }
-}
-
-#[test]
-fn the_hardest_ball_and_its_force_are_named() {
-    let mut forces = [40.0; 16];
-    forces[11] = 123.4;
-    let state = state_of(balls(0, &forces));
-    shows(&state, &["ball 11: 123 N", "rim 200 N"]);
-    shows(&State::default(), &["no balls known"]);
 }
 
 #[test]
@@ -373,6 +364,32 @@ fn a_doubted_sample_is_named_and_is_no_point_of_the_course() {
 }
 
 #[test]
+fn hardest_ball_checks_of_the_board_and_words_to_it_are_shown() {
+    for part in ["known_answer", "acknowledged", "ball 11"] {
+        assert!(!text(&State::default()).contains(part));
+    }
+    shows(&State::default(), &["no balls known"]);
+    let mut forces = [40.0; 16];
+    forces[11] = 123.4;
+    let report = BoardReport {
+        known_answer: Check::Passed,
+        image: Check::Failed,
+        ..BoardReport::NONE
+    };
+    let payloads = balls(0, &forces).into_iter();
+    let mut state = state_of(payloads.chain([Payload::Board(report)]));
+    state.said = Some("2 alarms acknowledged".into());
+    let parts = [
+        "ball 11: 123 N",
+        "rim 200 N",
+        "image failed",
+        "known_answer passed",
+    ];
+    shows(&state, &parts);
+    shows(&state, &["2 alarms acknowledged"]);
+}
+
+#[test]
 fn losses_and_counters_are_on_the_health_lines() {
     let late = HealthReport {
         overruns: 3,
@@ -417,58 +434,4 @@ fn losses_and_counters_are_on_the_health_lines() {
     ] {
         assert_eq!(colour(&screen, text), Some(expected), "{text}");
     }
-}
-
-#[test]
-fn a_board_says_what_its_checks_come_to() {
-    let report = BoardReport {
-        known_answer: Check::Passed,
-        image: Check::Failed,
-        ..BoardReport::NONE
-    };
-    let state = state_of([Payload::Board(report)]);
-    shows(&state, &["image failed", "known_answer passed"]);
-    assert!(!text(&State::default()).contains("known_answer"));
-}
-
-#[test]
-fn the_picture_has_every_text_of_the_screen_at_its_place() {
-    let raised = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
-    let state = state_of([Payload::Alarm(raised), Payload::Estimate(estimate(5e7))]);
-    let screen = view::screen(&state, 120, 40);
-    let svg = picture::svg(&screen);
-    let mut drawn = Buffer::empty(screen.area);
-    for line in svg.lines().filter(|line| line.starts_with("<text")) {
-        let number = |name: &str| -> u16 {
-            let (_, rest) = line.split_once(&format!(" {name}=\"")).unwrap();
-            rest.split('"').next().unwrap().parse().unwrap()
-        };
-        let text = line.split(['>', '<']).nth(2).unwrap();
-        let (x, y) = (number("x") / 8, (number("y") - 12) / 16);
-        assert_eq!(usize::from(number("textLength")), 8 * text.chars().count());
-        drawn.set_string(x, y, text, ratatui::style::Style::new());
-    }
-    let is_dots = |letter| ('\u{2800}'..='\u{28ff}').contains(&letter);
-    let expected = lines(&screen).join("\n").replace(is_dots, " ");
-    assert_eq!(lines(&drawn).join("\n"), expected);
-    // A dash for each dot.
-    let symbols = screen
-        .content()
-        .iter()
-        .flat_map(|cell| cell.symbol().chars());
-    let dots: u32 = symbols
-        .filter(|of| is_dots(*of))
-        .map(|of| (of as u32 & 0xff).count_ones())
-        .sum();
-    assert_eq!(svg.matches("h3").count(), dots as usize);
-}
-
-#[test]
-fn what_was_said_to_the_board_is_in_the_view() {
-    let state = State {
-        said: Some("2 alarms acknowledged".into()),
-        ..State::default()
-    };
-    shows(&state, &["2 alarms acknowledged"]);
-    assert!(!text(&State::default()).contains("acknowledged"));
 }
