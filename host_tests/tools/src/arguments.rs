@@ -1,4 +1,4 @@
-//! Names on the command line for what the judge has types for.
+//! Options whose values are chosen by name, and the parsing of a command line.
 
 use clap::Parser;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -41,7 +41,7 @@ pub fn parsed<A: Parser>(
 ) -> Result<A, u8> {
     A::try_parse_from(args).map_err(|message| {
         let text = message.render();
-        // Nobody is left to tell if the message cannot be written.
+        // If the message cannot be written, nobody reads another one.
         let _ = if message.use_stderr() {
             write!(stderr, "{text}")
         } else {

@@ -1,7 +1,7 @@
 //! Who calls whom in a linked program, read from the relocations that `--emit-relocs` keeps.
 //!
-//! A relocation is where one symbol mentions another: a call, a jump, or an address taken. So what
-//! is reachable here is at least what can run, but for functions whose address comes from outside.
+//! A relocation is where one symbol mentions another: a call, a jump, or an address taken. So everything that can run
+//! is reachable here, except functions whose address comes from outside.
 
 use anyhow::{Context, Result, bail};
 use object::{

@@ -183,7 +183,7 @@ pub fn run(
         Err(status) => return status,
     };
     if args.list {
-        // Nobody is left to tell here, too.
+        // Nobody reads a message about standard output that is closed.
         let _ = write!(stdout, "{}", catalogue::list());
         return 0;
     }
@@ -281,7 +281,7 @@ fn run_parsed(
         let outcome = replay(&file, solver, args.precision, rows, args.cold, &mut out);
         bar.finish_and_clear();
         if matches!(outcome, Err(ReplayError::Loads(_))) {
-            // Rows before the fault are good; what hinders their output is less news than the fault.
+            // Rows before the fault are good. The fault is reported, even if their output fails, too.
             let _ = out.results.flush();
         }
         outcome.map_err(Failure::from)
@@ -290,7 +290,7 @@ fn run_parsed(
 }
 
 impl Args {
-    /// The arguments' own rule has it that there is one.
+    /// clap demands one, except with `--list`.
     fn design(&self) -> &Path {
         self.design.as_deref().unwrap_or(Path::new(""))
     }

@@ -22,7 +22,7 @@ const LOOK: usize = 2000;
 /// Ticks at which the operator has the baseline learnt, and no longer.
 const LEARNING: [usize; 2] = [600, 2000];
 
-/// What happens between two ticks, and in the second.
+/// A tick: bytes in before it, bytes out after it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tick {
     /// Bytes that come in before it.
@@ -33,9 +33,8 @@ pub struct Tick {
 
 /// The run of a recording, spoilt.
 ///
-/// `board` is what runs them, and returns its telemetry of a tick, which the operator
-/// hears. The last tick is one with a health report, so that the board's own counters are the last word, and all that
-/// waits is sent in it.
+/// `board` runs a tick and returns its telemetry, which the operator reads. The last tick has a health report, so that
+/// the run ends with the board's own counters. All waiting telemetry is sent in it.
 ///
 /// # Errors
 ///

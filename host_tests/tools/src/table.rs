@@ -24,14 +24,14 @@ fn values(text: &str) -> Result<Vec<f64>, String> {
     if step == 0.0 || !(steps >= 0.0) {
         return Err(format!("no steps of {step} lead from {first} to {last}"));
     }
-    // What rounding takes from the last step.
+    // Rounding may leave the last step a little short.
     let steps = (steps * (1.0 + 1e-12) + 1e-9).floor();
     if steps >= MOST_ROWS as f64 {
         return Err(too_many());
     }
     let later = (1..=steps as usize).map(|i| match first + i as f64 * step {
         value if value.abs() < 1e-9 * step.abs() => 0.0,
-        // Steps of a tenth give tenths, which sums of rounded ones miss.
+        // Rounded, so that steps of a tenth give tenths.
         value => format!("{value:.12e}").parse().unwrap_or(value),
     });
     Ok([first].into_iter().chain(later).collect())

@@ -12,7 +12,7 @@ probes::image!(bare::run, proved: true);
 #[cfg(target_os = "none")]
 #[path = "../../../../examples/firmware/monitored.rs"]
 mod monitored;
-/// That of the smaller core.
+/// The precision of the smaller core.
 #[cfg(target_os = "none")]
 type Precision = f32;
 

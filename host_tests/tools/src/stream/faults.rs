@@ -1,4 +1,4 @@
-//! Faults, when they come, and what they do to the stream. The same for the same seed and recording.
+//! Faults, when they come, and what they do to the stream. A seed and a recording give one schedule.
 
 use host_tests::cases::Random;
 use spindle_bearing::record::{DELIMITER, FRAME_LENGTH, LoadRecord, encode};
@@ -35,7 +35,7 @@ pub enum Fault {
     TemperatureSpike,
 }
 
-/// Each of them, its name, and how long it lasts, in ticks: least and most.
+/// Each fault, its name, and its shortest and longest duration in ticks.
 const FAULTS: [(Fault, &str, [u64; 2]); 13] = [
     (Fault::Dropped, "frames dropped", [5, 40]),
     (Fault::Corrupt, "frames corrupt", [1, 10]),

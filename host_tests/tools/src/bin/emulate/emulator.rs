@@ -188,7 +188,7 @@ impl Board {
         self.log.try_iter().try_for_each(|bytes| log.take(&bytes))
     }
 
-    /// What is to be said of an emulator that says nothing.
+    /// The error for an emulator that has fallen silent.
     fn post_mortem(&mut self, error: RecvTimeoutError) -> anyhow::Error {
         if error == RecvTimeoutError::Timeout {
             return anyhow!(

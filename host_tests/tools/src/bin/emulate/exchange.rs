@@ -35,7 +35,7 @@ fn frames(bytes: &[u8]) -> Vec<Frame> {
 
 /// Runs the plan, prints some hundred estimates, and fails at the first byte that is not the host's.
 ///
-/// With a `tee`, it prints nothing; `None` if nobody takes the copy any more.
+/// With a `tee`, it prints nothing. It returns `None` once nobody reads the copy.
 pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<Answer>> {
     let table = emulator::table(firmware)?;
     let mut log = Log::new(&table);

@@ -244,11 +244,11 @@ const MOST: &str = "cycles of a tick with a warm solve, 99 %";
 const WORST: &str = "cycles of a tick with a warm solve, worst";
 const ITERATION: &str = "cycles of an iteration";
 const FIXED: &str = "cycles of a tick but for iterations, of all but one in a thousand";
-/// That one.
+/// One tick in so many may cost more than the constants say.
 const RARE: usize = 1000;
 
-/// Records after these ones: teeth that press the shaft with a half-sine each, of two loads and at three rates, one
-/// after the other or with a pause in between. A pair feels them through the nose, a single bearing itself.
+/// Records that follow these: each tooth presses the shaft with a half-sine. There are two loads and three rates, with
+/// and without pauses. A pair is loaded at the nose of the shaft, a single bearing at its centre.
 fn teeth(before: &[LoadRecord]) -> Vec<LoadRecord> {
     const CUTS: [(f64, f64, f64); 8] = [
         (125.0, 1000.0, 1.0),
