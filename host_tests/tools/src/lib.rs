@@ -16,9 +16,6 @@ pub mod telemetry;
 use std::path::Path;
 use std::process::Command;
 
-/// The path of the solver's core, in front of the names of its functions.
-pub const CORE: &str = "spindle_bearing::";
-
 /// The project's root.
 pub fn root() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -13,7 +13,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
-use tools::CORE;
 use tools::graph::Reach;
 
 /// Something that a scene may leave out.
@@ -61,25 +60,27 @@ impl Part {
         Self::Design,
     ];
 
-    /// Modules of the solver's core that it is in.
-    fn modules(self) -> &'static [&'static str] {
-        match self {
-            Self::Speed => &["ball::", "kinematics::", "place::", "solver::fallback::"],
-            Self::Iteration => &["ring::", "rows::", "solver::newton::"],
-            Self::Spindle => &["spindle::"],
-            _ => &[],
-        }
-    }
-
-    /// Parts of the names of its functions elsewhere.
+    /// Parts of the names of its functions and constants.
     fn names(self) -> &'static [&'static str] {
         match self {
-            Self::Speed => &["atan"],
+            Self::Speed => &[
+                "spindle_bearing::ball::",
+                "spindle_bearing::kinematics::",
+                "spindle_bearing::place::",
+                "spindle_bearing::solver::fallback::",
+                "atan",
+            ],
+            Self::Iteration => &[
+                "spindle_bearing::ring::",
+                "spindle_bearing::rows::",
+                "spindle_bearing::solver::newton::",
+            ],
             Self::RaceControl => &["OuterRaceControl as", "InnerRaceControl as"],
             Self::RacewayControlFree => &["RacewayControlFree as"],
             Self::Stiffness => &[">::stiffness"],
             Self::Balls => &[">::balls"],
             Self::Limits => &["spindle_bearing::limits::"],
+            Self::Spindle => &["spindle_bearing::spindle::"],
             Self::Design => &[
                 "spindle_bearing::hertz::",
                 "spindle_bearing::elementary::",
@@ -92,10 +93,6 @@ impl Part {
     /// Whether a function, or a constant, of this name belongs to it.
     fn has(self, function: &str) -> bool {
         self.names().iter().any(|name| function.contains(name))
-            || function.match_indices(CORE).any(|(at, _)| {
-                let path = &function[at + CORE.len()..];
-                self.modules().iter().any(|module| path.starts_with(module))
-            })
     }
 
     /// The conditions of the blocks that it is in.
