@@ -94,14 +94,10 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
             }
         }
         let full_speed = highest > 0.0 && records[at].speed_rpm >= 0.95 * highest;
-        // A speed that is lost waits for full speed, and is then the first.
-        let lost = kinds
-            .iter()
-            .position(|(kind, ..)| *kind == Fault::SpeedLost);
-        let other = kinds
-            .iter()
-            .position(|(kind, ..)| *kind != Fault::SpeedLost);
-        let index = if full_speed { lost.or(other) } else { other };
+        // A loss of the speed waits for full speed, and is then the first fault.
+        let is_lost = |(kind, ..): &(Fault, &str, [u64; 2])| *kind == Fault::SpeedLost;
+        let lost = kinds.iter().position(|kind| full_speed && is_lost(kind));
+        let index = lost.or_else(|| kinds.iter().position(|kind| !is_lost(kind)));
         if let Some(index) = index {
             let (fault, _, [least, most]) = kinds.remove(index);
             let length = least + below(&mut random, most - least + 1);
