@@ -12,8 +12,8 @@ use spindle_bearing::{
 
 /// Hands the table to a macro: `for_every_scene!(of_mine)`.
 ///
-/// A row has a number, a name, the freedoms and the [`Scene`]; what the scene leaves out of the full one, or has
-/// besides; and the parts that must not be in the scene's image. The caller has these names in scope.
+/// A row has a number, a name, the freedoms and the [`Scene`]. It says which part of the full scene is left out or added, and
+/// which parts must not be in the image. The caller has these names in scope.
 ///
 /// No scene has the way from a design to constants.
 #[macro_export]

@@ -153,7 +153,7 @@ pub struct Record {
     pub errors: Option<[f64; 3]>,
     /// The solver's own estimate of them.
     pub estimate: Option<[f64; 3]>,
-    /// Imbalance of the forces of an answer: see [`residual`].
+    /// Residual of the balance of ring and balls: see [`residual`].
     pub residual: Option<f64>,
     /// Which equilibrium an answer is, where that was looked into.
     pub branch: Option<Branch>,

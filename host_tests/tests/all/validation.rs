@@ -4,7 +4,7 @@ use host_tests::validation::book::{Book, Measure, TEXT};
 use host_tests::validation::judge::{Judged, judge};
 use host_tests::validation::{cases, page};
 
-/// What is wrong in the chapters whose titles contain `title`.
+/// Complaints about the claims of chapters whose titles contain `title`.
 fn complaints(text: &str, title: &str) -> Vec<String> {
     let book = Book::parse(text).unwrap();
     let chapters = book.chapter.iter().filter(|c| c.title.contains(title));

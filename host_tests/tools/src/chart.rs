@@ -263,7 +263,7 @@ fn draw_panel(root: &Area, area: &Area, panel: &Panel, names: &[&str]) -> Result
         for run in pixels.split(Option::is_none).filter(|run| !run.is_empty()) {
             let mut run: Vec<_> = run.iter().copied().flatten().collect();
             if curve.style != Style::Dots {
-                // Of a level stretch, its ends.
+                // A level stretch keeps its two ends alone.
                 let ends = |level: &[Pixel]| [level[0], level[level.len() - 1]];
                 run = run.chunk_by(|a, b| a.1 == b.1).flat_map(ends).collect();
             }

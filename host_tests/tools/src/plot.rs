@@ -381,6 +381,12 @@ fn write(args: &Args, svg: &str, stdout: &mut dyn Write) -> Result<()> {
         None if args.file == "-" => PathBuf::from("-"),
         None => Path::new(&args.file).with_extension("svg"),
     };
+    if path == Path::new(&args.file) && path.as_os_str() != "-" {
+        bail!(
+            "{}: the table itself; name the picture with -o",
+            path.display()
+        );
+    }
     let written: Result<()> = match path.extension().and_then(|ending| ending.to_str()) {
         _ if path.as_os_str() == "-" => stdout.write_all(svg.as_bytes()).map_err(Into::into),
         Some("svg") => std::fs::write(&path, svg).map_err(Into::into),

@@ -30,13 +30,13 @@ struct Args {
     /// Prints one case in full instead; needs one family
     #[arg(long, value_name = "INDEX")]
     case: Option<usize>,
-    /// Has the reference build look into every refusal, a second or two each
+    /// Has the reference build look into every refusal, a second or two each.
     #[arg(long)]
     judge_all: bool,
     /// Writes docs/campaign.md
     #[arg(long, conflicts_with = "family")]
     write: bool,
-    /// Writes a line for every solve that is worth a look
+    /// Writes a line for every solve that is worth a look.
     #[arg(long, value_name = "FILE")]
     list_failures: Option<PathBuf>,
 }

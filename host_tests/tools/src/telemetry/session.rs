@@ -13,7 +13,7 @@ const HOPELESS: u64 = 100;
 /// A stream as far as it has come.
 #[derive(Default)]
 pub struct Session {
-    /// What its frames say.
+    /// State of the monitor by its frames.
     pub state: State,
     /// Who says something to the board, if there is one.
     pub operator: Option<PortOperator>,

@@ -365,7 +365,7 @@ const HARM: [&str; 8] = [
     "overruns",
 ];
 
-/// What a field says if something is amiss.
+/// Values of a field that tell of a fault.
 const AMISS: [&str; 10] = [
     "assumed",
     "damaged",

@@ -158,7 +158,18 @@ fn what_cannot_be_drawn_is_said_with_its_place() {
     let name = path.to_str().unwrap();
     let (status, _, err) = plotted(&[name, "-o", name], b"");
     assert_eq!(status, 1);
+    assert!(err.contains("the table itself"), "{err}");
+    let (status, _, err) = plotted(&[name, "-o", "picture.txt"], b"");
+    assert_eq!(status, 1);
     assert!(err.contains("pictures are .svg"), "{err}");
+    let table = path.with_extension("table.svg");
+    std::fs::write(&table, &good).unwrap();
+    let (status, ..) = plotted(&[table.to_str().unwrap()], b"");
+    assert_eq!(
+        (status, &*std::fs::read_to_string(&table).unwrap()),
+        (1, &*good)
+    );
+    std::fs::remove_file(table).unwrap();
     // Beside the file, if nothing else is said.
     assert_eq!(plotted(&[name], b""), (0, String::new(), String::new()));
     let picture = path.with_extension("svg");

@@ -15,8 +15,8 @@ use tools::cross::{self, Missing, output};
 const QEMU: &str = "qemu-system-arm";
 /// The emulator's board with an STM32F405.
 pub const MACHINE: &str = "netduinoplus2";
-/// First major version of QEMU whose serial port gives the byte that is read, and not the next one, where the
-/// next one is there already (QEMU's commit ab08c3467605, "Fix STM32F2XX USART data register readout").
+/// First major version of QEMU whose serial port keeps a byte until it is read (QEMU's commit ab08c3467605, "Fix STM32F2XX
+/// USART data register readout"). Before, a byte that waits behind it is given in its place.
 const KEEPS_READ_BYTES: u32 = 7;
 /// Byte that the emulator's multiplexer takes for the start of a command of its own, unless it comes twice.
 const ESCAPE: u8 = 0x01;
