@@ -47,8 +47,7 @@ pub fn ticks<const R: usize>(
 ) -> Result<Vec<Tick>> {
     let period = settings.tick.period_us;
     let per_report = (settings.telemetry.health_us / period).max(1) as usize;
-    let records = &recording.records;
-    let ticks = records.len().div_ceil(per_report) * per_report + 1;
+    let ticks = recording.records.len().div_ceil(per_report) * per_report + 1;
     let (mut state, mut decoder) = (State::default(), Decoder::new());
     let mut operator = Operator::new(Vec::new(), None);
     let mut run = Vec::with_capacity(ticks);
@@ -61,22 +60,17 @@ pub fn ticks<const R: usize>(
         }
         operator.follow(&state)?;
         let mut bytes = std::mem::take(operator.get_mut());
-        let mut shut = false;
-        if let Some(record) = records.get(tick) {
-            let spoilt = spoiler.spoil(tick, record);
-            bytes.extend(spoilt.bytes);
-            shut = spoilt.shut;
+        let spoilt = spoiler.spoil(tick, recording);
+        if let Some(spoilt) = &spoilt {
+            bytes.extend(&spoilt.bytes);
+            let temperatures = spoilt.temperatures.filter(|_| tick % TEMPERATURES == 0);
+            if let Some(temperatures) = temperatures {
+                bytes.extend(command::encode(Command::Temperatures(temperatures)));
+            }
         }
-        if tick % TEMPERATURES == 0
-            && let Some(temperatures) = recording.temperatures.get(tick)
-        {
-            let temperatures = spoiler.spoil_temperatures(tick, *temperatures);
-            bytes.extend(command::encode(Command::Temperatures(temperatures)));
-        }
-        let last = tick + 1 == ticks;
-        let room = match (last, shut) {
-            (true, _) => u16::MAX,
-            (_, true) => 0,
+        let room = match spoilt {
+            _ if tick + 1 == ticks => u16::MAX,
+            Some(spoilt) if spoilt.is_shut => 0,
             _ => ROOM,
         };
         let tick = Tick { bytes, room };

@@ -1,72 +1,85 @@
 //! Faults, when they come, and what they do to the stream. A seed and a recording give one schedule.
 
+use super::records::Recording;
 use host_tests::cases::Random;
 use spindle_bearing::record::{DELIMITER, FRAME_LENGTH, LoadRecord, encode};
-use std::fmt;
 
-/// What goes wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Fault {
-    /// Frames are lost, about every other one.
-    Dropped,
-    /// Frames are damaged on their way.
-    Corrupt,
-    /// Frames come twice.
-    Repeated,
-    /// Nothing comes at all.
-    Silence,
-    /// A load is not a number.
-    NotANumber,
-    /// A load is beyond what the spindle carries.
-    OutOfRange,
-    /// A load jumps and comes back.
-    Spike,
-    /// A channel gives one and the same value.
-    Stuck,
-    /// A load steps, and stays: no fault of the sensor.
-    Step,
-    /// The speed is lost at full speed.
-    SpeedLost,
-    /// The telemetry's link takes no bytes.
-    LinkShut,
-    /// The sensor of the inner side's temperature fails.
-    TemperatureLost,
-    /// The outer side's temperature jumps and comes back.
-    TemperatureSpike,
+/// Everything that comes in a tick.
+struct Line<'r> {
+    record: LoadRecord,
+    /// Degrees Celsius, of the inner side and of the outer one.
+    temperatures: Option<[f32; 2]>,
+    /// Number of times that the record's frame arrives.
+    times: u64,
+    is_corrupt: bool,
+    /// The link takes no telemetry.
+    is_shut: bool,
+    random: &'r mut Random,
 }
 
-/// Each fault, its name, and its shortest and longest duration in ticks.
-const FAULTS: [(Fault, &str, [u64; 2]); 13] = [
-    (Fault::Dropped, "frames dropped", [5, 40]),
-    (Fault::Corrupt, "frames corrupt", [1, 10]),
-    (Fault::Repeated, "frames repeated", [1, 5]),
-    (Fault::Silence, "no frames", [60, 300]),
-    (Fault::NotANumber, "load not a number", [1, 30]),
-    (Fault::OutOfRange, "load out of range", [1, 150]),
-    (Fault::Spike, "load spike", [1, 2]),
-    (Fault::Stuck, "channel stuck", [120, 250]),
-    (Fault::Step, "load step", [50, 200]),
-    (Fault::SpeedLost, "speed lost at full speed", [20, 200]),
-    (Fault::LinkShut, "telemetry link shut", [300, 900]),
-    (Fault::TemperatureLost, "temperature lost", [200, 400]),
-    (Fault::TemperatureSpike, "temperature spike", [100, 200]),
+/// What a fault does to a tick; the record is that of its first tick.
+type Spoil = fn(&mut Line<'_>, &LoadRecord);
+
+/// Each fault: its name, its shortest and longest duration in ticks, and what it does.
+const FAULTS: [(&str, [u64; 2], Spoil); 13] = [
+    ("frames dropped", [5, 40], |line, _| {
+        line.times = below(line.random, 2);
+    }),
+    ("frames corrupt", [1, 10], |line, _| line.is_corrupt = true),
+    ("frames repeated", [1, 5], |line, _| line.times = 2),
+    ("no frames", [60, 300], |line, _| line.times = 0),
+    ("load not a number", [1, 30], |line, _| {
+        line.record.fz = f32::NAN;
+    }),
+    // Beyond what the spindle carries.
+    ("load out of range", [1, 150], |line, _| {
+        line.record.fx = 3e4;
+    }),
+    ("load spike", [1, 2], |line, _| line.record.fy += 2e3),
+    ("channel stuck", [120, 250], |line, first| {
+        line.record.mz = first.mz;
+    }),
+    // No fault of the sensor.
+    ("load step", [50, 200], |line, _| line.record.fy += 300.0),
+    (SPEED_LOST, [20, 200], |line, _| {
+        line.record.speed_rpm = f32::NAN;
+    }),
+    ("telemetry link shut", [300, 900], |line, _| {
+        line.is_shut = true;
+    }),
+    ("temperature lost", [200, 400], |line, _| {
+        line.temperatures = line.temperatures.map(|[_, outer]| [f32::NAN, outer]);
+    }),
+    ("temperature spike", [100, 200], |line, _| {
+        line.temperatures = line
+            .temperatures
+            .map(|[inner, outer]| [inner, outer + 60.0]);
+    }),
 ];
 
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(FAULTS[*self as usize].1)
-    }
+/// The fault that waits for full speed.
+const SPEED_LOST: &str = "speed lost at full speed";
+
+/// Names of the faults.
+pub fn names() -> [&'static str; FAULTS.len()] {
+    FAULTS.map(|(name, ..)| name)
 }
 
 /// A fault from one tick until another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Episode {
-    /// What goes wrong.
-    pub fault: Fault,
+    fault: usize,
     /// Its first tick.
-    pub from: usize,
+    from: usize,
     /// The tick after its last.
-    pub until: usize,
+    until: usize,
+}
+
+impl Episode {
+    /// Name of the fault.
+    pub fn name(&self) -> &'static str {
+        FAULTS[self.fault].0
+    }
 }
 
 /// A whole number below `n`.
@@ -84,52 +97,52 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
     let mut random = Random::seeded(seed);
     let highest = records.iter().map(|r| r.speed_rpm).fold(0.0, f32::max);
     let mut episodes = Vec::new();
-    let mut kinds: Vec<(Fault, &str, [u64; 2])> = Vec::new();
-    let mut at = LEAD;
-    while at + SLOT <= records.len() {
+    let mut kinds: Vec<usize> = Vec::new();
+    let slots = (LEAD..).step_by(SLOT);
+    for at in slots.take_while(|at| at + SLOT <= records.len()) {
         if kinds.is_empty() {
-            kinds.extend(FAULTS);
+            kinds.extend(0..FAULTS.len());
             for i in (1..kinds.len()).rev() {
                 kinds.swap(i, below(&mut random, i as u64 + 1) as usize);
             }
         }
         let full_speed = highest > 0.0 && records[at].speed_rpm >= 0.95 * highest;
         // A loss of the speed waits for full speed, and is then the first fault.
-        let is_lost = |(kind, ..): &(Fault, &str, [u64; 2])| *kind == Fault::SpeedLost;
+        let is_lost = |kind: &usize| FAULTS[*kind].0 == SPEED_LOST;
         let lost = kinds.iter().position(|kind| full_speed && is_lost(kind));
-        let index = lost.or_else(|| kinds.iter().position(|kind| !is_lost(kind)));
-        if let Some(index) = index {
-            let (fault, _, [least, most]) = kinds.remove(index);
-            let length = least + below(&mut random, most - least + 1);
-            let from = at + below(&mut random, 40) as usize;
-            episodes.push(Episode {
-                fault,
-                from,
-                until: from + length as usize,
-            });
-        } else {
+        let Some(index) = lost.or_else(|| kinds.iter().position(|kind| !is_lost(kind))) else {
             // Full speed may never come again.
             kinds.clear();
-        }
-        at += SLOT;
+            continue;
+        };
+        let fault = kinds.remove(index);
+        let [least, most] = FAULTS[fault].1;
+        let length = least + below(&mut random, most - least + 1);
+        let from = at + below(&mut random, 40) as usize;
+        episodes.push(Episode {
+            fault,
+            from,
+            until: from + length as usize,
+        });
     }
     episodes
 }
 
-/// Bytes of a tick, and whether the link takes any.
+/// What arrives in a tick.
 pub struct Spoilt {
-    /// What goes over the line.
+    /// Frames of the record.
     pub bytes: Vec<u8>,
-    /// The link is shut.
-    pub shut: bool,
+    /// Temperatures of both sides, degrees Celsius.
+    pub temperatures: Option<[f32; 2]>,
+    /// The link takes no telemetry.
+    pub is_shut: bool,
 }
 
-/// Spoils the frame of a record.
+/// Spoils a recording.
 pub struct Spoiler {
-    episodes: Vec<Episode>,
+    /// The faults, in their order.
+    pub episodes: Vec<Episode>,
     random: Random,
-    /// What a stuck channel is stuck at.
-    stuck: Option<f32>,
     damaged: usize,
 }
 
@@ -139,68 +152,35 @@ impl Spoiler {
         Self {
             episodes,
             random: Random::seeded(!seed),
-            stuck: None,
             damaged: 0,
         }
     }
 
-    /// The faults, in their order.
-    pub fn episodes(&self) -> &[Episode] {
-        &self.episodes
-    }
-
-    /// The faults of a tick.
-    fn at(&self, tick: usize) -> Vec<Episode> {
-        let now = |e: &&Episode| (e.from..e.until).contains(&tick);
-        self.episodes.iter().filter(now).copied().collect()
-    }
-
-    /// What becomes of a tick's temperatures.
-    pub fn spoil_temperatures(&self, tick: usize, [inner, outer]: [f32; 2]) -> [f32; 2] {
-        let (mut inner, mut outer) = (inner, outer);
-        for episode in self.at(tick) {
-            match episode.fault {
-                Fault::TemperatureLost => inner = f32::NAN,
-                Fault::TemperatureSpike => outer += 60.0,
-                _ => {}
-            }
-        }
-        [inner, outer]
-    }
-
-    /// What becomes of a tick's record.
-    pub fn spoil(&mut self, tick: usize, record: &LoadRecord) -> Spoilt {
-        let mut record = *record;
-        let (mut times, mut corrupt, mut shut) = (1, false, false);
-        let mut stuck = None;
-        for episode in self.at(tick) {
-            match episode.fault {
-                Fault::Dropped => times = below(&mut self.random, 2),
-                Fault::Corrupt => corrupt = true,
-                Fault::Repeated => times = 2,
-                Fault::Silence => times = 0,
-                Fault::NotANumber => record.fz = f32::NAN,
-                Fault::OutOfRange => record.fx = 3e4,
-                Fault::Spike => record.fy += 2e3,
-                Fault::Stuck => stuck = Some(self.stuck.unwrap_or(record.mz)),
-                Fault::Step => record.fy += 300.0,
-                Fault::SpeedLost => record.speed_rpm = f32::NAN,
-                Fault::LinkShut => shut = true,
-                Fault::TemperatureLost | Fault::TemperatureSpike => {}
-            }
-        }
-        self.stuck = stuck;
-        record.mz = stuck.unwrap_or(record.mz);
-        let frame = if corrupt {
-            self.damaged += 1;
-            damage(&record, self.damaged)
-        } else {
-            encode(&record).to_vec()
+    /// What becomes of a tick; `None` after the last record.
+    pub fn spoil(&mut self, tick: usize, recording: &Recording) -> Option<Spoilt> {
+        let mut line = Line {
+            record: *recording.records.get(tick)?,
+            temperatures: recording.temperatures.get(tick).copied(),
+            times: 1,
+            is_corrupt: false,
+            is_shut: false,
+            random: &mut self.random,
         };
-        Spoilt {
-            bytes: frame.repeat(times as usize),
-            shut,
+        let now = |episode: &&Episode| (episode.from..episode.until).contains(&tick);
+        for episode in self.episodes.iter().filter(now) {
+            FAULTS[episode.fault].2(&mut line, &recording.records[episode.from]);
         }
+        let frame = if line.is_corrupt {
+            self.damaged += 1;
+            damage(&line.record, self.damaged)
+        } else {
+            encode(&line.record).to_vec()
+        };
+        Some(Spoilt {
+            bytes: frame.repeat(line.times as usize),
+            temperatures: line.temperatures,
+            is_shut: line.is_shut,
+        })
     }
 }
 
@@ -258,8 +238,8 @@ mod tests {
     fn a_schedule_has_every_fault_and_is_that_of_its_seed() {
         let records: Vec<_> = (0..10_000).map(record).collect();
         let episodes = schedule(1, &records);
-        for (fault, ..) in FAULTS {
-            assert!(episodes.iter().any(|e| e.fault == fault), "{fault}");
+        for name in names() {
+            assert!(episodes.iter().any(|e| e.name() == name), "{name}");
         }
         assert_eq!(episodes, schedule(1, &records));
         assert_ne!(episodes, schedule(2, &records));
@@ -267,7 +247,7 @@ mod tests {
         standing
             .iter_mut()
             .for_each(|record| record.speed_rpm = 0.0);
-        let lost = |e: &Episode| e.fault == Fault::SpeedLost;
+        let lost = |e: &Episode| e.name() == SPEED_LOST;
         assert!(!schedule(1, &standing).iter().any(lost));
     }
 }

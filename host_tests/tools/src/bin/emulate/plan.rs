@@ -74,7 +74,7 @@ pub fn plan(recording: &Recording, mut spoiler: Spoiler) -> Result<Plan> {
         expected,
         marks,
         counts: chain.counts(),
-        episodes: spoiler.episodes().to_vec(),
+        episodes: spoiler.episodes,
         health: chain.health(),
     })
 }

@@ -7,10 +7,10 @@ use anyhow::{Context, Result, bail, ensure};
 use spindle_bearing::monitor::judgement::AlarmChange;
 use spindle_bearing::monitor::telemetry::{HealthReport, Payload};
 use spindle_bearing::monitor::{Alarm, Mark};
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
+use tools::stream::faults;
 
 /// Reports of an alarm.
 #[derive(Debug, Clone, Copy, Default)]
@@ -71,12 +71,12 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
 
     let mut text = String::new();
     let mut line = |name: &str, count: u64| writeln!(text, "{name:<34}{count:>9}");
-    let mut faults: BTreeMap<_, u64> = BTreeMap::new();
-    for episode in &plan.episodes {
-        *faults.entry(episode.fault).or_default() += 1;
-    }
-    for (fault, count) in faults {
-        line(&format!("fault: {fault}"), count)?;
+    for fault in faults::names() {
+        let episodes = plan.episodes.iter();
+        let count = episodes.filter(|episode| episode.name() == fault).count();
+        if count > 0 {
+            line(&format!("fault: {fault}"), count as u64)?;
+        }
     }
     for (name, count) in [
         ("ticks", health.ticks),
