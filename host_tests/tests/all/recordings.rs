@@ -5,7 +5,7 @@ use host_tests::cases::Random;
 use host_tests::design_file::{DesignFile, SHIPPED};
 use host_tests::dispatch::{self, Attitude, BALL_COUNTS, Precision};
 use host_tests::loads::{LoadRow, Loads, LoadsError};
-use host_tests::replay::{Outputs, Summary, replay};
+use host_tests::replay::{Outputs, Summary, Table, replay};
 use host_tests::spindle_file::SpindleFile;
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, Question, with_solver};
 use spindle_bearing::{Design, FreeContact, Limits, Material, ShaftEnd, Status};
@@ -191,13 +191,9 @@ fn replayed(
 ) -> (Summary, String) {
     let file = SpindleFile::read(shipped("b7005c")).unwrap();
     let mut results = Vec::new();
-    let mut out = Outputs {
-        results: &mut results,
-        details: Vec::new(),
-    };
+    let out: Outputs = vec![(Table::Results, Box::new(&mut results))];
     let rows = [Ok(row)].into_iter();
-    let summary = replay(&file, solver, precision, rows, false, &mut out).unwrap();
-    drop(out);
+    let summary = replay(&file, solver, precision, rows, false, out).unwrap();
     let text = String::from_utf8(results).unwrap();
     (summary, text.lines().nth(1).unwrap().to_owned())
 }

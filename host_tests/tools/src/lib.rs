@@ -5,12 +5,9 @@ pub mod bar;
 pub mod chart;
 pub mod cross;
 pub mod graph;
-pub mod plot;
-pub mod replay;
 pub mod report;
 pub mod seal;
 pub mod stream;
-pub mod table;
 pub mod telemetry;
 
 use std::path::Path;

@@ -1,14 +1,383 @@
-//! `cargo plot`: see `cargo plot --help`.
+//! `cargo plot`: a table that `cargo replay` wrote, as a picture.
 
-use std::io;
+use anyhow::{Context, Result, bail, ensure};
+use clap::{Parser, ValueEnum};
+use std::cmp::Ordering;
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use tools::chart::{self, Axis, Chart, Curve, Panel, Style};
+
+/// Most points of a curve: of a longer recording, each point is the mean of many rows.
+const MOST_POINTS: usize = 120;
+/// Most curves of a panel: of more loads, each row is a dot.
+const MOST_CURVES: usize = 8;
+/// Most dots of a panel.
+const MOST_DOTS: usize = 400;
+
+/// Draws what `cargo replay` has written
+///
+/// Results and tables become curves of speed, load and stiffness over time, or of stiffness over
+/// speed. A file of balls becomes the load distribution: contact forces over the azimuth at one
+/// time.
+#[derive(Debug, Parser)]
+#[command(name = "plot", bin_name = "cargo plot", max_term_width = 100)]
+struct Args {
+    /// Results of `cargo replay`, or its file of --balls; `-` reads standard input
+    #[arg(value_name = "FILE.csv")]
+    file: String,
+
+    /// Picture to write; `-` is standard output
+    ///
+    /// The default is FILE.svg; standard output if FILE is standard input.
+    #[arg(short, long, value_name = "FILE.svg")]
+    output: Option<PathBuf>,
+
+    /// What a results file is drawn over
+    #[arg(long, value_enum, default_value_t = Over::Time)]
+    over: Over,
+
+    /// Stiffness at the nose of a spindle, in place of that at x = 0
+    #[arg(long)]
+    nose: bool,
+
+    /// Time of which the balls are drawn, s: the nearest in the file
+    ///
+    /// The default is that of the largest contact force.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    time: Option<f64>,
+
+    /// Title of the picture
+    #[arg(long)]
+    title: Option<String>,
+}
+
+/// What stiffness is drawn over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Over {
+    /// Time, with speed and loads above
+    Time,
+    /// Shaft speed, a curve for each load
+    Speed,
+}
 
 fn main() -> ExitCode {
-    let status = tools::plot::run(
-        std::env::args_os(),
-        io::stdin(),
-        io::stdout().lock(),
-        io::stderr(),
+    let args = Args::parse();
+    let drawn = draw(&args).map_err(|error| (2, error));
+    match drawn.and_then(|svg| write(&args, &svg).map_err(|error| (1, error))) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err((status, error)) => {
+            eprintln!("plot: {error:#}");
+            ExitCode::from(status)
+        }
+    }
+}
+
+/// The picture as SVG.
+fn draw(args: &Args) -> Result<String> {
+    let (file, input): (_, Box<dyn Read>) = if args.file == "-" {
+        ("standard input", Box::new(io::stdin()))
+    } else {
+        let file = File::open(&args.file);
+        let file = file.with_context(|| format!("{}: cannot be read", args.file))?;
+        (&args.file, Box::new(file))
+    };
+    chart(args, input)
+        .and_then(|chart| chart::svg(&chart))
+        .with_context(|| file.to_owned())
+}
+
+fn chart(args: &Args, input: Box<dyn Read>) -> Result<Chart> {
+    let mut table = Table::open(input)?;
+    let mut chart = if table.has("k_x_x") {
+        ensure!(
+            args.time.is_none(),
+            "--time is for a file of balls, and this one holds results"
+        );
+        match args.over {
+            Over::Time => over_time(&results(&mut table, args.nose)?)?,
+            Over::Speed => over_speed(&results(&mut table, args.nose)?)?,
+        }
+    } else if table.has("azimuth_rad") {
+        let for_results = args.over == Over::Speed || args.nose;
+        ensure!(
+            !for_results,
+            "--over speed and --nose are for results, and this is a file of balls"
+        );
+        around(&mut table, args.time)?
+    } else {
+        bail!(
+            "line 1: there is no column k_x_x as in the results of cargo replay, nor azimuth_rad as in its --balls; files \
+             of --rows and --frequencies are not drawn"
+        )
+    };
+    let name = Path::new(&args.file).file_name().unwrap_or_default();
+    let title = format!("{}: {}", name.to_string_lossy(), chart.title);
+    chart.title = args.title.clone().unwrap_or(title);
+    Ok(chart)
+}
+
+/// A CSV file with a header.
+struct Table {
+    reader: csv::Reader<Box<dyn Read>>,
+    header: csv::StringRecord,
+}
+
+impl Table {
+    fn open(input: Box<dyn Read>) -> Result<Self> {
+        let mut reader = csv::ReaderBuilder::new()
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .from_reader(input);
+        let header = reader.headers()?.clone();
+        Ok(Self { reader, header })
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.header.iter().any(|field| field == name)
+    }
+
+    /// The numbers of all rows in the columns of these names: not a number where there is nothing to draw.
+    fn read<const N: usize>(&mut self, names: &str) -> Result<Vec<[f64; N]>> {
+        let columns = names.split(' ').map(|name| {
+            let column = self.header.iter().position(|field| field == name);
+            let column = column.with_context(|| {
+                format!(
+                    "line 1: the column {name} is missing; did cargo replay write the file, and of a spindle with [nose] \
+                     for --nose?"
+                )
+            })?;
+            Ok((name, column))
+        });
+        let columns = columns.collect::<Result<Vec<_>>>()?;
+        let mut rows = Vec::new();
+        let mut record = csv::StringRecord::new();
+        while self.reader.read_record(&mut record)? {
+            let mut row = [f64::NAN; N];
+            for (number, (name, column)) in row.iter_mut().zip(&columns) {
+                let text = record.get(*column).unwrap_or_default();
+                if !text.is_empty() {
+                    let line = record.position().map_or(0, |place| place.line());
+                    let read = text.parse::<f64>();
+                    let read = read.with_context(|| {
+                        format!("line {line} ({name}): {text:?} is not a number")
+                    })?;
+                    // Beyond this power there is nothing to draw, and a scale for it would overflow.
+                    *number = if read.abs() < 1e30 { read } else { f64::NAN };
+                }
+            }
+            rows.push(row);
+        }
+        Ok(rows)
+    }
+}
+
+/// A row of results.
+struct Row {
+    time: f64,
+    /// Fx, Fy, Fz, My, Mz.
+    load: [f64; 5],
+    /// 1000 rpm.
+    speed: f64,
+    /// Diagonal: N/µm, then kN m/rad.
+    stiffness: [f64; 5],
+}
+
+fn results(table: &mut Table, nose: bool) -> Result<Vec<Row>> {
+    let k = if nose { "k_nose" } else { "k" };
+    let rows = table.read(&format!(
+        "time_s speed_rpm fx_n fy_n fz_n my_nm mz_nm {k}_x_x {k}_y_y {k}_z_z {k}_ty_ty {k}_tz_tz"
+    ))?;
+    let rows = rows
+        .into_iter()
+        .map(|[time, speed, fx, fy, fz, my, mz, x, y, z, ty, tz]| Row {
+            time,
+            load: [fx, fy, fz, my, mz],
+            speed: speed / 1e3,
+            stiffness: [x / 1e6, y / 1e6, z / 1e6, ty / 1e3, tz / 1e3],
+        });
+    let rows: Vec<_> = rows.filter(|row| row.time.is_finite()).collect();
+    let answers = rows
+        .iter()
+        .filter(|row| row.stiffness[0].is_finite())
+        .count();
+    ensure!(
+        answers > 1,
+        "fewer than two rows have an answer, nothing to draw; the column status says why"
     );
-    ExitCode::from(status)
+    Ok(rows)
+}
+
+fn over_time(rows: &[Row]) -> Result<Chart> {
+    type Named = (&'static str, fn(&Row) -> f64);
+    const RADIAL: [Named; 2] = [("y", |row| row.stiffness[1]), ("z", |row| row.stiffness[2])];
+    const TILT: [Named; 2] = [("y", |row| row.stiffness[3]), ("z", |row| row.stiffness[4])];
+    const LOAD: [Named; 2] = [
+        ("axial", |row| row.load[0]),
+        ("radial", |row| row.load[1].hypot(row.load[2])),
+    ];
+    const PANELS: [(&str, &str, &[Named]); 5] = [
+        ("Shaft speed", "1000 rpm", &[("", |row| row.speed)]),
+        ("Load", "N", &LOAD),
+        ("Radial stiffness", "N/µm", &RADIAL),
+        (
+            "Axial stiffness",
+            "N/µm",
+            &[("axial", |row| row.stiffness[0])],
+        ),
+        ("Tilt stiffness", "kN m/rad", &TILT),
+    ];
+    let first = rows[0].time;
+    let moves = rows.iter().any(|row| row.time != first);
+    ensure!(
+        moves,
+        "all rows have the time {first} s, nothing to draw over time"
+    );
+    let panels = PANELS.iter().map(|(title, unit, curves)| {
+        let curves = curves.iter().flat_map(|(name, value)| {
+            let points: Vec<_> = rows.iter().map(|row| (row.time, value(row))).collect();
+            means(name, &points)
+        });
+        Panel::new(title, "", unit, curves.collect())
+    });
+    let mut panels: Vec<_> = panels.collect();
+    panels[4].x = Axis::new("time / s");
+    let mut title = "stiffness over time".to_owned();
+    let together = rows.len().div_ceil(MOST_POINTS);
+    if together > 1 {
+        title += &format!("; lines: means of {together} rows; bands: least to largest");
+    }
+    Ok(Chart::new(&title, 1, panels))
+}
+
+/// A line through the points; through means of them above a band, if there are too many.
+fn means(name: &str, points: &[(f64, f64)]) -> Vec<Curve> {
+    let together = points.len().div_ceil(MOST_POINTS);
+    if together == 1 {
+        return vec![Curve::new(name, Style::Line, points.to_vec())];
+    }
+    let spans = points.chunks(together).map(|span| {
+        let values = span.iter().map(|point| point.1);
+        let values: Vec<_> = values.filter(|value| value.is_finite()).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let [least, largest] =
+            [f64::min, f64::max].map(|of| values.iter().copied().fold(f64::NAN, of));
+        (span[span.len() / 2].0, [least, mean, largest])
+    });
+    let spans: Vec<_> = spans.collect();
+    let bands = spans.split(|span| span.1[1].is_nan()).map(|run| {
+        let low = run.iter().map(|(x, [least, ..])| (*x, *least));
+        let high = run.iter().map(|(x, [.., largest])| (*x, *largest));
+        Curve::new(name, Style::Band, low.chain(high.rev()).collect())
+    });
+    let line = spans.iter().map(|(x, [_, mean, _])| (*x, *mean)).collect();
+    bands.chain([Curve::new(name, Style::Line, line)]).collect()
+}
+
+fn over_speed(rows: &[Row]) -> Result<Chart> {
+    const PANELS: [(&str, &str, usize); 5] = [
+        ("Radial stiffness K_yy", "N/µm", 1),
+        ("Radial stiffness K_zz", "N/µm", 2),
+        ("Tilt stiffness K_ty,ty", "kN m/rad", 3),
+        ("Tilt stiffness K_tz,tz", "kN m/rad", 4),
+        ("Axial stiffness K_xx", "N/µm", 0),
+    ];
+    const LOADS: [&str; 5] = ["Fx", "Fy", "Fz", "My", "Mz"];
+    let complete = |row: &&Row| {
+        let mut numbers = row.load.iter().chain(&row.stiffness).chain([&row.speed]);
+        numbers.all(|number| number.is_finite())
+    };
+    let mut rows: Vec<_> = rows.iter().filter(complete).collect();
+    let order = |row: &Row| (row.load, row.speed);
+    rows.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
+    ensure!(
+        rows.iter().any(|row| row.speed != rows[0].speed),
+        "fewer than two speeds have an answer, nothing to draw over speed"
+    );
+    let varies = [0, 1, 2, 3, 4].map(|i| rows.iter().any(|row| row.load[i] != rows[0].load[i]));
+    let name = |row: &Row, varying: bool| {
+        let loads = (0..5).filter(|i| varies[*i] == varying && (varying || row.load[*i] != 0.0));
+        let unit = |i| if i < 3 { "N" } else { "N m" };
+        let loads = loads.map(|i| format!("{} = {} {}", LOADS[i], row.load[i], unit(i)));
+        loads.collect::<Vec<_>>().join(", ")
+    };
+    let title = format!("stiffness over speed, {}", name(rows[0], false));
+    let groups = rows.chunk_by(|a, b| a.load == b.load);
+    let groups = groups.map(|rows| (name(rows[0], true), rows.to_vec()));
+    let (mut groups, mut style) = (groups.collect::<Vec<_>>(), Style::Line);
+    if groups.len() > MOST_CURVES {
+        let step = rows.len().div_ceil(MOST_DOTS);
+        let some = rows.into_iter().step_by(step).collect();
+        (groups, style) = (vec![(format!("one row of {step}"), some)], Style::Dots);
+    }
+    let panels = PANELS.iter().map(|&(title, unit, i)| {
+        let curves = groups.iter().map(|(name, rows)| {
+            let points = rows.iter().map(|row| (row.speed, row.stiffness[i]));
+            Curve::new(name, style, points.collect())
+        });
+        Panel::new(title, "shaft speed / 1000 rpm", unit, curves.collect())
+    });
+    let title = title.trim_end_matches(", ");
+    Ok(Chart::new(title, 2, panels.collect()))
+}
+
+/// Contact forces around the bearing at the time nearest to `wanted`, or at that of the largest force.
+fn around(table: &mut Table, wanted: Option<f64>) -> Result<Chart> {
+    // The file of a single bearing has no rows: its balls share the time, too.
+    let row = if table.has("row") { "row" } else { "time_s" };
+    let mut balls = table.read(&format!("time_s azimuth_rad q_i_n q_o_n {row}"))?;
+    balls.retain(|ball| ball.iter().all(|number| number.is_finite()));
+    let rank = |[time, _, inner, outer, _]: &[f64; 5]| match wanted {
+        Some(wanted) => -(time - wanted).abs(),
+        None => inner.max(*outer),
+    };
+    let best = balls.iter().max_by(|a, b| rank(a).total_cmp(&rank(b)));
+    let [time, ..] = *best.context("no ball has forces, nothing to draw: no row had an answer")?;
+    balls.retain(|ball| ball[0] == time);
+    ensure!(
+        balls.iter().any(|ball| ball[2].max(ball[3]) > 0.0),
+        "no ball carries a force at {time} s"
+    );
+    let place = |ball: &[f64; 5]| (ball[4], ball[1]);
+    balls.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(Ordering::Equal));
+    let rows = balls.chunk_by(|a, b| a[4] == b[4]).map(|balls| {
+        let curve = |name, style, force: usize| {
+            let points = balls.iter().map(|ball| (ball[1].to_degrees(), ball[force]));
+            Curve::new(name, style, points.collect())
+        };
+        let [inner, outer] = ["inner race", "outer race"];
+        let mut curves = vec![curve(inner, Style::Line, 2), curve(outer, Style::Dashed, 3)];
+        curves.extend([curve(inner, Style::Dots, 2), curve(outer, Style::Dots, 3)]);
+        let azimuth = "azimuth / degrees: y at 0, z at 90";
+        let title = format!("row {}", balls[0][4]);
+        Panel::new(&title, azimuth, "contact force / N", curves)
+    });
+    let mut panels: Vec<_> = rows.collect();
+    if let [panel] = &mut panels[..] {
+        panel.title.clear();
+    }
+    let title = format!("contact forces at {time} s");
+    Ok(Chart::new(&title, panels.len().min(2), panels))
+}
+
+/// Writes the picture where it is wanted.
+fn write(args: &Args, svg: &str) -> Result<()> {
+    let path = match &args.output {
+        Some(path) => path.clone(),
+        None if args.file == "-" => PathBuf::from("-"),
+        None => Path::new(&args.file).with_extension("svg"),
+    };
+    if path == Path::new(&args.file) && path.as_os_str() != "-" {
+        bail!(
+            "{}: the table itself; name the picture with -o",
+            path.display()
+        );
+    }
+    let written: Result<()> = match path.extension().and_then(|ending| ending.to_str()) {
+        _ if path.as_os_str() == "-" => io::stdout().write_all(svg.as_bytes()).map_err(Into::into),
+        Some("svg") => std::fs::write(&path, svg).map_err(Into::into),
+        _ => bail!("{}: pictures are .svg; name one so", path.display()),
+    };
+    written.with_context(|| format!("{}: cannot be written", path.display()))
 }

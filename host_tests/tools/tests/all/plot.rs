@@ -1,20 +1,13 @@
 //! `cargo plot`: what is drawn of a file, and what is said of one that cannot be drawn.
 
 use crate::malformed::HEADER;
-use crate::replay::{replayed, scratch};
+use crate::replay::{ran, replayed, scratch};
 use host_tests::cases::Random;
 use host_tests::design_file::SHIPPED;
-use std::ffi::OsString;
-use std::io::Cursor;
-use tools::plot::run;
 
 /// Exit status, standard output and standard error of `cargo plot` with these arguments.
-fn plotted(args: &[&str], stdin: &[u8]) -> (u8, String, String) {
-    let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
-    let args = ["plot"].iter().chain(args).map(OsString::from);
-    let status = run(args, Cursor::new(stdin.to_vec()), &mut stdout, &mut stderr);
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (status, text(stdout), text(stderr))
+fn plotted(args: &[&str], stdin: &[u8]) -> (i32, String, String) {
+    ran(env!("CARGO_BIN_EXE_plot"), args, stdin)
 }
 
 fn drawn(args: &[&str], csv: &str) -> String {

@@ -8,10 +8,12 @@ use host_tests::milling_cycle::RECORD;
 use host_tests::spindles::{Balls, Plan, with_solver};
 use spindle_bearing::{Bearing, Full, InnerRaceControl, Motion, OuterRaceControl};
 use spindle_bearing::{RacewayControlFree, Settings, Solver, Speed};
-use std::ffi::OsString;
-use std::io::{self, Cursor, Write};
+use std::io::{Cursor, Read, Write};
 use std::path::PathBuf;
-use tools::replay::run;
+use std::process::{Command, Stdio};
+use std::thread;
+
+const REPLAY: &str = env!("CARGO_BIN_EXE_replay");
 
 const RESULT_HEADER: &str = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
     k_x_x,k_x_y,k_x_z,k_x_ty,k_x_tz,k_y_x,k_y_y,k_y_z,k_y_ty,k_y_tz,k_z_x,k_z_y,k_z_z,k_z_ty,k_z_tz,\
@@ -37,14 +39,26 @@ pub fn scratch(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("replay-{}-{name}", std::process::id()))
 }
 
-/// Exit status, standard output and standard error of `cargo replay` with these arguments.
-pub fn replayed(args: &[&str], stdin: &str) -> (u8, String, String) {
-    let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
-    let args = ["replay"].iter().chain(args).map(OsString::from);
-    let stdin = Cursor::new(stdin.as_bytes().to_vec());
-    let status = run(args, stdin, &mut stdout, &mut stderr);
+/// Exit status, standard output and standard error of a program with these arguments and this input.
+pub fn ran(program: &str, args: &[&str], stdin: &[u8]) -> (i32, String, String) {
+    let mut program = Command::new(program);
+    let program = program.args(args).stdin(Stdio::piped());
+    let program = program.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut running = program.spawn().unwrap();
+    let mut input = running.stdin.take().unwrap();
+    let output = thread::scope(|scope| {
+        // A program that is content with its arguments reads nothing.
+        scope.spawn(move || input.write_all(stdin));
+        running.wait_with_output().unwrap()
+    });
     let text = |bytes| String::from_utf8(bytes).unwrap();
-    (status, text(stdout), text(stderr))
+    let status = output.status.code().unwrap();
+    (status, text(output.stdout), text(output.stderr))
+}
+
+/// [`ran`] with `cargo replay`.
+pub fn replayed(args: &[&str], stdin: &str) -> (i32, String, String) {
+    ran(REPLAY, args, stdin.as_bytes())
 }
 
 /// Standard output and error of a replay that succeeds with files of these options, and the files.
@@ -334,31 +348,17 @@ fn check_balls<M: Motion>(rule: &str) {
     assert_eq!(rest, (0..16).map(empty).collect::<Vec<_>>());
 }
 
-/// Hands out a little, then behaves as a pipe whose reader has gone.
-struct Head(usize);
-
-impl Write for Head {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.0 == 0 {
-            return Err(io::ErrorKind::BrokenPipe.into());
-        }
-        let taken = bytes.len().min(self.0);
-        self.0 -= taken;
-        Ok(taken)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
 #[test]
 fn a_reader_that_leaves_ends_the_replay_quietly() {
-    for room in [0, 100, 100_000] {
-        let mut stderr = Vec::new();
-        let args = ["replay", &shipped("b7005c"), RECORD].map(OsString::from);
-        let status = run(args, io::empty(), Head(room), &mut stderr);
-        assert_eq!((status, stderr.as_slice()), (0, &b""[..]));
+    for length in [0, 100, 100_000] {
+        let mut replay = Command::new(REPLAY);
+        let replay = replay.args([&shipped("b7005c"), RECORD]);
+        let replay = replay.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut running = replay.spawn().unwrap();
+        let head = running.stdout.take().unwrap().take(length);
+        assert_eq!(head.bytes().count() as u64, length);
+        let ended = running.wait_with_output().unwrap();
+        assert!(ended.status.success() && ended.stderr.is_empty());
     }
 }
 

@@ -1,34 +1,37 @@
 //! Loads and speeds of a table of stiffness: every combination of the values that its axes have.
 
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use host_tests::loads::LoadRow;
 
 /// Most rows of a table.
 const MOST_ROWS: usize = 1_000_000;
 
+const TOO_MANY: &str =
+    "the table has more than 1000000 rows; take larger steps, or make several tables";
+
 /// Names of the axes, the one that changes most often last.
 const AXES: [&str; 8] = ["t_inner", "t_outer", "fx", "fy", "fz", "my", "mz", "speed"];
 
 /// The values of an axis: `first`, `last` and `step` with colons between, or a single number.
-fn values(text: &str) -> Result<Vec<f64>, String> {
+fn values(text: &str) -> Result<Vec<f64>> {
     let numbers = text.split(':').map(|part| {
         let number = part.trim().parse().ok().filter(|x: &f64| x.is_finite());
-        number.ok_or_else(|| format!("{part:?} is not a number"))
+        number.with_context(|| format!("{part:?} is not a number"))
     });
-    let numbers = numbers.collect::<Result<Vec<f64>, _>>()?;
+    let numbers = numbers.collect::<Result<Vec<f64>>>()?;
     let (first, last, step) = match numbers[..] {
         [_] => return Ok(numbers),
         [first, last, step] => (first, last, step),
-        _ => return Err("give FIRST:LAST:STEP or a single number".to_owned()),
+        _ => bail!("give FIRST:LAST:STEP or a single number"),
     };
     let steps = (last - first) / step;
-    if step == 0.0 || !(steps >= 0.0) {
-        return Err(format!("no steps of {step} lead from {first} to {last}"));
-    }
+    ensure!(
+        step != 0.0 && steps >= 0.0,
+        "no steps of {step} lead from {first} to {last}"
+    );
     // Rounding may leave the last step a little short.
     let steps = (steps * (1.0 + 1e-12) + 1e-9).floor();
-    if steps >= MOST_ROWS as f64 {
-        return Err(too_many());
-    }
+    ensure!(steps < MOST_ROWS as f64, TOO_MANY);
     let later = (1..=steps as usize).map(|i| match first + i as f64 * step {
         value if value.abs() < 1e-9 * step.abs() => 0.0,
         // Rounded, so that steps of a tenth give tenths.
@@ -37,45 +40,34 @@ fn values(text: &str) -> Result<Vec<f64>, String> {
     Ok([first].into_iter().chain(later).collect())
 }
 
-fn too_many() -> String {
-    format!("the table has more than {MOST_ROWS} rows; take larger steps, or make several tables")
-}
-
 /// The axes of a table: the values of each, none where it is not given.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Axes([Vec<f64>; AXES.len()]);
 
 impl Axes {
-    /// Reads axes such as `speed=0:20000:500`.
-    ///
-    /// # Errors
-    ///
-    /// What is wrong with one of them, or with their number of combinations.
-    pub fn parse(texts: &[String]) -> Result<Self, String> {
+    /// Reads axes such as `speed=0:20000:500`; an error names the one that is wrong.
+    pub fn parse(texts: &[String]) -> Result<Self> {
         let mut axes = Self::default();
         for text in texts {
-            let Some((name, range)) = text.split_once('=') else {
-                return Err(format!(
-                    "--table {text}: an axis is NAME=FIRST:LAST:STEP or NAME=VALUE, such as \
-                     speed=0:20000:500; the design file stands before --table"
-                ));
-            };
-            let Some(axis) = AXES.iter().position(|axis| *axis == name.trim()) else {
-                let all = AXES.join(", ");
-                return Err(format!(
-                    "--table {text}: {name:?} is none of the axes {all}"
-                ));
-            };
-            if !axes.0[axis].is_empty() {
-                return Err(format!("--table {text}: {name} is given twice"));
-            }
-            axes.0[axis] = values(range).map_err(|error| format!("--table {text}: {error}"))?;
+            axes.add(text)
+                .map_err(|error| anyhow!("--table {text}: {error}"))?;
         }
         let counts = axes.0.iter().map(|values| values.len().max(1));
-        if counts.fold(1, usize::saturating_mul) > MOST_ROWS {
-            return Err(format!("--table: {}", too_many()));
-        }
+        let rows = counts.fold(1, usize::saturating_mul);
+        ensure!(rows <= MOST_ROWS, "--table: {TOO_MANY}");
         Ok(axes)
+    }
+
+    fn add(&mut self, text: &str) -> Result<()> {
+        let (name, range) = text.split_once('=').context(
+            "an axis is NAME=FIRST:LAST:STEP or NAME=VALUE, such as speed=0:20000:500; the design file stands before --table",
+        )?;
+        let axis = AXES.iter().position(|axis| *axis == name.trim());
+        let axis =
+            axis.with_context(|| format!("{name:?} is none of the axes {}", AXES.join(", ")))?;
+        ensure!(self.0[axis].is_empty(), "{name} is given twice");
+        self.0[axis] = values(range)?;
+        Ok(())
     }
 
     /// Whether one of the temperatures is given.
@@ -115,7 +107,7 @@ impl Axes {
 mod tests {
     use super::*;
 
-    fn axes(text: &str) -> Result<Axes, String> {
+    fn axes(text: &str) -> Result<Axes> {
         let texts: Vec<String> = text.split(' ').map(str::to_owned).collect();
         Axes::parse(&texts)
     }
@@ -174,7 +166,7 @@ mod tests {
             ),
             ("speed=0 speed=1", "speed is given twice"),
         ] {
-            let error = axes(text).unwrap_err();
+            let error = axes(text).unwrap_err().to_string();
             assert!(error.contains(wanted), "{error}\nnot\n{wanted}");
         }
     }

@@ -1,20 +1,22 @@
 //! `cargo replay`: recorded loads and speed in, displacements and stiffness out.
 
-use crate::arguments::{attitude, parsed, precision};
-use crate::table::Axes;
-use clap::Parser;
+mod table;
+
+use anyhow::{Result, bail};
+use clap::{Parser, ValueEnum};
 use host_tests::catalogue;
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::loads::{self, LoadRow, Loads};
-use host_tests::replay::{Detail, Details, Outputs, ReplayError, Summary, replay};
+use host_tests::loads::{self, LoadRow, LoadsError};
+use host_tests::replay::{Outputs, ReplayError, Summary, Table, replay};
 use host_tests::spindle_file::SpindleFile;
 use host_tests::spindles::{Balls, with_solver};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressFinish, ProgressIterator, ProgressStyle};
 use spindle_bearing::Limits;
-use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, BufWriter, IsTerminal, Read, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use table::Axes;
 
 /// Replays recorded bearing loads through the solver
 ///
@@ -23,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// goes and how stiff it is held there. The results go to standard output as CSV.
 #[derive(Debug, Parser)]
 #[command(name = "replay", bin_name = "cargo replay", max_term_width = 100, after_long_help = FORMATS)]
-pub struct Args {
+struct Args {
     /// Design of the bearing: ball count, diameters, grooves, contact angle, materials; or of a spindle: its rows
     ///
     /// Examples are in host_tests/bearings/ and host_tests/spindles/. A bearing of the catalogue is named in the place of
@@ -54,12 +56,12 @@ pub struct Args {
     ///
     /// Loads and speed are rounded to it first. Results have as many digits as it takes to read
     /// back the same number of this precision.
-    #[arg(long, value_parser = precision(), default_value = "f64")]
-    precision: Precision,
+    #[arg(long, value_enum, default_value_t = Digits::F64)]
+    precision: Digits,
 
     /// What decides the axis about which a ball turns, and with it the gyroscopic moment
-    #[arg(long, value_parser = attitude(), default_value = "raceless")]
-    attitude: Attitude,
+    #[arg(long, value_enum, default_value_t = Rule::Raceless)]
+    attitude: Rule,
 
     /// Solve every row from scratch, as after a reset
     ///
@@ -90,6 +92,26 @@ pub struct Args {
     /// Write the frequencies at which damaged parts of every row of balls are heard to this CSV file
     #[arg(long, value_name = "FREQUENCIES.csv")]
     frequencies: Option<PathBuf>,
+}
+
+/// The working precision.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Digits {
+    /// Single precision, as the firmware computes
+    F32,
+    /// Double precision
+    F64,
+}
+
+/// The rule for the axis about which a ball turns.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Rule {
+    /// Raceway-control-free: from d'Alembert's principle, no race presumed to be in control
+    Raceless,
+    /// Outer race control: no spin at the outer race
+    Outer,
+    /// Inner race control: no spin at the inner race; not for loads that lift balls off it
+    Inner,
 }
 
 const FORMATS: &str = "\
@@ -170,123 +192,68 @@ Exit status: 0, also if rows have no answer (a line on standard error counts the
 2 if the arguments, the design or the recording are at fault, or no row of it can be read;
 1 if the results cannot be written.";
 
-/// The whole program but for the process around it: arguments (the first is the program's name) and
-/// streams in, exit status out.
-pub fn run(
-    args: impl IntoIterator<Item = OsString>,
-    stdin: impl Read + 'static,
-    mut stdout: impl Write,
-    mut stderr: impl Write,
-) -> u8 {
-    let args: Args = match parsed(args, &mut stdout, &mut stderr) {
-        Ok(args) => args,
-        Err(status) => return status,
-    };
+fn main() -> ExitCode {
+    let args = Args::parse();
     if args.list {
         // Nobody reads a message about standard output that is closed.
-        let _ = write!(stdout, "{}", catalogue::list());
-        return 0;
+        let _ = io::stdout().write_all(catalogue::list().as_bytes());
+        return ExitCode::SUCCESS;
     }
-    match run_parsed(&args, Box::new(stdin), stdout, &mut stderr) {
+    match run(&args) {
         Ok(summary) => {
             if !summary.refused.is_empty() {
-                let _ = writeln!(stderr, "replay: {summary}");
+                eprintln!("replay: {summary}");
             }
-            if summary.any_row_read() { 0 } else { 2 }
-        }
-        Err(failure) => {
-            // A reader that has seen enough (`| head`) is no failure.
-            if !failure.message.is_empty() {
-                let _ = writeln!(stderr, "replay: {}", failure.message);
+            if summary.any_row_read() {
+                ExitCode::SUCCESS
+            } else {
+                ExitCode::from(2)
             }
-            failure.exit_status
+        }
+        Err(error) => {
+            let status = match error.downcast_ref() {
+                // A reader that has seen enough (`| head`) is no failure.
+                Some(ReplayError::Output(Table::Results, reason))
+                    if reason.kind() == ErrorKind::BrokenPipe =>
+                {
+                    return ExitCode::SUCCESS;
+                }
+                Some(ReplayError::Output(..)) => 1,
+                _ => 2,
+            };
+            eprintln!("replay: {error}");
+            ExitCode::from(status)
         }
     }
 }
 
-/// How the program ends early.
-struct Failure {
-    exit_status: u8,
-    message: String,
-}
-
-impl Failure {
-    /// What the user gave is at fault.
-    fn input(message: impl ToString) -> Self {
-        Self {
-            exit_status: 2,
-            message: message.to_string(),
-        }
-    }
-}
-
-impl From<ReplayError> for Failure {
-    fn from(error: ReplayError) -> Self {
-        match &error {
-            ReplayError::Loads(error) => Self::input(error),
-            ReplayError::Results(reason) if reason.kind() == io::ErrorKind::BrokenPipe => Self {
-                exit_status: 0,
-                message: String::new(),
-            },
-            ReplayError::Results(_) | ReplayError::Detail(..) => Self {
-                exit_status: 1,
-                message: error.to_string(),
-            },
-        }
-    }
-}
-
-fn run_parsed(
-    args: &Args,
-    stdin: Box<dyn Read>,
-    stdout: impl Write,
-    stderr: &mut dyn Write,
-) -> Result<Summary, Failure> {
-    let file = SpindleFile::read(args.design()).map_err(Failure::input)?;
+fn run(args: &Args) -> Result<Summary> {
+    let file = SpindleFile::read(args.design())?;
     if args.rows.is_some() && file.is_bearing {
-        return Err(Failure::input(format!(
+        bail!(
             "--rows is for spindles, and {} is one bearing: it has no [[row]]",
             args.design().display()
-        )));
+        );
     }
-    let balls = Balls::Moving(args.attitude);
-    let solved = with_solver(&file.plan, balls, args.precision, |solver| {
+    let balls = Balls::Moving(match args.attitude {
+        Rule::Raceless => Attitude::Raceless,
+        Rule::Outer => Attitude::Outer,
+        Rule::Inner => Attitude::Inner,
+    });
+    let precision = match args.precision {
+        Digits::F32 => Precision::F32,
+        Digits::F64 => Precision::F64,
+    };
+    let solved = with_solver(&file.plan, balls, precision, |solver| {
         solver.set_limits(&Limits {
             peak_pressure: args.peak_pressure * 1e6,
             friction: args.friction,
         });
-        let mut input = args.input(stdin, stderr, file.heat.map(|heat| heat.reference))?;
-        let mut results = BufWriter::with_capacity(64 * 1024, stdout);
-        let mut out = Outputs {
-            results: &mut results,
-            details: args.details()?,
-        };
-        let bar = match &input {
-            Input::Recording(loads) => {
-                progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}")
-            }
-            Input::Table(rows) => progress_bar(Some(rows.len() as u64), "{pos} of {len} rows"),
-        };
-        let rows = std::iter::from_fn(|| match &mut input {
-            Input::Recording(loads) => {
-                let row = loads.next();
-                bar.set_position(loads.bytes_read());
-                row
-            }
-            Input::Table(rows) => {
-                bar.inc(1);
-                rows.next().map(Ok)
-            }
-        });
-        let outcome = replay(&file, solver, args.precision, rows, args.cold, &mut out);
-        bar.finish_and_clear();
-        if matches!(outcome, Err(ReplayError::Loads(_))) {
-            // Rows before the fault are good. The fault is reported, even if their output fails, too.
-            let _ = out.results.flush();
-        }
-        outcome.map_err(Failure::from)
+        let rows = args.input(file.heat.map(|heat| heat.reference))?;
+        let outputs = args.outputs()?;
+        Ok(replay(&file, solver, precision, rows, args.cold, outputs)?)
     });
-    solved.map_err(|error| Failure::input(file.explain(&error)))?
+    solved.map_err(|error| file.explain(&error))?
 }
 
 impl Args {
@@ -295,69 +262,64 @@ impl Args {
         self.design.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// What the rows are read from, or made of; `reference` is the temperature of a spindle with [heat].
-    fn input(
-        &self,
-        stdin: Box<dyn Read>,
-        stderr: &mut dyn Write,
-        reference: Option<f64>,
-    ) -> Result<Input, Failure> {
+    /// Rows of the recording or of the table; `reference` is the temperature of a spindle with [heat].
+    fn input(&self, reference: Option<f64>) -> Result<Rows> {
         let Some(path) = &self.loads else {
-            let axes = Axes::parse(&self.table).map_err(Failure::input)?;
+            let axes = Axes::parse(&self.table)?;
             if axes.has_temperatures() && reference.is_none() {
-                return Err(Failure::input(
-                    "--table: t_inner and t_outer are for spindles with [heat]; leave them out",
-                ));
+                bail!("--table: t_inner and t_outer are for spindles with [heat]; leave them out");
             }
-            return Ok(Input::Table(Box::new(axes.rows(reference))));
+            let rows = axes.rows(reference);
+            let bar = progress_bar(Some(rows.len() as u64), "{pos} of {len} rows");
+            return Ok(Box::new(rows.progress_with(bar).map(Ok)));
         };
-        let loads = if path == "-" {
-            Loads::from_reader("standard input", stdin)
-        } else {
-            loads::read(path)
-        }
-        .map_err(Failure::input)?;
+        let mut loads = loads::read(path)?;
+        let file = loads.file();
         let ignored = loads.ignored_columns();
         if !ignored.is_empty() {
-            let (file, ignored) = (loads.file(), listed(ignored));
-            let _ = writeln!(stderr, "replay: {file}: columns ignored: {ignored}");
+            eprintln!("replay: {file}: columns ignored: {}", listed(ignored));
         }
-        let wrong = match (reference.is_some(), loads.has_temperatures()) {
-            (true, false) => "the columns t_inner_c and t_outer_c are missing, which [heat] needs",
-            (false, true) => {
-                "t_inner_c and t_outer_c are for spindles with [heat]: add that to the spindle with \
-                 reference_c, or remove these columns"
+        match (reference.is_some(), loads.has_temperatures()) {
+            (true, false) => {
+                bail!("{file}: the columns t_inner_c and t_outer_c are missing, which [heat] needs")
             }
-            _ => return Ok(Input::Recording(Box::new(loads))),
-        };
-        Err(Failure::input(format!("{}: {wrong}", loads.file())))
+            (false, true) => bail!(
+                "{file}: t_inner_c and t_outer_c are for spindles with [heat]: add that to the spindle with \
+                 reference_c, or remove these columns"
+            ),
+            _ => {}
+        }
+        let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
+        Ok(Box::new(std::iter::from_fn(move || {
+            let row = loads.next();
+            bar.set_position(loads.bytes_read());
+            row
+        })))
     }
 
-    /// Creates the files that options name.
-    fn details(&self) -> Result<Details<'static>, Failure> {
+    /// Standard output, and the files that options name.
+    fn outputs(&self) -> Result<Outputs<'static>> {
         let loads = self.loads.as_ref().map(Path::new);
         let inputs: Vec<&Path> = [Some(self.design()), loads].into_iter().flatten().collect();
-        let wanted = [
-            (Detail::Balls, "--balls", &self.balls),
-            (Detail::Rows, "--rows", &self.rows),
-            (Detail::Frequencies, "--frequencies", &self.frequencies),
-        ];
-        wanted
-            .into_iter()
-            .filter_map(|(detail, option, path)| Some((detail, option, path.as_ref()?)))
-            .map(|(detail, option, path)| {
-                let file: Box<dyn Write> = Box::new(create(option, path, &inputs)?);
-                Ok((detail, file))
-            })
-            .collect()
+        let mut outputs: Outputs<'_> = vec![(
+            Table::Results,
+            Box::new(BufWriter::with_capacity(1 << 16, io::stdout())),
+        )];
+        for (table, option, path) in [
+            (Table::Balls, "--balls", &self.balls),
+            (Table::Rows, "--rows", &self.rows),
+            (Table::Frequencies, "--frequencies", &self.frequencies),
+        ] {
+            if let Some(path) = path {
+                outputs.push((table, Box::new(create(option, path, &inputs)?)));
+            }
+        }
+        Ok(outputs)
     }
 }
 
-/// Where the rows come from.
-enum Input {
-    Recording(Box<Loads>),
-    Table(Box<dyn ExactSizeIterator<Item = LoadRow>>),
-}
+/// Rows to solve.
+type Rows = Box<dyn Iterator<Item = Result<LoadRow, LoadsError>>>;
 
 /// The first of these names, and the number of the others.
 fn listed(names: &[String]) -> String {
@@ -371,33 +333,27 @@ fn listed(names: &[String]) -> String {
 }
 
 /// Creates the file that an option names, unless that would destroy one of the `inputs`.
-fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>, Failure> {
+fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>> {
     let name = path.display();
     if path.as_os_str() == "-" {
-        return Err(Failure::input(format!(
-            "{option} needs a file; standard output carries the results"
-        )));
+        bail!("{option} needs a file; standard output carries the results");
     }
     let same = |input: &&Path| match (path.canonicalize(), input.canonicalize()) {
         (Ok(path), Ok(input)) => path == input,
         _ => false,
     };
     if inputs.iter().any(same) {
-        return Err(Failure::input(format!(
-            "{option} would overwrite its own input {name}; name another file"
-        )));
+        bail!("{option} would overwrite its own input {name}; name another file");
     }
-    File::create(path)
-        .map(BufWriter::new)
-        .map_err(|error| Failure::input(format!("{name}: cannot be written: {error}")))
+    match File::create(path) {
+        Ok(file) => Ok(BufWriter::new(file)),
+        Err(error) => bail!("{name}: cannot be written: {error}"),
+    }
 }
 
-/// A bar on standard error over the bytes of the recording or the rows of a table, with `position` beside it. It is a count
-/// if their number is unknown, and nothing if nobody would see it.
+/// A bar on the terminal over the bytes of the recording or the rows of a table, with `position` beside it; a count if their
+/// number is unknown.
 fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
-    if !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
     let (bar, template) = match total {
         Some(total) => (
             ProgressBar::new(total),
@@ -409,4 +365,5 @@ fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
         ),
     };
     bar.with_style(ProgressStyle::with_template(&template).expect("a template"))
+        .with_finish(ProgressFinish::AndClear)
 }
