@@ -147,24 +147,24 @@ impl<W: Write> Operator<W> {
     /// Takes a key of the view; returns what to show, `None` if the key means nothing. A key that wants something is
     /// asked back, and `y` has it done.
     pub fn press(&mut self, key: char, state: &State) -> Option<String> {
-        match (self.asked.take(), key) {
-            (Some('a'), 'y') => Some(format!("{} to be acknowledged", self.acknowledge(state))),
-            (Some(asked), 'y') => {
-                let order = order_of(asked)?;
-                self.want(order);
-                Some(format!("asked to {}", words(&order)))
-            }
-            (Some(_), _) => Some("nothing was sent".into()),
-            (None, 'a') if state.unacknowledged() == 0 => Some("no alarm to acknowledge".into()),
-            (None, _) => {
-                let question = match order_of(key) {
-                    None if key == 'a' => format!("acknowledge {}", state.unacknowledged()),
-                    order => words(&order?),
-                };
-                self.asked = Some(key);
-                Some(format!("{question}? y, or any other key"))
-            }
+        if let Some(asked) = self.asked.take() {
+            return Some(match (key, asked) {
+                ('y', 'a') => format!("{} to be acknowledged", self.acknowledge(state)),
+                ('y', asked) => {
+                    let order = order_of(asked)?;
+                    self.want(order);
+                    format!("asked to {}", words(&order))
+                }
+                _ => "nothing was sent".into(),
+            });
         }
+        let question = match (key, state.unacknowledged()) {
+            ('a', 0) => return Some("no alarm to acknowledge".into()),
+            ('a', count) => format!("acknowledge {count}"),
+            _ => words(&order_of(key)?),
+        };
+        self.asked = Some(key);
+        Some(format!("{question}? y, or any other key"))
     }
 
     /// Where the requests go.

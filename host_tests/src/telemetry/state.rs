@@ -1,16 +1,17 @@
 //! What the frames so far say of the spindle.
 
 use super::decoder::{Event, Gap, Tally};
+use serde::Serialize;
+use serde_json::{Value, json};
 use spindle_bearing::Facing;
 use spindle_bearing::framing::FrameError;
-use spindle_bearing::monitor::BoardReport;
 use spindle_bearing::monitor::command::{Answer, Order};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport, InputsReport,
-    Payload, RowPlace, RowReport, ShaftReport, StartReport,
+    AlarmReport, BallReport, BallsReport, EstimateReport, Frame, Payload, RowPlace, RowReport,
+    ShaftReport,
 };
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Estimates that are kept for the course over time: a minute at a hundred a second.
 pub const HISTORY: usize = 6000;
@@ -79,18 +80,12 @@ pub struct State {
     pub shaft: Option<ShaftReport>,
     /// The last report of each alarm, in the order of [`Alarm::ALL`], and the time of its last change, us.
     pub alarms: [Option<(u64, AlarmReport)>; Alarm::COUNT],
-    /// The last counters.
-    pub health: Option<HealthReport>,
-    /// The last report of what came in.
-    pub inputs: Option<InputsReport>,
+    /// The last report of each other kind under its name in JSON, field by field.
+    pub reports: BTreeMap<&'static str, Value>,
     /// The last answer to an order.
     pub answer: Option<Answer>,
     /// The nonce that the board told last.
     pub nonce: Option<u32>,
-    /// The last report of the board itself.
-    pub board: Option<BoardReport>,
-    /// The board's report of its start.
-    pub start: Option<StartReport>,
     /// Counts of the decoder.
     pub tally: Tally,
     /// The last damage.
@@ -162,10 +157,10 @@ impl State {
                 };
                 *place = Some((since, *report));
             }
-            Payload::Health(report) => self.health = Some(*report),
+            Payload::Health(report) => self.report("health", report),
             Payload::Inputs(report) => {
                 self.nonce = Some(report.nonce);
-                self.inputs = Some(*report);
+                self.report("inputs", report);
             }
             Payload::Answer(answer) => {
                 self.nonce = Some(answer.nonce);
@@ -173,9 +168,13 @@ impl State {
                 self.said = Some(format!("board: {order}: {outcome}"));
                 self.answer = Some(*answer);
             }
-            Payload::Board(report) => self.board = Some(*report),
-            Payload::Start(report) => self.start = Some(*report),
+            Payload::Board(report) => self.report("board", report),
+            Payload::Start(report) => self.report("start", report),
         }
+    }
+
+    fn report(&mut self, name: &'static str, report: &impl Serialize) {
+        self.reports.insert(name, json!(report));
     }
 
     fn take_balls(&mut self, report: &BallsReport) {

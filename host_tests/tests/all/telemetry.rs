@@ -17,7 +17,8 @@ use spindle_bearing::monitor::command::{Answer, AnswerCode, Command, Order, Port
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::telemetry::{
-    EstimateReport, Frame, InputsReport, Payload, Recovery, StartReport, VERSION, encode,
+    EstimateReport, Frame, HealthReport, InputsReport, Payload, Recovery, StartReport, VERSION,
+    encode,
 };
 use spindle_bearing::monitor::{Mark, Marks, TemperatureSource};
 
@@ -328,7 +329,7 @@ fn the_simulation_solves_the_recording_in_every_tick() {
     }
     // Estimates every 20 ms, pictures of eight frames every 200 ms.
     assert_eq!((estimates, reports), (450, 360));
-    let health = state.health.unwrap();
+    let health: HealthReport = serde_json::from_value(state.reports["health"].clone()).unwrap();
     assert_eq!(health.estimates + health.refusals, health.ticks + 1);
     // One in a thousand may take longer than a tick.
     assert!(1000 * health.refusals <= health.ticks, "{health:?}");

@@ -9,7 +9,5 @@
 
 pub mod picture;
 pub mod session;
-mod shaft;
 pub mod source;
-mod style;
 pub mod view;

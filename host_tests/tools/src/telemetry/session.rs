@@ -67,11 +67,10 @@ impl Session {
     pub fn read(&mut self, chunks: &Chunks, port: Option<(&str, u32)>) -> Result<()> {
         for chunk in chunks {
             self.take(&chunk.context("cannot read on")?)?;
-            let unanswered = self.operator.iter().flat_map(|of| of.unanswered()).next();
-            if let Some(order) = unanswered {
+            if let Some(order) = self.operator.iter().flat_map(|of| of.unanswered()).next() {
+                let order = words(order);
                 bail!(
-                    "the board does not answer the order to {}: is its RX on this port's TX?",
-                    words(order)
+                    "the board does not answer the order to {order}: is its RX on this port's TX?"
                 );
             }
             if port.is_some() && self.state.tally.damaged >= HOPELESS {

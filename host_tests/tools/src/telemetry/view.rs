@@ -1,13 +1,11 @@
-//! The live view: stiffness over time, the balls' forces as a polar picture of each row, the shaft with its rows, alarms
-//! and counters.
+//! The live view: each row with its place and its load, stiffness over time, the balls' forces as a polar picture of each
+//! row, alarms and counters.
 
 use super::session::Session;
-use super::shaft;
 use super::source::Chunks;
-use super::style::{FAINT, INNER, OUTER, UNLOADED, WORST, boxed, flag};
 use anyhow::{Context, Result};
 use host_tests::telemetry::operator::wants_a_board;
-use host_tests::telemetry::state::{Balls, State};
+use host_tests::telemetry::state::{Balls, State, facing};
 use ratatui::DefaultTerminal;
 use ratatui::buffer::Buffer;
 use ratatui::crossterm::event::{self, KeyCode, KeyModifiers};
@@ -16,7 +14,7 @@ use ratatui::style::{Color, Style, Stylize};
 use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle};
-use ratatui::widgets::{Axis, Chart, Dataset, Paragraph, Row, Table, Widget, Wrap};
+use ratatui::widgets::{Axis, Block, Chart, Dataset, Paragraph, Row, Table, Widget, Wrap};
 use serde_json::{Value, json};
 use spindle_bearing::monitor::judgement::AlarmState;
 use std::ops::Range;
@@ -29,6 +27,12 @@ const WINDOW: f64 = 60.0;
 
 /// Time between two pictures.
 const REFRESH: Duration = Duration::from_millis(100);
+
+const INNER: Color = Color::Green;
+const OUTER: Color = Color::Blue;
+const WORST: Color = Color::Red;
+const UNLOADED: Color = Color::Yellow;
+const FAINT: Color = Color::DarkGray;
 
 /// Names and colours of the stiffness' diagonal.
 const DIRECTIONS: [(&str, Color); 5] = [
@@ -50,6 +54,19 @@ pub fn screen(state: &State, width: u16, height: u16) -> Buffer {
     let mut buffer = Buffer::empty(Rect::new(0, 0, width, height));
     render(state, buffer.area, &mut buffer);
     buffer
+}
+
+/// A box with a title.
+fn boxed<'a>(title: impl Into<Line<'a>>) -> Block<'a> {
+    Block::bordered().title(title).border_style(FAINT)
+}
+
+/// Red, if something is amiss.
+const fn flag(is_amiss: bool) -> Style {
+    match is_amiss {
+        true => Style::new().fg(WORST),
+        false => Style::new(),
+    }
 }
 
 fn render(state: &State, area: Rect, buffer: &mut Buffer) {
@@ -120,19 +137,30 @@ fn header(state: &State) -> Vec<Line<'static>> {
     ]
 }
 
-/// What each row carries.
+/// Where each row is, and what it carries.
 fn row_table(state: &State) -> Table<'static> {
-    let head = ["", "axial N", "radial N", "preload N", "balls N", ""];
+    let head = ",at mm,faces,axial N,radial N,preload N,balls N";
+    let about = state.shaft.as_ref().map_or(String::new(), |shaft| {
+        let [nose, loads] = [shaft.nose, shaft.loads_at].map(|x| x * 1e3);
+        let preload = shaft.preload;
+        format!("nose at {nose:.0} mm, loads at {loads:.0} mm, mounted with {preload:.0} N")
+    });
+    let head = head.split(',').map(str::to_owned).chain([about]);
     let rows = state.rows.iter().enumerate().take(MOST_ROWS);
     let rows = rows.map(|(i, report)| {
-        let name = format!(" row {i}");
+        let place = state.shaft.as_ref().and_then(|shaft| shaft.rows.get(i));
+        let mut cells = vec![
+            format!(" row {i}"),
+            place.map_or(String::new(), |of| format!("{:.0}", of.position * 1e3)),
+            place.map_or(String::new(), |of| facing(of).name().to_owned()),
+        ];
         let Some(report) = report else {
-            return Row::new([name, "unknown".into()]);
+            cells.push("unknown".into());
+            return Row::new(cells);
         };
         let [y, z] = report.radial;
         let is_lifted = state.is_lifted(i);
-        let row = Row::new([
-            name,
+        cells.extend([
             format!("{:.0}", report.axial),
             format!("{:.0}", y.hypot(z)),
             match state.is_opposed() {
@@ -142,9 +170,9 @@ fn row_table(state: &State) -> Table<'static> {
             format!("{:.0} to {:.0}", report.least_force, report.largest_force),
             if is_lifted { "lifted off" } else { "" }.into(),
         ]);
-        row.style(flag(is_lifted))
+        Row::new(cells).style(flag(is_lifted))
     });
-    Table::new(rows, [7, 8, 8, 9, 16, 10]).header(Row::new(head).fg(FAINT))
+    Table::new(rows, [7, 6, 6, 8, 8, 9, 14, 55]).header(Row::new(head).fg(FAINT))
 }
 
 /// A number of one digit and zeros, at or above `x`.
@@ -231,17 +259,10 @@ pub fn scale(balls: &Balls) -> f64 {
     round_up(forces.filter(|q| q.is_finite()).fold(0.0, f64::max))
 }
 
-/// The balls of each row, and below them, the shaft with its rows, if there are several.
+/// The balls of each row.
 fn row_pictures(state: &State, rows: usize, area: Rect, buffer: &mut Buffer) {
     let unknown = Balls::default();
     let balls = |row| state.balls.get(row).unwrap_or(&unknown);
-    let mut area = area;
-    if let (Some(shaft), true) = (&state.shaft, rows > 1) {
-        let parts = [Constraint::Fill(3), Constraint::Fill(2)];
-        let [upper, lower] = Layout::vertical(parts).areas(area);
-        shaft::render(state, shaft, lower, buffer);
-        area = upper;
-    }
     // One for all, so that they can be compared.
     let scale = (0..rows).map(|row| scale(balls(row))).fold(0.0, f64::max);
     let columns = (rows as f64).sqrt().ceil() as usize;
@@ -353,49 +374,13 @@ fn short(x: f32) -> String {
     }
 }
 
-/// Counts that should stay at zero.
-const HARM: [&str; 8] = [
-    "corrupt",
-    "damaged",
-    "disordered",
-    "failed",
-    "late",
-    "lost",
-    "missed_ticks",
-    "overruns",
-];
-
-/// Values of a field that tell of a fault.
-const AMISS: [&str; 10] = [
-    "assumed",
-    "damaged",
-    "failed",
-    "held",
-    "implausible",
-    "no-memory",
-    "older-copy",
-    "other-spindle",
-    "other-version",
-    "too-little",
-];
-
-/// Bits, and numbers for the board alone.
-const SILENT: [&str; 4] = ["alarms", "marks", "nonce", "raised"];
-
 /// The last reports of monitor and board, field by field under their names in JSON, and the counts of the link.
 fn health(state: &State) -> Paragraph<'static> {
     let mut lines = Vec::new();
-    for (title, report) in [
-        ("health", json!(state.health)),
-        ("inputs", json!(state.inputs)),
-        ("start", json!(state.start)),
-        ("board", json!(state.board)),
-    ] {
-        if !report.is_null() {
-            let mut words = vec![format!(" {title}:").bold()];
-            fields("", &report, &mut words);
-            lines.push(Line::from(words));
-        }
+    for (title, report) in &state.reports {
+        let mut words = vec![format!(" {title}:").bold()];
+        fields("", report, &mut words);
+        lines.push(Line::from(words));
     }
     let mut link = format!(" {}", state.tally);
     if let Some(error) = state.last_damage {
@@ -419,7 +404,8 @@ fn health(state: &State) -> Paragraph<'static> {
 fn fields(path: &str, value: &Value, words: &mut Vec<Span<'static>>) {
     if let Value::Object(of) = value {
         for (name, value) in of {
-            if !SILENT.contains(&name.as_str()) {
+            // Bits, and numbers for the board alone.
+            if !matches!(&**name, "alarms" | "marks" | "nonce" | "raised") {
                 fields(&format!("{path} {name}"), value, words);
             }
         }
@@ -427,23 +413,35 @@ fn fields(path: &str, value: &Value, words: &mut Vec<Span<'static>>) {
     }
     let path = path.trim_start();
     words.push(format!("  {}", path.replace(' ', ".")).fg(FAINT));
-    for value in value
+    let name = path.rsplit(' ').next().unwrap_or(path);
+    let values = value
         .as_array()
-        .map_or(slice::from_ref(value), Vec::as_slice)
-    {
-        let name = path.rsplit(' ').next().unwrap_or(path);
-        let (text, is_amiss) = match value {
-            Value::String(word) => (word.clone(), AMISS.contains(&word.as_str())),
+        .map_or(slice::from_ref(value), Vec::as_slice);
+    for value in values {
+        let text = match value {
+            Value::String(word) => word.clone(),
             Value::Number(number) if number.is_f64() => {
-                let number = value.as_f64().unwrap_or(f64::NAN);
-                (short(number as f32), name == "availability" && number < 0.9)
+                short(number.as_f64().unwrap_or(f64::NAN) as f32)
             }
-            _ => (
-                value.to_string(),
-                HARM.contains(&name) && *value != json!(0),
-            ),
+            _ => value.to_string(),
         };
-        words.push(Span::styled(format!("\u{a0}{text}"), flag(is_amiss)));
+        let style = flag(is_amiss(name, value));
+        words.push(Span::styled(format!("\u{a0}{text}"), style));
+    }
+}
+
+/// Whether a value tells of a fault.
+fn is_amiss(name: &str, value: &Value) -> bool {
+    match (name, value) {
+        (_, Value::String(word)) => match &**word {
+            "assumed" | "damaged" | "failed" | "held" | "implausible" | "no-memory" => true,
+            "older-copy" | "other-spindle" | "other-version" | "too-little" => true,
+            _ => false,
+        },
+        ("availability", share) => share.as_f64().is_some_and(|share| share < 0.9),
+        ("corrupt" | "damaged" | "disordered" | "failed", count) => *count != json!(0),
+        ("late" | "lost" | "missed_ticks" | "overruns", count) => *count != json!(0),
+        _ => false,
     }
 }
 

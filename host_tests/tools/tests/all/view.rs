@@ -9,12 +9,14 @@ use host_tests::telemetry::state::State;
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::Color;
 use spindle_bearing::monitor::board::{BoardReport, Check};
+use spindle_bearing::monitor::command::{self, Command, Order, Request};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
     EstimateReport, HealthReport, Payload, Recovery, RetentionReport, encode,
 };
 use spindle_bearing::monitor::{Mark, Marks};
-use std::io::Cursor;
+use std::io::{Cursor, Read, Write};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 use tools::telemetry::{source, view};
 
@@ -87,13 +89,13 @@ fn a_stream_without_telemetry_is_an_error_that_says_what_to_look_at() {
 #[test]
 fn a_stream_that_breaks_off_gives_what_came_and_then_its_error() {
     struct Unplugged;
-    impl std::io::Read for Unplugged {
+    impl Read for Unplugged {
         fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
             Err(std::io::Error::other("unplugged"))
         }
     }
     let bytes = stream(&[frame(0, Payload::Health(health()))]);
-    let breaking = std::io::Read::chain(Cursor::new(bytes.clone()), Unplugged);
+    let breaking = Read::chain(Cursor::new(bytes.clone()), Unplugged);
     let mut chunks = source::stream(breaking).into_iter();
     assert_eq!(chunks.next().unwrap().unwrap(), bytes);
     assert_eq!(chunks.next().unwrap().unwrap_err().to_string(), "unplugged");
@@ -101,6 +103,41 @@ fn a_stream_that_breaks_off_gives_what_came_and_then_its_error() {
     let refused = source::port("/dev/there_is_no_such_port", 460_800, None);
     let said = refused.err().unwrap().to_string();
     assert!(said.contains("there_is_no_such_port"));
+}
+
+/// A pseudo-terminal is a port to whoever opens it.
+#[test]
+#[cfg(unix)]
+fn the_bytes_of_a_port_arrive_as_they_were_sent_silence_is_no_end_and_unplugging_is() {
+    use serialport::{SerialPort, TTYPort};
+    let (mut sender, port_side) = TTYPort::pair().unwrap();
+    let (chunks, mut operator) = source::port(&port_side.name().unwrap(), 460_800, None).unwrap();
+    let next = || chunks.recv_timeout(Duration::from_secs(10));
+    // All of them: a terminal would change some.
+    let sent: Vec<u8> = (0..=255).collect();
+    for _ in 0..2 {
+        sender.write_all(&sent).unwrap();
+        let mut received = Vec::new();
+        while received.len() < sent.len() {
+            received.extend(next().unwrap().unwrap());
+        }
+        assert_eq!(received, sent);
+        std::thread::sleep(2 * source::PORT_TIMEOUT);
+    }
+    operator.want(Order::Learn(true));
+    let state = State {
+        nonce: Some(9),
+        ..State::default()
+    };
+    operator.follow(&state).unwrap();
+    let wanted = Command::Ask(Request::new(1, 9, Order::Learn(true), None));
+    let wanted = command::encode(wanted);
+    let mut command = vec![0; wanted.len()];
+    sender.read_exact(&mut command).unwrap();
+    assert_eq!(command, *wanted);
+    drop((sender, port_side));
+    let last = next();
+    assert!(!matches!(last, Ok(Ok(_)) | Err(RecvTimeoutError::Timeout)));
 }
 
 #[test]
@@ -167,21 +204,20 @@ fn the_ball_with_the_largest_force_is_drawn_farthest_out_along_its_azimuth() {
 }
 
 #[test]
-fn a_pair_shows_both_rows_and_how_they_stand_on_the_shaft() {
+fn a_pair_shows_both_rows_and_their_places_on_the_shaft() {
     let mut slipping = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
     slipping.ball = Some(19);
     let last = [Payload::Alarm(slipping), Payload::Health(health())];
     let state = state_of(pair().into_iter().chain(last));
     let parts = [
         "nose 61, 30, 37 N/um",
-        " axial N  radial N preload N balls N",
-        " row 0  412      50       244       12 to 95",
-        " row 1  244      50       244       12 to 95",
+        " at mm  faces  axial N  radial N preload N balls N",
+        " row 0  -20    +x     412      50       244       12 to 95",
+        " row 1  20     -x     244      50       244       12 to 95",
         " row 0 ball 0: 90 N ",
         " row 1 ball 0: 54 N ",
         " rim 90 N ",
-        " shaft: rows +x -x ",
-        " nose loads  mounted with 250 N ",
+        "nose at 90 mm, loads at 120 mm, mounted with 250 N",
         "row 1 ball 3",
         "temperature_sources measured held",
         "temperatures 41.200 36.500",
@@ -190,7 +226,10 @@ fn a_pair_shows_both_rows_and_how_they_stand_on_the_shaft() {
     let screen = view::screen(&state, 120, 45);
     assert_eq!(colour(&screen, "held"), Some(Color::Red));
     assert_eq!(colour(&screen, "measured"), Some(Color::Reset));
-    assert_eq!(colour(&screen, "row 0  412"), Some(Color::Reset));
+    assert_eq!(
+        colour(&screen, "row 0  -20    +x     412"),
+        Some(Color::Reset)
+    );
     assert!(!text(&state).contains("lifted off"));
 }
 
@@ -198,37 +237,11 @@ fn a_pair_shows_both_rows_and_how_they_stand_on_the_shaft() {
 fn a_row_that_has_lost_its_preload_is_told_from_the_others() {
     let state = state_of(pair().into_iter().chain(rows(&[250.0, -1.0], 0.0)));
     let screen = view::screen(&state, 120, 45);
-    let lifted = "row 1  -1       50       0         12 to 95         lifted off";
+    let lifted = "row 1  20     -x     -1       50       0         12 to 95       lifted off";
     assert_eq!(colour(&screen, lifted), Some(Color::Red));
-    assert_eq!(colour(&screen, "row 0  250"), Some(Color::Reset));
-}
-
-/// Where the contact lines of each row meet the axis, to the left of its middle or to the right.
-#[test]
-fn contact_lines_lean_as_the_rows_face() {
-    // The outermost green dots nearest to the axis, of rows far apart.
-    let apexes = |mirrored: [bool; 2]| -> [f64; 2] {
-        let mut payloads = vec![shaft(&[(-0.1, mirrored[0], 16), (0.09, mirrored[1], 16)])];
-        payloads.extend(rows(&[250.0, 250.0], 0.0));
-        let green = dots(&view::screen(&state_of(payloads), 120, 45), Color::Green);
-        let ends = |places: Vec<f64>| {
-            let least = places.iter().copied().fold(f64::MAX, f64::min);
-            [least, places.into_iter().fold(f64::MIN, f64::max)]
-        };
-        let [bottom, top] = ends(green.iter().map(|(_, y)| *y).collect());
-        let near = green
-            .iter()
-            .filter(|(_, y)| (y - 0.5 * (bottom + top)).abs() < 1.5);
-        ends(near.map(|(x, _)| *x).collect())
-    };
-    let [back_to_back, face_to_face] = [apexes([false, true]), apexes([true, false])];
-    assert!(
-        back_to_back[0] < face_to_face[0],
-        "{back_to_back:?} {face_to_face:?}"
-    );
-    assert!(
-        back_to_back[1] > face_to_face[1],
-        "{back_to_back:?} {face_to_face:?}"
+    assert_eq!(
+        colour(&screen, "row 0  -20    +x     250"),
+        Some(Color::Reset)
     );
 }
 
@@ -244,7 +257,7 @@ fn a_single_row_is_shown_without_its_name_and_without_a_shaft() {
         Payload::Health(health()),
     ]);
     let state = state_of(payloads);
-    for word in ["row", "shaft", "preload"] {
+    for word in ["row", "faces", "preload"] {
         assert!(!text(&state).contains(word), "{word}");
     }
     shows(&state, &[" ball 3 "]);
