@@ -1,15 +1,18 @@
-//! The emulated board while it runs: bytes into its port and out of it, and lines of its log.
+//! The firmware, built and sealed, and the emulated board while it runs: bytes into its port and out of it, and lines of its
+//! log.
 
-use crate::firmware::Firmware;
 use anyhow::{Context, Result, anyhow, bail};
 use defmt_decoder::{DecodeError, Table};
-use std::io::{Read, Write};
+use std::fs;
+use std::io::{self, Read, Write};
 use std::net::TcpListener;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
-use tools::cross::{self, Missing, output};
+use tools::cross::{self, Build, Missing, TARGET, output};
+use tools::seal::sealed;
 
 /// The emulator's command.
 const QEMU: &str = "qemu-system-arm";
@@ -45,6 +48,34 @@ fn major(text: &str) -> Option<u32> {
     version.split('.').next()?.parse().ok()
 }
 
+/// A firmware ready to run.
+pub struct Firmware {
+    path: PathBuf,
+    elf: Vec<u8>,
+}
+
+impl Firmware {
+    /// Builds the firmware of the project in `root`, and seals it.
+    pub fn build(root: &Path) -> Result<Self> {
+        eprintln!("building the firmware for {TARGET}; the first time takes about a minute");
+        let built = Build {
+            program: "spindle_monitor",
+            ..Build::default()
+        }
+        .run(root)?;
+        let elf = fs::read(&built).with_context(|| format!("cannot read {}", built.display()))?;
+        let (elf, path) = (sealed(&elf)?, built.with_extension("sealed"));
+        fs::write(&path, &elf).with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Self { path, elf })
+    }
+
+    /// The table that turns its log back into text.
+    pub fn messages(&self) -> Result<Table> {
+        Table::parse(&self.elf)?
+            .with_context(|| format!("{} has no table of defmt messages", self.path.display()))
+    }
+}
+
 /// A program that the system kills when the thread that has started it is gone, for whatever reason: Linux
 /// can do that, and its util-linux has a command for it.
 fn tied(program: &str) -> Command {
@@ -69,26 +100,23 @@ pub struct Board {
     is_multiplexed: bool,
     bytes: Receiver<Vec<u8>>,
     log: Receiver<Vec<u8>>,
-    complaints: Receiver<Vec<u8>>,
 }
 
 /// Longest silence of a board that runs.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Hands on the bytes of `source` until it ends.
-fn pump(mut source: impl Read, sender: &Sender<Vec<u8>>) {
-    let mut buffer = [0; 4096];
-    while let Ok(length @ 1..) = source.read(&mut buffer) {
-        if sender.send(buffer[..length].to_vec()).is_err() {
-            break;
-        }
-    }
-}
-
-/// The bytes of `source`, which a thread of its own reads.
-fn pumped(source: impl Read + Send + 'static) -> Receiver<Vec<u8>> {
+/// Bytes of `source`, which a thread of its own opens and reads to the end.
+fn pumped<S: Read>(open: impl FnOnce() -> io::Result<S> + Send + 'static) -> Receiver<Vec<u8>> {
     let (sender, receiver) = mpsc::channel();
-    thread::spawn(move || pump(source, &sender));
+    thread::spawn(move || {
+        let Ok(mut source) = open() else { return };
+        let mut buffer = [0; 4096];
+        while let Ok(length @ 1..) = source.read(&mut buffer) {
+            if sender.send(buffer[..length].to_vec()).is_err() {
+                break;
+            }
+        }
+    });
     receiver
 }
 
@@ -103,10 +131,9 @@ impl Board {
             listener.local_addr()?.port()
         );
         let is_tied = cfg!(target_os = "linux") && output(&mut tied("true")).is_some();
-        let mut command = if is_tied {
-            tied(QEMU)
-        } else {
-            Command::new(QEMU)
+        let mut command = match is_tied {
+            true => tied(QEMU),
+            false => Command::new(QEMU),
         };
         // The emulator's main loop reads standard input a byte per turn, and only while there is room for
         // that byte: bytes that the firmware has not taken stay in the pipe. The room is the receiver's register, so that
@@ -126,26 +153,17 @@ impl Board {
             .arg(&firmware.path)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
             .spawn()
             .context("cannot start the emulator")?;
         let port = running.stdin.take();
-        let (Some(output), Some(errors)) = (running.stdout.take(), running.stderr.take()) else {
-            bail!("the emulator's serial port cannot be reached");
-        };
-        let (sender, log) = mpsc::channel();
-        thread::spawn(move || {
-            if let Ok((socket, _)) = listener.accept() {
-                pump(socket, &sender);
-            }
-        });
+        let output = running.stdout.take();
+        let output = output.context("the emulator's serial port cannot be reached")?;
         Ok(Self {
             running,
             port,
             is_multiplexed,
-            bytes: pumped(output),
-            log,
-            complaints: pumped(errors),
+            bytes: pumped(|| Ok(output)),
+            log: pumped(move || Ok(listener.accept()?.0)),
         })
     }
 
@@ -199,11 +217,7 @@ impl Board {
         let _ = self.running.kill();
         let status = self.running.wait();
         let status = status.map_or_else(|error| error.to_string(), |status| status.to_string());
-        let complaint: Vec<u8> = self.complaints.iter().flatten().collect();
-        anyhow!(
-            "the emulator stopped; {status}; it said: {}",
-            String::from_utf8_lossy(&complaint).trim()
-        )
+        anyhow!("the emulator stopped, and what it said is above; {status}")
     }
 }
 
@@ -243,12 +257,6 @@ impl<'t> Log<'t> {
             }
         }
     }
-}
-
-/// The table that turns the firmware's log back into text.
-pub fn table(firmware: &Firmware) -> Result<Table> {
-    Table::parse(&firmware.elf)?
-        .with_context(|| format!("{} has no table of defmt messages", firmware.path.display()))
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! The run itself: what the board sends, held against what the host's build of the same monitor sends.
 
-use crate::emulator::{self, Board, Log, MACHINE};
-use crate::firmware::Firmware;
+use crate::emulator::{Board, Firmware, Log, MACHINE};
 use crate::plan::Plan;
 use crate::rows;
 use anyhow::{Result, bail};
@@ -37,7 +36,7 @@ fn frames(bytes: &[u8]) -> Vec<Frame> {
 ///
 /// With a `tee`, it prints nothing. It returns `None` once nobody reads the copy.
 pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<Answer>> {
-    let table = emulator::table(firmware)?;
+    let table = firmware.messages()?;
     let mut log = Log::new(&table);
     let mut board = Board::start(firmware)?;
     // A port that is not open yet takes no bytes.

@@ -6,9 +6,8 @@
 //!
 //! | module | does |
 //! | --- | --- |
-//! | `firmware` | builds the ELF |
 //! | `plan` | the bytes for the board, and what it must answer |
-//! | `emulator` | the running board: bytes in and out, lines of its log |
+//! | `emulator` | the firmware, and the running board: bytes in and out, lines of its log |
 //! | `exchange` | the run, and the comparison |
 //! | `rows` | an estimate as a row of the table |
 //! | `summary` | counts, and the golden file |
@@ -17,7 +16,6 @@
 mod chain;
 mod emulator;
 mod exchange;
-mod firmware;
 #[path = "../../../../../examples/firmware/monitor_settings.rs"]
 mod monitor_settings;
 #[path = "../../../../../examples/firmware/monitored.rs"]
@@ -28,7 +26,7 @@ mod summary;
 
 use anyhow::{Result, anyhow};
 use clap::Parser;
-use firmware::Firmware;
+use emulator::Firmware;
 use host_tests::milling_cycle::record_of;
 use plan::Plan;
 use spindle_bearing::monitor::tick::CycleCost;
@@ -103,62 +101,47 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let ready = match prepare(&arguments) {
-        Ok(ready) => ready,
-        Err(error) => return fail(&error, NOT_STARTED),
+    let (status, error) = match prepare(&arguments) {
+        Err(error) => (NOT_STARTED, error),
+        Ok((plan, firmware)) => match run(&arguments, &plan, &firmware) {
+            Err(error) => (DISAGREEMENT, error),
+            Ok(()) => return ExitCode::SUCCESS,
+        },
     };
-    match run(&arguments, &ready) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => fail(&error, DISAGREEMENT),
-    }
-}
-
-fn fail(error: &anyhow::Error, status: u8) -> ExitCode {
     eprintln!("error: {error:#}");
     ExitCode::from(status)
 }
 
 /// All that a run takes.
-struct Ready {
-    plan: Plan,
-    golden: Option<PathBuf>,
-    firmware: Firmware,
-}
-
-fn prepare(arguments: &Arguments) -> Result<Ready> {
-    let root = tools::root();
+fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let shipped = || record_of(monitored::ROWS).to_owned();
     let input = arguments.input.clone().unwrap_or_else(shipped);
     let period_us = monitor_settings::MONITOR.tick.period_us;
     let recording = records::read(&input, arguments.seconds, period_us)?;
-    tools::cross::add_target(root)?;
+    tools::cross::add_target(tools::root())?;
     emulator::find()?;
-    let firmware = firmware::build(root)?;
-    let episodes = if arguments.faults {
-        faults::schedule(arguments.seed, &recording.records)
-    } else {
-        Vec::new()
+    let firmware = Firmware::build(tools::root())?;
+    let episodes = match arguments.faults {
+        true => faults::schedule(arguments.seed, &recording.records),
+        false => Vec::new(),
     };
     let plan = plan::plan(&recording, Spoiler::new(arguments.seed, episodes))?;
-    let golden = (arguments.faults && arguments.input.is_none()).then(|| {
-        let seconds = arguments.seconds.map(|seconds| format!("{seconds}_s"));
-        let length = seconds.unwrap_or_else(|| "whole".into());
-        let rows = match monitored::ROWS {
-            1 => "bearing_",
-            _ => "",
-        };
-        let name = format!("{rows}faults_{length}_seed_{}.txt", arguments.seed);
-        root.join("host_tests/golden").join(name)
-    });
-    Ok(Ready {
-        plan,
-        golden,
-        firmware,
-    })
+    Ok((plan, firmware))
 }
 
-fn run(arguments: &Arguments, ready: &Ready) -> Result<()> {
-    let Ready { plan, firmware, .. } = ready;
+/// The golden file of a run, if it may have one.
+fn golden(arguments: &Arguments) -> Option<PathBuf> {
+    let length = match arguments.seconds {
+        Some(seconds) => format!("{seconds}_s"),
+        None => "whole".into(),
+    };
+    let rows = if monitored::ROWS == 1 { "bearing_" } else { "" };
+    let name = format!("{rows}faults_{length}_seed_{}.txt", arguments.seed);
+    let is_known = arguments.faults && arguments.input.is_none();
+    is_known.then(|| tools::root().join("host_tests/golden").join(name))
+}
+
+fn run(arguments: &Arguments, plan: &Plan, firmware: &Firmware) -> Result<()> {
     let answer = if arguments.view {
         // The view draws at the pace of the recording; the board may be ahead of it.
         let (sender, chunks) = mpsc::sync_channel(usize::from(u16::MAX));
@@ -181,8 +164,8 @@ fn run(arguments: &Arguments, ready: &Ready) -> Result<()> {
         plan.expected.len(),
         answer.log.len(),
     );
-    match &ready.golden {
-        Some(path) => summary::check(path, &text, arguments.accept),
+    match golden(arguments) {
+        Some(path) => summary::check(&path, &text, arguments.accept),
         None => Ok(()),
     }
 }

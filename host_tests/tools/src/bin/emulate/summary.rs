@@ -3,12 +3,13 @@
 
 use crate::exchange::Answer;
 use crate::plan::Plan;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use spindle_bearing::monitor::judgement::AlarmChange;
 use spindle_bearing::monitor::telemetry::{HealthReport, Payload};
 use spindle_bearing::monitor::{Alarm, Mark};
 use std::fmt::Write;
 use std::fs;
+use std::iter;
 use std::path::Path;
 use tools::stream::faults;
 
@@ -132,23 +133,21 @@ pub fn check(path: &Path, text: &str, accept: bool) -> Result<()> {
     if accept {
         fs::write(path, text).with_context(|| format!("cannot write {name}"))?;
         println!("accepted: {name}");
-        return Ok(());
-    }
-    if !path.exists() {
-        println!("there is no golden file for this run, {name}; `--accept` makes it");
-        return Ok(());
-    }
-    let golden = fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
-    let (expected, found): (Vec<_>, Vec<_>) = (golden.lines().collect(), text.lines().collect());
-    if expected != found {
-        let mut lines = (0..).map(|i| (expected.get(i), found.get(i)));
-        let difference = lines.find(|(expected, found)| expected != found);
-        bail!(
+    } else if path.exists() {
+        let golden = fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
+        let (mut expected, mut found) = (golden.lines(), text.lines());
+        let difference = iter::from_fn(|| Some((expected.next(), found.next())))
+            .take_while(|pair| *pair != (None, None))
+            .find(|(expected, found)| expected != found);
+        ensure!(
+            difference.is_none(),
             "the summary is not that of {name}; first expected and found: {difference:?}. If that is right, accept it: the \
              same command with --accept"
         );
+        println!("all as expected by {name}");
+    } else {
+        println!("there is no golden file for this run, {name}; `--accept` makes it");
     }
-    println!("all as expected by {name}");
     Ok(())
 }
 
