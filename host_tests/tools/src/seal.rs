@@ -2,8 +2,9 @@
 //! answer is known, as this machine's build of the same source computes it.
 
 use anyhow::{Context, Result, bail, ensure};
+use object::elf::PT_LOAD;
 use object::read::elf::ProgramHeader;
-use object::{Endianness, Object, ObjectSymbol, elf};
+use object::{Endianness, Object, ObjectSymbol};
 use spindle_bearing::monitor::self_check::{Checksum, KnownAnswer, Seal};
 use spindle_bearing::{Bearing, Real};
 
@@ -28,66 +29,6 @@ static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&DESIGN);
 /// The symbol of the seal.
 const SYMBOL: &str = "IMAGE_SEAL";
 
-/// What is flashed, with addresses in flash.
-struct Image<'e> {
-    elf: &'e [u8],
-    file: object::File<'e>,
-    /// Address in flash, place in the file and length of what is loaded.
-    loaded: Vec<(u64, u64, u64)>,
-}
-
-impl<'e> Image<'e> {
-    fn read(elf: &'e [u8]) -> Result<Self> {
-        let file = object::File::parse(elf).context("this is no ELF file")?;
-        let object::File::Elf32(of) = &file else {
-            bail!("this is no ELF file for a microcontroller");
-        };
-        let end = Endianness::Little;
-        let loaded = of
-            .elf_program_headers()
-            .iter()
-            .filter(|header| header.p_type(end) == elf::PT_LOAD && header.p_filesz(end) > 0)
-            .map(|header| {
-                let number = |x: u32| u64::from(x);
-                (
-                    number(header.p_paddr(end)),
-                    number(header.p_offset(end)),
-                    number(header.p_filesz(end)),
-                )
-            })
-            .collect();
-        Ok(Self { elf, file, loaded })
-    }
-
-    fn symbol(&self, name: &str) -> Result<u64> {
-        let mut symbols = self.file.symbols();
-        let symbol = symbols.find(|symbol| symbol.name() == Ok(name));
-        let symbol = symbol
-            .with_context(|| format!("there is no {name}: this is no firmware of the monitor"))?;
-        Ok(symbol.address())
-    }
-
-    /// Where a byte of the flash is in the file.
-    fn place(&self, address: u64) -> Result<usize> {
-        let part = self
-            .loaded
-            .iter()
-            .find(|(from, _, length)| (*from..from + length).contains(&address));
-        let (from, offset, _) =
-            part.with_context(|| format!("nothing is loaded at {address:#x}"))?;
-        Ok(usize::try_from(offset + address - from)?)
-    }
-
-    /// Adds what is loaded from one address up to another.
-    fn add(&self, sum: &mut Checksum, from: u64, to: u64) -> Result<()> {
-        for address in from..to {
-            let byte = self.elf.get(self.place(address)?);
-            sum.add(std::slice::from_ref(byte.context("the file is cut off")?));
-        }
-        Ok(())
-    }
-}
-
 /// The checksum of the answer that is known.
 fn answer<T: Real + Send + Sync>(bearing: &'static Bearing<T, BALLS>) -> Result<u32> {
     let spindle = monitored::spindle(bearing)?;
@@ -105,13 +46,33 @@ fn answer<T: Real + Send + Sync>(bearing: &'static Bearing<T, BALLS>) -> Result<
 ///
 /// It is no such firmware, or it has its seal already.
 pub fn sealed(elf: &[u8]) -> Result<Vec<u8>> {
-    let image = Image::read(elf)?;
-    let seal = image.symbol(SYMBOL)?;
+    let file = object::File::parse(elf).context("this is no ELF file")?;
+    let object::File::Elf32(of) = &file else {
+        bail!("this is no ELF file for a microcontroller");
+    };
+    let symbol = |name: &str| {
+        let mut symbols = file.symbols();
+        let symbol = symbols.find(|symbol| symbol.name() == Ok(name));
+        symbol
+            .map(|symbol| symbol.address())
+            .with_context(|| format!("there is no {name}: this is no firmware of the monitor"))
+    };
+    // Where a byte of the flash is in the file.
+    let place = |address: u64| {
+        let end = Endianness::Little;
+        let mut parts = of.elf_program_headers().iter();
+        let place = parts.find_map(|part| {
+            let from = u64::from(part.p_paddr(end));
+            let within = address.checked_sub(from)?;
+            let is_loaded = part.p_type(end) == PT_LOAD && within < part.p_filesz(end).into();
+            is_loaded.then(|| (u64::from(part.p_offset(end)) + within) as usize)
+        });
+        place.with_context(|| format!("nothing is loaded at {address:#x}"))
+    };
+    let seal = symbol(SYMBOL)?;
     let length = size_of_val(&Seal::Damaged.words());
-    let place = image.place(seal)?;
-    let old = elf
-        .get(place..place + length)
-        .context("the file is cut off")?;
+    let at = place(seal)?;
+    let old = elf.get(at..at + length).context("the file is cut off")?;
     let mut words = [0; 4];
     for (word, bytes) in words.iter_mut().zip(old.chunks_exact(4)) {
         *word = u32::from_le_bytes(bytes.try_into()?);
@@ -122,21 +83,24 @@ pub fn sealed(elf: &[u8]) -> Result<Vec<u8>> {
         Seal::Closed { .. } | Seal::Damaged => bail!("it has a seal already"),
     };
     let mut sum = Checksum::default();
-    let (data, end) = (image.symbol("__sdata")?, image.symbol("__edata")?);
-    let initial = image.symbol("__sidata")?;
+    let (data, end) = (symbol("__sdata")?, symbol("__edata")?);
+    let initial = symbol("__sidata")?;
     for (from, to) in [
-        (image.symbol("__vector_table")?, image.symbol("__etext")?),
-        (image.symbol("__srodata")?, seal),
-        (seal + length as u64, image.symbol("__erodata")?),
+        (symbol("__vector_table")?, symbol("__etext")?),
+        (symbol("__srodata")?, seal),
+        (seal + length as u64, symbol("__erodata")?),
         (initial, initial + end.saturating_sub(data)),
     ] {
         ensure!(from <= to, "its parts are not where they should be");
-        image.add(&mut sum, from, to)?;
+        for address in from..to {
+            let byte = elf.get(place(address)?).context("the file is cut off")?;
+            sum.add(std::slice::from_ref(byte));
+        }
     }
     let image = sum.finish();
     let mut bytes = elf.to_vec();
     let new = Seal::Closed { image, answer }.words();
-    for (to, word) in bytes[place..].chunks_exact_mut(4).zip(new) {
+    for (to, word) in bytes[at..].chunks_exact_mut(4).zip(new) {
         to.copy_from_slice(&word.to_le_bytes());
     }
     Ok(bytes)

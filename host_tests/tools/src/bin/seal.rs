@@ -6,17 +6,8 @@ use std::fs;
 use std::process::{Command, ExitCode};
 use tools::seal::sealed;
 
-fn main() -> ExitCode {
-    match run(std::env::args().skip(1).collect()) {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn run(mut command: Vec<String>) -> Result<ExitCode> {
+fn main() -> Result<ExitCode> {
+    let mut command: Vec<String> = std::env::args().skip(1).collect();
     let is_elf = |path: &String| fs::read(path).is_ok_and(|file| file.starts_with(b"\x7fELF"));
     let at = command.iter().position(is_elf);
     let at = at.context("there is no firmware among the arguments")?;
