@@ -432,15 +432,12 @@ fn fields(path: &str, value: &Value, words: &mut Vec<Span<'static>>) {
 
 /// Whether a value tells of a fault.
 fn is_amiss(name: &str, value: &Value) -> bool {
-    match (name, value) {
-        (_, Value::String(word)) => match &**word {
-            "assumed" | "damaged" | "failed" | "held" | "implausible" | "no-memory" => true,
-            "older-copy" | "other-spindle" | "other-version" | "too-little" => true,
-            _ => false,
-        },
-        ("availability", share) => share.as_f64().is_some_and(|share| share < 0.9),
-        ("corrupt" | "damaged" | "disordered" | "failed", count) => *count != json!(0),
-        ("late" | "lost" | "missed_ticks" | "overruns", count) => *count != json!(0),
+    match (name, value.as_str().unwrap_or_default()) {
+        ("availability", _) => value.as_f64().is_some_and(|share| share < 0.9),
+        ("corrupt" | "damaged" | "disordered" | "failed", "") => *value != json!(0),
+        ("late" | "lost" | "missed_ticks" | "overruns", "") => *value != json!(0),
+        (_, "assumed" | "damaged" | "failed" | "held" | "implausible" | "no-memory") => true,
+        (_, "older-copy" | "other-spindle" | "other-version" | "too-little") => true,
         _ => false,
     }
 }

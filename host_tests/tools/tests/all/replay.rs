@@ -9,7 +9,7 @@ use host_tests::spindle_file::SpindleFile;
 use host_tests::spindles::{AnySpindleSolver, Balls, with_solver};
 use spindle_bearing::{BallMotion, BallState, LimitSet, ShaftEnd};
 use std::f64::consts::PI;
-use std::io::{Cursor, Read, Write};
+use std::io::{self, Cursor, Read, Write};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::thread;
@@ -383,8 +383,9 @@ fn a_reader_that_leaves_ends_the_replay_quietly() {
         let replay = replay.args([&shipped("b7005c"), RECORD]);
         let replay = replay.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut running = replay.spawn().unwrap();
-        let head = running.stdout.take().unwrap().take(length);
-        assert_eq!(head.bytes().count() as u64, length);
+        let mut head = running.stdout.take().unwrap().take(length);
+        assert_eq!(io::copy(&mut head, &mut io::sink()).unwrap(), length);
+        drop(head);
         let ended = running.wait_with_output().unwrap();
         assert!(ended.status.success() && ended.stderr.is_empty());
     }
