@@ -1,6 +1,6 @@
 //! Bearings under load to judge solvers by: solved ones from a file, and random ones.
 
-use crate::compare::{Equilibrium, Race};
+use crate::compare::Equilibrium;
 use crate::dispatch::Attitude;
 use crate::reference::{self, Reference};
 use crate::spindles::{self, Plan, Question};
@@ -82,41 +82,36 @@ struct BearingRow {
     inner_groove_factor: f64,
     outer_groove_factor: f64,
     contact_angle_deg: f64,
-    ring: MaterialRow,
-    ball: MaterialRow,
+    #[serde(with = "MaterialRow")]
+    ring: Material,
+    #[serde(with = "MaterialRow")]
+    ball: Material,
 }
 
 #[derive(Deserialize)]
+#[serde(remote = "Material")]
 struct MaterialRow {
     #[serde(rename = "E")]
     youngs_modulus: f64,
     #[serde(rename = "nu")]
     poissons_ratio: f64,
     /// The rings' does not matter and is left out.
-    #[serde(rename = "rho")]
-    density: Option<f64>,
+    #[serde(rename = "rho", default = "of_steel")]
+    density: f64,
+}
+
+fn of_steel() -> f64 {
+    Material::STEEL.density
 }
 
 #[derive(Deserialize)]
 struct Expect {
-    u: [f64; 5],
-    #[serde(rename = "K")]
-    stiffness: [[f64; 5]; 5],
+    #[serde(flatten)]
+    truth: Equilibrium,
     #[serde(rename = "Ki")]
     inner: f64,
     #[serde(rename = "Ko")]
     outer: f64,
-    balls: Vec<[f64; 6]>,
-}
-
-impl MaterialRow {
-    fn material(&self) -> Material {
-        Material {
-            youngs_modulus: self.youngs_modulus,
-            poissons_ratio: self.poissons_ratio,
-            density: self.density.unwrap_or(Material::STEEL.density),
-        }
-    }
 }
 
 impl BearingRow {
@@ -125,43 +120,9 @@ impl BearingRow {
         Design {
             inner_groove_factor: self.inner_groove_factor,
             outer_groove_factor: self.outer_groove_factor,
-            ring: self.ring.material(),
-            ball: self.ball.material(),
+            ring: self.ring,
+            ball: self.ball,
             ..Design::angular_contact(self.ball_diameter, self.pitch_diameter, angle)
-        }
-    }
-}
-
-impl From<Row> for SolvedCase {
-    fn from(row: Row) -> Self {
-        let b = &row.bearing;
-        let balls = row.expect.balls.iter().map(|b| crate::compare::Ball {
-            inner: Race {
-                angle: b[0],
-                force: b[2],
-            },
-            outer: Race {
-                angle: b[1],
-                force: b[3],
-            },
-            centrifugal_force: b[4],
-            gyroscopic_moment: b[5],
-        });
-        Self {
-            case: Case {
-                name: row.name,
-                balls: b.balls,
-                design: b.design(),
-                attitude: row.attitude,
-                load: row.load,
-                omega: rad_per_s(row.speed_rpm),
-            },
-            truth: Equilibrium {
-                displacement: row.expect.u,
-                stiffness: row.expect.stiffness,
-                balls: balls.collect(),
-            },
-            hertz: [row.expect.inner, row.expect.outer],
         }
     }
 }
@@ -177,12 +138,19 @@ pub fn rad_per_s(rpm: f64) -> f64 {
 ///
 /// If the file is not there or is not what it should be.
 pub fn public() -> Vec<SolvedCase> {
-    let rows: Vec<Row> = read(PUBLIC);
-    let mut cases: Vec<SolvedCase> = rows.into_iter().map(SolvedCase::from).collect();
-    for (number, solved) in cases.iter_mut().enumerate() {
-        solved.case.name = format!("{number} ({})", solved.case.name);
-    }
-    cases
+    let solved = |(number, row): (usize, Row)| SolvedCase {
+        case: Case {
+            name: format!("{number} ({})", row.name),
+            balls: row.bearing.balls,
+            design: row.bearing.design(),
+            attitude: row.attitude,
+            load: row.load,
+            omega: rad_per_s(row.speed_rpm),
+        },
+        truth: row.expect.truth,
+        hertz: [row.expect.inner, row.expect.outer],
+    };
+    read(PUBLIC).into_iter().enumerate().map(solved).collect()
 }
 
 fn read<T: DeserializeOwned>(path: &str) -> Vec<T> {
@@ -279,6 +247,15 @@ impl MountedRow {
             },
         }
     }
+
+    fn growth(&self) -> Growth<f64> {
+        let [axial, radial, ball] = self.growth;
+        Growth {
+            axial,
+            radial,
+            ball,
+        }
+    }
 }
 
 /// The solved sets.
@@ -287,7 +264,6 @@ impl MountedRow {
 ///
 /// If the file is not there or is not what it should be.
 pub fn sets() -> Vec<SolvedSet> {
-    let sets: Vec<SetRow> = read(SETS);
     let solved = |(number, set): (usize, SetRow)| SolvedSet {
         name: format!("set {number} ({})", set.layout),
         plan: Plan {
@@ -299,25 +275,14 @@ pub fn sets() -> Vec<SolvedSet> {
         question: Question {
             load: set.load,
             omega: rad_per_s(set.speed_rpm),
-            growth: set
-                .rows
-                .iter()
-                .map(|row| {
-                    let [axial, radial, ball] = row.growth;
-                    Growth {
-                        axial,
-                        radial,
-                        ball,
-                    }
-                })
-                .collect(),
+            growth: set.rows.iter().map(MountedRow::growth).collect(),
         },
         displacement: set.expect.u,
         stiffness: set.expect.stiffness,
         spring_closure: set.expect.spring_offset,
         rows: set.expect.rows,
     };
-    sets.into_iter().enumerate().map(solved).collect()
+    read(SETS).into_iter().enumerate().map(solved).collect()
 }
 
 /// Pseudo-random numbers (splitmix64), the same everywhere and for ever.

@@ -7,6 +7,7 @@
 //! | force | over the largest contact force; centrifugal forces and `Mg / D` included |
 //! | stiffness | of `K_ij`, over `sqrt(abs(K_ii K_jj))` |
 
+use serde::Deserialize;
 use spindle_bearing::BallState;
 
 /// One contact of a ball.
@@ -19,7 +20,8 @@ pub struct Race {
 }
 
 /// A ball, as far as it is compared.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(from = "[f64; 6]")]
 pub struct Ball {
     /// Contact at the inner race.
     pub inner: Race,
@@ -31,12 +33,14 @@ pub struct Ball {
     pub gyroscopic_moment: f64,
 }
 
-/// A solution, whoever found it.
-#[derive(Debug, Clone, PartialEq)]
+/// A solution, whoever found it; the letters are those of the files of solved cases.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Equilibrium {
     /// `dx, dy, dz, ty, tz`, m and rad.
+    #[serde(rename = "u")]
     pub displacement: [f64; 5],
     /// Stiffness, SI; rows are forces.
+    #[serde(rename = "K")]
     pub stiffness: [[f64; 5]; 5],
     /// The balls.
     pub balls: Vec<Ball>,
@@ -158,19 +162,22 @@ pub fn stiffness_error(found: &[[f64; 5]; 5], truth: &[[f64; 5]; 5]) -> f64 {
     error
 }
 
-impl From<&BallState<f64>> for Ball {
-    fn from(ball: &BallState<f64>) -> Self {
+/// Inner and outer contact angle, inner and outer contact force, `Fc`, `Mg`.
+impl From<[f64; 6]> for Ball {
+    fn from([alpha_i, alpha_o, q_i, q_o, fc, mg]: [f64; 6]) -> Self {
+        let race = |angle, force| Race { angle, force };
         Self {
-            inner: Race {
-                angle: ball.alpha_i,
-                force: ball.q_i,
-            },
-            outer: Race {
-                angle: ball.alpha_o,
-                force: ball.q_o,
-            },
-            centrifugal_force: ball.centrifugal_force,
-            gyroscopic_moment: ball.gyroscopic_moment,
+            inner: race(alpha_i, q_i),
+            outer: race(alpha_o, q_o),
+            centrifugal_force: fc,
+            gyroscopic_moment: mg,
         }
+    }
+}
+
+impl From<&BallState<f64>> for Ball {
+    fn from(b: &BallState<f64>) -> Self {
+        let (fc, mg) = (b.centrifugal_force, b.gyroscopic_moment);
+        Self::from([b.alpha_i, b.alpha_o, b.q_i, b.q_o, fc, mg])
     }
 }
