@@ -180,13 +180,13 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     let mut case = with_equilibrium(case, answer.displacement, answer.stiffness);
     let side: f64 = answer.rows.iter().map(|row| 0.5 * row.preload).sum();
     let lifted = answer.rows.iter().filter(|row| row.lifted_off).count();
-    case.insert("side_n".to_owned(), side);
-    case.insert("rows_lifted_off".to_owned(), lifted as f64);
+    let columns = ["side_n", "rows_lifted_off"];
+    case = with(case, columns, [side, lifted as f64]);
     let balls = &answer.rows.first().context("a set without rows")?.balls;
     if let Some(rating) = rating {
         let weight = rating.weight_of(balls.iter().map(|ball| (ball.q_i, ball.q_o)));
         let life = RatingLife::of_weight(weight, omega);
-        case.insert("l10_mrev".to_owned(), life.million_revolutions);
+        case = with(case, ["l10_mrev"], [life.million_revolutions]);
     }
     let of_ball = balls.iter().map(|ball| {
         let angles = [ball.azimuth, ball.alpha_i, ball.alpha_o];
@@ -221,10 +221,15 @@ fn bearing(run: &Run, case: &Case) -> anyhow::Result<(Design, usize, Option<Life
     Ok((design, file.balls, rating))
 }
 
-fn with_equilibrium(mut case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
+/// The case with these columns as well.
+fn with<const N: usize>(mut case: Case, columns: [&str; N], values: [f64; N]) -> Case {
+    case.extend(columns.map(str::to_owned).into_iter().zip(values));
+    case
+}
+
+fn with_equilibrium(case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
+    let mut case = with(case, ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"], u);
     let freedoms = ["x", "y", "z", "ty", "tz"];
-    let columns = ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"];
-    case.extend(columns.map(str::to_owned).into_iter().zip(u));
     for (row, values) in freedoms.iter().zip(k) {
         let columns = freedoms.map(|column| format!("k_{row}_{column}"));
         case.extend(columns.into_iter().zip(values));
@@ -232,36 +237,38 @@ fn with_equilibrium(mut case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
     case
 }
 
-fn with_ball(mut case: Case, [azimuth, inner, outer]: [f64; 3], [q_i, q_o]: [f64; 2]) -> Case {
-    case.extend([
-        ("azimuth_rad".to_owned(), azimuth.rem_euclid(TAU)),
-        ("alpha_i_rad".to_owned(), inner),
-        ("alpha_o_rad".to_owned(), outer),
-        ("q_i_n".to_owned(), q_i),
-        ("q_o_n".to_owned(), q_o),
-    ]);
-    case
+fn with_ball(case: Case, [azimuth, inner, outer]: [f64; 3], [q_i, q_o]: [f64; 2]) -> Case {
+    let columns = [
+        "azimuth_rad",
+        "alpha_i_rad",
+        "alpha_o_rad",
+        "q_i_n",
+        "q_o_n",
+    ];
+    let values = [azimuth.rem_euclid(TAU), inner, outer, q_i, q_o];
+    with(case, columns, values)
 }
 
-fn with_integrals(mut case: Case) -> Case {
+fn with_integrals(case: Case) -> Case {
     let (k, e) = elliptic_integrals(case["m"]);
-    case.extend([("our_k".to_owned(), k), ("our_e".to_owned(), e)]);
-    case
+    with(case, ["our_k", "our_e"], [k, e])
 }
 
-fn with_contact(mut case: Case) -> Case {
+fn with_contact(case: Case) -> Case {
     let contact = HertzContact::new(case["rolling"], case["across"], 1.0);
-    case.extend([
-        ("our_kappa".to_owned(), contact.ellipticity),
-        ("our_e".to_owned(), contact.elliptic_e),
-        ("our_load_deflection".to_owned(), contact.load_deflection),
-    ]);
-    case
+    let columns = ["our_kappa", "our_e", "our_load_deflection"];
+    let HertzContact {
+        ellipticity,
+        elliptic_e,
+        load_deflection,
+        ..
+    } = contact;
+    with(case, columns, [ellipticity, elliptic_e, load_deflection])
 }
 
 /// Steel contact of the relative curvatures `(1 + excess/2) / r` and `(1 - excess/2) / r`, and spheres of that radius
 /// (Johnson, Contact Mechanics, 1985, 4.2).
-fn of_spheres(mut case: Case) -> Case {
+fn of_spheres(case: Case) -> Case {
     let (r, half) = (case["radius_m"], 0.5 * case["excess"]);
     let Material {
         youngs_modulus,
@@ -270,41 +277,37 @@ fn of_spheres(mut case: Case) -> Case {
     } = Material::STEEL;
     let modulus = youngs_modulus / (2.0 * (1.0 - poissons_ratio * poissons_ratio));
     let contact = HertzContact::new((1.0 + half) / r, (1.0 - half) / r, 1.0 / modulus);
+    let mean_radius = (contact.semi_major * contact.semi_minor).sqrt();
+    let ours = [
+        contact.load_deflection,
+        mean_radius,
+        contact.peak_pressure(1000.0),
+    ];
     let pressed = 6.0 * 1000.0 * modulus * modulus / (PI.powi(3) * r * r);
-    let mean = (contact.semi_major * contact.semi_minor).sqrt();
-    case.extend([
-        ("our_load_deflection".to_owned(), contact.load_deflection),
-        ("load_deflection".to_owned(), 4.0 / 3.0 * modulus * r.sqrt()),
-        ("our_radius".to_owned(), mean),
-        ("radius".to_owned(), (3.0 * r / (4.0 * modulus)).cbrt()),
-        ("our_pressure".to_owned(), contact.peak_pressure(1000.0)),
-        ("pressure".to_owned(), pressed.cbrt()),
-    ]);
-    case
+    let spheres = [
+        4.0 / 3.0 * modulus * r.sqrt(),
+        (3.0 * r / (4.0 * modulus)).cbrt(),
+        pressed.cbrt(),
+    ];
+    let columns = ["our_load_deflection", "our_radius", "our_pressure"];
+    let case = with(case, columns, ours);
+    with(case, ["load_deflection", "radius", "pressure"], spheres)
 }
 
 /// Ellipticity, integrals and load-deflection constant for a ratio of curvatures, and the fits of Brewe and Hamrock,
 /// J. Lubr. Technol. 99 (1977).
-fn of_fits(mut case: Case) -> Case {
+fn of_fits(case: Case) -> Case {
     let ratio = case["ratio"];
     let kappa = HertzContact::new(ratio, 1.0, 1.0).ellipticity;
     let (k, e) = elliptic_integrals(1.0 - 1.0 / (kappa * kappa));
-    let exact = [kappa, e, k];
-    let fitted = [
+    let constants = |kappa: f64, e: f64, k: f64| [kappa, e, k, kappa * (e / k.powi(3)).sqrt()];
+    let exact = constants(kappa, e, k);
+    let fitted = constants(
         1.0339 * ratio.powf(0.636),
         1.0003 + 0.5968 / ratio,
         1.5277 + 0.6023 * ratio.ln(),
-    ];
-    for (prefix, [kappa, e, k]) in [("", exact), ("fit_", fitted)] {
-        case.extend([
-            (format!("{prefix}kappa"), kappa),
-            (format!("{prefix}e"), e),
-            (format!("{prefix}k"), k),
-            (
-                format!("{prefix}load_deflection"),
-                kappa * (e / k.powi(3)).sqrt(),
-            ),
-        ]);
-    }
-    case
+    );
+    let case = with(case, ["kappa", "e", "k", "load_deflection"], exact);
+    let columns = ["fit_kappa", "fit_e", "fit_k", "fit_load_deflection"];
+    with(case, columns, fitted)
 }

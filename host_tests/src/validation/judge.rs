@@ -1,6 +1,6 @@
 //! Claims judged: values of a measure, the numbers they make, and whether these are within their bounds.
 
-use super::book::{Chapter, Claim, Measure, Place, Take};
+use super::book::{Chapter, Claim, Measure, Place};
 use super::cases::{Case, Solved};
 use anyhow::{Context, bail, ensure};
 use std::collections::BTreeMap;
@@ -99,54 +99,55 @@ impl Judged<'_> {
 ///
 /// A run or a column that is not there, or lines that cannot be compared.
 pub fn lines<'s>(measure: &Measure, runs: &'s [Solved]) -> anyhow::Result<Vec<Line<'s>>> {
-    let find = |name: &String| {
-        let found = runs.iter().find(|run| run.name == *name);
-        found.with_context(|| format!("no run {name:?}"))
+    let named = |names: &[String]| -> anyhow::Result<Vec<&'s Solved>> {
+        let find = |name: &String| {
+            let found = runs.iter().find(|run| run.name == *name);
+            found.with_context(|| format!("no run {name:?}"))
+        };
+        names.iter().map(find).collect()
     };
-    let found: anyhow::Result<Vec<&Solved>> = measure.run.iter().map(find).collect();
-    let mut of = found?;
-    if of.is_empty() {
-        of = runs.iter().collect();
-    }
-    let found: anyhow::Result<Vec<&Solved>> = measure.against.iter().map(find).collect();
-    let mut against = found?;
-    if against.is_empty() {
-        against.clone_from(&of);
-    }
-    let compare = [&measure.less, &measure.over, &measure.off];
-    let others = compare.iter().find(|columns| !columns.is_empty());
+    let of = match &*measure.run {
+        [] => runs.iter().collect(),
+        names => named(names)?,
+    };
+    let against = match &*measure.against {
+        [] => of.clone(),
+        names => named(names)?,
+    };
+    type Compare = fn(f64, f64) -> f64;
+    let (others, compared): (&[String], Compare) = if !measure.less.is_empty() {
+        (&measure.less, |value, other| value - other)
+    } else if !measure.over.is_empty() {
+        (&measure.over, |value, other| value / other)
+    } else {
+        (&measure.off, |value, other| value / other - 1.0)
+    };
     let scale = factor(&measure.unit)?;
+    ensure!(!measure.of.is_empty(), "no column");
 
     let mut lines = Vec::new();
     for (i, run) in of.iter().enumerate() {
         let other_run = cycled(&against, i);
         let cases = at(run, &measure.at);
-        let other_at = measure.against_at.as_ref().unwrap_or(&measure.at);
-        let other_cases = at(other_run, other_at);
-        for j in 0..measure.of.len().max(others.map_or(0, |o| o.len())) {
+        let other_cases = at(
+            other_run,
+            measure.against_at.as_ref().unwrap_or(&measure.at),
+        );
+        ensure!(
+            others.is_empty() || [1, cases.len()].contains(&other_cases.len()),
+            "{} and {}: not as many cases",
+            run.name,
+            other_run.name
+        );
+        for j in 0..measure.of.len().max(others.len()) {
             let column = cycled(&measure.of, j);
-            let other = others.map(|columns| cycled(columns, j));
             let one = |(k, case): (usize, &&Case)| {
                 let value = get(case, column)?;
-                let Some(other) = other else {
+                if others.is_empty() {
                     return Ok(scale * value);
-                };
-                let same = other_cases.len() == cases.len() || other_cases.len() == 1;
-                ensure!(
-                    same,
-                    "{} and {}: not as many cases",
-                    run.name,
-                    other_run.name
-                );
-                let other = get(other_cases[k % other_cases.len()], other)?;
-                Ok(scale
-                    * if !measure.less.is_empty() {
-                        value - other
-                    } else if !measure.over.is_empty() {
-                        value / other
-                    } else {
-                        value / other - 1.0
-                    })
+                }
+                let other = get(other_cases[k % other_cases.len()], cycled(others, j))?;
+                Ok(scale * compared(value, other))
             };
             let values: anyhow::Result<Vec<f64>> = cases.iter().enumerate().map(one).collect();
             lines.push(Line {
@@ -164,7 +165,7 @@ fn cycled<T>(values: &[T], i: usize) -> &T {
     &values[i % values.len()]
 }
 
-fn get(case: &Case, column: &str) -> anyhow::Result<f64> {
+fn get(case: &Case, column: &String) -> anyhow::Result<f64> {
     let value = case.get(column).copied();
     value.with_context(|| format!("no column {column}"))
 }
@@ -191,30 +192,34 @@ fn at<'s>(run: &'s Solved, places: &BTreeMap<String, Place>) -> Vec<&'s Case> {
 
 fn numbers(measure: &Measure, runs: &[Solved]) -> anyhow::Result<Vec<f64>> {
     let lines = lines(measure, runs)?;
-    let together = matches!(
-        measure.take,
-        Take::Median
-            | Take::Tenth
-            | Take::NineTenths
-            | Take::MedianSize
-            | Take::NineTenthsOfSizes
-            | Take::LargestSize
-            | Take::Count
-    );
-    let taken = if together {
-        let values: Vec<f64> = lines.into_iter().flat_map(|line| line.values).collect();
-        take(measure.take, &values)
-    } else {
-        let each = lines
-            .iter()
-            .flat_map(|line| take(measure.take, &line.values));
-        each.collect()
+    let all = lines.iter().flat_map(|line| line.values.clone());
+    let taken = match statistic(&measure.take, &all.collect::<Vec<_>>()) {
+        Some(number) => vec![number],
+        None => {
+            let each = lines.iter().map(|line| take(&measure.take, &line.values));
+            each.collect::<anyhow::Result<Vec<_>>>()?.concat()
+        }
     };
-    Ok(take(measure.then, &taken))
+    take(&measure.then, &taken)
 }
 
-fn take(what: Take, values: &[f64]) -> Vec<f64> {
+/// A number that all values of a measure make together, if it is one.
+fn statistic(name: &str, values: &[f64]) -> Option<f64> {
     let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+    Some(match name {
+        "count" => values.len() as f64,
+        "median" => quantile(values, 0.5),
+        "10 %" => quantile(values, 0.1),
+        "90 %" => quantile(values, 0.9),
+        "median size" => quantile(&sizes, 0.5),
+        "90 % of sizes" => quantile(&sizes, 0.9),
+        "largest size" => quantile(&sizes, 1.0),
+        _ => return None,
+    })
+}
+
+/// Numbers that the values of one line make. Sine and cosine are parts of the first harmonic along the azimuth.
+fn take(name: &str, values: &[f64]) -> anyhow::Result<Vec<f64>> {
     let n = values.len() as f64;
     let azimuths = || (0..values.len()).map(|i| TAU * i as f64 / n);
     let part = |of: fn(f64) -> f64| {
@@ -223,38 +228,31 @@ fn take(what: Take, values: &[f64]) -> Vec<f64> {
     };
     let [cosine, sine] = [f64::cos, f64::sin].map(part);
     let amplitude = cosine.hypot(sine);
-    match what {
-        Take::All => values.to_vec(),
-        Take::Least => vec![quantile(values, 0.0)],
-        Take::Largest => vec![quantile(values, 1.0)],
-        Take::Step => values.windows(2).map(|w| w[1] - w[0]).collect(),
-        Take::Ratio => values.windows(2).map(|w| w[0] / w[1]).collect(),
-        Take::Rise => values
-            .last()
-            .map(|v| v / quantile(values, 0.0) - 1.0)
-            .into_iter()
-            .collect(),
-        Take::Count => vec![n],
-        Take::Cosine => vec![cosine],
-        Take::Sine => vec![sine],
-        Take::Amplitude => vec![amplitude],
-        Take::CosineOverSine => vec![cosine / sine],
-        Take::SineOverCosine => vec![sine / cosine],
-        Take::Overtones => {
-            let mean = values.iter().sum::<f64>() / n;
-            let rest = values
-                .iter()
-                .zip(azimuths())
-                .map(|(v, a)| (v - mean - cosine * a.cos() - sine * a.sin()).abs() / amplitude);
-            vec![quantile(&rest.collect::<Vec<_>>(), 1.0)]
+    Ok(match name {
+        "" => values.to_vec(),
+        "step" => values.windows(2).map(|w| w[1] - w[0]).collect(),
+        "ratio" => values.windows(2).map(|w| w[0] / w[1]).collect(),
+        "least" => vec![quantile(values, 0.0)],
+        "largest" => vec![quantile(values, 1.0)],
+        "rise" => {
+            let last = values.last().context("a rise of no values")?;
+            vec![last / quantile(values, 0.0) - 1.0]
         }
-        Take::Median => vec![quantile(values, 0.5)],
-        Take::Tenth => vec![quantile(values, 0.1)],
-        Take::NineTenths => vec![quantile(values, 0.9)],
-        Take::MedianSize => vec![quantile(&sizes, 0.5)],
-        Take::NineTenthsOfSizes => vec![quantile(&sizes, 0.9)],
-        Take::LargestSize => vec![quantile(&sizes, 1.0)],
-    }
+        "cosine" => vec![cosine],
+        "sine" => vec![sine],
+        "amplitude" => vec![amplitude],
+        "cosine over sine" => vec![cosine / sine],
+        "sine over cosine" => vec![sine / cosine],
+        "overtones" => {
+            let mean = values.iter().sum::<f64>() / n;
+            let off = |(v, a): (&f64, f64)| {
+                (v - mean - cosine * a.cos() - sine * a.sin()).abs() / amplitude
+            };
+            let overtones: Vec<f64> = values.iter().zip(azimuths()).map(off).collect();
+            vec![quantile(&overtones, 1.0)]
+        }
+        _ => bail!("no numbers {name:?}"),
+    })
 }
 
 /// The value below which this part of them is; values that are no numbers are the largest.

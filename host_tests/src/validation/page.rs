@@ -142,40 +142,24 @@ pub fn shown(value: f64) -> String {
 ///
 /// The commit in the first line makes no difference.
 pub fn difference(committed: &str, made: &str) -> Option<String> {
-    let lines =
-        |page: &'_ str| -> Vec<String> { page.lines().skip(1).map(str::to_owned).collect() };
-    let (committed, made) = (lines(committed), lines(made));
-    let most = committed.len().max(made.len());
-    (0..most).find_map(|i| {
-        let line = |lines: &[String]| lines.get(i).cloned().unwrap_or_default();
-        let (old, new) = (line(&committed), line(&made));
-        (!alike(&old, &new) || i >= committed.len() || i >= made.len())
-            .then(|| format!("line {}:\n  committed: {old}\n  made:      {new}", i + 2))
+    let (old, new): (Vec<_>, Vec<_>) = (committed.lines().collect(), made.lines().collect());
+    (1..old.len().max(new.len())).find_map(|i| {
+        let (old, new) = (old.get(i), new.get(i));
+        let is_alike = old.zip(new).is_some_and(|(old, new)| alike(old, new));
+        let [old, new] = [old, new].map(|line| *line.unwrap_or(&"(none)"));
+        (!is_alike).then(|| format!("line {}:\n  committed: {old}\n  made:      {new}", i + 1))
     })
 }
 
 fn alike(old: &str, new: &str) -> bool {
-    let (old, new) = (parts(old), parts(new));
-    old.len() == new.len()
-        && old.iter().zip(&new).all(
-            |(old, new)| match (old.parse::<f64>(), new.parse::<f64>()) {
-                (Ok(old), Ok(new)) => (old - new).abs() <= 1e-3 * new.abs(),
-                _ => old == new,
-            },
-        )
-}
-
-/// Numbers of a line, and the texts between them.
-fn parts(line: &str) -> Vec<String> {
-    let mut parts: Vec<String> = Vec::new();
-    let mut in_number = false;
-    for c in line.chars() {
-        let number = c.is_ascii_digit() || c == '.' || c == '-' || (in_number && c == 'e');
-        match parts.last_mut() {
-            Some(part) if number == in_number => part.push(c),
-            _ => parts.push(c.to_string()),
-        }
-        in_number = number;
-    }
-    parts
+    let words = |line: &str| -> Vec<String> {
+        let words = line.split([' ', ',', '|', '°']);
+        words.map(str::to_owned).collect()
+    };
+    let (old, new) = (words(old), words(new));
+    let is_near = |(old, new): (&String, &String)| match (old.parse::<f64>(), new.parse::<f64>()) {
+        (Ok(x), Ok(y)) => (x - y).abs() <= 1e-3 * y.abs(),
+        _ => old == new,
+    };
+    old.len() == new.len() && old.iter().zip(&new).all(is_near)
 }

@@ -5,7 +5,7 @@ use host_tests::validation::book::{Book, Measure, Panel, Picture, TEXT};
 use host_tests::validation::cases::{Solved, solve};
 use host_tests::validation::judge::{Line, factor, judge, lines};
 use host_tests::validation::{PAGE, page};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use tools::chart::{self, Chart, Curve, Style};
 
@@ -37,16 +37,12 @@ pub fn run(check: bool) -> Result<()> {
         if let Some(line) = page::difference(&committed, &made) {
             bail!("{PAGE}, {line}\n`cargo reports validation` writes it");
         }
-        for file in fs::read_dir(&folder)? {
-            let name = file?.file_name().to_string_lossy().into_owned();
-            ensure!(
-                pictures.remove(&name).is_some(),
-                "{PAGE} has no picture {name}"
-            );
-        }
+        let files = fs::read_dir(&folder)?;
+        let files = files.map(|file| Ok(file?.file_name().to_string_lossy().into_owned()));
+        let files = files.collect::<Result<BTreeSet<String>>>()?;
         ensure!(
-            pictures.is_empty(),
-            "docs/validation lacks {:?}",
+            pictures.keys().eq(&files),
+            "{PAGE} has the pictures {:?}, its folder {files:?}",
             pictures.keys()
         );
         println!("{PAGE}: {} lines are as made", committed.lines().count());
