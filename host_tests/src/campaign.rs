@@ -10,9 +10,8 @@ pub mod report;
 
 use crate::progress::Progress;
 use families::{Family, Trial};
-use judge::{PRECISIONS, Record, Verdict};
+use judge::{Record, Verdict};
 use rayon::prelude::*;
-use std::fmt::Write;
 
 /// Which cases, and how hard to look at them.
 #[derive(Debug, Clone)]
@@ -52,61 +51,30 @@ pub fn run(plan: &Plan, progress: &dyn Progress) -> Vec<Record> {
         progress.stage(family.name());
         let judged = |index| {
             let trial = Trial::new(plan.seed, family, index);
-            let mut judged = judge::judge(&trial);
-            if index % plan.followed == 0 {
-                judge::follow(&trial, &mut judged);
-            }
+            let judged = judge::judge(&trial, index % plan.followed == 0);
             progress.done(family.ticks());
-            judged.iter().flat_map(|solve| solve.records).collect()
+            judged.into_iter().map(|solve| solve.records)
         };
         let cases = (0..plan.cases(family)).into_par_iter();
-        let of_family: Vec<Vec<Record>> = cases.map(judged).collect();
-        records.extend(of_family.into_iter().flatten());
-    }
-    progress.stage("refusals");
-    search(plan, &mut records);
-    records
-}
+        let mut solves: Vec<[Record; 2]> = cases.flat_map_iter(judged).collect();
 
-/// Has the reference build look for equilibria where the solver found none and nothing else decides.
-fn search(plan: &Plan, records: &mut [Record]) {
-    let mut left = [plan.searches.unwrap_or(usize::MAX); Family::ALL.len()];
-    let is_open = |record: &Record| record.verdict == Verdict::Undecided;
-    // Both precisions of a solve share a search.
-    let solves = records.chunks_exact_mut(PRECISIONS.len()).filter(|solve| {
-        let left = &mut left[solve[0].family as usize];
-        let is_taken = *left > 0 && solve.iter().any(is_open);
-        *left -= usize::from(is_taken);
-        is_taken
-    });
-    let solves: Vec<&mut [Record]> = solves.collect();
-    solves.into_par_iter().for_each(|solve| {
-        let trial = Trial::new(plan.seed, solve[0].family, solve[0].index);
-        let _ = judge::search(&trial, solve);
-    });
+        let is_open = |record: &Record| record.verdict == Verdict::Undecided;
+        let open = solves.iter_mut().filter(|solve| solve.iter().any(is_open));
+        let open: Vec<_> = open.take(plan.searches.unwrap_or(usize::MAX)).collect();
+        open.into_par_iter().for_each(|solve| {
+            judge::search(&Trial::new(plan.seed, family, solve[0].index), solve);
+        });
+        records.extend(solves.into_iter().flatten());
+    }
+    records
 }
 
 /// One case in full, to look into: what is given, what both precisions and the reference build make of it.
 pub fn in_full(trial: &Trial) -> String {
-    let mut text = format!("{:#?}\nmade from {:?}\n", trial.case, trial.known);
-    let mut judged = judge::judge(trial);
-    judge::follow(trial, &mut judged);
-    for mut solve in judged {
-        let searched = judge::search(trial, &mut solve.records);
-        let _ = writeln!(text, "\n{:?}", trial.ticks[solve.records[0].tick]);
-        for ((record, answer), truth) in solve.records.iter().zip(solve.answers).zip(solve.truths) {
-            let _ = writeln!(text, "\n{record:#?}\n{:#?}", answer.figures);
-            for truth in truth.iter().chain(&searched) {
-                let _ = writeln!(
-                    text,
-                    "\nthe reference build: u {:?}, K {:?}",
-                    truth.u, truth.k
-                );
-                for ball in &truth.balls {
-                    let _ = writeln!(text, "{ball:?}");
-                }
-            }
-        }
+    let mut judged = judge::judge(trial, true);
+    for solve in &mut judged {
+        judge::search(trial, &mut solve.records);
     }
-    text
+    let (case, ticks, known) = (&trial.case, &trial.ticks, trial.known);
+    format!("{case:#?}\n{ticks:#?}\nmade from {known:?}\n{judged:#?}\n")
 }

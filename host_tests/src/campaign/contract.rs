@@ -1,15 +1,15 @@
 //! The promises of the solver to its users, which every campaign is held against.
 
 use super::families::Family::{self, *};
-use super::judge::{PRECISIONS, Record};
-use super::report::{Summary, name, part, percent, table};
+use super::judge::{PRECISIONS, Record, Verdict};
+use super::report::{covered, errors, name, part, ratios, share, table};
 
 /// Figures in words; the families whose figures they are, none for all of them together; the figures; and their largest
 /// values in single and in double precision, infinite where nothing is promised.
 type Promise = (
     &'static str,
     &'static [Family],
-    fn(&Summary) -> Vec<f64>,
+    fn(&[&Record]) -> Vec<f64>,
     [&'static [f64]; 2],
 );
 
@@ -27,30 +27,31 @@ const EVERYDAY: &[Family] = &[
 /// Loads of any size and direction, some of them hopeless.
 const WILD: &[Family] = &[Random, Radial, DeepGroove, ZeroLoads, AnyBits];
 
-fn unbalanced(of: &Summary) -> Vec<f64> {
-    vec![percent(of.unbalanced, of.solves)]
+fn unbalanced(of: &[&Record]) -> Vec<f64> {
+    vec![share(of, Record::is_unbalanced, |_| true)]
 }
 
-fn missed(of: &Summary) -> Vec<f64> {
-    vec![percent(of.unsolved[1], of.solves)]
+fn missed(of: &[&Record]) -> Vec<f64> {
+    vec![share(of, |r| r.verdict == Verdict::Missed, |_| true)]
 }
 
 /// A solver that refuses everything misses nothing, as long as nobody looks for what it has missed.
-fn silent(of: &Summary) -> Vec<f64> {
-    vec![percent(of.unsolved[1] + of.unsolved[2], of.solves)]
+fn silent(of: &[&Record]) -> Vec<f64> {
+    let is_silent = |r: &Record| matches!(r.verdict, Verdict::Missed | Verdict::Undecided);
+    vec![share(of, is_silent, |_| true)]
 }
 
 /// An answer from which the reference build finds nothing has no errors either.
-fn unjudged(of: &Summary) -> Vec<f64> {
-    vec![percent(of.solved[1], of.solves)]
+fn unjudged(of: &[&Record]) -> Vec<f64> {
+    vec![share(of, |r| r.verdict == Verdict::Unjudged, |_| true)]
 }
 
-fn errors(of: &Summary) -> Vec<f64> {
-    of.errors.map(|errors| errors.most).to_vec()
+fn most(of: &[&Record]) -> Vec<f64> {
+    errors(of).map(|errors| errors.most).to_vec()
 }
 
-fn beyond(of: &Summary) -> Vec<f64> {
-    of.covered.map(|covered| 100.0 - covered).to_vec()
+fn beyond(of: &[&Record]) -> Vec<f64> {
+    covered(of).map(|covered| 100.0 - covered).to_vec()
 }
 
 /// A load cell is good for a hundredth, and a stability lobe wants stiffness to a thousandth: single precision keeps both with
@@ -58,11 +59,11 @@ fn beyond(of: &Summary) -> Vec<f64> {
 #[rustfmt::skip]
 const PROMISES: &[Promise] = &[
     ("panics, figures not finite, solves past 128 iterations, wrong reasons", &Family::ALL,
-        |of| vec![of.failed as f64], [&[0.0], &[0.0]]),
+        |of| vec![share(of, |r| matches!(r.verdict, Verdict::Failed(_)), |_| true)], [&[0.0], &[0.0]]),
     ("forces that do not balance to 1e-2, %", EVERYDAY, unbalanced, [&[0.0], &[0.0]]),
     ("forces that do not balance to 1e-2, %", &Family::ALL, unbalanced, [&[0.15], &[0.1]]),
     ("on another branch than that from rest, %", &[Moderate],
-        |of| vec![percent(of.branches[1], of.branches[0].max(1))], [&[0.1], &[0.1]]),
+        |of| vec![share(of, |r| r.from_rest == Some(false), |r| r.from_rest.is_some())], [&[0.1], &[0.1]]),
     ("missed, %", EVERYDAY, missed, [&[0.2], &[0.2]]),
     ("missed, %", &[Opening, DeepGroove, AnyBits, Typed], missed, [&[0.2], &[0.1]]),
     ("missed, %", &[Radial, ZeroLoads], missed, [&[0.3], &[0.5]]),
@@ -76,11 +77,11 @@ const PROMISES: &[Promise] = &[
     ("unjudged, %", &[Random, Radial, DeepGroove, ZeroLoads, AnyBits, Opening, Typed], unjudged,
         [&[0.5], &[0.5]]),
     ("unjudged, %", &[FewBalls], unjudged, [&[13.0], &[12.0]]),
-    ("error of u / Q / K, 99 %", EVERYDAY, errors, [&[3e-6, 2e-6, 5e-5], &[3e-14, 4e-14, 2e-13]]),
-    ("error of u / Q / K, 99 %", WILD, errors, [&[9e-6, 6e-6, 8e-5], &[3e-14, 3e-14, 4e-13]]),
-    ("error of u / Q / K, 99 %", &[Typed], errors, [&[2e-5, 2e-6, 4e-4], &[3e-14, 4e-15, 2e-9]]),
-    ("error of u / Q / K, 99 %", &[Opening], errors, [&[1e-2, 5e-6, 2e-2], &[2e-11, 3e-14, 2e-11]]),
-    ("error of u / Q / K, 99 %", &[FewBalls], errors, [&[f64::INFINITY, 2e-4, 0.5], &[1e-10, 3e-13, 4e-9]]),
+    ("error of u / Q / K, 99 %", EVERYDAY, most, [&[3e-6, 2e-6, 5e-5], &[3e-14, 4e-14, 2e-13]]),
+    ("error of u / Q / K, 99 %", WILD, most, [&[9e-6, 6e-6, 8e-5], &[3e-14, 3e-14, 4e-13]]),
+    ("error of u / Q / K, 99 %", &[Typed], most, [&[2e-5, 2e-6, 4e-4], &[3e-14, 4e-15, 2e-9]]),
+    ("error of u / Q / K, 99 %", &[Opening], most, [&[1e-2, 5e-6, 2e-2], &[2e-11, 3e-14, 2e-11]]),
+    ("error of u / Q / K, 99 %", &[FewBalls], most, [&[f64::INFINITY, 2e-4, 0.5], &[1e-10, 3e-13, 4e-9]]),
     ("errors of u / Q / K beyond the estimate, %", EVERYDAY, beyond, [&[0.5; 3], &[0.5, 0.5, 0.6]]),
     ("errors of u / Q / K beyond the estimate, %", &[Moderate, Reversed, WarmDrift], beyond,
         [&[0.2; 3], &[0.1, 0.4, 0.6]]),
@@ -91,9 +92,9 @@ const PROMISES: &[Promise] = &[
         [&[2.9, 0.8, 9.7], &[1.2, 0.5, 6.5]]),
     ("errors of u / Q / K beyond the estimate, %", &[], beyond, [&[0.4, 0.2, 0.6], &[0.2, 0.2, 0.7]]),
     ("median of estimate over error of u / Q / K", &[],
-        |of| of.ratio.to_vec(), [&[50.0, 100.0, 50.0], &[50.0, 100.0, 50.0]]),
+        |of| ratios(of).map(|ratio| ratio.median).to_vec(), [&[50.0, 100.0, 50.0], &[50.0, 100.0, 50.0]]),
     ("errors beyond 1e-3 and 30 times the estimate, % of the answers", &[],
-        |of| vec![percent(of.deceiving, of.solved[0] - of.solved[1])], [&[0.2], &[0.01]]),
+        |of| vec![share(of, Record::deceives, |r| r.errors.is_some())], [&[0.2], &[0.01]]),
 ];
 
 /// The promises that a campaign of all families does not keep, in words.
@@ -103,12 +104,12 @@ pub fn broken(records: &[Record]) -> Vec<String> {
         let each = families.iter().map(|family| Some(*family));
         for family in each.chain(families.is_empty().then_some(None)) {
             for (precision, most) in PRECISIONS.into_iter().zip(bounds) {
-                let figures = figures(&Summary::of(&part(records, family, precision)));
-                if !figures
+                let figures = figures(&part(records, family, precision));
+                let mut kept = figures
                     .iter()
                     .zip(most)
-                    .all(|(figure, most)| figure <= most)
-                {
+                    .map(|(figure, most)| figure <= most);
+                if !kept.all(|kept| kept) {
                     let family = family.map_or("all families", Family::name);
                     let precision = name(precision);
                     broken.push(format!(

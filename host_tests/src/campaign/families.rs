@@ -106,6 +106,8 @@ struct Draft {
     r: Random,
     balls: usize,
     design: Design,
+    /// Free contact angle as it was drawn, rad.
+    angle: f64,
     attitude: Attitude,
 }
 
@@ -119,27 +121,28 @@ impl Draft {
         let d = r.log_between(1e-3, 100e-3);
         let least = (1.02 * d / (PI / balls as f64).sin()).max(2.2 * d);
         let pitch_diameter = least * r.between(1.0, 1.5);
+        let [inner_groove_factor, outer_groove_factor] = from_fn(|_| r.between(0.505, 0.56));
+        let angle = r.between(angles[0], angles[1]).to_radians();
         let design = Design {
-            inner_groove_factor: r.between(0.505, 0.56),
-            outer_groove_factor: r.between(0.505, 0.56),
-            free_contact: FreeContact::Angle(r.between(angles[0], angles[1]).to_radians()),
+            inner_groove_factor,
+            outer_groove_factor,
+            free_contact: FreeContact::Angle(angle),
             first_ball: r.zero_or(0.5, -PI, PI),
-            ball: if r.chance(0.6) {
-                Material::STEEL
-            } else {
-                Material::SILICON_NITRIDE
+            ball: match r.chance(0.6) {
+                true => Material::STEEL,
+                false => Material::SILICON_NITRIDE,
             },
             ..Design::angular_contact(d, pitch_diameter, 0.0)
         };
-        let attitude = if r.chance(0.25) {
-            Attitude::Outer
-        } else {
-            Attitude::Raceless
+        let attitude = match r.chance(0.25) {
+            true => Attitude::Outer,
+            false => Attitude::Raceless,
         };
         Self {
             r,
             balls,
             design,
+            angle,
             attitude,
         }
     }
@@ -154,13 +157,10 @@ impl Draft {
         0.5 * self.design.pitch_diameter
     }
 
-    fn free_angle(&self) -> f64 {
-        match self.design.free_contact {
-            FreeContact::Angle(angle) => angle,
-            FreeContact::DiametralClearance(clearance) => {
-                (1.0 - clearance / (2.0 * self.design.centre_distance())).acos()
-            }
-        }
+    /// Distance of the groove centres, and sine and cosine of the free contact angle.
+    fn grooves(&self) -> (f64, f64, f64) {
+        let (sin, cos) = self.angle.sin_cos();
+        (self.design.centre_distance(), sin, cos)
     }
 
     /// Speed in rad/s of `n dm` in rpm mm.
@@ -294,12 +294,9 @@ impl Draft {
             tick.load = [zero; 5];
             return tick;
         }
-        let set = loop {
-            let set: [bool; 5] = from_fn(|_| self.r.chance(0.5));
-            if set.contains(&true) && set.contains(&false) {
-                break set;
-            }
-        };
+        let sets = repeat_with(|| from_fn(|_| self.r.chance(0.5)));
+        let mut mixed = sets.filter(|set: &[bool; 5]| set.contains(&true) && set.contains(&false));
+        let set = mixed.next().unwrap_or_default();
         tick.load = from_fn(|i| if set[i] { zero } else { tick.load[i] });
         tick
     }
@@ -411,12 +408,9 @@ impl Draft {
 
     fn any_bits(&mut self) -> Tick {
         let mut tick = self.moderate();
-        let set = loop {
-            let set: [bool; 6] = from_fn(|_| self.r.chance(0.35));
-            if set.contains(&true) {
-                break set;
-            }
-        };
+        let mut sets = repeat_with(|| from_fn(|_| self.r.chance(0.35)));
+        let some = sets.find(|set: &[bool; 6]| set.contains(&true));
+        let set = some.unwrap_or_default();
         let inputs = tick.load.iter_mut().chain([&mut tick.omega]);
         for (input, _) in inputs.zip(set).filter(|(_, set)| *set) {
             *input = self.bits();
@@ -434,8 +428,7 @@ impl Draft {
         let reference = self.reference();
         let omega = self.rest_or_speed(0.6, 1.2e6);
         let wanted = 2 + self.r.below(2);
-        let l0 = self.design.centre_distance();
-        let (sin, cos) = self.free_angle().sin_cos();
+        let (l0, sin, cos) = self.grooves();
         // Beyond, a ball would be loaded wherever the ring is along the axis.
         let room = l0 * (1.0 - cos);
         let radial = room.min(l0 * self.r.log_between(1e-4, 0.05)) * self.r.between(0.3, 0.95);
@@ -443,10 +436,8 @@ impl Draft {
         let tilt = self.r.zero_or(0.5, 0.0, 0.3) * radial / self.pitch_radius();
         let [ty, tz] = self.across(tilt);
         let mut centres = Vec::new();
-        let (mut low, mut high) = (
-            -l0 * sin,
-            2.0 * l0 * ((1.0 - (cos - radial / l0).powi(2)).sqrt() - sin) + radial,
-        );
+        let mut low = -l0 * sin;
+        let mut high = 2.0 * l0 * ((1.0 - (cos - radial / l0).powi(2)).sqrt() - sin) + radial;
         for _ in 0..40 {
             let u = [0.5 * (low + high), dy, dz, ty, tz];
             let (load, depths) = reference
@@ -467,8 +458,7 @@ impl Draft {
         let reference = self.reference();
         let omega = self.rest_or_speed(0.5, 1.5e6);
         let attitude = self.attitude.into();
-        let l0 = self.design.centre_distance();
-        let (sin, cos) = self.free_angle().sin_cos();
+        let (l0, sin, cos) = self.grooves();
         let depth = l0 * self.r.log_between(1e-5, 3e-2);
         let radial = depth * self.r.between(0.1, 1.5);
         let [dy, dz] = self.across(radial);
@@ -508,7 +498,7 @@ impl Draft {
 
     /// Contact angles near 0, or near the shoulder.
     fn extreme_angles(&mut self) -> Option<Drawn> {
-        if self.free_angle() < 0.1 {
+        if self.angle < 0.1 {
             let axial = self.capacity() * self.r.log_between(1e-6, 1e-2);
             let radial = self.capacity() * self.r.log_between(1e-6, 1e-2);
             let load = self.load(axial, radial, 0.0);
@@ -516,8 +506,7 @@ impl Draft {
             return Some((Tick { load, omega }, None));
         }
         let omega = self.rest_or_speed(0.3, 1e6);
-        let l0 = self.design.centre_distance();
-        let (sin, cos) = self.free_angle().sin_cos();
+        let (l0, sin, cos) = self.grooves();
         // Deeper than the grooves' centres are apart nothing in the model holds.
         let steepest = (cos / 1.8).acos();
         let angle = self.r.between(50f64.to_radians(), steepest);

@@ -60,40 +60,50 @@ impl Answer {
     /// Says what must never be, if the answer to this tick is that.
     fn failure(&self, tick: &Tick) -> Option<&'static str> {
         let status = self.status;
-        let finite = tick.omega.is_finite() && tick.load.iter().all(|f| f.is_finite());
-        let unloaded = tick.load == [0.0; 5];
-        let refused = match status {
-            "panic" => Some("panic"),
-            "not-finite" if finite => Some("finite input refused as not finite"),
-            // Inputs are checked in their order: one before it may be out of range.
-            "not-finite" | "out-of-range" => None,
-            _ if !finite => Some("input that is not finite was not refused"),
-            "unloaded" => None,
-            _ if unloaded => Some("no load, and not refused as such"),
-            _ => None,
-        };
-        let Some(figures) = &self.figures else {
-            return refused;
-        };
-        let of_ball = |b: &BallState<f64>| {
+        let is_finite = tick.load.iter().chain([&tick.omega]).all(|x| x.is_finite());
+        // Inputs are checked in their order: one before the input in question may be out of range.
+        let by_input = matches!(status, "not-finite" | "out-of-range");
+        let iterations = self.figures.as_ref().map(|figures| figures.iterations);
+        let failures = [
+            (status == "panic", "panic"),
+            (
+                status == "not-finite" && is_finite,
+                "finite input refused as not finite",
+            ),
+            (
+                !by_input && !is_finite,
+                "input that is not finite was not refused",
+            ),
+            (
+                !by_input && status != "unloaded" && tick.load == [0.0; 5],
+                "no load, and not refused as such",
+            ),
+            (
+                iterations.is_some() && !is_solution(status),
+                "figures of a status that is no answer",
+            ),
+            (
+                iterations.is_some_and(|iterations| iterations > MOST_ITERATIONS),
+                "more iterations than the limit",
+            ),
+            (!self.is_finite(), "a figure is not a finite number"),
+        ];
+        failures
+            .into_iter()
+            .find_map(|(is_so, text)| is_so.then_some(text))
+    }
+
+    fn is_finite(&self) -> bool {
+        let of_ring = self.figures.iter().flat_map(|figures| {
+            let stiffness = figures.stiffness.as_flattened().iter();
+            stiffness.chain(&figures.displacement).copied()
+        });
+        let of_balls = self.balls().iter().flat_map(|b| {
             let contacts = [b.alpha_i, b.alpha_o, b.q_i, b.q_o, b.delta_i, b.delta_o];
             let rest = [b.azimuth, b.centrifugal_force, b.gyroscopic_moment];
-            contacts.iter().chain(&rest).all(|x| x.is_finite())
-        };
-        let mut of_ring = figures
-            .stiffness
-            .iter()
-            .flatten()
-            .chain(&figures.displacement);
-        refused.or(if !is_solution(status) {
-            Some("figures of a status that is no answer")
-        } else if figures.iterations > MOST_ITERATIONS {
-            Some("more iterations than the limit")
-        } else if !(of_ring.all(|x| x.is_finite()) && self.balls().iter().all(of_ball)) {
-            Some("a figure is not a finite number")
-        } else {
-            None
-        })
+            contacts.into_iter().chain(rest)
+        });
+        of_ring.chain(of_balls).all(f64::is_finite)
     }
 }
 
@@ -107,8 +117,6 @@ fn is_solution(status: &str) -> bool {
 pub enum Verdict {
     /// An answer, and its errors are known.
     Judged,
-    /// An answer of known errors, of another equilibrium than that of double precision.
-    OtherBranch,
     /// An answer from which the reference build finds no equilibrium.
     Unjudged,
     /// No answer, and no equilibrium that the reference build knew of.
@@ -119,17 +127,6 @@ pub enum Verdict {
     Undecided,
     /// A failure that must never be, in words.
     Failed(&'static str),
-}
-
-/// Whether an answer is the equilibrium that is meant: where there are several, that on the branch connected to rest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Branch {
-    /// It is.
-    FromRest,
-    /// It is another one.
-    Other,
-    /// The branch ends before this speed, or the reference build could follow it no further.
-    Lost,
 }
 
 /// A solve that counts, as far as the report needs it.
@@ -155,8 +152,8 @@ pub struct Record {
     pub estimate: Option<[f64; 3]>,
     /// Residual of the balance of ring and balls: see [`residual`].
     pub residual: Option<f64>,
-    /// Which equilibrium an answer is, where that was looked into.
-    pub branch: Option<Branch>,
+    /// Whether an answer is the equilibrium on the branch from rest, where that was looked into.
+    pub from_rest: Option<bool>,
 }
 
 impl Record {
@@ -201,24 +198,16 @@ fn answers(trial: &Trial, precision: Precision) -> Vec<Answer> {
     with_solver(&plan, balls, precision, |solver| {
         let mut solve = |tick: &Tick| {
             let solve = AssertUnwindSafe(|| solver.load(tick.load, tick.omega));
-            match catch_unwind(solve) {
-                Ok(Ok(figures)) => Answer {
-                    status: figures.status,
-                    figures: Some(figures),
-                },
-                Ok(Err(status)) => Answer {
-                    status: status.name(),
-                    figures: None,
-                },
+            let (status, figures) = match catch_unwind(solve) {
+                Ok(Ok(figures)) => (figures.status, Some(figures)),
+                Ok(Err(status)) => (status.name(), None),
                 Err(_) => {
                     // A panic may leave the solver in any state.
                     solver.reset();
-                    Answer {
-                        status: "panic",
-                        figures: None,
-                    }
+                    ("panic", None)
                 }
-            }
+            };
+            Answer { status, figures }
         };
         trial.ticks.iter().map(&mut solve).collect()
     })
@@ -253,10 +242,8 @@ fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
             // Slow, and of little use to cases that have a known equilibrium.
             None
         } else {
-            physical(
-                trial,
-                reference.polish(tick.load, tick.omega, attitude, u, &centres),
-            )
+            let found = reference.polish(tick.load, tick.omega, attitude, u, &centres);
+            physical(trial, found)
         }
     })
 }
@@ -266,14 +253,11 @@ fn known(trial: &Trial, tick: &Tick) -> Option<Solution> {
     let u = trial.known?;
     let (reference, attitude) = (&trial.reference, trial.case.reference_attitude());
     let mut centres = Vec::new();
-    reference
-        .rough_law(u, tick.omega, attitude, &mut centres)
-        .ok()?;
+    let law = reference.rough_law(u, tick.omega, attitude, &mut centres);
+    law.ok()?;
     let centres: Vec<(f64, f64)> = centres.iter().map(|x| (x[0], x[1])).collect();
-    physical(
-        trial,
-        reference.polish_near(tick.load, tick.omega, attitude, u, &centres),
-    )
+    let found = reference.polish_near(tick.load, tick.omega, attitude, u, &centres);
+    physical(trial, found)
 }
 
 /// An equilibrium, if it is one of the bearing and not just of its equations: Newton may run away to
@@ -296,12 +280,6 @@ fn errors(trial: &Trial, found: &Equilibrium, truth: &Solution) -> [f64; 3] {
     [e.displacement, e.force, e.stiffness].map(|e| if e.is_nan() { f64::INFINITY } else { e })
 }
 
-/// Whether displacements or forces of two equilibria differ by more than this.
-fn differ(trial: &Trial, found: &Equilibrium, truth: &Solution, by: f64) -> bool {
-    let [u, q, _] = errors(trial, found, truth);
-    u.max(q) > by
-}
-
 /// Whether an equilibrium leaves the ring free to move in some direction, as far as this precision can
 /// tell: fewer than three balls carry by more than rounding of the largest force, or the stiffness has no inverse.
 fn is_indeterminate(truth: &Solution, pitch_radius: f64, precision: Precision) -> bool {
@@ -316,10 +294,10 @@ fn is_indeterminate(truth: &Solution, pitch_radius: f64, precision: Precision) -
     }
     let unit = [1.0, 1.0, 1.0, pitch_radius, pitch_radius];
     let k: [[f64; 5]; 5] = from_fn(|i| from_fn(|j| truth.k[i][j] / (unit[i] * unit[j])));
-    let one: [[f64; 5]; 5] = from_fn(|i| from_fn(|j| f64::from(u8::from(i == j))));
+    let one = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.0 }));
     let norm = |m: &[[f64; 5]; 5]| {
-        let rows = m.iter().map(|row| row.iter().map(|x| x.abs()).sum());
-        rows.fold(0.0, f64::max)
+        let rows = m.map(|row| row.map(f64::abs).iter().sum());
+        rows.into_iter().fold(0.0, f64::max)
     };
     small_solve(k, one).is_none_or(|inverse| norm(&k) * norm(&inverse) * epsilon > 1e-2)
 }
@@ -333,17 +311,18 @@ fn refused(truth: &Solution, trial: &Trial, status: &str, precision: Precision) 
     }
 }
 
-/// Solves and judges the counted solves of a case, without the reference build's own search.
-pub fn judge(trial: &Trial) -> Vec<Judged> {
+/// Solves and judges the counted solves of a case, without the reference build's own search; `is_followed` has the
+/// reference build follow the branch from rest as well.
+pub fn judge(trial: &Trial, is_followed: bool) -> Vec<Judged> {
     let [single, double] = PRECISIONS.map(|precision| answers(trial, precision));
     let first = trial.ticks.len() - trial.family.ticks();
     let answers = single.into_iter().zip(double).enumerate().skip(first);
     answers
-        .map(|(number, (single, double))| judge_tick(trial, number, [single, double]))
+        .map(|(number, (single, double))| judge_tick(trial, number, [single, double], is_followed))
         .collect()
 }
 
-fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> Judged {
+fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: bool) -> Judged {
     let ticks = PRECISIONS.map(|precision| seen(&trial.ticks[number], precision));
     let same = ticks[0] == ticks[1];
     let mut records = [0, 1].map(|p| {
@@ -360,10 +339,15 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> Judged {
             errors: None,
             estimate: figures.map(|f| f.error),
             residual: figures.map(|_| residual(trial, &ticks[p], answers[p].balls())),
-            branch: None,
+            from_rest: None,
         }
     });
     let mut truths = [None, None];
+    let mut from_rest = kept(|tick| {
+        let attitude = trial.case.reference_attitude();
+        let found = trial.reference.from_rest(tick.load, tick.omega, attitude);
+        found.ok()
+    });
 
     // Double precision first: its equilibrium is the truth of both.
     for p in [1, 0] {
@@ -371,25 +355,24 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> Judged {
         else {
             continue;
         };
-        let own = || polished(trial, &ticks[p], &answers[p]);
-        let shared = truths[1].clone().filter(|_| p == 0 && same);
-        let (truth, verdict) = if let Some(shared) = shared {
-            let far = errors(trial, &found, &shared).iter().any(|e| *e > FAR);
-            let other = far.then(own).flatten();
-            let apart = |own: &Solution| differ(trial, &Equilibrium::from(own), &shared, APART);
-            match other.filter(apart) {
-                Some(other) => (Some(other), Verdict::OtherBranch),
-                None => (Some(shared), Verdict::Judged),
-            }
-        } else {
-            match own().or_else(|| known(trial, &ticks[p])) {
-                Some(truth) => (Some(truth), Verdict::Judged),
-                None => (None, Verdict::Unjudged),
-            }
+        let shared = truths[1].clone().filter(|_| same);
+        let is_near = |truth: &Solution| errors(trial, &found, truth).iter().all(|e| *e <= FAR);
+        let near = shared.clone().filter(is_near);
+        let own = near.or_else(|| polished(trial, &ticks[p], &answers[p]));
+        truths[p] = own.or(shared).or_else(|| known(trial, &ticks[p]));
+        let Some(truth) = &truths[p] else {
+            records[p].verdict = Verdict::Unjudged;
+            continue;
         };
-        records[p].errors = truth.as_ref().map(|truth| errors(trial, &found, truth));
-        records[p].verdict = verdict;
-        truths[p] = truth;
+        records[p].verdict = Verdict::Judged;
+        records[p].errors = Some(errors(trial, &found, truth));
+        // Warm solves have a history, which may lead to another equilibrium.
+        if is_followed && !trial.family.is_warm() && ticks[p].omega != 0.0 {
+            records[p].from_rest = from_rest(ticks[p]).map(|meant| {
+                let [u, q, _] = errors(trial, &Equilibrium::from(truth), &meant);
+                u.max(q) <= APART
+            });
+        }
     }
 
     // A refusal is wrong if anyone knows of an equilibrium.
@@ -402,15 +385,12 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2]) -> Judged {
         let by_rule = matches!(status, "not-finite" | "unloaded")
             || status == "out-of-range" && trial.family == Family::AnyBits;
         let shared = truths[1 - p].clone().filter(|_| same);
-        records[p].verdict = if by_rule {
-            Verdict::RightlyRefused
+        if by_rule {
+            records[p].verdict = Verdict::RightlyRefused;
         } else if let Some(truth) = shared.or_else(|| known(trial, &ticks[p])) {
-            let verdict = refused(&truth, trial, status, PRECISIONS[p]);
+            records[p].verdict = refused(&truth, trial, status, PRECISIONS[p]);
             truths[p] = Some(truth);
-            verdict
-        } else {
-            Verdict::Undecided
-        };
+        }
     }
     Judged {
         answers,
@@ -428,57 +408,19 @@ fn kept<R: Clone>(of: impl Fn(&Tick) -> R) -> impl FnMut(Tick) -> R {
     }
 }
 
-/// Looks into which equilibrium the answers of a cold case at speed are: the reference build follows the branch from
-/// rest. Warm solves have a history, which may lead elsewhere.
-pub fn follow(trial: &Trial, judged: &mut [Judged]) {
-    if trial.family.is_warm() {
-        return;
-    }
-    let attitude = trial.case.reference_attitude();
-    let mut from_rest = kept(|tick| {
-        trial
-            .reference
-            .from_rest(tick.load, tick.omega, attitude)
-            .ok()
-    });
-    for solve in judged {
-        for (p, record) in solve.records.iter_mut().enumerate() {
-            let tick = seen(&trial.ticks[record.tick], record.precision);
-            let (true, Some(found)) = (tick.omega != 0.0, solve.answers[p].equilibrium()) else {
-                continue;
-            };
-            let differs = |meant: &Solution| match &solve.truths[p] {
-                Some(truth) => differ(trial, &Equilibrium::from(truth), meant, APART),
-                None => differ(trial, &found, meant, FAR),
-            };
-            record.branch = Some(match from_rest(tick) {
-                None => Branch::Lost,
-                Some(meant) if differs(&meant) => Branch::Other,
-                Some(_) => Branch::FromRest,
-            });
-        }
-    }
-}
-
-/// Has the reference build search for an equilibrium, wherever a solve of one case found none and nothing else decides:
-/// slow. Returns the last one found.
-pub fn search(trial: &Trial, records: &mut [Record]) -> Option<Solution> {
-    let attitude = trial.case.reference_attitude();
+/// Has the reference build search for an equilibrium, wherever a solve found none and nothing else decides: slow.
+pub fn search(trial: &Trial, records: &mut [Record; 2]) {
     let mut search = kept(|tick| {
-        physical(
-            trial,
-            trial.reference.search(tick.load, tick.omega, attitude),
-        )
+        let attitude = trial.case.reference_attitude();
+        let found = trial.reference.search(tick.load, tick.omega, attitude);
+        physical(trial, found)
     });
-    let mut found = None;
     for record in records {
         if record.verdict == Verdict::Undecided {
             let truth = search(seen(&trial.ticks[record.tick], record.precision));
-            record.verdict = truth.as_ref().map_or(Verdict::RightlyRefused, |truth| {
-                refused(truth, trial, record.status, record.precision)
+            record.verdict = truth.map_or(Verdict::RightlyRefused, |truth| {
+                refused(&truth, trial, record.status, record.precision)
             });
-            found = truth;
         }
     }
-    found
 }

@@ -54,7 +54,7 @@ fn loads_that_people_type_are_solved() {
 
 /// The records of a case of one solve, in single and in double precision.
 fn records(family: Family, index: usize) -> [Record; 2] {
-    judge(&Trial::new(Plan::SEED, family, index))[0].records
+    judge(&Trial::new(Plan::SEED, family, index), false)[0].records
 }
 
 /// Solves in which a ball may leave its groove while the ring is still far from its place: they have an equilibrium.
