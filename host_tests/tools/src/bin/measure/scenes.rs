@@ -13,6 +13,7 @@ use probes::{Axial, Clamped, Question, Ring, Sprung};
 use rayon::prelude::*;
 use spindle_bearing::{Bearing, Centrifugal, Full, Real, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
+use std::collections::BTreeMap;
 use std::path::Path;
 use tools::bar::Bar;
 use tools::report::Figures;
@@ -133,35 +134,27 @@ pub fn programs() -> Vec<Program> {
         .collect()
 }
 
-/// Builds and measures programs.
+/// Builds and measures programs. One is built while others are measured.
 pub fn run(root: &Path, programs: Vec<Program>, works: &[Work]) -> Result<Vec<Measured>> {
-    let bar = Bar::new("{bar:40} {pos} of {len} programs, {msg}, {elapsed}")?;
+    let bar = Bar::new("{bar:40} {pos} of {len} programs, {elapsed}")?;
     bar.expect(programs.len());
-    bar.stage("building");
-    let mut images = Vec::new();
-    for program in programs {
+    let build = |program: Program| -> Result<(Image, Program)> {
         let (core, precision) = (program.core, program.precision);
         let scene = Some(program.scene.name);
-        images.push((
-            Image::build(root, core, "measured", precision, scene)?,
-            program,
-        ));
+        let image = Image::build(root, core, "measured", precision, scene)?;
+        Ok((image, program))
+    };
+    let built = programs.into_iter().map(build).enumerate().par_bridge();
+    let measured = built.map(|(number, built)| {
+        let (image, program) = built?;
+        let name = program.name();
+        let measured = program.measure(image, works).context(name)?;
         bar.done(1);
-    }
-    bar.expect(images.len());
-    bar.stage("solving");
-    let measured = images
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|(image, program)| {
-            let name = program.name();
-            let measured = program.measure(image, works).context(name);
-            bar.done(1);
-            measured
-        })
-        .collect();
+        Ok((number, measured))
+    });
+    let measured: Result<BTreeMap<_, _>> = measured.collect();
     bar.finish();
-    measured
+    Ok(measured?.into_values().collect())
 }
 
 impl Program {
