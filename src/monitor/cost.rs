@@ -1,5 +1,5 @@
-//! What a tick costs on cores that were measured. Made by `cargo reports monitor`; `docs/report.md` has the
-//! whole of it.
+//! What a tick costs on cores that were measured. `cargo reports --check` holds it against the figures of the page
+//! `docs/report.md`.
 
 use super::tick::CycleCost;
 
@@ -14,7 +14,7 @@ impl CycleCost {
         fixed: 92_250,
         iteration: 83_233,
     };
-    /// The first with a single row of 16 balls: `SPINDLE_ROWS=1 cargo reports monitor` has measured it.
+    /// The first with a single row of 16 balls: `SPINDLE_ROWS=1 cargo reports --check` has measured it.
     pub const CORTEX_M4F_SINGLE: Self = Self {
         fixed: 33_658,
         iteration: 20_799,

@@ -1,8 +1,8 @@
 //! The programs that are measured: built, and laid out in memory.
 
-use crate::table::name;
 use crate::timing::Core;
 use anyhow::{Context, Result};
+use host_tests::campaign::report::name;
 use host_tests::dispatch::Precision;
 use object::{Object, ObjectSegment, ObjectSymbol};
 use std::collections::HashMap;

@@ -84,10 +84,6 @@ pub struct Machine {
     uc: Unicorn<'static, Watch>,
 }
 
-fn failed(what: &str) -> impl FnOnce(unicorn_engine::uc_error) -> anyhow::Error + '_ {
-    move |e| anyhow!("the emulator cannot {what}: {e:?}")
-}
-
 impl Machine {
     /// A core with this program in its memory.
     pub fn new(core: Core, image: &Image) -> Result<Self> {
@@ -114,22 +110,22 @@ impl Machine {
             failure: None,
         };
         // With `Mode::MCLASS` every core would be a Cortex-M33, whatever model is asked for.
-        let mut uc =
-            Unicorn::new_with_data(Arch::ARM, Mode::THUMB, watch).map_err(failed("start"))?;
+        let mut uc = Unicorn::new_with_data(Arch::ARM, Mode::THUMB, watch)
+            .context("the emulator cannot start")?;
         let model = match core {
             Core::M4f => ArmCpuModel::CORTEX_M4,
             Core::M7 => ArmCpuModel::CORTEX_M7,
         };
         uc.ctl_set_cpu_model(model as i32)
-            .map_err(failed("be this core"))?;
+            .context("the emulator cannot be this core")?;
         for ((start, size), data, rights) in [
             (FLASH, &flash, Prot::READ | Prot::EXEC),
             (RAM, &ram, Prot::READ | Prot::WRITE),
         ] {
             uc.mem_map(start.into(), size.into(), rights)
-                .map_err(failed("map memory"))?;
+                .context("the emulator cannot map memory")?;
             uc.mem_write(start.into(), data)
-                .map_err(failed("fill memory"))?;
+                .context("the emulator cannot fill memory")?;
         }
         uc.add_block_hook(1, 0, |uc, address, size| {
             let watch = uc.get_data_mut();
@@ -140,7 +136,7 @@ impl Machine {
                 let _ = uc.emu_stop();
             }
         })
-        .map_err(failed("report its blocks"))?;
+        .context("the emulator cannot report its blocks")?;
         Ok(Self { uc })
     }
 
@@ -152,7 +148,7 @@ impl Machine {
         for (register, value) in [(RegisterARM::SP, stack), (RegisterARM::LR, RETURN | 1)] {
             self.uc
                 .reg_write(register, value.into())
-                .map_err(failed("set a register"))?;
+                .context("the emulator cannot set a register")?;
         }
         let end = self
             .uc
@@ -163,7 +159,7 @@ impl Machine {
         let read = |register| {
             self.uc
                 .reg_read(register)
-                .map_err(failed("read a register"))
+                .context("the emulator cannot read a register")
         };
         let at = read(RegisterARM::PC)?;
         end.map_err(|e| anyhow!("the program failed at {at:#x}: {e:?}"))?;
@@ -198,7 +194,7 @@ impl Machine {
     pub fn read(&self, address: u32, length: usize) -> Result<Vec<u8>> {
         self.uc
             .mem_read_as_vec(address.into(), length)
-            .map_err(failed("read memory"))
+            .context("the emulator cannot read memory")
     }
 
     /// Reads a word.
@@ -212,6 +208,6 @@ impl Machine {
     pub fn write(&mut self, address: u32, data: &[u8]) -> Result<()> {
         self.uc
             .mem_write(address.into(), data)
-            .map_err(failed("write memory"))
+            .context("the emulator cannot write memory")
     }
 }

@@ -11,13 +11,12 @@ use std::path::Path;
 use tools::chart;
 use tools::report::Figures;
 
-/// Measures everything; writes the page, its picture, README's table and the deadline's constants. Returns the figures.
+/// Measures everything; writes the page and its picture. Returns the figures of the gate.
 pub fn write(root: &Path) -> Result<Figures> {
     let works = Work::all();
     let truths = sweep::truths(&works)?;
     let measured = scenes::run(root, sweep::programs(), &works)?;
     let ticks = ticks::measure(root)?;
-    ticks::write_constants(root, &ticks)?;
     let all: Figures = measured.iter().flat_map(Measured::figures).collect();
     let text = format!(
         "<!-- Made by `cargo reports` from commit {}; the seeds of the cases are 0 to {}. -->\n\n\
@@ -51,25 +50,16 @@ pub fn write(root: &Path) -> Result<Figures> {
         sweep::host(&works, &truths)?,
     );
     let docs = root.join("docs");
-    write_file(
-        &docs.join("report.md"),
-        &(text.replace("\n\n\n", "\n\n").trim_end().to_owned() + "\n"),
-    )?;
-    write_file(
-        &docs.join("report.svg"),
-        &chart::svg(&sweep::chart(&measured, &truths))?,
-    )?;
+    let text = text.replace("\n\n\n", "\n\n");
+    fs::write(docs.join("report.md"), text.trim_end().to_owned() + "\n").context("report.md")?;
+    let picture = chart::svg(&sweep::chart(&measured, &truths))?;
+    fs::write(docs.join("report.svg"), picture).context("report.svg")?;
+    println!("docs/report.md and docs/report.svg are written");
     // The gate's programs are the first ones.
     let gate = measured.iter().take(scenes::programs().len());
     let mut figures: Figures = gate.flat_map(Measured::figures).collect();
     figures.extend(ticks::figures(&ticks));
-    write_readme(root, &figures)?;
-    println!("docs/report.md, docs/report.svg and README's table are written");
     Ok(figures)
-}
-
-fn write_file(path: &Path, text: &str) -> Result<()> {
-    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// A figure of a program.
@@ -80,19 +70,19 @@ fn figure(figures: &Figures, program: &str, what: &str) -> Result<u64> {
 }
 
 fn scene_table(measured: &[Measured], figures: &Figures) -> Result<String> {
+    let [warm, cold] = [STARTS[1], STARTS[0]].map(|start| format!("{start}, cycles, median"));
+    let columns: Vec<&str> = BYTES
+        .into_iter()
+        .chain([&*warm, &cold, "cold, without a solution"])
+        .collect();
     let line = |measured: &Measured| {
-        let (scene, program) = (measured.program.scene, measured.program.name());
-        let mut line = vec![program.clone(), scene.without.to_owned()];
-        let cycles = [STARTS[1], STARTS[0]].map(|start| format!("{start}, cycles, median"));
-        let unsolved = "cold, without a solution".to_owned();
-        for what in BYTES
-            .map(str::to_owned)
-            .into_iter()
-            .chain(cycles)
-            .chain([unsolved])
-        {
-            line.push(thousands(figure(figures, &program, &what)?));
-        }
+        let program = measured.program.name();
+        let numbers = columns.iter().map(|what| {
+            let figure = figure(figures, &program, what)?;
+            Ok(thousands(figure))
+        });
+        let mut line = vec![program.clone(), measured.program.scene.without.to_owned()];
+        line.extend(numbers.collect::<Result<Vec<_>>>()?);
         Ok(line)
     };
     let lines = measured.iter().map(line).collect::<Result<Vec<_>>>()?;
@@ -102,66 +92,51 @@ fn scene_table(measured: &[Measured], figures: &Figures) -> Result<String> {
     ))
 }
 
-/// README's table.
-pub fn readme_table(figures: &Figures) -> Result<String> {
-    let time = |cycles: u64| format!("{:.3} ms", cycles as f64 / 168e3);
-    let mut lines = Vec::new();
-    for (what, scene) in [
+/// README as it is, and with the table of these figures.
+pub fn readme(root: &Path, figures: &Figures) -> Result<[String; 2]> {
+    const MARKS: [&str; 2] = ["<!-- report: begin -->\n\n", "\n<!-- report: end -->"];
+    let text = fs::read_to_string(root.join("README.md")).context("README.md")?;
+    let (before, rest) = text
+        .split_once(MARKS[0])
+        .context("README has no place for the table")?;
+    let (_, after) = rest
+        .split_once(MARKS[1])
+        .context("README's table has no end")?;
+    let table = readme_table(figures)?;
+    let made = [before, MARKS[0], table.trim_end(), "\n", MARKS[1], after].concat();
+    Ok([text, made])
+}
+
+fn readme_table(figures: &Figures) -> Result<String> {
+    let rows = [
         ("one bearing", "full"),
         ("a pair", "pair"),
         ("four rows", "four-rows"),
-    ] {
-        let program = format!("Cortex-M4F, f32, {scene}");
-        let cycles = figure(figures, &program, "warm, cycles, median")?;
-        let mut line = vec![what.to_owned(), thousands(cycles), time(cycles)];
-        for what in BYTES {
-            line.push(thousands(figure(figures, &program, what)?));
-        }
-        lines.push(line);
-    }
-    let cycles = figure(figures, "Cortex-M4F, f32, monitor", ticks::MEDIAN)?;
-    let mut line = vec![
-        "a tick of the monitor of a pair".to_owned(),
-        thousands(cycles),
-        time(cycles),
+        ("a tick of the monitor of a pair", "monitor"),
     ];
-    line.resize(6, String::new());
-    lines.push(line);
+    let row = |(what, scene): (&str, &str)| {
+        let program = format!("Cortex-M4F, f32, {scene}");
+        let is_tick = scene == "monitor";
+        let median = if is_tick {
+            ticks::MEDIAN
+        } else {
+            "warm, cycles, median"
+        };
+        let cycles = figure(figures, &program, median)?;
+        let time = format!("{:.3} ms", cycles as f64 / 168e3);
+        let mut line = vec![what.to_owned(), thousands(cycles), time];
+        for what in BYTES {
+            line.push(if is_tick {
+                String::new()
+            } else {
+                thousands(figure(figures, &program, what)?)
+            });
+        }
+        Ok(line)
+    };
+    let lines = rows.into_iter().map(row).collect::<Result<Vec<_>>>()?;
     Ok(markdown(
         "warm | cycles | at 168 MHz | flash / B | state / B | stack / B",
         &lines,
     ))
-}
-
-/// README's text before the table, the table, and the text after it.
-fn readme(root: &Path) -> Result<[String; 3]> {
-    const MARKS: [&str; 2] = ["<!-- report: begin -->\n\n", "\n<!-- report: end -->"];
-    let path = root.join("README.md");
-    let text =
-        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    let parts = text.split_once(MARKS[0]).and_then(|(before, rest)| {
-        let (table, after) = rest.split_once(MARKS[1])?;
-        Some([
-            format!("{before}{}", MARKS[0]),
-            table.to_owned(),
-            format!("{}{after}", MARKS[1]),
-        ])
-    });
-    parts.with_context(|| format!("{}: the marks of the table are missing", path.display()))
-}
-
-/// The published table.
-pub fn readme_table_of(root: &Path) -> Result<String> {
-    let [_, table, _] = readme(root)?;
-    Ok(table)
-}
-
-/// Writes README's table.
-pub fn write_readme(root: &Path, figures: &Figures) -> Result<()> {
-    let [before, _, after] = readme(root)?;
-    let table = readme_table(figures)?;
-    write_file(
-        &root.join("README.md"),
-        &format!("{before}{}\n{after}", table.trim_end()),
-    )
 }

@@ -3,19 +3,17 @@
 use crate::bench::{Answer, Bench};
 use crate::image::Image;
 use crate::machine::Count;
-use crate::table::name;
 use crate::timing::Core;
 use crate::workload::{BALLS, STARTS, Work};
 use anyhow::{Context, Result, ensure};
+use host_tests::campaign::report::name;
 use host_tests::dispatch::Precision;
-use host_tests::progress::Progress;
 use probes::{Axial, Clamped, Question, Ring, Sprung};
 use rayon::prelude::*;
 use spindle_bearing::{Bearing, Centrifugal, Full, Real, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
 use std::collections::BTreeMap;
 use std::path::Path;
-use tools::bar::Bar;
 use tools::report::Figures;
 
 /// Cases whose stack is measured.
@@ -136,9 +134,7 @@ pub fn programs() -> Vec<Program> {
 
 /// Builds and measures programs. One is built while others are measured.
 pub fn run(root: &Path, programs: Vec<Program>, works: &[Work]) -> Result<Vec<Measured>> {
-    let bar = Bar::new("{bar:40} {pos} of {len} programs, {elapsed}")?;
-    bar.expect(programs.len());
-    let build = |program: Program| -> Result<(Image, Program)> {
+    let build = |program: Program| -> Result<_> {
         let (core, precision) = (program.core, program.precision);
         let scene = Some(program.scene.name);
         let image = Image::build(root, core, "measured", precision, scene)?;
@@ -148,12 +144,10 @@ pub fn run(root: &Path, programs: Vec<Program>, works: &[Work]) -> Result<Vec<Me
     let measured = built.map(|(number, built)| {
         let (image, program) = built?;
         let name = program.name();
-        let measured = program.measure(image, works).context(name)?;
-        bar.done(1);
-        Ok((number, measured))
+        eprintln!("{name}");
+        Ok((number, program.measure(image, works).context(name)?))
     });
     let measured: Result<BTreeMap<_, _>> = measured.collect();
-    bar.finish();
     Ok(measured?.into_values().collect())
 }
 

@@ -1,11 +1,11 @@
 //! Error of the stiffness over cycles, by tolerance; and times on this machine.
 
 use crate::scenes::{self, FULL, Measured, Program, Solve, solved};
-use crate::table::{markdown, name, thousands};
+use crate::table::{markdown, thousands};
 use crate::timing::Core;
 use crate::workload::{BALLS, STARTS, Work};
 use anyhow::Result;
-use host_tests::campaign::report::Spread;
+use host_tests::campaign::report::{Spread, name};
 use host_tests::cases;
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::{Attitude, Precision};

@@ -1,15 +1,6 @@
-//! Names and numbers in tables.
+//! Numbers in tables.
 
 use host_tests::campaign::report::table;
-use host_tests::dispatch::Precision;
-
-/// Name of a precision in tables and to the build.
-pub const fn name(precision: Precision) -> &'static str {
-    match precision {
-        Precision::F32 => "f32",
-        Precision::F64 => "f64",
-    }
-}
 
 /// A whole number, its thousands set apart.
 pub fn thousands(number: u64) -> String {

@@ -6,10 +6,10 @@
 
 use crate::image::Image;
 use crate::machine::Machine;
-use crate::table::{markdown, name, thousands};
+use crate::table::{markdown, thousands};
 use crate::timing::Core;
 use anyhow::{Context, Result, ensure};
-use host_tests::campaign::report::Spread;
+use host_tests::campaign::report::{Spread, name};
 use host_tests::dispatch::Precision;
 use host_tests::milling_cycle::record_of;
 use rayon::prelude::*;
@@ -29,8 +29,6 @@ const TEETH: u32 = 4000;
 /// Bytes of `MEASURED_INPUT` and `MEASURED_OUTPUT`.
 const INPUT: usize = 1024;
 const OUTPUT: usize = 8192;
-/// Where the constants are.
-const CONSTANTS: &str = "src/monitor/cost.rs";
 
 /// A board, and the host's own build of its chain.
 macro_rules! board {
@@ -89,9 +87,6 @@ board!(
 );
 board!(h743, M7, F64, f64, 400_000_000, CORTEX_M7_SINGLE, CORTEX_M7);
 const BOARDS: [Board; 2] = [f405::BOARD, h743::BOARD];
-
-/// Whether the shipped pair is monitored, which page and gate are about.
-pub const IS_SHIPPED: bool = f405::monitored::ROWS > 1;
 
 /// Telemetry of a chain, tick by tick.
 type Telemetry = Box<dyn FnMut(&Tick) -> Vec<u8>>;
@@ -366,8 +361,7 @@ pub fn section(measured: &[Costs]) -> String {
          the host to the last bit.\n\n{}\n\
          *Fixed* covers everything but iterations in all ticks but one in a thousand. Fixed cycles and the allowed iterations \
          fit into a period of 1 ms. A tick beyond the period lets the next one begin late, and is counted as an overrun. \
-         Beyond the period are solves from nothing, too, and solves with one iteration more than the firmware allows.\n\n\
-         `cargo reports monitor` measures these figures alone, and writes the constants of `CycleCost`.\n\n",
+         Beyond the period are solves from nothing, too, and solves with one iteration more than the firmware allows.\n\n",
         markdown(
             "board | period | median | 99 % | worst | fixed | an iteration | allowed | beyond the period",
             &lines
@@ -375,61 +369,20 @@ pub fn section(measured: &[Costs]) -> String {
     )
 }
 
-/// Fails where the firmware's constants promise less than the measurement.
-fn hold(measured: &[Costs], leeway: f64) -> Result<()> {
-    for costs in measured {
-        let (is, said) = (costs.constant(), costs.board.cost);
-        let most = |cycles: u32| f64::from(cycles) * (1.0 + leeway);
-        ensure!(
-            f64::from(is.fixed) <= most(said.fixed)
-                && f64::from(is.iteration) <= most(said.iteration),
-            "the deadline rests on a constant that is too small. CycleCost::{} is {said:?}, measured {is:?}. \
-             `cargo reports monitor` writes {CONSTANTS} again; commit it if it is worth it",
-            costs.board.constant
-        );
-    }
-    Ok(())
-}
-
-/// The figures, once the constants have been held against them.
-pub fn check(root: &Path, leeway: f64) -> Result<Figures> {
-    let measured = measure(root)?;
-    hold(&measured, leeway)?;
-    Ok(figures(&measured))
-}
-
-/// Writes the constants as they are measured.
-///
-/// Fails where not even one iteration fits: firmware with such constants does not compile, and could then not
-/// be measured again.
-pub fn write_constants(root: &Path, measured: &[Costs]) -> Result<()> {
-    let path = root.join(CONSTANTS);
-    let mut text = std::fs::read_to_string(&path)
-        .with_context(|| format!("cannot read {}", path.display()))?;
-    for costs in measured {
-        let (name, board, cost) = (costs.board.name(), costs.board, costs.constant());
-        let [before, now] = [board.cost, cost].map(|cost| cost.iterations_within(board.period()));
-        ensure!(
-            cost.fixed + cost.iteration <= board.period(),
-            "a tick does not fit, {name}: {cost:?} of {} cycles. {CONSTANTS} is left as it is",
-            board.period()
-        );
-        if now != before {
-            println!("{name}: {now} iterations are allowed, {before} so far: measure once more");
-        }
-        let head = format!("pub const {}: Self = Self {{", board.constant);
-        let parts = text.split_once(&head).and_then(|(before, rest)| {
-            let (_, after) = rest.split_once("};")?;
-            Some((before, after))
+/// Constants of the firmware's deadline that are not these figures.
+pub fn other_constants(figures: &Figures) -> Vec<String> {
+    let of_board = |board: &Board| {
+        let said = [(FIXED, board.cost.fixed), (ITERATION, board.cost.iteration)];
+        let said = said.map(|(metric, cycles)| (format!("{}: {metric}", board.name()), cycles));
+        let others = said.into_iter().filter_map(|(what, cycles)| {
+            let figure = *figures.get(&what)?;
+            let constant = board.constant;
+            let text = || format!("{what}: {figure}, and CycleCost::{constant} has {cycles}");
+            (figure != u64::from(cycles)).then(text)
         });
-        let (before, after) = parts.with_context(|| format!("{CONSTANTS} has no `{head}`"))?;
-        let [fixed, iteration] =
-            [cost.fixed, cost.iteration].map(|cycles| thousands(cycles.into()).replace(',', "_"));
-        text = format!(
-            "{before}{head}\n        fixed: {fixed},\n        iteration: {iteration},\n    }};{after}"
-        );
-    }
-    std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+        others.collect::<Vec<_>>()
+    };
+    BOARDS.iter().flat_map(of_board).collect()
 }
 
 #[cfg(test)]
@@ -463,19 +416,18 @@ mod tests {
     }
 
     #[test]
-    fn constants_that_promise_too_little_are_named() {
-        let said = BOARDS[0].cost;
-        let of = |fixed: f64, iteration: f64| {
-            let part = |cycles: u32, part: f64| (f64::from(cycles) * part) as u64;
-            let (fixed, iteration) = (part(said.fixed, fixed), part(said.iteration, iteration));
-            let cost = |n: u32| (fixed + u64::from(n) * iteration, n);
-            hold(&[costs(&[cost(1), cost(2)])], 0.02)
+    fn constants_that_are_not_the_figures_are_named() {
+        let board = &BOARDS[0];
+        let figures = |more: u64| {
+            let name = format!("{}: {ITERATION}", board.name());
+            Figures::from([(name, u64::from(board.cost.iteration) + more)])
         };
-        assert!(of(1.019, 1.019).is_ok());
-        for (fixed, iteration) in [(1.03, 1.0), (1.0, 1.03)] {
-            let text = of(fixed, iteration).unwrap_err().to_string();
-            assert!(text.contains(BOARDS[0].constant), "{text}");
-        }
+        assert!(other_constants(&figures(0)).is_empty());
+        let named = other_constants(&figures(1));
+        assert!(
+            matches!(&*named, [text] if text.contains(board.constant)),
+            "{named:?}"
+        );
     }
 
     #[test]

@@ -1,71 +1,77 @@
 //! `cargo reports`: see `cargo reports --help`.
 //!
 //! The measurement needs an emulator that takes a C compiler, cmake and libclang to build. This
-//! program needs nothing of that: it sees to the tools, then has cargo build and run the one that
-//! measures.
+//! program needs nothing of that: it sees to the tools, then has cargo build and run `measure`.
 
 mod validation;
 
-use anyhow::{Context, Result};
-use clap::Parser;
-use std::process::{Command as Process, ExitCode};
+use anyhow::{Context, Result, ensure};
+use clap::{Parser, Subcommand};
+use std::process::Command;
 use tools::cross::{self, Missing, output};
-use tools::report::{Arguments, Command};
 
-fn main() -> Result<ExitCode> {
-    let arguments = Arguments::parse();
-    match arguments.command {
-        Some(Command::Validation { check }) => validation::run(check).map(|()| ExitCode::SUCCESS),
-        // Times on the host are those of optimised code.
-        None if !arguments.check && !arguments.accept => measure("host"),
-        // Built already for the tests, as far as it goes, and fast enough.
-        None | Some(Command::Monitor) => measure("dev"),
-    }
+/// Measures the solver's cycles, memory and errors; writes docs/report.md, its picture and README's table
+#[derive(Debug, Parser)]
+#[command(name = "cargo reports")]
+struct Arguments {
+    /// Instead, fails if a figure is 2 % off the committed one, or README's table is not of the committed ones
+    #[arg(long, conflicts_with = "accept")]
+    check: bool,
+    /// Instead, takes the figures and README's table as they are now
+    #[arg(long)]
+    accept: bool,
+    /// Something else than the page
+    #[command(subcommand)]
+    page: Option<Page>,
 }
 
-/// Builds and runs the program that measures, with the arguments of this one.
-fn measure(profile: &str) -> Result<ExitCode> {
-    for missing in missing() {
-        cross::install(&missing)?;
+#[derive(Debug, Subcommand)]
+enum Page {
+    /// Known results reproduced: writes docs/validation.md and its pictures
+    Validation {
+        /// Instead, fails if a number or a word of the committed page is not as made now
+        #[arg(long)]
+        check: bool,
+    },
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    if let Some(Page::Validation { check }) = arguments.page {
+        return validation::run(check);
+    }
+    // The page has times on the host, which are those of optimised code. The tests have built the other profile.
+    let (profile, task) = match (arguments.check, arguments.accept) {
+        (true, _) => ("dev", "check"),
+        (_, true) => ("dev", "accept"),
+        _ => ("host", "page"),
+    };
+    if !has_cmake() || !has_libclang() {
+        cross::install(&Missing {
+            what: "cmake or libclang",
+            debian: &["cmake", "libclang-dev"],
+            elsewhere: "Fedora: dnf install cmake clang-devel; Arch: pacman -S cmake clang; macOS: brew install cmake; anywhere, \
+                        if libclang is there: set LIBCLANG_PATH to its folder",
+        })?;
     }
     let status = cross::cargo()
         .args(["run", "--quiet", "--profile", profile, "-p", "tools"])
-        .args(["--features", "emulator", "--bin", "measure", "--"])
-        .args(std::env::args_os().skip(1))
+        .args(["--features", "emulator", "--bin", "measure", "--", task])
         .current_dir(tools::root())
         .status()
         .context("cannot run cargo")?;
-    Ok(if status.success() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    })
+    ensure!(status.success(), "the measurement has failed");
+    Ok(())
 }
 
-/// Tools that the emulator's build takes and that are not here.
-fn missing() -> Vec<Missing<'static>> {
-    let mut all = Vec::new();
-    if output(Process::new("cmake").arg("--version")).is_none() {
-        all.push(Missing {
-            what: "cmake",
-            debian: &["cmake"],
-            elsewhere: "Fedora: dnf install cmake; Arch: pacman -S cmake; macOS: brew install cmake",
-        });
-    }
-    // Elsewhere the build says by itself that it is missing.
-    let libraries = output(Process::new("/sbin/ldconfig").arg("-p"));
-    let has_libclang = |libraries: String| {
-        let libraries = libraries.replace("libclang-cpp", "");
-        libraries.contains("libclang.so") || libraries.contains("libclang-")
-    };
-    let has_path = std::env::var_os("LIBCLANG_PATH").is_some();
-    if !has_path && libraries.is_some_and(|libraries| !has_libclang(libraries)) {
-        all.push(Missing {
-            what: "libclang",
-            debian: &["libclang-dev"],
-            elsewhere: "Fedora: dnf install clang-devel; Arch: pacman -S clang; anywhere, if it is \
-                        there: set LIBCLANG_PATH to its folder",
-        });
-    }
-    all
+fn has_cmake() -> bool {
+    output(Command::new("cmake").arg("--version")).is_some()
+}
+
+/// Also where nothing tells: the build then says by itself that it is missing.
+fn has_libclang() -> bool {
+    let libraries = output(Command::new("/sbin/ldconfig").arg("-p"));
+    let libraries = libraries.map(|libraries| libraries.replace("libclang-cpp", ""));
+    std::env::var_os("LIBCLANG_PATH").is_some()
+        || libraries.is_none_or(|all| all.contains("libclang.so") || all.contains("libclang-"))
 }
