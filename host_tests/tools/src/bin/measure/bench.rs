@@ -118,21 +118,14 @@ impl Bench {
             Precision::F64 => 8,
         };
         let behind = at + (count * size) as u32;
-        if self.machine.word(behind + 4)? == 0 {
-            return Ok(None);
-        }
+        let [iterations, solved] = [self.machine.word(behind)?, self.machine.word(behind + 4)?];
         let bytes = self.machine.read(at, count * size)?;
-        let iterations = self.machine.word(behind)?;
-        Ok(Some(match self.precision {
-            Precision::F32 => {
-                let numbers = bytes.as_chunks().0.iter();
-                Answer::new(numbers.map(|b| f32::from_le_bytes(*b).into()), iterations)
-            }
-            Precision::F64 => {
-                let numbers = bytes.as_chunks().0.iter();
-                Answer::new(numbers.map(|b| f64::from_le_bytes(*b)), iterations)
-            }
-        }))
+        let number = |bytes: &[u8]| match *bytes {
+            [a, b, c, d] => f32::from_le_bytes([a, b, c, d]).into(),
+            _ => bytes.try_into().map_or(f64::NAN, f64::from_le_bytes),
+        };
+        let answer = Answer::new(bytes.chunks_exact(size).map(number), iterations);
+        Ok((solved != 0).then_some(answer))
     }
 
     /// Bytes of stack that a solve takes, beyond those of the call around it.

@@ -5,7 +5,7 @@
 use crate::decode::Decoder;
 use crate::image::Image;
 use crate::timing::Core;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, ensure};
 use std::collections::HashMap;
 use unicorn_engine::unicorn_const::{Arch, ArmCpuModel, Mode, Prot};
 use unicorn_engine::{RegisterARM, Unicorn};
@@ -41,7 +41,6 @@ impl Count {
 struct Watch {
     core: Core,
     decoder: Decoder,
-    flash: Vec<u8>,
     /// Counts of a block, by address and size.
     blocks: HashMap<(u32, u32), Count>,
     count: Count,
@@ -50,33 +49,30 @@ struct Watch {
     failure: Option<anyhow::Error>,
 }
 
-impl Watch {
-    fn enter(&mut self, address: u32, size: u32) -> Result<()> {
-        let block = match self.blocks.get(&(address, size)) {
-            Some(block) => *block,
-            None => {
-                let from = (address - FLASH.0) as usize;
-                let code = self
-                    .flash
-                    .get(from..from + size as usize)
-                    .context("instructions outside of flash")?;
-                let instructions = self.decoder.block(code, address)?;
-                let block = Count {
-                    instructions: instructions.len() as u64,
-                    cycles: self.core.cycles(&instructions),
-                };
-                self.blocks.insert((address, size), block);
-                block
-            }
-        };
-        if self.end.is_some_and(|end| end != address) {
-            self.count.cycles += self.core.taken();
+/// Counts a block that begins.
+fn enter(uc: &mut Unicorn<'_, Watch>, address: u32, size: u32) -> Result<()> {
+    let block = match uc.get_data().blocks.get(&(address, size)) {
+        Some(block) => *block,
+        None => {
+            let code = uc.mem_read_as_vec(address.into(), size as usize)?;
+            let watch = uc.get_data_mut();
+            let instructions = watch.decoder.block(&code, address)?;
+            let block = Count {
+                instructions: instructions.len() as u64,
+                cycles: watch.core.cycles(&instructions),
+            };
+            watch.blocks.insert((address, size), block);
+            block
         }
-        self.count.instructions += block.instructions;
-        self.count.cycles += block.cycles;
-        self.end = Some(address + size);
-        Ok(())
+    };
+    let watch = uc.get_data_mut();
+    if watch.end.is_some_and(|end| end != address) {
+        watch.count.cycles += watch.core.taken();
     }
+    watch.count.instructions += block.instructions;
+    watch.count.cycles += block.cycles;
+    watch.end = Some(address + size);
+    Ok(())
 }
 
 /// The core, with a program.
@@ -87,56 +83,33 @@ pub struct Machine {
 impl Machine {
     /// A core with this program in its memory.
     pub fn new(core: Core, image: &Image) -> Result<Self> {
-        let mut flash = vec![0; FLASH.1 as usize];
-        let mut ram = vec![0; RAM.1 as usize];
-        for (address, data) in &image.segments {
-            let (memory, start) = if *address >= RAM.0 {
-                (&mut ram, RAM.0)
-            } else {
-                (&mut flash, FLASH.0)
-            };
-            let from = address.checked_sub(start).map(|from| from as usize);
-            from.and_then(|from| memory.get_mut(from..from + data.len()))
-                .context("a segment outside of memory")?
-                .copy_from_slice(data);
-        }
         let watch = Watch {
             core,
             decoder: Decoder::new()?,
-            flash: flash.clone(),
             blocks: HashMap::new(),
             count: Count::default(),
             end: None,
             failure: None,
         };
         // With `Mode::MCLASS` every core would be a Cortex-M33, whatever model is asked for.
-        let mut uc = Unicorn::new_with_data(Arch::ARM, Mode::THUMB, watch)
-            .context("the emulator cannot start")?;
+        let mut uc = Unicorn::new_with_data(Arch::ARM, Mode::THUMB, watch)?;
         let model = match core {
             Core::M4f => ArmCpuModel::CORTEX_M4,
             Core::M7 => ArmCpuModel::CORTEX_M7,
         };
-        uc.ctl_set_cpu_model(model as i32)
-            .context("the emulator cannot be this core")?;
-        for ((start, size), data, rights) in [
-            (FLASH, &flash, Prot::READ | Prot::EXEC),
-            (RAM, &ram, Prot::READ | Prot::WRITE),
-        ] {
-            uc.mem_map(start.into(), size.into(), rights)
-                .context("the emulator cannot map memory")?;
-            uc.mem_write(start.into(), data)
-                .context("the emulator cannot fill memory")?;
+        uc.ctl_set_cpu_model(model as i32)?;
+        uc.mem_map(FLASH.0.into(), FLASH.1.into(), Prot::READ | Prot::EXEC)?;
+        uc.mem_map(RAM.0.into(), RAM.1.into(), Prot::READ | Prot::WRITE)?;
+        for (address, data) in &image.segments {
+            let written = uc.mem_write((*address).into(), data);
+            written.context("a segment outside of memory")?;
         }
         uc.add_block_hook(1, 0, |uc, address, size| {
-            let watch = uc.get_data_mut();
-            if watch.failure.is_none()
-                && let Err(error) = watch.enter(address as u32, size)
-            {
-                watch.failure = Some(error);
+            if let Err(error) = enter(uc, address as u32, size) {
+                uc.get_data_mut().failure.get_or_insert(error);
                 let _ = uc.emu_stop();
             }
-        })
-        .context("the emulator cannot report its blocks")?;
+        })?;
         Ok(Self { uc })
     }
 
@@ -144,29 +117,19 @@ impl Machine {
     pub fn call(&mut self, function: u32) -> Result<(u32, Count)> {
         let watch = self.uc.get_data_mut();
         (watch.count, watch.end) = (Count::default(), None);
-        let stack = RAM.0 + RAM.1;
-        for (register, value) in [(RegisterARM::SP, stack), (RegisterARM::LR, RETURN | 1)] {
-            self.uc
-                .reg_write(register, value.into())
-                .context("the emulator cannot set a register")?;
-        }
+        self.uc.reg_write(RegisterARM::SP, (RAM.0 + RAM.1).into())?;
+        self.uc.reg_write(RegisterARM::LR, (RETURN | 1).into())?;
         let end = self
             .uc
             .emu_start((function | 1).into(), RETURN.into(), 0, 0);
         if let Some(error) = self.uc.get_data_mut().failure.take() {
             return Err(error);
         }
-        let read = |register| {
-            self.uc
-                .reg_read(register)
-                .context("the emulator cannot read a register")
-        };
-        let at = read(RegisterARM::PC)?;
-        end.map_err(|e| anyhow!("the program failed at {at:#x}: {e:?}"))?;
-        if at as u32 & !1 != RETURN {
-            bail!("the program stopped at {at:#x}");
-        }
-        Ok((read(RegisterARM::R0)? as u32, self.uc.get_data().count))
+        let at = self.uc.reg_read(RegisterARM::PC)?;
+        end.with_context(|| format!("the program failed at {at:#x}"))?;
+        ensure!(at as u32 & !1 == RETURN, "the program stopped at {at:#x}");
+        let result = self.uc.reg_read(RegisterARM::R0)?;
+        Ok((result as u32, self.uc.get_data().count))
     }
 
     /// Calls a function and tells how many bytes of stack it touched.
@@ -192,22 +155,18 @@ impl Machine {
 
     /// Reads memory.
     pub fn read(&self, address: u32, length: usize) -> Result<Vec<u8>> {
-        self.uc
-            .mem_read_as_vec(address.into(), length)
-            .context("the emulator cannot read memory")
+        Ok(self.uc.mem_read_as_vec(address.into(), length)?)
     }
 
     /// Reads a word.
     pub fn word(&self, address: u32) -> Result<u32> {
-        let bytes = self.read(address, 4)?;
-        let word = bytes.first_chunk().context("a word has four bytes")?;
-        Ok(u32::from_le_bytes(*word))
+        let mut bytes = [0; 4];
+        self.uc.mem_read(address.into(), &mut bytes)?;
+        Ok(u32::from_le_bytes(bytes))
     }
 
     /// Writes memory.
     pub fn write(&mut self, address: u32, data: &[u8]) -> Result<()> {
-        self.uc
-            .mem_write(address.into(), data)
-            .context("the emulator cannot write memory")
+        Ok(self.uc.mem_write(address.into(), data)?)
     }
 }

@@ -193,22 +193,17 @@ pub fn host(works: &[Work], truths: &[Truth]) -> Result<String> {
         }
     });
     let ([cold, warm], [cold_single, warm_single]) = (times::<f64>(&works)?, times::<f32>(&works)?);
-    let lines: Vec<Vec<String>> = [
+    let lines = [
         ("f64, cold", cold),
         ("f64, warm", warm),
         ("f32, cold", cold_single),
         ("f32, warm", warm_single),
         ("reference build", reference),
     ]
-    .iter()
     .map(|(solver, time)| {
-        vec![
-            (*solver).to_owned(),
-            format!("{:.1}", 1e6 * time),
-            thousands((reference / time) as u64),
-        ]
-    })
-    .collect();
+        let ratio = thousands((reference / time) as u64);
+        vec![solver.to_owned(), format!("{:.1}", 1e6 * time), ratio]
+    });
     Ok(markdown(
         "solver | us a solve | reference build over it",
         &lines,

@@ -163,60 +163,47 @@ impl Board {
 
 impl Costs {
     /// Solves within a bound on iterations; what starts from nothing may pass it.
-    fn within(&self, iterations: u16) -> impl Iterator<Item = &Cost> + Clone {
-        let most = u32::from(iterations);
-        self.all
-            .iter()
-            .filter(move |cost| cost.iterations > 0 && cost.iterations <= most)
+    fn within(&self, iterations: u16) -> impl Iterator<Item = &Cost> {
+        let warm = 1..=u32::from(iterations);
+        let all = self.all.iter();
+        all.filter(move |cost| warm.contains(&cost.iterations))
     }
 
-    /// Solves within the iterations of the measurement, one more than the firmware's.
-    fn warm(&self) -> impl Iterator<Item = &Cost> {
-        self.within(self.board.settings.max_iterations())
-    }
-
-    /// Solves within those of the firmware.
-    fn allowed(&self) -> impl Iterator<Item = &Cost> {
-        self.within(self.board.cost.iterations_within(self.board.period()))
-    }
-
-    /// What the constant of the board should be.
+    /// What the constant of the board should be. The solves are those within the iterations of the measurement, one more than
+    /// the firmware's.
     fn constant(&self) -> CycleCost {
-        let iteration = self.iteration().ceil();
-        let besides = |cost: &Cost| cost.cycles as f64 - f64::from(cost.iterations) * iteration;
-        let mut besides: Vec<f64> = self.warm().map(besides).collect();
+        let warm = self.within(self.board.settings.max_iterations());
+        let warm: Vec<[f64; 2]> = warm
+            .map(|cost| [cost.iterations.into(), cost.cycles as f64])
+            .collect();
+        let [x, y] = [0, 1].map(|i| {
+            let sum: f64 = warm.iter().map(|point| point[i]).sum();
+            sum / warm.len().max(1) as f64
+        });
+        // The slope of the line through all cycles over their iterations.
+        let products: f64 = warm.iter().map(|[n, cycles]| (n - x) * (cycles - y)).sum();
+        let squares: f64 = warm.iter().map(|[n, _]| (n - x) * (n - x)).sum();
+        // Where all have as many iterations, there is no line: those are dear then.
+        let iteration = if squares > 0.0 {
+            products / squares
+        } else {
+            y / x.max(1.0)
+        }
+        .ceil();
+        let besides = warm.iter().map(|[n, cycles]| cycles - n * iteration);
+        let mut besides: Vec<f64> = besides.collect();
         besides.sort_unstable_by(f64::total_cmp);
         let most = besides.len().saturating_sub(1 + besides.len() / RARE);
         CycleCost {
-            fixed: besides
-                .get(most)
-                .map_or(0, |cycles| cycles.max(0.0).ceil() as u32),
+            fixed: besides.get(most).map_or(0, |cycles| cycles.ceil() as u32),
             iteration: iteration as u32,
         }
     }
 
-    /// Cycles of an iteration: the slope of the line through all ticks' cycles over their iterations.
-    fn iteration(&self) -> f64 {
-        let points: Vec<[f64; 2]> = (self.warm())
-            .map(|cost| [cost.iterations.into(), cost.cycles as f64])
-            .collect();
-        let mean = |i: usize| {
-            points.iter().map(|point| point[i]).sum::<f64>() / points.len().max(1) as f64
-        };
-        let (x, y) = (mean(0), mean(1));
-        let products = points.iter().map(|[n, cycles]| (n - x) * (cycles - y));
-        let squares: f64 = points.iter().map(|[n, _]| (n - x) * (n - x)).sum();
-        // Where all have as many iterations, there is no line: those are dear then.
-        if squares > 0.0 {
-            products.sum::<f64>() / squares
-        } else {
-            y / x.max(1.0)
-        }
-    }
-
-    /// Cycles of a tick with a warm solve.
+    /// Cycles of a tick with a solve within the firmware's iterations.
     fn spread(&self) -> Spread {
-        Spread::of(self.allowed().map(|cost| cost.cycles as f64))
+        let allowed = self.within(self.board.cost.iterations_within(self.board.period()));
+        Spread::of(allowed.map(|cost| cost.cycles as f64))
     }
 
     fn figures(&self) -> [(String, u64); 5] {
@@ -411,7 +398,9 @@ mod tests {
         let CycleCost { fixed, iteration } = measured.constant();
         assert!((29..=31).contains(&iteration), "{iteration}");
         let bound = |cost: &Cost| u64::from(fixed + cost.iterations * iteration);
-        let beyond = measured.warm().filter(|cost| cost.cycles > bound(cost));
+        let beyond = measured
+            .within(most as u16)
+            .filter(|cost| cost.cycles > bound(cost));
         assert_eq!(beyond.count(), 1);
     }
 
