@@ -11,12 +11,14 @@
 //! fields, which no number needs, and keeps the line number in messages right under all
 //! circumstances.
 
+use csv::ByteRecord;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
 
-/// The columns of the file, in the order in which the program that writes them should put them.
-pub const COLUMNS: [&str; 7] = [
+/// The columns of the file, in the order in which it is written. The last two are temperatures of the inner and of the outer
+/// side, which the file may lack.
+const NAMES: [&str; MOST] = [
     "time_s",
     "fx_n",
     "fy_n",
@@ -24,49 +26,18 @@ pub const COLUMNS: [&str; 7] = [
     "my_nm",
     "mz_nm",
     "speed_rpm",
+    "t_inner_c",
+    "t_outer_c",
 ];
 
-/// The columns of temperatures that the file may have besides: of the inner and of the outer side.
-pub const TEMPERATURES: [&str; 2] = ["t_inner_c", "t_outer_c"];
+/// Columns that the file must have.
+const COLUMNS: usize = 7;
 
 /// Most columns.
-const MOST: usize = COLUMNS.len() + TEMPERATURES.len();
-
-/// The name of a column.
-fn column_name(column: usize) -> Option<&'static str> {
-    COLUMNS.iter().chain(&TEMPERATURES).nth(column).copied()
-}
+const MOST: usize = 9;
 
 /// Their units.
 const UNITS: [&str; MOST] = ["s", "N", "N", "N", "N m", "N m", "rpm", "deg C", "deg C"];
-
-/// What their names are without the unit, in other people's files.
-const STEMS: [&[&str]; MOST] = [
-    &["time", "t"],
-    &["fx", "forcex", "xforce", "loadx"],
-    &["fy", "forcey", "yforce", "loady"],
-    &["fz", "forcez", "zforce", "loadz"],
-    &["my", "momenty", "torquey", "mty"],
-    &["mz", "momentz", "torquez", "mtz"],
-    &[
-        "speed",
-        "spindlespeed",
-        "rotationalspeed",
-        "n",
-        "omega",
-        "rpm",
-        "krpm",
-    ],
-    &["tinner", "innertemperature", "temperatureinner"],
-    &["touter", "outertemperature", "temperatureouter"],
-];
-
-/// Units that they have there, letters and digits alone; or none.
-const OTHER_UNITS: [&str; 29] = [
-    "", "s", "sec", "seconds", "ms", "us", "min", "h", "n", "dan", "kn", "lbf", "nm", "nmm", "ncm",
-    "knm", "lbft", "rpm", "krpm", "rps", "hz", "rads", "1min", "min1", "umin", "k", "c", "f",
-    "degc",
-];
 
 /// What may separate the fields of a line; decimal commas go with the latter two.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
@@ -104,11 +75,9 @@ impl LoadRow {
 ///
 /// Those of the output.
 pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
-    let mut columns = COLUMNS.to_vec();
-    if rows.iter().any(|row| row.temperatures.is_some()) {
-        columns.extend(TEMPERATURES);
-    }
-    writeln!(out, "{}", columns.join(","))?;
+    let warm = rows.iter().any(|row| row.temperatures.is_some());
+    let columns = if warm { MOST } else { COLUMNS };
+    writeln!(out, "{}", NAMES[..columns].join(","))?;
     for row in rows {
         let [fx, fy, fz, my, mz] = row.load;
         write!(
@@ -124,35 +93,13 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// A place in a file that is not as it must be.
+/// A place in a file that is not as it must be, what is wrong with it, and what would be right.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fault {
-    /// Name of the file.
-    pub file: String,
-    /// Line, counted from 1, blank lines and comments included.
-    pub line: u64,
-    /// Column, that is field of the line, counted from 1.
-    pub column: usize,
-    /// Name of that column, where it has one.
-    pub name: Option<&'static str>,
-    /// What is wrong with it, and what would be right.
-    pub message: String,
-}
+pub struct Fault(String);
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            file,
-            line,
-            column,
-            name,
-            message,
-        } = self;
-        write!(f, "{file}: line {line}, column {column}")?;
-        if let Some(name) = name {
-            write!(f, " ({name})")?;
-        }
-        write!(f, ": {message}")
+        f.write_str(&self.0)
     }
 }
 
@@ -161,8 +108,8 @@ impl fmt::Display for Fault {
 pub struct BadRow {
     /// Why not.
     pub fault: Fault,
-    /// What can be read of it, in the order of [`COLUMNS`]; nothing where its number of fields is wrong.
-    pub numbers: [Option<f64>; COLUMNS.len()],
+    /// What can be read of it, in the order of the columns; nothing where its number of fields is wrong.
+    pub numbers: [Option<f64>; COLUMNS],
 }
 
 /// What is wrong with a file of recorded loads.
@@ -224,7 +171,7 @@ pub fn read(path_or_dash: &str) -> Result<Loads, LoadsError> {
 pub struct Loads {
     file: String,
     input: BufReader<Box<dyn Read>>,
-    /// For each of [`COLUMNS`] and [`TEMPERATURES`], the field that holds it; temperatures may be missing.
+    /// The field that holds each column; temperatures may be missing.
     field_of: [Option<usize>; MOST],
     /// Number of columns, ignored ones included.
     columns: usize,
@@ -232,12 +179,12 @@ pub struct Loads {
     ignored: Vec<String>,
     separator: u8,
     /// The mark before decimals that the file has had first, where commas do not separate fields.
-    decimal: Option<u8>,
+    decimal: Option<char>,
     lines: u64,
     bytes: u64,
     total_bytes: Option<u64>,
     ended: bool,
-    record: Record,
+    line: Vec<u8>,
 }
 
 impl fmt::Debug for Loads {
@@ -249,47 +196,33 @@ impl fmt::Debug for Loads {
     }
 }
 
-/// The fields of one line.
-#[derive(Default)]
-struct Record {
-    line: Vec<u8>,
-    text: Vec<u8>,
-    ends: Vec<usize>,
-    count: usize,
-}
-
-impl Record {
-    fn field(&self, i: usize) -> &[u8] {
-        let start = if i == 0 { 0 } else { self.ends[i - 1] };
-        self.text[start..self.ends[i]].trim_ascii()
+/// Splits a line; the error is the column at fault and what is wrong.
+fn split(line: &[u8], separator: u8) -> Result<ByteRecord, (usize, &'static str)> {
+    let mut records = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(separator)
+        .buffer_capacity(line.len())
+        .from_reader(line)
+        .into_byte_records()
+        .map_while(Result::ok);
+    let mut record = records.next().unwrap_or_default();
+    let count = record.len();
+    if record
+        .iter()
+        .last()
+        .is_some_and(|last| last.ends_with(b"\n"))
+    {
+        let message = "a quotation mark is opened but not closed on this line";
+        return Err((count, message));
     }
-
-    /// Splits the line; the error is the column at fault and what is wrong.
-    fn split(&mut self, separator: u8) -> Result<(), (usize, String)> {
-        if self.line.last() != Some(&b'\n') {
-            self.line.push(b'\n');
-        }
-        self.text.resize(self.line.len(), 0);
-        self.ends.resize(self.line.len(), 0);
-        let mut reader = csv_core::ReaderBuilder::new().delimiter(separator).build();
-        let (result, used, _, fields) =
-            reader.read_record(&self.line, &mut self.text, &mut self.ends);
-        self.count = fields;
-        if !matches!(result, csv_core::ReadRecordResult::Record) {
-            return Err((
-                fields + 1,
-                "a quotation mark is opened but not closed on this line".to_owned(),
-            ));
-        }
-        if !self.line[used..].trim_ascii().is_empty() {
-            return Err((
-                fields,
-                "a carriage return in the middle of the line; end lines with LF or CR LF"
-                    .to_owned(),
-            ));
-        }
-        Ok(())
+    let is_blank = |record: ByteRecord| record.iter().all(|field| field.trim_ascii().is_empty());
+    if !records.all(is_blank) {
+        let message = "a carriage return in the middle of the line; end lines with LF or CR LF";
+        return Err((count, message));
     }
+    record.trim();
+    Ok(record)
 }
 
 impl Loads {
@@ -311,7 +244,7 @@ impl Loads {
             bytes: 0,
             total_bytes: None,
             ended: false,
-            record: Record::default(),
+            line: Vec::new(),
         };
         loads.header()?;
         Ok(loads)
@@ -342,42 +275,28 @@ impl Loads {
         self.total_bytes
     }
 
-    fn fault(
-        &self,
-        column: usize,
-        name: Option<&'static str>,
-        message: impl Into<String>,
-    ) -> Fault {
-        Fault {
-            file: self.file.clone(),
-            line: self.lines.max(1),
-            column,
-            name,
-            message: message.into(),
-        }
+    /// What is wrong with a field of the line, counted from 1, and which column it is, if it is one of ours.
+    fn fault(&self, field: usize, column: Option<usize>, message: impl fmt::Display) -> Fault {
+        let (file, line) = (&self.file, self.lines.max(1));
+        let name = column.map_or(String::new(), |column| format!(" ({})", NAMES[column]));
+        Fault(format!(
+            "{file}: line {line}, column {field}{name}: {message}"
+        ))
     }
 
     fn malformed(
         &self,
-        column: usize,
-        name: Option<&'static str>,
-        message: impl Into<String>,
+        field: usize,
+        column: Option<usize>,
+        message: impl fmt::Display,
     ) -> LoadsError {
-        LoadsError::Malformed(self.fault(column, name, message))
+        LoadsError::Malformed(self.fault(field, column, message))
     }
 
-    /// The error of a row of which nothing can be read.
-    fn bad_row(&self, column: usize, name: Option<&'static str>, message: String) -> LoadsError {
-        LoadsError::Row(Box::new(BadRow {
-            fault: self.fault(column, name, message),
-            numbers: [None; COLUMNS.len()],
-        }))
-    }
-
-    /// Brings the next line that is neither blank nor a comment into `self.record`; `false` at the end of the file.
+    /// Brings the next line that is neither blank nor a comment into `self.line`; `false` at the end of the file.
     fn next_line(&mut self) -> Result<bool, LoadsError> {
         loop {
-            let line = &mut self.record.line;
+            let line = &mut self.line;
             line.clear();
             let taken = (&mut self.input)
                 .take(LONGEST_LINE)
@@ -406,6 +325,9 @@ impl Loads {
                 );
                 return Err(self.malformed(1, None, message));
             }
+            if line.last() != Some(&b'\n') {
+                line.push(b'\n');
+            }
             let text = line.trim_ascii_start();
             if !text.is_empty() && text[0] != b'#' {
                 return Ok(true);
@@ -414,7 +336,7 @@ impl Loads {
     }
 
     fn header(&mut self) -> Result<(), LoadsError> {
-        let wanted = COLUMNS.join(",");
+        let wanted = NAMES[..COLUMNS].join(",");
         if !self.next_line()? {
             return Err(self.malformed(
                 1,
@@ -422,58 +344,48 @@ impl Loads {
                 format!("the file is empty; it must begin with the header {wanted}"),
             ));
         }
-        // The separator that shows most of the columns; a comma if it is not for that to say.
-        let mut most = 0;
-        for separator in SEPARATORS {
-            if self.record.split(separator).is_err() {
-                continue;
-            }
-            let fields = 0..self.record.count;
-            let ours = fields.filter(|&i| column_of(self.record.field(i)).is_some());
-            let ours = ours.count();
-            if ours > most {
-                most = ours;
-                self.separator = separator;
-            }
-        }
-        if let Err((column, message)) = self.record.split(self.separator) {
-            return Err(self.malformed(column, None, message));
-        }
-        if most == 0 {
-            let first = quoted(self.record.field(0));
+        // The separator that shows most of the columns; a comma if none shows any.
+        let ours = |separator: &u8| {
+            let fields = split(&self.line, *separator);
+            fields.map_or(0, |fields| fields.iter().filter_map(column_of).count())
+        };
+        let separators = SEPARATORS.into_iter().rev();
+        self.separator = separators.max_by_key(ours).unwrap_or(b',');
+        let fields = split(&self.line, self.separator);
+        let fields = fields.map_err(|(column, message)| self.malformed(column, None, message))?;
+        if fields.iter().all(|field| column_of(field).is_none()) {
             let message = format!(
-                "{first} is none of the columns of the header {wanted}, with which the file must begin"
+                "{} is none of the columns of the header {wanted}, with which the file must begin",
+                quoted(&fields[0])
             );
             return Err(self.malformed(1, None, message));
         }
-        let mut found = [None; MOST];
-        let mut others = Vec::new();
-        for i in 0..self.record.count {
-            let Some(column) = column_of(self.record.field(i)) else {
-                others.push(i);
-                continue;
-            };
-            if let Some(first) = found[column].replace(i) {
-                return Err(self.malformed(
-                    i + 1,
-                    column_name(column),
-                    format!("the header has this column already as column {}", first + 1),
-                ));
+        for (i, field) in fields.iter().enumerate() {
+            if let Some(column) = column_of(field)
+                && let Some(first) = self.field_of[column].replace(i)
+            {
+                let message = format!("the header has this column already as column {}", first + 1);
+                return Err(self.malformed(i + 1, Some(column), message));
             }
         }
-        let temperatures = COLUMNS.len()..MOST;
-        let warm = temperatures.clone().any(|column| found[column].is_some());
-        for (column, field) in found.iter().enumerate() {
-            if field.is_some() || (temperatures.contains(&column) && !warm) {
+        let others = fields.iter().enumerate();
+        let others: Vec<_> = others
+            .filter(|(_, name)| column_of(name).is_none())
+            .collect();
+        let temperatures = COLUMNS..MOST;
+        let warm = self.field_of[temperatures.clone()]
+            .iter()
+            .any(Option::is_some);
+        for column in (0..MOST).filter(|column| self.field_of[*column].is_none()) {
+            if temperatures.contains(&column) && !warm {
                 continue;
             }
-            let meant = |i: &usize| means(self.record.field(*i), column);
-            if let Some(&i) = others.iter().find(|i| meant(i)) {
-                let name = column_name(column).unwrap_or_default();
+            if let Some((i, other)) = others.iter().find(|(_, other)| means(other, column)) {
                 let message = format!(
-                    "{} is not the column {name}, which is missing; rename it, and convert its numbers \
+                    "{} is not the column {}, which is missing; rename it, and convert its numbers \
                      if they have another unit than {}",
-                    quoted(self.record.field(i)),
+                    quoted(other),
+                    NAMES[column],
                     UNITS[column],
                 );
                 return Err(self.malformed(i + 1, None, message));
@@ -483,117 +395,105 @@ impl Loads {
             } else {
                 format!("the header lacks this column; it must hold {wanted}, in any order")
             };
-            return Err(self.malformed(self.record.count + 1, column_name(column), message));
+            return Err(self.malformed(fields.len() + 1, Some(column), message));
         }
-        let others = others.into_iter().map(|i| self.record.field(i));
-        self.ignored = others
-            .filter(|name| !name.is_empty())
-            .map(shortened)
-            .collect();
-        self.field_of = found;
-        self.columns = self.record.count;
+        let named = others.iter().filter(|(_, name)| !name.is_empty());
+        self.ignored = named.map(|(_, name)| shortened(name)).collect();
+        self.columns = fields.len();
         Ok(())
     }
 
-    /// Name of the column in field `i`.
-    fn name_of(&self, i: usize) -> Option<&'static str> {
-        let column = self.field_of.iter().position(|&field| field == Some(i))?;
-        column_name(column)
+    /// The column in field `i`.
+    fn column_in(&self, i: usize) -> Option<usize> {
+        self.field_of.iter().position(|&field| field == Some(i))
     }
 
     /// The number in a field; or what is wrong with it.
-    fn number(&mut self, field: usize) -> Result<f64, String> {
-        let text = self.record.field(field);
-        if text.is_empty() {
+    fn number(&mut self, field: &[u8]) -> Result<f64, String> {
+        if field.is_empty() {
             return Err("the field is empty; a number is needed".to_owned());
         }
-        let not_a_number = || format!("{} is not a number", quoted(text));
-        let read = |text: &str| text.parse::<f64>().map_err(|_| not_a_number());
-        let written = std::str::from_utf8(text).map_err(|_| not_a_number())?;
-        let mark = match (written.contains(','), written.contains('.')) {
-            (false, false) => return read(written),
-            (true, true) => None,
-            (true, false) => Some(b','),
-            (false, true) => Some(b'.'),
+        let text = std::str::from_utf8(field).unwrap_or_default();
+        let mark = text.chars().find(|c| [',', '.'].contains(c));
+        let by_commas = self.separator == b',';
+        let value = match mark {
+            Some(',') if !by_commas => text.replacen(',', ".", 1).parse(),
+            _ => text.parse(),
         };
-        if self.separator == b',' {
-            return read(written).map_err(|message| match mark {
-                Some(b'.') => message,
-                _ => format!("{message}; {DECIMAL_COMMAS}"),
+        let Ok(value) = value else {
+            let message = format!("{} is not a number", quoted(field));
+            let hint = by_commas && text.contains(',');
+            return Err(match hint {
+                true => format!("{message}; {DECIMAL_COMMAS}"),
+                false => message,
             });
-        }
-        let value = if mark == Some(b',') {
-            written.replacen(',', ".", 1).parse()
-        } else {
-            written.parse()
         };
-        let value = value.map_err(|_| not_a_number())?;
-        if mark != Some(*self.decimal.get_or_insert(mark.unwrap_or_default())) {
-            // A comma may then be one of thousands.
-            return Err(format!(
-                "{} has {}; write all decimals one way",
-                quoted(text),
-                if mark == Some(b',') {
-                    "a comma where numbers above have decimal points"
-                } else {
-                    "a point where numbers above have decimal commas"
-                }
-            ));
+        let Some(mark) = mark.filter(|_| !by_commas) else {
+            return Ok(value);
+        };
+        if mark == *self.decimal.get_or_insert(mark) {
+            return Ok(value);
         }
-        Ok(value)
+        // A comma may then be one of thousands.
+        let [has, above] = match mark {
+            ',' => ["a comma", "points"],
+            _ => ["a point", "commas"],
+        };
+        Err(format!(
+            "{} has {has} where numbers above have decimal {above}; write all decimals one way",
+            quoted(field)
+        ))
     }
 
     fn row(&mut self) -> Result<Option<LoadRow>, LoadsError> {
         if !self.next_line()? {
             return Ok(None);
         }
-        if let Err((column, message)) = self.record.split(self.separator) {
-            return Err(self.bad_row(column, None, message));
-        }
-        let (count, wanted) = (self.record.count, self.columns);
-        // Where numbers are readable, the first bad one says more than a wrong count.
         let mut numbers = [None; MOST];
         let mut bad = None;
-        for i in 0..count.min(wanted) {
-            let Some(column) = self.field_of.iter().position(|&field| field == Some(i)) else {
+        let fields = split(&self.line, self.separator).unwrap_or_else(|(column, message)| {
+            bad = Some((column, None, message.to_owned()));
+            ByteRecord::new()
+        });
+        // Where numbers are readable, the first bad one says more than a wrong count.
+        let (count, wanted) = (fields.len(), self.columns);
+        for (i, field) in fields.iter().enumerate().take(wanted) {
+            let Some(column) = self.column_in(i) else {
                 continue;
             };
-            match self.number(i) {
+            match self.number(field) {
                 Ok(number) => numbers[column] = Some(number),
-                Err(message) => {
-                    bad.get_or_insert_with(|| (i + 1, column_name(column), message));
+                Err(message) => drop(bad.get_or_insert((i + 1, Some(column), message))),
+            }
+        }
+        if count != wanted {
+            numbers = [None; MOST];
+            bad.get_or_insert_with(|| {
+                if count < wanted {
+                    let message = format!("the line ends after {count} of {wanted} fields");
+                    return (count + 1, self.column_in(count), message);
                 }
-            }
+                let message = format!("the line has {count} fields where the header has {wanted}");
+                let message = match self.separator {
+                    b',' => format!("{message}; {DECIMAL_COMMAS}"),
+                    _ => message,
+                };
+                (wanted + 1, None, message)
+            });
         }
+        let [time, fx, fy, fz, my, mz, speed, inner, outer] = numbers;
         if let Some((column, name, message)) = bad {
-            let mut error = self.bad_row(column, name, message);
-            if let (LoadsError::Row(row), true) = (&mut error, count == wanted) {
-                let [time, fx, fy, fz, my, mz, speed, _, _] = numbers;
-                row.numbers = [time, fx, fy, fz, my, mz, speed];
-            }
-            return Err(error);
+            return Err(LoadsError::Row(Box::new(BadRow {
+                fault: self.fault(column, name, message),
+                numbers: [time, fx, fy, fz, my, mz, speed],
+            })));
         }
-        if count < wanted {
-            return Err(self.bad_row(
-                count + 1,
-                self.name_of(count),
-                format!("the line ends after {count} of {wanted} fields"),
-            ));
-        }
-        if count > wanted {
-            let mut message = format!("the line has {count} fields where the header has {wanted}");
-            if self.separator == b',' {
-                message = format!("{message}; {DECIMAL_COMMAS}");
-            }
-            return Err(self.bad_row(wanted + 1, None, message));
-        }
-        let [time_s, fx, fy, fz, my, mz, speed_rpm, inner, outer] =
-            numbers.map(Option::unwrap_or_default);
+        let is = Option::unwrap_or_default;
         Ok(Some(LoadRow {
-            time_s,
-            load: [fx, fy, fz, my, mz],
-            speed_rpm,
-            temperatures: self.has_temperatures().then_some([inner, outer]),
+            time_s: is(time),
+            load: [fx, fy, fz, my, mz].map(is),
+            speed_rpm: is(speed),
+            temperatures: inner.zip(outer).map(<[f64; 2]>::from),
         }))
     }
 }
@@ -630,29 +530,18 @@ fn shortened(field: &[u8]) -> String {
 
 /// The column of this name, in capitals or not.
 fn column_of(field: &[u8]) -> Option<usize> {
-    let named = |name: &str| name.as_bytes().eq_ignore_ascii_case(field);
-    (0..MOST).find(|&column| column_name(column).is_some_and(named))
+    let named = |name: &&str| name.as_bytes().eq_ignore_ascii_case(field);
+    NAMES.iter().position(named)
 }
 
-/// Whether a name that is not `column`'s seems to be meant for it: it has another unit, none, or one letter wrong.
+/// Whether a name that is not `column`'s seems to be meant for it: it has another unit, none, or one letter wrong, or is the
+/// unit alone.
 fn means(field: &[u8], column: usize) -> bool {
-    let letters: String = String::from_utf8_lossy(field)
-        .chars()
-        .take(SHOWN)
-        .filter(|c| c.is_alphanumeric())
-        .collect::<String>()
-        .to_lowercase();
-    let names = STEMS[column].iter();
-    let mut rests = names.filter_map(|stem| letters.strip_prefix(stem));
-    let name = column_name(column).unwrap_or_default().replace('_', "");
-    rests.any(|rest| OTHER_UNITS.contains(&rest)) || one_off(&letters, &name)
-}
-
-/// Whether two words become the same when each has one letter less, or one of them has.
-fn one_off(a: &str, b: &str) -> bool {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let common = a.iter().zip(&b).take_while(|(a, b)| a == b).count();
-    let (a, b) = (&a[common..], &b[common..]);
-    let less = |word: &[char]| word.get(1..).unwrap_or_default().to_vec();
-    less(a) == less(b) || less(a) == b || a == less(b)
+    let letters = shortened(field).to_lowercase();
+    let letters = letters.replace(|c: char| !c.is_alphanumeric(), "");
+    let (stem, unit) = NAMES[column].rsplit_once('_').unwrap_or_default();
+    let stem = stem.replace('_', "");
+    letters.starts_with(&stem)
+        || letters.len() > 2 && letters == unit
+        || strsim::damerau_levenshtein(&letters, &(stem + unit)) <= 1
 }
