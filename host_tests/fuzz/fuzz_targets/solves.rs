@@ -2,7 +2,7 @@
 //! answer a number, no more iterations than allowed, and a refusal does no harm.
 #![no_main]
 
-use arbitrary::{Arbitrary, Result, Unstructured};
+use arbitrary::{Arbitrary, Error, Result, Unstructured};
 use libfuzzer_sys::fuzz_target;
 use spindle_bearing::{
     AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, FreeContact, Full, Given,
@@ -69,14 +69,6 @@ fn signed(u: &mut Unstructured, least: f64, most: f64) -> Result<f64> {
     })
 }
 
-fn several<const K: usize>(u: &mut Unstructured, least: f64, most: f64) -> Result<[f64; K]> {
-    let mut several = [0.0; K];
-    for x in &mut several {
-        *x = signed(u, least, most)?;
-    }
-    Ok(several)
-}
-
 fn material(u: &mut Unstructured) -> Result<Material> {
     Ok(match u.arbitrary::<u8>()? {
         0..=127 => Material::STEEL,
@@ -111,34 +103,33 @@ fn design(u: &mut Unstructured) -> Result<Design> {
 }
 
 fn settings(u: &mut Unstructured) -> Result<Option<Settings<f64>>> {
-    if u.ratio(3, 4)? {
-        return Ok(None);
-    }
-    Ok(Some(Settings {
+    let settings = Settings {
         max_iterations: u.int_in_range(0..=MOST_ITERATIONS)?,
         tolerance: signed(u, 1e-20, 1.0)?,
-    }))
+    };
+    Ok(u.ratio(1, 4)?.then_some(settings))
 }
 
 /// Mostly a load.
 fn given(u: &mut Unstructured) -> Result<Given<f64>> {
-    Ok(if u.ratio(3, 4)? {
-        Given::Load(signed(u, 1e-12, 10.0)?)
-    } else {
-        Given::Displacement(signed(u, 1e-9, 3.0)?)
+    Ok(match u.ratio(3, 4)? {
+        true => Given::Load(signed(u, 1e-12, 10.0)?),
+        false => Given::Displacement(signed(u, 1e-9, 3.0)?),
     })
+}
+
+fn several<T, const K: usize>(one: impl FnMut(usize) -> Result<T>) -> Result<[T; K]> {
+    let several: Result<Vec<T>> = (0..K).map(one).collect();
+    several?.try_into().map_err(|_| Error::IncorrectFormat)
 }
 
 fn steps(u: &mut Unstructured) -> Result<Vec<Step>> {
     let mut steps = Vec::new();
     while steps.len() < MOST_STEPS && !u.is_empty() {
         steps.push(match u.int_in_range(0..=7)? {
-            0..=3 => {
-                let given = [given(u)?, given(u)?, given(u)?, given(u)?, given(u)?];
-                Step::Solve(given, signed(u, 1e-6, 3.0)?)
-            }
-            4..=5 => Step::Nudge(several(u, 0.3, 3.0)?, signed(u, 0.3, 3.0)?),
-            6 => Step::Grow(several(u, 1e-6, 0.3)?),
+            0..=3 => Step::Solve(several(|_| given(u))?, signed(u, 1e-6, 3.0)?),
+            4..=5 => Step::Nudge(several(|_| signed(u, 0.3, 3.0))?, signed(u, 0.3, 3.0)?),
+            6 => Step::Grow(several(|_| signed(u, 1e-6, 0.3))?),
             _ => Step::Reset,
         });
     }
@@ -211,7 +202,6 @@ struct Answer<T> {
     error: ErrorEstimate<T>,
     figures: Vec<T>,
     balls: Vec<BallState<T>>,
-    inner_forces: Vec<T>,
 }
 
 type Asked<T> = std::result::Result<Answer<T>, Status<T>>;
@@ -228,17 +218,15 @@ where
     let given = from_fn(|i| question.given[i]);
     let speed = Speed::rad_per_s(question.omega);
     let s = solver.solve_at(&given, speed, &question.growth, settings)?;
-    let mut figures = s.stiffness().concat();
-    figures.extend(s.displacement);
-    figures.extend(s.load);
-    figures.extend(s.cage_speeds());
+    assert!(s.inner_forces().eq(s.balls().map(|ball| ball.q_i)));
+    let figures = s.stiffness().into_iter().flatten();
+    let figures = figures.chain(s.displacement).chain(s.load);
     Ok(Answer {
         status: s.status,
         iterations: s.iterations,
         error: s.error,
-        figures,
+        figures: figures.chain(s.cage_speeds()).collect(),
         balls: s.balls().collect(),
-        inner_forces: s.inner_forces().collect(),
     })
 }
 
@@ -250,14 +238,12 @@ fn ask_axial<T: Real, const N: usize, M: Motion>(
 ) -> Asked<T> {
     let speed = Speed::rad_per_s(question.omega);
     let s = solver.solve_at(question.given[0], speed, &question.growth, settings)?;
-    let ball = s.ball();
     Ok(Answer {
         status: s.status,
         iterations: s.iterations,
         error: s.error,
         figures: vec![s.stiffness(), s.displacement, s.load],
-        balls: vec![ball],
-        inner_forces: vec![ball.q_i],
+        balls: vec![s.ball()],
     })
 }
 
@@ -266,7 +252,6 @@ struct Scale {
     load: [f64; 5],
     speed: f64,
     displacement: [f64; 5],
-    growth: f64,
 }
 
 impl Scale {
@@ -277,12 +262,11 @@ impl Scale {
         let softer = design.ring.youngs_modulus.min(design.ball.youngs_modulus);
         let force = softer * diameter.sqrt() * distance.powf(1.5);
         let mass = design.ball.density * PI / 6.0 * diameter.powi(3);
-        let (all, tilt) = (force * balls as f64, distance / radius);
+        let lengths = [1.0, 1.0, 1.0, radius, radius];
         Self {
-            load: [all, all, all, all * radius, all * radius],
+            load: lengths.map(|length| force * balls as f64 * length),
             speed: (force / (mass * radius)).sqrt(),
-            displacement: [distance, distance, distance, tilt, tilt],
-            growth: distance,
+            displacement: lengths.map(|length| distance / length),
         }
     }
 
@@ -340,7 +324,7 @@ fn solve<T: Real, S: Copy>(
                 continue;
             }
             Step::Grow(lengths) => {
-                let [axial, radial, ball] = lengths.map(|x| T::of(x * scale.growth));
+                let [axial, radial, ball] = lengths.map(|x| T::of(x * scale.displacement[0]));
                 question.growth = Growth {
                     axial,
                     radial,
@@ -390,32 +374,29 @@ fn solve<T: Real, S: Copy>(
 
 /// Looks at every figure of an answer; returns how the solve ended.
 fn inspect<T: Real>(answer: Asked<T>, most_iterations: u16) -> Status<T> {
-    let is_answer = answer.is_ok();
-    let status = answer
-        .as_ref()
-        .map_or_else(|status| *status, |answer| answer.status);
-    let is_good = matches!(status, Status::Converged | Status::PrecisionLimit);
-    assert_eq!(is_answer, is_good, "{status:?}");
-    let Ok(answer) = answer else {
-        return status;
+    let is_good = |status| matches!(status, Status::Converged | Status::PrecisionLimit);
+    let answer = match answer {
+        Ok(answer) => answer,
+        Err(status) => {
+            assert!(!is_good(status), "{status:?}");
+            return status;
+        }
     };
-    assert!(answer.iterations <= most_iterations);
-    let numbers = |values: &[T]| values.iter().all(|x| x.is_finite());
-    assert!(numbers(&answer.figures), "{answer:?}");
+    assert!(is_good(answer.status) && answer.iterations <= most_iterations);
     let error = &answer.error;
     for estimate in [error.displacement, error.force, error.stiffness] {
         assert!(estimate >= T::ZERO, "{error:?}");
     }
-    for (ball, force) in answer.balls.iter().zip(&answer.inner_forces) {
-        let angles = [ball.azimuth, ball.alpha_i, ball.alpha_o];
-        let contacts = [ball.q_i, ball.q_o, ball.delta_i, ball.delta_o];
-        let inertia = [ball.centrifugal_force, ball.gyroscopic_moment];
-        assert!(
-            numbers(&angles) && numbers(&contacts) && numbers(&inertia),
-            "{status:?}, {ball:?}"
-        );
+    let of_balls = answer.balls.iter().flat_map(|ball| {
         assert!(ball.q_i >= T::ZERO && ball.q_o >= T::ZERO, "{ball:?}");
-        assert!(ball.q_i == *force);
-    }
-    status
+        let (angles, inertia) = (
+            [ball.azimuth, ball.alpha_i, ball.alpha_o],
+            [ball.centrifugal_force, ball.gyroscopic_moment],
+        );
+        let contacts = [ball.q_i, ball.q_o, ball.delta_i, ball.delta_o];
+        angles.into_iter().chain(contacts).chain(inertia)
+    });
+    let mut figures = answer.figures.iter().copied().chain(of_balls);
+    assert!(figures.all(|x| x.is_finite()), "{answer:?}");
+    answer.status
 }
