@@ -26,7 +26,7 @@
 use crate::dispatch::BALL_COUNTS;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use spindle_bearing::{Design, DesignError, FreeContact, LifeRating, Material, Quantity};
+use spindle_bearing::{Design, DesignError, FreeContact, LifeRating, Quantity};
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
@@ -136,48 +136,49 @@ struct BallKeys {
     density_kg_m3: Key<f64>,
 }
 
-/// Keys, with an example of each that must be there.
-const KEYS: [(Quantity, &str, &str); 15] = [
-    (Quantity::BallCount, "balls", "16"),
-    (Quantity::BallDiameter, "ball_diameter_mm", "6.35"),
-    (Quantity::PitchDiameter, "pitch_diameter_mm", "36"),
-    (Quantity::InnerGrooveFactor, "inner_groove_factor", "0.515"),
-    (Quantity::OuterGrooveFactor, "outer_groove_factor", "0.525"),
-    (Quantity::ContactAngle, "contact_angle_deg", ""),
-    (Quantity::DiametralClearance, "diametral_clearance_um", ""),
-    (Quantity::InnerShoulderAngle, "inner_shoulder_deg", ""),
-    (Quantity::OuterShoulderAngle, "outer_shoulder_deg", ""),
-    (Quantity::FirstBall, "first_ball_deg", ""),
-    (Quantity::RingYoungsModulus, "ring.youngs_modulus_gpa", ""),
-    (Quantity::RingPoissonsRatio, "ring.poissons_ratio", ""),
-    (Quantity::BallYoungsModulus, "ball.youngs_modulus_gpa", ""),
-    (Quantity::BallPoissonsRatio, "ball.poissons_ratio", ""),
-    (Quantity::BallDensity, "ball.density_kg_m3", ""),
+/// A number of a design: its key, an example if it must be there, where it is read from and what it sets.
+type Number = (
+    Quantity,
+    &'static str,
+    &'static str,
+    fn(&Keys) -> &Key<f64>,
+    fn(&mut Design, f64),
+);
+
+/// The numbers of a design. That of balls is no part of [`Design`].
+#[rustfmt::skip]
+const NUMBERS: [Number; 15] = [
+    (Quantity::BallCount, "balls", "16", |k| &k.balls, |_, _| {}),
+    (Quantity::BallDiameter, "ball_diameter_mm", "6.35", |k| &k.ball_diameter_mm, |d, x| d.ball_diameter = millimetres(x)),
+    (Quantity::PitchDiameter, "pitch_diameter_mm", "36", |k| &k.pitch_diameter_mm, |d, x| d.pitch_diameter = millimetres(x)),
+    (Quantity::InnerGrooveFactor, "inner_groove_factor", "0.515", |k| &k.inner_groove_factor, |d, x| d.inner_groove_factor = x),
+    (Quantity::OuterGrooveFactor, "outer_groove_factor", "0.525", |k| &k.outer_groove_factor, |d, x| d.outer_groove_factor = x),
+    (Quantity::ContactAngle, "contact_angle_deg", "", |k| &k.contact_angle_deg,
+        |d, x| d.free_contact = FreeContact::Angle(x.to_radians())),
+    (Quantity::DiametralClearance, "diametral_clearance_um", "", |k| &k.diametral_clearance_um,
+        |d, x| d.free_contact = FreeContact::DiametralClearance(micrometres(x))),
+    (Quantity::InnerShoulderAngle, "inner_shoulder_deg", "", |k| &k.inner_shoulder_deg,
+        |d, x| d.inner_shoulder_angle = x.to_radians()),
+    (Quantity::OuterShoulderAngle, "outer_shoulder_deg", "", |k| &k.outer_shoulder_deg,
+        |d, x| d.outer_shoulder_angle = x.to_radians()),
+    (Quantity::FirstBall, "first_ball_deg", "", |k| &k.first_ball_deg, |d, x| d.first_ball = x.to_radians()),
+    (Quantity::RingYoungsModulus, "ring.youngs_modulus_gpa", "", |k| &k.ring.youngs_modulus_gpa,
+        |d, x| d.ring.youngs_modulus = x * 1e9),
+    (Quantity::RingPoissonsRatio, "ring.poissons_ratio", "", |k| &k.ring.poissons_ratio, |d, x| d.ring.poissons_ratio = x),
+    (Quantity::BallYoungsModulus, "ball.youngs_modulus_gpa", "", |k| &k.ball.youngs_modulus_gpa,
+        |d, x| d.ball.youngs_modulus = x * 1e9),
+    (Quantity::BallPoissonsRatio, "ball.poissons_ratio", "", |k| &k.ball.poissons_ratio, |d, x| d.ball.poissons_ratio = x),
+    (Quantity::BallDensity, "ball.density_kg_m3", "", |k| &k.ball.density_kg_m3, |d, x| d.ball.density = x),
 ];
 
-/// Key of a quantity, and an example.
-fn key(quantity: Quantity) -> (&'static str, &'static str) {
-    let found = KEYS.iter().find(|(one, ..)| *one == quantity);
-    found.map_or(("", ""), |(_, key, example)| (key, example))
-}
-
-/// The text being read, for messages, and the places of its values.
+/// The text being read, for messages.
+#[derive(Clone, Copy)]
 pub(crate) struct Reading<'t> {
-    file: &'t str,
-    text: &'t str,
-    places: Vec<(Quantity, Place)>,
+    pub file: &'t str,
+    pub text: &'t str,
 }
 
-impl<'t> Reading<'t> {
-    /// Of a text that messages call `file`.
-    pub fn of(file: &'t str, text: &'t str) -> Self {
-        Self {
-            file,
-            text,
-            places: Vec::new(),
-        }
-    }
-
+impl Reading<'_> {
     /// The text as keys.
     pub fn keys<K: DeserializeOwned>(&self) -> Result<K, DesignFileError> {
         toml::from_str(self.text).map_err(|error| {
@@ -200,64 +201,13 @@ impl<'t> Reading<'t> {
         Place::of(self.text, span.start)
     }
 
-    /// Value of a key that must be there.
-    pub fn required<T>(
-        &self,
-        key: &str,
-        example: &str,
-        value: Key<T>,
-    ) -> Result<Spanned<T>, DesignFileError> {
+    /// A key that must be there is not.
+    pub fn missing(&self, key: &str, example: &str) -> DesignFileError {
         let add = "add a line such as";
         let message = format!(
             "the key `{key}` is missing; {add} `{key} = {example}` above the first [table]"
         );
-        value.ok_or_else(|| self.error(Place::TOP, message))
-    }
-
-    /// A number that may be left out. Its place is remembered.
-    fn optional(&mut self, quantity: Quantity, value: Key<f64>) -> Option<f64> {
-        let value = value?;
-        self.places.push((quantity, self.place(value.span())));
-        Some(value.into_inner())
-    }
-
-    /// A number that must be there.
-    fn number(&mut self, quantity: Quantity, value: Key<f64>) -> Result<f64, DesignFileError> {
-        let (key, example) = key(quantity);
-        let value = self.required(key, example, value)?;
-        self.places.push((quantity, self.place(value.span())));
-        Ok(value.into_inner())
-    }
-
-    fn free_contact(
-        &mut self,
-        angle: Key<f64>,
-        clearance: Key<f64>,
-    ) -> Result<FreeContact, DesignFileError> {
-        let angle = self.optional(Quantity::ContactAngle, angle);
-        let clearance = self.optional(Quantity::DiametralClearance, clearance);
-        match (angle, clearance) {
-            (Some(angle), None) => Ok(FreeContact::Angle(angle.to_radians())),
-            (None, Some(clearance)) => Ok(FreeContact::DiametralClearance(micrometres(clearance))),
-            (Some(_), Some(_)) => {
-                let mut places: Vec<Place> = self.places.iter().map(|(_, place)| *place).collect();
-                let mut last = places.split_off(places.len() - 2);
-                last.sort_by_key(|place| place.line);
-                Err(self.error(
-                    last[1],
-                    format!(
-                        "`contact_angle_deg` and `diametral_clearance_um` say the same thing, and \
-                         line {} already says it; remove one of them",
-                        last[0].line
-                    ),
-                ))
-            }
-            (None, None) => Err(self.error(
-                Place::TOP,
-                "the contact angle is missing; add a line such as `contact_angle_deg = 15` or \
-                 `diametral_clearance_um = 10` above the first [table]",
-            )),
-        }
+        self.error(Place::TOP, message)
     }
 }
 
@@ -268,10 +218,6 @@ pub(crate) fn millimetres(x: f64) -> f64 {
 
 pub(crate) fn micrometres(x: f64) -> f64 {
     x / 1e6
-}
-
-fn gigapascals(x: f64) -> f64 {
-    x * 1e9
 }
 
 /// A file's name, as messages give it, and its text.
@@ -312,21 +258,49 @@ impl DesignFile {
     ///
     /// A text that is not a design; the place in it where it goes wrong.
     pub fn parse(file: &str, text: &str) -> Result<Self, DesignFileError> {
-        let r = Reading::of(file, text);
-        let keys = r.keys()?;
-        Self::of(r, keys)
+        let r = Reading { file, text };
+        Self::of(r, r.keys()?)
     }
 
     /// The design of these keys.
-    pub(crate) fn of(mut r: Reading<'_>, keys: Keys) -> Result<Self, DesignFileError> {
-        let name = r.required("name", "\"B7005C\"", keys.name)?.into_inner();
-        use Quantity as Q;
-        let wanted = r.number(Q::BallCount, keys.balls)?;
+    pub(crate) fn of(r: Reading<'_>, keys: Keys) -> Result<Self, DesignFileError> {
+        let mut design = Design::angular_contact(0.0, 0.0, 0.0);
+        let mut places = Vec::new();
+        for (quantity, key, example, number, set) in NUMBERS {
+            match number(&keys) {
+                Some(number) => {
+                    places.push((quantity, r.place(number.span())));
+                    set(&mut design, *number.get_ref());
+                }
+                None if example.is_empty() => {}
+                None => return Err(r.missing(key, example)),
+            }
+        }
+        match (keys.contact_angle_deg, keys.diametral_clearance_um) {
+            (Some(angle), Some(clearance)) => {
+                let mut said = [angle, clearance].map(|number| r.place(number.span()));
+                said.sort_by_key(|place| place.line);
+                let message = format!(
+                    "`contact_angle_deg` and `diametral_clearance_um` say the same thing, and \
+                     line {} already says it; remove one of them",
+                    said[0].line
+                );
+                return Err(r.error(said[1], message));
+            }
+            (None, None) => {
+                let message = "the contact angle is missing; add a line such as `contact_angle_deg = 15` or \
+                     `diametral_clearance_um = 10` above the first [table]";
+                return Err(r.error(Place::TOP, message));
+            }
+            _ => {}
+        }
+        let name = keys.name.ok_or_else(|| r.missing("name", "\"B7005C\""))?;
+        let wanted = keys.balls.map_or(0.0, Spanned::into_inner);
         let (least, most) = (BALL_COUNTS.start(), BALL_COUNTS.end());
         let Some(balls) = BALL_COUNTS.into_iter().find(|&n| n as f64 == wanted) else {
             let message =
                 format!("`balls` is {wanted}, but must be a whole number from {least} to {most}");
-            return Err(r.error(r.places[0].1, message));
+            return Err(r.error(places[0].1, message));
         };
         let rating = keys.dynamic_load_rating_n;
         if let Some(rating) = &rating
@@ -335,42 +309,13 @@ impl DesignFile {
             let message = "`dynamic_load_rating_n` must be 1 to 1e9 (N); or leave it out";
             return Err(r.error(r.place(rating.span()), message));
         }
-        let (ring, ball) = (keys.ring, keys.ball);
-        let steel = Material::STEEL;
-        let angle = |degrees: Option<f64>, default| degrees.map_or(default, f64::to_radians);
-        let modulus = |given: Option<f64>| given.map_or(steel.youngs_modulus, gigapascals);
-        let ratio = |given: Option<f64>| given.unwrap_or(steel.poissons_ratio);
-        let inner = r.optional(Q::InnerShoulderAngle, keys.inner_shoulder_deg);
-        let outer = r.optional(Q::OuterShoulderAngle, keys.outer_shoulder_deg);
-        let density = r.optional(Q::BallDensity, ball.density_kg_m3);
-        let design = Design {
-            ball_diameter: millimetres(r.number(Q::BallDiameter, keys.ball_diameter_mm)?),
-            pitch_diameter: millimetres(r.number(Q::PitchDiameter, keys.pitch_diameter_mm)?),
-            inner_groove_factor: r.number(Q::InnerGrooveFactor, keys.inner_groove_factor)?,
-            outer_groove_factor: r.number(Q::OuterGrooveFactor, keys.outer_groove_factor)?,
-            free_contact: r.free_contact(keys.contact_angle_deg, keys.diametral_clearance_um)?,
-            inner_shoulder_angle: angle(inner, Design::HIGHEST_SHOULDER),
-            outer_shoulder_angle: angle(outer, Design::HIGHEST_SHOULDER),
-            first_ball: angle(r.optional(Q::FirstBall, keys.first_ball_deg), 0.0),
-            ring: Material {
-                youngs_modulus: modulus(r.optional(Q::RingYoungsModulus, ring.youngs_modulus_gpa)),
-                poissons_ratio: ratio(r.optional(Q::RingPoissonsRatio, ring.poissons_ratio)),
-                density: steel.density,
-            },
-            ball: Material {
-                youngs_modulus: modulus(r.optional(Q::BallYoungsModulus, ball.youngs_modulus_gpa)),
-                poissons_ratio: ratio(r.optional(Q::BallPoissonsRatio, ball.poissons_ratio)),
-                density: density.unwrap_or(steel.density),
-            },
-        };
-        let dynamic_load_rating = rating.map(|rating| rating.into_inner());
         Ok(Self {
-            name,
+            name: name.into_inner(),
             balls,
             design,
-            dynamic_load_rating,
+            dynamic_load_rating: rating.map(Spanned::into_inner),
             file: r.file.to_owned(),
-            places: r.places,
+            places,
         })
     }
 
@@ -383,7 +328,8 @@ impl DesignFile {
 
     /// The message for a design that the solver refuses: the key and the place it came from.
     pub fn explain(&self, error: &DesignError) -> DesignFileError {
-        let (key, _) = key(error.quantity);
+        let key = NUMBERS.iter().find(|number| number.0 == error.quantity);
+        let key = key.map_or("", |(_, key, ..)| key);
         let source = self.places.iter().find(|(one, _)| *one == error.quantity);
         DesignFileError {
             file: self.file.clone(),

@@ -227,9 +227,11 @@ impl SpindleFile {
     ///
     /// A text that is not a spindle; the place in it where it goes wrong.
     pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, DesignFileError> {
-        let r = Reading::of(file, text);
+        let r = Reading { file, text };
         let keys: SpindleKeys = r.keys()?;
-        r.required("name", "\"7014C back to back\"", keys.name)?;
+        if keys.name.is_none() {
+            return Err(r.missing("name", "\"7014C back to back\""));
+        }
         let together = keys.preload_n;
         let arrangement = match keys.arrangement {
             Some(text) => named(&r, text, &ARRANGEMENTS, Arrangement::name)?,
@@ -256,7 +258,7 @@ impl SpindleFile {
                         Some(_) => error,
                     })?
                 }
-                (None, Some(keys)) => DesignFile::of(Reading::of(file, text), keys.into_inner())?,
+                (None, Some(keys)) => DesignFile::of(r, keys.into_inner())?,
                 (Some(bearing), Some(_)) => {
                     let message = "the row has `bearing` and [row.design]; remove one of them";
                     return Err(r.error(r.place(bearing.span()), message));
