@@ -210,7 +210,7 @@ fn split(line: &[u8], separator: u8) -> Result<ByteRecord, (usize, &'static str)
     let count = record.len();
     if record
         .iter()
-        .last()
+        .next_back()
         .is_some_and(|last| last.ends_with(b"\n"))
     {
         let message = "a quotation mark is opened but not closed on this line";

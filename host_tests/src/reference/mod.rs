@@ -113,17 +113,6 @@ pub struct Solution {
     pub balls: Vec<BallState>,
 }
 
-/// Forces, stiffness and balls at prescribed displacements.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Law {
-    /// Load on the inner ring that holds it there: `Fx, Fy, Fz` in N, `My, Mz` in N m.
-    pub force: [f64; 5],
-    /// Stiffness `dF/du`, rows are forces.
-    pub k: [[f64; 5]; 5],
-    /// The balls.
-    pub balls: Vec<BallState>,
-}
-
 /// How a solve ended without a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Failure {
@@ -173,42 +162,11 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Prepares a bearing.
+    /// Prepares a bearing that the library can build.
     ///
     /// # Errors
-    /// [`Failure::Input`] names the parameter that is out of range.
+    /// [`Failure::Input`] for a groove that is no wider than the ball.
     pub fn new(b: &Bearing) -> Result<Reference, Failure> {
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        let need = |ok: bool, what| {
-            if ok {
-                Ok(())
-            } else {
-                Err(Failure::Input(what))
-            }
-        };
-        need(b.balls > 0, "balls")?;
-        need(positive(b.ball_diameter), "ball_diameter")?;
-        need(
-            positive(b.pitch_diameter) && b.pitch_diameter > b.ball_diameter,
-            "pitch_diameter",
-        )?;
-        need(
-            positive(b.inner_groove_factor) && b.inner_groove_factor > 0.5,
-            "inner_groove_factor",
-        )?;
-        need(
-            positive(b.outer_groove_factor) && b.outer_groove_factor > 0.5,
-            "outer_groove_factor",
-        )?;
-        need(positive(b.cos_alpha0), "cos_alpha0")?;
-        need(b.sin_alpha0.is_finite(), "sin_alpha0")?;
-        need(b.first_ball.is_finite(), "first_ball")?;
-        for m in [b.ring, b.ball] {
-            need(positive(m.youngs_modulus), "youngs_modulus")?;
-            need(m.poissons_ratio.abs() < 1.0, "poissons_ratio")?;
-        }
-        need(positive(b.ball.density), "density")?;
-
         let one = Dd::ONE;
         let (two, half) = (Dd::of(2.0), Dd::of(0.5));
         let d = Dd::of(b.ball_diameter);
@@ -373,23 +331,7 @@ impl Reference {
         omega: f64,
         attitude: Attitude,
     ) -> Result<Solution, Failure> {
-        self.solve_with(load, omega, attitude, [true; 5], [0.0; 5])
-    }
-
-    /// Like [`Self::solve`]; a freedom that is not `free` keeps the displacement `held` (m, rad) and its
-    /// load is ignored. The stiffness is still that of all five.
-    ///
-    /// # Errors
-    /// See [`Failure`].
-    pub fn solve_with(
-        &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-        free: [bool; 5],
-        held: [f64; 5],
-    ) -> Result<Solution, Failure> {
-        self.solve_held(load, omega, attitude, free, held, true)
+        self.solve_held(load, omega, attitude, [true; 5], [0.0; 5], true)
     }
 
     /// Like [`Self::solve`], but sooner done with a load that has no equilibrium, or one that is hard
@@ -406,7 +348,8 @@ impl Reference {
         self.search_with(load, omega, attitude, [true; 5], [0.0; 5])
     }
 
-    /// Like [`Self::search`], with freedoms held as by [`Self::solve_with`].
+    /// Like [`Self::search`]; a freedom that is not `free` keeps the displacement `held` (m, rad) and its load is ignored. The
+    /// stiffness is still that of all five.
     ///
     /// # Errors
     /// See [`Failure`].
@@ -621,11 +564,11 @@ impl Reference {
         Ok(self.unknowns(&x, &centre)[2])
     }
 
-    /// Forces and stiffness at the displacements `u`.
+    /// The load on the inner ring, N and N m, that holds it at the displacements `u`.
     ///
     /// # Errors
     /// [`Failure::Ball`] if a ball finds no equilibrium.
-    pub fn law(&self, u: [f64; 5], omega: f64, attitude: Attitude) -> Result<Law, Failure> {
+    pub fn law(&self, u: [f64; 5], omega: f64, attitude: Attitude) -> Result<[f64; 5], Failure> {
         check(&[0.0; 5], omega, &u)?;
         let task = Task {
             free: [false; 5],
@@ -643,25 +586,14 @@ impl Reference {
             let t = self.evaluate(&w, &[0.0; 2], omega, attitude);
             st.collect(&t.ring, &mut force);
         }
-        Ok(Law {
-            force,
-            k: sol.k,
-            balls: sol.balls,
-        })
+        Ok(force)
     }
 }
 
 fn check(load: &[f64; 5], omega: f64, u: &[f64; 5]) -> Result<(), Failure> {
-    if !load.iter().all(|x| x.is_finite()) {
-        return Err(Failure::Input("load"));
-    }
-    if !omega.is_finite() {
-        return Err(Failure::Input("omega"));
-    }
-    if !u.iter().all(|x| x.is_finite()) {
-        return Err(Failure::Input("displacement"));
-    }
-    Ok(())
+    let mut numbers = load.iter().chain(u).chain([&omega]);
+    let finite = numbers.all(|x| x.is_finite());
+    finite.then_some(()).ok_or(Failure::Input("not finite"))
 }
 
 impl From<&BallState> for Ball {

@@ -121,10 +121,3 @@ fn a_shoulder_below_the_unloaded_balls_or_in_degrees_is_refused() {
         assert_eq!((error.value, error.least), (angle, free));
     }
 }
-
-#[test]
-fn two_balls_are_no_bearing() {
-    let error = Bearing::<f64, 2>::new(&B7005C).unwrap_err();
-    assert_eq!(error.quantity, Quantity::BallCount);
-    assert_eq!((error.value, error.least), (2.0, 3.0));
-}

@@ -8,7 +8,6 @@ mod compile_fail;
 mod cutting;
 mod cycle;
 mod designs;
-mod double_double;
 mod edges;
 mod frames;
 mod given;

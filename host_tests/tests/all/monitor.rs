@@ -8,7 +8,7 @@ use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
 use host_tests::cases::B7005C;
 use host_tests::milling_cycle::{Place, recorded};
-use host_tests::telemetry::simulated::monitor_settings::MONITOR;
+use host_tests::telemetry::simulated::monitor_settings::{MONITOR, TACHOMETER};
 pub(super) use host_tests::telemetry::simulated::monitored::BEARING;
 use host_tests::telemetry::simulated::monitored::{ROWS, spindle};
 use spindle_bearing::monitor::command::Answer;
@@ -19,7 +19,7 @@ use spindle_bearing::monitor::loads::{
     TareState,
 };
 use spindle_bearing::monitor::settings::MonitorSettings;
-use spindle_bearing::monitor::speed::{Edges, PulseSpeed, SpeedError, SpeedSettings, SpeedSource};
+use spindle_bearing::monitor::speed::{Edges, PulseSpeed, SpeedError, SpeedSource};
 use spindle_bearing::monitor::telemetry::{
     BallReport, EstimateReport, FrameReader, Payload, RowReport,
 };
@@ -493,7 +493,7 @@ const FAULTS: [Fault; 10] = [
 ];
 
 #[test]
-fn every_fault_has_its_mark_keeps_the_last_estimate_and_passes() {
+fn every_fault_has_its_mark_and_passes_and_one_that_lasts_raises_the_sensor_alarm() {
     for (name, fault, mark) in FAULTS {
         let mut rig = Rig::running(&SETTINGS);
         let before = rig.monitor.health();
@@ -509,13 +509,7 @@ fn every_fault_has_its_mark_keeps_the_last_estimate_and_passes() {
         assert_eq!(after.marked_samples - before.marked_samples, 5, "{name}");
         assert_eq!(after.estimates - before.estimates, 1, "{name}");
         assert_eq!(rig.state(Alarm::Sensor), AlarmState::Clear, "{name}");
-    }
-}
 
-#[test]
-fn a_fault_that_lasts_raises_the_sensor_alarm_which_stays_until_acknowledged() {
-    for (name, fault, _) in FAULTS {
-        let mut rig = Rig::running(&SETTINGS);
         for _ in 0..120 {
             let readings = fault(&mut rig);
             rig.tick(&readings);
@@ -1281,17 +1275,6 @@ fn bus_errors_do_not_stop_the_ticks_and_a_conversion_that_is_not_ready_is_no_err
 
 #[test]
 fn a_speed_signal_lost_at_full_speed_stops_estimates_and_life_goes_on_in_doubt() {
-    const TACHOMETER: SpeedSettings = SpeedSettings {
-        pulses_per_revolution: 4,
-        timer_hz: 1_000_000,
-        timer_bits: 32,
-        counter_bits: 16,
-        count_above: 400.0,
-        period_below: 300.0,
-        gate_us: 5000,
-        standstill_us: 500_000,
-        deceleration: 1000.0,
-    };
     let mut rig = Rig::running(&SETTINGS);
     let mut tachometer = PulseSpeed::new(Edges::default(), TACHOMETER);
     // 1500 rad/s are 955 pulses a second.
