@@ -65,11 +65,12 @@ pub fn gmn_s60() -> Vec<Listed> {
     rows.unwrap_or_else(|error| panic!("host_tests/makers/gmn_s60.csv: {error}"))
 }
 
-/// Designs that come with the project, by their files' names.
+/// Names of the designs that come with the project.
 fn shipped() -> Vec<String> {
     let files = std::fs::read_dir(SHIPPED).into_iter().flatten().flatten();
     let names = files.map(|file| file.file_name().to_string_lossy().into_owned());
-    let designs = names.filter_map(|name| name.strip_suffix(".toml").map(str::to_owned));
+    let designs =
+        names.filter_map(|name| Some(format!("{PROJECT}{}", name.strip_suffix(".toml")?)));
     let mut designs: Vec<String> = designs.collect();
     designs.sort();
     designs
@@ -88,40 +89,27 @@ fn plain(name: &str) -> String {
 /// A catalogue has no such bearing; the message has names that are alike.
 pub fn find(name: &str) -> Option<Result<DesignFile, DesignFileError>> {
     let wanted = plain(name);
-    let (names, found): (Vec<String>, _) = if wanted.starts_with(GMN) {
-        let listed = gmn_s60();
-        let found = listed.iter().find(|one| plain(&one.name()) == wanted);
-        (
-            listed.iter().map(Listed::name).collect(),
-            found.map(Listed::design),
-        )
-    } else if let Some(stem) = wanted.strip_prefix(PROJECT) {
-        let stems = shipped();
-        let found = stems.iter().find(|one| plain(one) == stem);
-        let found =
-            found.map(|stem| DesignFile::read(Path::new(SHIPPED).join(format!("{stem}.toml"))));
-        (
-            stems.iter().map(|one| format!("{PROJECT}{one}")).collect(),
-            found,
-        )
-    } else {
+    if !wanted.starts_with(GMN) && !wanted.starts_with(PROJECT) {
         return None;
-    };
-    Some(found.unwrap_or_else(|| Err(unknown(name, &wanted, names))))
-}
-
-/// The three names that are most alike.
-fn unknown(name: &str, wanted: &str, mut names: Vec<String>) -> DesignFileError {
-    names.sort_by_key(|one| strsim::damerau_levenshtein(&plain(one), wanted));
-    names.truncate(3);
-    DesignFileError {
-        file: name.to_owned(),
-        place: None,
-        message: format!(
-            "the catalogue has no such bearing; did you mean {}? `cargo replay --list` has them all",
-            names.join(", ")
-        ),
     }
+    let listed = gmn_s60();
+    let names = listed.iter().map(Listed::name).chain(shipped());
+    let mut names: Vec<String> = names.collect();
+    let Some(found) = names.iter().position(|one| plain(one) == wanted) else {
+        names.sort_by_key(|one| strsim::damerau_levenshtein(&plain(one), &wanted));
+        return Some(Err(DesignFileError {
+            file: name.to_owned(),
+            place: None,
+            message: format!(
+                "the catalogue has no such bearing; did you mean {}? `cargo replay --list` has them all",
+                names[..3].join(", ")
+            ),
+        }));
+    };
+    Some(match names[found].strip_prefix(PROJECT) {
+        Some(stem) => DesignFile::read(Path::new(SHIPPED).join(format!("{stem}.toml"))),
+        None => listed[found].design(),
+    })
 }
 
 /// The catalogue as a table to read.
@@ -145,7 +133,6 @@ pub fn list() -> String {
         );
     }
     for name in shipped() {
-        let name = format!("{PROJECT}{name}");
         let Some(Ok(file)) = find(&name) else {
             continue;
         };

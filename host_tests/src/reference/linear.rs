@@ -1,64 +1,46 @@
-//! Linear algebra: dense systems, factored as they stand.
+//! Linear algebra: small dense systems.
 
 use core::array::from_fn;
 
-/// Solves `a x = b` for the `m` columns of `b` in place; row-scaled partial pivoting.
-pub(super) fn dense_solve(a: &mut [f64], b: &mut [f64], m: usize) -> Option<()> {
-    let n = b.len() / m;
-    for r in 0..n {
-        let big = a[r * n..(r + 1) * n]
-            .iter()
-            .fold(0.0_f64, |s, x| s.max(x.abs()));
-        if !(big > 0.0 && big.is_finite()) {
-            return None;
-        }
-        a[r * n..(r + 1) * n].iter_mut().for_each(|x| *x /= big);
-        b[r * m..(r + 1) * m].iter_mut().for_each(|x| *x /= big);
-    }
-    for c in 0..n {
-        let p = (c..n).max_by(|&i, &j| a[i * n + c].abs().total_cmp(&a[j * n + c].abs()))?;
-        if !(a[p * n + c].abs() > 0.0 && a[p * n + c].is_finite()) {
-            return None;
-        }
-        if p != c {
-            for k in 0..n {
-                a.swap(p * n + k, c * n + k);
-            }
-            for k in 0..m {
-                b.swap(p * m + k, c * m + k);
-            }
-        }
-        for r in c + 1..n {
-            let f = a[r * n + c] / a[c * n + c];
-            if f != 0.0 {
-                for k in c + 1..n {
-                    a[r * n + k] -= f * a[c * n + k];
-                }
-                for k in 0..m {
-                    b[r * m + k] -= f * b[c * m + k];
-                }
-            }
-        }
-    }
-    for c in (0..n).rev() {
-        for k in 0..m {
-            let mut x = b[c * m + k];
-            for j in c + 1..n {
-                x -= a[c * n + j] * b[j * m + k];
-            }
-            b[c * m + k] = x / a[c * n + c];
-        }
-    }
-    b.iter().all(|x| x.is_finite()).then_some(())
-}
-
-/// Small fixed-size form of [`dense_solve`].
+/// Solves `a x = b` for the columns of `b`; row-scaled partial pivoting.
 pub(crate) fn small_solve<const N: usize, const M: usize>(
     mut a: [[f64; N]; N],
     mut b: [[f64; M]; N],
 ) -> Option<[[f64; M]; N]> {
-    dense_solve(a.as_flattened_mut(), b.as_flattened_mut(), M)?;
-    Some(b)
+    let is_pivot = |x: f64| x > 0.0 && x.is_finite();
+    for (a, b) in a.iter_mut().zip(&mut b) {
+        let big = a.iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+        if !is_pivot(big) {
+            return None;
+        }
+        *a = a.map(|x| x / big);
+        *b = b.map(|x| x / big);
+    }
+    for c in 0..N {
+        let p = (c..N).max_by(|&i, &j| a[i][c].abs().total_cmp(&a[j][c].abs()))?;
+        a.swap(p, c);
+        b.swap(p, c);
+        if !is_pivot(a[c][c].abs()) {
+            return None;
+        }
+        for r in c + 1..N {
+            let f = a[r][c] / a[c][c];
+            a[r] = from_fn(|k| {
+                if k > c {
+                    a[r][k] - f * a[c][k]
+                } else {
+                    a[r][k]
+                }
+            });
+            b[r] = from_fn(|k| b[r][k] - f * b[c][k]);
+        }
+    }
+    for c in (0..N).rev() {
+        let above = |k: usize| (c + 1..N).fold(b[c][k], |x, j| x - a[c][j] * b[j][k]);
+        b[c] = from_fn(|k| above(k) / a[c][c]);
+    }
+    let finite = b.as_flattened().iter().all(|x| x.is_finite());
+    finite.then_some(b)
 }
 
 /// Solves `k du = rhs` for the free freedoms, the others stay; tilts scaled to lengths.

@@ -321,7 +321,7 @@ impl Reference {
         ws.iter().zip(terms).zip(&self.stations).map(row).collect()
     }
 
-    /// Equilibrium under `load` at `omega` rad/s from a cold start, with the full matrix.
+    /// Equilibrium under `load` at `omega` rad/s from a cold start.
     ///
     /// # Errors
     /// See [`Failure`].
@@ -364,7 +364,7 @@ impl Reference {
         self.solve_held(load, omega, attitude, free, held, false)
     }
 
-    /// A cold start under what is given, from the full matrix and with all patience or without either.
+    /// A cold start under what is given, with all patience or without.
     fn solve_held(
         &self,
         load: [f64; 5],
@@ -434,8 +434,7 @@ impl Reference {
         outcome
     }
 
-    /// Newton from a given start, without continuation, eliminating the balls one by one: the fast
-    /// way to judge a solution of another program. `centres` holds each ball's centre
+    /// Newton from a given start, without continuation: the fast way to judge a solution of another program. `centres` holds each ball's centre
     /// `(X1, X2)` in m, axial and radial from the outer groove's curvature centre.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! The whole system: from a start to the equilibrium in two stages.
 
 use super::ball::{Linear, Unknowns};
-use super::linear::{dense_solve, masked_solve};
+use super::linear::masked_solve;
 use super::{Attitude, Failure, Reference, Solution};
 use crate::double_double::Dd;
 use core::array::from_fn;
@@ -21,12 +21,12 @@ pub(super) struct Task {
     pub(super) omega: f64,
     pub(super) attitude: Attitude,
     pub(super) free: [bool; 5],
-    /// Factors the full matrix, and follows a solution in ever smaller steps before it gives up.
+    /// Follows a solution in ever smaller steps before it gives up.
     pub(super) thorough: bool,
 }
 
 impl Task {
-    /// All freedoms under a load, the balls eliminated one by one, and soon given up.
+    /// All freedoms under a load, soon given up.
     pub(super) fn new(load: [f64; 5], omega: f64, attitude: Attitude) -> Self {
         Self {
             load,
@@ -63,7 +63,7 @@ impl Reference {
     }
 
     /// Newton direction for residuals `ball[j]` (4 each) and `ring` (target minus force), by
-    /// eliminating the balls one by one or, if `task.thorough`, from the full matrix.
+    /// eliminating the balls one by one.
     fn direction(
         &self,
         lin: &[Linear],
@@ -74,9 +74,6 @@ impl Reference {
     ) -> Option<Direction> {
         let lever = self.pitch_radius();
         let unit = [1.0, 1.0, 1.0, lever, lever];
-        if task.thorough {
-            return self.dense_direction(lin, ball, ring, &task.free);
-        }
         let mut k = [[0.0; 5]; 5];
         let mut rhs = *ring;
         let mut parts = Vec::with_capacity(lin.len());
@@ -108,89 +105,12 @@ impl Reference {
         Some(Direction { du, dw })
     }
 
-    /// The `4 N + 5` matrix, factored as it stands.
-    fn dense_direction(
-        &self,
-        lin: &[Linear],
-        ball: &[[f64; 4]],
-        ring: &[f64; 5],
-        free: &[bool; 5],
-    ) -> Option<Direction> {
-        let balls = lin.len();
-        let n = 4 * balls + 5;
-        let mut a = vec![0.0; n * n];
-        let mut b = vec![0.0; n];
-        for (j, (lin, st)) in lin.iter().zip(&self.stations).enumerate() {
-            for i in 0..4 {
-                b[4 * j + i] = -ball[j][i];
-                for c in 0..4 {
-                    a[(4 * j + i) * n + 4 * j + c] = lin.jacobian[i][c];
-                }
-            }
-            for i in 0..2 {
-                for c in 0..5 {
-                    a[(4 * j + i) * n + 4 * balls + c] = -st.lever[i][c];
-                }
-            }
-            for r in 0..5 {
-                for c in 0..4 {
-                    a[(4 * balls + r) * n + 4 * j + c] = (0..3)
-                        .map(|i| st.lever[i][r] * lin.terms.ring[i].d[c])
-                        .sum();
-                }
-            }
-        }
-        for r in 0..5 {
-            let row = 4 * balls + r;
-            b[row] = ring[r];
-            if !free[r] {
-                a[row * n..(row + 1) * n].fill(0.0);
-                a[row * n + row] = 1.0;
-                b[row] = 0.0;
-            }
-        }
-        dense_solve(&mut a, &mut b, 1)?;
-        Some(Direction {
-            du: from_fn(|k| b[4 * balls + k]),
-            dw: (0..balls).map(|j| from_fn(|i| b[4 * j + i])).collect(),
-        })
-    }
-
-    /// `K = -F_w R_w^-1 R_u`: eliminated ball by ball or, if `dense`, from all `4 N` equations at once.
-    pub(super) fn stiffness(&self, lin: &[Linear], dense: bool) -> Option<[[f64; 5]; 5]> {
+    /// `K = -F_w R_w^-1 R_u`, eliminated ball by ball.
+    fn stiffness(&self, lin: &[Linear]) -> Option<[[f64; 5]; 5]> {
         let mut k = [[0.0; 5]; 5];
-        if !dense {
-            for (lin, st) in lin.iter().zip(&self.stations) {
-                let (_, g) = lin.solve([0.0; 4])?;
-                lin.add_stiffness(&mut k, &g, st);
-            }
-            return Some(k);
-        }
-        let n = 4 * lin.len();
-        let mut a = vec![0.0; n * n];
-        let mut b = vec![0.0; n * 5];
-        for (j, (lin, st)) in lin.iter().zip(&self.stations).enumerate() {
-            for i in 0..4 {
-                for c in 0..4 {
-                    a[(4 * j + i) * n + 4 * j + c] = lin.jacobian[i][c];
-                }
-            }
-            for i in 0..2 {
-                for c in 0..5 {
-                    b[(4 * j + i) * 5 + c] = st.lever[i][c];
-                }
-            }
-        }
-        dense_solve(&mut a, &mut b, 5)?;
-        for (j, (lin, st)) in lin.iter().zip(&self.stations).enumerate() {
-            for c in 0..5 {
-                let dw = from_fn(|i| b[(4 * j + i) * 5 + c]);
-                let mut column = [0.0; 5];
-                st.collect(&lin.ring_change(&dw), &mut column);
-                for r in 0..5 {
-                    k[r][c] += column[r];
-                }
-            }
+        for (lin, st) in lin.iter().zip(&self.stations) {
+            let (_, g) = lin.solve([0.0; 4])?;
+            lin.add_stiffness(&mut k, &g, st);
         }
         Some(k)
     }
@@ -332,12 +252,8 @@ impl Reference {
             let ball = vec![[0.0; 4]; lin.len()];
             let ring = from_fn(|k| task.load[k] - force[k]);
             loop {
-                let soft = Task {
-                    thorough: false,
-                    ..*task
-                };
                 let better = self
-                    .direction(&lin, &ball, &ring, &soft, damping)
+                    .direction(&lin, &ball, &ring, task, damping)
                     .and_then(|dir| {
                         let mut trial = s.clone();
                         for k in 0..5 {
@@ -480,9 +396,7 @@ impl Reference {
                 .collect();
             let stuck = size >= 0.1 * best;
             if size <= 1e-20 || stuck && size <= 1e-15 {
-                let k = self
-                    .stiffness(&lin, task.thorough)
-                    .ok_or(Failure::Singular)?;
+                let k = self.stiffness(&lin).ok_or(Failure::Singular)?;
                 return Ok(Solution {
                     u: u.map(Dd::value),
                     k,

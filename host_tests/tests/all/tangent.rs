@@ -109,10 +109,6 @@ fn the_tangent_is_the_slope_of_forces() {
         ..b7005c(Balls::Static, [100.0, 80.0, 10.0, 0.05, 0.1], 0.0)
     };
     deep_groove.assert_tangent(DIFFERENCES);
-}
-
-#[test]
-fn the_tangent_is_the_slope_of_forces_of_a_grown_bearing() {
     for balls in [Balls::Static, Balls::Free, Balls::Outer, Balls::Inner] {
         let grown = Point {
             growth: GROWN,
@@ -120,10 +116,7 @@ fn the_tangent_is_the_slope_of_forces_of_a_grown_bearing() {
         };
         grown.assert_tangent(DIFFERENCES);
     }
-}
-
-#[test]
-fn the_tangent_is_the_slope_of_forces_with_balls_off_the_inner_race() {
+    // Balls are off the inner race.
     let found = cold(&B7005C, 16, Balls::Free, LIFTING, rad_per_s(40_000.0));
     assert!(found.unloaded_balls() > 0, "{:?}", found.balls);
     b7005c(Balls::Free, LIFTING, 40_000.0).assert_tangent(1e-7);

@@ -96,27 +96,10 @@ fn judge_motion(balls: Balls, families: &[Family], rings: &[Ring]) {
 }
 
 #[test]
-fn scenes_at_rest_agree_with_the_restricted_reference_build() {
-    judge_motion(Balls::Static, &DRAWN, &RINGS);
-}
-
-#[test]
-fn scenes_under_centrifugal_force_agree_with_the_restricted_reference_build() {
-    judge_motion(Balls::Centrifugal, &DRAWN, &RINGS);
-}
-
-#[test]
-fn scenes_at_speed_agree_with_the_restricted_reference_build() {
-    judge_motion(Balls::Free, &DRAWN, &RINGS);
-}
-
-#[test]
-fn scenes_under_outer_race_control_agree_with_the_restricted_reference_build() {
-    judge_motion(Balls::Outer, &DRAWN, &RINGS);
-}
-
-#[test]
-fn scenes_under_inner_race_control_agree_with_the_restricted_reference_build() {
+fn scenes_agree_with_the_restricted_reference_build() {
+    for balls in [Balls::Static, Balls::Centrifugal, Balls::Free, Balls::Outer] {
+        judge_motion(balls, &DRAWN, &RINGS);
+    }
     let families = [
         Family::Random,
         Family::Moderate,
