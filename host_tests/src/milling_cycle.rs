@@ -209,7 +209,7 @@ pub fn recorded(place: Place) -> Vec<LoadRow> {
                 .iter()
                 .map(|cut| cut.force * cut.engaged * presence(cut.time, time))
                 .sum();
-            let free = profile(&SPEED, time);
+            let free = curve(&SPEED, time, smooth);
             // Under load the drive gives way by half a percent, give or take.
             let speed = free * (1.0 - 1e-5 * effort * material);
             turns += speed / 60.0 * period;
@@ -235,16 +235,16 @@ pub fn recorded(place: Place) -> Vec<LoadRow> {
                 add(material * presence(span, time), [force, 0.0, 0.0]);
             }
             for (from, along, course) in PUSHES {
-                add(straight(course, 1e3 * (time - from)), along);
+                add(curve(course, 1e3 * (time - from), |part| part), along);
             }
             let temperatures = WARM.map(|[start, more]| rounded(start + more * heat, 100.0));
             let (part, held, arm, askew, temperatures) = match place {
                 Place::Bearing => {
-                    let held = profile(&CLAMPING, time) + 110.0 * heat;
+                    let held = curve(&CLAMPING, time, smooth) + 110.0 * heat;
                     (1.0, held, ARM, MISALIGNMENT, None)
                 }
                 Place::Nose => {
-                    let held = profile(&RELEASE, time);
+                    let held = curve(&RELEASE, time, smooth);
                     (AT_CUTTER, held, CUTTER, [0.0; 2], Some(temperatures))
                 }
             };
@@ -316,16 +316,6 @@ fn curve(points: &[(f64, f64)], x: f64, shape: impl Fn(f64) -> f64) -> f64 {
         return y0;
     }
     y0 + (y1 - y0) * shape((x - x0) / (x1 - x0))
-}
-
-/// Value at a time of a curve that is smooth between points.
-fn profile(points: &[(f64, f64)], time: f64) -> f64 {
-    curve(points, time, smooth)
-}
-
-/// Value at `x` of a curve that is straight between points.
-fn straight(points: &[(f64, f64)], x: f64) -> f64 {
-    curve(points, x, |part| part)
 }
 
 /// Rounded to a fraction of 1, as sensors deliver it; never a negative zero.
