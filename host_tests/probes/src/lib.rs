@@ -188,6 +188,8 @@ impl<T, const D: usize> Answer<T, D> {
 
 /// A solver for `D` freedoms, and the numbers that are asked of it.
 pub trait Scene<T: Real, const N: usize, const D: usize> {
+    /// The shaft turns.
+    const AT_SPEED: bool = true;
     /// The solver.
     type Solver<'b>
     where
@@ -215,6 +217,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize, const ASKED: u8> Scene<
 where
     [T; D]: RingVector,
 {
+    const AT_SPEED: bool = M::AT_SPEED;
     type Solver<'b>
         = Solver<'b, T, N, M, D>
     where
@@ -252,6 +255,7 @@ where
 pub struct Axial<M>(PhantomData<M>);
 
 impl<T: Real, const N: usize, M: Motion> Scene<T, N, 1> for Axial<M> {
+    const AT_SPEED: bool = M::AT_SPEED;
     type Solver<'b>
         = AxialSolver<'b, T, N, M>
     where
