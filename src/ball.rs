@@ -65,8 +65,6 @@ pub struct Local<T> {
     pub kap: T,
     pub kap_o: T,
     pub th: T,
-    /// `M^-1`.
-    pub j: Matrix2<T>,
 }
 
 /// What a linearisation says of the ball's balance: squares of the unbalanced force and of the contact forces.
@@ -384,7 +382,6 @@ impl<T: Real> Ball<T> {
             [inverse * m[1][1], -(inverse * m[0][1])],
             [-(inverse * m[1][0]), inverse * m[0][0]],
         ];
-        self.local.j = j;
         let z = times(&j, r);
         let xs = times(&j, loads);
         let d = product2(&j, &b);
@@ -458,36 +455,14 @@ impl<T: Real> Ball<T> {
         [v[0] * l.cd - v[1] * l.sd, v[0] * l.sd + v[1] * l.cd]
     }
 
-    /// Motions of the inner contact and of the ball, along and across the inner contact.
-    ///
-    /// The groove's centre moves to `a`, and the ball by `beyond` what it follows that.
-    #[inline(always)]
-    fn motions(&self, a: Pair<T>, beyond: impl FnOnce(Pair<T>) -> Pair<T>) -> (Pair<T>, Pair<T>) {
-        let da = sub(a, self.a);
-        let dx = beyond(add(self.z, times(&self.d, da)));
-        (sub(turn(self.n, da), dx), dx)
-    }
-
-    /// Adds the second order of the ball's motion to `a` to its step; returns what that adds to the force on the ring.
-    #[inline(always)]
-    pub fn bend(&mut self, a: Pair<T>, ds: T) -> Pair<T> {
-        let l = &self.local;
-        let (v, dx) = self.motions(a, |dx| add(dx, scale(ds, self.xs)));
-        let (inner, outer) = self.curvatures();
-        let p = inner.force(v);
-        let [on, ot] = outer.force(self.outer_of(dx));
-        let beyond = [p[0] - on * l.cd - ot * l.sd, p[1] + on * l.sd - ot * l.cd];
-        let x2 = times(&l.j, beyond);
-        let force = [p[0] - l.hn * x2[0] + l.th * x2[1], p[1] - l.kap * x2[1]];
-        self.z = add(self.z, x2);
-        turn(self.n, force)
-    }
-
     /// Change of the condensed stiffness along the motion to `a`: elements `aa`, `ar`, `rr`. Of the friction forces, only
     /// the contacts' part is in it.
     #[inline(always)]
     pub fn stiffening(&self, a: Pair<T>) -> [T; 3] {
-        let (v, dx) = self.motions(a, |dx| dx);
+        // Motions of the ball and of the inner contact, along and across that.
+        let da = sub(a, self.a);
+        let dx = add(self.z, times(&self.d, da));
+        let v = sub(turn(self.n, da), dx);
         let (inner, outer) = self.curvatures();
         let ([s, c], d) = (self.n, &self.d);
         // How the inner contact and the ball move with the groove's centre, axially and radially.
@@ -559,32 +534,6 @@ mod tests {
                 let off = (foreseen - change).abs();
                 assert!(off < 0.01 * change.abs(), "{a:?}: {foreseen:e}, {change:e}");
             }
-        }
-    }
-
-    #[test]
-    fn the_second_order_foresees_force_and_place_to_a_tenth_of_what_the_first_misses() {
-        let (ball, p) = settled();
-        for a in [[4e-3, 0.0], [0.0, 4e-3], [-3e-3, 2e-3]] {
-            let mut moved = ball;
-            at(&mut moved, &p, a);
-            let (h, f) = (ball.share.h, ball.share.force);
-            let first = add(f, times(&h, a));
-            let mut bent = ball;
-            let second = add(first, bent.bend(a, 0.0));
-            let mut straight = ball;
-            straight.advance(a, 0.0);
-            bent.advance(a, 0.0);
-            let size = |v: Pair<f64>| dot(v, v).sqrt();
-            let force = moved.share.force;
-            assert!(
-                size(sub(second, force)) < 0.1 * size(sub(first, force)),
-                "{a:?}"
-            );
-            assert!(
-                size(sub(bent.x, moved.x)) < 0.1 * size(sub(straight.x, moved.x)),
-                "{a:?}"
-            );
         }
     }
 }

@@ -161,9 +161,6 @@ pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
     /// What it hands to the ring where it was condensed.
     fn share(&self) -> &Share<T>;
 
-    /// Adds the second order of the ball's motion to `a` and of `ds` to its step; returns the force that this adds.
-    fn bend(&mut self, a: Pair<T>, ds: T) -> Pair<T>;
-
     /// Change of the stiffness along the motion to `a`: elements `aa`, `ar`, `rr`.
     fn stiffening(&self, a: Pair<T>) -> [T; 3];
 

@@ -1,8 +1,7 @@
 //! Second-order terms of a ball's contacts: what its linearisation leaves out along a motion.
 //!
-//! A contact's end moves by `v`, along and across it. Beyond the tangent, the force is
-//! `p = (Q' v1 (v1/delta)/4 + g v2^2, 2 g v1 v2)` with `g = (Q' - Q/R) / (2 R)`. The tangent changes by
-//! `[[Q' v1/(2 delta), 2 g v2], [2 g v2, 2 g v1]]`.
+//! A contact's end moves by `v`, along and across it. The tangent changes by
+//! `[[Q' v1/(2 delta), 2 g v2], [2 g v2, 2 g v1]]` with `g = (Q' - Q/R) / (2 R)`.
 
 use super::linalg::{Pair, dot};
 use crate::float::Real;
@@ -18,33 +17,11 @@ pub struct Curvature<T> {
 }
 
 impl<T: Real> Curvature<T> {
-    #[inline(always)]
-    fn g(&self) -> T {
-        T::of(0.5) * (self.slope - self.across) * self.per_r
-    }
-
-    /// Force beyond the tangent. The relative change of the deformation is bounded: beyond, the series of the 3/2 law
-    /// is worse than its tangent.
-    #[inline(always)]
-    pub fn force(&self, v: Pair<T>) -> Pair<T> {
-        let half = T::of(0.5);
-        let mut relative = v[0] * self.per_delta;
-        if relative.abs() > half {
-            relative = if relative > half { half } else { -half };
-        }
-        let gv = self.g() * v[1];
-        [
-            T::of(0.25) * self.slope * v[0] * relative + gv * v[1],
-            (gv + gv) * v[0],
-        ]
-    }
-
     /// Change of the tangent. The stiffness grows with the root of the deformation.
     #[inline(always)]
     pub fn stiffening(&self, v: Pair<T>) -> [T; 3] {
         let relative = v[0] * self.per_delta;
-        let g = self.g();
-        let g2 = g + g;
+        let g2 = (self.slope - self.across) * self.per_r;
         let growth = if relative.abs() < T::of(0.1) {
             relative * (T::of(0.5) - relative * (T::of(0.125) - T::of(0.0625) * relative))
         } else {

@@ -128,11 +128,6 @@ impl<T: Real> Body<T> for Ball<T> {
     }
 
     #[inline(always)]
-    fn bend(&mut self, a: Pair<T>, ds: T) -> Pair<T> {
-        Ball::bend(self, a, ds)
-    }
-
-    #[inline(always)]
     fn stiffening(&self, a: Pair<T>) -> [T; 3] {
         Ball::stiffening(self, a)
     }

@@ -228,27 +228,6 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         furthest.map(|(number, sin)| (number, sin.abs().atan2(least)))
     }
 
-    /// Adds the second order of the ring's motion to `v` and of `ds` to the balls' steps; returns the force it adds.
-    #[inline(never)]
-    pub fn bend_balls<const D: usize>(&mut self, v: &[T; D], ds: T) -> [T; D] {
-        let mut force = [T::ZERO; D];
-        let mut azimuths = self.azimuths.iter();
-        for ball in self.balls.iter_mut() {
-            let Some(at) = azimuths.next() else { break };
-            let [axial, radial] = ball.bend(shift(v, at), ds);
-            force[0] += axial;
-            if D >= 3 {
-                force[1] += radial * at.cos;
-                force[2] += radial * at.sin;
-            }
-            if D == 5 {
-                force[3] += axial * at.sin;
-                force[4] -= axial * at.cos;
-            }
-        }
-        force
-    }
-
     /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`.
     #[inline(never)]
     pub fn follow_to(&mut self, v: &[T; 5], ds: T) {

@@ -3,7 +3,6 @@
 use super::body::Body;
 use super::constants::Constants;
 use super::float::Real;
-use super::frame::refer;
 use super::kinematics::Rule;
 use super::mounting::{Point, Regime};
 use super::ring::{Changes, Row, Sum, in_full, sum_up};
@@ -137,9 +136,6 @@ pub trait Rows<T: Real, const D: usize> {
     /// What a step `du` changes of the rows.
     fn changes(&self, du: &[T; D]) -> Changes<T, D>;
 
-    /// Adds the second order of the motion to `v` and of `ds` to the balls' steps; returns the force it adds.
-    fn bend(&mut self, v: &[T; D], ds: T) -> [T; D];
-
     /// Has every ball follow to `v` and a relative change `ds` of `omega^2`.
     fn follow(&mut self, v: &[T; D], ds: T);
 
@@ -240,13 +236,6 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
             largest: of_row.largest,
             cos: of_row.cos,
         }
-    }
-
-    #[inline(always)]
-    fn bend(&mut self, v: &[T; D], ds: T) -> [T; D] {
-        let mut force = self.bend_balls(v, ds);
-        refer(self.c.plane, &mut force);
-        force
     }
 
     #[inline(always)]

@@ -88,12 +88,6 @@ impl<T: Real> Body<T> for StaticBall<T> {
     }
 
     #[inline(always)]
-    fn bend(&mut self, a: Pair<T>, _: T) -> Pair<T> {
-        let v = turn(self.n, sub(a, self.a));
-        turn(self.n, self.curvature().force(v))
-    }
-
-    #[inline(always)]
     fn stiffening(&self, a: Pair<T>) -> [T; 3] {
         let v = turn(self.n, sub(a, self.a));
         let [s, c] = self.n;

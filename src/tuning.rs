@@ -52,9 +52,6 @@ pub const FORCE: f64 = 0.05;
 /// Margin of the error estimate on what the last step leaves.
 /// Tuned: halved, 0.3 % of the stiffnesses of moderate loads are not covered.
 pub const MARGIN: f64 = 5.0;
-/// Tolerance below which a prediction takes in the second order of the balls' motion, which costs 3,000 cycles.
-/// Tuned: doubled, no effect at 2e-5; at 1e-3 the cycles are spent in vain.
-pub const CURVED: f64 = 5e-4;
 /// Most iterations from a solution nearby.
 /// Tuned: doubled, no effect; halved, 0.07 iterations more in warm jumps.
 pub const WARM: u16 = 8;

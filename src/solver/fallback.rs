@@ -37,7 +37,7 @@ pub(super) fn continuation<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
         let mut ds = T::ZERO;
         if follows {
             ds = next / s - T::ONE;
-            state.predict(rows, task, ds, true);
+            state.predict(rows.plane(), task, ds);
         } else {
             rows.each(&[T::ZERO; D], |row, _, _| {
                 for ball in row.balls.iter_mut() {

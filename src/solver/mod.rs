@@ -218,8 +218,7 @@ impl<T: Real, const D: usize> State<T, D> {
             } else {
                 T::ZERO
             };
-            let curved = task.tolerance < T::of(crate::tuning::CURVED);
-            self.predict(rows, task, ds, curved);
+            self.predict(rows.plane(), task, ds);
             let mut some = (*budget).min(crate::tuning::WARM);
             *budget -= some;
             outcome = self.newton::<S, R>(rows, task, ds, &mut some);

@@ -340,34 +340,17 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// Adds the second order of the balls' motion to the shaft's offset `v`, and what it makes of the shaft's.
-    #[inline(never)]
-    fn bend<S: Rows<T, D>>(&mut self, rows: &mut S, task: &Task<T, D>, ds: T) {
-        let mut beyond = rows.bend(&self.v, ds);
-        for (beyond, held) in beyond.iter_mut().zip(task.held) {
-            *beyond = match held {
-                None => -*beyond,
-                Some(_) => T::ZERO,
-            };
-        }
-        let du = self.factors.solve(&beyond);
-        self.advance(plane_of(rows.plane(), &du));
-    }
-
     /// Moves shaft and balls to where the last linearisation sees them under the task's load.
     ///
-    /// `ds` is the relative change of `omega^2`. If `curved`, the second order of the balls' motion is added.
-    pub fn predict<S: Rows<T, D>>(&mut self, rows: &mut S, task: &Task<T, D>, ds: T, curved: bool) {
+    /// `ds` is the relative change of `omega^2`.
+    pub fn predict(&mut self, plane: T, task: &Task<T, D>, ds: T) {
         self.v = self.at;
         let r = self.unbalanced(task, ds);
         if !(task.is_free() && self.plain) {
             self.factor(task, T::ZERO);
         }
-        let du = self.resolve(rows.plane(), task, &r, T::ZERO);
-        self.advance(plane_of(rows.plane(), &du));
-        if curved {
-            self.bend(rows, task, ds);
-        }
+        let du = self.resolve(plane, task, &r, T::ZERO);
+        self.advance(plane_of(plane, &du));
     }
 
     /// Condenses the balls where the shaft is, at a relative change `ds` of `omega^2`, and sums what they hand over;
@@ -488,15 +471,10 @@ impl<T: Real, const D: usize> State<T, D> {
         let stalled = k > half * before.estimate.k && !(outcome.residual < half * before.residual);
         // The correction of the stiffness along the step leaves what is of second order, and a small part of the first.
         let corrected = k * (most + T::of(tuning::CORRECTED));
-        if corrected <= task.tolerance && force * most <= enough {
+        if corrected <= task.tolerance && force <= enough {
             if k > task.tolerance {
                 self.correct = true;
                 outcome.estimate.k = corrected;
-            }
-            if force > enough {
-                // The step's second order is cheaper than another iteration.
-                self.bend(rows, task, T::ZERO);
-                outcome.estimate.force = force * most;
             }
             outcome.end = End::Converged;
         } else if stalled && most < T::of(tuning::ROUGH) && self.is_rounded(rows, task, outcome) {

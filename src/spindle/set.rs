@@ -213,15 +213,6 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     }
 
     #[inline(never)]
-    fn bend(&mut self, v: &[T; D], ds: T) -> [T; D] {
-        let mut force = [T::ZERO; D];
-        self.each(v, |row, seat, v| {
-            seat.add_force(&mut force, &row.bend_balls(v, ds));
-        });
-        force
-    }
-
-    #[inline(never)]
     fn follow(&mut self, v: &[T; D], ds: T) {
         self.each(v, |row, _, v| row.follow_to(v, ds));
     }
