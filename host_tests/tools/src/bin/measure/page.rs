@@ -37,17 +37,12 @@ pub fn write(root: &Path) -> Result<Figures> {
          A firmware with one scene alone has nothing of the parts that the scene leaves out. There are {BALLS} balls a \
          row. A scene drops the loads for which it has no freedom. Cycles are medians. Flash is the code and the \
          constants that a solve reaches, without the bearing's constants. State is the solver with its balls. The last \
-         column counts loads without a solution, of {CASES}.\n\n{}\n{}\
-         ## On a host\n\n\
-         Times of one run on {}, one thread, over the cases that are solved. Every run has other times. The last column \
-         is the time of the reference build, which is written for clarity, over that of the solver.\n\n{}\n",
+         column counts loads without a solution, of {CASES}.\n\n{}\n{}",
         tools::commit(),
         CASES - 1,
         sweep::tolerances(&measured, &truths),
         scene_table(&measured, &all)?,
         ticks::section(&ticks),
-        std::env::consts::ARCH,
-        sweep::host(&works, &truths)?,
     );
     let docs = root.join("docs");
     let text = text.replace("\n\n\n", "\n\n");

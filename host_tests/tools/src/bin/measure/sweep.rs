@@ -1,4 +1,4 @@
-//! Error of the stiffness over cycles, by tolerance; and times on this machine.
+//! Error of the stiffness over cycles, by tolerance.
 
 use crate::scenes::{self, FULL, Measured, Program, Solve, solved};
 use crate::table::{markdown, thousands};
@@ -10,9 +10,7 @@ use host_tests::cases;
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::{Attitude, Precision};
 use rayon::prelude::*;
-use spindle_bearing::{Bearing, Real, Settings, Solver, Speed};
-use std::hint::black_box;
-use std::time::Instant;
+use spindle_bearing::{Bearing, Settings, Solver, Speed};
 use tools::chart::{Chart, Curve, Panel, Style};
 
 /// Tolerances besides the default one; those below it are left out.
@@ -142,70 +140,4 @@ pub fn chart(all: &[Measured], truths: &[Truth]) -> Chart {
         2,
         [1, 0].map(panel).into(),
     )
-}
-
-/// Shortest time of three rounds, s a solve.
-fn seconds(solves: usize, mut round: impl FnMut()) -> f64 {
-    let rounds = (0..3).map(|_| {
-        let start = Instant::now();
-        round();
-        start.elapsed().as_secs_f64() / solves as f64
-    });
-    rounds.fold(f64::INFINITY, f64::min)
-}
-
-/// Times of a cold solve and of a warm one, s.
-fn times<T: Real>(works: &[&Work]) -> Result<[f64; 2]> {
-    let bearings: Vec<_> = works
-        .iter()
-        .map(|work| Bearing::<T, BALLS>::build(&work.design))
-        .collect::<Result<_, _>>()?;
-    let mut solvers: Vec<_> = bearings.iter().map(Solver::new).collect();
-    Ok([true, false].map(|cold| {
-        seconds(2 * works.len(), || {
-            for (solver, work) in solvers.iter_mut().zip(works) {
-                // To and fro: both are warm ticks of one size.
-                for (load, omega) in work.states {
-                    if cold {
-                        solver.reset();
-                    }
-                    let (load, speed) = (load.map(T::of), Speed::rad_per_s(T::of(omega)));
-                    let solution = solver.solve(load, speed, &Settings::default());
-                    let _ = black_box(solution.map(|solution| solution.stiffness()));
-                }
-            }
-        })
-    }))
-}
-
-/// The table of times on this machine, beside the reference build's, over the cases with a solution.
-pub fn host(works: &[Work], truths: &[Truth]) -> Result<String> {
-    let solved = works.iter().zip(truths);
-    let works: Vec<&Work> = solved
-        .filter(|(_, truth)| truth.iter().all(Option::is_some))
-        .map(|(work, _)| work)
-        .collect();
-    let reference = seconds(works.len(), || {
-        for work in &works {
-            let reference = cases::reference(&work.design, BALLS);
-            let (load, omega) = work.states[0];
-            let _ = black_box(reference.solve(load, omega, Attitude::Raceless.into()));
-        }
-    });
-    let ([cold, warm], [cold_single, warm_single]) = (times::<f64>(&works)?, times::<f32>(&works)?);
-    let lines = [
-        ("f64, cold", cold),
-        ("f64, warm", warm),
-        ("f32, cold", cold_single),
-        ("f32, warm", warm_single),
-        ("reference build", reference),
-    ]
-    .map(|(solver, time)| {
-        let ratio = thousands((reference / time) as u64);
-        vec![solver.to_owned(), format!("{:.1}", 1e6 * time), ratio]
-    });
-    Ok(markdown(
-        "solver | us a solve | reference build over it",
-        &lines,
-    ))
 }
