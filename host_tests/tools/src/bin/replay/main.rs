@@ -45,9 +45,9 @@ struct Args {
 
     /// In place of LOADS.csv, make a table: stiffness at every combination of these speeds and loads
     ///
-    /// Axes are speed in rpm, fx, fy, fz in N, and my, mz in N m. A spindle with [heat] has t_inner and
+    /// Axes are speed in rpm, fx, fy, fz in N, and my, mz in N m. A spindle with `[heat]` has t_inner and
     /// t_outer, too, in deg C. Each is NAME=FIRST:LAST:STEP or NAME=VALUE, such as speed=0:20000:500 fx=500;
-    /// one that is left out is 0, or [heat]'s reference. Speed changes from row to row. `time_s` counts
+    /// one that is left out is 0, or `[heat]`'s reference. Speed changes from row to row. `time_s` counts
     /// the rows.
     #[arg(long, value_name = "AXIS=RANGE", num_args = 1.., conflicts_with = "loads")]
     table: Vec<String>,
@@ -262,7 +262,7 @@ impl Args {
         self.design.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// Rows of the recording or of the table; `reference` is the temperature of a spindle with [heat].
+    /// Rows of the recording or of the table; `reference` is the temperature of a spindle with `[heat]`.
     fn input(&self, reference: Option<f64>) -> Result<Rows> {
         let Some(path) = &self.loads else {
             let axes = Axes::parse(&self.table)?;
