@@ -108,7 +108,7 @@ impl fmt::Display for Fault {
 pub struct BadRow {
     /// Why not.
     pub fault: Fault,
-    /// What can be read of it, in the order of the columns; nothing where its number of fields is wrong.
+    /// Its readable numbers, in the order of the columns; none where the line has another number of fields.
     pub numbers: [Option<f64>; COLUMNS],
 }
 
@@ -275,7 +275,7 @@ impl Loads {
         self.total_bytes
     }
 
-    /// What is wrong with a field of the line, counted from 1, and which column it is, if it is one of ours.
+    /// A complaint of a field of the line, counted from 1; `column` is the one that it holds, if it is one of ours.
     fn fault(&self, field: usize, column: Option<usize>, message: impl fmt::Display) -> Fault {
         let (file, line) = (&self.file, self.lines.max(1));
         let name = column.map_or(String::new(), |column| format!(" ({})", NAMES[column]));

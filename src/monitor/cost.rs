@@ -1,4 +1,4 @@
-//! What a tick costs on cores that were measured. `cargo reports --check` holds it against the figures of the page
+//! Cost of a tick on cores that were measured. `cargo reports --check` holds it against the figures of the page
 //! `docs/report.md`.
 
 use super::tick::CycleCost;

@@ -34,7 +34,7 @@ struct Args {
     #[arg(short, long, value_name = "FILE.svg")]
     output: Option<PathBuf>,
 
-    /// What a results file is drawn over
+    /// Axis over which a results file is drawn
     #[arg(long, value_enum, default_value_t = Over::Time)]
     over: Over,
 
@@ -53,7 +53,7 @@ struct Args {
     title: Option<String>,
 }
 
-/// What stiffness is drawn over.
+/// The quantity along the axis of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Over {
     /// Time, with speed and loads above

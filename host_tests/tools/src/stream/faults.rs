@@ -17,7 +17,7 @@ struct Line<'r> {
     random: &'r mut Random,
 }
 
-/// What a fault does to a tick; the record is that of its first tick.
+/// The effect of a fault on a tick; the record is that of its first tick.
 type Spoil = fn(&mut Line<'_>, &LoadRecord);
 
 /// Each fault: its name, its shortest and longest duration in ticks, and what it does.
@@ -128,7 +128,7 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
     episodes
 }
 
-/// What arrives in a tick.
+/// Records and sensors of one tick.
 pub struct Spoilt {
     /// Frames of the record.
     pub bytes: Vec<u8>,
@@ -156,7 +156,7 @@ impl Spoiler {
         }
     }
 
-    /// What becomes of a tick; `None` after the last record.
+    /// The next tick with its faults; `None` after the last record.
     pub fn spoil(&mut self, tick: usize, recording: &Recording) -> Option<Spoilt> {
         let mut line = Line {
             record: *recording.records.get(tick)?,

@@ -169,7 +169,7 @@ impl Costs {
         all.filter(move |cost| warm.contains(&cost.iterations))
     }
 
-    /// What the constant of the board should be. The solves are those within the iterations of the measurement, one more than
+    /// The constant that the board should have. The solves are those within the iterations of the measurement, one more than
     /// the firmware's.
     fn constant(&self) -> CycleCost {
         let warm = self.within(self.board.settings.max_iterations());
