@@ -318,6 +318,52 @@ fn on_shaft(plan: &Plan, answer: &Answer) -> [f64; 5] {
     sum
 }
 
+/// The load is in balance with the rows, and the stiffness is the slope of the load by the displacement.
+#[test]
+fn the_tangent_is_that_of_central_differences() {
+    for (plan, rpm) in [
+        (&pair(294.0), 0.0),
+        (&pair(294.0), 15_000.0),
+        (&sprung(), 12_000.0),
+        (&sprung(), 0.0),
+    ] {
+        let at = ask(plan, FREE, &loaded(SKEW, rpm));
+        for (sum, load) in on_shaft(plan, &at).into_iter().zip(SKEW) {
+            assert!((sum - load).abs() < 1e-8, "{sum} {load}");
+        }
+        for j in 0..5 {
+            let step = if j < 3 { 0.5 } else { 0.02 };
+            let [plus, minus] = [step, -step].map(|step| {
+                let mut load = SKEW;
+                load[j] += step;
+                ask(plan, FREE, &loaded(load, rpm)).displacement
+            });
+            let du: [f64; 5] = from_fn(|i| (plus[i] - minus[i]) / (2.0 * step));
+            for i in 0..5 {
+                let force: f64 = (0..5).map(|l| at.stiffness[i][l] * du[l]).sum();
+                let off = force - f64::from(u8::from(i == j));
+                let scale = (at.stiffness[i][i] / at.stiffness[j][j]).sqrt();
+                assert!(off.abs() < 2e-6 * scale, "{rpm} {i} {j}: {off:e}");
+            }
+        }
+    }
+}
+
+/// Growth of both rings of a clamped pair makes its preload grow; that of a pair under a spring leaves it.
+#[test]
+fn growth_preloads_a_clamped_pair_only() {
+    let radial = Growth {
+        radial: 3e-6,
+        ..Growth::NONE
+    };
+    let question = grown(loaded([0.0; 5], 0.0), radial);
+    let found = ask(&pair(294.0), Balls::Static, &question);
+    assert!(found.rows[0].preload > 400.0, "{}", found.rows[0].preload);
+    let found = ask(&sprung(), Balls::Static, &question);
+    let rear = found.rows[2].force[0] + found.rows[3].force[0];
+    assert!((rear - 600.0).abs() < 1e-9, "{rear}");
+}
+
 /// The figures of the model's page, which two other programs have found.
 #[test]
 fn a_pair_of_7014c_is_as_stiff_as_the_model_says() {

@@ -1,4 +1,4 @@
-//! What the live view of the telemetry shows.
+//! The live view of the telemetry, as it is drawn.
 
 use crate::frames::{
     alarm, balls, estimate, frame, health, note, pair, rows, shaft, state_of, stream,
