@@ -9,7 +9,7 @@
 mod bearings;
 
 use bearings::{BALLS, S6014C};
-use spindle_bearing::{Bearing, Limit, LimitSet, Limits, Settings, Solver, Speed};
+use spindle_bearing::{Bearing, Limit, Limits, Settings, Solver, Speed};
 
 static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&S6014C);
 
@@ -53,10 +53,10 @@ fn cell(solver: &mut Solver<'_, f64, BALLS>, speed: f64, axial: f64) -> char {
             return 'x';
         }
     };
-    let passed: LimitSet = solution.exceedances(&LIMITS).limits();
-    let pressure = solution
-        .extremes()
-        .pressure
+    let margins = solution.margins(&LIMITS);
+    let passed = margins.passed();
+    let pressure = margins
+        .get(Limit::PeakPressure)
         .map_or(0.0, |worst| worst.value);
     let carrying = solution.balls().filter(|ball| ball.q_i > 0.0);
     let steepest = carrying.fold(0.0, |most: f64, ball| most.max(ball.alpha_i.to_degrees()));

@@ -14,7 +14,7 @@ use crate::design::{Design, DesignError, FreeContact, check};
 use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
 use crate::float::{EitherPrecision, Real};
 use crate::hertz::HertzContact;
-use crate::limits::Grooves;
+use crate::linalg::Pair;
 
 /// Distance of the groove centres, in units of length.
 pub const L0: f64 = 64.0;
@@ -73,14 +73,48 @@ pub struct Constants<T> {
     pub moment: T,
     /// Ball radius `D / 2`, m.
     pub ball_radius: T,
-    /// What the limits are about, for deformations in units of length.
-    pub grooves: Grooves<T>,
+    /// The inner and the outer groove, for deformations in units of length.
+    pub grooves: [Groove<T>; 2],
+    /// They are the same to either side of the balls.
+    pub symmetric: bool,
 }
 
 impl<T: Real> Constants<T> {
     /// `Rp`, m.
     pub fn radius(&self) -> T {
         self.length / self.tilt
+    }
+}
+
+/// Size and place of the contacts in a groove, for deformations in units of the solver's length.
+///
+/// Pressure and axes of a Hertzian contact grow with the cube root of the load. With `Q = K delta^(3/2)`, that is the
+/// square root of the deformation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Groove<T> {
+    /// Peak pressure over the root of the deformation, Pa.
+    pub pressure: T,
+    /// Semi-major axis over the root of the deformation, m.
+    pub semi_major: T,
+    /// Radius, m.
+    pub radius: T,
+    /// Sine and cosine of the shoulder's angle.
+    pub shoulder: Pair<T>,
+}
+
+impl Groove<f64> {
+    /// The groove of a contact: unit of deformation and groove radius, m, and the shoulder's angle, rad.
+    const fn of(k: &HertzContact, unit: f64, radius: f64, shoulder: f64) -> Self {
+        // Load of a deformation of one unit.
+        let q = k.load_deflection * unit * sqrt(unit);
+        let (sin, cos) = sin_cos(shoulder);
+        Self {
+            pressure: k.peak_pressure(q),
+            semi_major: k.semi_major * cbrt(q),
+            radius,
+            shoulder: [sin, cos],
+        }
     }
 }
 
@@ -206,7 +240,11 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         tilt: length / rp,
         moment: force * rp,
         ball_radius: 0.5 * d,
-        grooves: Grooves::of(design, &inner, &outer, length),
+        grooves: [
+            Groove::of(&inner, length, fi * d, design.inner_shoulder_angle),
+            Groove::of(&outer, length, fo * d, design.outer_shoulder_angle),
+        ],
+        symmetric: design.is_symmetric(),
     })
 }
 
@@ -238,6 +276,15 @@ macro_rules! bearing {
                     (L0 - larger, larger)
                 };
                 let (lo_squared, li_squared) = (square(lo), square(li));
+                const fn rounded(groove: &Groove<f64>) -> Groove<$t> {
+                    let [sin, cos] = groove.shoulder;
+                    Groove {
+                        pressure: groove.pressure as $t,
+                        semi_major: groove.semi_major as $t,
+                        radius: groove.radius as $t,
+                        shoulder: [sin as $t, cos as $t],
+                    }
+                }
                 let constants = Constants {
                     n0: [c.n0[0] as $t, c.n0[1] as $t],
                     play: c.play as $t,
@@ -268,7 +315,8 @@ macro_rules! bearing {
                     tilt: c.tilt as $t,
                     moment: c.moment as $t,
                     ball_radius: c.ball_radius as $t,
-                    grooves: Grooves::<$t>::rounded(&c.grooves),
+                    grooves: [rounded(&c.grooves[0]), rounded(&c.grooves[1])],
+                    symmetric: c.symmetric,
                 };
                 let mut azimuths = [Azimuth {
                     cos: 0.0,

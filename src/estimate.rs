@@ -5,7 +5,7 @@
 //! rounded to single.
 
 use crate::float::Real;
-use crate::limits::{Exceedance, LimitSet, Limits};
+use crate::limits::{LimitSet, Limits, Margin};
 use crate::record::LoadRecord;
 use crate::status::Status;
 use crate::{Motion, Settings, Solution, Solver, Speed};
@@ -41,8 +41,8 @@ pub struct Estimate {
     pub iterations: u16,
     /// Physical limits that were passed.
     pub limits: LimitSet,
-    /// The most serious of them, with the worst ball.
-    pub worst: Option<Exceedance<f32>>,
+    /// The worst contact in view of the most serious of them.
+    pub worst: Option<Margin<f32>>,
 }
 
 /// A record that has no equilibrium to report, and why.
@@ -102,7 +102,9 @@ impl Estimate {
                 largest = force;
             }
         }
-        let passed = solution.exceedances(limits);
+        let margins = solution.margins(limits);
+        let passed = margins.passed();
+        let worst = passed.iter().find_map(|limit| margins.get(limit));
         Self {
             sequence: record.sequence,
             time_ms: record.time_ms,
@@ -115,8 +117,12 @@ impl Estimate {
             largest_force: largest,
             status: solution.status.to_f32(),
             iterations: solution.iterations,
-            limits: passed.limits(),
-            worst: passed.iter().next().map(Exceedance::to_f32),
+            limits: passed,
+            worst: worst.map(|Margin { value, ball, race }| Margin {
+                value: value.to_f32(),
+                ball,
+                race,
+            }),
         }
     }
 
@@ -148,12 +154,7 @@ impl Estimate {
                 e.limits,
             )
         };
-        let worst = |e: &Self| {
-            e.worst.map(|x| {
-                let place = (x.limit, x.balls, x.ball, x.race);
-                (place, x.value.to_bits(), x.allowed.to_bits())
-            })
-        };
+        let worst = |e: &Self| e.worst.map(|x| (x.ball, x.race, x.value.to_bits()));
         integers(self) == integers(other)
             && floats(self) == floats(other)
             && worst(self) == worst(other)
@@ -238,10 +239,10 @@ mod tests {
         assert!(force(estimate.least_force) && force(estimate.largest_force));
         assert!(estimate.least_force < estimate.largest_force);
         assert_eq!((estimate.sequence, estimate.time_ms), (3, 30));
-        let passed = solution.exceedances(&limits);
-        assert_eq!(estimate.limits, passed.limits());
+        let margins = solution.margins(&limits);
+        assert_eq!(estimate.limits, margins.passed());
         assert!(estimate.limits.contains(Limit::PeakPressure));
-        assert_eq!(estimate.worst, passed.get(Limit::PeakPressure));
+        assert_eq!(estimate.worst, margins.get(Limit::PeakPressure));
     }
 
     #[test]

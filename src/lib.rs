@@ -34,7 +34,7 @@
 //! | iterations and tolerance | [`Settings`] |
 //! | how a solve ends | [`Status`] |
 //! | balls | [`BallState`], [`BallMotion`], [`Frequencies`] |
-//! | physical limits | [`Limits`], [`Exceedances`], [`Extremes`] |
+//! | physical limits | [`Limits`], [`Margins`] |
 //! | rating life | [`LifeRating`], [`RatingLife`] |
 //! | what a scene leaves out | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |
 //!
@@ -105,7 +105,7 @@ pub use frequencies::Frequencies;
 pub use growth::{Expansion, Growth};
 pub use hertz::{HertzContact, elliptic_integrals};
 pub use kinematics::{InnerRaceControl, OuterRaceControl, RacewayControlFree};
-pub use limits::{Exceedance, Exceedances, Extreme, Extremes, Limit, LimitSet, Limits, Race};
+pub use limits::{Limit, LimitSet, Limits, Margin, Margins, Race};
 pub use motion::{Centrifugal, Full, Motion, Static};
 pub use mounting::Speed;
 pub use pose::{BallMotion, BallState, ContactPatch};

@@ -2,13 +2,12 @@
 //!
 //! The same quantities as in the ball pass, without slopes: for placing a ball, and for reports.
 
-use super::constants::{Azimuth, Constants};
+use super::constants::{Azimuth, Constants, Groove};
 use super::contact::Contact;
 use super::kinematics::{Contacts, Rule};
 use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
 use super::mounting::Point;
 use crate::float::Real;
-use crate::limits::{ContactState, Groove};
 
 /// State of one ball, SI units.
 ///
@@ -81,7 +80,7 @@ pub struct Pose<T> {
     pub centrifugal: T,
     pub couple: T,
     /// Friction forces at the inner and the outer contact.
-    friction: Pair<T>,
+    pub friction: Pair<T>,
     /// Cage speed over shaft speed; and that part of the ball's own rotation which is across the bearing's axis,
     /// `omega_R sin b tau`, over it.
     pub mu: T,
@@ -159,18 +158,6 @@ impl<T: Real> Pose<T> {
         )
     }
 
-    /// The inner and the outer contact, as the limits look at them.
-    pub fn states(&self) -> [ContactState<T>; 2] {
-        let state = |k: &Contact<T>, friction| ContactState {
-            n: k.n,
-            delta: k.delta,
-            q: k.q,
-            friction,
-        };
-        let [inner, outer] = self.friction;
-        [state(&self.inner, inner), state(&self.outer, outer)]
-    }
-
     /// Contact forces on the ball, and minus their slope by its position.
     pub fn forces(&self) -> (Pair<T>, Matrix2<T>) {
         let (i, o) = (&self.inner, &self.outer);
@@ -213,13 +200,12 @@ impl<T: Real> Pose<T> {
             let roll = orbit * cos + (along * cos + across * sin);
             spin.abs() / roll.abs().at_least(T::TINY)
         };
-        let patch = |contact: &Contact<T>, groove: &Groove<T>, radius: T, spin_to_roll: T| {
+        let patch = |contact: &Contact<T>, groove: &Groove<T>, spin_to_roll: T| {
             if !(contact.delta > T::ZERO) {
                 return ContactPatch::default();
             }
             let root = contact.delta.sqrt();
-            let (peak_pressure, semi_major) =
-                (groove.pressure * root, groove.semi_major * root * radius);
+            let (peak_pressure, semi_major) = (groove.pressure * root, groove.semi_major * root);
             let area = contact.q * c.force * T::of(1.5 / core::f64::consts::PI) / peak_pressure;
             ContactPatch {
                 peak_pressure,
@@ -228,23 +214,12 @@ impl<T: Real> Pose<T> {
                 spin_to_roll,
             }
         };
-        let radius = |length: T| length * c.length + c.ball_radius;
         BallMotion {
             cage_speed: self.mu * omega,
             rotation: (along * along + across * across).sqrt() * (omega.abs() / c.tau),
             attitude: across.atan2(along),
-            inner: patch(
-                &self.inner,
-                &c.grooves.inner,
-                radius(c.li),
-                spin_to_roll(orbit_i, [si, ci]),
-            ),
-            outer: patch(
-                &self.outer,
-                &c.grooves.outer,
-                radius(c.lo),
-                spin_to_roll(orbit_o, [so, co]),
-            ),
+            inner: patch(&self.inner, &c.grooves[0], spin_to_roll(orbit_i, [si, ci])),
+            outer: patch(&self.outer, &c.grooves[1], spin_to_roll(orbit_o, [so, co])),
         }
     }
 

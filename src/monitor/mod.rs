@@ -136,7 +136,7 @@ pub use temperature::{TemperatureSettings, TemperatureSource};
 use crate::estimate::strongest_coupling;
 use crate::float::Real;
 use crate::growth::Growth;
-use crate::limits::{Extreme, Limit, Limits};
+use crate::limits::{Limit, Limits};
 use crate::rating::damage_of_weight;
 use crate::spindle::{inverse, preloads};
 use crate::{Facing, Full, Motion, Spindle, SpindleSolution};
@@ -1044,8 +1044,9 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         // What the inner ring presses onto the balls, in units.
         let (mut axial, mut radial) = (0.0_f32, [0.0_f32; 2]);
         *seen = NO_ROW;
-        let survey = view.survey(&limits, |ball, contacts| {
-            let force = contacts.each_ref().map(|k| k.q.to_f32());
+        let margins = view.survey(&limits, |ball, pose| {
+            let contacts = [&pose.inner, &pose.outer];
+            let force = contacts.map(|k| k.q.to_f32());
             let q = unit * force[0];
             if q < seen.least_force {
                 seen.least_force = q;
@@ -1053,8 +1054,7 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
             if q > seen.largest_force {
                 seen.largest_force = q;
             }
-            let ([sin, cos], friction) =
-                (contacts[0].n.map(T::to_f32), contacts[0].friction.to_f32());
+            let ([sin, cos], friction) = (pose.inner.n.map(T::to_f32), pose.friction[0].to_f32());
             axial += force[0] * sin + friction * cos;
             if let Some(at) = view.azimuths.get(usize::from(ball)) {
                 let outwards = force[0] * cos - friction * sin;
@@ -1063,33 +1063,30 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
             }
             inner += force[0] * force[0] * force[0];
             // In units, an outer contact's force is the deformation to 3/2, so that the force to 10/3 is a square.
-            let root = force[1] * contacts[1].delta.to_f32();
+            let root = force[1] * pose.outer.delta.to_f32();
             outer += root * root;
             if let Some(to) = balls.get_mut(usize::from(ball)) {
-                let [i, o] = contacts.each_ref().map(|k| k.n.map(T::to_f32));
+                let [i, o] = contacts.map(|k| k.n.map(T::to_f32));
                 *to = [[q, i[0], i[1]], [unit * force[1], o[0], o[1]]];
             }
         });
-        let extremes = survey.extremes();
-        let level = |extreme: Option<Extreme<T>>, before: Level| {
-            extreme.map_or(before, |extreme| {
-                let value = extreme.value.to_f32();
-                let ball = Some(first + extreme.ball);
+        let level = |limit: Limit, before: Level| {
+            margins.get(limit).map_or(before, |margin| {
+                let value = margin.value.to_f32();
+                let ball = Some(first + margin.ball);
                 worse(before, Level { value, ball })
             })
         };
-        findings.pressure = level(extremes.pressure, findings.pressure);
-        findings.contact_angle = level(extremes.shoulder, findings.contact_angle);
-        findings.slip = level(extremes.friction, findings.slip);
-        let (off, ball) = extremes.off;
-        if off > 0 {
-            findings.unloaded.value += f32::from(off);
-            let other = ball.map(|ball| first + ball);
-            findings.unloaded.ball = findings.unloaded.ball.or(other);
+        findings.pressure = level(Limit::PeakPressure, findings.pressure);
+        findings.contact_angle = level(Limit::Shoulder, findings.contact_angle);
+        findings.slip = level(Limit::Friction, findings.slip);
+        if let Some(off) = margins.get(Limit::InnerContact) {
+            findings.unloaded.value += f32::from(margins.unloaded);
+            findings.unloaded.ball = findings.unloaded.ball.or(Some(first + off.ball));
         }
         seen.axial = unit * axial;
         seen.radial = radial.map(|force| unit * force);
-        passed |= survey.limits(&extremes).bits();
+        passed |= margins.passed().bits();
         let count = view.balls.len() as u16;
         weight += row.rating.weight(unit, inner, outer, count.into());
         first += count;

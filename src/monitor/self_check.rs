@@ -205,16 +205,15 @@ fn add<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     }
     let limits = Limits::default();
     for i in 0..R {
-        let survey = of.view(i).survey(&limits, |_, contacts| {
-            for contact in contacts {
+        let margins = of.view(i).survey(&limits, |_, pose| {
+            for contact in [&pose.inner, &pose.outer] {
                 let [sin, cos] = contact.n;
                 for x in [contact.q, sin, cos] {
                     add_number(sum, x);
                 }
             }
         });
-        let extremes = survey.extremes();
-        sum.add(&[survey.limits(&extremes).bits()]);
+        sum.add(&[margins.passed().bits()]);
     }
 }
 

@@ -6,7 +6,7 @@ use super::view::View;
 use crate::float::Real;
 use crate::frame::stiffness_out;
 use crate::frequencies::Frequencies;
-use crate::limits::{Exceedances, Extremes, Limits};
+use crate::limits::{Limits, Margins};
 use crate::linalg::Matrix;
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
@@ -111,7 +111,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         RatingLife::of_weight(weight, self.speed.as_rad_per_s())
     }
 
-    /// The limits that this equilibrium has passed, and where: the given ones, and those of the design's grooves.
+    /// How near this equilibrium is to its limits, and which are passed: the given ones, and those of the grooves.
     ///
     /// ```
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
@@ -121,33 +121,16 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
     /// let solution = solver.solve(load, speed, &Settings::default())?;
     /// let limits = Limits { peak_pressure: 2e9, ..Limits::default() };
-    /// let passed = solution.exceedances(&limits);
-    /// for exceedance in passed.iter() {
-    ///     println!("{exceedance}");
-    /// }
-    /// assert!(passed.get(Limit::PeakPressure).is_some_and(|e| e.value > 2e9 && e.balls == 16));
-    /// assert!(!passed.limits().contains(Limit::Shoulder));
+    /// let margins = solution.margins(&limits);
+    /// // For the worst contact of each limit that is passed, a sentence.
+    /// println!("{margins}");
+    /// assert!(margins.passed().contains(Limit::PeakPressure) && margins.unloaded == 0);
+    /// assert!(margins.get(Limit::PeakPressure).is_some_and(|worst| worst.value > 2e9));
+    /// assert!(margins.get(Limit::Shoulder).is_some_and(|worst| worst.value < 0.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
-        self.view().exceedances(limits)
-    }
-
-    /// How near this equilibrium is to its limits: the worst contacts, whether they pass one or not.
-    ///
-    /// ```
-    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
-    /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
-    /// let mut solver = Solver::new(&bearing);
-    /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
-    /// let extremes = solver.solve(load, speed, &Settings::default())?.extremes();
-    /// let [pressure, shoulder] = [extremes.pressure, extremes.shoulder].map(|e| e.unwrap().value);
-    /// assert!(pressure > 2e9 && shoulder < 0.0);
-    /// assert_eq!(extremes.off, (0, None));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn extremes(&self) -> Extremes<T> {
-        self.view().extremes()
+    pub fn margins(&self, limits: &Limits<T>) -> Margins<T> {
+        self.view().margins(limits)
     }
 
     /// A copy that borrows nothing.

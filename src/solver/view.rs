@@ -5,7 +5,7 @@ use crate::constants::{Azimuth, Constants};
 use crate::float::Real;
 use crate::frequencies::Frequencies;
 use crate::kinematics::Rule;
-use crate::limits::{ContactState, Exceedances, Extremes, Limits, Survey};
+use crate::limits::{Limits, Margins};
 use crate::linalg::Matrix;
 use crate::mounting::{Point, Speed};
 use crate::pose::{BallMotion, BallState, Pose};
@@ -80,40 +80,25 @@ impl<'s, T: Real, B: Body<T>, R: Rule> View<'s, T, B, R> {
         Frequencies::of(self.motions(), count, self.speed.as_rad_per_s())
     }
 
-    /// Looks at every ball once, and hands each on: its number, its inner and its outer contact, in the solver's units.
+    /// Looks at every ball once, and hands each on with its number.
     // In line: results of a call go through memory (+1,500 cycles).
     #[inline(always)]
-    pub fn survey<'l>(
-        &self,
-        limits: &'l Limits<T>,
-        each: impl FnMut(u16, &[ContactState<T>; 2]),
-    ) -> Survey<'l, T>
-    where
-        's: 'l,
-    {
-        let balls = self.balls.iter();
-        let states = balls
-            .zip(self.azimuths)
-            .map(|(ball, at)| self.pose(ball, at).states());
-        Survey::of(&self.c.grooves, limits, states, each)
+    pub fn survey(&self, limits: &Limits<T>, mut each: impl FnMut(u16, &Pose<T>)) -> Margins<T> {
+        let mut margins = Margins::new(*limits);
+        let mut number = 0_u16;
+        for (ball, at) in self.balls.iter().zip(self.azimuths) {
+            let pose = self.pose(ball, at);
+            each(number, &pose);
+            margins.take(self.c, number, &pose);
+            number = number.saturating_add(1);
+        }
+        margins
     }
 
     /// The survey alone.
     #[inline(never)]
-    fn look<'l>(&self, limits: &'l Limits<T>) -> Survey<'l, T>
-    where
-        's: 'l,
-    {
+    pub fn margins(self, limits: &Limits<T>) -> Margins<T> {
         self.survey(limits, |_, _| ())
-    }
-
-    pub fn exceedances(self, limits: &Limits<T>) -> Exceedances<T> {
-        self.look(limits)
-            .exceedances(self.c.length, self.poses().map(|pose| pose.states()))
-    }
-
-    pub fn extremes(self) -> Extremes<T> {
-        self.look(&Limits::none()).extremes()
     }
 
     /// Change of the stiffness along the motion from where the balls were condensed, referred to the groove plane.

@@ -5,7 +5,7 @@ use crate::constants::Constants;
 use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out, refer, refer_stiffness, stiffness_out};
 use crate::frequencies::Frequencies;
-use crate::limits::{Exceedances, Extremes, Limit, LimitSet, Limits};
+use crate::limits::{Limit, LimitSet, Limits, Margins};
 use crate::linalg::{Factors, Matrix, product};
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
@@ -349,23 +349,18 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         RatingLife::of_weight(weight, self.view.speed.as_rad_per_s())
     }
 
-    /// The limits that the row has passed: see [`Solution::exceedances`](crate::Solution::exceedances).
-    pub fn exceedances(&self, limits: &Limits<T>) -> Exceedances<T> {
-        self.view.exceedances(limits)
+    /// How near the row is to its limits, and which it has passed: see [`Solution::margins`](crate::Solution::margins).
+    pub fn margins(&self, limits: &Limits<T>) -> Margins<T> {
+        self.view.margins(limits)
     }
 
-    /// The names of these, and [`Limit::LiftOff`] where the row has lifted off.
+    /// The limits that it has passed, and [`Limit::LiftOff`] where the row has lifted off.
     pub fn limits(&self, limits: &Limits<T>) -> LimitSet {
-        let passed = self.exceedances(limits).limits();
+        let passed = self.margins(limits).passed();
         if self.is_lifted_off() {
             passed.with(Limit::LiftOff)
         } else {
             passed
         }
-    }
-
-    /// How near the row is to its limits: see [`Solution::extremes`](crate::Solution::extremes).
-    pub fn extremes(&self) -> Extremes<T> {
-        self.view.extremes()
     }
 }

@@ -239,7 +239,7 @@ where
                 }
             }
             LIMITS => {
-                black_box(&s.exceedances(&Limits::default()));
+                black_box(&s.margins(&Limits::default()));
             }
             _ => {}
         }

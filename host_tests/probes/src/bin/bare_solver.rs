@@ -27,7 +27,8 @@ mod bare {
         Solver, Speed, Static,
     };
     use spindle_bearing::{
-        InnerRaceControl, Limits, OuterRaceControl, RacewayControlFree, Real, elliptic_integrals,
+        InnerRaceControl, Limit, Limits, OuterRaceControl, RacewayControlFree, Real,
+        elliptic_integrals,
     };
 
     /// Its constants, worked out by the compiler.
@@ -111,8 +112,9 @@ mod bare {
                     for speed in solution.cage_speeds() {
                         black_box(speed);
                     }
-                    black_box(solution.exceedances(&Limits::default()).iter().count());
-                    black_box(solution.extremes());
+                    let margins = solution.margins(&Limits::default());
+                    black_box(margins.passed().iter().count());
+                    black_box(margins.get(Limit::Shoulder));
                     black_box(solution.stiffness());
                     black_box(solution.snapshot());
                     black_box(solution);
