@@ -45,7 +45,7 @@
 //! | `defmt` | `Format` on public data |
 //! | `nalgebra` | displacements and stiffness as its vectors and matrices |
 //! | `serde` | designs, settings and results |
-//! | `record` | framed load records, and the estimates made of them |
+//! | `record` | framed load records |
 //! | `monitor` | from sensors to alarms, rating life, telemetry and what is kept without power |
 
 #![no_std]
@@ -89,8 +89,6 @@ mod static_ball;
 mod status;
 mod tuning;
 
-#[cfg(feature = "record")]
-pub mod estimate;
 #[cfg(feature = "record")]
 pub mod framing;
 #[cfg(feature = "monitor")]

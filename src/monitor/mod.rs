@@ -133,7 +133,6 @@ pub use retained::{Identity, Past, Store};
 pub use settings::{MonitorSettings, RowSettings, SettingsError, ShaftSettings};
 pub use temperature::{TemperatureSettings, TemperatureSource};
 
-use crate::estimate::strongest_coupling;
 use crate::float::Real;
 use crate::growth::Growth;
 use crate::limits::{Limit, Limits};
@@ -217,7 +216,7 @@ impl<const R: usize, const N: usize> Estimate<R, N> {
         flexibility: &[f32; 3],
     ) -> EstimateReport {
         let k = &self.stiffness;
-        let (row, column) = strongest_coupling(k);
+        let (row, column) = telemetry::strongest_coupling(k);
         let compliance = inverse(k);
         let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
         for row in &self.rows {

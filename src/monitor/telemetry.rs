@@ -730,6 +730,27 @@ pub fn encode(frame: &Frame) -> Vec<u8, FRAME_LENGTH> {
 /// What a reader returns at the end of each frame.
 pub type Read = Result<Frame, FrameError>;
 
+/// By how much `Kij^2 / |Kii Kjj|` must exceed that of an earlier element: a per cent of its root.
+const CLEARLY: f32 = 1.02;
+
+/// Row and column of the off-diagonal element that couples most; x, y if nothing couples.
+pub(super) fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
+    let mut place = (0, 1);
+    let mut strongest: f32 = 0.0;
+    let per: [f32; 5] = core::array::from_fn(|i| 1.0 / k[i][i].abs());
+    for i in 0..5 {
+        for j in 0..5 {
+            let ratio = (k[i][j] * per[i]) * (k[i][j] * per[j]);
+            // False for 0/0, too: a direction without stiffness couples with nothing.
+            if i != j && ratio > CLEARLY * strongest {
+                strongest = ratio;
+                place = (i, j);
+            }
+        }
+    }
+    place
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::board::{Check, ResetCause};
@@ -918,6 +939,23 @@ mod tests {
     fn drain<const F: usize>(outbox: &mut Outbox<F>) -> Bytes<Frame> {
         let bytes: Bytes<u8> = core::iter::from_fn(|| outbox.next_byte()).collect();
         read(&bytes).into_iter().map(Result::unwrap).collect()
+    }
+
+    #[test]
+    fn coupling_is_judged_relative_to_the_stiffnesses_it_joins() {
+        let mut k = [[0.0; 5]; 5];
+        for (i, row) in k.iter_mut().enumerate() {
+            row[i] = if i < 3 { 1e8 } else { 1e3 };
+        }
+        assert_eq!(strongest_coupling(&k), (0, 1));
+        k[1][2] = 1e6;
+        k[4][1] = -1e5;
+        assert_eq!(strongest_coupling(&k), (4, 1));
+        k[1][4] = -0.999e5;
+        assert_eq!(strongest_coupling(&k), (1, 4));
+        k[4] = [0.0; 5];
+        k[1][4] = 0.0;
+        assert_eq!(strongest_coupling(&k), (1, 2));
     }
 
     #[test]

@@ -20,7 +20,6 @@ type Precision = f32;
 mod bare {
     use super::monitored;
     use core::hint::black_box;
-    use spindle_bearing::estimate::Estimate;
     use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH, encode};
     use spindle_bearing::{
         AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, RingVector, Settings,
@@ -156,7 +155,7 @@ mod bare {
         }
     }
 
-    /// From bytes to an estimate.
+    /// From bytes to stiffness, contact forces and limits.
     fn monitor() {
         let mut solver = Solver::new(&monitored::BEARING);
         let settings = black_box(Settings::default());
@@ -165,12 +164,14 @@ mod bare {
             match frames.push(black_box(0)) {
                 None => {}
                 Some(Ok(record)) => {
-                    let _ = black_box(Estimate::of(
-                        &mut solver,
-                        &record,
-                        &settings,
-                        &black_box(Limits::default()),
-                    ));
+                    let speed = Speed::rpm(record.speed_rpm);
+                    if let Ok(solution) = solver.solve(record.load(), speed, &settings) {
+                        black_box(solution.stiffness());
+                        solution.inner_forces().for_each(|force| {
+                            black_box(force);
+                        });
+                        black_box(solution.exceedances(&black_box(Limits::default())));
+                    }
                     black_box(encode(&record));
                 }
                 Some(Err(error)) => {
