@@ -12,7 +12,7 @@
 
 use crate::design::{Design, DesignError, FreeContact, check};
 use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
-use crate::float::{EitherPrecision, Real};
+use crate::float::Real;
 use crate::hertz::HertzContact;
 use crate::linalg::Pair;
 
@@ -174,7 +174,12 @@ const fn square(x: f64) -> Squared<f64> {
     }
 }
 
-const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, DesignError> {
+/// The constants in doubles, to be rounded to `single` or to double precision.
+const fn in_doubles(
+    design: &Design,
+    balls: usize,
+    single: bool,
+) -> Result<Constants<f64>, DesignError> {
     check!(design.check(balls));
     let (d, dm) = (design.ball_diameter, design.pitch_diameter);
     let (fi, fo) = (design.inner_groove_factor, design.outer_groove_factor);
@@ -193,8 +198,18 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         }
     };
     let length = l0 / L0;
-    let li = (fi - 0.5) * d;
-    let rp = 0.5 * dm + li * cos0;
+    let arm = (fi - 0.5) * d;
+    // The two lengths must add up to 64 exactly, or a deformation, which is the small difference of lengths, would
+    // inherit their rounding.
+    let (lo, li) = (L0 * (fo - 0.5) * d / l0, L0 * arm / l0);
+    let (lo, li) = if lo > 0.5 * L0 {
+        let lo = if single { lo as f32 as f64 } else { lo };
+        (lo, L0 - lo)
+    } else {
+        let li = if single { li as f32 as f64 } else { li };
+        (L0 - li, li)
+    };
+    let rp = 0.5 * dm + arm * cos0;
     let gamma = d * cos0 / dm;
     let inner = HertzContact::of_groove(d, gamma, fi, &design.ring, &design.ball);
     let outer = HertzContact::of_groove(d, -gamma, fo, &design.ring, &design.ball);
@@ -214,16 +229,10 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
             (L0 * n0[0] - centre[0]) + L0 * beyond[0],
             (L0 * n0[1] - centre[1]) + L0 * beyond[1],
         ],
-        lo: L0 * (fo - 0.5) * d / l0,
-        li: L0 * li / l0,
-        lo_squared: Squared {
-            whole: 0,
-            rest: 0.0,
-        },
-        li_squared: Squared {
-            whole: 0,
-            rest: 0.0,
-        },
+        lo,
+        li,
+        lo_squared: square(lo),
+        li_squared: square(li),
         ki: ki / ko,
         kn,
         outer_share: 1.0 / flexibility,
@@ -234,7 +243,7 @@ const fn in_double(design: &Design, balls: usize) -> Result<Constants<f64>, Desi
         friction_arm: fi * d / rp,
         inertia: 0.5 * mass * dm / force,
         balls: balls as f64,
-        plane: li * n0[0] / rp,
+        plane: arm * n0[0] / rp,
         length,
         force,
         tilt: length / rp,
@@ -256,7 +265,7 @@ const fn azimuth(first: (f64, f64), j: usize, balls: usize) -> (f64, f64) {
 }
 
 macro_rules! bearing {
-    ($t:ident, $grid:expr) => {
+    ($t:ident, $single:expr, $grid:expr) => {
         impl<const N: usize> Bearing<$t, N> {
             /// Checks the design and computes everything that does not depend on load and speed, in doubles,
             /// rounded once. A `const fn`.
@@ -265,17 +274,7 @@ macro_rules! bearing {
             ///
             /// The first quantity of the design that is out of its range.
             pub const fn new(design: &Design) -> Result<Self, DesignError> {
-                let c = check!(in_double(design, N));
-                // The two lengths must add up to 64 exactly, or a deformation, which is the small difference of
-                // lengths, would inherit their rounding.
-                let long = c.lo > 0.5 * L0;
-                let larger = if long { c.lo } else { c.li } as $t as f64;
-                let (lo, li) = if long {
-                    (larger, L0 - larger)
-                } else {
-                    (L0 - larger, larger)
-                };
-                let (lo_squared, li_squared) = (square(lo), square(li));
+                let c = check!(in_doubles(design, N, $single));
                 const fn rounded(groove: &Groove<f64>) -> Groove<$t> {
                     let [sin, cos] = groove.shoulder;
                     Groove {
@@ -291,15 +290,15 @@ macro_rules! bearing {
                     preload: c.preload as $t,
                     centre: [c.centre[0] as $t, c.centre[1] as $t],
                     centre_low: [c.centre_low[0] as $t, c.centre_low[1] as $t],
-                    lo: lo as $t,
-                    li: li as $t,
+                    lo: c.lo as $t,
+                    li: c.li as $t,
                     lo_squared: Squared {
-                        whole: lo_squared.whole,
-                        rest: lo_squared.rest as $t,
+                        whole: c.lo_squared.whole,
+                        rest: c.lo_squared.rest as $t,
                     },
                     li_squared: Squared {
-                        whole: li_squared.whole,
-                        rest: li_squared.rest as $t,
+                        whole: c.li_squared.whole,
+                        rest: c.li_squared.rest as $t,
                     },
                     ki: c.ki as $t,
                     kn: c.kn as $t,
@@ -342,8 +341,8 @@ macro_rules! bearing {
                 })
             }
 
-            /// The same for a design that the compiler knows: one that cannot be built is a compile error that names the
-            /// quantity.
+            /// [`Self::new`] for a design that the compiler knows: one that cannot be built is a compile error that names
+            /// the quantity.
             ///
             /// # Panics
             ///
@@ -358,31 +357,5 @@ macro_rules! bearing {
     };
 }
 
-/// A bearing of this design, in either precision.
-struct Build<'d, const N: usize>(&'d Design);
-
-impl<const N: usize> EitherPrecision for Build<'_, N> {
-    type In<T: Real> = Result<Bearing<T, N>, DesignError>;
-
-    fn single(self) -> Self::In<f32> {
-        Bearing::<f32, N>::new(self.0)
-    }
-
-    fn double(self) -> Self::In<f64> {
-        Bearing::<f64, N>::new(self.0)
-    }
-}
-
-impl<T: Real, const N: usize> Bearing<T, N> {
-    /// [`Self::new`] for code that is generic over the precision; no `const fn`.
-    ///
-    /// # Errors
-    ///
-    /// The first quantity of the design that is out of its range.
-    pub fn build(design: &Design) -> Result<Self, DesignError> {
-        T::choose(Build(design))
-    }
-}
-
-bearing!(f32, 512.0);
-bearing!(f64, 67_108_864.0);
+bearing!(f32, true, 512.0);
+bearing!(f64, false, 67_108_864.0);

@@ -1,5 +1,7 @@
 //! The one float trait: what the solver needs of `f32` and `f64`, and nothing else.
 
+use crate::constants::Bearing;
+use crate::design::{Design, DesignError};
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -102,25 +104,16 @@ pub trait Real:
         if other < self { other } else { self }
     }
 
-    /// What is made of this precision.
-    #[doc(hidden)]
-    fn choose<E: EitherPrecision>(either: E) -> E::In<Self>;
-}
-
-/// What can be made in both precisions, each by code of its own.
-///
-/// Traits with a `const fn` are not stable: code that is generic over the precision chooses this way.
-pub trait EitherPrecision {
-    /// What comes of it.
-    type In<T: Real>;
-    /// Makes it in single precision.
-    fn single(self) -> Self::In<f32>;
-    /// Makes it in double precision.
-    fn double(self) -> Self::In<f64>;
+    /// A bearing of this design in this precision: `Bearing::new` for code that is generic over it, no `const fn`.
+    ///
+    /// # Errors
+    ///
+    /// The first quantity of the design that is out of its range.
+    fn bearing<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError>;
 }
 
 macro_rules! real {
-    ($t:ident, $choose:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $pow:path, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
+    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $pow:path, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -188,8 +181,8 @@ macro_rules! real {
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
             }
-            fn choose<E: EitherPrecision>(either: E) -> E::In<Self> {
-                either.$choose()
+            fn bearing<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError> {
+                Bearing::<$t, N>::new(design)
             }
         }
     };
@@ -198,7 +191,6 @@ macro_rules! real {
 // 1.5 * 2^(mantissa bits - n) rounds to multiples of 2^-n: n = 8 and 9, 8 and 26.
 real!(
     f32,
-    single,
     2e-5,
     crate::sqrt::sqrt_f32,
     0x2a51_37a0,
@@ -212,7 +204,6 @@ real!(
 );
 real!(
     f64,
-    double,
     3e-13,
     crate::sqrt::sqrt_f64,
     0x2a9f_7893_782d_a1ce,

@@ -69,7 +69,7 @@ impl<T: Real, const N: usize> Mount<T> for Bearing<T, N> {
 macro_rules! mounts {
     ($t:ident, $design:expr, $balls:expr, $($n:literal)*) => {
         match $balls {
-            $($n => Ok(Box::new(Bearing::<$t, $n>::build($design)?) as Box<dyn Mount<$t>>),)*
+            $($n => Ok(Box::new($t::bearing::<$n>($design)?) as Box<dyn Mount<$t>>),)*
             balls => Err(DesignError {
                 quantity: Quantity::BallCount,
                 value: balls as f64,

@@ -153,7 +153,7 @@ fn with_balls<const N: usize>(run: &Run) {
 }
 
 fn in_precision<T: Real, const N: usize>(run: &Run) {
-    match Bearing::<T, N>::build(&run.design) {
+    match T::bearing::<N>(&run.design) {
         Err(error) => assert!(!(error.value >= error.least && error.value <= error.most)),
         Ok(bearing) => match run.scene[2] % 5 {
             0 => with_ring::<T, N, Static>(run, &bearing),

@@ -7,7 +7,7 @@ use spindle_bearing::{
     BallState, Design, FreeContact, HertzContact, InnerRaceControl, Limit, Limits, Margins,
     Material, OuterRaceControl, Race, Real,
 };
-use spindle_bearing::{Bearing, Centrifugal, Full, Motion, Settings, Solver, Speed, Static};
+use spindle_bearing::{Centrifugal, Full, Motion, Settings, Solver, Speed, Static};
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_2;
 
@@ -34,7 +34,7 @@ pub fn solve<T: Real, M: Motion>(
     (load, omega): Scene,
     limits: &Limits<f64>,
 ) -> Option<(Margins<T>, Vec<BallState<T>>)> {
-    let bearing = Bearing::<T, 16>::build(design).unwrap();
+    let bearing = T::bearing::<16>(design).unwrap();
     let mut solver = Solver::<T, 16, M>::of(&bearing);
     let limits = Limits {
         peak_pressure: T::of(limits.peak_pressure),

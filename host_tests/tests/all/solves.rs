@@ -303,7 +303,7 @@ fn of_count<T: Real, const N: usize>(
     balls: Balls,
     freedoms: usize,
 ) -> Box<dyn AnySolver> {
-    let bearing = Box::leak(Box::new(Bearing::<T, N>::build(design).unwrap()));
+    let bearing = Box::leak(Box::new(T::bearing::<N>(design).unwrap()));
     match balls {
         Balls::Static => of_motion::<T, N, Static>(bearing, freedoms),
         Balls::Centrifugal => of_motion::<T, N, Centrifugal>(bearing, freedoms),

@@ -10,7 +10,7 @@ use host_tests::campaign::report::name;
 use host_tests::dispatch::Precision;
 use probes::{Axial, Clamped, Question, Ring, Sprung};
 use rayon::prelude::*;
-use spindle_bearing::{Bearing, Centrifugal, Full, Real, Static};
+use spindle_bearing::{Centrifugal, Full, Real, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -56,7 +56,7 @@ fn answers<T: Real, S: probes::Scene<T, BALLS, D>, const D: usize>(
     work: &Work,
     tolerances: &[f64],
 ) -> Result<Answers> {
-    let bearing = Bearing::build(&work.design)?;
+    let bearing = T::bearing::<BALLS>(&work.design)?;
     let question = |start: usize, tolerance: f64| {
         let (load, omega) = work.state(start, S::AT_SPEED);
         Question {

@@ -43,7 +43,7 @@ type Truth = [Option<[[f64; 5]; 5]>; 2];
 /// Found from the solver's equilibrium in doubles.
 pub fn truths(works: &[Work]) -> Result<Vec<Truth>> {
     let truth = |work: &Work| {
-        let bearing = Bearing::<f64, BALLS>::build(&work.design)?;
+        let bearing = Bearing::<f64, BALLS>::new(&work.design)?;
         let mut solver = Solver::new(&bearing);
         let reference = cases::reference(&work.design, BALLS);
         let groove = (work.design.outer_groove_factor - 0.5) * work.design.ball_diameter;
