@@ -129,8 +129,7 @@ impl Growth<f64> {
     pub const fn by_length(expansion: f64, reach: f64, [inner, outer]: [f64; 2]) -> Self {
         Self {
             axial: expansion * reach * (inner - outer),
-            radial: 0.0,
-            ball: 0.0,
+            ..Self::NONE
         }
     }
 
@@ -156,9 +155,8 @@ impl Growth<f64> {
         let nu = ring.poissons_ratio;
         let form = (3.0 + nu) * bore * bore + (1.0 - nu) * b * b;
         Self {
-            axial: 0.0,
             radial: ring.density * omega * omega * b / (4.0 * ring.youngs_modulus) * form,
-            ball: 0.0,
+            ..Self::NONE
         }
     }
 
@@ -173,9 +171,8 @@ impl Growth<f64> {
         let [b, _] = design.groove_radii();
         let hole = bore * bore;
         Self {
-            axial: 0.0,
             radial: interference * (b / seat) * ((seat * seat - hole) / (b * b - hole)),
-            ball: 0.0,
+            ..Self::NONE
         }
     }
 

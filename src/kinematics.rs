@@ -62,7 +62,7 @@ pub struct Speeds<T> {
     label = "not an attitude rule",
     note = "choose `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`"
 )]
-pub trait Rule: 'static {
+pub trait Rule: Copy + 'static {
     /// Friction carries a gyroscopic moment.
     const FRICTION: bool = true;
     /// The attitude depends on the contact forces.
@@ -89,28 +89,23 @@ pub struct OuterRaceControl;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InnerRaceControl;
 
-#[inline(always)]
-fn outer_control<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
-    let [si, ci] = g.inner;
-    let [_, co] = g.outer;
-    let c = T::ONE - tau * ci;
-    let mu = c * g.q;
-    let w = mu * g.sin_d * g.q;
-    Speeds {
-        mu,
-        mu_by: [w + tau * si * g.q, -w, T::ZERO],
-        nu: mu * g.outer[0],
-        nu_by: [T::ZERO, mu * co, T::ZERO],
-        share: T::ZERO,
-        share_rest: T::ONE,
-        share_by: T::ZERO,
-    }
-}
-
 impl Rule for OuterRaceControl {
     #[inline(always)]
     fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
-        outer_control(tau, g)
+        let [si, ci] = g.inner;
+        let [so, co] = g.outer;
+        let c = T::ONE - tau * ci;
+        let mu = c * g.q;
+        let w = mu * g.sin_d * g.q;
+        Speeds {
+            mu,
+            mu_by: [w + tau * si * g.q, -w, T::ZERO],
+            nu: mu * so,
+            nu_by: [T::ZERO, mu * co, T::ZERO],
+            share: T::ZERO,
+            share_rest: T::ONE,
+            share_by: T::ZERO,
+        }
     }
 }
 
@@ -118,7 +113,7 @@ impl Rule for InnerRaceControl {
     #[inline(always)]
     fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
         if !g.closed {
-            return outer_control(tau, g);
+            return OuterRaceControl::speeds(tau, g);
         }
         let [si, ci] = g.inner;
         let [so, co] = g.outer;
@@ -180,6 +175,7 @@ impl Rule for RacewayControlFree {
 }
 
 /// The cage speed of a rule, without its gyroscopic moment.
+#[derive(Debug, Clone, Copy)]
 pub struct Frictionless<R>(core::marker::PhantomData<R>);
 
 impl<R: Rule> Rule for Frictionless<R> {

@@ -72,6 +72,16 @@ pub fn turn<T: Real>(n: Pair<T>, v: Pair<T>) -> Pair<T> {
     [a + b, c - d]
 }
 
+/// Adds the matrix `b` to `a`.
+#[inline(always)]
+pub fn add_to<T: Real, const D: usize>(a: &mut Matrix<T, D>, b: &Matrix<T, D>) {
+    for (a, b) in a.iter_mut().zip(b) {
+        for (a, b) in a.iter_mut().zip(b) {
+            *a += *b;
+        }
+    }
+}
+
 /// Product of two vectors over the freedoms.
 #[inline(always)]
 pub fn product<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {

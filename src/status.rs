@@ -228,41 +228,6 @@ impl<T> Status<T> {
     }
 }
 
-impl<T: Real> Status<T> {
-    /// The same with its numbers rounded to single precision, as reports give it.
-    pub fn to_f32(self) -> Status<f32> {
-        match self {
-            Self::Converged => Status::Converged,
-            Self::PrecisionLimit => Status::PrecisionLimit,
-            Self::IterationLimit => Status::IterationLimit,
-            Self::Unseated { ball, apart } => Status::Unseated {
-                ball,
-                apart: apart.to_f32(),
-            },
-            Self::NotFinite { quantity, value } => Status::NotFinite {
-                quantity,
-                value: value.to_f32(),
-            },
-            Self::OutOfRange {
-                quantity,
-                value,
-                limit,
-            } => Status::OutOfRange {
-                quantity,
-                value: value.to_f32(),
-                limit: limit.to_f32(),
-            },
-            Self::Unloaded => Status::Unloaded,
-            Self::Indeterminate { loaded_balls, free } => {
-                Status::Indeterminate { loaded_balls, free }
-            }
-            Self::Diverged { residual } => Status::Diverged {
-                residual: residual.to_f32(),
-            },
-        }
-    }
-}
-
 impl<T: Real> fmt::Display for Status<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -7,7 +7,7 @@
 use serde::Deserialize;
 use spindle_bearing::{
     BallMotion, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies,
-    Mounted, Quantity, Real,
+    Mounted, Quantity, Real, Status,
 };
 use std::ops::RangeInclusive;
 
@@ -92,6 +92,40 @@ pub fn mount<T: Real>(design: &Design, balls: usize) -> Result<Box<dyn Mount<T>>
         3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
         35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
     )
+}
+
+/// A status in single precision.
+pub fn narrowed<T: Real>(status: Status<T>) -> Status<f32> {
+    match status {
+        Status::Converged => Status::Converged,
+        Status::PrecisionLimit => Status::PrecisionLimit,
+        Status::IterationLimit => Status::IterationLimit,
+        Status::Unseated { ball, apart } => Status::Unseated {
+            ball,
+            apart: apart.to_f32(),
+        },
+        Status::NotFinite { quantity, value } => Status::NotFinite {
+            quantity,
+            value: value.to_f32(),
+        },
+        Status::OutOfRange {
+            quantity,
+            value,
+            limit,
+        } => Status::OutOfRange {
+            quantity,
+            value: value.to_f32(),
+            limit: limit.to_f32(),
+        },
+        Status::Unloaded => Status::Unloaded,
+        Status::Indeterminate { loaded_balls, free } => {
+            Status::Indeterminate { loaded_balls, free }
+        }
+        Status::Diverged { residual } => Status::Diverged {
+            residual: residual.to_f32(),
+        },
+        other => unreachable!("{other}"),
+    }
 }
 
 /// A matrix in doubles.

@@ -1,7 +1,7 @@
 //! Spindles whose rows, ball counts and precision are known at run time only. A bearing is a spindle with one row.
 
 use crate::dispatch::{
-    Attitude, MOST_BALLS, Mount, Precision, mount, wide, widened, widened_frequencies,
+    Attitude, MOST_BALLS, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies,
     widened_motion,
 };
 use spindle_bearing::{
@@ -302,7 +302,7 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
         self.solver
             .solve_at(question.load.map(T::of), speed, &growth, &self.settings)
             .map(|solution| answer(&solution, &end, limits))
-            .map_err(Status::to_f32)
+            .map_err(narrowed)
     }
 
     fn set_settings(&mut self, tolerance: f64, max_iterations: u16) {

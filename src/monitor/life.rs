@@ -143,8 +143,8 @@ impl Life {
         (self.used.bits(), self.revolutions.bits())
     }
 
-    /// From now on, these forces act. `damage` is that of [`LifeRating::damage`](crate::LifeRating::damage); what is no number
-    /// changes nothing.
+    /// From now on, these forces act. `damage` is `1 / L10`, per million revolutions, of [`LifeRating`](crate::LifeRating); what
+    /// is no number changes nothing.
     pub const fn set_damage(&mut self, damage: f32) {
         if damage.is_finite() {
             (self.rate, self.solved) = (damage, self.measured);

@@ -9,8 +9,7 @@ use crate::float::Real;
 use crate::growth::Growth;
 use crate::motion::{Full, Motion};
 use crate::mounting::{Point, Regime, Speed};
-use crate::pose::BallState;
-use crate::pose::Pose;
+use crate::pose::{BallState, Pose};
 use crate::ring::Row;
 use crate::status::Status;
 
@@ -199,8 +198,8 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
                 force: error,
                 stiffness: error,
             },
-            displacement: displacement_of(asked, dx * c.length),
-            load: load_of(asked, contact.q * contact.n[0] * (c.force * c.balls)),
+            displacement: asked.displacement_or(dx * c.length),
+            load: asked.load_or(contact.q * contact.n[0] * (c.force * c.balls)),
             solver: self,
             point,
         })
@@ -249,28 +248,10 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             iterations: limit - budget,
             error: answer.error,
             displacement,
-            load: load_of(asked, load * c.balls),
+            load: asked.load_or(load * c.balls),
             solver: self,
             point,
         })
-    }
-}
-
-/// The displacement that was given, or else the one that was found.
-#[inline(always)]
-fn displacement_of<T: Real>(asked: Given<T>, found: T) -> T {
-    match asked {
-        Given::Displacement(given) => given,
-        Given::Load(_) => found,
-    }
-}
-
-/// The load that was given, or else the reaction.
-#[inline(always)]
-fn load_of<T: Real>(asked: Given<T>, found: T) -> T {
-    match asked {
-        Given::Load(given) => given,
-        Given::Displacement(_) => found,
     }
 }
 

@@ -24,7 +24,7 @@ use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out};
 use crate::growth::Growth;
 use crate::kinematics::Rule;
-use crate::linalg::{Factors, Matrix, norm, product};
+use crate::linalg::{Factors, Matrix, add_to, norm, product};
 use crate::motion::{Full, Motion};
 use crate::mounting::{Point, Regime, Speed};
 use crate::ring::{Row, Sum, UNSEATED, stiffening};
@@ -108,6 +108,26 @@ pub enum Given<T> {
     Displacement(T),
 }
 
+impl<T> Given<T> {
+    /// The load that was given, or else the reaction.
+    #[inline(always)]
+    fn load_or(self, found: T) -> T {
+        match self {
+            Self::Load(given) => given,
+            Self::Displacement(_) => found,
+        }
+    }
+
+    /// The displacement that was given, or else the one that was found.
+    #[inline(always)]
+    fn displacement_or(self, found: T) -> T {
+        match self {
+            Self::Displacement(given) => given,
+            Self::Load(_) => found,
+        }
+    }
+}
+
 /// What is kept between solves besides the balls, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<T, const D: usize> {
@@ -165,11 +185,7 @@ impl<T: Real, const D: usize> State<T, D> {
     pub(crate) fn stiffness(&self, change: impl FnOnce(&[T; D]) -> Matrix<T, D>) -> Matrix<T, D> {
         let mut k = self.sum.k;
         if self.correct {
-            for (row, change) in k.iter_mut().zip(&change(&self.v)) {
-                for (x, change) in row.iter_mut().zip(change) {
-                    *x += *change;
-                }
-            }
+            add_to(&mut k, &change(&self.v));
         }
         k
     }
@@ -353,19 +369,11 @@ impl<T: Real, const D: usize> State<T, D> {
             *self = Self::COLD;
             return Err(Status::Diverged { residual: T::ONE });
         }
-        let displacement = from_fn(|i| match given[i] {
-            Given::Displacement(u) => u,
-            Given::Load(_) => displacement[i],
-        });
-        let load = from_fn(|i| match given[i] {
-            Given::Load(load) => load,
-            Given::Displacement(_) => load[i],
-        });
         Ok(Answer {
             status: outcome.status(),
             error: self.errors(row, outcome, &u),
-            displacement,
-            load,
+            displacement: from_fn(|i| given[i].displacement_or(displacement[i])),
+            load: from_fn(|i| given[i].load_or(load[i])),
         })
     }
 }

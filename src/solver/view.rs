@@ -13,7 +13,7 @@ use crate::ring::{Sum, shift, stiffening};
 use core::marker::PhantomData;
 
 /// The balls of a row where a solve has left them.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct View<'s, T, B, R> {
     pub c: &'s Constants<T>,
     pub p: &'s Point<T>,
@@ -24,14 +24,6 @@ pub struct View<'s, T, B, R> {
     pub speed: Speed<T>,
     pub rule: PhantomData<R>,
 }
-
-impl<T: Copy, B, R> Clone for View<'_, T, B, R> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T: Copy, B, R> Copy for View<'_, T, B, R> {}
 
 impl<'s, T: Real, B: Body<T>, R: Rule> View<'s, T, B, R> {
     #[inline(always)]

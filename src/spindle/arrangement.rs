@@ -27,14 +27,6 @@ impl Facing {
         }
     }
 
-    /// The other one.
-    pub const fn opposite(self) -> Self {
-        match self {
-            Self::PlusX => Self::MinusX,
-            Self::MinusX => Self::PlusX,
-        }
-    }
-
     /// `+x` or `-x`.
     pub const fn name(self) -> &'static str {
         match self {

@@ -6,7 +6,7 @@ use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out, refer, refer_stiffness, stiffness_out};
 use crate::frequencies::Frequencies;
 use crate::limits::{Limit, LimitSet, Limits, Margins};
-use crate::linalg::{Factors, Matrix, product};
+use crate::linalg::{Factors, Matrix, add_to, product};
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
 use crate::pose::{BallMotion, BallState};
@@ -86,11 +86,10 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> Spindle<'_, T, R, 
         self.rows[0].constants
     }
 
-    /// Displacement of the shaft at the position `x` (m), SI, from one of the centre in the solver's units.
-    pub(super) fn displacement_at(&self, u: &[T; D], x: T) -> [T; 5] {
+    /// Displacement of the shaft at `x = 0`, SI, from one of the centre in the solver's units.
+    pub(super) fn displacement(&self, u: &[T; D]) -> [T; 5] {
         let own: [T; 5] = from_fn(|i| u[i]);
-        let back = self.centre - x;
-        centre_of(back, &displacement_out(self.unit(), &own))
+        centre_of(self.centre, &displacement_out(self.unit(), &own))
     }
 }
 
@@ -131,11 +130,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             c[1][j] += y[j];
             c[2][j] -= z[j];
         }
-        for (row, own) in c.iter_mut().zip(&end.flexibility) {
-            for (c, own) in row.iter_mut().zip(own) {
-                *c += *own;
-            }
-        }
+        add_to(&mut c, &end.flexibility);
         c
     }
 
@@ -153,11 +148,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
                 unit.length / unit.tilt
             }
         };
-        let c = self.compliance_at(end);
-        let even =
-            from_fn(|i| from_fn(|j| c[i][j] * (unit.force / unit.length) * scale(i) * scale(j)));
-        let k = inverse(&even);
-        from_fn(|i| from_fn(|j| k[i][j] * (unit.force / unit.length) * scale(i) * scale(j)))
+        let scaled = |m: &Matrix<T, 5>| {
+            from_fn(|i| from_fn(|j| m[i][j] * (unit.force / unit.length) * scale(i) * scale(j)))
+        };
+        scaled(&inverse(&scaled(&self.compliance_at(end))))
     }
 
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the rigid shaft at the position `x` (m).
@@ -307,12 +301,7 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
     pub fn stiffness(&self) -> Matrix<T, 5> {
         let mut sum = self.sum;
         if self.correct {
-            let change = self.view.stiffening();
-            for (row, change) in sum.k.iter_mut().zip(&change) {
-                for (k, change) in row.iter_mut().zip(change) {
-                    *k += *change;
-                }
-            }
+            add_to(&mut sum.k, &self.view.stiffening());
         }
         sum.refer(self.view.c.plane);
         stiffness_out(self.view.c, &sum.k)

@@ -136,7 +136,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         self.state.refuse(&set, &task, &outcome)?;
         let u = self.state.displacement(spindle.plane);
         let error = self.state.errors(&set, &outcome, &u);
-        let displacement = spindle.displacement_at(&u, T::ZERO);
+        let displacement = spindle.displacement(&u);
         if !are_finite(&displacement) {
             self.state = State::COLD;
             return Err(Status::Diverged { residual: T::ONE });

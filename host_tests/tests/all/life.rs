@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::{Life, Mark, Marks, Readings};
 use spindle_bearing::{
-    Arrangement, Bearing, Design, LifeRating, Preload, Settings, Solver, Speed, Spindle,
-    SpindleSolver,
+    Arrangement, Bearing, Design, LifeRating, Preload, RatingLife, Settings, Solver, Speed,
+    Spindle, SpindleSolver,
 };
 
 /// Damage per revolution under these loads, from an equilibrium with all the time it takes.
@@ -19,7 +19,8 @@ fn truth(solver: &mut Solver<'_, f32, 16>, load: [f32; 5]) -> f64 {
         .solve(load, Speed::rad_per_s(SPEED), &effort)
         .unwrap_or_else(|status| panic!("{load:?}: {status}"));
     let forces: Vec<_> = solution.balls().map(|ball| (ball.q_i, ball.q_o)).collect();
-    1e-6 * f64::from(SETTINGS.rows[0].rating.damage(forces.into_iter()))
+    let weight = SETTINGS.rows[0].rating.weight_of(forces.into_iter());
+    1e-6 / f64::from(RatingLife::of_weight(weight, SPEED).million_revolutions)
 }
 
 /// Life counted in so many ticks over the truth, and the part of it that was estimated.

@@ -1,7 +1,7 @@
 //! Solvers whose precision, ball count, motion and freedoms are known at run time, and their solutions in doubles.
 
 use host_tests::compare::{Ball, Equilibrium, Errors, worse};
-use host_tests::dispatch::{Attitude, Precision, widened};
+use host_tests::dispatch::{Attitude, Precision, narrowed, widened};
 use proptest::strategy::Strategy;
 use spindle_bearing::{
     AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, Full, Given, Growth,
@@ -235,13 +235,13 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver for Solver<'s
         let (given, speed) = (from_fn(|i| q.narrow(i)), q.speed::<T, M>());
         let s = self
             .solve_at(&given, speed, &q.growth(), &Settings::default())
-            .map_err(Status::to_f32)?;
+            .map_err(narrowed)?;
         let mut k = identity();
         for (wide, row) in k.iter_mut().zip(s.stiffness()) {
             *wide = in_doubles(&row);
         }
         Ok(Found {
-            status: s.status.to_f32(),
+            status: narrowed(s.status),
             freedoms: D,
             u: in_doubles(&s.displacement),
             load: in_doubles(&s.load),
@@ -261,7 +261,7 @@ impl<T: Real, const N: usize, M: Motion> AnySolver for AxialSolver<'static, T, N
         let (given, speed) = (q.narrow(0), q.speed::<T, M>());
         let s = self
             .solve_at(given, speed, &q.growth(), &Settings::default())
-            .map_err(Status::to_f32)?;
+            .map_err(narrowed)?;
         let mut k = identity();
         k[0][0] = s.stiffness().to_f64();
         let first = widened(&s.ball());
@@ -270,7 +270,7 @@ impl<T: Real, const N: usize, M: Motion> AnySolver for AxialSolver<'static, T, N
             ..first
         };
         Ok(Found {
-            status: s.status.to_f32(),
+            status: narrowed(s.status),
             freedoms: 1,
             u: in_doubles(&[s.displacement]),
             load: in_doubles(&[s.load]),
