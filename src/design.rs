@@ -4,7 +4,7 @@
 //! design written into firmware costs no code. With [`Bearing::checked`](crate::Bearing::checked), one that cannot be
 //! built does not compile.
 
-use crate::elementary::sin_cos;
+use crate::elementary::{sin_cos, sin_cos_turns};
 use crate::status::Quantity;
 
 /// Elastic constants and density of a ring or of the balls.
@@ -135,53 +135,30 @@ impl DesignError {
     pub const fn reason(&self) -> &'static str {
         use Quantity as Q;
         match self.quantity {
-            Q::BallCount => "this bearing cannot be built: ball count N must be 3 to 1000",
+            Q::BallCount => "ball count N must be 3 to 1000",
             Q::BallDiameter => {
-                "this bearing cannot be built: ball diameter D must be 0.0001 to 0.2 metres, and the balls must \
-                 have room beside each other, D <= dm sin(pi/N)"
+                "ball diameter D must be 0.0001 to 0.2 metres, and the balls must have room beside each other, \
+                 D <= dm sin(pi/N)"
             }
-            Q::PitchDiameter => {
-                "this bearing cannot be built: pitch diameter dm must be 1.01 to 10000 ball diameters"
-            }
-            Q::InnerGrooveFactor => {
-                "this bearing cannot be built: inner groove factor fi must be 0.501 to 0.7"
-            }
-            Q::OuterGrooveFactor => {
-                "this bearing cannot be built: outer groove factor fo must be 0.501 to 0.7"
-            }
-            Q::ContactAngle => {
-                "this bearing cannot be built: free contact angle alpha0 must be 0 to 1.4 rad"
-            }
+            Q::PitchDiameter => "pitch diameter dm must be 1.01 to 10000 ball diameters",
+            Q::InnerGrooveFactor => "inner groove factor fi must be 0.501 to 0.7",
+            Q::OuterGrooveFactor => "outer groove factor fo must be 0.501 to 0.7",
+            Q::ContactAngle => "free contact angle alpha0 must be 0 to 1.4 rad",
             Q::DiametralClearance => {
-                "this bearing cannot be built: diametral clearance Pd must be -0.5 to 1.66 times the distance \
-                 L0 of the groove centres"
+                "diametral clearance Pd must be -0.5 to 1.66 times the distance L0 of the groove centres"
             }
             Q::InnerShoulderAngle => {
-                "this bearing cannot be built: inner shoulder's angle theta_i must be the free contact \
-                 angle to 90 degrees"
+                "inner shoulder's angle theta_i must be the free contact angle to 90 degrees"
             }
             Q::OuterShoulderAngle => {
-                "this bearing cannot be built: outer shoulder's angle theta_o must be the free contact \
-                 angle to 90 degrees"
+                "outer shoulder's angle theta_o must be the free contact angle to 90 degrees"
             }
-            Q::FirstBall => {
-                "this bearing cannot be built: azimuth phi_0 of the first ball must be -7 to 7 rad"
-            }
-            Q::RingYoungsModulus => {
-                "this bearing cannot be built: Young's modulus E of the rings must be 1e6 to 1e13 Pa"
-            }
-            Q::RingPoissonsRatio => {
-                "this bearing cannot be built: Poisson's ratio nu of the rings must be 0 to 0.5"
-            }
-            Q::BallYoungsModulus => {
-                "this bearing cannot be built: Young's modulus Eb of the balls must be 1e6 to 1e13 Pa"
-            }
-            Q::BallPoissonsRatio => {
-                "this bearing cannot be built: Poisson's ratio nub of the balls must be 0 to 0.5"
-            }
-            Q::BallDensity => {
-                "this bearing cannot be built: density rho of the balls must be 1 to 1e5 kg/m^3"
-            }
+            Q::FirstBall => "azimuth phi_0 of the first ball must be -7 to 7 rad",
+            Q::RingYoungsModulus => "Young's modulus E of the rings must be 1e6 to 1e13 Pa",
+            Q::RingPoissonsRatio => "Poisson's ratio nu of the rings must be 0 to 0.5",
+            Q::BallYoungsModulus => "Young's modulus Eb of the balls must be 1e6 to 1e13 Pa",
+            Q::BallPoissonsRatio => "Poisson's ratio nub of the balls must be 0 to 0.5",
+            Q::BallDensity => "density rho of the balls must be 1 to 1e5 kg/m^3",
             // No quantity of a design.
             _ => "this bearing cannot be built",
         }
@@ -298,70 +275,38 @@ impl Design {
     pub const fn check(&self, balls: usize) -> Result<(), DesignError> {
         use Quantity as Q;
         check!(within(Q::BallCount, balls as f64, 3.0, 1000.0));
-        let d = self.ball_diameter;
-        let dm = self.pitch_diameter;
+        let (d, dm) = (self.ball_diameter, self.pitch_diameter);
         check!(within(Q::BallDiameter, d, 1e-4, 0.2));
         check!(within(Q::PitchDiameter, dm, 1.01 * d, 1e4 * d));
         // Neighbouring balls may touch but not overlap: D <= dm sin(pi/N).
-        let room = dm * crate::elementary::sin_cos_turns(1, 2 * balls as u32).0;
+        let room = dm * sin_cos_turns(1, 2 * balls as u32).0;
         check!(within(Q::BallDiameter, d, 1e-4, room));
-        check!(within(
-            Q::InnerGrooveFactor,
-            self.inner_groove_factor,
-            0.501,
-            0.7
-        ));
-        check!(within(
-            Q::OuterGrooveFactor,
-            self.outer_groove_factor,
-            0.501,
-            0.7
-        ));
-        match self.free_contact {
-            FreeContact::Angle(angle) => check!(within(Q::ContactAngle, angle, 0.0, 1.4)),
-            FreeContact::DiametralClearance(clearance) => check!(within(
-                Q::DiametralClearance,
-                clearance,
-                // As much as a growth may close.
-                -0.5 * self.centre_distance(),
-                // Beyond this the free contact angle would pass 80 degrees.
-                1.66 * self.centre_distance()
-            )),
-        }
+        let (fi, fo) = (self.inner_groove_factor, self.outer_groove_factor);
+        check!(within(Q::InnerGrooveFactor, fi, 0.501, 0.7));
+        check!(within(Q::OuterGrooveFactor, fo, 0.501, 0.7));
         // The unloaded balls, at least, must lie in their grooves.
         let least = match self.free_contact {
-            FreeContact::Angle(angle) => angle,
-            FreeContact::DiametralClearance(_) => 0.0,
+            FreeContact::Angle(angle) => {
+                check!(within(Q::ContactAngle, angle, 0.0, 1.4));
+                angle
+            }
+            FreeContact::DiametralClearance(pd) => {
+                // As much as a growth may close; beyond the other end the free contact angle would pass 80 degrees.
+                let l0 = self.centre_distance();
+                check!(within(Q::DiametralClearance, pd, -0.5 * l0, 1.66 * l0));
+                0.0
+            }
         };
         let most = Self::HIGHEST_SHOULDER;
         let (inner, outer) = (self.inner_shoulder_angle, self.outer_shoulder_angle);
         check!(within(Q::InnerShoulderAngle, inner, least, most));
         check!(within(Q::OuterShoulderAngle, outer, least, most));
         check!(within(Q::FirstBall, self.first_ball, -7.0, 7.0));
-        check!(within(
-            Q::RingYoungsModulus,
-            self.ring.youngs_modulus,
-            1e6,
-            1e13
-        ));
-        check!(within(
-            Q::RingPoissonsRatio,
-            self.ring.poissons_ratio,
-            0.0,
-            0.5
-        ));
-        check!(within(
-            Q::BallYoungsModulus,
-            self.ball.youngs_modulus,
-            1e6,
-            1e13
-        ));
-        check!(within(
-            Q::BallPoissonsRatio,
-            self.ball.poissons_ratio,
-            0.0,
-            0.5
-        ));
-        within(Q::BallDensity, self.ball.density, 1.0, 1e5)
+        let (ring, ball) = (&self.ring, &self.ball);
+        check!(within(Q::RingYoungsModulus, ring.youngs_modulus, 1e6, 1e13));
+        check!(within(Q::RingPoissonsRatio, ring.poissons_ratio, 0.0, 0.5));
+        check!(within(Q::BallYoungsModulus, ball.youngs_modulus, 1e6, 1e13));
+        check!(within(Q::BallPoissonsRatio, ball.poissons_ratio, 0.0, 0.5));
+        within(Q::BallDensity, ball.density, 1.0, 1e5)
     }
 }

@@ -3,78 +3,62 @@
 use crate::float::Real;
 use core::fmt;
 
-/// A quantity that a design or a measurement gives, by its symbol in the model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub enum Quantity {
-    /// Ball count `N`.
-    BallCount,
-    /// Ball diameter `D`, m.
-    BallDiameter,
-    /// Pitch diameter `dm`, m.
-    PitchDiameter,
-    /// Inner groove factor `fi`.
-    InnerGrooveFactor,
-    /// Outer groove factor `fo`.
-    OuterGrooveFactor,
-    /// Free contact angle `alpha0`, rad.
-    ContactAngle,
-    /// Diametral clearance `Pd`, m.
-    DiametralClearance,
-    /// Inner shoulder's angle `theta_i`, rad.
-    InnerShoulderAngle,
-    /// Outer shoulder's angle `theta_o`, rad.
-    OuterShoulderAngle,
-    /// Azimuth of the first ball `phi_0`, rad.
-    FirstBall,
-    /// Young's modulus of the rings, Pa.
-    RingYoungsModulus,
-    /// Poisson's ratio of the rings.
-    RingPoissonsRatio,
-    /// Young's modulus of the balls, Pa.
-    BallYoungsModulus,
-    /// Poisson's ratio of the balls.
-    BallPoissonsRatio,
-    /// Density of the balls, kg/m^3.
-    BallDensity,
-    /// Shaft speed `omega`, rad/s.
-    Speed,
-    /// Axial load `Fx`, N.
-    Fx,
-    /// Radial load `Fy`, N.
-    Fy,
-    /// Radial load `Fz`, N.
-    Fz,
-    /// Tilting moment `My`, N m.
-    My,
-    /// Tilting moment `Mz`, N m.
-    Mz,
-    /// Axial displacement `dx`, m.
-    Dx,
-    /// Radial displacement `dy`, m.
-    Dy,
-    /// Radial displacement `dz`, m.
-    Dz,
-    /// Tilt `ty`, rad.
-    Ty,
-    /// Tilt `tz`, rad.
-    Tz,
-    /// Axial growth `gx`, m.
-    AxialGrowth,
-    /// Radial growth `gr`, m.
-    RadialGrowth,
-    /// Growth of the ball diameter `gD`, m.
-    BallGrowth,
-    /// Position of a row on the shaft, from the first one's, m.
-    RowPosition,
-    /// Closure `e` of a clamped row, m.
-    Closure,
-    /// Preload force of a pair, N.
-    PreloadForce,
-    /// Force of the spring on a sliding sleeve, N.
-    SpringForce,
+macro_rules! quantities {
+    ($($quantity:ident => $name:literal,)*) => {
+        /// A quantity that a design or a measurement gives, by its symbol in the model.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+        #[non_exhaustive]
+        pub enum Quantity {
+            $(#[doc = concat!($name, ".")] $quantity,)*
+        }
+
+        impl Quantity {
+            /// Name and unit, as messages print them.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$quantity => $name,)*
+                }
+            }
+        }
+    };
+}
+
+quantities! {
+    BallCount => "ball count N",
+    BallDiameter => "ball diameter D (m)",
+    PitchDiameter => "pitch diameter dm (m)",
+    InnerGrooveFactor => "inner groove factor fi",
+    OuterGrooveFactor => "outer groove factor fo",
+    ContactAngle => "free contact angle alpha0 (rad)",
+    DiametralClearance => "diametral clearance Pd (m)",
+    InnerShoulderAngle => "inner shoulder's angle theta_i (rad)",
+    OuterShoulderAngle => "outer shoulder's angle theta_o (rad)",
+    FirstBall => "azimuth of the first ball phi_0 (rad)",
+    RingYoungsModulus => "Young's modulus of the rings (Pa)",
+    RingPoissonsRatio => "Poisson's ratio of the rings",
+    BallYoungsModulus => "Young's modulus of the balls (Pa)",
+    BallPoissonsRatio => "Poisson's ratio of the balls",
+    BallDensity => "density of the balls (kg/m^3)",
+    Speed => "speed omega (rad/s)",
+    Fx => "axial load Fx (N)",
+    Fy => "radial load Fy (N)",
+    Fz => "radial load Fz (N)",
+    My => "tilting moment My (N m)",
+    Mz => "tilting moment Mz (N m)",
+    Dx => "axial displacement dx (m)",
+    Dy => "radial displacement dy (m)",
+    Dz => "radial displacement dz (m)",
+    Ty => "tilt ty (rad)",
+    Tz => "tilt tz (rad)",
+    AxialGrowth => "axial growth gx (m)",
+    RadialGrowth => "radial growth gr (m)",
+    BallGrowth => "growth of the ball diameter gD (m)",
+    RowPosition => "position of the row from the first one (m)",
+    Closure => "closure e of the row (m)",
+    PreloadForce => "preload force of the pair (N)",
+    SpringForce => "force of the spring (N)",
 }
 
 impl Quantity {
@@ -90,45 +74,6 @@ impl Quantity {
     /// The three growths.
     pub(crate) const OF_GROWTH: [Self; 3] =
         [Self::AxialGrowth, Self::RadialGrowth, Self::BallGrowth];
-
-    /// Name and unit, as messages print them.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::BallCount => "ball count N",
-            Self::BallDiameter => "ball diameter D (m)",
-            Self::PitchDiameter => "pitch diameter dm (m)",
-            Self::InnerGrooveFactor => "inner groove factor fi",
-            Self::OuterGrooveFactor => "outer groove factor fo",
-            Self::ContactAngle => "free contact angle alpha0 (rad)",
-            Self::DiametralClearance => "diametral clearance Pd (m)",
-            Self::InnerShoulderAngle => "inner shoulder's angle theta_i (rad)",
-            Self::OuterShoulderAngle => "outer shoulder's angle theta_o (rad)",
-            Self::FirstBall => "azimuth of the first ball phi_0 (rad)",
-            Self::RingYoungsModulus => "Young's modulus of the rings (Pa)",
-            Self::RingPoissonsRatio => "Poisson's ratio of the rings",
-            Self::BallYoungsModulus => "Young's modulus of the balls (Pa)",
-            Self::BallPoissonsRatio => "Poisson's ratio of the balls",
-            Self::BallDensity => "density of the balls (kg/m^3)",
-            Self::Speed => "speed omega (rad/s)",
-            Self::Fx => "axial load Fx (N)",
-            Self::Fy => "radial load Fy (N)",
-            Self::Fz => "radial load Fz (N)",
-            Self::My => "tilting moment My (N m)",
-            Self::Mz => "tilting moment Mz (N m)",
-            Self::Dx => "axial displacement dx (m)",
-            Self::Dy => "radial displacement dy (m)",
-            Self::Dz => "radial displacement dz (m)",
-            Self::Ty => "tilt ty (rad)",
-            Self::Tz => "tilt tz (rad)",
-            Self::AxialGrowth => "axial growth gx (m)",
-            Self::RadialGrowth => "radial growth gr (m)",
-            Self::BallGrowth => "growth of the ball diameter gD (m)",
-            Self::RowPosition => "position of the row from the first one (m)",
-            Self::Closure => "closure e of the row (m)",
-            Self::PreloadForce => "preload force of the pair (N)",
-            Self::SpringForce => "force of the spring (N)",
-        }
-    }
 }
 
 impl fmt::Display for Quantity {
