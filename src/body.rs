@@ -34,13 +34,6 @@ impl<T: Real> Share<T> {
         moment_by_speed: T::ZERO,
     };
 
-    /// The force is of more than this square.
-    // By a call: the loop over the balls is unrolled.
-    #[inline(never)]
-    pub fn is_more_than(&self, square: T) -> bool {
-        dot(self.force, self.force) > square
-    }
-
     /// Magnitudes of the elements `aa`, `ar`, `rr` of the stiffness.
     #[inline(always)]
     pub fn magnitudes(&self) -> [T; 3] {
@@ -168,7 +161,12 @@ pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
     fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T>;
 
     /// It carries a force that makes a difference to the ring.
-    fn carries(&self, p: &Point<T>) -> bool;
+    // By a call: the loop over the balls is unrolled.
+    #[inline(never)]
+    fn carries(&self, p: &Point<T>) -> bool {
+        let force = self.share().force;
+        dot(force, force) > p.negligible
+    }
 
     /// Sine and cosine of the angle `ai - ao` between the contacts.
     fn apart(&self) -> Pair<T>;

@@ -130,7 +130,7 @@ pub struct DesignError {
 }
 
 impl DesignError {
-    /// What the quantity at fault must fulfil. A literal, for the compiler's error about a design in a
+    /// Condition that the quantity at fault must fulfil. A literal, for the compiler's error about a design in a
     /// `const`, which has no numbers.
     pub const fn reason(&self) -> &'static str {
         use Quantity as Q;

@@ -57,13 +57,13 @@ pub trait Real:
     const TOLERANCE: Self;
     /// Added and subtracted again, it rounds to multiples of 1/256.
     const GRID: Self;
-    /// The same for multiples of a number so fine that its product with the former is exact.
+    /// Added and subtracted again, it rounds to multiples so fine that their products with those of `GRID` are exact.
     const SPLIT: Self;
     /// Deformation of an inner contact that is next to nothing, in the solver's unit of length.
     ///
     /// So small that it makes no difference, and not so small that products of its powers vanish.
     const NOTHING: Self;
-    /// The same of an outer contact.
+    /// Deformation of an outer contact that is next to nothing.
     const LEAST: Self;
 
     /// Rounds to an integer; saturates.

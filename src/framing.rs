@@ -46,7 +46,7 @@ pub fn encode<T: Serialize, const FRAME: usize>(message: &T) -> Option<Vec<u8, F
     Some(frame)
 }
 
-/// The same into the place of another frame; empty and `None` if it is too long.
+/// Frame of a message in the place of another one; empty and `None` if it is too long.
 pub fn encode_into<T: Serialize, const FRAME: usize>(
     message: &T,
     frame: &mut Vec<u8, FRAME>,
@@ -139,7 +139,7 @@ pub enum FrameError {
 }
 
 impl FrameError {
-    /// What went wrong, in a few words.
+    /// Kind of damage, in a few words.
     pub const fn name(self) -> &'static str {
         match self {
             Self::TooLong => "frame too long",

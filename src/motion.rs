@@ -141,10 +141,6 @@ impl<T: Real> Body<T> for Ball<T> {
         }
     }
 
-    fn carries(&self, p: &Point<T>) -> bool {
-        self.share.is_more_than(p.negligible)
-    }
-
     fn apart(&self) -> Pair<T> {
         [self.local.sd, self.local.cd]
     }

@@ -100,10 +100,6 @@ impl<T: Real> Body<T> for StaticBall<T> {
         Pose::at_rest(c, &ball.contact(c, p))
     }
 
-    fn carries(&self, p: &Point<T>) -> bool {
-        self.share.is_more_than(p.negligible)
-    }
-
     fn apart(&self) -> Pair<T> {
         [T::ZERO, T::ONE]
     }

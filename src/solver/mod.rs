@@ -78,7 +78,7 @@ pub trait RingVector {}
 impl<T: Real> RingVector for [T; 3] {}
 impl<T: Real> RingVector for [T; 5] {}
 
-/// What is given of a freedom of the inner ring.
+/// A load or a displacement that is given of a freedom of the inner ring.
 ///
 /// ```
 /// use spindle_bearing::{Bearing, Design, Given, Growth, Settings, Solver, Speed};
@@ -462,7 +462,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         self.solve_at(&load.map(Given::Load), speed, &Growth::NONE, settings)
     }
 
-    /// The same where some displacements are given in the place of loads, and rings and balls have grown.
+    /// The equilibrium where some displacements are given in the place of loads, and rings and balls have grown.
     ///
     /// With all displacements given, [`Solution::load`] is the bearing's load-displacement relation.
     ///

@@ -96,7 +96,7 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
         }
     }
 
-    /// The same, held like this.
+    /// This bearing, held by `preload`.
     pub const fn with(self, preload: Preload<T>) -> Self {
         Self { preload, ..self }
     }

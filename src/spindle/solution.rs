@@ -286,7 +286,7 @@ pub struct RowSolution<'s, T: Real, M: Motion> {
 }
 
 impl<T: Real, M: Motion> RowSolution<'_, T, M> {
-    /// What of its axial force is preload, N: the rows of one facing press those of the other with so much, besides the
+    /// Part of its axial force that is preload, N: the rows of one facing press those of the other with so much, besides the
     /// load. 0 once one side has lifted off; of rows that all face one way, none is preloaded.
     pub fn preload(&self) -> T {
         self.preload

@@ -83,7 +83,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         self.solve_at(load, speed, &[Growth::NONE; R], settings)
     }
 
-    /// The same where the rings and balls of each row have grown.
+    /// The equilibrium where the rings and balls of each row have grown.
     ///
     /// # Errors
     ///
