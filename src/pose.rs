@@ -201,10 +201,11 @@ impl<T: Real> Pose<T> {
             spin.abs() / roll.abs().at_least(T::TINY)
         };
         let patch = |contact: &Contact<T>, groove: &Groove<T>, spin_to_roll: T| {
+            // Ahead of the branch: see `sqrt`.
+            let root = contact.delta.sqrt();
             if !(contact.delta > T::ZERO) {
                 return ContactPatch::default();
             }
-            let root = contact.delta.sqrt();
             let (peak_pressure, semi_major) = (groove.pressure * root, groove.semi_major * root);
             let area = contact.q * c.force * T::of(1.5 / core::f64::consts::PI) / peak_pressure;
             ContactPatch {
