@@ -170,7 +170,7 @@ mod bare {
                         solution.inner_forces().for_each(|force| {
                             black_box(force);
                         });
-                        black_box(solution.exceedances(&black_box(Limits::default())));
+                        black_box(solution.margins(&black_box(Limits::default())));
                     }
                     black_box(encode(&record));
                 }
