@@ -325,10 +325,11 @@ impl<T: Real> Margins<T> {
 /// One sentence for each limit that is passed, separated by semicolons.
 impl<T: Real> fmt::Display for Margins<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, limit) in self.passed().iter().enumerate() {
-            let Some(Margin { value, ball, race }) = self.get(limit) else {
-                continue;
-            };
+        let passed = self
+            .passed()
+            .iter()
+            .filter_map(|limit| Some((limit, self.get(limit)?)));
+        for (i, (limit, Margin { value, ball, race })) in passed.enumerate() {
             let (what, unit) = match limit {
                 Limit::PeakPressure => ("peak pressure", " Pa"),
                 Limit::Shoulder => ("contact past the shoulder by", " rad"),
@@ -338,11 +339,15 @@ impl<T: Real> fmt::Display for Margins<T> {
                 Limit::InnerContact | Limit::LiftOff => ("gap", " m"),
             };
             f.write_str(if i == 0 { "" } else { "; " })?;
-            write!(f, "{what} {value:.3e}{unit} at ball {ball}'s ")?;
-            write!(f, "{} race, above {:.3e}", race.name(), self.allowed(limit))?;
+            let (race, allowed) = (race.name(), self.allowed(limit));
+            write!(f, "{what} {value:.3e}{unit} at ball {ball}'s {race} race")?;
+            if allowed > T::ZERO {
+                write!(f, ", above {allowed:.3e}")?;
+            }
         }
         if self.unloaded > 0 {
-            write!(f, " ({} balls unloaded)", self.unloaded)?;
+            let plural = if self.unloaded == 1 { "" } else { "s" };
+            write!(f, " ({} ball{plural} unloaded)", self.unloaded)?;
         }
         Ok(())
     }
