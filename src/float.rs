@@ -55,6 +55,8 @@ pub trait Real:
     const TINY: Self;
     /// Default of [`Settings::tolerance`](crate::Settings::tolerance).
     const TOLERANCE: Self;
+    /// Tolerance of [`Settings::TICK`](crate::Settings::TICK).
+    const TICK: Self;
     /// Added and subtracted again, it rounds to multiples of 1/256.
     const GRID: Self;
     /// Added and subtracted again, it rounds to multiples so fine that their products with those of `GRID` are exact.
@@ -120,6 +122,7 @@ macro_rules! real {
             const EPSILON: Self = $t::EPSILON;
             const TINY: Self = $t::MIN_POSITIVE;
             const TOLERANCE: Self = $tolerance;
+            const TICK: Self = 1e-3;
             const GRID: Self = $grid;
             const SPLIT: Self = $split;
             const NOTHING: Self = $nothing;

@@ -31,7 +31,7 @@
 //! | one bearing | [`Solver`], [`Solution`]; under axial loads alone [`AxialSolver`] |
 //! | several bearings on a shaft | [`Spindle`], [`SpindleSolver`], [`SpindleSolution`], [`RowSolution`] |
 //! | speed, growth by heat, rotation and fits | [`Speed`], [`Growth`] |
-//! | iterations and tolerance | [`Settings`] |
+//! | iterations and tolerance | [`Settings`]; in a tick of firmware [`Settings::TICK`] |
 //! | how a solve ends | [`Status`] |
 //! | balls | [`BallState`], [`BallMotion`], [`Frequencies`] |
 //! | physical limits | [`Limits`], [`Margins`] |

@@ -5,6 +5,7 @@ use super::solves::{
     solver, vector_error,
 };
 use host_tests::cases::{B7005C, rad_per_s};
+use host_tests::compare::stiffness_error;
 use host_tests::dispatch::Precision;
 use proptest::prelude::*;
 use spindle_bearing::{Bearing, Growth, Settings, Solver, Speed, Status};
@@ -63,6 +64,29 @@ fn a_warm_solve_is_the_cold_one_to_the_errors_that_both_state() {
                 assert!(off.iter().all(|off| *off <= 1.0), "{step}: {off:?}");
             }
         }
+    }
+}
+
+/// A cut, tick by tick. The first solve, from nothing, takes more iterations than a tick has.
+#[test]
+fn a_tick_states_an_error_of_its_stiffness_that_is_true_and_at_most_5e_3() {
+    let bearing = Bearing::<f32, 16>::new(&B7005C).unwrap();
+    let mut solver = Solver::new(&bearing);
+    let mut settings = Settings::default();
+    for tick in 0..200 {
+        let phase = 0.2 * f64::from(tick);
+        let (sin, cos) = phase.sin_cos();
+        let load = [1000.0 + 200.0 * sin, 200.0 * cos, -80.0, 0.7, 3.0 * sin];
+        let omega = 2094.0 + phase;
+        let speed = Speed::rad_per_s(omega as f32);
+        let solution = solver.solve(load.map(|x| x as f32), speed, &settings);
+        let solution = solution.unwrap_or_else(|status| panic!("{tick}: {status}"));
+        let k = solution.stiffness().map(|row| row.map(f64::from));
+        let off = stiffness_error(&k, &cold(&B7005C, 16, Balls::Free, load, omega).k);
+        let stated = f64::from(solution.error.stiffness);
+        let is_good = off <= stated && stated <= 5e-3;
+        assert!(is_good, "{tick}: {off:.1e}, {stated:.1e} stated");
+        settings = Settings::TICK;
     }
 }
 
