@@ -6,11 +6,11 @@ use crate::machine::Count;
 use crate::timing::Core;
 use crate::workload::{BALLS, STARTS, Work};
 use anyhow::{Context, Result, ensure};
-use host_tests::campaign::report::name;
+use host_tests::campaign::report::{Spread, name};
 use host_tests::dispatch::Precision;
 use probes::{Axial, Clamped, Question, Ring, Sprung};
 use rayon::prelude::*;
-use spindle_bearing::{Centrifugal, Full, Real, Static};
+use spindle_bearing::{Centrifugal, Full, Real, Settings, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -93,7 +93,7 @@ pub struct Program {
     pub precision: Precision,
     /// The scene.
     pub scene: &'static Scene,
-    /// Tolerances, the default one first.
+    /// Tolerances, the default one first, then that of a tick.
     pub tolerances: Vec<f64>,
 }
 
@@ -116,6 +116,9 @@ pub struct Measured {
     /// Bytes of flash, state and worst stack.
     pub bytes: [u64; 3],
 }
+
+/// The figure of a warm solve to the tolerance of a tick.
+pub const TICK: &str = "warm tick, cycles, median";
 
 /// Names of the bytes.
 pub const BYTES: [&str; 3] = ["flash", "state", "stack"];
@@ -152,7 +155,7 @@ pub fn run(root: &Path, programs: Vec<Program>, works: &[Work]) -> Result<Vec<Me
 }
 
 impl Program {
-    /// A program at the default tolerance.
+    /// A program at the default tolerance, and at that of a tick.
     pub fn new(core: Core, precision: Precision, scene: &'static Scene) -> Self {
         let tolerance = match precision {
             Precision::F32 => f32::TOLERANCE.into(),
@@ -162,7 +165,7 @@ impl Program {
             core,
             precision,
             scene,
-            tolerances: vec![tolerance],
+            tolerances: vec![tolerance, Settings::<f64>::TICK.tolerance],
         }
     }
 
@@ -226,20 +229,19 @@ impl Program {
 }
 
 impl Measured {
-    /// The figures that are held on to: of all solves at the default tolerance.
+    /// The figures that are held on to: of all solves at the default tolerance, and of a warm one in a tick.
     pub fn figures(&self) -> Figures {
         let name = self.program.name();
         let mut figures = Figures::new();
+        figures.insert(
+            format!("{name}: {TICK}"),
+            cycles(&self.solves[1][1]).median as u64,
+        );
         for (start, solves) in STARTS.iter().zip(&self.solves[0]) {
-            let mut cycles: Vec<u64> = solved(solves)
-                .map(|(solve, _)| solve.count.cycles)
-                .collect();
-            cycles.sort_unstable();
-            let median = cycles.get(cycles.len().saturating_sub(1) / 2);
             let instructions = solves.iter().map(|solve| solve.count.instructions).sum();
-            let unsolved = solves.len() - cycles.len();
+            let unsolved = solves.len() - solved(solves).count();
             for (what, figure) in [
-                ("cycles, median", median.copied().unwrap_or(0)),
+                ("cycles, median", cycles(solves).median as u64),
                 ("instructions, all solves", instructions),
                 ("without a solution", unsolved as u64),
             ] {
@@ -251,6 +253,11 @@ impl Measured {
         }
         figures
     }
+}
+
+/// Cycles of the solves with a solution.
+pub fn cycles(solves: &[Solve]) -> Spread {
+    Spread::of(solved(solves).map(|(solve, _)| solve.count.cycles as f64))
 }
 
 /// The solves with a solution.

@@ -1,6 +1,6 @@
 //! Error of the stiffness over cycles, by tolerance.
 
-use crate::scenes::{self, FULL, Measured, Program, Solve, solved};
+use crate::scenes::{self, FULL, Measured, Program, Solve, cycles, solved};
 use crate::table::{markdown, thousands};
 use crate::timing::Core;
 use crate::workload::{BALLS, STARTS, Work};
@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use spindle_bearing::{Bearing, Settings, Solver, Speed};
 use tools::chart::{Chart, Curve, Panel, Style};
 
-/// Tolerances besides the default one; those below it are left out.
-const TOLERANCES: [f64; 7] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12];
+/// Tolerances besides the default one and that of a tick. Tolerances below the default are left out.
+const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-4, 1e-6, 1e-9, 1e-12];
 
 /// The gate's programs, then the full scene in single precision on the larger core; the full scene at all tolerances.
 pub fn programs() -> Vec<Program> {
@@ -68,12 +68,11 @@ pub fn truths(works: &[Work]) -> Result<Vec<Truth>> {
 /// Cycles and errors of a program's solves at a tolerance.
 fn point(measured: &Measured, truths: &[Truth], tolerance: usize, start: usize) -> [Spread; 2] {
     let solves: &[Solve] = &measured.solves[tolerance][start];
-    let cycles = solved(solves).map(|(solve, _)| solve.count.cycles as f64);
     let errors = solved(solves).filter_map(|(solve, answer)| {
         let truth = truths[solve.case][start].as_ref()?;
         Some(stiffness_error(&answer.stiffness(), truth))
     });
-    [Spread::of(cycles), Spread::of(errors)]
+    [cycles(solves), Spread::of(errors)]
 }
 
 fn of_core(measured: &Measured) -> String {
@@ -108,11 +107,13 @@ pub fn tolerances(all: &[Measured], truths: &[Truth]) -> String {
 pub fn chart(all: &[Measured], truths: &[Truth]) -> Chart {
     let panel = |start: usize| {
         let curves = full(all).flat_map(|measured| {
-            let mut points: Vec<[Spread; 2]> = (0..measured.solves.len())
+            let tolerances = &measured.program.tolerances;
+            let mut falling: Vec<usize> = (0..tolerances.len()).collect();
+            falling.sort_by(|i, j| tolerances[*j].total_cmp(&tolerances[*i]));
+            let points: Vec<[Spread; 2]> = falling
+                .into_iter()
                 .map(|i| point(measured, truths, i, start))
                 .collect();
-            // The default tolerance, the smallest, comes last.
-            points.rotate_left(1);
             let curve = |style, error: fn(&Spread) -> f64| {
                 let along = points.iter().map(|[cycles, e]| (cycles.median, error(e)));
                 Curve::new(&of_core(measured), style, along.collect())
