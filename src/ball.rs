@@ -20,7 +20,7 @@ use super::kinematics::{Contacts, Rule};
 use super::linalg::{
     Matrix2, Pair, add, dot, dots, product2, scale, sub, times, times_transposed, turn,
 };
-use super::mounting::{Point, Regime};
+use super::mounting::Point;
 use super::pose::Pose;
 use crate::float::Real;
 
@@ -152,15 +152,6 @@ impl<T: Real> Ball<T> {
         Contact::at(&centres, add(self.low, a), p.lo + p.li, c.kn)
     }
 
-    /// The contact of a ball that is taken for one: at rest both in series, on the outer race the inner one.
-    pub fn only_contact(&self, c: &Constants<T>, p: &Point<T>) -> Contact<T> {
-        if p.regime == Regime::Outer {
-            Contact::at(&self.inner, self.inner_offset(), p.li, c.ki)
-        } else {
-            self.in_series(c, p, self.a)
-        }
-    }
-
     /// The ball at speed, where it is.
     #[inline(never)]
     pub fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>) -> Pose<T> {
@@ -183,10 +174,10 @@ impl<T: Real> Ball<T> {
         Pose::at_speed::<R>(inner, outer, c, p)
     }
 
-    /// Condenses the ball in closed form.
+    /// Condenses the ball at rest, in closed form.
     #[inline(never)]
     pub fn condense_held(&mut self, c: &Constants<T>, p: &Point<T>) {
-        let contact = self.only_contact(c, p);
+        let contact = self.in_series(c, p, self.a);
         self.share = share_of(&contact);
         self.hold();
         self.n = contact.n;
@@ -504,7 +495,7 @@ mod tests {
     fn settled() -> (Ball<f64>, Point<f64>) {
         let c = &SPINDLE.constants;
         let p = Point::new(c, c.inertia * 523.6 * 523.6, 0.0, &Growth::NONE);
-        assert_eq!(p.regime, Regime::Speed);
+        assert!(p.is_at_speed());
         let mut ball = Ball::default();
         ball.outer.vector = [c.lo * c.n0[0], c.lo * c.n0[1]];
         ball.move_references(c, &p, [c.centre[0] + 1.0, c.centre[1]], c.centre_low);

@@ -142,11 +142,6 @@ pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
     /// Moves the ball near its balance, and its references with it.
     fn place<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>);
 
-    /// Puts a ball that was condensed at rest where the speed of `p` has it.
-    ///
-    /// One that carries stays in line with both grooves' centres, which is near where its inertia is small.
-    fn take_up<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>);
-
     /// Follows the groove's centre to `a` and a relative change `ds` of `omega^2`, and condenses the ball there; whether it
     /// is near its balance.
     fn condense<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>, a: Pair<T>, ds: T) -> bool;

@@ -4,8 +4,8 @@ use super::ball::Ball;
 use super::body::{Body, Change, Share};
 use super::constants::Constants;
 use super::kinematics::{Frictionless, Rule};
-use super::linalg::{Pair, scale};
-use super::mounting::{Point, Regime};
+use super::linalg::Pair;
+use super::mounting::Point;
 use super::place::place;
 use super::pose::Pose;
 use super::static_ball::StaticBall;
@@ -81,24 +81,14 @@ impl<T: Real> Body<T> for Ball<T> {
         place::<T, R>(self, c, p);
     }
 
-    fn take_up<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) {
-        if self.local.delta > T::ZERO {
-            let outer = p.lo + c.outer_share * self.local.delta;
-            self.put(scale(outer, self.n));
-            self.move_own_references(c, p);
-        } else {
-            place::<T, R>(self, c, p);
-        }
-    }
-
     #[inline(always)]
     fn condense<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>, a: Pair<T>, ds: T) -> bool {
         self.advance(a, ds);
-        if p.regime != Regime::Speed {
+        if !p.is_at_speed() {
             self.condense_held(c, p);
             return true;
         }
-        // Its own Newton step first, where that is likely to do; then it is placed, twice at most.
+        // Its own Newton step first, where that is likely to do; then it is placed.
         let mut tries = 0;
         loop {
             let balance = self.linearise::<R>(c, p);
@@ -135,9 +125,10 @@ impl<T: Real> Body<T> for Ball<T> {
     // In line, so that whoever looks at a ball has what it looks at in registers.
     #[inline(always)]
     fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
-        match p.regime {
-            Regime::Rest => Pose::at_rest(c, &self.in_series(c, p, a)),
-            _ => self.pose_for::<R>(c, p, a),
+        if p.is_at_speed() {
+            self.pose_for::<R>(c, p, a)
+        } else {
+            Pose::at_rest(c, &self.in_series(c, p, a))
         }
     }
 

@@ -50,8 +50,6 @@ pub struct Point<T> {
     pub negligible: T,
     /// Rounding error of a deformation under the ball's share of the load.
     pub rounding: T,
-    /// What the balls are taken for.
-    pub regime: Regime,
     /// Lengths `lo` and `li`, growth of the ball included, and what growth adds to `-lo^2`, `-li^2` and `-L0^2`.
     pub lo: T,
     pub li: T,
@@ -60,17 +58,6 @@ pub struct Point<T> {
     pub l0_excess: T,
     /// Growth of the inner groove's centre against the outer one's, axial and radial.
     pub growth: Pair<T>,
-}
-
-/// What the balls are taken for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Regime {
-    /// At rest: both contacts in series.
-    Rest,
-    /// In equilibrium with their inertia.
-    Speed,
-    /// Held where centrifugal force alone presses them on the outer race.
-    Outer,
 }
 
 impl<T: Real> Point<T> {
@@ -83,11 +70,6 @@ impl<T: Real> Point<T> {
             s,
             negligible: (T::EPSILON * size) * (T::EPSILON * size),
             rounding: rounding::<T>() * (T::ONE + size / c.balls),
-            regime: if s > T::ZERO {
-                Regime::Speed
-            } else {
-                Regime::Rest
-            },
             lo: c.lo - half,
             li: c.li - half,
             lo_excess: excess(c.lo, half),
@@ -97,8 +79,9 @@ impl<T: Real> Point<T> {
         }
     }
 
-    /// The same at another regime.
-    pub fn with(self, regime: Regime) -> Self {
-        Self { regime, ..self }
+    /// The balls have inertia that makes a difference.
+    #[inline(always)]
+    pub fn is_at_speed(&self) -> bool {
+        self.s > T::ZERO
     }
 }

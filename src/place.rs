@@ -55,14 +55,17 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
 pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T>) {
     let half = T::of(0.5) * (T::ONE - c.tau * c.n0[1]);
     let fc = p.s * half * half;
-    let x0 = add(ball.outer.vector, ball.x);
-    let a = add(add(x0, ball.inner.vector), ball.inner_offset());
+    // Without the ball's own place, which may be lost to it.
+    let a = add(
+        add(ball.outer.vector, ball.inner.vector),
+        add(ball.low, ball.a),
+    );
     let x = chain(c, p, a, fc);
     let here = ball.pose::<R>(c, p);
     let kept = ball.x;
     ball.put(x);
     let mut pose = ball.pose::<R>(c, p);
-    let energy_here = here.energy() - fc * x0[1];
+    let energy_here = here.energy() - fc * (ball.outer.vector[1] + kept[1]);
     let energy = pose.energy() - fc * x[1];
     if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
         (ball.x, pose) = (kept, here);

@@ -185,17 +185,6 @@ pub struct Row<'s, T, B> {
 }
 
 impl<T: Real, B: Body<T>> Row<'_, T, B> {
-    /// The row's first ball alone.
-    #[inline(always)]
-    pub fn first(&mut self) -> Row<'_, T, B> {
-        Row {
-            c: self.c,
-            p: self.p,
-            azimuths: self.azimuths.get(..1).unwrap_or_default(),
-            balls: self.balls.get_mut(..1).unwrap_or_default(),
-        }
-    }
-
     /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all
     /// are near their balance.
     #[inline(never)]

@@ -4,7 +4,7 @@ use super::body::Body;
 use super::constants::Constants;
 use super::float::Real;
 use super::kinematics::Rule;
-use super::mounting::{Point, Regime};
+use super::mounting::Point;
 use super::ring::{Changes, Row, Sum, in_full, sum_up};
 
 /// How a row sits on the shaft, and what turns the shaft's motion and force into the row's.
@@ -110,9 +110,6 @@ pub trait Rows<T: Real, const D: usize> {
     /// Inertia `m dm omega^2 / 2` of a ball of the first row.
     fn inertia(&self) -> T;
 
-    /// What the balls are taken for.
-    fn regime(&self) -> Regime;
-
     /// Every row, how it sits, and its offset from its own reference position when the shaft has the offset `v`.
     fn each(&mut self, v: &[T; D], f: impl FnMut(&mut Row<'_, T, Self::Ball>, &Seat<T>, &[T; 5]));
 
@@ -148,15 +145,6 @@ pub trait Rows<T: Real, const D: usize> {
     /// is below `limit`: see [`Row::furthest_apart`].
     fn loaded(&self) -> u16;
     fn furthest_apart(&self, limit: T) -> Option<(u16, T)>;
-
-    /// Takes the balls for something else, at another speed: `s` is the inertia of a ball of the first row.
-    #[inline(never)]
-    fn take_for(&mut self, regime: Regime, s: T) {
-        self.each(&[T::ZERO; D], |row, seat, _| {
-            row.p.s = s * seat.inertia;
-            row.p.regime = regime;
-        });
-    }
 }
 
 impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
@@ -175,11 +163,6 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     #[inline(always)]
     fn inertia(&self) -> T {
         self.p.s
-    }
-
-    #[inline(always)]
-    fn regime(&self) -> Regime {
-        self.p.regime
     }
 
     #[inline(always)]

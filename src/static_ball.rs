@@ -57,8 +57,6 @@ impl<T: Real> Body<T> for StaticBall<T> {
 
     fn place<R: Rule>(&mut self, _: &Constants<T>, _: &Point<T>) {}
 
-    fn take_up<R: Rule>(&mut self, _: &Constants<T>, _: &Point<T>) {}
-
     fn anchor(&mut self, _: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>, a: Pair<T>) {
         let reference = high.map(to_grid);
         self.centres = Reference::at(reference, &l0_squared(), p.l0_excess);

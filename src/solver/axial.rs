@@ -8,7 +8,7 @@ use crate::constants::{Bearing, Constants};
 use crate::float::Real;
 use crate::growth::Growth;
 use crate::motion::{Full, Motion};
-use crate::mounting::{Point, Regime, Speed};
+use crate::mounting::{Point, Speed};
 use crate::pose::{BallState, Pose};
 use crate::ring::Row;
 use crate::status::Status;
@@ -131,7 +131,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             T::ZERO
         };
         let point = Point::new(c, s, size, &growth);
-        if M::AT_SPEED && point.regime != Regime::Rest {
+        if M::AT_SPEED && point.is_at_speed() {
             self.state.grow(&mut self.growth, growth);
             return self.at_speed(asked, given, point, settings);
         }
@@ -276,7 +276,7 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     /// Axial stiffness `dFx/dx` at constant speed, N/m.
     pub fn stiffness(&self) -> T {
         let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
-        let k = if M::AT_SPEED && self.point.regime != Regime::Rest {
+        let k = if M::AT_SPEED && self.point.is_at_speed() {
             let first = self.solver.bearing.azimuths.get(..1).unwrap_or_default();
             let ball = core::slice::from_ref(&self.solver.ball);
             state.stiffness_of(c, first, ball)[0][0]
@@ -290,7 +290,7 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     pub fn ball(&self) -> BallState<T> {
         let (solver, p) = (self.solver, &self.point);
         let c = &solver.bearing.constants;
-        let pose = if M::AT_SPEED && p.regime != Regime::Rest {
+        let pose = if M::AT_SPEED && p.is_at_speed() {
             solver
                 .ball
                 .pose::<M::Rule>(c, p, [solver.state.v[0], T::ZERO])

@@ -3,13 +3,12 @@
 use super::State;
 use super::error::{Estimate, rounding};
 use crate::body::Body;
-use crate::constants::{Constants, L0};
+use crate::constants::L0;
 use crate::contact::to_grid;
 use crate::float::Real;
 use crate::frame::plane_of;
 use crate::kinematics::Rule;
-use crate::linalg::{Pair, norm, product};
-use crate::mounting::Point;
+use crate::linalg::{norm, product, scale};
 use crate::rows::Rows;
 use crate::status::Status;
 use crate::tuning;
@@ -65,14 +64,6 @@ impl<T: Real, const D: usize> Task<T, D> {
     fn enough(&self) -> T {
         T::of(tuning::FORCE) * self.tolerance
     }
-
-    /// The same for a start, which a solve from there refines.
-    pub fn rough(&self) -> Self {
-        Self {
-            tolerance: T::of(tuning::ROUGH),
-            ..*self
-        }
-    }
 }
 
 /// How the loop ended.
@@ -86,7 +77,7 @@ pub enum End {
     Singular,
     /// Not within the iterations.
     Unfinished,
-    /// A figure is not a number, or no start led to an equilibrium.
+    /// A figure is not a number, or the iterations of an attempt led to no equilibrium.
     Lost,
 }
 
@@ -222,26 +213,16 @@ impl<T: Real, const D: usize> State<T, D> {
         self.grown = false;
     }
 
-    /// Puts the shaft at the displacement `u` of the groove plane, and the centre of every ball of a row at `x`.
+    /// Puts the shaft at the displacement `u` of the groove plane, and the balls where the unloaded bearing has them.
     #[inline(never)]
-    pub fn put<S: Rows<T, D>>(
-        &mut self,
-        rows: &mut S,
-        u: [T; D],
-        x: fn(&Constants<T>, &Point<T>) -> Pair<T>,
-    ) {
+    pub fn put<S: Rows<T, D>>(&mut self, rows: &mut S, u: [T; D]) {
         rows.each(&[T::ZERO; D], |row, _, _| {
-            let x = x(row.c, &row.p);
+            let x = scale(row.c.lo, row.c.n0);
             for ball in row.balls.iter_mut() {
                 ball.start_at(x);
             }
         });
-        self.put_back(rows, [T::ZERO; D], u);
-    }
-
-    /// Puts the shaft at the offset `v` from the reference position `u`, and leaves the balls where they are.
-    pub fn put_back<S: Rows<T, D>>(&mut self, rows: &mut S, u: [T; D], v: [T; D]) {
-        (self.u, self.v) = (u, v);
+        (self.u, self.v) = ([T::ZERO; D], u);
         self.condensed = false;
         self.anchor(rows);
     }
@@ -370,11 +351,14 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Newton's method from where ring and balls are, for at most as many iterations as `budget` has left.
+    ///
+    /// It gives up after `most` iterations, or after more than [`tuning::ATTEMPT`] where the balance is not near.
     pub fn newton<S: Rows<T, D>, R: Rule>(
         &mut self,
         rows: &mut S,
         task: &Task<T, D>,
         mut ds: T,
+        most: u16,
         budget: &mut u16,
     ) -> Outcome<T> {
         let plane = rows.plane();
@@ -384,16 +368,26 @@ impl<T: Real, const D: usize> State<T, D> {
         let settled = if started { close } else { anchored };
         let mut control = Control::new(T::of(L0 * tuning::FIRST_RADIUS), T::of(tuning::DAMPING));
         let mut outcome = Outcome::NONE;
-        while *budget > 0 {
+        let mut taken = 0;
+        loop {
+            let far_off = outcome.residual > T::of(tuning::ROUGH);
+            if taken == most || (taken > tuning::ATTEMPT && far_off) {
+                outcome.end = End::Lost;
+                break;
+            }
+            if *budget == 0 {
+                break;
+            }
             *budget -= 1;
-            let most = if control.last.is_none() {
+            taken += 1;
+            let reach = if control.last.is_none() {
                 anchored
             } else if outcome.residual < T::of(tuning::ROUGH) {
                 settled
             } else {
                 T::of(L0)
             };
-            let near = self.condense::<S, R>(rows, ds, most);
+            let near = self.condense::<S, R>(rows, ds, reach);
             ds = T::ZERO;
 
             let r = self.unbalanced(task, T::ZERO);

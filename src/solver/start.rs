@@ -1,18 +1,17 @@
 //! Where a solve starts that has no solution next to it.
 
 use super::State;
-use super::fallback::continuation;
-use super::newton::{End, Outcome, Task};
-use crate::axial::AxialRest;
+use super::newton::Task;
 use crate::body::Body;
 use crate::constants::{Constants, L0};
 use crate::float::Real;
 use crate::frame::plane_of;
 use crate::kinematics::Rule;
-use crate::linalg::{Pair, scale};
-use crate::mounting::{Point, Regime};
+use crate::mounting::Point;
 use crate::rows::{Rows, Stance};
-use crate::tuning;
+
+/// Halvings of the range of an angle: to rounding in single precision.
+const BISECTIONS: u8 = 16;
 
 /// What a spring presses the sliding rows with.
 fn spring<T: Real, const D: usize>(task: &Task<T, D>) -> T {
@@ -50,14 +49,51 @@ impl<T: Real> Pressing<T> {
         Self { force, side }
     }
 
-    /// Axial displacement of the rows at rest that carry this.
-    #[inline(never)]
+    /// Axial displacement of the rows that carry this at their speed, in their own frame.
     fn displacement(&self, rows: &Stance<'_, T>) -> T {
-        let q = self.force / (rows.balls * rows.seat.force);
-        let balls = AxialRest::new(rows.c, &rows.p);
-        let loaded = balls.root(T::ONE / T::TINY, q, T::of(1e-6), 24);
-        balls.displacement(&loaded.centres, self.side < T::ZERO)
+        // Of none, the contacts have no direction.
+        let q = (self.force / (rows.balls * rows.seat.force)).at_least(T::EPSILON);
+        let [axial, _] = rows.c.n0.map(|n| T::of(L0) * n);
+        let [growth, _] = rows.p.growth;
+        self.side * distance(rows.c, &rows.p, q) - axial - growth
     }
+}
+
+/// Axial distance of the grooves' centres under the axial force `q` of a ball, friction left out.
+///
+/// The inner contact angle is the one unknown, by the tangent of its half. Forces follow from it, deformations from
+/// those. The radial distance that both contacts span falls as the angle grows, so that bisection finds it.
+#[inline(never)]
+fn distance<T: Real>(c: &Constants<T>, p: &Point<T>, q: T) -> T {
+    let one = T::ONE;
+    let radial = T::of(L0) * c.n0[1] + p.growth[1];
+    let (mut axial, mut low, mut high) = (T::ZERO, T::ZERO, one);
+    // Square of the cage speed over the shaft's, which follows the angle.
+    let mut cage = T::of(0.2);
+    for _ in 0..BISECTIONS {
+        let t = T::of(0.5) * (low + high);
+        let per = one / (one + t * t);
+        let (sin, cos) = ((t + t) * per, (one - t * t) * per);
+        let inner = q / sin;
+        let outwards = inner * cos + p.s * cage;
+        let outer = (q * q + outwards * outwards).at_least(T::TINY).sqrt();
+        let together = (outwards * cos + q * sin) / outer;
+        let mu = (one - c.tau * cos) / (one + together).at_least(T::of(0.1));
+        cage = mu * mu;
+        let deformed = |q: T| {
+            let root = q.cbrt();
+            root * root
+        };
+        let ri = p.li + deformed(inner / c.ki);
+        let across = (p.lo + deformed(outer)) / outer;
+        axial = across * q + ri * sin;
+        if across * outwards + ri * cos > radial {
+            low = t;
+        } else {
+            high = t;
+        }
+    }
+    axial
 }
 
 /// Displacement of the groove plane: what is given, and else such that fixed and sliding rows are displaced axially by so
@@ -86,191 +122,32 @@ fn displaced<T: Real, S: Rows<T, D>, const D: usize>(
     plane_of(rows.plane(), &u)
 }
 
-/// How far fixed and sliding rows are displaced by what presses them, in their own frames.
-fn each_by<T: Real, S: Rows<T, D>, const D: usize>(
-    rows: &S,
+/// Puts rows and balls where the axial load alone would, all balls of a row alike.
+#[inline(never)]
+pub(super) fn start<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
+    state: &mut State<T, D>,
+    rows: &mut S,
     task: &Task<T, D>,
-    displacement: impl Fn(&Stance<'_, T>, &Pressing<T>) -> T,
-) -> [T; 2] {
+) {
     let sliding = rows.sliding().map_or(T::ZERO, |rows| {
         let spring = Pressing {
             force: spring(task),
             side: T::ONE,
         };
-        displacement(&rows, &spring)
+        spring.displacement(&rows)
     });
-    [
-        displacement(&rows.fixed(), &Pressing::of(rows, task)),
-        sliding,
-    ]
-}
-
-/// Displacement of the groove plane of rows at rest.
-#[inline(never)]
-fn pressed<T: Real, S: Rows<T, D>, const D: usize>(rows: &S, task: &Task<T, D>) -> [T; D] {
-    let own = each_by(rows, task, |rows, pressing| pressing.displacement(rows));
-    displaced(rows, task, own)
-}
-
-/// Centre of a ball of the unloaded bearing.
-fn unloaded<T: Real>(c: &Constants<T>, _: &Point<T>) -> Pair<T> {
-    scale(c.lo, c.n0)
-}
-
-/// Every start in the order in which the regime has them, then the fallback.
-pub(super) fn at_speed<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
-    state: &mut State<T, D>,
-    rows: &mut S,
-    task: &Task<T, D>,
-    budget: &mut u16,
-) -> Outcome<T> {
-    let (inertia, size) = (rows.inertia() * rows.weight(), task.size);
-    let order = if inertia < T::of(tuning::LIGHT) * size {
-        [Start::Rest, Start::Axisymmetric, Start::OuterRace]
-    } else if inertia > T::of(tuning::HEAVY) * size {
-        [Start::OuterRace, Start::Axisymmetric, Start::Rest]
-    } else {
-        [Start::Axisymmetric, Start::Rest, Start::OuterRace]
-    };
-    let mut outcome = Outcome::NONE;
-    let [.., last] = order;
-    for start in order {
-        let mut some = (*budget).min(tuning::ATTEMPT);
-        let whole = some == tuning::ATTEMPT;
-        *budget -= some;
-        match start {
-            Start::Rest => from_rest::<T, S, R, D>(state, rows, task, &mut some),
-            Start::Axisymmetric => axisymmetric::<T, S, R, D>(state, rows, task),
-            Start::OuterRace => from_outer_race::<T, S, R, D>(state, rows, task, &mut some),
-        }
-        outcome = state.newton::<S, R>(rows, task, T::ZERO, &mut some);
-        *budget += some;
-        let found = outcome.end.is_solved() || outcome.end == End::Singular;
-        if found || (*budget == 0 && !(whole && start == last)) {
-            return outcome;
-        }
-    }
-    if *budget > 0 {
-        outcome = continuation::<T, S, R, D>(state, rows, task, budget);
-    }
-    // Every start has had its iterations: no equilibrium was found.
-    if outcome.end == End::Unfinished {
-        outcome.end = End::Lost;
-    }
-    outcome
-}
-
-/// Where a solve at speed may start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Start {
-    Rest,
-    Axisymmetric,
-    OuterRace,
-}
-
-/// Newton's method on the shaft at rest: one attempt, since the problem is convex.
-#[inline(never)]
-pub(super) fn at_rest<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
-    state: &mut State<T, D>,
-    rows: &mut S,
-    task: &Task<T, D>,
-    budget: &mut u16,
-) -> Outcome<T> {
-    let (regime, s) = (rows.regime(), rows.inertia());
-    rows.take_for(Regime::Rest, s);
-    let u = pressed(rows, task);
-    state.put(rows, u, unloaded);
-    let outcome = state.newton::<S, R>(rows, task, T::ZERO, budget);
-    rows.take_for(regime, s);
-    outcome
-}
-
-/// The solution at rest, roughly, and the balls placed there.
-#[inline(never)]
-fn from_rest<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
-    state: &mut State<T, D>,
-    rows: &mut S,
-    task: &Task<T, D>,
-    budget: &mut u16,
-) {
-    at_rest::<T, S, R, D>(state, rows, &task.rough(), budget);
-    rows.each(&state.v, |row, _, _| {
-        for ball in row.balls.iter_mut() {
-            ball.take_up::<R>(row.c, &row.p);
-        }
-    });
-}
-
-/// The axisymmetric state at speed: the first ball of a row stands for all, and Newton's method moves the shaft along the
-/// axis.
-///
-/// This is also where [`AxialSolver`](super::AxialSolver) starts, whose loop is that of every solve.
-#[inline(never)]
-fn axisymmetric<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
-    state: &mut State<T, D>,
-    rows: &mut S,
-    task: &Task<T, D>,
-) {
-    let pressing = Pressing::of(rows, task);
-    let fixed = rows.fixed();
-    let (along, opposed) = (fixed.seat.facing, fixed.opposed);
-    let (facing, sliding) = match rows.sliding() {
-        Some(rows) => (rows.seat.facing, rows.balls),
-        None => (T::ONE, T::ONE),
-    };
-    // A ball's mean part: of the fixed rows along the shaft, and of the sliding ones in their own frame, which do not feel
-    // the shaft.
-    let balls = [fixed.balls, sliding];
-    let wanted = [
-        along * pressing.side * pressing.force / balls[0],
-        spring(task) / balls[1],
-    ];
-    let longest = T::of(L0 * tuning::FIRST_RADIUS);
-    let u = pressed(rows, task);
-    state.put(rows, u, unloaded);
-    rows.each(&state.v, |row, _, _| {
-        if let Some(first) = row.balls.first_mut() {
-            first.place::<R>(row.c, &row.p);
-        }
-    });
-    let mut fits = false;
-    if task.held[0].is_none() {
-        for _ in 0..20 {
-            let (mut near, mut force, mut slope) = (true, [T::ZERO; 2], [T::ZERO; 2]);
-            rows.each(&state.v, |row, seat, v| {
-                let mut one = row.first();
-                near &= one.condense_balls::<R>(v, T::ZERO);
-                let Some(first) = one.balls.first() else {
-                    return;
-                };
-                let share = first.share();
-                let group = usize::from(seat.sliding);
-                let part = seat.force * (one.c.balls / balls[group]);
-                let along = if seat.sliding { T::ONE } else { seat.facing };
-                force[group] += part * (along * share.force[0]);
-                slope[group] += part * (seat.length * share.h[0][0]);
-            });
-            let missing = [wanted[0] - force[0], wanted[1] - force[1]];
-            let is_small = |i: usize| missing[i].abs() <= T::of(tuning::ROUGH) * wanted[i].abs();
-            if (opposed || is_small(0)) && is_small(1) {
-                fits = near && !opposed;
-                break;
+    let fixed = Pressing::of(rows, task).displacement(&rows.fixed());
+    let u = displaced(rows, task, [fixed, sliding]);
+    state.put(rows, u);
+    if S::Ball::AT_SPEED && rows.inertia() > T::ZERO {
+        rows.each(&state.v, |row, _, _| {
+            if let Some(first) = row.balls.first_mut() {
+                first.place::<R>(row.c, &row.p);
             }
-            let step = |i: usize| {
-                let step = missing[i] / slope[i].at_least(T::TINY);
-                step.at_least(-longest).at_most(longest)
-            };
-            let dx = step(0);
-            state.v[0] += dx;
-            if D == 6 {
-                state.v[5] += step(1) - facing * dx;
-            }
-        }
+        });
+        copy_first(rows);
+        state.anchor(rows);
     }
-    copy_first(rows);
-    state.anchor(rows);
-    // All balls are as the first is: that saves the first pass of the loop.
-    state.condensed = fits && task.is_free();
 }
 
 /// Has all balls of a row be as its first one is.
@@ -284,42 +161,4 @@ fn copy_first<T: Real, S: Rows<T, D>, const D: usize>(rows: &mut S) {
             }
         }
     });
-}
-
-/// Place of a ball that centrifugal force alone holds on the outer race, whose inner contact is about to close: radial.
-#[inline(never)]
-fn held_outside<T: Real>(c: &Constants<T>, p: &Point<T>) -> T {
-    let height = T::of(L0) * c.n0[1];
-    let mut radial = p.lo;
-    for _ in 0..4 {
-        let cos = ((height - radial) / p.li).at_least(T::of(-0.9));
-        let mu = (T::ONE - c.tau * cos) / (T::ONE + cos);
-        let root = (p.s * mu * mu).cbrt();
-        radial = p.lo + root * root;
-    }
-    radial
-}
-
-/// Balls that centrifugal force alone holds on the outer race, and the ring that they carry.
-#[inline(never)]
-fn from_outer_race<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
-    state: &mut State<T, D>,
-    rows: &mut S,
-    task: &Task<T, D>,
-    budget: &mut u16,
-) {
-    let own = each_by(rows, task, |rows, pressing| {
-        let c = rows.c;
-        let root = (pressing.force / (rows.balls * rows.seat.force * c.ki)).cbrt();
-        let across = T::of(L0) * c.n0[1] - held_outside(c, &rows.p);
-        let long = rows.p.li + root * root;
-        let along = (long * long - across * across).at_least(T::ZERO).sqrt();
-        pressing.side * along - T::of(L0) * c.n0[0]
-    });
-    let u = displaced(rows, task, own);
-    let (regime, s) = (rows.regime(), rows.inertia());
-    rows.take_for(Regime::Outer, s);
-    state.put(rows, u, |c, p| [T::ZERO, held_outside(c, p)]);
-    state.newton::<S, R>(rows, &task.rough(), T::ZERO, budget);
-    rows.take_for(regime, s);
 }

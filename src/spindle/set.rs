@@ -6,7 +6,6 @@ use crate::float::Real;
 use crate::frame::{refer, refer_stiffness};
 use crate::kinematics::Rule;
 use crate::linalg::Matrix;
-use crate::mounting::Regime;
 use crate::ring::{Changes, Row, Sum, stiffening, sum_up};
 use crate::rows::{Rows, Seat, Stance};
 
@@ -121,10 +120,6 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
 
     fn inertia(&self) -> T {
         self.rows.first().map_or(T::ZERO, |row| row.p.s)
-    }
-
-    fn regime(&self) -> Regime {
-        self.rows.first().map_or(Regime::Rest, |row| row.p.regime)
     }
 
     fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {

@@ -58,7 +58,7 @@ fn beyond(of: &[&Record]) -> Vec<f64> {
 /// room to spare wherever a spindle runs. Double precision is good to some hundred units in the last place.
 #[rustfmt::skip]
 const PROMISES: &[Promise] = &[
-    ("panics, figures not finite, solves past 128 iterations, wrong reasons", &Family::ALL,
+    ("panics, figures not finite, solves past 108 iterations, wrong reasons", &Family::ALL,
         |of| vec![share(of, |r| matches!(r.verdict, Verdict::Failed(_)), |_| true)], [&[0.0], &[0.0]]),
     ("forces that do not balance to 1e-2, %", EVERYDAY, unbalanced, [&[0.0], &[0.0]]),
     ("forces that do not balance to 1e-2, %", &Family::ALL, unbalanced, [&[0.15], &[0.1]]),
@@ -78,10 +78,10 @@ const PROMISES: &[Promise] = &[
         [&[0.5], &[0.5]]),
     ("unjudged, %", &[FewBalls], unjudged, [&[13.0], &[12.0]]),
     ("error of u / Q / K, 99 %", EVERYDAY, most, [&[3e-6, 2e-6, 5e-5], &[3e-14, 4e-14, 2e-13]]),
-    ("error of u / Q / K, 99 %", WILD, most, [&[9e-6, 6e-6, 8e-5], &[3e-14, 3e-14, 4e-13]]),
+    ("error of u / Q / K, 99 %", WILD, most, [&[1e-5, 6e-6, 8e-5], &[3e-14, 3e-14, 4e-13]]),
     ("error of u / Q / K, 99 %", &[Typed], most, [&[2e-5, 2e-6, 4e-4], &[3e-14, 4e-15, 2e-9]]),
     ("error of u / Q / K, 99 %", &[Opening], most, [&[1e-2, 5e-6, 2e-2], &[2e-11, 3e-14, 2e-11]]),
-    ("error of u / Q / K, 99 %", &[FewBalls], most, [&[f64::INFINITY, 2e-4, 0.5], &[1e-10, 3e-13, 4e-9]]),
+    ("error of u / Q / K, 99 %", &[FewBalls], most, [&[f64::INFINITY; 3], &[1e-10, 3e-13, 4e-9]]),
     ("errors of u / Q / K beyond the estimate, %", EVERYDAY, beyond, [&[0.5; 3], &[0.5, 0.5, 0.6]]),
     ("errors of u / Q / K beyond the estimate, %", &[Moderate, Reversed, WarmDrift], beyond,
         [&[0.2; 3], &[0.1, 0.4, 0.6]]),
@@ -89,12 +89,12 @@ const PROMISES: &[Promise] = &[
     ("errors of u / Q / K beyond the estimate, %", &[Opening, Typed], beyond,
         [&[1.3, 0.5, 3.0], &[1.3, 0.5, 1.7]]),
     ("errors of u / Q / K beyond the estimate, %", &[FewBalls], beyond,
-        [&[2.9, 0.8, 9.7], &[1.2, 0.5, 6.5]]),
-    ("errors of u / Q / K beyond the estimate, %", &[], beyond, [&[0.4, 0.2, 0.6], &[0.2, 0.2, 0.7]]),
+        [&[2.9, 8.0, 9.7], &[1.2, 0.5, 6.5]]),
+    ("errors of u / Q / K beyond the estimate, %", &[], beyond, [&[0.4, 0.4, 0.6], &[0.2, 0.2, 0.7]]),
     ("median of estimate over error of u / Q / K", &[],
-        |of| ratios(of).map(|ratio| ratio.median).to_vec(), [&[50.0, 100.0, 50.0], &[50.0, 100.0, 50.0]]),
+        |of| ratios(of).map(|ratio| ratio.median).to_vec(), [&[50.0, 100.0, 50.0], &[55.0, 100.0, 50.0]]),
     ("errors beyond 1e-3 and 30 times the estimate, % of the answers", &[],
-        |of| vec![share(of, Record::deceives, |r| r.errors.is_some())], [&[0.2], &[0.01]]),
+        |of| vec![share(of, Record::deceives, |r| r.errors.is_some())], [&[0.3], &[0.01]]),
 ];
 
 /// The promises that a campaign of all families does not keep, in words.

@@ -67,7 +67,6 @@ impl Part {
                 "spindle_bearing::ball::",
                 "spindle_bearing::kinematics::",
                 "spindle_bearing::place::",
-                "spindle_bearing::solver::fallback::",
                 "atan",
             ],
             Self::Iteration => &[
