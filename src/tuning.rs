@@ -22,7 +22,7 @@ pub const DAMPING: f64 = 1e-5;
 /// Growth of the damping until the step is short enough.
 /// Tuned: doubled, random +6, zero-loads +9; more cycles if smaller.
 pub const DAMPING_GROWTH: f64 = 3.0;
-/// Change of the stiffness at which a start ends, which a solve from there refines.
+/// Unbalanced part of the load, and change of the stiffness, below which a solve is near its end.
 /// Tuned: doubled, random +2, warm jumps -3.
 pub const ROUGH: f64 = 0.1;
 /// Offset from the reference position, in units of length, beyond which the reference moves: rounding of the offset is

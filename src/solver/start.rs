@@ -10,7 +10,7 @@ use crate::kinematics::Rule;
 use crate::mounting::Point;
 use crate::rows::{Rows, Stance};
 
-/// Halvings of the range of an angle: to rounding in single precision.
+/// Halvings of the range of an angle, to 2e-5 of it.
 const BISECTIONS: u8 = 16;
 
 /// What a spring presses the sliding rows with.
