@@ -258,12 +258,13 @@ impl<T: Real, const D: usize> State<T, D> {
             self.predict(rows.plane(), task, ds);
             outcome = self.newton::<S, R>(rows, task, ds, tuning::WARM, budget);
         }
-        if !outcome.end.is_solved() {
-            if *budget > 0 {
-                start::<T, S, R, D>(self, rows, task);
-                outcome = self.newton::<S, R>(rows, task, T::ZERO, 2 * tuning::ATTEMPT, budget);
-            } else {
-                outcome.end = End::Unfinished;
+        if !outcome.end.is_solved() && *budget > 0 {
+            let most = 2 * tuning::ATTEMPT;
+            let is_whole = *budget >= most;
+            start::<T, S, R, D>(self, rows, task);
+            outcome = self.newton::<S, R>(rows, task, T::ZERO, most, budget);
+            if outcome.end == End::Unfinished && (is_whole || *budget > 0) {
+                outcome.end = End::Lost;
             }
         }
         self.load = task.load;

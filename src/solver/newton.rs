@@ -77,7 +77,7 @@ pub enum End {
     Singular,
     /// Not within the iterations.
     Unfinished,
-    /// A figure is not a number, or the iterations of an attempt led to no equilibrium.
+    /// A figure is not a number, or a start has had its iterations and led to no equilibrium.
     Lost,
 }
 
@@ -369,13 +369,8 @@ impl<T: Real, const D: usize> State<T, D> {
         let mut control = Control::new(T::of(L0 * tuning::FIRST_RADIUS), T::of(tuning::DAMPING));
         let mut outcome = Outcome::NONE;
         let mut taken = 0;
-        loop {
-            let far_off = outcome.residual > T::of(tuning::ROUGH);
-            if taken == most || (taken > tuning::ATTEMPT && far_off) {
-                outcome.end = End::Lost;
-                break;
-            }
-            if *budget == 0 {
+        while *budget > 0 && taken < most {
+            if taken > tuning::ATTEMPT && outcome.residual > T::of(tuning::ROUGH) {
                 break;
             }
             *budget -= 1;

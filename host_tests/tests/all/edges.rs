@@ -90,8 +90,8 @@ fn radial_loads_on_balls_without_clearance_have_the_stiffness_of_those_a_little_
     }
 }
 
-/// Radial loads, moments and two equal components along the balls' symmetries are solved but for one in a thousand, at rest and where the shaft hardly
-/// turns.
+/// Radial loads, moments and two equal components along the balls' symmetries are solved but for one in a thousand, at rest
+/// and where the shaft hardly turns.
 #[test]
 fn loads_along_the_symmetries_of_the_balls_are_solved() {
     let mut lost = 0;

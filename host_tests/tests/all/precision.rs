@@ -46,17 +46,17 @@ fn worst_where_rounding_ends(
         }
     }
     assert!(beyond.len() <= rounded_off, "{beyond:?}");
-    assert!(lost.len() <= refused, "{lost:?}");
+    assert!(lost.len() <= refused, "{}", lost.len());
     [worst, of_all]
 }
 
 /// Two in 400 loads press three balls so little that single precision hardly tells a pressed one from a free one. Their
-/// stiffness is that of a ball more or less, and their own estimate says so. Of the loads below
-/// 0.15 N, 71 find no equilibrium.
+/// stiffness is that of a ball more or less, and their own estimate says so. Of the loads below 0.15 N, 62 find no
+/// equilibrium.
 #[test]
 fn where_rounding_ends_a_solve_at_rest_the_stiffness_is_good_or_said_not_to_be() {
     let (balls, radial) = (Balls::Static, [0.0, 1.0, 0.3, 0.0, 0.0]);
-    let [worst, of_all] = worst_where_rounding_ends(balls, radial, 0.01, 0.0, [3, 75]);
+    let [worst, of_all] = worst_where_rounding_ends(balls, radial, 0.01, 0.0, [3, 65]);
     assert!(worst < 4e-5, "{worst:e}");
     assert!(of_all < 0.1, "{of_all:e}");
 }
@@ -65,7 +65,7 @@ fn where_rounding_ends_a_solve_at_rest_the_stiffness_is_good_or_said_not_to_be()
 fn where_rounding_ends_a_solve_at_speed_the_stiffness_is_still_good() {
     let (balls, mixed) = (Balls::Free, [0.2, 1.0, 0.3, 0.0, 0.0]);
     let [worst, _] = worst_where_rounding_ends(balls, mixed, 0.1, 2000.0, [0, 0]);
-    assert!(worst < 5e-5, "{worst:e}");
+    assert!(worst < 4e-5, "{worst:e}");
 }
 
 /// Balls that carry nothing else are caught between the races by next to nothing. In double precision, nearly every one is. In
@@ -138,6 +138,10 @@ fn a_ball_off_the_inner_race_is_held_by_its_centrifugal_force_however_small() {
         (
             [82.95457, 238.40334, 207.86249, 0.7824874, 0.79533684],
             5.5199537,
+        ),
+        (
+            [5.289665, 6.2792244, -10.1446495, -0.051216595, 0.052072603],
+            0.3255622,
         ),
     ];
     let mut solver = solver(&B7005C, 16, Precision::F32, Balls::Free);
