@@ -63,8 +63,8 @@ impl<T: Real> AxialRest<T> {
     #[inline(always)]
     pub fn new(c: &Constants<T>, p: &Point<T>) -> Self {
         let [axial, radial] = c.n0.map(|n| T::of(L0) * n);
-        let [gx, gr] = p.growth;
-        let change = p.l0_excess + gr * (radial + radial + gr) - c.play;
+        let (gx, gr) = (p.growth.axial, p.growth.radial);
+        let change = p.growth_of_square() + gr * (radial + radial + gr) - c.play;
         let e = axial * axial - change;
         Self {
             length: p.lo + p.li,

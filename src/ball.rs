@@ -14,7 +14,7 @@
 
 use super::body::{Change, Share, grazing, share_of};
 use super::constants::Constants;
-use super::contact::{Contact, Reference, l0_squared, to_grid};
+use super::contact::Contact;
 use super::curvature::{Curvature, forms};
 use super::kinematics::{Contacts, Rule};
 use super::linalg::{
@@ -27,11 +27,7 @@ use crate::float::Real;
 /// What is remembered of a ball.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ball<T> {
-    /// Along the outer and the inner contact, and what the latter's reference leaves of `A - X`.
-    pub outer: Reference<T>,
-    pub inner: Reference<T>,
-    pub low: Pair<T>,
-    /// Where it was linearised: offset from the outer reference, and that of the groove's centre.
+    /// Where it was linearised: offset from the row's reference along the outer contact, and that of the groove's centre.
     pub x: Pair<T>,
     pub a: Pair<T>,
     /// Normal of the inner contact there.
@@ -101,27 +97,11 @@ impl<T: Real> Ball<T> {
         self.a = a;
     }
 
-    /// Moves the references next to where the ball is.
-    ///
-    /// The ring's reference position has the groove's centre at `high + low`, `high` being a multiple of 2^-17.
-    pub fn move_references(&mut self, c: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>) {
-        let x = add(self.outer.vector, self.x);
-        let reference = x.map(to_grid);
-        self.x = add(sub(self.outer.vector, reference), self.x);
-        self.outer = Reference::at(reference, &c.lo_squared, p.lo_excess);
-        let v = sub(high, reference);
-        let reference = v.map(to_grid);
-        self.inner = Reference::at(reference, &c.li_squared, p.li_excess);
-        self.low = add(sub(v, reference), add(low, p.growth));
-    }
-
-    /// Moves the references next to where the ball is, the ring's reference position left as it is.
-    pub fn move_own_references(&mut self, c: &Constants<T>, p: &Point<T>) {
-        let reference = add(self.outer.vector, self.x).map(to_grid);
-        let both = add(self.outer.vector, self.inner.vector);
-        self.x = add(sub(self.outer.vector, reference), self.x);
-        self.outer = Reference::at(reference, &c.lo_squared, p.lo_excess);
-        self.inner = Reference::at(sub(both, reference), &c.li_squared, p.li_excess);
+    /// Starts taut, with the groove's centre at `a`.
+    pub fn start(&mut self, a: Pair<T>) {
+        self.x = [T::ZERO; 2];
+        self.a = a;
+        self.hold();
     }
 
     /// Has the ball stay where it is until it is linearised again.
@@ -132,31 +112,23 @@ impl<T: Real> Ball<T> {
         self.xs = [T::ZERO; 2];
     }
 
-    /// Puts the ball's centre at `x`.
-    pub fn put(&mut self, x: Pair<T>) {
-        self.x = sub(x, self.outer.vector);
-        self.z = [T::ZERO; 2];
-    }
-
     /// The vector along the inner contact, beyond its reference.
     #[inline(always)]
     pub fn inner_offset(&self) -> Pair<T> {
-        add(self.low, sub(self.a, self.x))
+        sub(self.a, self.x)
     }
 
     /// At rest: both contacts in series, the groove's centre at `a`.
     #[inline(always)]
-    pub fn in_series(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Contact<T> {
-        let vector = add(self.outer.vector, self.inner.vector);
-        let centres = Reference::at(vector, &l0_squared(), p.l0_excess);
-        Contact::at(&centres, add(self.low, a), p.lo + p.li, c.kn)
+    pub fn in_series(c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Contact<T> {
+        Contact::at(&p.centres, a, p.lo + p.li, c.kn)
     }
 
     /// The ball at speed, where it is.
     #[inline(never)]
     pub fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>) -> Pose<T> {
-        let inner = Contact::at(&self.inner, self.inner_offset(), p.li, c.ki);
-        let outer = Contact::at(&self.outer, self.x, p.lo, T::ONE);
+        let inner = Contact::at(&p.inner, self.inner_offset(), p.li, c.ki);
+        let outer = Contact::at(&p.outer, self.x, p.lo, T::ONE);
         Pose::at_speed::<R>(inner, outer, c, p)
     }
 
@@ -166,8 +138,8 @@ impl<T: Real> Ball<T> {
         let step = add(self.z, times(&self.d, sub(a, self.a)));
         let x = add(self.x, turn(self.n, step));
         let [inner, outer] = Contact::both_at(
-            [&self.inner, &self.outer],
-            [add(self.low, sub(a, x)), x],
+            [&p.inner, &p.outer],
+            [sub(a, x), x],
             [p.li, p.lo],
             [c.ki, T::ONE],
         );
@@ -177,7 +149,7 @@ impl<T: Real> Ball<T> {
     /// Condenses the ball at rest, in closed form.
     #[inline(never)]
     pub fn condense_held(&mut self, c: &Constants<T>, p: &Point<T>) {
-        let contact = self.in_series(c, p, self.a);
+        let contact = Self::in_series(c, p, self.a);
         self.share = share_of(&contact);
         self.hold();
         self.n = contact.n;
@@ -240,13 +212,13 @@ impl<T: Real> Ball<T> {
         let one = T::ONE;
         // Vectors and squares; one division for both contacts' quotients.
         let y = self.inner_offset();
-        let v = add(self.inner.vector, y);
-        let xv = add(self.outer.vector, self.x);
+        let v = add(p.inner.vector, y);
+        let xv = add(p.outer.vector, self.x);
         let [ri2, ro2] = dots([v, v], [xv, xv]);
-        let (vv, xx) = (add(v, self.inner.vector), add(xv, self.outer.vector));
+        let (vv, xx) = (add(v, p.inner.vector), add(xv, p.outer.vector));
         let [ei, eo] = dots([vv, y], [xx, self.x]);
         let (ri, ro) = ((ri2 + T::TINY).sqrt(), (ro2 + T::TINY).sqrt());
-        let (ei, eo) = (self.inner.excess + ei, self.outer.excess + eo);
+        let (ei, eo) = (p.inner.excess + ei, p.outer.excess + eo);
         let (si_, so_) = (ri + p.li, ro + p.lo);
         let (ii, oo) = (ri * si_, ro * so_);
         let (ei, eo) = (ri * ei, ro * eo);
@@ -494,13 +466,13 @@ mod tests {
     /// A ball in equilibrium at 5,000 rpm, the ring pressed by one unit.
     fn settled() -> (Ball<f64>, Point<f64>) {
         let c = &SPINDLE.constants;
-        let p = Point::new(c, c.inertia * 523.6 * 523.6, 0.0, &Growth::NONE);
+        let mut p = Point::new(c, c.inertia * 523.6 * 523.6, 0.0, Growth::NONE);
+        p.start(c, 1.0);
         assert!(p.is_at_speed());
         let mut ball = Ball::default();
-        ball.outer.vector = [c.lo * c.n0[0], c.lo * c.n0[1]];
-        ball.move_references(c, &p, [c.centre[0] + 1.0, c.centre[1]], c.centre_low);
+        ball.start(p.low);
         place::<f64, RacewayControlFree>(&mut ball, c, &p);
-        at(&mut ball, &p, [0.0; 2]);
+        at(&mut ball, &p, p.low);
         (ball, p)
     }
 
@@ -516,6 +488,7 @@ mod tests {
     fn the_stiffening_is_the_change_of_the_stiffness_but_for_what_friction_changes() {
         let (ball, p) = settled();
         for a in [[1e-4, 0.0], [0.0, 1e-4], [1e-4, -1e-4]] {
+            let a = add(p.low, a);
             let [aa, ar, rr] = ball.stiffening(a);
             let mut moved = ball;
             at(&mut moved, &p, a);

@@ -128,19 +128,11 @@ pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
     /// Inertia may drive it out of its groove.
     const AT_SPEED: bool;
 
-    /// Puts the centre of a ball without history at `x`, from the outer groove's centre.
-    fn start_at(&mut self, x: Pair<T>);
+    /// Starts without history, taut, with the groove's centre at `a`.
+    fn start(&mut self, a: Pair<T>);
 
-    /// Follows the groove's centre to `a` and a relative change `ds` of `omega^2`.
-    fn follow(&mut self, a: Pair<T>, ds: T);
-
-    /// Moves references next to where the ball is.
-    ///
-    /// The ring's reference position has the inner groove's centre at `high + low`; the present one is at `a` from there.
-    fn anchor(&mut self, c: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>, a: Pair<T>);
-
-    /// Moves the ball near its balance, and its references with it.
-    fn place<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>);
+    /// Moves the ball near its balance, and the row's outer reference next to it.
+    fn place<R: Rule>(&mut self, c: &Constants<T>, p: &mut Point<T>);
 
     /// Follows the groove's centre to `a` and a relative change `ds` of `omega^2`, and condenses the ball there; whether it
     /// is near its balance.

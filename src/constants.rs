@@ -118,14 +118,12 @@ impl Groove<f64> {
     }
 }
 
-/// Where a ball sits: cosine and sine of its azimuth, and what rounding them to a coarse grid loses.
+/// Where a ball sits: cosine and sine of its azimuth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Azimuth<T> {
     pub cos: T,
     pub sin: T,
-    pub cos_low: T,
-    pub sin_low: T,
 }
 
 /// A bearing of `N` balls, ready to be solved in the precision `T`: immutable, made once, by the compiler where
@@ -265,7 +263,7 @@ const fn azimuth(first: (f64, f64), j: usize, balls: usize) -> (f64, f64) {
 }
 
 macro_rules! bearing {
-    ($t:ident, $single:expr, $grid:expr) => {
+    ($t:ident, $single:expr) => {
         impl<const N: usize> Bearing<$t, N> {
             /// Checks the design and computes everything that does not depend on load and speed, in doubles,
             /// rounded once. A `const fn`.
@@ -317,12 +315,7 @@ macro_rules! bearing {
                     grooves: [rounded(&c.grooves[0]), rounded(&c.grooves[1])],
                     symmetric: c.symmetric,
                 };
-                let mut azimuths = [Azimuth {
-                    cos: 0.0,
-                    sin: 0.0,
-                    cos_low: 0.0,
-                    sin_low: 0.0,
-                }; N];
+                let mut azimuths = [Azimuth { cos: 0.0, sin: 0.0 }; N];
                 let (s0, c0) = sin_cos(design.first_ball);
                 let mut j = 0;
                 while j < N {
@@ -330,8 +323,6 @@ macro_rules! bearing {
                     azimuths[j] = Azimuth {
                         cos: cos as $t,
                         sin: sin as $t,
-                        cos_low: (cos - round(cos, $grid)) as $t,
-                        sin_low: (sin - round(sin, $grid)) as $t,
                     };
                     j += 1;
                 }
@@ -357,5 +348,5 @@ macro_rules! bearing {
     };
 }
 
-bearing!(f32, true, 512.0);
-bearing!(f64, false, 67_108_864.0);
+bearing!(f32, true);
+bearing!(f64, false);

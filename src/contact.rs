@@ -18,6 +18,12 @@ pub struct Reference<T> {
 }
 
 impl<T: Real> Reference<T> {
+    /// None yet.
+    pub const NONE: Self = Self {
+        vector: [T::ZERO; 2],
+        excess: T::ZERO,
+    };
+
     /// Exact but for one rounding: the square is an integer in units of 2^-16. `growth` is what growth adds.
     #[inline(always)]
     pub fn at(vector: Pair<T>, undeformed: &Squared<T>, growth: T) -> Self {

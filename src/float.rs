@@ -59,8 +59,6 @@ pub trait Real:
     const TICK: Self;
     /// Added and subtracted again, it rounds to multiples of 1/256.
     const GRID: Self;
-    /// Added and subtracted again, it rounds to multiples so fine that their products with those of `GRID` are exact.
-    const SPLIT: Self;
     /// Deformation of an inner contact that is next to nothing, in the solver's unit of length.
     ///
     /// So small that it makes no difference, and not so small that products of its powers vanish.
@@ -115,7 +113,7 @@ pub trait Real:
 }
 
 macro_rules! real {
-    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $pow:path, $grid:expr, $split:expr, $nothing:expr, $least:expr) => {
+    ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $pow:path, $grid:expr, $nothing:expr, $least:expr) => {
         impl Real for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -124,7 +122,6 @@ macro_rules! real {
             const TOLERANCE: Self = $tolerance;
             const TICK: Self = 1e-3;
             const GRID: Self = $grid;
-            const SPLIT: Self = $split;
             const NOTHING: Self = $nothing;
             const LEAST: Self = $least;
             #[inline(always)]
@@ -201,7 +198,6 @@ real!(
     libm::atan2f,
     libm::powf,
     49152.0,
-    24576.0,
     1e-10,
     1e-6
 );
@@ -214,7 +210,6 @@ real!(
     libm::atan2,
     libm::pow,
     26_388_279_066_624.0,
-    100_663_296.0,
     1e-30,
     1e-20
 );

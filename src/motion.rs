@@ -60,25 +60,13 @@ impl<A: Rule> Motion for Full<A> {
 impl<T: Real> Body<T> for Ball<T> {
     const AT_SPEED: bool = true;
 
-    fn start_at(&mut self, x: Pair<T>) {
-        self.outer.vector = [T::ZERO; 2];
-        self.x = x;
-        self.hold();
+    fn start(&mut self, a: Pair<T>) {
+        Ball::start(self, a);
     }
 
-    fn follow(&mut self, a: Pair<T>, ds: T) {
-        self.advance(a, ds);
-        self.z = [T::ZERO; 2];
-        self.xs = [T::ZERO; 2];
-    }
-
-    fn anchor(&mut self, c: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>, a: Pair<T>) {
-        self.move_references(c, p, high, low);
-        self.a = a;
-    }
-
-    fn place<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) {
+    fn place<R: Rule>(&mut self, c: &Constants<T>, p: &mut Point<T>) {
         place::<T, R>(self, c, p);
+        self.x = p.move_outer(c, self.x);
     }
 
     #[inline(always)]
@@ -128,7 +116,7 @@ impl<T: Real> Body<T> for Ball<T> {
         if p.is_at_speed() {
             self.pose_for::<R>(c, p, a)
         } else {
-            Pose::at_rest(c, &self.in_series(c, p, a))
+            Pose::at_rest(c, &Self::in_series(c, p, a))
         }
     }
 

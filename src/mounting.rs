@@ -1,9 +1,9 @@
 //! The speed, and the growth of rings and balls in the solver's units: what a bearing is solved at, besides its load.
 
 use super::constants::{Constants, L0};
-use super::contact::rounding;
+use super::contact::{Reference, l0_squared, rounding, to_grid};
 use super::growth::Growth;
-use super::linalg::Pair;
+use super::linalg::{Pair, add, dot, scale, sub};
 use crate::float::Real;
 
 /// Speed of the shaft.
@@ -41,7 +41,7 @@ impl<T: Real> Speed<T> {
     }
 }
 
-/// Speed and growth that a row is solved at, in the units of the constants.
+/// Speed and growth that a row is solved at, and where its offsets count from, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point<T> {
     /// `m dm omega^2 / 2`.
@@ -50,33 +50,89 @@ pub struct Point<T> {
     pub negligible: T,
     /// Rounding error of a deformation under the ball's share of the load.
     pub rounding: T,
-    /// Lengths `lo` and `li`, growth of the ball included, and what growth adds to `-lo^2`, `-li^2` and `-L0^2`.
+    /// Lengths `lo` and `li`, growth of the ball included.
     pub lo: T,
     pub li: T,
-    pub lo_excess: T,
-    pub li_excess: T,
-    pub l0_excess: T,
-    /// Growth of the inner groove's centre against the outer one's, axial and radial.
-    pub growth: Pair<T>,
+    pub growth: Growth<T>,
+    /// References along the outer and the inner contact, and between the grooves' centres.
+    pub outer: Reference<T>,
+    pub inner: Reference<T>,
+    pub centres: Reference<T>,
+    /// From there to the inner groove's centre when the ring is in its reference position.
+    pub low: Pair<T>,
 }
 
 impl<T: Real> Point<T> {
-    /// The point of `s = m dm omega^2 / 2` and a growth, in units of length, for a ring under a load of the size `size`.
-    pub fn new(c: &Constants<T>, s: T, size: T, growth: &Growth<T>) -> Self {
-        let g = growth.ball;
-        let half = T::of(0.5) * g;
-        let excess = |length: T, less: T| less * (length + length - less);
+    /// The point of `s = m dm omega^2 / 2` and a growth, in units of length, for a ring under a load of the size `size`,
+    /// without references.
+    pub fn new(c: &Constants<T>, s: T, size: T, growth: Growth<T>) -> Self {
+        let half = T::of(0.5) * growth.ball;
         Self {
             s,
             negligible: (T::EPSILON * size) * (T::EPSILON * size),
             rounding: rounding::<T>() * (T::ONE + size / c.balls),
             lo: c.lo - half,
             li: c.li - half,
-            lo_excess: excess(c.lo, half),
-            li_excess: excess(c.li, half),
-            l0_excess: excess(T::of(L0), g),
-            growth: [growth.axial, growth.radial],
+            growth,
+            outer: Reference::NONE,
+            inner: Reference::NONE,
+            centres: Reference::NONE,
+            low: [T::ZERO; 2],
         }
+    }
+
+    /// [`Point::new`] with the references that there were, the ring's reference position being `axial`.
+    pub fn set(&mut self, c: &Constants<T>, s: T, size: T, growth: Growth<T>, axial: T) {
+        let (centres, outer) = (self.centres.vector, self.outer.vector);
+        *self = Self::new(c, s, size, growth);
+        self.refer(c, axial, centres, outer);
+    }
+
+    /// Has offsets count from where the ring is displaced by `axial`, and the balls are taut between the grooves' centres.
+    pub fn start(&mut self, c: &Constants<T>, axial: T) {
+        // Integers hold the square of no longer vectors.
+        let far = T::of(1.5 * L0);
+        let near = axial.at_most(far).at_least(-far);
+        let centres = [c.centre[0] + near, c.centre[1]].map(to_grid);
+        let length = dot(centres, centres).at_least(T::ONE).sqrt();
+        self.refer(
+            c,
+            axial,
+            centres,
+            scale(c.lo / length, centres).map(to_grid),
+        );
+    }
+
+    /// Has the offset `x` of the balls count from next to where it is; what is left of it.
+    pub fn move_outer(&mut self, c: &Constants<T>, x: Pair<T>) -> Pair<T> {
+        let was = self.outer.vector;
+        self.outer.vector = add(was, x).map(to_grid);
+        self.measure(c);
+        add(sub(was, self.outer.vector), x)
+    }
+
+    #[inline(never)]
+    fn refer(&mut self, c: &Constants<T>, axial: T, centres: Pair<T>, outer: Pair<T>) {
+        (self.centres.vector, self.outer.vector) = (centres, outer);
+        let beyond = sub(c.centre, centres);
+        let growth = [self.growth.axial, self.growth.radial];
+        self.low = add([beyond[0] + axial, beyond[1]], add(c.centre_low, growth));
+        self.measure(c);
+    }
+
+    /// Squares of the references' vectors.
+    #[inline(never)]
+    fn measure(&mut self, c: &Constants<T>) {
+        let (centres, outer) = (self.centres.vector, self.outer.vector);
+        let half = T::of(0.5) * self.growth.ball;
+        self.outer = Reference::at(outer, &c.lo_squared, excess(c.lo, half));
+        self.inner = Reference::at(sub(centres, outer), &c.li_squared, excess(c.li, half));
+        self.centres = Reference::at(centres, &l0_squared(), self.growth_of_square());
+    }
+
+    /// Growth of the ball adds so much to `-L0^2`.
+    pub fn growth_of_square(&self) -> T {
+        excess(T::of(L0), self.growth.ball)
     }
 
     /// The balls have inertia that makes a difference.
@@ -84,4 +140,9 @@ impl<T: Real> Point<T> {
     pub fn is_at_speed(&self) -> bool {
         self.s > T::ZERO
     }
+}
+
+/// The square of a length, less that of one shorter by `less`.
+fn excess<T: Real>(length: T, less: T) -> T {
+    less * (length + length - less)
 }

@@ -56,16 +56,14 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
     let half = T::of(0.5) * (T::ONE - c.tau * c.n0[1]);
     let fc = p.s * half * half;
     // Without the ball's own place, which may be lost to it.
-    let a = add(
-        add(ball.outer.vector, ball.inner.vector),
-        add(ball.low, ball.a),
-    );
+    let a = add(p.centres.vector, ball.a);
     let x = chain(c, p, a, fc);
     let here = ball.pose::<R>(c, p);
     let kept = ball.x;
-    ball.put(x);
+    ball.x = sub(x, p.outer.vector);
+    ball.z = [T::ZERO; 2];
     let mut pose = ball.pose::<R>(c, p);
-    let energy_here = here.energy() - fc * (ball.outer.vector[1] + kept[1]);
+    let energy_here = here.energy() - fc * (p.outer.vector[1] + kept[1]);
     let energy = pose.energy() - fc * x[1];
     if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
         (ball.x, pose) = (kept, here);
@@ -94,7 +92,6 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
             step = scale(T::of(0.4), step);
         }
     }
-    ball.move_own_references(c, p);
 }
 
 /// The step `m^-1 r`, no longer than `most`. Where a contact gives no hold, the ball moves no further than it would by

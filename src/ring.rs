@@ -4,9 +4,9 @@
 //! the groove plane. A solver has the first `D` of them: 1, 3 or 5.
 
 use super::body::{Body, Share};
-use super::constants::{Azimuth, Constants, L0};
+use super::constants::{Azimuth, Constants};
 use super::kinematics::Rule;
-use super::linalg::{Matrix, Pair, dot};
+use super::linalg::{Matrix, Pair, add};
 use super::mounting::Point;
 use crate::float::Real;
 
@@ -37,6 +37,12 @@ pub fn shift<T: Real, const D: usize>(u: &[T; D], at: &Azimuth<T>) -> Pair<T> {
         a[0] = u[0] + (u[3] * at.sin - u[4] * at.cos);
     }
     a
+}
+
+/// Offset of the inner groove's centre at an azimuth from the row's reference, the ring's offset being `v`.
+#[inline(always)]
+pub fn groove<T: Real>(p: &Point<T>, v: &[T; 5], at: &Azimuth<T>) -> Pair<T> {
+    add(p.low, shift(v, at))
 }
 
 /// A displacement with all five freedoms, for code that serves any number of them.
@@ -160,26 +166,13 @@ impl<T: Real, const D: usize> Sum<T, D> {
     }
 }
 
-/// Position of the inner groove's centre at the ring's position `u`, multiples of 1/256: a part that is exact, and a
-/// small rest.
-fn groove_centre<T: Real>(c: &Constants<T>, u: &[T; 5], at: &Azimuth<T>) -> (Pair<T>, Pair<T>) {
-    let split = |x: T| (x + T::SPLIT) - T::SPLIT;
-    let (cos, sin) = (split(at.cos), split(at.sin));
-    let (mut high, mut low) = (c.centre, c.centre_low);
-    high[0] += u[0] + (u[3] * sin - u[4] * cos);
-    high[1] += u[1] * cos + u[2] * sin;
-    low[0] += u[3] * at.sin_low - u[4] * at.cos_low;
-    low[1] += u[1] * at.cos_low + u[2] * at.sin_low;
-    (high, low)
-}
-
 /// Cosine of the largest angle between a ball's contacts, 150 degrees: the cage speed has its pole at 180.
 pub const UNSEATED: f64 = -0.866;
 
 /// One row of balls: a bearing at a point of speed and growth.
 pub struct Row<'s, T, B> {
     pub c: &'s Constants<T>,
-    pub p: Point<T>,
+    pub p: &'s mut Point<T>,
     pub azimuths: &'s [Azimuth<T>],
     pub balls: &'s mut [B],
 }
@@ -193,9 +186,27 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter_mut() {
             let Some(at) = azimuths.next() else { break };
-            near &= ball.condense::<R>(self.c, &self.p, shift(v, at), ds);
+            let a = groove(self.p, v, at);
+            near &= ball.condense::<R>(self.c, self.p, a, ds);
         }
         near
+    }
+
+    /// Has every ball start as the first one does, near its balance at the ring's offset `v`.
+    #[inline(never)]
+    pub fn start<R: Rule>(&mut self, v: &[T; 5]) {
+        let (Some((first, others)), Some(at)) =
+            (self.balls.split_first_mut(), self.azimuths.first())
+        else {
+            return;
+        };
+        first.start(groove(self.p, v, at));
+        if B::AT_SPEED && self.p.is_at_speed() {
+            first.place::<R>(self.c, self.p);
+        }
+        for ball in others {
+            ball.clone_from(first);
+        }
     }
 
     /// The ball whose contacts are furthest apart, if the cosine of that angle is below `limit`, and the angle, rad. A
@@ -209,41 +220,12 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         let (mut furthest, mut least) = (None, limit);
         for (ball, number) in self.balls.iter().zip(0..) {
             let [sin, cos] = ball.apart();
-            if (ball.carries(&self.p) || cos < T::of(UNSEATED)) && cos < least {
+            if (ball.carries(self.p) || cos < T::of(UNSEATED)) && cos < least {
                 least = cos;
                 furthest = Some((number, sin));
             }
         }
         furthest.map(|(number, sin)| (number, sin.abs().atan2(least)))
-    }
-
-    /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`.
-    #[inline(never)]
-    pub fn follow_to(&mut self, v: &[T; 5], ds: T) {
-        let mut azimuths = self.azimuths.iter();
-        for ball in self.balls.iter_mut() {
-            let Some(at) = azimuths.next() else { return };
-            ball.follow(shift(v, at), ds);
-        }
-    }
-
-    /// Moves the balls' references next to where they are, for a ring at the offset `v` from its reference position `u`.
-    ///
-    /// Returns whether the grooves' centres, growth aside, are nearer to each other than `sqrt(8) L0` at every azimuth: integers
-    /// hold no larger squares, and no balls are between grooves further apart.
-    #[inline(never)]
-    pub fn anchor_at(&mut self, u: &[T; 5], v: &[T; 5]) -> bool {
-        let mut azimuths = self.azimuths.iter();
-        for ball in self.balls.iter_mut() {
-            let Some(at) = azimuths.next() else { break };
-            let (high, low) = groove_centre(self.c, u, at);
-            ball.anchor(self.c, &self.p, high, low, shift(v, at));
-        }
-        let [axial, radial] = self.c.centre;
-        let tilted = (u[3] * u[3] + u[4] * u[4]).sqrt();
-        let moved = (u[1] * u[1] + u[2] * u[2]).sqrt();
-        let furthest = [(axial + u[0]).abs() + tilted, radial + moved];
-        dot(furthest, furthest) < T::of(8.0 * L0 * L0)
     }
 
     /// Changes of the stiffness's diagonal if the ring makes the step `du`, and the balls follow.
@@ -256,7 +238,7 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter() {
             let Some(at) = azimuths.next() else { break };
-            let change = ball.change(self.c, &self.p, shift(du, at));
+            let change = ball.change(self.c, self.p, shift(du, at));
             let turn = change.turn + change.turn;
             let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
             let relative = change.relative;
@@ -305,13 +287,14 @@ pub struct Changes<T, const D: usize> {
 /// there are any.
 #[inline(never)]
 pub fn stiffening<T: Real, B: Body<T>, const D: usize>(
+    p: &Point<T>,
     balls: &[B],
     azimuths: &[Azimuth<T>],
-    v: &[T; D],
+    v: &[T; 5],
 ) -> Sum<T, D> {
     let mut sum = Sum::NONE;
     let change = |(ball, at): (&B, &Azimuth<T>)| {
-        let [aa, ar, rr] = ball.stiffening(shift(v, at));
+        let [aa, ar, rr] = ball.stiffening(groove(p, v, at));
         Share {
             h: [[aa, ar], [ar, rr]],
             hm: [aa, ar],

@@ -72,14 +72,11 @@ impl<T: Real> Seat<T> {
         own
     }
 
-    /// The row's offset from its own reference position, which is `base` for a shaft without offset `v`.
+    /// The row's axial displacement from where its own contacts would be free, for the shaft's displacement `u`.
     #[inline(never)]
-    pub fn offset<const D: usize>(&self, base: &[T; 5], v: &[T; D]) -> [T; 5] {
-        let mut own = self.motion(v);
-        for (own, base) in own.iter_mut().zip(base) {
-            *own += *base;
-        }
-        own
+    pub fn axial<const D: usize>(&self, u: &[T; D]) -> T {
+        let [axial, ..] = self.motion(u);
+        axial + self.closure
     }
 }
 
@@ -87,12 +84,10 @@ impl<T: Real> Seat<T> {
 #[derive(Debug, Clone, Copy)]
 pub struct Stance<'a, T> {
     pub c: &'a Constants<T>,
-    pub p: Point<T>,
+    pub p: &'a Point<T>,
     pub seat: Seat<T>,
     /// Number of their balls.
     pub balls: T,
-    /// Rows of either facing are among them, so that they hold each other.
-    pub opposed: bool,
 }
 
 /// What the solver moves and condenses. Displacements and offsets are those of the shaft's groove plane; what is summed is
@@ -110,36 +105,30 @@ pub trait Rows<T: Real, const D: usize> {
     /// Inertia `m dm omega^2 / 2` of a ball of the first row.
     fn inertia(&self) -> T;
 
-    /// Every row, how it sits, and its offset from its own reference position when the shaft has the offset `v`.
+    /// Every row, how it sits, and its offset when the shaft has the offset `v`.
     fn each(&mut self, v: &[T; D], f: impl FnMut(&mut Row<'_, T, Self::Ball>, &Seat<T>, &[T; 5]));
 
-    /// The rows that do not slide, and those that do.
-    fn fixed(&self) -> Stance<'_, T>;
-    fn sliding(&self) -> Option<Stance<'_, T>>;
+    /// Rows that do not slide hold the shaft from either side.
+    fn is_opposed(&self) -> bool;
+
+    /// The rows that slide, or those that do not.
+    fn stance(&self, sliding: bool) -> Option<Stance<'_, T>>;
 
     /// Axial force by which rows hold each other, besides the load.
     fn internal(&self) -> T;
 
-    /// Whether an offset is larger than `most`.
-    fn strays(&self, v: &[T; D], most: T) -> bool;
-
     /// Has every ball follow to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all are near
     /// their balance.
     fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool;
+
+    /// Has offsets count from the shaft's displacement `u`, which is axial.
+    fn refer(&mut self, u: &[T; D]);
 
     /// Sums what the balls hand over.
     fn sum(&mut self, sum: &mut Sum<T, D>);
 
     /// What a step `du` changes of the rows.
     fn changes(&self, du: &[T; D]) -> Changes<T, D>;
-
-    /// Has every ball follow to `v` and a relative change `ds` of `omega^2`.
-    fn follow(&mut self, v: &[T; D], ds: T);
-
-    /// Moves the balls' references next to where they are, for a shaft at the offset `v` from its reference position `u`.
-    ///
-    /// Returns whether the grooves of all rows are within reach of each other: see [`Row::anchor_at`].
-    fn anchor(&mut self, u: &[T; D], v: &[T; D]) -> bool;
 
     /// Number of balls that carry, and that of the ball whose contacts are furthest apart, with that angle, if the cosine
     /// is below `limit`: see [`Row::furthest_apart`].
@@ -171,19 +160,19 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     }
 
     #[inline(always)]
-    fn fixed(&self) -> Stance<'_, T> {
-        Stance {
+    fn is_opposed(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn stance(&self, sliding: bool) -> Option<Stance<'_, T>> {
+        let own = Stance {
             c: self.c,
             p: self.p,
             seat: Seat::PLAIN,
             balls: self.c.balls,
-            opposed: false,
-        }
-    }
-
-    #[inline(always)]
-    fn sliding(&self) -> Option<Stance<'_, T>> {
-        None
+        };
+        (!sliding).then_some(own)
     }
 
     #[inline(always)]
@@ -192,13 +181,13 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     }
 
     #[inline(always)]
-    fn strays(&self, v: &[T; D], most: T) -> bool {
-        v.iter().any(|v| v.abs() > most)
+    fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
+        self.condense_balls::<R>(&in_full(v), ds)
     }
 
     #[inline(always)]
-    fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
-        self.condense_balls::<R>(&in_full(v), ds)
+    fn refer(&mut self, u: &[T; D]) {
+        self.p.start(self.c, u[0]);
     }
 
     #[inline(always)]
@@ -221,20 +210,10 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
         }
     }
 
-    #[inline(always)]
-    fn follow(&mut self, v: &[T; D], ds: T) {
-        self.follow_to(&in_full(v), ds);
-    }
-
-    #[inline(always)]
-    fn anchor(&mut self, u: &[T; D], v: &[T; D]) -> bool {
-        self.anchor_at(&in_full(u), &in_full(v))
-    }
-
     #[cold]
     #[inline(never)]
     fn loaded(&self) -> u16 {
-        let loaded = self.balls.iter().filter(|ball| ball.carries(&self.p));
+        let loaded = self.balls.iter().filter(|ball| ball.carries(self.p));
         loaded.count() as u16
     }
 

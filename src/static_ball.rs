@@ -5,10 +5,10 @@
 
 use super::body::{Body, Change, Share, change_of, share_of};
 use super::constants::Constants;
-use super::contact::{Contact, Reference, l0_squared, to_grid};
+use super::contact::Contact;
 use super::curvature::{Curvature, forms};
 use super::kinematics::Rule;
-use super::linalg::{Pair, add, sub, turn};
+use super::linalg::{Pair, sub, turn};
 use super::mounting::Point;
 use super::pose::Pose;
 use crate::float::Real;
@@ -16,9 +16,6 @@ use crate::float::Real;
 /// What is remembered of a ball at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StaticBall<T> {
-    /// From the outer to the inner groove's centre, and what the reference leaves of it.
-    pub centres: Reference<T>,
-    pub low: Pair<T>,
     /// Offset of the inner groove's centre, where the ball was condensed.
     pub a: Pair<T>,
     n: Pair<T>,
@@ -33,7 +30,7 @@ impl<T: Real> StaticBall<T> {
     /// The contacts in series.
     #[inline(always)]
     pub fn contact(&self, c: &Constants<T>, p: &Point<T>) -> Contact<T> {
-        Contact::at(&self.centres, add(self.low, self.a), p.lo + p.li, c.kn)
+        Contact::at(&p.centres, self.a, p.lo + p.li, c.kn)
     }
 
     /// Its second order, where the ball was condensed.
@@ -51,18 +48,9 @@ impl<T: Real> StaticBall<T> {
 impl<T: Real> Body<T> for StaticBall<T> {
     const AT_SPEED: bool = false;
 
-    fn start_at(&mut self, _: Pair<T>) {}
+    fn start(&mut self, _: Pair<T>) {}
 
-    fn follow(&mut self, _: Pair<T>, _: T) {}
-
-    fn place<R: Rule>(&mut self, _: &Constants<T>, _: &Point<T>) {}
-
-    fn anchor(&mut self, _: &Constants<T>, p: &Point<T>, high: Pair<T>, low: Pair<T>, a: Pair<T>) {
-        let reference = high.map(to_grid);
-        self.centres = Reference::at(reference, &l0_squared(), p.l0_excess);
-        self.low = add(sub(high, reference), add(low, p.growth));
-        self.a = a;
-    }
+    fn place<R: Rule>(&mut self, _: &Constants<T>, _: &mut Point<T>) {}
 
     #[inline(always)]
     fn condense<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>, a: Pair<T>, _: T) -> bool {

@@ -25,10 +25,6 @@ pub const DAMPING_GROWTH: f64 = 3.0;
 /// Unbalanced part of the load, and change of the stiffness, below which a solve is near its end.
 /// Tuned: doubled, random +2, warm jumps -3.
 pub const ROUGH: f64 = 0.1;
-/// Offset from the reference position, in units of length, beyond which the reference moves: rounding of the offset is
-/// then that of a deformation of about this size. A ring that settles is anchored twenty times as close.
-/// Tuned: doubled, forces of light loads lose a digit; halved, 4,000 cycles more in one tick of ten.
-pub const ANCHOR: f64 = 1.0;
 /// Part of the change of the stiffness along a step that its correction misses, since that leaves out what friction
 /// changes: 0.3 % at 5,000 rpm, 2 % at 20,000 rpm (B7005C), and more under light loads.
 /// Tuned: halved, the stiffness is off by 2.4e-5 in place of 1e-5 at 99 % of reversed loads.

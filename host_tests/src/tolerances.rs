@@ -18,8 +18,8 @@ const fn errors(displacement: f64, contact_angle: f64, force: f64, stiffness: f6
 /// Errors allowed of the solver in a precision.
 pub const fn allowed(precision: Precision) -> Errors {
     match precision {
-        Precision::F64 => errors(1e-11, 3e-14, 3e-14, 2e-12),
-        Precision::F32 => errors(1e-5, 1e-6, 5e-6, 5e-4),
+        Precision::F64 => errors(1e-11, 3e-14, 1e-13, 2e-12),
+        Precision::F32 => errors(1e-5, 1e-6, 3e-5, 5e-4),
     }
 }
 

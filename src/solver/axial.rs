@@ -7,6 +7,7 @@ use crate::body::Body;
 use crate::constants::{Bearing, Constants};
 use crate::float::Real;
 use crate::growth::Growth;
+use crate::linalg::add;
 use crate::motion::{Full, Motion};
 use crate::mounting::{Point, Speed};
 use crate::pose::{BallState, Pose};
@@ -34,8 +35,8 @@ pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
     /// Of a bearing with one ball, which carries its share of the load.
     state: State<T, 1>,
     ball: M::Ball<T>,
-    /// Of the last solve at speed, in units of length.
-    growth: Growth<T>,
+    /// Speed, growth and references of the last solve.
+    point: Point<T>,
     /// Root of the last solution at rest, above all without one, and the grooves' centres there.
     root: T,
     centres: Centres<T>,
@@ -55,7 +56,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             bearing,
             state: State::COLD,
             ball: M::Ball::default(),
-            growth: Growth::NONE,
+            point: Point::new(&bearing.constants, T::ZERO, T::ZERO, Growth::NONE),
             root: T::ONE / T::TINY,
             centres: Centres {
                 axial: T::ZERO,
@@ -130,12 +131,13 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         } else {
             T::ZERO
         };
-        let point = Point::new(c, s, size, &growth);
-        if M::AT_SPEED && point.is_at_speed() {
-            self.state.grow(&mut self.growth, growth);
-            return self.at_speed(asked, given, point, settings);
+        if M::AT_SPEED && s > T::ZERO {
+            self.state.grow(&self.point.growth, &growth);
+            self.point.set(c, s, size, growth, self.state.u[0]);
+            return self.at_speed(asked, given, settings);
         }
-        self.at_rest(asked, given, point, settings)
+        self.point = Point::new(c, s, size, growth);
+        self.at_rest(asked, given, settings)
     }
 
     /// Newton's method on the root of one ball's deformation.
@@ -144,11 +146,10 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         &mut self,
         asked: Given<T>,
         given: Given<T>,
-        point: Point<T>,
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
-        let balls = AxialRest::new(c, &point);
+        let balls = AxialRest::new(c, &self.point);
         let (mut iterations, mut left) = (0, T::ZERO);
         let (centres, contact, dx) = match given {
             Given::Displacement(dx) => {
@@ -157,7 +158,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             }
             // Balls that carry without a load hold the ring in the middle.
             Given::Load(load) if !(load.abs() > T::TINY.sqrt()) => {
-                let [growth, _] = point.growth;
+                let growth = self.point.growth.axial;
                 let centres = balls.centres_at(-growth);
                 let contact = balls.contact(&centres);
                 if !(contact.q > T::ZERO) {
@@ -201,7 +202,6 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             displacement: asked.displacement_or(dx * c.length),
             load: asked.load_or(contact.q * contact.n[0] * (c.force * c.balls)),
             solver: self,
-            point,
         })
     }
 
@@ -210,7 +210,6 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         &mut self,
         asked: Given<T>,
         given: Given<T>,
-        point: Point<T>,
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
@@ -233,7 +232,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         }
         let mut row = Row {
             c: &one,
-            p: point,
+            p: &mut self.point,
             azimuths: self.bearing.azimuths.get(..1).unwrap_or_default(),
             balls: core::slice::from_mut(&mut self.ball),
         };
@@ -250,7 +249,6 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             displacement,
             load: asked.load_or(load * c.balls),
             solver: self,
-            point,
         })
     }
 }
@@ -269,17 +267,16 @@ pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion> {
     /// Axial force `Fx` on the inner ring, N; the reaction where the displacement was given.
     pub load: T,
     solver: &'s AxialSolver<'s, T, N, M>,
-    point: Point<T>,
 }
 
 impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     /// Axial stiffness `dFx/dx` at constant speed, N/m.
     pub fn stiffness(&self) -> T {
         let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
-        let k = if M::AT_SPEED && self.point.is_at_speed() {
+        let k = if M::AT_SPEED && self.solver.point.is_at_speed() {
             let first = self.solver.bearing.azimuths.get(..1).unwrap_or_default();
             let ball = core::slice::from_ref(&self.solver.ball);
-            state.stiffness_of(c, first, ball)[0][0]
+            state.stiffness_of(c, &self.solver.point, first, ball)[0][0]
         } else {
             state.sum.k[0][0]
         };
@@ -288,12 +285,12 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
 
     /// State of the ball that stands for all, at the azimuth of the first one.
     pub fn ball(&self) -> BallState<T> {
-        let (solver, p) = (self.solver, &self.point);
+        let (solver, p) = (self.solver, &self.solver.point);
         let c = &solver.bearing.constants;
         let pose = if M::AT_SPEED && p.is_at_speed() {
             solver
                 .ball
-                .pose::<M::Rule>(c, p, [solver.state.v[0], T::ZERO])
+                .pose::<M::Rule>(c, p, add(p.low, [solver.state.v[0], T::ZERO]))
         } else {
             Pose::at_rest(c, &AxialRest::new(c, p).contact(&solver.centres))
         };

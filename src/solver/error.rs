@@ -59,13 +59,14 @@ impl<T: Real> Estimate<T> {
     }
 }
 
-/// What rounding does to the force of a ball, relative to it: a deformation is rounded at about a unit of length,
-/// whatever it is.
+/// Rounding error of the force of a ball, relative to it: its deformation is a difference of numbers like the ring's offset `v`
+/// from the reference, or of a unit of length.
 #[inline(never)]
-pub(super) fn rounding<T: Real>(force: T) -> T {
+pub(super) fn rounding<T: Real, const D: usize>(force: T, v: &[T; D]) -> T {
     let root = force.cbrt();
     let deformation = (root * root).at_least(T::EPSILON);
-    contact::rounding::<T>() * (T::ONE + T::ONE / deformation)
+    let offset = T::ONE + norm(v);
+    contact::rounding::<T>() * (T::ONE + offset / deformation)
 }
 
 /// How far the figures of a solution can be off: what the last step leaves, and what rounding does. `u` is the
@@ -77,7 +78,7 @@ pub(super) fn errors<T: Real, const D: usize>(
     forces: T,
 ) -> ErrorEstimate<T> {
     let margin = T::of(tuning::MARGIN);
-    let rounding = rounding(outcome.estimate.largest);
+    let rounding = rounding(outcome.estimate.largest, &state.at);
     // Where rounding ends a solve, the balance is known to that of the balls' forces, and the last step is not taken.
     let (unbalanced, untaken) = if outcome.end == End::Rounded {
         (rounding, outcome.step)

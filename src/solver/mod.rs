@@ -25,7 +25,7 @@ use crate::kinematics::Rule;
 use crate::linalg::{Factors, Matrix, add_to, norm, product};
 use crate::motion::{Full, Motion};
 use crate::mounting::{Point, Speed};
-use crate::ring::{Row, Sum, UNSEATED, stiffening};
+use crate::ring::{Row, Sum, UNSEATED, in_full, stiffening};
 use crate::rows::Rows;
 use crate::status::{Quantity, Status};
 use crate::tuning;
@@ -152,7 +152,7 @@ impl<T> Given<T> {
 /// What is kept between solves besides the balls, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<T, const D: usize> {
-    /// Reference position of the groove plane, multiples of 1/256, and the offset of the ring from it.
+    /// Reference position of the groove plane, along the axis, and the offset of the ring from it.
     pub u: [T; D],
     pub v: [T; D],
     /// Offset where the balls were condensed last, and what they handed over, referred to the bearing centre.
@@ -161,18 +161,12 @@ pub struct State<T, const D: usize> {
     /// Factors of the tangent, and whether they are those of the undamped tangent of free loads.
     pub factors: Factors<T, D>,
     pub plain: bool,
-    /// The balls are condensed where they are.
-    pub condensed: bool,
     /// The stiffness has yet to follow the last step.
     pub correct: bool,
     /// Load of the last solve, its size with reactions, and inertia `m dm omega^2 / 2`.
     load: [T; D],
     size: T,
     s: T,
-    /// The references are those of another growth.
-    grown: bool,
-    /// The shaft is so far off that the grooves of a row are out of reach of each other.
-    beyond: bool,
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     weak: bool,
 }
@@ -186,13 +180,10 @@ impl<T: Real, const D: usize> State<T, D> {
         sum: Sum::NONE,
         factors: Factors::NONE,
         plain: false,
-        condensed: false,
         correct: false,
         load: [T::ZERO; D],
         size: T::ZERO,
         s: T::ZERO,
-        grown: false,
-        beyond: false,
         weak: false,
     };
 
@@ -215,28 +206,25 @@ impl<T: Real, const D: usize> State<T, D> {
     fn stiffness_of<B: Body<T>>(
         &self,
         c: &Constants<T>,
+        p: &Point<T>,
         azimuths: &[Azimuth<T>],
         balls: &[B],
     ) -> Matrix<T, D> {
         self.stiffness(|v| {
-            let mut change = stiffening(balls, azimuths, v);
+            let mut change = stiffening(p, balls, azimuths, &in_full(v));
             change.refer(c.plane);
             change.k
         })
     }
 
-    /// Takes note of the growth of a row that the next solve is at, after `last`: the references have yet to follow it.
-    /// A solution is no start for one that is larger by more than a unit of length, about a deformation.
-    pub(crate) fn grow(&mut self, last: &mut Growth<T>, growth: Growth<T>) {
-        if growth != *last {
-            let by = (growth.axial - last.axial).abs()
-                + (growth.radial - last.radial).abs()
-                + (growth.ball - last.ball).abs();
-            if !(by <= T::ONE) {
-                self.size = T::ZERO;
-            }
-            *last = growth;
-            self.grown = true;
+    /// Forgets a solution that is no start for the next one, at another growth of a row: one that differs by more than a unit
+    /// of length, about a deformation.
+    pub(crate) fn grow(&mut self, last: &Growth<T>, growth: &Growth<T>) {
+        let by = (growth.axial - last.axial).abs()
+            + (growth.radial - last.radial).abs()
+            + (growth.ball - last.ball).abs();
+        if !(by <= T::ONE) {
+            self.size = T::ZERO;
         }
     }
 
@@ -292,7 +280,7 @@ impl<T: Real, const D: usize> State<T, D> {
             self.size
         };
         self.size > T::ZERO
-            && (rows.fixed().opposed || norm(&change) <= smaller)
+            && (rows.is_opposed() || norm(&change) <= smaller)
             && (s - self.s).abs() * balls <= half * (self.s * balls + self.size)
             && (s > T::ZERO) == (self.s > T::ZERO)
     }
@@ -435,8 +423,8 @@ pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize 
     bearing: &'b Bearing<T, N>,
     state: State<T, D>,
     balls: [M::Ball<T>; N],
-    /// Of the last solve, in units of length.
-    growth: Growth<T>,
+    /// Speed, growth and references of the last solve.
+    point: Point<T>,
 }
 
 impl<'b, T: Real, const N: usize> Solver<'b, T, N> {
@@ -456,7 +444,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
             bearing,
             state: State::COLD,
             balls: [M::Ball::default(); N],
-            growth: Growth::NONE,
+            point: Point::new(&bearing.constants, T::ZERO, T::ZERO, Growth::NONE),
         }
     }
 
@@ -496,12 +484,12 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         growth: &Growth<T>,
         settings: &Settings<T>,
     ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
-        let (task, p) = self.task(given, speed, growth, settings.tolerance)?;
+        let task = self.task(given, speed, growth, settings.tolerance)?;
         let limit = settings.max_iterations.max(1);
         let mut budget = limit;
         let mut row = Row {
             c: &self.bearing.constants,
-            p,
+            p: &mut self.point,
             azimuths: &self.bearing.azimuths,
             balls: &mut self.balls,
         };
@@ -515,7 +503,6 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
             load: answer.load,
             speed,
             solver: self,
-            point: p,
         })
     }
 
@@ -526,7 +513,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         speed: Speed<T>,
         growth: &Growth<T>,
         tolerance: T,
-    ) -> Result<(Task<T, D>, Point<T>), Status<T>> {
+    ) -> Result<Task<T, D>, Status<T>> {
         let c = &self.bearing.constants;
         let mut task = Task {
             load: [T::ZERO; D],
@@ -552,8 +539,8 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         } else {
             T::ZERO
         };
-        let p = Point::new(c, s, size, &growth);
-        self.state.grow(&mut self.growth, growth);
-        Ok((task, p))
+        self.state.grow(&self.point.growth, &growth);
+        self.point.set(c, s, size, growth, self.state.u[0]);
+        Ok(task)
     }
 }

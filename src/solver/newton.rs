@@ -2,13 +2,11 @@
 
 use super::State;
 use super::error::{Estimate, rounding};
-use crate::body::Body;
 use crate::constants::L0;
-use crate::contact::to_grid;
 use crate::float::Real;
 use crate::frame::plane_of;
 use crate::kinematics::Rule;
-use crate::linalg::{norm, product, scale};
+use crate::linalg::{norm, product};
 use crate::rows::Rows;
 use crate::status::Status;
 use crate::tuning;
@@ -100,14 +98,20 @@ pub struct Outcome<T> {
 }
 
 impl<T: Real> Outcome<T> {
-    /// Residual that rounding of the balls' forces explains, that of each force capped at `most`.
+    /// Residual that rounding of the balls' forces at the ring's offset `v` explains, that of each force capped at `most`.
     #[cold]
     #[inline(never)]
-    fn rounding<S: Rows<T, D>, const D: usize>(&self, rows: &S, task: &Task<T, D>, most: T) -> T {
+    fn rounding<S: Rows<T, D>, const D: usize>(
+        &self,
+        rows: &S,
+        task: &Task<T, D>,
+        v: &[T; D],
+        most: T,
+    ) -> T {
         let largest = self.estimate.largest;
         let forces =
             rows.weight() * largest / task.size.at_least(rows.internal()).at_least(largest);
-        rounding(largest).at_most(most) * forces.at_least(T::ONE)
+        rounding(largest, v).at_most(most) * forces.at_least(T::ONE)
     }
 
     /// The status of a solution.
@@ -201,32 +205,6 @@ impl<T: Real, const D: usize> Control<T, D> {
 }
 
 impl<T: Real, const D: usize> State<T, D> {
-    /// Moves the reference position next to where the shaft is, and the balls' references next to where they are.
-    #[inline(never)]
-    pub(super) fn anchor<S: Rows<T, D>>(&mut self, rows: &mut S) {
-        for (u, v) in self.u.iter_mut().zip(&mut self.v) {
-            let to = to_grid(*u + *v);
-            *v += *u - to;
-            *u = to;
-        }
-        self.beyond = !rows.anchor(&self.u, &self.v);
-        self.grown = false;
-    }
-
-    /// Puts the shaft at the displacement `u` of the groove plane, and the balls where the unloaded bearing has them.
-    #[inline(never)]
-    pub fn put<S: Rows<T, D>>(&mut self, rows: &mut S, u: [T; D]) {
-        rows.each(&[T::ZERO; D], |row, _, _| {
-            let x = scale(row.c.lo, row.c.n0);
-            for ball in row.balls.iter_mut() {
-                ball.start_at(x);
-            }
-        });
-        (self.u, self.v) = ([T::ZERO; D], u);
-        self.condensed = false;
-        self.anchor(rows);
-    }
-
     /// Moves the ring by the step `du` of the groove plane.
     fn advance(&mut self, du: [T; D]) {
         for (v, step) in self.v.iter_mut().zip(du) {
@@ -334,22 +312,6 @@ impl<T: Real, const D: usize> State<T, D> {
         self.advance(plane_of(plane, &du));
     }
 
-    /// Condenses the balls where the shaft is, at a relative change `ds` of `omega^2`, and sums what they hand over;
-    /// whether all are near their balance. References follow where a row is further than `most` from its own.
-    #[inline(always)]
-    fn condense<S: Rows<T, D>, R: Rule>(&mut self, rows: &mut S, mut ds: T, most: T) -> bool {
-        if self.grown || rows.strays(&self.v, most) {
-            self.condensed = false;
-            rows.follow(&self.v, ds);
-            self.anchor(rows);
-            ds = T::ZERO;
-        }
-        let near = self.condensed || rows.condense::<R>(&self.v, ds);
-        rows.sum(&mut self.sum);
-        (self.at, self.correct, self.condensed) = (self.v, false, false);
-        near
-    }
-
     /// Newton's method from where ring and balls are, for at most as many iterations as `budget` has left.
     ///
     /// It gives up after `most` iterations, or after more than [`tuning::ATTEMPT`] where the balance is not near.
@@ -362,10 +324,6 @@ impl<T: Real, const D: usize> State<T, D> {
         budget: &mut u16,
     ) -> Outcome<T> {
         let plane = rows.plane();
-        let [close, anchored] = [0.05 * tuning::ANCHOR, tuning::ANCHOR].map(T::of);
-        // A ring that comes from a start is anchored closer where it settles.
-        let started = self.v.iter().all(|v| v.abs() < close);
-        let settled = if started { close } else { anchored };
         let mut control = Control::new(T::of(L0 * tuning::FIRST_RADIUS), T::of(tuning::DAMPING));
         let mut outcome = Outcome::NONE;
         let mut taken = 0;
@@ -375,14 +333,9 @@ impl<T: Real, const D: usize> State<T, D> {
             }
             *budget -= 1;
             taken += 1;
-            let reach = if control.last.is_none() {
-                anchored
-            } else if outcome.residual < T::of(tuning::ROUGH) {
-                settled
-            } else {
-                T::of(L0)
-            };
-            let near = self.condense::<S, R>(rows, ds, reach);
+            let near = rows.condense::<R>(&self.v, ds);
+            rows.sum(&mut self.sum);
+            (self.at, self.correct) = (self.v, false);
             ds = T::ZERO;
 
             let r = self.unbalanced(task, T::ZERO);
@@ -400,7 +353,8 @@ impl<T: Real, const D: usize> State<T, D> {
             }
             let Outcome { residual, .. } = outcome;
             let stalled = !(residual < T::of(0.5) * before.residual);
-            let rounded = |most| stalled && residual < before.rounding(rows, task, most);
+            let at = self.at;
+            let rounded = |most| stalled && residual < before.rounding(rows, task, &at, most);
             if let Some(back) = control.review(&r, task.enough(), rounded) {
                 self.advance(plane_of(plane, &back));
                 continue;
@@ -416,9 +370,7 @@ impl<T: Real, const D: usize> State<T, D> {
             outcome.step = length;
             self.advance(planar);
             let work = product(&r, &du);
-            if self.beyond {
-                // A step may lead out of reach and back; no solve ends there.
-            } else if damped {
+            if damped {
                 // In balance, and no damping is too small to be followed further.
                 let stays = control.least < T::EPSILON || !(work > T::ZERO);
                 if stays && self.weak && rounded(task.enough()) {
@@ -441,9 +393,10 @@ impl<T: Real, const D: usize> State<T, D> {
     #[cold]
     #[inline(never)]
     fn is_rounded<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>, outcome: &Outcome<T>) -> bool {
-        let of_ball = rounding(outcome.estimate.largest);
+        let of_ball = rounding(outcome.estimate.largest, &self.at);
         let most = task.enough().at_least(of_ball * of_ball.sqrt());
-        outcome.estimate.force <= most && outcome.residual < outcome.rounding(rows, task, T::ONE)
+        outcome.estimate.force <= most
+            && outcome.residual < outcome.rounding(rows, task, &self.at, T::ONE)
     }
 
     /// Whether the last step was small enough; if so, how the loop ends.

@@ -9,7 +9,7 @@ use crate::frequencies::Frequencies;
 use crate::limits::{Limits, Margins};
 use crate::linalg::Matrix;
 use crate::motion::Motion;
-use crate::mounting::{Point, Speed};
+use crate::mounting::Speed;
 use crate::pose::{BallMotion, BallState};
 use crate::rating::{LifeRating, RatingLife};
 use crate::ring::in_full;
@@ -35,7 +35,6 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
     /// Speed of the shaft.
     pub speed: Speed<T>,
     pub(super) solver: &'s Solver<'s, T, N, M, D>,
-    pub(super) point: Point<T>,
 }
 
 impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D> {
@@ -43,7 +42,12 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
         let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
-        let k = state.stiffness_of(c, &self.solver.bearing.azimuths, &self.solver.balls);
+        let k = state.stiffness_of(
+            c,
+            &self.solver.point,
+            &self.solver.bearing.azimuths,
+            &self.solver.balls,
+        );
         stiffness_out(c, &k)
     }
 
@@ -53,7 +57,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
         let bearing = self.solver.bearing;
         View {
             c: &bearing.constants,
-            p: &self.point,
+            p: &self.solver.point,
             azimuths: &bearing.azimuths,
             balls: &self.solver.balls,
             v: in_full(&self.solver.state.v),

@@ -2,13 +2,14 @@
 
 use super::State;
 use super::newton::Task;
-use crate::body::Body;
 use crate::constants::{Constants, L0};
+use crate::contact::to_grid;
 use crate::float::Real;
 use crate::frame::plane_of;
 use crate::kinematics::Rule;
 use crate::mounting::Point;
 use crate::rows::{Rows, Stance};
+use core::array::from_fn;
 
 /// Halvings of the range of an angle, to 2e-5 of it.
 const BISECTIONS: u8 = 16;
@@ -28,16 +29,19 @@ impl<T: Real> Pressing<T> {
     /// Of fixed rows: the axial load less what the sliding ones carry. Rows that do not hold each other have so
     /// much more that radial load and moment do not unload balls at first sight.
     #[inline(never)]
-    fn of<S: Rows<T, D>, const D: usize>(rows: &S, task: &Task<T, D>) -> Self {
+    fn of<S: Rows<T, D>, const D: usize>(
+        rows: &S,
+        fixed: &Stance<'_, T>,
+        task: &Task<T, D>,
+    ) -> Self {
         let load = &task.load;
-        let fixed = rows.fixed();
         let mut own = fixed.seat.facing * load[0];
-        if let Some(sliding) = rows.sliding() {
+        if let Some(sliding) = rows.stance(true) {
             own -= fixed.seat.facing * sliding.seat.facing * spring(task);
         }
         let side = if own < T::ZERO { -T::ONE } else { T::ONE };
         let mut force = own.abs();
-        if D == 6 || fixed.opposed {
+        if D == 6 || rows.is_opposed() {
             return Self { force, side };
         }
         if D >= 3 {
@@ -54,8 +58,7 @@ impl<T: Real> Pressing<T> {
         // Of none, the contacts have no direction.
         let q = (self.force / (rows.balls * rows.seat.force)).at_least(T::EPSILON);
         let [axial, _] = rows.c.n0.map(|n| T::of(L0) * n);
-        let [growth, _] = rows.p.growth;
-        self.side * distance(rows.c, &rows.p, q) - axial - growth
+        self.side * distance(rows.c, rows.p, q) - axial - rows.p.growth.axial
     }
 }
 
@@ -66,7 +69,7 @@ impl<T: Real> Pressing<T> {
 #[inline(never)]
 fn distance<T: Real>(c: &Constants<T>, p: &Point<T>, q: T) -> T {
     let one = T::ONE;
-    let radial = T::of(L0) * c.n0[1] + p.growth[1];
+    let radial = T::of(L0) * c.n0[1] + p.growth.radial;
     let (mut axial, mut low, mut high) = (T::ZERO, T::ZERO, one);
     // Square of the cage speed over the shaft's, which follows the angle.
     let mut cage = T::of(0.2);
@@ -96,25 +99,24 @@ fn distance<T: Real>(c: &Constants<T>, p: &Point<T>, q: T) -> T {
     axial
 }
 
-/// Displacement of the groove plane: what is given, and else such that fixed and sliding rows are displaced axially by so
-/// much in their own frames. Rows that hold each other stay where they are.
+/// Displacement of the groove plane: as given, and else such that fixed and sliding rows carry the axial load and the
+/// spring. Rows that hold each other stay where they are.
 #[inline(never)]
-fn displaced<T: Real, S: Rows<T, D>, const D: usize>(
-    rows: &S,
-    task: &Task<T, D>,
-    [fixed, sliding]: [T; 2],
-) -> [T; D] {
+fn displaced<T: Real, S: Rows<T, D>, const D: usize>(rows: &S, task: &Task<T, D>) -> [T; D] {
     // A displacement of the shaft from one of a row.
-    let shaft = |rows: &Stance<'_, T>, own: T| (own - rows.seat.closure) / rows.seat.length;
+    let shaft = |rows: &Stance<'_, T>, pressed: Pressing<T>| {
+        (pressed.displacement(rows) - rows.seat.closure) / rows.seat.length
+    };
     let mut u = [T::ZERO; D];
-    let holding = rows.fixed();
-    if !holding.opposed {
-        u[0] = holding.seat.facing * shaft(&holding, fixed);
+    if let Some(holding) = rows.stance(false).filter(|_| !rows.is_opposed()) {
+        let pressed = Pressing::of(rows, &holding, task);
+        u[0] = holding.seat.facing * shaft(&holding, pressed);
     }
     if D == 6
-        && let Some(pressed) = rows.sliding()
+        && let Some(sliding) = rows.stance(true)
     {
-        u[5] = shaft(&pressed, sliding) - pressed.seat.facing * u[0];
+        let (force, side) = (spring(task), T::ONE);
+        u[5] = shaft(&sliding, Pressing { force, side }) - sliding.seat.facing * u[0];
     }
     for (u, held) in u.iter_mut().zip(task.held) {
         *u = held.unwrap_or(*u);
@@ -129,36 +131,10 @@ pub(super) fn start<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
     rows: &mut S,
     task: &Task<T, D>,
 ) {
-    let sliding = rows.sliding().map_or(T::ZERO, |rows| {
-        let spring = Pressing {
-            force: spring(task),
-            side: T::ONE,
-        };
-        spring.displacement(&rows)
-    });
-    let fixed = Pressing::of(rows, task).displacement(&rows.fixed());
-    let u = displaced(rows, task, [fixed, sliding]);
-    state.put(rows, u);
-    if S::Ball::AT_SPEED && rows.inertia() > T::ZERO {
-        rows.each(&state.v, |row, _, _| {
-            if let Some(first) = row.balls.first_mut() {
-                first.place::<R>(row.c, &row.p);
-            }
-        });
-        copy_first(rows);
-        state.anchor(rows);
-    }
-}
-
-/// Has all balls of a row be as its first one is.
-// By a call: a copy of a ball is long.
-#[inline(never)]
-fn copy_first<T: Real, S: Rows<T, D>, const D: usize>(rows: &mut S) {
-    rows.each(&[T::ZERO; D], |row, _, _| {
-        if let Some((first, others)) = row.balls.split_first_mut() {
-            for ball in others {
-                ball.clone_from(first);
-            }
-        }
-    });
+    let u = displaced(rows, task);
+    // Offsets count from the axial part.
+    state.u = from_fn(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
+    state.v = from_fn(|i| u[i] - state.u[i]);
+    rows.refer(&state.u);
+    rows.each(&state.v, |row, _, v| row.start::<R>(v));
 }

@@ -9,7 +9,7 @@ use crate::limits::{Limits, Margins};
 use crate::linalg::Matrix;
 use crate::mounting::{Point, Speed};
 use crate::pose::{BallMotion, BallState, Pose};
-use crate::ring::{Sum, shift, stiffening};
+use crate::ring::{Sum, groove, stiffening};
 use core::marker::PhantomData;
 
 /// The balls of a row where a solve has left them.
@@ -28,7 +28,7 @@ pub struct View<'s, T, B, R> {
 impl<'s, T: Real, B: Body<T>, R: Rule> View<'s, T, B, R> {
     #[inline(always)]
     fn pose(&self, ball: &B, at: &Azimuth<T>) -> Pose<T> {
-        ball.pose::<R>(self.c, self.p, shift(&self.v, at))
+        ball.pose::<R>(self.c, self.p, groove(self.p, &self.v, at))
     }
 
     /// The same, by a call: one for all but the survey.
@@ -95,7 +95,7 @@ impl<'s, T: Real, B: Body<T>, R: Rule> View<'s, T, B, R> {
 
     /// Change of the stiffness along the motion from where the balls were condensed, referred to the groove plane.
     pub fn stiffening(self) -> Matrix<T, 5> {
-        let change: Sum<T, 5> = stiffening(self.balls, self.azimuths, &self.v);
+        let change: Sum<T, 5> = stiffening(self.p, self.balls, self.azimuths, &self.v);
         change.k
     }
 }

@@ -404,7 +404,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
 
 /// Axial displacement of a bearing at rest, cold, under an axial load, both in its units.
 fn closure<T: Real>(c: &Constants<T>, load: T) -> T {
-    let balls = AxialRest::new(c, &Point::new(c, T::ZERO, load, &Growth::NONE));
+    let balls = AxialRest::new(c, &Point::new(c, T::ZERO, load, Growth::NONE));
     let loaded = balls.root(
         T::ONE / T::TINY,
         load / c.balls,
@@ -416,7 +416,7 @@ fn closure<T: Real>(c: &Constants<T>, load: T) -> T {
 
 /// Axial force on a ball of a bearing at rest, cold, at an axial displacement, both in its units.
 fn force_at<T: Real>(c: &Constants<T>, dx: T) -> T {
-    let balls = AxialRest::new(c, &Point::new(c, T::ZERO, T::ZERO, &Growth::NONE));
+    let balls = AxialRest::new(c, &Point::new(c, T::ZERO, T::ZERO, Growth::NONE));
     let contact = balls.contact(&balls.centres_at(dx));
     contact.q * contact.n[0]
 }

@@ -1,13 +1,13 @@
 //! The rows of a spindle, as the solver moves them.
 
 use crate::body::Body;
-use crate::contact::to_grid;
 use crate::float::Real;
 use crate::frame::{refer, refer_stiffness};
 use crate::kinematics::Rule;
 use crate::linalg::Matrix;
 use crate::ring::{Changes, Row, Sum, stiffening, sum_up};
 use crate::rows::{Rows, Seat, Stance};
+use crate::spindle::Group;
 
 impl<T: Real> Seat<T> {
     /// Factors that mirror the row's force and moments if it faces against the axis, and give the latter the shaft's arm.
@@ -50,42 +50,16 @@ impl<T: Real> Seat<T> {
             sum[5][5] += unit * own[0][0];
         }
     }
-
-    /// The row's position for one of the shaft that is a multiple of 1/256: a part that is almost exact, and the rest.
-    fn position<const D: usize>(&self, u: &[T; D]) -> ([T; 5], [T; 5]) {
-        let split = |x: T| (x + T::SPLIT) - T::SPLIT;
-        let coarse = Self {
-            lever: split(self.lever),
-            arm: split(self.arm),
-            ..*self
-        };
-        let rest = [self.lever - coarse.lever, self.arm - coarse.arm];
-        let mut high = coarse.motion(u);
-        let closure = split(self.closure);
-        high[0] += closure;
-        let r = self.length;
-        let turn = r * (self.facing * rest[1]);
-        let low = [
-            self.closure - closure,
-            r * (rest[0] * u[4]),
-            -(r * (rest[0] * u[3])),
-            turn * u[3],
-            turn * u[4],
-        ];
-        (high, low)
-    }
 }
 
 /// The rows of a spindle in one solve.
 pub struct Set<'a, 'b, T, B> {
     pub rows: &'a mut [Row<'b, T, B>],
     pub seats: &'a [Seat<T>],
-    /// Offset of each row from its own reference position when the shaft is at its own.
-    pub bases: &'a mut [[T; 5]],
     /// Axial force by which rows of either facing hold each other.
     pub internal: &'a mut T,
-    pub fixed: Stance<'b, T>,
-    pub sliding: Option<Stance<'b, T>>,
+    pub fixed: Group<T>,
+    pub sliding: Option<Group<T>>,
     /// Position of the groove plane, and number of balls weighted with their inertia.
     pub plane: T,
     pub weight: T,
@@ -95,12 +69,10 @@ impl<T: Real, B: Body<T>> Set<'_, '_, T, B> {
     /// Change of the stiffness along the motion to `v` from where the balls were condensed, referred to the centre.
     pub fn stiffening<const D: usize>(&self, v: &[T; D]) -> Matrix<T, D> {
         let mut change = [[T::ZERO; D]; D];
-        let (mut seats, mut bases) = (self.seats.iter(), self.bases.iter());
+        let mut seats = self.seats.iter();
         for row in self.rows.iter() {
-            let (Some(seat), Some(base)) = (seats.next(), bases.next()) else {
-                break;
-            };
-            let mut own = stiffening(row.balls, row.azimuths, &seat.offset(base, v));
+            let Some(seat) = seats.next() else { break };
+            let mut own = stiffening(row.p, row.balls, row.azimuths, &seat.motion(v));
             seat.add_stiffness(&mut change, &mut own.k);
         }
         change
@@ -124,21 +96,28 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
 
     fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
         // Not `zip`, which the compiler unrolls.
-        let (mut seats, mut bases) = (self.seats.iter(), self.bases.iter());
+        let mut seats = self.seats.iter();
         for row in self.rows.iter_mut() {
-            let (Some(seat), Some(base)) = (seats.next(), bases.next()) else {
-                return;
-            };
-            f(row, seat, &seat.offset(base, v));
+            let Some(seat) = seats.next() else { return };
+            f(row, seat, &seat.motion(v));
         }
     }
 
-    fn fixed(&self) -> Stance<'_, T> {
-        self.fixed
+    fn is_opposed(&self) -> bool {
+        self.fixed.opposed
     }
 
-    fn sliding(&self) -> Option<Stance<'_, T>> {
-        self.sliding
+    #[inline(never)]
+    fn stance(&self, sliding: bool) -> Option<Stance<'_, T>> {
+        let group = if sliding { self.sliding? } else { self.fixed };
+        let mut rows = self.rows.iter().zip(self.seats);
+        let (row, seat) = rows.find(|(_, seat)| seat.sliding == sliding)?;
+        Some(Stance {
+            c: row.c,
+            p: row.p,
+            seat: *seat,
+            balls: group.balls,
+        })
     }
 
     fn internal(&self) -> T {
@@ -146,19 +125,14 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     }
 
     #[inline(never)]
-    fn strays(&self, v: &[T; D], most: T) -> bool {
-        let mut rows = self.seats.iter().zip(&*self.bases);
-        rows.any(|(seat, base)| {
-            let own = seat.offset(base, v);
-            own.iter().any(|v| v.abs() > most)
-        })
-    }
-
-    #[inline(never)]
     fn condense<R: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
         let mut near = true;
         self.each(v, |row, _, v| near &= row.condense_balls::<R>(v, ds));
         near
+    }
+
+    fn refer(&mut self, u: &[T; D]) {
+        self.each(u, |row, seat, v| row.p.start(row.c, v[0] + seat.closure));
     }
 
     #[inline(never)]
@@ -205,31 +179,6 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
             all.cos = all.cos.at_most(own.cos);
         }
         all
-    }
-
-    #[inline(never)]
-    fn follow(&mut self, v: &[T; D], ds: T) {
-        self.each(v, |row, _, v| row.follow_to(v, ds));
-    }
-
-    #[inline(never)]
-    fn anchor(&mut self, u: &[T; D], v: &[T; D]) -> bool {
-        let mut within = true;
-        let (mut seats, mut bases) = (self.seats.iter(), self.bases.iter_mut());
-        for row in self.rows.iter_mut() {
-            let (Some(seat), Some(base)) = (seats.next(), bases.next()) else {
-                break;
-            };
-            // The row's reference position: multiples of 1/256, next to where the shaft's has it.
-            let (high, low) = seat.position(u);
-            let mut own = [T::ZERO; 5];
-            for i in 0..5 {
-                own[i] = to_grid(high[i] + low[i]);
-                base[i] = (high[i] - own[i]) + low[i];
-            }
-            within &= row.anchor_at(&own, &seat.offset(base, v));
-        }
-        within
     }
 
     fn loaded(&self) -> u16 {

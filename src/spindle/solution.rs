@@ -8,7 +8,7 @@ use crate::frequencies::Frequencies;
 use crate::limits::{Limit, LimitSet, Limits, Margins};
 use crate::linalg::{Factors, Matrix, add_to, product};
 use crate::motion::Motion;
-use crate::mounting::{Point, Speed};
+use crate::mounting::Speed;
 use crate::pose::{BallMotion, BallState};
 use crate::rating::{LifeRating, RatingLife};
 use crate::ring::{Sum, sum_up};
@@ -62,7 +62,6 @@ pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motio
     pub(super) k: Matrix<T, 5>,
     /// Motion of the sleeve, m.
     pub(super) slide: T,
-    pub(super) points: [Point<T>; R],
     pub(super) solver: &'s SpindleSolver<'s, T, R, N, M, D>,
 }
 
@@ -197,10 +196,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let balls = solver.balls[i].get(..row.azimuths.len());
         View {
             c: row.constants,
-            p: &self.points[i],
+            p: &solver.points[i],
             azimuths: row.azimuths,
             balls: balls.unwrap_or_default(),
-            v: solver.spindle.seats[i].offset(&solver.bases[i], &solver.state.v),
+            v: solver.spindle.seats[i].motion(&solver.state.v),
             speed: self.speed,
             rule: PhantomData,
         }

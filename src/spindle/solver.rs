@@ -1,8 +1,8 @@
 //! The equilibrium of a shaft in its bearings.
 
+use super::Spindle;
 use super::set::Set;
 use super::solution::{SpindleSolution, condensed};
-use super::{Group, Spindle};
 use crate::float::Real;
 use crate::frame::{refer, units};
 use crate::growth::Growth;
@@ -10,10 +10,8 @@ use crate::linalg::norm;
 use crate::motion::{Full, Motion};
 use crate::mounting::{Point, Speed};
 use crate::ring::Row;
-use crate::rows::Stance;
 use crate::solver::{Settings, State, Task, are_finite, input};
 use crate::status::{Quantity, Status};
-use core::array::from_fn;
 
 /// A solver for one spindle: owns it, borrows the bearings' constants, and keeps the state that the next solve starts from.
 ///
@@ -30,11 +28,9 @@ pub struct SpindleSolver<
     pub(super) spindle: Spindle<'b, T, R, N, D>,
     pub(super) state: State<T, D>,
     pub(super) balls: [[M::Ball<T>; N]; R],
-    /// Offsets of the rows from their own reference positions: see [`Set`].
-    pub(super) bases: [[T; 5]; R],
     internal: T,
-    /// Of the last solve, in units of length.
-    growth: [Growth<T>; R],
+    /// Speed, growth and references of every row in the last solve.
+    pub(super) points: [Point<T>; R],
 }
 
 impl<'b, T: Real, const R: usize, const N: usize, const D: usize>
@@ -55,9 +51,10 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             spindle,
             state: State::COLD,
             balls: [[M::Ball::default(); N]; R],
-            bases: [[T::ZERO; 5]; R],
             internal: T::ZERO,
-            growth: [Growth::NONE; R],
+            points: spindle
+                .rows
+                .map(|row| Point::new(row.constants, T::ZERO, T::ZERO, Growth::NONE)),
         }
     }
 
@@ -96,39 +93,33 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         settings: &Settings<T>,
     ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
         let task = self.task(&load, speed, growth, settings.tolerance)?;
-        let points = self.points(speed, task.size);
         let limit = settings.max_iterations.max(1);
         let mut budget = limit;
         let spindle = &self.spindle;
-        let sliding = spindle
-            .sliding
-            .and_then(|group| spindle.stance(&group, true, &points));
-        // Every spindle has rows that are fixed.
-        let fixed = spindle
-            .stance(&spindle.fixed, false, &points)
-            .ok_or(Status::Unloaded)?;
-        let mut balls = self.balls.iter_mut();
-        let mut rows: [Row<'_, T, M::Ball<T>>; R] = from_fn(|i| {
-            let row = &spindle.rows[i];
-            let balls: &mut [M::Ball<T>] = match balls.next() {
-                Some(balls) => balls,
-                None => &mut [],
-            };
-            let count = row.azimuths.len();
-            Row {
-                c: row.constants,
-                p: points[i],
-                azimuths: row.azimuths,
-                balls: balls.get_mut(..count).unwrap_or_default(),
-            }
-        });
+        let (mut mounted, mut balls) = (spindle.rows.iter(), self.balls.iter_mut());
+        let mut rows = self
+            .points
+            .each_mut()
+            .map(|p| match (mounted.next(), balls.next()) {
+                (Some(row), Some(balls)) => Row {
+                    c: row.constants,
+                    p,
+                    azimuths: row.azimuths,
+                    balls: balls.get_mut(..row.azimuths.len()).unwrap_or_default(),
+                },
+                _ => Row {
+                    c: spindle.unit(),
+                    p,
+                    azimuths: &[],
+                    balls: &mut [],
+                },
+            });
         let mut set = Set {
             rows: &mut rows,
             seats: &spindle.seats,
-            bases: &mut self.bases,
             internal: &mut self.internal,
-            fixed,
-            sliding,
+            fixed: spindle.fixed,
+            sliding: spindle.sliding,
             plane: spindle.plane,
             weight: spindle.weight,
         };
@@ -155,7 +146,6 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             } else {
                 T::ZERO
             },
-            points,
             solver: self,
         })
     }
@@ -194,46 +184,19 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             input::omega(row.constants, speed, M::AT_SPEED)?;
             *grown = input::growth(row.constants, growth)?;
         }
-        for (last, grown) in self.growth.iter_mut().zip(grown) {
-            self.state.grow(last, grown);
-        }
-        Ok(task)
-    }
-
-    /// What each row is solved at, under forces of the size `size`.
-    fn points(&self, speed: Speed<T>, size: T) -> [Point<T>; R] {
-        let spindle = &self.spindle;
         let s = if M::AT_SPEED {
             let omega = speed.as_rad_per_s();
-            input::inertia(spindle.unit(), omega, spindle.weight, size)
+            input::inertia(unit, omega, spindle.weight, task.size)
         } else {
             T::ZERO
         };
-        from_fn(|i| {
-            let (c, seat) = (spindle.rows[i].constants, &spindle.seats[i]);
-            let size = size / seat.force;
-            Point::new(c, s * seat.inertia, size, &self.growth[i])
-        })
-    }
-}
-
-impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T, R, N, D> {
-    /// The rows that slide, or those that do not, by the first one.
-    #[inline(never)]
-    fn stance(
-        &self,
-        group: &Group<T>,
-        sliding: bool,
-        points: &[Point<T>; R],
-    ) -> Option<Stance<'b, T>> {
-        let mut rows = self.rows.iter().zip(&self.seats).zip(points);
-        let ((row, seat), p) = rows.find(|((_, seat), _)| seat.sliding == sliding)?;
-        Some(Stance {
-            c: row.constants,
-            p: *p,
-            seat: *seat,
-            balls: group.balls,
-            opposed: group.opposed,
-        })
+        let rows = spindle.rows.iter().zip(&spindle.seats);
+        for ((row, seat), (point, growth)) in rows.zip(self.points.iter_mut().zip(grown)) {
+            self.state.grow(&point.growth, &growth);
+            let size = task.size / seat.force;
+            let axial = seat.axial(&self.state.u);
+            point.set(row.constants, s * seat.inertia, size, growth, axial);
+        }
+        Ok(task)
     }
 }
