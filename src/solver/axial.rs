@@ -1,7 +1,7 @@
 //! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
 
 use super::error::ErrorEstimate;
-use super::{Given, Outcome, Settings, State, Task, input};
+use super::{Given, Settings, State, Task, Time, input};
 use crate::axial::{AxialRest, Centres};
 use crate::body::Body;
 use crate::constants::{Bearing, Constants};
@@ -236,15 +236,16 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             azimuths: self.bearing.azimuths.get(..1).unwrap_or_default(),
             balls: core::slice::from_mut(&mut self.ball),
         };
-        let limit = settings.max_iterations.max(1);
-        let mut budget = limit;
-        let outcome: Outcome<T> = self.state.solve::<_, M::Rule>(&mut row, &task, &mut budget);
-        let answer = self.state.conclude(&row, &[asked], &task, &outcome)?;
+        let mut more = || true;
+        let mut time = Time::new(settings.max_iterations, &mut more);
+        let end = self.state.solve::<_, M::Rule>(&mut row, &task, &mut time);
+        let iterations = time.taken;
+        let answer = self.state.conclude(&row, &[asked], &task, end)?;
         let [load] = answer.load;
         let [displacement] = answer.displacement;
         Ok(AxialSolution {
             status: answer.status,
-            iterations: limit - budget,
+            iterations,
             error: answer.error,
             displacement,
             load: asked.load_or(load * c.balls),

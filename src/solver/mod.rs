@@ -33,7 +33,8 @@ use core::array::from_fn;
 
 pub use axial::{AxialSolution, AxialSolver};
 pub use error::ErrorEstimate;
-pub(crate) use newton::{End, Outcome, Task};
+use newton::Attempt;
+pub(crate) use newton::{End, Task, Time};
 pub use solution::{Snapshot, Solution};
 use start::start;
 
@@ -59,6 +60,7 @@ impl<T: Real> Settings<T> {
     /// iterations in a tick of 1 ms that monitors a pair.
     ///
     /// A solve from nothing mostly takes more iterations: it ends as [`Status::IterationLimit`], and the next call goes on.
+    /// [`Solver::unfinished`] has what a tick without an answer has reached.
     ///
     /// ```
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
@@ -79,11 +81,11 @@ impl<T: Real> Settings<T> {
 }
 
 impl<T: Real> Default for Settings<T> {
-    /// 108 iterations: 8 from the last solution, and 100 from a start; a tolerance of 2e-5 in single and 3e-13 in double
+    /// 100 iterations; a tolerance of 2e-5 in single and 3e-13 in double
     /// precision.
     fn default() -> Self {
         Self {
-            max_iterations: tuning::WARM + 2 * tuning::ATTEMPT,
+            max_iterations: 2 * tuning::ATTEMPT,
             tolerance: T::TOLERANCE,
         }
     }
@@ -169,6 +171,8 @@ pub struct State<T, const D: usize> {
     s: T,
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     weak: bool,
+    /// The last attempt, and how it ended.
+    pub(crate) attempt: Attempt<T, D>,
 }
 
 impl<T: Real, const D: usize> State<T, D> {
@@ -185,6 +189,7 @@ impl<T: Real, const D: usize> State<T, D> {
         size: T::ZERO,
         s: T::ZERO,
         weak: false,
+        attempt: Attempt::NONE,
     };
 
     /// Displacement of the centre.
@@ -228,40 +233,47 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// One solve: from the last solution, if that is near, or from a start.
+    /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
     pub(crate) fn solve<S: Rows<T, D>, R: Rule>(
         &mut self,
         rows: &mut S,
         task: &Task<T, D>,
-        budget: &mut u16,
-    ) -> Outcome<T> {
-        let mut outcome = Outcome::NONE;
+        time: &mut Time<'_>,
+    ) -> End {
         let s = rows.inertia();
+        let mut end = End::Lost;
         if self.is_near(rows, task) {
+            if self.attempt.outcome.end != End::Unfinished {
+                self.attempt.begin(false);
+            }
             let ds = if s > T::ZERO {
                 s / self.s - T::ONE
             } else {
                 T::ZERO
             };
             self.predict(rows.plane(), task, ds);
-            outcome = self.newton::<S, R>(rows, task, ds, tuning::WARM, budget);
+            end = self.newton::<S, R>(rows, task, ds, time);
+        } else {
+            self.attempt.begin(false);
         }
-        if !outcome.end.is_solved() && *budget > 0 {
-            let most = 2 * tuning::ATTEMPT;
-            let is_whole = *budget >= most;
+        let mut is_over = end.is_solved() || end == End::Unfinished || self.attempt.started;
+        if !is_over && !time.is_up {
+            is_over = true;
+            self.attempt.begin(true);
             start::<T, S, R, D>(self, rows, task);
-            outcome = self.newton::<S, R>(rows, task, T::ZERO, most, budget);
-            if outcome.end == End::Unfinished && (is_whole || *budget > 0) {
-                outcome.end = End::Lost;
-            }
+            end = self.newton::<S, R>(rows, task, T::ZERO, time);
         }
+        self.attempt.outcome.end = end;
         self.load = task.load;
-        self.size = task
-            .size
-            .at_least(norm(&self.sum.force))
-            .at_least(rows.internal());
         self.s = s;
-        outcome
+        if is_over {
+            let size = task.size.at_least(norm(&self.sum.force));
+            self.size = size.at_least(rows.internal());
+            return end;
+        }
+        // There was no time for a start: the next solve has one.
+        self.size = T::ZERO;
+        End::Unfinished
     }
 
     /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
@@ -313,16 +325,17 @@ impl<T: Real, const D: usize> State<T, D> {
         &mut self,
         rows: &S,
         task: &Task<T, D>,
-        outcome: &Outcome<T>,
+        end: End,
     ) -> Result<(), Status<T>> {
-        let is_solved = outcome.end.is_solved();
+        let outcome = self.attempt.outcome;
+        let is_solved = end.is_solved();
         if is_solved && outcome.estimate.cos >= T::of(UNSEATED) {
             return Ok(());
         }
         // Contacts more than 90 degrees apart do not hold a ball: that is why. An unfinished step says nothing of it.
         let limit = if is_solved { T::of(UNSEATED) } else { T::ZERO };
         let driven_out = rows.furthest_apart(limit);
-        let status = match (outcome.end, driven_out) {
+        let status = match (end, driven_out) {
             (End::Singular, _) => Status::Indeterminate {
                 loaded_balls: rows.loaded(),
                 free: self.freest(task),
@@ -333,30 +346,16 @@ impl<T: Real, const D: usize> State<T, D> {
                 residual: outcome.residual,
             },
         };
-        if outcome.end != End::Unfinished {
+        if end != End::Unfinished {
             *self = Self::COLD;
         }
         Err(status)
     }
 
-    /// The balls' force on a freedom whose displacement is given: what the tangent says of it after the last step.
-    fn reactions<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>) -> [T; D] {
-        let du = centre_of(rows.plane(), &from_fn(|i| self.v[i] - self.at[i]));
-        from_fn(|i| match task.held[i] {
-            None => task.load[i],
-            Some(_) => self.sum.force[i] + product(&self.sum.k[i], &du),
-        })
-    }
-
-    /// How far the figures of a solution at the displacement `u` can be off.
-    pub(crate) fn errors<S: Rows<T, D>>(
-        &self,
-        rows: &S,
-        outcome: &Outcome<T>,
-        u: &[T; D],
-    ) -> ErrorEstimate<T> {
-        let inertia = rows.inertia() * rows.weight();
-        error::errors(outcome, self, u, self.size + inertia)
+    /// Force on the ring that the tangent sees after the last step.
+    pub(crate) fn force(&self, plane: T) -> [T; D] {
+        let du = centre_of(plane, &from_fn(|i| self.v[i] - self.at[i]));
+        from_fn(|i| self.sum.force[i] + product(&self.sum.k[i], &du))
     }
 
     /// The solution of a bearing, or why there is none.
@@ -365,21 +364,27 @@ impl<T: Real, const D: usize> State<T, D> {
         row: &Row<'_, T, B>,
         given: &[Given<T>; D],
         task: &Task<T, D>,
-        outcome: &Outcome<T>,
+        end: End,
     ) -> Result<Answer<T, D>, Status<T>> {
-        self.refuse(row, task, outcome)?;
+        self.refuse(row, task, end)?;
         let c = row.c;
         let u = self.displacement(c.plane);
         let displacement = displacement_out(c, &u);
-        let load = force_out(c, &self.reactions(row, task));
+        let mut load = self.force(c.plane);
+        for (load, (held, given)) in load.iter_mut().zip(task.held.iter().zip(task.load)) {
+            if held.is_none() {
+                *load = given;
+            }
+        }
+        let load = force_out(c, &load);
         // A tangent of other than numbers makes no undamped step.
         if !(are_finite(&displacement) && are_finite(&load)) {
             *self = Self::COLD;
             return Err(Status::Diverged { residual: T::ONE });
         }
         Ok(Answer {
-            status: outcome.status(),
-            error: self.errors(row, outcome, &u),
+            status: end.status(),
+            error: self.errors(&u, row.p.s * c.balls),
             displacement: from_fn(|i| given[i].displacement_or(displacement[i])),
             load: from_fn(|i| given[i].load_or(load[i])),
         })
@@ -425,6 +430,7 @@ pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize 
     balls: [M::Ball<T>; N],
     /// Speed, growth and references of the last solve.
     point: Point<T>,
+    speed: Speed<T>,
 }
 
 impl<'b, T: Real, const N: usize> Solver<'b, T, N> {
@@ -445,6 +451,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
             state: State::COLD,
             balls: [M::Ball::default(); N],
             point: Point::new(&bearing.constants, T::ZERO, T::ZERO, Growth::NONE),
+            speed: Speed::REST,
         }
     }
 
@@ -484,26 +491,95 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         growth: &Growth<T>,
         settings: &Settings<T>,
     ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
+        self.solve_while(given, speed, growth, settings, || true)
+    }
+
+    /// [`Solver::solve_at`] for as long as there is `more_time`, which is asked after every iteration, and for
+    /// [`Settings::max_iterations`] at most.
+    ///
+    /// A solve that is stopped is [`Status::IterationLimit`]. [`Solver::unfinished`] has what it has reached, and the next solve
+    /// goes on from there towards its own load.
+    ///
+    /// ```
+    /// use spindle_bearing::{Bearing, Design, Given, Growth, Settings, Solver, Speed, Status};
+    ///
+    /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+    /// let (mut solver, speed) = (Solver::new(&BEARING), Speed::rpm(20_000.0));
+    /// let given = [500.0, 100.0, 0.0, 0.0, 1.0].map(Given::Load);
+    /// // On a board: a timer that runs out.
+    /// let mut left = 4;
+    /// let more_time = || {
+    ///     left -= 1;
+    ///     left > 0
+    /// };
+    /// let stopped = solver.solve_while(&given, speed, &Growth::NONE, &Settings::default(), more_time);
+    /// assert!(stopped.is_err_and(|status| status == Status::IterationLimit));
+    /// let reached = solver.unfinished().ok_or("nothing yet")?;
+    /// assert!(reached.status == Status::IterationLimit && reached.error.stiffness < 0.5);
+    /// assert!(solver.solve_at(&given, speed, &Growth::NONE, &Settings::default()).is_ok());
+    /// # Ok::<(), &str>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`Solver::solve`].
+    pub fn solve_while(
+        &mut self,
+        given: &[Given<T>; D],
+        speed: Speed<T>,
+        growth: &Growth<T>,
+        settings: &Settings<T>,
+        mut more_time: impl FnMut() -> bool,
+    ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
         let task = self.task(given, speed, growth, settings.tolerance)?;
-        let limit = settings.max_iterations.max(1);
-        let mut budget = limit;
+        let mut time = Time::new(settings.max_iterations, &mut more_time);
         let mut row = Row {
             c: &self.bearing.constants,
             p: &mut self.point,
             azimuths: &self.bearing.azimuths,
             balls: &mut self.balls,
         };
-        let outcome = self.state.solve::<_, M::Rule>(&mut row, &task, &mut budget);
-        let answer = self.state.conclude(&row, given, &task, &outcome)?;
+        let end = self.state.solve::<_, M::Rule>(&mut row, &task, &mut time);
+        let iterations = time.taken;
+        let answer = self.state.conclude(&row, given, &task, end)?;
         Ok(Solution {
             status: answer.status,
-            iterations: limit - budget,
+            iterations,
             error: answer.error,
             displacement: answer.displacement,
             load: answer.load,
             speed,
             solver: self,
         })
+    }
+
+    /// What a solve has reached that ended as [`Status::IterationLimit`], marked with this status. None after any other end, and
+    /// where figures are not finite.
+    ///
+    /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
+    /// of the stiffness is 1 or more, nothing is known of it. The table of a cut is in `docs/firmware.md`.
+    pub fn unfinished(&self) -> Option<Solution<'_, T, N, M, D>> {
+        let attempt = &self.state.attempt;
+        if attempt.outcome.end != End::Unfinished {
+            return None;
+        }
+        let c = &self.bearing.constants;
+        let u = self.state.displacement(c.plane);
+        let solution = Solution {
+            status: attempt.outcome.end.status(),
+            iterations: attempt.taken,
+            error: self.state.errors(&u, self.point.s * c.balls),
+            displacement: displacement_out(c, &u),
+            load: force_out(c, &self.state.force(c.plane)),
+            speed: self.speed,
+            solver: self,
+        };
+        let is_finite = solution.error.is_finite()
+            && are_finite(&solution.displacement)
+            && are_finite(&solution.load)
+            && solution.stiffness().iter().all(|row| are_finite(row));
+        is_finite.then_some(solution)
     }
 
     /// Checks the input, and turns it into the solver's units.
@@ -541,6 +617,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         };
         self.state.grow(&self.point.growth, &growth);
         self.point.set(c, s, size, growth, self.state.u[0]);
+        self.speed = speed;
         Ok(task)
     }
 }

@@ -73,9 +73,9 @@ pub enum End {
     Rounded,
     /// The balls leave the ring free to move in some direction.
     Singular,
-    /// Not within the iterations.
+    /// The time was up.
     Unfinished,
-    /// A figure is not a number, or a start has had its iterations and led to no equilibrium.
+    /// A figure is not a number, or the attempt has had its iterations and led to no equilibrium.
     Lost,
 }
 
@@ -84,10 +84,92 @@ impl End {
     pub const fn is_solved(self) -> bool {
         matches!(self, Self::Converged | Self::Rounded)
     }
+
+    /// The status of a solution, or of what an unfinished attempt has reached.
+    pub const fn status<T>(self) -> Status<T> {
+        match self {
+            Self::Rounded => Status::PrecisionLimit,
+            Self::Unfinished => Status::IterationLimit,
+            _ => Status::Converged,
+        }
+    }
+}
+
+/// How long a solve may go on.
+pub struct Time<'a> {
+    /// Most iterations, and those taken.
+    most: u16,
+    pub taken: u16,
+    /// Asked after every pass over the balls.
+    more: &'a mut dyn FnMut() -> bool,
+    /// There is no more.
+    pub is_up: bool,
+}
+
+impl<'a> Time<'a> {
+    /// At least one iteration.
+    pub fn new(most: u16, more: &'a mut dyn FnMut() -> bool) -> Self {
+        Self {
+            most,
+            taken: 0,
+            more,
+            is_up: false,
+        }
+    }
+
+    /// Takes an iteration; whether it was the last one.
+    fn spend(&mut self) -> bool {
+        self.taken += 1;
+        self.is_up = self.taken >= self.most || !(self.more)();
+        self.is_up
+    }
+}
+
+/// An attempt at an equilibrium, from the last solution or from a start, over several calls if need be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attempt<T, const D: usize> {
+    /// It began with a start.
+    pub started: bool,
+    /// Iterations so far.
+    pub taken: u16,
+    pub outcome: Outcome<T>,
+    control: Control<T, D>,
+    /// After the last pass, the step before it was taken back.
+    back: bool,
+}
+
+impl<T: Real, const D: usize> Attempt<T, D> {
+    /// None.
+    pub const NONE: Self = Self {
+        started: false,
+        taken: 0,
+        outcome: Outcome::NONE,
+        control: Control {
+            radius: T::ONE,
+            least: T::ONE,
+            last: None,
+        },
+        back: false,
+    };
+
+    /// Begins one.
+    pub fn begin(&mut self, started: bool) {
+        (self.started, self.taken, self.back) = (started, 0, false);
+        self.outcome = Outcome::NONE;
+        self.control.radius = T::of(L0 * tuning::FIRST_RADIUS);
+        self.control.least = T::of(tuning::DAMPING);
+        self.control.last = None;
+    }
+
+    /// It has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near.
+    fn is_used_up(&self) -> bool {
+        self.taken >= 2 * tuning::ATTEMPT
+            || (self.taken > tuning::ATTEMPT && self.outcome.residual > T::of(tuning::ROUGH))
+    }
 }
 
 /// What the loop hands on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome<T> {
     pub end: End,
     pub estimate: Estimate<T>,
@@ -114,17 +196,9 @@ impl<T: Real> Outcome<T> {
         rounding(largest, v).at_most(most) * forces.at_least(T::ONE)
     }
 
-    /// The status of a solution.
-    pub const fn status(&self) -> Status<T> {
-        match self.end {
-            End::Rounded => Status::PrecisionLimit,
-            _ => Status::Converged,
-        }
-    }
-
     /// Before the first iteration.
     pub const NONE: Self = Self {
-        end: End::Unfinished,
+        end: End::Lost,
         estimate: Estimate {
             k: T::ONE,
             most: T::ONE,
@@ -138,6 +212,7 @@ impl<T: Real> Outcome<T> {
 }
 
 /// A step of the ring, referred to the bearing centre, and the work that the unbalanced force before it was to do.
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Step<T, const D: usize> {
     du: [T; D],
     work: T,
@@ -145,6 +220,7 @@ struct Step<T, const D: usize> {
 }
 
 /// Step control: how long a step may be, and how strongly it is damped at least.
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Control<T, const D: usize> {
     radius: T,
     least: T,
@@ -152,14 +228,6 @@ struct Control<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Control<T, D> {
-    const fn new(radius: T, least: T) -> Self {
-        Self {
-            radius,
-            least,
-            last: None,
-        }
-    }
-
     /// Looks at what the last step has made of the unbalanced force `r`; what of it is to be taken back, if anything.
     ///
     /// A residual of rounding rejects no step. `rounded(part)`: rounding, capped at this part of a ball's force, explains the
@@ -275,14 +343,18 @@ impl<T: Real, const D: usize> State<T, D> {
     ) -> ([T; D], T, bool) {
         let mut damping = T::ZERO;
         loop {
-            self.factor(task, damping);
+            if damping > T::ZERO || !self.plain {
+                self.factor(task, damping);
+            }
             let du = self.resolve(plane, task, r, damping);
             let length = norm(&du);
             if !(damping > T::ZERO) {
                 self.weak = self.factors.is_weak();
             }
             if self.factors.least > T::ZERO && length <= radius {
-                return (du, length, damping > T::ZERO);
+                let damped = damping > T::ZERO;
+                self.plain = task.is_free() && !damped;
+                return (du, length, damped);
             }
             if damping > T::ZERO {
                 damping = T::of(tuning::DAMPING_GROWTH) * damping;
@@ -299,93 +371,117 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// Moves shaft and balls to where the last linearisation sees them under the task's load.
+    /// Moves the shaft to where the last linearisation sees it under the task's load, from where a solution or an unfinished
+    /// attempt has left it.
     ///
     /// `ds` is the relative change of `omega^2`.
     pub fn predict(&mut self, plane: T, task: &Task<T, D>, ds: T) {
+        if self.attempt.back {
+            return;
+        }
         self.v = self.at;
         let r = self.unbalanced(task, ds);
-        if !(task.is_free() && self.plain) {
-            self.factor(task, T::ZERO);
-        }
-        let du = self.resolve(plane, task, &r, T::ZERO);
+        let Control { radius, least, .. } = self.attempt.control;
+        let is_first = self.attempt.taken == 0;
+        let radius = if is_first {
+            T::ONE / T::TINY.sqrt()
+        } else {
+            radius
+        };
+        let (du, _, damped) = self.step(plane, task, &r, radius, least);
+        let work = product(&r, &du);
+        self.attempt.control.last = (!is_first).then_some(Step { du, work, damped });
         self.advance(plane_of(plane, &du));
     }
 
-    /// Newton's method from where ring and balls are, for at most as many iterations as `budget` has left.
-    ///
-    /// It gives up after `most` iterations, or after more than [`tuning::ATTEMPT`] where the balance is not near.
+    /// Newton's method from where ring and balls are, until an end, or until the time is up.
     pub fn newton<S: Rows<T, D>, R: Rule>(
         &mut self,
         rows: &mut S,
         task: &Task<T, D>,
         mut ds: T,
-        most: u16,
-        budget: &mut u16,
-    ) -> Outcome<T> {
+        time: &mut Time<'_>,
+    ) -> End {
         let plane = rows.plane();
-        let mut control = Control::new(T::of(L0 * tuning::FIRST_RADIUS), T::of(tuning::DAMPING));
-        let mut outcome = Outcome::NONE;
-        let mut taken = 0;
-        while *budget > 0 && taken < most {
-            if taken > tuning::ATTEMPT && outcome.residual > T::of(tuning::ROUGH) {
-                break;
-            }
-            *budget -= 1;
-            taken += 1;
+        while !self.attempt.is_used_up() {
             let near = rows.condense::<R>(&self.v, ds);
             rows.sum(&mut self.sum);
-            (self.at, self.correct) = (self.v, false);
+            (self.at, self.correct, self.plain) = (self.v, false, false);
             ds = T::ZERO;
+            let is_last = time.spend();
+            self.attempt.taken += 1;
 
             let r = self.unbalanced(task, T::ZERO);
             let mut size = task.size.at_least(rows.internal());
             if !task.is_free() {
                 size = size.at_least(norm(&self.sum.force));
             }
-            let before = outcome;
-            outcome.residual = norm(&r) / size.at_least(T::TINY);
-            if !outcome.residual.is_finite() {
+            let before = self.attempt.outcome;
+            let residual = norm(&r) / size.at_least(T::TINY);
+            if !residual.is_finite() {
                 // No figure that is not a number is handed on.
-                outcome.residual = T::ONE;
-                outcome.end = End::Lost;
-                break;
+                self.attempt.outcome.residual = T::ONE;
+                return End::Lost;
             }
-            let Outcome { residual, .. } = outcome;
+            self.attempt.outcome.residual = residual;
             let stalled = !(residual < T::of(0.5) * before.residual);
             let at = self.at;
             let rounded = |most| stalled && residual < before.rounding(rows, task, &at, most);
-            if let Some(back) = control.review(&r, task.enough(), rounded) {
-                self.advance(plane_of(plane, &back));
+            let control = &mut self.attempt.control;
+            let back = control.review(&r, task.enough(), rounded);
+            let Control { radius, least, .. } = *control;
+            self.attempt.back = back.is_some();
+            if let Some(back) = back {
+                let planar = plane_of(plane, &back);
+                self.advance(planar);
+                if is_last {
+                    self.look(rows, &planar, near);
+                    break;
+                }
                 continue;
             }
-            let (du, length, damped) = self.step(plane, task, &r, control.radius, control.least);
-            self.plain = task.is_free() && !damped;
+            let (du, length, damped) = self.step(plane, task, &r, radius, least);
             let planar = plane_of(plane, &du);
-            // A step that is to move the balance by so much changes the stiffness, too: no need to look.
-            let far = outcome.residual > task.far();
-            if !far {
-                outcome.estimate = Estimate::of(&rows.changes(&planar), &self.sum.k);
-            }
-            outcome.step = length;
+            self.attempt.outcome.step = length;
             self.advance(planar);
+            // A step that is to move the balance by so much changes the stiffness, too: no need to look.
+            let far = residual > task.far();
+            if !far || is_last {
+                self.look(rows, &planar, near && is_last);
+            }
             let work = product(&r, &du);
             if damped {
                 // In balance, and no damping is too small to be followed further.
-                let stays = control.least < T::EPSILON || !(work > T::ZERO);
+                let stays = least < T::EPSILON || !(work > T::ZERO);
                 if stays && self.weak && rounded(task.enough()) {
-                    outcome.end = End::Singular;
-                    break;
+                    return End::Singular;
                 }
-            } else if near && !far && self.is_done(rows, task, &mut outcome, &before) {
-                if self.weak || (outcome.end == End::Rounded && !task.is_held_by(rows)) {
-                    outcome.end = End::Singular;
+            } else if near && !far {
+                match self.verdict(rows, task, &before) {
+                    End::Unfinished => {}
+                    End::Rounded if !task.is_held_by(rows) => return End::Singular,
+                    _ if self.weak => return End::Singular,
+                    end => return end,
                 }
+            }
+            self.attempt.control.last = Some(Step { du, work, damped });
+            if is_last {
                 break;
             }
-            control.last = Some(Step { du, work, damped });
         }
-        outcome
+        if self.attempt.is_used_up() {
+            End::Lost
+        } else {
+            End::Unfinished
+        }
+    }
+
+    /// Estimates how far the step `planar` changes the stiffness; whether that is to follow it, if it `may`.
+    #[inline(always)]
+    fn look<S: Rows<T, D>>(&mut self, rows: &S, planar: &[T; D], may: bool) {
+        let estimate = Estimate::of(&rows.changes(planar), &self.sum.k);
+        self.correct = may && estimate.corrected() < estimate.k;
+        self.attempt.outcome.estimate = estimate;
     }
 
     /// Whether rounding makes what is unbalanced, and what the step leaves of the balls' forces: rounding of a force, and of
@@ -399,33 +495,31 @@ impl<T: Real, const D: usize> State<T, D> {
             && outcome.residual < outcome.rounding(rows, task, &self.at, T::ONE)
     }
 
-    /// Whether the last step was small enough; if so, how the loop ends.
-    fn is_done<S: Rows<T, D>>(
+    /// How the loop ends with the last step, if that was small enough.
+    fn verdict<S: Rows<T, D>>(
         &mut self,
         rows: &mut S,
         task: &Task<T, D>,
-        outcome: &mut Outcome<T>,
         before: &Outcome<T>,
-    ) -> bool {
+    ) -> End {
+        let outcome = self.attempt.outcome;
         let Estimate { k, most, force, .. } = outcome.estimate;
         let enough = task.enough();
         let half = T::of(0.5);
         let stalled = k > half * before.estimate.k && !(outcome.residual < half * before.residual);
-        // The correction of the stiffness along the step leaves what is of second order, and a small part of the first.
-        let corrected = k * (most + T::of(tuning::CORRECTED));
+        let corrected = outcome.estimate.corrected();
         if corrected <= task.tolerance && force <= enough {
-            if k > task.tolerance {
-                self.correct = true;
-                outcome.estimate.k = corrected;
+            self.correct = k > task.tolerance;
+            if self.correct {
+                self.attempt.outcome.estimate.k = corrected;
             }
-            outcome.end = End::Converged;
-        } else if stalled && most < T::of(tuning::ROUGH) && self.is_rounded(rows, task, outcome) {
+            End::Converged
+        } else if stalled && most < T::of(tuning::ROUGH) && self.is_rounded(rows, task, &outcome) {
             // Such a step may lead far along a weak direction: the answer is where the balance was seen.
-            self.v = self.at;
-            outcome.end = End::Rounded;
+            (self.v, self.correct) = (self.at, false);
+            End::Rounded
         } else {
-            return false;
+            End::Unfinished
         }
-        true
     }
 }

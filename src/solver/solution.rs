@@ -21,7 +21,7 @@ use core::marker::PhantomData;
 ///
 /// See [`Solver`] for an example, and [`Solution::motions`] for the balls.
 pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
-    /// How the solve ended: `Converged` or `PrecisionLimit`.
+    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of [`Solver::unfinished`].
     pub status: Status<T>,
     /// Iterations, those of starts included.
     pub iterations: u16,

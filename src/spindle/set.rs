@@ -5,7 +5,7 @@ use crate::float::Real;
 use crate::frame::{refer, refer_stiffness};
 use crate::kinematics::Rule;
 use crate::linalg::Matrix;
-use crate::ring::{Changes, Row, Sum, stiffening, sum_up};
+use crate::ring::{Changes, Row, Sum, sum_up};
 use crate::rows::{Rows, Seat, Stance};
 use crate::spindle::Group;
 
@@ -33,7 +33,11 @@ impl<T: Real> Seat<T> {
 
     /// Adds the stiffness of a row, or its change, about the shaft's centre.
     #[inline(never)]
-    fn add_stiffness<const D: usize>(&self, sum: &mut Matrix<T, D>, own: &mut Matrix<T, 5>) {
+    pub(super) fn add_stiffness<const D: usize>(
+        &self,
+        sum: &mut Matrix<T, D>,
+        own: &mut Matrix<T, 5>,
+    ) {
         let mirror = self.mirror();
         refer_stiffness(self.reach, own);
         let unit = self.force * self.length;
@@ -63,20 +67,6 @@ pub struct Set<'a, 'b, T, B> {
     /// Position of the groove plane, and number of balls weighted with their inertia.
     pub plane: T,
     pub weight: T,
-}
-
-impl<T: Real, B: Body<T>> Set<'_, '_, T, B> {
-    /// Change of the stiffness along the motion to `v` from where the balls were condensed, referred to the centre.
-    pub fn stiffening<const D: usize>(&self, v: &[T; D]) -> Matrix<T, D> {
-        let mut change = [[T::ZERO; D]; D];
-        let mut seats = self.seats.iter();
-        for row in self.rows.iter() {
-            let Some(seat) = seats.next() else { break };
-            let mut own = stiffening(row.p, row.balls, row.azimuths, &seat.motion(v));
-            seat.add_stiffness(&mut change, &mut own.k);
-        }
-        change
-    }
 }
 
 impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {

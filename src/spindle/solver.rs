@@ -4,14 +4,15 @@ use super::Spindle;
 use super::set::Set;
 use super::solution::{SpindleSolution, condensed};
 use crate::float::Real;
-use crate::frame::{refer, units};
+use crate::frame::{force_out, refer, units};
 use crate::growth::Growth;
-use crate::linalg::norm;
+use crate::linalg::{Matrix, norm};
 use crate::motion::{Full, Motion};
 use crate::mounting::{Point, Speed};
-use crate::ring::Row;
-use crate::solver::{Settings, State, Task, are_finite, input};
+use crate::ring::{Row, stiffening};
+use crate::solver::{End, Settings, State, Task, Time, are_finite, input};
 use crate::status::{Quantity, Status};
+use core::array::from_fn;
 
 /// A solver for one spindle: owns it, borrows the bearings' constants, and keeps the state that the next solve starts from.
 ///
@@ -31,6 +32,7 @@ pub struct SpindleSolver<
     internal: T,
     /// Speed, growth and references of every row in the last solve.
     pub(super) points: [Point<T>; R],
+    speed: Speed<T>,
 }
 
 impl<'b, T: Real, const R: usize, const N: usize, const D: usize>
@@ -49,6 +51,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     pub fn of(spindle: Spindle<'b, T, R, N, D>) -> Self {
         Self {
             spindle,
+            speed: Speed::REST,
             state: State::COLD,
             balls: [[M::Ball::default(); N]; R],
             internal: T::ZERO,
@@ -92,9 +95,24 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         growth: &[Growth<T>; R],
         settings: &Settings<T>,
     ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
+        self.solve_while(load, speed, growth, settings, || true)
+    }
+
+    /// [`SpindleSolver::solve_at`] for as long as there is `more_time`, as [`Solver::solve_while`](crate::Solver::solve_while).
+    ///
+    /// # Errors
+    ///
+    /// As for [`SpindleSolver::solve`].
+    pub fn solve_while(
+        &mut self,
+        load: [T; 5],
+        speed: Speed<T>,
+        growth: &[Growth<T>; R],
+        settings: &Settings<T>,
+        mut more_time: impl FnMut() -> bool,
+    ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
         let task = self.task(&load, speed, growth, settings.tolerance)?;
-        let limit = settings.max_iterations.max(1);
-        let mut budget = limit;
+        let mut time = Time::new(settings.max_iterations, &mut more_time);
         let spindle = &self.spindle;
         let (mut mounted, mut balls) = (spindle.rows.iter(), self.balls.iter_mut());
         let mut rows = self
@@ -123,31 +141,73 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             plane: spindle.plane,
             weight: spindle.weight,
         };
-        let outcome = self.state.solve::<_, M::Rule>(&mut set, &task, &mut budget);
-        self.state.refuse(&set, &task, &outcome)?;
-        let u = self.state.displacement(spindle.plane);
-        let error = self.state.errors(&set, &outcome, &u);
-        let displacement = spindle.displacement(&u);
-        if !are_finite(&displacement) {
+        let end = self.state.solve::<_, M::Rule>(&mut set, &task, &mut time);
+        let iterations = time.taken;
+        self.state.refuse(&set, &task, end)?;
+        if !are_finite(&self.displacement()) {
             self.state = State::COLD;
             return Err(Status::Diverged { residual: T::ONE });
         }
-        let k = self.state.stiffness(|v| set.stiffening(v));
-        Ok(SpindleSolution {
-            status: outcome.status(),
-            iterations: limit - budget,
-            error,
-            displacement,
+        Ok(self.solution(iterations, load))
+    }
+
+    /// What a solve has reached that ended as [`Status::IterationLimit`]: as
+    /// [`Solver::unfinished`](crate::Solver::unfinished).
+    pub fn unfinished(&self) -> Option<SpindleSolution<'_, T, R, N, M, D>> {
+        let attempt = &self.state.attempt;
+        if attempt.outcome.end != End::Unfinished {
+            return None;
+        }
+        let spindle = &self.spindle;
+        let force = self.state.force(spindle.plane);
+        let mut load = force_out(spindle.unit(), &from_fn(|i| force[i]));
+        refer(spindle.centre, &mut load);
+        let solution = self.solution(attempt.taken, load);
+        let is_finite = solution.error.is_finite()
+            && are_finite(&solution.displacement)
+            && are_finite(&solution.load)
+            && solution.k.iter().all(|row| are_finite(row));
+        is_finite.then_some(solution)
+    }
+
+    /// Displacement of the shaft at `x = 0`, SI.
+    fn displacement(&self) -> [T; 5] {
+        let u = self.state.displacement(self.spindle.plane);
+        self.spindle.displacement(&u)
+    }
+
+    /// Where the state is.
+    fn solution(&self, iterations: u16, load: [T; 5]) -> SpindleSolution<'_, T, R, N, M, D> {
+        let (spindle, state) = (&self.spindle, &self.state);
+        let u = state.displacement(spindle.plane);
+        let inertia = self.points.first().map_or(T::ZERO, |point| point.s) * spindle.weight;
+        SpindleSolution {
+            status: state.attempt.outcome.end.status(),
+            iterations,
+            error: state.errors(&u, inertia),
+            displacement: self.displacement(),
             load,
-            speed,
-            k: condensed(&k),
+            speed: self.speed,
+            k: condensed(&state.stiffness(|v| self.stiffening(v))),
             slide: if D == 6 {
                 u[5] * spindle.unit().length
             } else {
                 T::ZERO
             },
             solver: self,
-        })
+        }
+    }
+
+    /// Change of the stiffness along the motion to `v` from where the balls were condensed, referred to the centre.
+    fn stiffening(&self, v: &[T; D]) -> Matrix<T, D> {
+        let mut change = [[T::ZERO; D]; D];
+        let rows = self.spindle.rows.iter().zip(&self.spindle.seats);
+        for ((row, seat), (point, balls)) in rows.zip(self.points.iter().zip(&self.balls)) {
+            let balls = balls.get(..row.azimuths.len()).unwrap_or_default();
+            let mut own = stiffening(point, balls, row.azimuths, &seat.motion(v));
+            seat.add_stiffness(&mut change, &mut own.k);
+        }
+        change
     }
 
     /// Checks the input, and turns it into the solver's units. Takes note of the growth.
@@ -197,6 +257,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             let axial = seat.axial(&self.state.u);
             point.set(row.constants, s * seat.inertia, size, growth, axial);
         }
+        self.speed = speed;
         Ok(task)
     }
 }

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most iterations a solve may take: the limit of the default settings.
-const MOST_ITERATIONS: u16 = 108;
+const MOST_ITERATIONS: u16 = 100;
 
 /// Beyond this error in displacement, forces or stiffness, an answer may be another equilibrium than the one it was
 /// compared with: it is judged from its own balls as well.

@@ -35,4 +35,5 @@ mod telemetry;
 mod textbook;
 mod thresholds;
 mod truth;
+mod unfinished;
 mod validation;
