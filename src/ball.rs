@@ -471,7 +471,7 @@ mod tests {
         assert!(p.is_at_speed());
         let mut ball = Ball::default();
         ball.start(p.low);
-        place::<f64, RacewayControlFree>(&mut ball, c, &p);
+        place::<f64, RacewayControlFree>(&mut ball, c, &p, &mut 48);
         at(&mut ball, &p, p.low);
         (ball, p)
     }

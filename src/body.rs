@@ -136,7 +136,16 @@ pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
 
     /// Follows the groove's centre to `a` and a relative change `ds` of `omega^2`, and condenses the ball there; whether it
     /// is near its balance.
-    fn condense<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>, a: Pair<T>, ds: T) -> bool;
+    ///
+    /// A ball far from its balance takes of the steps that are `left` in this pass, and goes on in the next one.
+    fn condense<R: Rule>(
+        &mut self,
+        c: &Constants<T>,
+        p: &Point<T>,
+        a: Pair<T>,
+        ds: T,
+        left: &mut u16,
+    ) -> bool;
 
     /// What it hands to the ring where it was condensed.
     fn share(&self) -> &Share<T>;

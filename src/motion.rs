@@ -6,7 +6,7 @@ use super::constants::Constants;
 use super::kinematics::{Frictionless, Rule};
 use super::linalg::Pair;
 use super::mounting::Point;
-use super::place::place;
+use super::place;
 use super::pose::Pose;
 use super::static_ball::StaticBall;
 use super::tuning;
@@ -57,6 +57,9 @@ impl<A: Rule> Motion for Full<A> {
     type Rule = A;
 }
 
+/// Steps of placing a ball that its own step costs as much as.
+const OWN: u16 = 2;
+
 impl<T: Real> Body<T> for Ball<T> {
     const AT_SPEED: bool = true;
 
@@ -65,12 +68,20 @@ impl<T: Real> Body<T> for Ball<T> {
     }
 
     fn place<R: Rule>(&mut self, c: &Constants<T>, p: &mut Point<T>) {
-        place::<T, R>(self, c, p);
+        let mut left = place::ALONE;
+        place::place::<T, R>(self, c, p, &mut left);
         self.x = p.move_outer(c, self.x);
     }
 
     #[inline(always)]
-    fn condense<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>, a: Pair<T>, ds: T) -> bool {
+    fn condense<R: Rule>(
+        &mut self,
+        c: &Constants<T>,
+        p: &Point<T>,
+        a: Pair<T>,
+        ds: T,
+        left: &mut u16,
+    ) -> bool {
         self.advance(a, ds);
         if !p.is_at_speed() {
             self.condense_held(c, p);
@@ -83,13 +94,14 @@ impl<T: Real> Body<T> for Ball<T> {
             if balance.is_within(tuning::PLACE) || balance.is_below(p.negligible) {
                 return true;
             }
-            if tries == 2 {
+            if tries == 2 || *left == 0 {
                 return false;
             }
             if tries == 0 {
                 self.advance(a, T::ZERO);
+                *left = left.saturating_sub(OWN);
             } else {
-                place::<T, R>(self, c, p);
+                place::place::<T, R>(self, c, p, left);
             }
             tries += 1;
         }

@@ -50,9 +50,14 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
     x
 }
 
+/// Steps for a ball that is placed alone, in a start.
+pub const ALONE: u16 = 48;
+
 /// Places the ball next to its equilibrium, from where it is or from the chain, whichever has less energy.
+///
+/// It takes of the steps that are `left`; without one, it stays on its way.
 #[inline(never)]
-pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T>) {
+pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T>, left: &mut u16) {
     let half = T::of(0.5) * (T::ONE - c.tau * c.n0[1]);
     let fc = p.s * half * half;
     // Without the ball's own place, which may be lost to it.
@@ -68,7 +73,7 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
     if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
         (ball.x, pose) = (kept, here);
     }
-    for _ in 0..12 {
+    while *left > 0 {
         let loads = pose.loads();
         let (f, m) = pose.forces();
         let r = add(f, loads);
@@ -86,6 +91,7 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
         for _ in 0..4 {
             ball.x = add(from, step);
             pose = ball.pose::<R>(c, p);
+            *left = left.saturating_sub(1);
             if dot(add(pose.forces().0, loads), step) >= -before {
                 break;
             }

@@ -8,6 +8,7 @@ use super::constants::{Azimuth, Constants};
 use super::kinematics::Rule;
 use super::linalg::{Matrix, Pair, add};
 use super::mounting::Point;
+use super::tuning;
 use crate::float::Real;
 
 /// Force of the balls on the ring, its slopes by the ring's displacement and by the relative change of `omega^2`.
@@ -183,11 +184,12 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     #[inline(never)]
     pub fn condense_balls<R: Rule>(&mut self, v: &[T; 5], ds: T) -> bool {
         let mut near = true;
+        let mut left = tuning::PLACING * self.balls.len() as u16 / 2;
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter_mut() {
             let Some(at) = azimuths.next() else { break };
             let a = groove(self.p, v, at);
-            near &= ball.condense::<R>(self.c, self.p, a, ds);
+            near &= ball.condense::<R>(self.c, self.p, a, ds, &mut left);
         }
         near
     }

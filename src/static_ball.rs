@@ -53,7 +53,14 @@ impl<T: Real> Body<T> for StaticBall<T> {
     fn place<R: Rule>(&mut self, _: &Constants<T>, _: &mut Point<T>) {}
 
     #[inline(always)]
-    fn condense<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>, a: Pair<T>, _: T) -> bool {
+    fn condense<R: Rule>(
+        &mut self,
+        c: &Constants<T>,
+        p: &Point<T>,
+        a: Pair<T>,
+        _: T,
+        _: &mut u16,
+    ) -> bool {
         self.a = a;
         let contact = self.contact(c, p);
         self.share = share_of(&contact);
