@@ -1,4 +1,4 @@
-//! A ball at speed: linearised at its present place, and condensed into what it hands to the ring.
+//! A ball: linearised at its present place, and condensed into what it hands to the ring.
 //!
 //! `V = A - X` and `X` are the vectors along the inner and the outer contact, `n` and `t` the contacts' normals and
 //! tangents. The ball's residual is
@@ -8,6 +8,9 @@
 //! The pass works along the normal and tangent of the inner contact, where half of the derivatives are single numbers.
 //! `B = dr/dV` and `M = -dr/dX` (at fixed `A`) give the Newton step `z = M^-1 r` and its slope by the groove's centre
 //! `D = M^-1 B`. The ring sees the force `f = Qi ni + Ti ti` after that step, and the slope `H = df/dA` along it.
+//!
+//! At rest the grooves' centres and the ball's are collinear, and both contacts in series are one between the grooves'
+//! centres: `Q = Kn (|A| - L0)^(3/2)`.
 //!
 //! Positions are a reference, whose deformations are known to twice the working precision, plus a small offset:
 //! `|X|^2 - lo^2 = e + (2 Xr + x).x`, so that a deformation keeps the digits that a difference of lengths would lose.
@@ -21,8 +24,13 @@ use super::linalg::{
     Matrix2, Pair, add, dot, dots, product2, scale, sub, times, times_transposed, turn,
 };
 use super::mounting::Point;
+use super::place::place;
 use super::pose::Pose;
+use super::tuning;
 use crate::float::Real;
+
+/// Steps of placing a ball that its own step costs as much as.
+const OWN: u16 = 2;
 
 /// What is remembered of a ball.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -126,7 +134,7 @@ impl<T: Real> Ball<T> {
 
     /// The ball at speed, where it is.
     #[inline(never)]
-    pub fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>) -> Pose<T> {
+    pub fn pose_here<R: Rule>(&self, c: &Constants<T>, p: &Point<T>) -> Pose<T> {
         let inner = Contact::at(&p.inner, self.inner_offset(), p.li, c.ki);
         let outer = Contact::at(&p.outer, self.x, p.lo, T::ONE);
         Pose::at_speed::<R>(inner, outer, c, p)
@@ -147,11 +155,13 @@ impl<T: Real> Ball<T> {
     }
 
     /// Condenses the ball at rest, in closed form.
-    #[inline(never)]
-    pub fn condense_held(&mut self, c: &Constants<T>, p: &Point<T>) {
+    #[inline(always)]
+    fn condense_at_rest<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) {
         let contact = Self::in_series(c, p, self.a);
         self.share = share_of(&contact);
-        self.hold();
+        if R::INERTIA {
+            self.hold();
+        }
         self.n = contact.n;
         // One contact between the ring and what stays in place.
         self.local = Local {
@@ -165,12 +175,89 @@ impl<T: Real> Ball<T> {
         };
     }
 
+    /// Follows the groove's centre to `a` and a relative change `ds` of `omega^2`, and condenses the ball there; whether it
+    /// is near its balance.
+    ///
+    /// A ball far from its balance takes of the steps that are `left` in this pass, and goes on in the next one.
+    #[inline(always)]
+    pub fn condense<R: Rule>(
+        &mut self,
+        c: &Constants<T>,
+        p: &Point<T>,
+        a: Pair<T>,
+        ds: T,
+        left: &mut u16,
+    ) -> bool {
+        if !R::INERTIA {
+            self.a = a;
+            self.condense_at_rest::<R>(c, p);
+            return true;
+        }
+        self.advance(a, ds);
+        if !p.is_at_speed() {
+            self.stop::<R>(c, p);
+            return true;
+        }
+        // Its own Newton step first, where that is likely to do; then it is placed.
+        let mut tries = 0;
+        loop {
+            let balance = self.linearise::<R>(c, p);
+            if balance.is_within(tuning::PLACE) || balance.is_below(p.negligible) {
+                return true;
+            }
+            if tries == 2 || *left == 0 {
+                return false;
+            }
+            if tries == 0 {
+                self.advance(a, T::ZERO);
+                *left = left.saturating_sub(OWN);
+            } else {
+                place::<T, R>(self, c, p, left);
+            }
+            tries += 1;
+        }
+    }
+
+    /// [`Self::condense_at_rest`], by a call.
+    #[inline(never)]
+    fn stop<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) {
+        self.condense_at_rest::<R>(c, p);
+    }
+
+    /// The ball when the groove's centre is at `a`.
+    // In line, so that whoever looks at a ball has what it looks at in registers.
+    #[inline(always)]
+    pub fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
+        if R::INERTIA && p.is_at_speed() {
+            self.pose_for::<R>(c, p, a)
+        } else {
+            Pose::at_rest(c, &Self::in_series(c, p, a))
+        }
+    }
+
+    /// It carries a force that makes a difference to the ring.
+    // By a call: the loop over the balls is unrolled.
+    #[inline(never)]
+    pub fn carries(&self, p: &Point<T>) -> bool {
+        let force = self.share.force;
+        dot(force, force) > p.negligible
+    }
+
+    /// Sine and cosine of the angle `ai - ao` between the contacts.
+    pub fn apart(&self) -> Pair<T> {
+        [self.local.sd, self.local.cd]
+    }
+
     /// How the contacts change if the groove's centre moves by `da` and the ball follows.
     #[inline(always)]
-    pub fn change_by(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T> {
+    pub fn change<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T> {
         let l = &self.local;
-        let (da, dx) = (turn(self.n, da), add(self.z, times(&self.d, da)));
-        let v = sub(da, dx);
+        let turned = turn(self.n, da);
+        if !R::INERTIA {
+            return self.change_at_rest(c, p, turned);
+        }
+        let dx = add(self.z, times(&self.d, da));
+        let v = sub(turned, dx);
         // Normal and tangent of the outer contact are (cd, -sd) and (sd, cd).
         let [across, along] = turn([l.sd, l.cd], dx);
         if !(l.delta > p.rounding) {
@@ -197,6 +284,25 @@ impl<T: Real> Ball<T> {
             turn,
             relative: depth + (turn + turn),
             cos: l.cd,
+            off: T::ZERO,
+            h: self.share.magnitudes(),
+        }
+    }
+
+    /// How the contacts in series change if the groove's centre moves by `v`, along and across them.
+    #[inline(always)]
+    fn change_at_rest(&self, c: &Constants<T>, p: &Point<T>, v: Pair<T>) -> Change<T> {
+        let l = &self.local;
+        if !(l.delta > p.rounding) {
+            return grazing(v[0], l.delta, c.kn, p.rounding);
+        }
+        let depth = T::of(0.5) * (v[0] * l.per_di).abs().at_most(T::ONE);
+        let turn = (v[1] * l.per_ri).abs();
+        Change {
+            depth,
+            turn,
+            relative: depth + (turn + turn),
+            cos: T::ONE,
             off: T::ZERO,
             h: self.share.magnitudes(),
         }
@@ -421,9 +527,14 @@ impl<T: Real> Ball<T> {
     /// Change of the condensed stiffness along the motion to `a`: elements `aa`, `ar`, `rr`. Of the friction forces, only
     /// the contacts' part is in it.
     #[inline(always)]
-    pub fn stiffening(&self, a: Pair<T>) -> [T; 3] {
+    pub fn stiffening<R: Rule>(&self, a: Pair<T>) -> [T; 3] {
         // Motions of the ball and of the inner contact, along and across that.
         let da = sub(a, self.a);
+        if !R::INERTIA {
+            let (inner, _) = self.curvatures();
+            let [s, c] = self.n;
+            return forms(inner.stiffening(turn(self.n, da)), [s, c], [c, -s]);
+        }
         let dx = add(self.z, times(&self.d, da));
         let v = sub(turn(self.n, da), dx);
         let (inner, outer) = self.curvatures();
@@ -447,7 +558,6 @@ mod tests {
     use crate::constants::Bearing;
     use crate::growth::Growth;
     use crate::kinematics::RacewayControlFree;
-    use crate::place::place;
     use crate::{Design, FreeContact, Material};
 
     const SPINDLE: Bearing<f64, 16> = Bearing::<f64, 16>::checked(&Design {
@@ -489,7 +599,7 @@ mod tests {
         let (ball, p) = settled();
         for a in [[1e-4, 0.0], [0.0, 1e-4], [1e-4, -1e-4]] {
             let a = add(p.low, a);
-            let [aa, ar, rr] = ball.stiffening(a);
+            let [aa, ar, rr] = ball.stiffening::<RacewayControlFree>(a);
             let mut moved = ball;
             at(&mut moved, &p, a);
             let (h, before) = (moved.share.h, ball.share.h);

@@ -1,13 +1,8 @@
-//! A ball as the ring sees it: what it hands over, and how it follows.
+//! What a condensed ball hands to the ring, and how a step changes that.
 
-use super::constants::Constants;
 use super::contact::Contact;
-use super::kinematics::Rule;
-use super::linalg::{Matrix2, Pair, dot};
-use super::mounting::Point;
-use super::pose::Pose;
+use super::linalg::{Matrix2, Pair};
 use crate::float::Real;
-use core::fmt::Debug;
 
 /// What a condensed ball hands to the ring.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -71,32 +66,6 @@ pub fn share_of<T: Real>(contact: &Contact<T>) -> Share<T> {
     }
 }
 
-/// How a step `v` along and across the only contact changes it.
-#[inline(always)]
-pub fn change_of<T: Real>(
-    v: Pair<T>,
-    delta: T,
-    per_r: T,
-    share: &Share<T>,
-    k: T,
-    rounding: T,
-) -> Change<T> {
-    if !(delta > rounding) {
-        return grazing(v[0], delta, k, rounding);
-    }
-    let depth = T::of(0.5) * (v[0].abs() / delta).at_most(T::ONE);
-    let turn = (v[1] * per_r).abs();
-    let h = share.magnitudes();
-    Change {
-        depth,
-        turn,
-        relative: depth + (turn + turn),
-        h,
-        cos: T::ONE,
-        off: T::ZERO,
-    }
-}
-
 /// How a step `v` changes a contact that is open by `-delta`, or closed by no more than rounding.
 ///
 /// A contact that closes is taken for what it will be, with a deformation larger by rounding. Where both deformation and step
@@ -121,52 +90,4 @@ pub fn grazing<T: Real>(v: T, delta: T, k: T, rounding: T) -> Change<T> {
         off: T::ZERO,
         h: [slope, T::ZERO, slope],
     }
-}
-
-/// A ball, as the ring sees it.
-pub trait Body<T: Real>: Copy + Debug + Default + PartialEq {
-    /// Inertia may drive it out of its groove.
-    const AT_SPEED: bool;
-
-    /// Starts without history, taut, with the groove's centre at `a`.
-    fn start(&mut self, a: Pair<T>);
-
-    /// Moves the ball near its balance, and the row's outer reference next to it.
-    fn place<R: Rule>(&mut self, c: &Constants<T>, p: &mut Point<T>);
-
-    /// Follows the groove's centre to `a` and a relative change `ds` of `omega^2`, and condenses the ball there; whether it
-    /// is near its balance.
-    ///
-    /// A ball far from its balance takes of the steps that are `left` in this pass, and goes on in the next one.
-    fn condense<R: Rule>(
-        &mut self,
-        c: &Constants<T>,
-        p: &Point<T>,
-        a: Pair<T>,
-        ds: T,
-        left: &mut u16,
-    ) -> bool;
-
-    /// What it hands to the ring where it was condensed.
-    fn share(&self) -> &Share<T>;
-
-    /// Change of the stiffness along the motion to `a`: elements `aa`, `ar`, `rr`.
-    fn stiffening(&self, a: Pair<T>) -> [T; 3];
-
-    /// The ball when the groove's centre is at `a`.
-    fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T>;
-
-    /// It carries a force that makes a difference to the ring.
-    // By a call: the loop over the balls is unrolled.
-    #[inline(never)]
-    fn carries(&self, p: &Point<T>) -> bool {
-        let force = self.share().force;
-        dot(force, force) > p.negligible
-    }
-
-    /// Sine and cosine of the angle `ai - ao` between the contacts.
-    fn apart(&self) -> Pair<T>;
-
-    /// How the contacts change if the groove's centre moves by `da` and the ball follows.
-    fn change(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T>;
 }

@@ -63,6 +63,8 @@ pub struct Speeds<T> {
     note = "choose `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`"
 )]
 pub trait Rule: Copy + 'static {
+    /// Balls have inertia.
+    const INERTIA: bool = true;
     /// Friction carries a gyroscopic moment.
     const FRICTION: bool = true;
     /// The attitude depends on the contact forces.
@@ -171,6 +173,18 @@ impl Rule for RacewayControlFree {
             share_rest: g.sigma_rest,
             share_by: T::of(1.5) * g.sigma_rest,
         }
+    }
+}
+
+/// No attitude: the balls are at rest.
+#[derive(Debug, Clone, Copy)]
+pub struct AtRest;
+
+impl Rule for AtRest {
+    const INERTIA: bool = false;
+
+    fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
+        OuterRaceControl::speeds(tau, g)
     }
 }
 

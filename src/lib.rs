@@ -85,7 +85,6 @@ mod solver;
 mod spindle;
 #[allow(unsafe_code, reason = "an instruction that has no safe name")]
 mod sqrt;
-mod static_ball;
 mod status;
 mod tuning;
 

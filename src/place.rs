@@ -63,11 +63,11 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
     // Without the ball's own place, which may be lost to it.
     let a = add(p.centres.vector, ball.a);
     let x = chain(c, p, a, fc);
-    let here = ball.pose::<R>(c, p);
+    let here = ball.pose_here::<R>(c, p);
     let kept = ball.x;
     ball.x = sub(x, p.outer.vector);
     ball.z = [T::ZERO; 2];
-    let mut pose = ball.pose::<R>(c, p);
+    let mut pose = ball.pose_here::<R>(c, p);
     let energy_here = here.energy() - fc * (p.outer.vector[1] + kept[1]);
     let energy = pose.energy() - fc * x[1];
     if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
@@ -90,7 +90,7 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
         let (from, before) = (ball.x, dot(r, step));
         for _ in 0..4 {
             ball.x = add(from, step);
-            pose = ball.pose::<R>(c, p);
+            pose = ball.pose_here::<R>(c, p);
             *left = left.saturating_sub(1);
             if dot(add(pose.forces().0, loads), step) >= -before {
                 break;

@@ -3,11 +3,13 @@
 //! Order of freedoms: axial, radial y, radial z, tilt about y, tilt about z, radial displacements and moments referred to
 //! the groove plane. A solver has the first `D` of them: 1, 3 or 5.
 
-use super::body::{Body, Share};
+use super::ball::Ball;
+use super::body::Share;
 use super::constants::{Azimuth, Constants};
 use super::kinematics::Rule;
 use super::linalg::{Matrix, Pair, add};
 use super::mounting::Point;
+use super::place::{ALONE, place};
 use super::tuning;
 use crate::float::Real;
 
@@ -171,14 +173,14 @@ impl<T: Real, const D: usize> Sum<T, D> {
 pub const UNSEATED: f64 = -0.866;
 
 /// One row of balls: a bearing at a point of speed and growth.
-pub struct Row<'s, T, B> {
+pub struct Row<'s, T> {
     pub c: &'s Constants<T>,
     pub p: &'s mut Point<T>,
     pub azimuths: &'s [Azimuth<T>],
-    pub balls: &'s mut [B],
+    pub balls: &'s mut [Ball<T>],
 }
 
-impl<T: Real, B: Body<T>> Row<'_, T, B> {
+impl<T: Real> Row<'_, T> {
     /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all
     /// are near their balance.
     #[inline(never)]
@@ -203,8 +205,10 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
             return;
         };
         first.start(groove(self.p, v, at));
-        if B::AT_SPEED && self.p.is_at_speed() {
-            first.place::<R>(self.c, self.p);
+        if R::INERTIA && self.p.is_at_speed() {
+            let mut left = ALONE;
+            place::<T, R>(first, self.c, self.p, &mut left);
+            first.x = self.p.move_outer(self.c, first.x);
         }
         for ball in others {
             ball.clone_from(first);
@@ -215,8 +219,8 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     /// ball that does not carry is not meant until it is [`UNSEATED`].
     #[cold]
     #[inline(never)]
-    pub fn furthest(&self, limit: T) -> Option<(u16, T)> {
-        if !B::AT_SPEED {
+    pub fn furthest<R: Rule>(&self, limit: T) -> Option<(u16, T)> {
+        if !R::INERTIA {
             return None;
         }
         let (mut furthest, mut least) = (None, limit);
@@ -234,19 +238,19 @@ impl<T: Real, B: Body<T>> Row<'_, T, B> {
     ///
     /// Every ball's part changes with the relative change of its deformations, and with the turn of its normals.
     #[inline(never)]
-    pub fn changes_by(&self, du: &[T; 5]) -> Changes<T, 5> {
+    pub fn changes_by<R: Rule>(&self, du: &[T; 5]) -> Changes<T, 5> {
         let mut sums = [T::ZERO; 5];
         let (mut most, mut lost, mut largest, mut cos) = (T::ZERO, T::ZERO, T::TINY, T::ONE);
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter() {
             let Some(at) = azimuths.next() else { break };
-            let change = ball.change(self.c, self.p, shift(du, at));
+            let change = ball.change::<R>(self.c, self.p, shift(du, at));
             let turn = change.turn + change.turn;
             let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
             let relative = change.relative;
             most = most.at_least(relative);
             cos = cos.at_most(change.cos);
-            let [axial, radial] = ball.share().force;
+            let [axial, radial] = ball.share.force;
             let force = axial.abs() + radial.abs();
             largest = largest.at_least(force);
             lost = lost.at_least(relative * relative * force + change.off);
@@ -288,15 +292,15 @@ pub struct Changes<T, const D: usize> {
 /// Change of the stiffness along the ring's motion to `v`, referred to the groove plane. Opposite balls together where
 /// there are any.
 #[inline(never)]
-pub fn stiffening<T: Real, B: Body<T>, const D: usize>(
+pub fn stiffening<T: Real, R: Rule, const D: usize>(
     p: &Point<T>,
-    balls: &[B],
+    balls: &[Ball<T>],
     azimuths: &[Azimuth<T>],
     v: &[T; 5],
 ) -> Sum<T, D> {
     let mut sum = Sum::NONE;
-    let change = |(ball, at): (&B, &Azimuth<T>)| {
-        let [aa, ar, rr] = ball.stiffening(groove(p, v, at));
+    let change = |(ball, at): (&Ball<T>, &Azimuth<T>)| {
+        let [aa, ar, rr] = ball.stiffening::<R>(groove(p, v, at));
         Share {
             h: [[aa, ar], [ar, rr]],
             hm: [aa, ar],
@@ -318,8 +322,8 @@ pub fn stiffening<T: Real, B: Body<T>, const D: usize>(
 /// What the balls hand to the ring, with its azimuth: opposite balls together where there are any, else every
 /// ball and `none`.
 #[inline(always)]
-fn shares<'a, T: Real, B: Body<T>>(
-    balls: &'a [B],
+fn shares<'a, T: Real>(
+    balls: &'a [Ball<T>],
     azimuths: &'a [Azimuth<T>],
     none: &'a Share<T>,
 ) -> impl Iterator<Item = (&'a Share<T>, &'a Share<T>, &'a Azimuth<T>)> {
@@ -331,22 +335,26 @@ fn shares<'a, T: Real, B: Body<T>>(
     // Not `zip`, which the compiler unrolls (+1.2 kB).
     core::iter::from_fn(move || {
         let (ball, at) = (first.next()?, azimuths.next()?);
-        Some((ball.share(), second.next().map_or(none, B::share), at))
+        Some((
+            &ball.share,
+            second.next().map_or(none, |ball| &ball.share),
+            at,
+        ))
     })
 }
 
 /// Sums what the balls hand to the ring, referred to the groove plane. Forces and slopes in loops of their own, whose sums
 /// stay in registers.
 #[inline(never)]
-pub fn sum_up<T: Real, B: Body<T>, const D: usize>(
-    balls: &[B],
+pub fn sum_up<T: Real, R: Rule, const D: usize>(
+    balls: &[Ball<T>],
     azimuths: &[Azimuth<T>],
     sum: &mut Sum<T, D>,
 ) {
     let none = Share::NONE;
     let mut part = Sum::NONE;
     for (a, b, at) in shares(balls, azimuths, &none) {
-        part.add_forces(a, b, at, B::AT_SPEED);
+        part.add_forces(a, b, at, R::INERTIA);
     }
     (sum.force, sum.by_speed) = (part.force, part.by_speed);
     for (a, b, at) in shares(balls, azimuths, &none) {

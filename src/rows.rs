@@ -1,6 +1,5 @@
 //! What the solver moves: the balls of one bearing, or of all bearings on a shaft.
 
-use super::body::Body;
 use super::constants::Constants;
 use super::float::Real;
 use super::kinematics::Rule;
@@ -93,9 +92,6 @@ pub struct Stance<'a, T> {
 /// What the solver moves and condenses. Displacements and offsets are those of the shaft's groove plane; what is summed is
 /// referred to its centre.
 pub trait Rows<T: Real, const D: usize> {
-    /// What is remembered of a ball.
-    type Ball: Body<T>;
-
     /// Axial position of the groove plane, from the centre, over `Rp`.
     fn plane(&self) -> T;
 
@@ -106,7 +102,7 @@ pub trait Rows<T: Real, const D: usize> {
     fn inertia(&self) -> T;
 
     /// Every row, how it sits, and its offset when the shaft has the offset `v`.
-    fn each(&mut self, v: &[T; D], f: impl FnMut(&mut Row<'_, T, Self::Ball>, &Seat<T>, &[T; 5]));
+    fn each(&mut self, v: &[T; D], f: impl FnMut(&mut Row<'_, T>, &Seat<T>, &[T; 5]));
 
     /// Rows that do not slide hold the shaft from either side.
     fn is_opposed(&self) -> bool;
@@ -125,20 +121,18 @@ pub trait Rows<T: Real, const D: usize> {
     fn refer(&mut self, u: &[T; D]);
 
     /// Sums what the balls hand over.
-    fn sum(&mut self, sum: &mut Sum<T, D>);
+    fn sum<R: Rule>(&mut self, sum: &mut Sum<T, D>);
 
     /// What a step `du` changes of the rows.
-    fn changes(&self, du: &[T; D]) -> Changes<T, D>;
+    fn changes<R: Rule>(&self, du: &[T; D]) -> Changes<T, D>;
 
     /// Number of balls that carry, and that of the ball whose contacts are furthest apart, with that angle, if the cosine
     /// is below `limit`: see [`Row::furthest_apart`].
     fn loaded(&self) -> u16;
-    fn furthest_apart(&self, limit: T) -> Option<(u16, T)>;
+    fn furthest_apart<R: Rule>(&self, limit: T) -> Option<(u16, T)>;
 }
 
-impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
-    type Ball = B;
-
+impl<T: Real, const D: usize> Rows<T, D> for Row<'_, T> {
     #[inline(always)]
     fn plane(&self) -> T {
         self.c.plane
@@ -155,7 +149,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     }
 
     #[inline(always)]
-    fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
+    fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T>, &Seat<T>, &[T; 5])) {
         f(self, &Seat::PLAIN, &in_full(v));
     }
 
@@ -191,14 +185,14 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     }
 
     #[inline(always)]
-    fn sum(&mut self, sum: &mut Sum<T, D>) {
-        sum_up(self.balls, self.azimuths, sum);
+    fn sum<R: Rule>(&mut self, sum: &mut Sum<T, D>) {
+        sum_up::<T, R, D>(self.balls, self.azimuths, sum);
         sum.refer(self.c.plane);
     }
 
     #[inline(always)]
-    fn changes(&self, du: &[T; D]) -> Changes<T, D> {
-        let of_row = self.changes_by(&in_full(du));
+    fn changes<R: Rule>(&self, du: &[T; D]) -> Changes<T, D> {
+        let of_row = self.changes_by::<R>(&in_full(du));
         let mut k = [T::ZERO; D];
         k.copy_from_slice(&of_row.k[..D]);
         Changes {
@@ -218,7 +212,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Row<'_, T, B> {
     }
 
     #[inline(always)]
-    fn furthest_apart(&self, limit: T) -> Option<(u16, T)> {
-        self.furthest(limit)
+    fn furthest_apart<R: Rule>(&self, limit: T) -> Option<(u16, T)> {
+        self.furthest::<R>(limit)
     }
 }

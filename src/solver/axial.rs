@@ -3,7 +3,7 @@
 use super::error::ErrorEstimate;
 use super::{Given, Settings, State, Task, Time, input};
 use crate::axial::{AxialRest, Centres};
-use crate::body::Body;
+use crate::ball::Ball;
 use crate::constants::{Bearing, Constants};
 use crate::float::Real;
 use crate::growth::Growth;
@@ -13,6 +13,7 @@ use crate::mounting::{Point, Speed};
 use crate::pose::{BallState, Pose};
 use crate::ring::Row;
 use crate::status::Status;
+use core::marker::PhantomData;
 
 /// A solver for one bearing under a purely axial load, tilts and radial displacements being zero.
 ///
@@ -34,7 +35,8 @@ pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
     bearing: &'b Bearing<T, N>,
     /// Of a bearing with one ball, which carries its share of the load.
     state: State<T, 1>,
-    ball: M::Ball<T>,
+    ball: Ball<T>,
+    motion: PhantomData<M>,
     /// Speed, growth and references of the last solve.
     point: Point<T>,
     /// Root of the last solution at rest, above all without one, and the grooves' centres there.
@@ -55,7 +57,8 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         Self {
             bearing,
             state: State::COLD,
-            ball: M::Ball::default(),
+            ball: Ball::default(),
+            motion: PhantomData,
             point: Point::new(&bearing.constants, T::ZERO, T::ZERO, Growth::NONE),
             root: T::ONE / T::TINY,
             centres: Centres {
@@ -240,7 +243,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         let mut time = Time::new(settings.max_iterations, &mut more);
         let end = self.state.solve::<_, M::Rule>(&mut row, &task, &mut time);
         let iterations = time.taken;
-        let answer = self.state.conclude(&row, &[asked], &task, end)?;
+        let answer = self.state.conclude::<M::Rule>(&row, &[asked], &task, end)?;
         let [load] = answer.load;
         let [displacement] = answer.displacement;
         Ok(AxialSolution {
@@ -277,7 +280,7 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
         let k = if M::AT_SPEED && self.solver.point.is_at_speed() {
             let first = self.solver.bearing.azimuths.get(..1).unwrap_or_default();
             let ball = core::slice::from_ref(&self.solver.ball);
-            state.stiffness_of(c, &self.solver.point, first, ball)[0][0]
+            state.stiffness_of::<M::Rule>(c, &self.solver.point, first, ball)[0][0]
         } else {
             state.sum.k[0][0]
         };

@@ -16,7 +16,7 @@ mod solution;
 mod start;
 pub(crate) mod view;
 
-use crate::body::Body;
+use crate::ball::Ball;
 use crate::constants::{Azimuth, Bearing, Constants};
 use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out};
@@ -30,6 +30,7 @@ use crate::rows::Rows;
 use crate::status::{Quantity, Status};
 use crate::tuning;
 use core::array::from_fn;
+use core::marker::PhantomData;
 
 pub use axial::{AxialSolution, AxialSolver};
 pub use error::ErrorEstimate;
@@ -208,15 +209,15 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// The same for one row.
-    fn stiffness_of<B: Body<T>>(
+    fn stiffness_of<R: Rule>(
         &self,
         c: &Constants<T>,
         p: &Point<T>,
         azimuths: &[Azimuth<T>],
-        balls: &[B],
+        balls: &[Ball<T>],
     ) -> Matrix<T, D> {
         self.stiffness(|v| {
-            let mut change = stiffening(p, balls, azimuths, &in_full(v));
+            let mut change = stiffening::<T, R, D>(p, balls, azimuths, &in_full(v));
             change.refer(c.plane);
             change.k
         })
@@ -321,7 +322,7 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Why there is no solution, if there is none.
-    pub(crate) fn refuse<S: Rows<T, D>>(
+    pub(crate) fn refuse<S: Rows<T, D>, R: Rule>(
         &mut self,
         rows: &S,
         task: &Task<T, D>,
@@ -334,7 +335,7 @@ impl<T: Real, const D: usize> State<T, D> {
         }
         // Contacts more than 90 degrees apart do not hold a ball: that is why. An unfinished step says nothing of it.
         let limit = if is_solved { T::of(UNSEATED) } else { T::ZERO };
-        let driven_out = rows.furthest_apart(limit);
+        let driven_out = rows.furthest_apart::<R>(limit);
         let status = match (end, driven_out) {
             (End::Singular, _) => Status::Indeterminate {
                 loaded_balls: rows.loaded(),
@@ -359,14 +360,14 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// The solution of a bearing, or why there is none.
-    fn conclude<B: Body<T>>(
+    fn conclude<R: Rule>(
         &mut self,
-        row: &Row<'_, T, B>,
+        row: &Row<'_, T>,
         given: &[Given<T>; D],
         task: &Task<T, D>,
         end: End,
     ) -> Result<Answer<T, D>, Status<T>> {
-        self.refuse(row, task, end)?;
+        self.refuse::<_, R>(row, task, end)?;
         let c = row.c;
         let u = self.displacement(c.plane);
         let displacement = displacement_out(c, &u);
@@ -427,7 +428,8 @@ struct Answer<T, const D: usize> {
 pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
     bearing: &'b Bearing<T, N>,
     state: State<T, D>,
-    balls: [M::Ball<T>; N],
+    balls: [Ball<T>; N],
+    motion: PhantomData<M>,
     /// Speed, growth and references of the last solve.
     point: Point<T>,
     speed: Speed<T>,
@@ -449,7 +451,8 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         Self {
             bearing,
             state: State::COLD,
-            balls: [M::Ball::default(); N],
+            balls: [Ball::default(); N],
+            motion: PhantomData,
             point: Point::new(&bearing.constants, T::ZERO, T::ZERO, Growth::NONE),
             speed: Speed::REST,
         }
@@ -542,7 +545,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         };
         let end = self.state.solve::<_, M::Rule>(&mut row, &task, &mut time);
         let iterations = time.taken;
-        let answer = self.state.conclude(&row, given, &task, end)?;
+        let answer = self.state.conclude::<M::Rule>(&row, given, &task, end)?;
         Ok(Solution {
             status: answer.status,
             iterations,

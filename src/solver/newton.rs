@@ -405,7 +405,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let plane = rows.plane();
         while !self.attempt.is_used_up() {
             let near = rows.condense::<R>(&self.v, ds);
-            rows.sum(&mut self.sum);
+            rows.sum::<R>(&mut self.sum);
             (self.at, self.correct, self.plain) = (self.v, false, false);
             ds = T::ZERO;
             let is_last = time.spend();
@@ -435,7 +435,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 let planar = plane_of(plane, &back);
                 self.advance(planar);
                 if is_last {
-                    self.look(rows, &planar, near);
+                    self.look::<S, R>(rows, &planar, near);
                     break;
                 }
                 continue;
@@ -447,7 +447,7 @@ impl<T: Real, const D: usize> State<T, D> {
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
             let far = residual > task.far();
             if !far || is_last {
-                self.look(rows, &planar, near && is_last);
+                self.look::<S, R>(rows, &planar, near && is_last);
             }
             let work = product(&r, &du);
             if damped {
@@ -478,8 +478,8 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Estimates how far the step `planar` changes the stiffness; whether that is to follow it, if it `may`.
     #[inline(always)]
-    fn look<S: Rows<T, D>>(&mut self, rows: &S, planar: &[T; D], may: bool) {
-        let estimate = Estimate::of(&rows.changes(planar), &self.sum.k);
+    fn look<S: Rows<T, D>, R: Rule>(&mut self, rows: &S, planar: &[T; D], may: bool) {
+        let estimate = Estimate::of(&rows.changes::<R>(planar), &self.sum.k);
         self.correct = may && estimate.corrected() < estimate.k;
         self.attempt.outcome.estimate = estimate;
     }

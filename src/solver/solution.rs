@@ -42,7 +42,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
         let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
-        let k = state.stiffness_of(
+        let k = state.stiffness_of::<M::Rule>(
             c,
             &self.solver.point,
             &self.solver.bearing.azimuths,
@@ -53,7 +53,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
 
     /// The row of balls.
     #[inline(always)]
-    pub(crate) fn view(&self) -> View<'_, T, M::Ball<T>, M::Rule> {
+    pub(crate) fn view(&self) -> View<'_, T, M::Rule> {
         let bearing = self.solver.bearing;
         View {
             c: &bearing.constants,

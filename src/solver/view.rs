@@ -1,6 +1,6 @@
 //! A solved row of balls, to be looked at.
 
-use crate::body::Body;
+use crate::ball::Ball;
 use crate::constants::{Azimuth, Constants};
 use crate::float::Real;
 use crate::frequencies::Frequencies;
@@ -14,26 +14,26 @@ use core::marker::PhantomData;
 
 /// The balls of a row where a solve has left them.
 #[derive(Debug, Clone, Copy)]
-pub struct View<'s, T, B, R> {
+pub struct View<'s, T, R> {
     pub c: &'s Constants<T>,
     pub p: &'s Point<T>,
     pub azimuths: &'s [Azimuth<T>],
-    pub balls: &'s [B],
+    pub balls: &'s [Ball<T>],
     /// Offset of the groove plane from its reference position.
     pub v: [T; 5],
     pub speed: Speed<T>,
     pub rule: PhantomData<R>,
 }
 
-impl<'s, T: Real, B: Body<T>, R: Rule> View<'s, T, B, R> {
+impl<'s, T: Real, R: Rule> View<'s, T, R> {
     #[inline(always)]
-    fn pose(&self, ball: &B, at: &Azimuth<T>) -> Pose<T> {
+    fn pose(&self, ball: &Ball<T>, at: &Azimuth<T>) -> Pose<T> {
         ball.pose::<R>(self.c, self.p, groove(self.p, &self.v, at))
     }
 
     /// The same, by a call: one for all but the survey.
     #[inline(never)]
-    fn pose_by_call(&self, ball: &B, at: &Azimuth<T>) -> Pose<T> {
+    fn pose_by_call(&self, ball: &Ball<T>, at: &Azimuth<T>) -> Pose<T> {
         self.pose(ball, at)
     }
 
@@ -95,7 +95,7 @@ impl<'s, T: Real, B: Body<T>, R: Rule> View<'s, T, B, R> {
 
     /// Change of the stiffness along the motion from where the balls were condensed, referred to the groove plane.
     pub fn stiffening(self) -> Matrix<T, 5> {
-        let change: Sum<T, 5> = stiffening(self.p, self.balls, self.azimuths, &self.v);
+        let change: Sum<T, 5> = stiffening::<T, R, 5>(self.p, self.balls, self.azimuths, &self.v);
         change.k
     }
 }

@@ -1,6 +1,5 @@
 //! The rows of a spindle, as the solver moves them.
 
-use crate::body::Body;
 use crate::float::Real;
 use crate::frame::{refer, refer_stiffness};
 use crate::kinematics::Rule;
@@ -57,8 +56,8 @@ impl<T: Real> Seat<T> {
 }
 
 /// The rows of a spindle in one solve.
-pub struct Set<'a, 'b, T, B> {
-    pub rows: &'a mut [Row<'b, T, B>],
+pub struct Set<'a, 'b, T> {
+    pub rows: &'a mut [Row<'b, T>],
     pub seats: &'a [Seat<T>],
     /// Axial force by which rows of either facing hold each other.
     pub internal: &'a mut T,
@@ -69,9 +68,7 @@ pub struct Set<'a, 'b, T, B> {
     pub weight: T,
 }
 
-impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
-    type Ball = B;
-
+impl<T: Real, const D: usize> Rows<T, D> for Set<'_, '_, T> {
     fn plane(&self) -> T {
         self.plane
     }
@@ -84,7 +81,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         self.rows.first().map_or(T::ZERO, |row| row.p.s)
     }
 
-    fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T, B>, &Seat<T>, &[T; 5])) {
+    fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T>, &Seat<T>, &[T; 5])) {
         // Not `zip`, which the compiler unrolls.
         let mut seats = self.seats.iter();
         for row in self.rows.iter_mut() {
@@ -126,12 +123,12 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     }
 
     #[inline(never)]
-    fn sum(&mut self, sum: &mut Sum<T, D>) {
+    fn sum<R: Rule>(&mut self, sum: &mut Sum<T, D>) {
         *sum = Sum::NONE;
         let mut sides = [T::ZERO; 2];
         self.each(&[T::ZERO; D], |row, seat, _| {
             let mut own = Sum::<T, 5>::NONE;
-            sum_up(row.balls, row.azimuths, &mut own);
+            sum_up::<T, R, 5>(row.balls, row.azimuths, &mut own);
             sides[usize::from(seat.facing < T::ZERO)] += seat.force * own.force[0];
             seat.add_force(&mut sum.force, &own.force);
             seat.add_force(&mut sum.by_speed, &own.by_speed);
@@ -141,7 +138,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
     }
 
     #[inline(never)]
-    fn changes(&self, du: &[T; D]) -> Changes<T, D> {
+    fn changes<R: Rule>(&self, du: &[T; D]) -> Changes<T, D> {
         let mut all = Changes {
             k: [T::ZERO; D],
             most: T::ZERO,
@@ -152,7 +149,7 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         let mut seats = self.seats.iter();
         for row in self.rows.iter() {
             let Some(seat) = seats.next() else { break };
-            let own = row.changes_by(&seat.motion(du));
+            let own = row.changes_by::<R>(&seat.motion(du));
             let k = seat.force * seat.length;
             let (arm, lever) = (seat.arm * seat.arm, seat.lever * seat.lever);
             all.k[0] += k * own.k[0];
@@ -176,10 +173,10 @@ impl<T: Real, B: Body<T>, const D: usize> Rows<T, D> for Set<'_, '_, T, B> {
         rows.map(|row| Rows::<T, 5>::loaded(row)).sum()
     }
 
-    fn furthest_apart(&self, limit: T) -> Option<(u16, T)> {
+    fn furthest_apart<R: Rule>(&self, limit: T) -> Option<(u16, T)> {
         let (mut furthest, mut before) = (None::<(u16, T)>, 0);
         for row in self.rows.iter() {
-            if let Some((ball, apart)) = row.furthest(limit)
+            if let Some((ball, apart)) = row.furthest::<R>(limit)
                 && furthest.is_none_or(|(_, most)| apart > most)
             {
                 furthest = Some((before + ball, apart));

@@ -190,7 +190,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// The balls of a row.
     #[inline(always)]
-    pub(crate) fn view(&self, i: usize) -> View<'_, T, M::Ball<T>, M::Rule> {
+    pub(crate) fn view(&self, i: usize) -> View<'_, T, M::Rule> {
         let solver = self.solver;
         let row = &solver.spindle.rows[i];
         let balls = solver.balls[i].get(..row.azimuths.len());
@@ -212,7 +212,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let c = row.constants;
         let view = self.view(i);
         let mut sum = Sum::NONE;
-        sum_up(view.balls, view.azimuths, &mut sum);
+        sum_up::<T, M::Rule, 5>(view.balls, view.azimuths, &mut sum);
         // What the tangent says of the force after the last step.
         let du = seat.motion(&from_fn::<T, D, _>(|i| state.v[i] - state.at[i]));
         let mut force: [T; 5] = from_fn(|i| sum.force[i] + product(&sum.k[i], &du));
@@ -279,7 +279,7 @@ pub struct RowSolution<'s, T: Real, M: Motion> {
     /// Forces (N) and moments (N m) of the shaft on its inner ring, about its centre.
     pub force: [T; 5],
     preload: T,
-    view: View<'s, T, M::Ball<T>, M::Rule>,
+    view: View<'s, T, M::Rule>,
     sum: Sum<T, 5>,
     correct: bool,
 }

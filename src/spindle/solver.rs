@@ -3,6 +3,7 @@
 use super::Spindle;
 use super::set::Set;
 use super::solution::{SpindleSolution, condensed};
+use crate::ball::Ball;
 use crate::float::Real;
 use crate::frame::{force_out, refer, units};
 use crate::growth::Growth;
@@ -13,6 +14,7 @@ use crate::ring::{Row, stiffening};
 use crate::solver::{End, Settings, State, Task, Time, are_finite, input};
 use crate::status::{Quantity, Status};
 use core::array::from_fn;
+use core::marker::PhantomData;
 
 /// A solver for one spindle: owns it, borrows the bearings' constants, and keeps the state that the next solve starts from.
 ///
@@ -28,7 +30,8 @@ pub struct SpindleSolver<
 > {
     pub(super) spindle: Spindle<'b, T, R, N, D>,
     pub(super) state: State<T, D>,
-    pub(super) balls: [[M::Ball<T>; N]; R],
+    pub(super) balls: [[Ball<T>; N]; R],
+    motion: PhantomData<M>,
     internal: T,
     /// Speed, growth and references of every row in the last solve.
     pub(super) points: [Point<T>; R],
@@ -53,7 +56,8 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             spindle,
             speed: Speed::REST,
             state: State::COLD,
-            balls: [[M::Ball::default(); N]; R],
+            balls: [[Ball::default(); N]; R],
+            motion: PhantomData,
             internal: T::ZERO,
             points: spindle
                 .rows
@@ -143,7 +147,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         };
         let end = self.state.solve::<_, M::Rule>(&mut set, &task, &mut time);
         let iterations = time.taken;
-        self.state.refuse(&set, &task, end)?;
+        self.state.refuse::<_, M::Rule>(&set, &task, end)?;
         if !are_finite(&self.displacement()) {
             self.state = State::COLD;
             return Err(Status::Diverged { residual: T::ONE });
@@ -204,7 +208,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let rows = self.spindle.rows.iter().zip(&self.spindle.seats);
         for ((row, seat), (point, balls)) in rows.zip(self.points.iter().zip(&self.balls)) {
             let balls = balls.get(..row.azimuths.len()).unwrap_or_default();
-            let mut own = stiffening(point, balls, row.azimuths, &seat.motion(v));
+            let mut own = stiffening::<T, M::Rule, 5>(point, balls, row.azimuths, &seat.motion(v));
             seat.add_stiffness(&mut change, &mut own.k);
         }
         change
