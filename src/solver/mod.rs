@@ -557,8 +557,8 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         })
     }
 
-    /// What a solve has reached that ended as [`Status::IterationLimit`], marked with this status. None after any other end, and
-    /// where figures are not finite.
+    /// The state that a solve had reached when it ended as [`Status::IterationLimit`], marked with this status. None after any
+    /// other end, and where figures are not finite; input that is refused changes nothing.
     ///
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
     /// of the stiffness is 1 or more, nothing is known of it. The table of a cut is in `docs/firmware.md`.

@@ -476,7 +476,8 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// Estimates how far the step `planar` changes the stiffness; whether that is to follow it, if it `may`.
+    /// Estimates how far the step `planar` of the groove plane changes the stiffness. If it `may`, the stiffness is to follow the
+    /// step where that makes it better.
     #[inline(always)]
     fn look<S: Rows<T, D>, R: Rule>(&mut self, rows: &S, planar: &[T; D], may: bool) {
         let estimate = Estimate::of(&rows.changes::<R>(planar), &self.sum.k);

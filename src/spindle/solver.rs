@@ -155,7 +155,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         Ok(self.solution(iterations, load))
     }
 
-    /// What a solve has reached that ended as [`Status::IterationLimit`]: as
+    /// The state that a solve had reached when it ended as [`Status::IterationLimit`]: as
     /// [`Solver::unfinished`](crate::Solver::unfinished).
     pub fn unfinished(&self) -> Option<SpindleSolution<'_, T, R, N, M, D>> {
         let attempt = &self.state.attempt;
