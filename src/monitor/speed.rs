@@ -498,6 +498,28 @@ mod tests {
         }
     }
 
+    /// A shaft at `omega` takes `t = (omega - sqrt(omega^2 - 2 a theta)) / a` for a pitch `theta` under its greatest
+    /// deceleration `a`, or stops within it: at 56 rad/s here.
+    #[test]
+    fn a_signal_is_lost_after_twice_the_time_that_the_greatest_deceleration_explains() {
+        let (deceleration, pitch) = (1000.0, core::f64::consts::TAU / 4.0);
+        for omega in [54.0, 57.0, 60.0, 100.0_f64] {
+            let mut shaft = Shaft::new(SETTINGS, 0);
+            shaft.settle(omega);
+            shaft.dead = true;
+            let since_pulse = shaft.angle.rem_euclid(pitch) / omega;
+            let lost = (1..600).find(|_| shaft.step(omega).is_err());
+            let left = omega * omega - 2.0 * deceleration * pitch;
+            let due = (left > 0.0).then(|| (omega - left.sqrt()) / deceleration);
+            let expected = due.map(|due| 1e3 * (2.0 * due - since_pulse) + 5.0);
+            let agree = match (lost, expected) {
+                (Some(lost), Some(ms)) => (f64::from(lost) - ms).abs() < 2.0,
+                (lost, expected) => lost.is_none() && expected.is_none(),
+            };
+            assert!(agree, "{omega}: {lost:?}, {expected:?} ms");
+        }
+    }
+
     #[test]
     fn a_shaft_that_never_moved_stands_still_after_the_time_out() {
         let mut shaft = Shaft::new(SETTINGS, 99);
