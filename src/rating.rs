@@ -253,6 +253,16 @@ mod tests {
         assert!((damage * 1000.0 - 1.0).abs() < 0.03, "{}", 1.0 / damage);
     }
 
+    /// `Qce / Qci = 0.407 / (0.389 1.044 S)`: a life hardly shows it.
+    #[test]
+    fn the_contacts_are_rated_by_s_to_each_other() {
+        let life = LifeRating::<f64>::new(&B6205, 9, 14e3);
+        let g = B6205.ball_diameter / B6205.pitch_diameter;
+        let s = ((1.0 - g) / (1.0 + g)).powf(1.72);
+        let ratio = life.outer / life.inner * (0.389 / 0.407 * 1.044 * s);
+        assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
+    }
+
     #[test]
     fn damage_grows_with_the_cube_of_the_forces() {
         let life = LifeRating::<f32>::new(&B6205, 9, 14e3);
