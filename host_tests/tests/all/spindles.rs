@@ -2,7 +2,7 @@
 
 use super::solves::{self, vector_error};
 use super::textbook::{unbalanced, unclosed};
-use host_tests::cases::{Case, Random, SKF6205, SolvedSet, rad_per_s, sets};
+use host_tests::cases::{B7005C, Case, Random, SKF6205, SolvedSet, rad_per_s, sets};
 use host_tests::compare::{Errors, stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, Question, Row, with_solver};
@@ -349,6 +349,54 @@ fn the_tangent_is_that_of_central_differences() {
                 let scale = (at.stiffness[i][i] / at.stiffness[j][j]).sqrt();
                 assert!(off.abs() < 2e-6 * scale, "{rpm} {i} {j}: {off:e}");
             }
+        }
+    }
+}
+
+/// A light rear row, clamped or in a sleeve, is what changes most: the tilt stiffness that it makes by its distance, or the
+/// stiffness of its sleeve.
+#[test]
+fn a_set_that_tilts_states_true_errors_of_its_stiffness_the_same_about_any_axis() {
+    for (preload, spring) in [
+        (Preload::Closure(1e-6), None),
+        (Preload::Spring, Some(20.0)),
+    ] {
+        let mut plan = clamped(
+            &[(0.0, '-'), (0.025, '+'), (0.325, '-')],
+            Preload::Closure(12e-6),
+        );
+        plan.spring = spring;
+        plan.rows[2] = Row {
+            balls: 16,
+            design: B7005C,
+            ..row(0.325, '-', preload)
+        };
+        let tilted = |axis: usize| {
+            let ask = |solver: &mut dyn AnySpindleSolver, tolerance| -> Vec<Answer> {
+                solver.set_settings(tolerance, 108);
+                let load = |i| {
+                    let mut load = [0.0; 5];
+                    load[axis] = 2.5 * f64::from(i * (i % 2));
+                    load
+                };
+                (0..24)
+                    .map(|i| solver.load(load(i), 600.0).unwrap())
+                    .collect()
+            };
+            let [coarse, fine] = [3e-3, 3e-13].map(|tolerance| {
+                with_solver(&plan, FREE, Precision::F64, |solver| ask(solver, tolerance)).unwrap()
+            });
+            let stated: Vec<f64> = coarse.iter().map(|answer| answer.error[2]).collect();
+            let off = coarse.iter().zip(&fine);
+            let off = off.map(|(a, b)| stiffness_error(&a.stiffness, &b.stiffness));
+            let mut ratios: Vec<f64> = stated.iter().zip(off).map(|(a, b)| a / b).collect();
+            ratios.sort_by(f64::total_cmp);
+            let are_true = ratios[0] >= 1.0 && ratios[ratios.len() / 2] < 50.0;
+            assert!(are_true, "{spring:?}: {ratios:?}");
+            stated
+        };
+        for (y, z) in tilted(3).into_iter().zip(tilted(4)) {
+            assert!((y / z - 1.0).abs() < 1e-9, "{spring:?}: {y:e} {z:e}");
         }
     }
 }
