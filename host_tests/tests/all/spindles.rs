@@ -2,7 +2,7 @@
 
 use super::solves::{self, vector_error};
 use super::textbook::{unbalanced, unclosed};
-use host_tests::cases::{B7005C, Case, Random, SKF6205, SolvedSet, rad_per_s, sets};
+use host_tests::cases::{B218, B7005C, Case, Random, SKF6205, SolvedSet, rad_per_s, sets};
 use host_tests::compare::{Errors, stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, Question, Row, with_solver};
@@ -849,6 +849,32 @@ fn wild_questions_end_in_an_answer_or_a_refusal() {
             }
         };
         with_solver(&plan, FREE, precision, run).unwrap();
+    }
+}
+
+/// A radial load drives the balls opposite to it out of both rows' grooves, the heavier one further.
+#[test]
+fn of_balls_driven_out_of_several_rows_the_one_whose_contacts_are_furthest_apart_is_named() {
+    let mut heavy = B218;
+    heavy.ball.density *= 1.3;
+    let pair = clamped(&[(0.0, '+'), (0.1, '+')], Preload::Closure(1e-6));
+    for (i, designs) in [[heavy, B218], [B218, heavy]].into_iter().enumerate() {
+        let mut plan = pair.clone();
+        for (row, design) in plan.rows.iter_mut().zip(designs) {
+            (row.design, row.balls) = (design, 16);
+        }
+        for precision in solves::PRECISIONS {
+            let question = Question {
+                omega: 1000.0,
+                ..loaded([10.0, 5500.0, 0.0, 0.0, 0.05 * 5500.0], 0.0)
+            };
+            match ask_in(&plan, FREE, precision, &question) {
+                Err(Status::Unseated { ball, apart }) => {
+                    assert_eq!(usize::from(ball), 16 * i + 8, "{apart}");
+                }
+                other => panic!("{precision:?}: {other:?}"),
+            }
+        }
     }
 }
 
