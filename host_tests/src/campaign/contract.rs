@@ -64,7 +64,7 @@ const PROMISES: &[Promise] = &[
     ("forces that do not balance to 1e-2, %", &Family::ALL, unbalanced, [&[0.15], &[0.1]]),
     ("on another branch than that from rest, %", &[Moderate],
         |of| vec![share(of, |r| r.from_rest == Some(false), |r| r.from_rest.is_some())], [&[0.1], &[0.1]]),
-    ("missed, %", EVERYDAY, missed, [&[0.2], &[0.3]]),
+    ("missed, %", EVERYDAY, missed, [&[0.3], &[0.3]]),
     ("missed, %", &[Opening, DeepGroove, AnyBits, Typed], missed, [&[0.2], &[0.1]]),
     ("missed, %", &[Radial, ZeroLoads], missed, [&[0.3], &[0.5]]),
     ("missed, %", &[Random], missed, [&[2.0], &[1.0]]),
