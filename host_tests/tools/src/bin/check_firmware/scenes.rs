@@ -64,7 +64,9 @@ impl Part {
     fn names(self) -> &'static [&'static str] {
         match self {
             Self::Speed => &[
-                "spindle_bearing::ball::",
+                "::linearise",
+                "::pose_for",
+                "::pose_here",
                 "spindle_bearing::kinematics::",
                 "spindle_bearing::place::",
                 "atan",
@@ -97,7 +99,7 @@ impl Part {
     /// The conditions of the blocks that it is in.
     fn guards(self) -> &'static [&'static str] {
         match self {
-            Self::Speed => &["M::AT_SPEED"],
+            Self::Speed => &["M::AT_SPEED", "R::INERTIA"],
             Self::Friction => &["R::FRICTION"],
             Self::Radial => &["D >= 3"],
             Self::Tilts => &["D == 5", "D >= 5"],
