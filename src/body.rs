@@ -1,4 +1,4 @@
-//! What a condensed ball hands to the ring, and how a step changes that.
+//! Force and slopes that a condensed ball hands to the ring, and how a step changes them.
 
 use super::contact::Contact;
 use super::linalg::{Matrix2, Pair};

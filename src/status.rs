@@ -108,7 +108,8 @@ pub enum Status<T> {
     Converged,
     /// As close as the working precision allows, but the last step was still above the tolerance.
     PrecisionLimit,
-    /// The iterations were used up first. The solver keeps where it is: the next solve goes on from there.
+    /// The iterations, or the time, were used up first. The next solve goes on from there, and `unfinished` of the solver has the
+    /// state reached.
     IterationLimit,
     /// Centrifugal force has driven a ball out of the inner groove: the load is too small for the speed.
     ///

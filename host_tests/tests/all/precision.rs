@@ -210,7 +210,7 @@ fn stated_over_true(
         (load.map(single), single(*omega))
     });
     let ask = |solver: &mut dyn AnySpindleSolver| -> Vec<Answer> {
-        solver.set_settings(tolerance, 108);
+        solver.set_settings(tolerance, 100);
         let answers = questions
             .clone()
             .map(|(load, omega)| solver.load(load, omega));

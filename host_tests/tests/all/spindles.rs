@@ -373,7 +373,7 @@ fn a_set_that_tilts_states_true_errors_of_its_stiffness_the_same_about_any_axis(
         };
         let tilted = |axis: usize| {
             let ask = |solver: &mut dyn AnySpindleSolver, tolerance| -> Vec<Answer> {
-                solver.set_settings(tolerance, 108);
+                solver.set_settings(tolerance, 100);
                 let load = |i| {
                     let mut load = [0.0; 5];
                     load[axis] = 2.5 * f64::from(i * (i % 2));

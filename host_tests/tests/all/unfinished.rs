@@ -120,11 +120,35 @@ fn no_estimate_of_a_pair_that_cuts_is_older_than_3_ms() {
                     })
                 })
         });
+    // From idling to 2,500 N more and back, in each direction.
+    let ramps = [50.0, 100.0, 200.0].into_iter().flat_map(|rate| {
+        const FORCE: f64 = 2500.0;
+        const PAUSE: f64 = 20.3;
+        [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, -1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+            [0.0, 0.6, 0.8],
+        ]
+        .map(|along| -> Vec<[f64; 6]> {
+            let rise = FORCE / rate;
+            let force = |tick: u32| {
+                let at = f64::from(tick) % (2.0 * (rise + PAUSE));
+                let up = (at - PAUSE).clamp(0.0, rise);
+                let down = (at - 2.0 * PAUSE - rise).clamp(0.0, rise);
+                let [x, y, z] = along.map(|part| 0.55 * part * rate * (up - down));
+                [x, y, z, 0.05 * z, -0.05 * y, 1500.0]
+            };
+            (0..3000).map(force).collect()
+        })
+    });
     let cycle = recorded(Place::Nose).into_iter().map(|row| {
         let [x, y, z, my, mz] = row.load;
         [x, y, z, my, mz, row.omega()]
     });
-    let cuts: Vec<Vec<[f64; 6]>> = teeth.chain([cycle.collect()]).collect();
+    let cuts: Vec<Vec<[f64; 6]>> = teeth.chain(ramps).chain([cycle.collect()]).collect();
     let bearing: &'static Bearing<f32, 16> = Box::leak(Box::new(
         Bearing::<f32, 16>::new(&monitored::DESIGN).unwrap(),
     ));
