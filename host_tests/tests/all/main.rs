@@ -19,6 +19,7 @@ mod life;
 mod limits;
 mod monitor;
 mod motions;
+mod net;
 mod precision;
 mod recordings;
 mod refusals;
