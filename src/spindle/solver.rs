@@ -240,13 +240,13 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             task.load[5] = spindle.spring / unit.force;
         }
         task.size = norm(&task.load).at_least(spindle.held);
-        if !task.is_loaded() {
-            return Err(Status::Unloaded);
-        }
         let mut grown = [Growth::NONE; R];
         for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&spindle.rows) {
             input::omega(row.constants, speed, M::AT_SPEED)?;
             *grown = input::growth(row.constants, growth)?;
+        }
+        if !task.is_loaded() {
+            return Err(Status::Unloaded);
         }
         let s = if M::AT_SPEED {
             let omega = speed.as_rad_per_s();

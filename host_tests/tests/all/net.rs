@@ -3,7 +3,7 @@
 //! `golden/net.txt` has them. A change of the solver that may change answers writes new ones, and says by how much the
 //! answers differ.
 
-use super::solves::{self, AnySolver, BALL_COUNTS, Found, GROWN, PRECISIONS, SKEW, ring_solver};
+use super::solves::{self, BALL_COUNTS, Found, GROWN, PRECISIONS, SKEW, ring_solver};
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::cases::{B7005C, Case, Random, public, sets};
 use host_tests::spindles::{Answer, Balls, Plan, with_solver};

@@ -79,6 +79,29 @@ fn input_that_is_not_finite_or_absurd_is_named() {
     }
 }
 
+/// Input that cannot be is named before the missing load, by a set as by a bearing.
+#[test]
+fn a_speed_that_is_no_number_is_named_without_a_load_too() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let row = Mounted::<f64, 16>::new(&bearing, 0.0, Facing::PlusX);
+    let spindle = Spindle::new(Arrangement::ByRows, [row]).unwrap();
+    let (speed, settings) = (Speed::rpm(f64::NAN), Settings::default());
+    for refused in [
+        Solver::new(&bearing)
+            .solve([0.0; 5], speed, &settings)
+            .err(),
+        SpindleSolver::new(spindle)
+            .solve([0.0; 5], speed, &settings)
+            .err(),
+    ] {
+        let quantity = refused.map(|status| match status {
+            Status::NotFinite { quantity, .. } => quantity,
+            other => panic!("{other}"),
+        });
+        assert_eq!(quantity, Some(Quantity::Speed));
+    }
+}
+
 #[test]
 fn balls_at_rest_refuse_a_speed() {
     let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
