@@ -70,10 +70,9 @@ impl<T: Real, const D: usize> Sum<T, D> {
 /// Units of force and displacement of a freedom, SI.
 #[inline(always)]
 pub fn units<T: Real>(c: &Constants<T>, freedom: usize) -> (T, T) {
-    if freedom < 3 {
-        (c.force, c.length)
-    } else {
-        (c.moment, c.tilt)
+    match freedom {
+        3 | 4 => (c.moment, c.tilt),
+        _ => (c.force, c.length),
     }
 }
 
@@ -92,6 +91,6 @@ pub fn stiffness_out<T: Real, const D: usize>(c: &Constants<T>, k: &Matrix<T, D>
     let per = [T::ONE / c.length, T::ONE / c.tilt];
     core::array::from_fn(|i| {
         let force = units(c, i).0;
-        core::array::from_fn(|j| k[i][j] * (force * per[usize::from(j >= 3)]))
+        core::array::from_fn(|j| k[i][j] * (force * per[usize::from(matches!(j, 3 | 4))]))
     })
 }

@@ -80,7 +80,7 @@ mod place;
 mod pose;
 mod rating;
 mod ring;
-mod rows;
+mod shaft;
 mod solver;
 mod spindle;
 #[allow(unsafe_code, reason = "an instruction that has no safe name")]

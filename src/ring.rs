@@ -184,7 +184,7 @@ impl<T: Real> Row<'_, T> {
     /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all
     /// are near their balance.
     #[inline(never)]
-    pub fn condense_balls<R: Rule>(&mut self, v: &[T; 5], ds: T) -> bool {
+    pub fn condense<R: Rule>(&mut self, v: &[T; 5], ds: T) -> bool {
         let mut near = true;
         let mut left = tuning::PLACING * self.balls.len() as u16 / 2;
         let mut azimuths = self.azimuths.iter();
@@ -215,6 +215,13 @@ impl<T: Real> Row<'_, T> {
         }
     }
 
+    /// Number of balls that carry.
+    #[inline(never)]
+    pub fn loaded(&self) -> u16 {
+        let loaded = self.balls.iter().filter(|ball| ball.carries(self.p));
+        loaded.count() as u16
+    }
+
     /// The ball whose contacts are furthest apart, if the cosine of that angle is below `limit`, and the angle, rad. A
     /// ball that does not carry is not meant until it is [`UNSEATED`].
     #[cold]
@@ -238,7 +245,7 @@ impl<T: Real> Row<'_, T> {
     ///
     /// Every ball's part changes with the relative change of its deformations, and with the turn of its normals.
     #[inline(never)]
-    pub fn changes_by<R: Rule>(&self, du: &[T; 5]) -> Changes<T, 5> {
+    pub fn changes<R: Rule>(&self, du: &[T; 5]) -> Changes<T, 5> {
         let mut sums = [T::ZERO; 5];
         let (mut most, mut lost, mut largest, mut cos) = (T::ZERO, T::ZERO, T::TINY, T::ONE);
         let mut azimuths = self.azimuths.iter();

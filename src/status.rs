@@ -62,13 +62,14 @@ quantities! {
 }
 
 impl Quantity {
-    /// Load and displacement of the five freedoms.
-    pub(crate) const OF_FREEDOM: [[Self; 2]; 5] = [
+    /// Load and displacement of the five freedoms, and of a sleeve.
+    pub(crate) const OF_FREEDOM: [[Self; 2]; 6] = [
         [Self::Fx, Self::Dx],
         [Self::Fy, Self::Dy],
         [Self::Fz, Self::Dz],
         [Self::My, Self::Ty],
         [Self::Mz, Self::Tz],
+        [Self::SpringForce, Self::Closure],
     ];
 
     /// The three growths.

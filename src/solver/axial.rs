@@ -1,17 +1,16 @@
 //! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
 
 use super::error::ErrorEstimate;
-use super::{Given, Settings, State, Task, Time, input};
+use super::{Given, Settings, Task, Time, WarmStart, input};
 use crate::axial::{AxialRest, Centres};
-use crate::ball::Ball;
-use crate::constants::{Bearing, Constants};
+use crate::constants::{Azimuth, Bearing, Constants};
 use crate::float::Real;
 use crate::growth::Growth;
 use crate::linalg::add;
 use crate::motion::{Full, Motion};
 use crate::mounting::{Point, Speed};
 use crate::pose::{BallState, Pose};
-use crate::ring::Row;
+use crate::shaft::Layout;
 use crate::status::Status;
 use core::marker::PhantomData;
 
@@ -34,11 +33,8 @@ use core::marker::PhantomData;
 pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
     bearing: &'b Bearing<T, N>,
     /// Of a bearing with one ball, which carries its share of the load.
-    state: State<T, 1>,
-    ball: Ball<T>,
+    last: WarmStart<T, 1, 1, 1>,
     motion: PhantomData<M>,
-    /// Speed, growth and references of the last solve.
-    point: Point<T>,
     /// Root of the last solution at rest, above all without one, and the grooves' centres there.
     root: T,
     centres: Centres<T>,
@@ -56,10 +52,8 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     pub fn of(bearing: &'b Bearing<T, N>) -> Self {
         Self {
             bearing,
-            state: State::COLD,
-            ball: Ball::default(),
+            last: WarmStart::new(&Layout::alone(&bearing.constants, &[])),
             motion: PhantomData,
-            point: Point::new(&bearing.constants, T::ZERO, T::ZERO, Growth::NONE),
             root: T::ONE / T::TINY,
             centres: Centres {
                 axial: T::ZERO,
@@ -70,7 +64,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
 
     /// Has the next solve start from nothing.
     pub fn reset(&mut self) {
-        self.state = State::COLD;
+        self.last.reset();
         self.root = T::ONE / T::TINY;
     }
 
@@ -116,7 +110,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
-        let given = input::given(c, 0, asked)?;
+        let given = input::given(c, 0, c.balls, asked)?;
         let omega = input::omega(c, speed, M::AT_SPEED)?;
         let growth = match growth {
             Some(growth) => input::growth(c, growth)?,
@@ -135,11 +129,11 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             T::ZERO
         };
         if M::AT_SPEED && s > T::ZERO {
-            self.state.grow(&self.point.growth, &growth);
-            self.point.set(c, s, size, growth, self.state.u[0]);
+            self.last.state.grow(&self.last.points[0].growth, &growth);
+            self.last.points[0].set(c, s, size, growth, self.last.state.u[0]);
             return self.at_speed(asked, given, settings);
         }
-        self.point = Point::new(c, s, size, growth);
+        self.last.points[0] = Point::new(c, s, size, growth);
         self.at_rest(asked, given, settings)
     }
 
@@ -152,7 +146,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
-        let balls = AxialRest::new(c, &self.point);
+        let balls = AxialRest::new(c, &self.last.points[0]);
         let (mut iterations, mut left) = (0, T::ZERO);
         let (centres, contact, dx) = match given {
             Given::Displacement(dx) => {
@@ -161,7 +155,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             }
             // Balls that carry without a load hold the ring in the middle.
             Given::Load(load) if !(load.abs() > T::TINY.sqrt()) => {
-                let growth = self.point.growth.axial;
+                let growth = self.last.points[0].growth.axial;
                 let centres = balls.centres_at(-growth);
                 let contact = balls.contact(&centres);
                 if !(contact.q > T::ZERO) {
@@ -189,9 +183,9 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         };
         self.centres = centres;
         let [slope, ..] = contact.tangent();
-        self.state.sum.k[0][0] = slope;
+        self.last.state.sum.k[0][0] = slope;
         if M::AT_SPEED {
-            self.state.s = T::ZERO;
+            self.last.state.s = T::ZERO;
         }
         let error = T::of(6.0) * (T::EPSILON + left);
         Ok(AxialSolution {
@@ -233,27 +227,24 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             }
             Given::Displacement(dx) => task.held[0] = Some(dx),
         }
-        let mut row = Row {
-            c: &one,
-            p: &mut self.point,
-            azimuths: self.bearing.azimuths.get(..1).unwrap_or_default(),
-            balls: core::slice::from_mut(&mut self.ball),
-        };
+        let layout = Layout::alone(&one, self.first());
         let mut more = || true;
         let mut time = Time::new(settings.max_iterations, &mut more);
-        let end = self.state.solve::<_, M::Rule>(&mut row, &task, &mut time);
-        let iterations = time.taken;
-        let answer = self.state.conclude::<M::Rule>(&row, &[asked], &task, end)?;
-        let [load] = answer.load;
-        let [displacement] = answer.displacement;
+        let reached = self.last.solve::<M::Rule, _>(&layout, &task, &mut time)?;
+        let state = &self.last.state;
         Ok(AxialSolution {
-            status: answer.status,
-            iterations,
-            error: answer.error,
-            displacement,
-            load: asked.load_or(load * c.balls),
+            status: state.attempt.outcome.end.status(),
+            iterations: reached.iterations,
+            error: state.errors(&reached.u, self.last.points[0].s),
+            displacement: asked.displacement_or(reached.u[0] * c.length),
+            load: asked.load_or(reached.load[0] * c.force * c.balls),
             solver: self,
         })
+    }
+
+    /// Azimuth of the ball that stands for all.
+    fn first(&self) -> &'b [Azimuth<T>] {
+        self.bearing.azimuths.get(..1).unwrap_or_default()
     }
 }
 
@@ -276,25 +267,23 @@ pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion> {
 impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     /// Axial stiffness `dFx/dx` at constant speed, N/m.
     pub fn stiffness(&self) -> T {
-        let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
-        let k = if M::AT_SPEED && self.solver.point.is_at_speed() {
-            let first = self.solver.bearing.azimuths.get(..1).unwrap_or_default();
-            let ball = core::slice::from_ref(&self.solver.ball);
-            state.stiffness_of::<M::Rule>(c, &self.solver.point, first, ball)[0][0]
+        let (c, last) = (&self.solver.bearing.constants, &self.solver.last);
+        let k = if M::AT_SPEED && last.points[0].is_at_speed() {
+            let layout = Layout::alone(c, self.solver.first());
+            last.stiffness::<M::Rule, _>(&layout)[0][0]
         } else {
-            state.sum.k[0][0]
+            last.state.sum.k[0][0]
         };
         k * (c.force * c.balls / c.length)
     }
 
     /// State of the ball that stands for all, at the azimuth of the first one.
     pub fn ball(&self) -> BallState<T> {
-        let (solver, p) = (self.solver, &self.solver.point);
+        let (solver, p) = (self.solver, &self.solver.last.points[0]);
         let c = &solver.bearing.constants;
         let pose = if M::AT_SPEED && p.is_at_speed() {
-            solver
-                .ball
-                .pose::<M::Rule>(c, p, add(p.low, [solver.state.v[0], T::ZERO]))
+            let a = add(p.low, [solver.last.state.v[0], T::ZERO]);
+            solver.last.balls[0][0].pose::<M::Rule>(c, p, a)
         } else {
             Pose::at_rest(c, &AxialRest::new(c, p).contact(&solver.centres))
         };

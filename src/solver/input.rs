@@ -23,26 +23,23 @@ pub fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Stat
     Ok(())
 }
 
-/// A load, in the unit of force or moment.
-///
-/// Beyond N times the force that would press a ball by the whole groove distance, nothing in the model holds.
-#[inline(always)]
-pub fn load<T: Real>(quantity: Quantity, unit: T, balls: T, load: T) -> Result<T, Status<T>> {
-    check(quantity, load, unit * balls * T::of(512.0))?;
-    Ok(load / unit)
-}
-
 /// What is given of a freedom, in units of force or length.
+///
+/// Beyond the force that would press all `balls` by the whole groove distance, nothing in the model holds.
 #[inline(always)]
 pub fn given<T: Real>(
     c: &Constants<T>,
     freedom: usize,
+    balls: T,
     given: Given<T>,
 ) -> Result<Given<T>, Status<T>> {
     let (force, length) = units(c, freedom);
     let [of_load, of_displacement] = Quantity::OF_FREEDOM[freedom];
     match given {
-        Given::Load(value) => Ok(Given::Load(load(of_load, force, c.balls, value)?)),
+        Given::Load(load) => {
+            check(of_load, load, force * balls * T::of(512.0))?;
+            Ok(Given::Load(load / force))
+        }
         Given::Displacement(u) => {
             check(of_displacement, u, length * T::of(128.0))?;
             Ok(Given::Displacement(u / length))

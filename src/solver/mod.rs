@@ -14,19 +14,19 @@ pub(crate) mod input;
 mod newton;
 mod solution;
 mod start;
-pub(crate) mod view;
+mod view;
+mod warm_start;
 
-use crate::ball::Ball;
-use crate::constants::{Azimuth, Bearing, Constants};
+use crate::constants::Bearing;
 use crate::float::Real;
 use crate::frame::{centre_of, displacement_out, force_out};
 use crate::growth::Growth;
 use crate::kinematics::Rule;
-use crate::linalg::{Factors, Matrix, add_to, norm, product};
+use crate::linalg::{Factors, norm, product};
 use crate::motion::{Full, Motion};
-use crate::mounting::{Point, Speed};
-use crate::ring::{Row, Sum, UNSEATED, in_full, stiffening};
-use crate::rows::Rows;
+use crate::mounting::Speed;
+use crate::ring::{Sum, UNSEATED};
+use crate::shaft::{Layout, Shaft};
 use crate::status::{Quantity, Status};
 use crate::tuning;
 use core::array::from_fn;
@@ -35,9 +35,12 @@ use core::marker::PhantomData;
 pub use axial::{AxialSolution, AxialSolver};
 pub use error::ErrorEstimate;
 use newton::Attempt;
-pub(crate) use newton::{End, Task, Time};
+pub(crate) use newton::Time;
+use newton::{End, Task};
 pub use solution::{Snapshot, Solution};
 use start::start;
+pub(crate) use view::View;
+pub(crate) use warm_start::{Reached, WarmStart};
 
 /// Iteration limit and convergence tolerance.
 ///
@@ -198,31 +201,6 @@ impl<T: Real, const D: usize> State<T, D> {
         centre_of(plane, &from_fn(|i| self.u[i] + self.v[i]))
     }
 
-    /// The stiffness after the last step, with what `change` says of its change along the motion from where the balls
-    /// were condensed.
-    pub(crate) fn stiffness(&self, change: impl FnOnce(&[T; D]) -> Matrix<T, D>) -> Matrix<T, D> {
-        let mut k = self.sum.k;
-        if self.correct {
-            add_to(&mut k, &change(&self.v));
-        }
-        k
-    }
-
-    /// The same for one row.
-    fn stiffness_of<R: Rule>(
-        &self,
-        c: &Constants<T>,
-        p: &Point<T>,
-        azimuths: &[Azimuth<T>],
-        balls: &[Ball<T>],
-    ) -> Matrix<T, D> {
-        self.stiffness(|v| {
-            let mut change = stiffening::<T, R, D>(p, balls, azimuths, &in_full(v));
-            change.refer(c.plane);
-            change.k
-        })
-    }
-
     /// Forgets a solution that is no start for the next one, at another growth of a row: one that differs by more than a unit
     /// of length, about a deformation.
     pub(crate) fn grow(&mut self, last: &Growth<T>, growth: &Growth<T>) {
@@ -235,15 +213,15 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
-    pub(crate) fn solve<S: Rows<T, D>, R: Rule>(
+    fn solve<A: Rule, const R: usize, const SET: bool>(
         &mut self,
-        rows: &mut S,
+        shaft: &mut Shaft<'_, T, R, SET>,
         task: &Task<T, D>,
         time: &mut Time<'_>,
     ) -> End {
-        let s = rows.inertia();
+        let s = shaft.s;
         let mut end = End::Lost;
-        if self.is_near(rows, task) {
+        if self.is_near(shaft, task) {
             if self.attempt.outcome.end != End::Unfinished {
                 self.attempt.begin(false);
             }
@@ -252,8 +230,8 @@ impl<T: Real, const D: usize> State<T, D> {
             } else {
                 T::ZERO
             };
-            self.predict(rows.plane(), task, ds);
-            end = self.newton::<S, R>(rows, task, ds, time);
+            self.predict(shaft.layout.plane, task, ds);
+            end = self.newton::<A, R, SET>(shaft, task, ds, time);
         } else {
             self.attempt.begin(false);
         }
@@ -261,15 +239,15 @@ impl<T: Real, const D: usize> State<T, D> {
         if !is_over && !time.is_up {
             is_over = true;
             self.attempt.begin(true);
-            start::<T, S, R, D>(self, rows, task);
-            end = self.newton::<S, R>(rows, task, T::ZERO, time);
+            start::<T, A, R, SET, D>(self, shaft, task);
+            end = self.newton::<A, R, SET>(shaft, task, T::ZERO, time);
         }
         self.attempt.outcome.end = end;
         self.load = task.load;
         self.s = s;
         if is_over {
             let size = task.size.at_least(norm(&self.sum.force));
-            self.size = size.at_least(rows.internal());
+            self.size = size.at_least(*shaft.internal);
             return end;
         }
         // There was no time for a start: the next solve has one.
@@ -279,21 +257,25 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
     /// any load.
-    fn is_near<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>) -> bool {
+    fn is_near<const R: usize, const SET: bool>(
+        &self,
+        shaft: &Shaft<'_, T, R, SET>,
+        task: &Task<T, D>,
+    ) -> bool {
         let half = T::of(0.5);
-        let (s, balls) = (rows.inertia(), rows.weight());
-        let at = self.displacement(rows.plane());
+        let (s, balls) = (shaft.s, shaft.layout.weight);
+        let at = self.displacement(shaft.layout.plane);
         let change: [T; D] = from_fn(|i| match task.held[i] {
             None => task.load[i] - self.load[i],
             Some(u) => self.sum.k[i][i] * (u - at[i]),
         });
         let smaller = if task.is_free() {
-            self.size.at_most(task.size.at_least(rows.internal()))
+            self.size.at_most(task.size.at_least(*shaft.internal))
         } else {
             self.size
         };
         self.size > T::ZERO
-            && (rows.is_opposed() || norm(&change) <= smaller)
+            && (shaft.layout.fixed.opposed || norm(&change) <= smaller)
             && (s - self.s).abs() * balls <= half * (self.s * balls + self.size)
             && (s > T::ZERO) == (self.s > T::ZERO)
     }
@@ -322,9 +304,9 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Why there is no solution, if there is none.
-    pub(crate) fn refuse<S: Rows<T, D>, R: Rule>(
+    fn refuse<A: Rule, const R: usize, const SET: bool>(
         &mut self,
-        rows: &S,
+        shaft: &Shaft<'_, T, R, SET>,
         task: &Task<T, D>,
         end: End,
     ) -> Result<(), Status<T>> {
@@ -335,10 +317,10 @@ impl<T: Real, const D: usize> State<T, D> {
         }
         // Contacts more than 90 degrees apart do not hold a ball: that is why. An unfinished step says nothing of it.
         let limit = if is_solved { T::of(UNSEATED) } else { T::ZERO };
-        let driven_out = rows.furthest_apart::<R>(limit);
+        let driven_out = shaft.furthest_apart::<A>(limit);
         let status = match (end, driven_out) {
             (End::Singular, _) => Status::Indeterminate {
-                loaded_balls: rows.loaded(),
+                loaded_balls: shaft.loaded(),
                 free: self.freest(task),
             },
             (End::Unfinished, _) => Status::IterationLimit,
@@ -358,38 +340,6 @@ impl<T: Real, const D: usize> State<T, D> {
         let du = centre_of(plane, &from_fn(|i| self.v[i] - self.at[i]));
         from_fn(|i| self.sum.force[i] + product(&self.sum.k[i], &du))
     }
-
-    /// The solution of a bearing, or why there is none.
-    fn conclude<R: Rule>(
-        &mut self,
-        row: &Row<'_, T>,
-        given: &[Given<T>; D],
-        task: &Task<T, D>,
-        end: End,
-    ) -> Result<Answer<T, D>, Status<T>> {
-        self.refuse::<_, R>(row, task, end)?;
-        let c = row.c;
-        let u = self.displacement(c.plane);
-        let displacement = displacement_out(c, &u);
-        let mut load = self.force(c.plane);
-        for (load, (held, given)) in load.iter_mut().zip(task.held.iter().zip(task.load)) {
-            if held.is_none() {
-                *load = given;
-            }
-        }
-        let load = force_out(c, &load);
-        // A tangent of other than numbers makes no undamped step.
-        if !(are_finite(&displacement) && are_finite(&load)) {
-            *self = Self::COLD;
-            return Err(Status::Diverged { residual: T::ONE });
-        }
-        Ok(Answer {
-            status: end.status(),
-            error: self.errors(&u, row.p.s * c.balls),
-            displacement: from_fn(|i| given[i].displacement_or(displacement[i])),
-            load: from_fn(|i| given[i].load_or(load[i])),
-        })
-    }
 }
 
 /// Whether every figure is a finite number.
@@ -400,14 +350,6 @@ pub(crate) fn are_finite<T: Real>(figures: &[T]) -> bool {
         zero += T::ZERO * *x;
     }
     zero == T::ZERO
-}
-
-/// What comes of a solve, SI units.
-struct Answer<T, const D: usize> {
-    status: Status<T>,
-    error: ErrorEstimate<T>,
-    displacement: [T; D],
-    load: [T; D],
 }
 
 /// A solver for one bearing: borrows its constants, and owns the state that the next solve starts from.
@@ -427,12 +369,8 @@ struct Answer<T, const D: usize> {
 #[derive(Debug, Clone, Copy)]
 pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
     bearing: &'b Bearing<T, N>,
-    state: State<T, D>,
-    balls: [Ball<T>; N],
+    pub(crate) last: WarmStart<T, 1, N, D>,
     motion: PhantomData<M>,
-    /// Speed, growth and references of the last solve.
-    point: Point<T>,
-    speed: Speed<T>,
 }
 
 impl<'b, T: Real, const N: usize> Solver<'b, T, N> {
@@ -450,17 +388,20 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     {
         Self {
             bearing,
-            state: State::COLD,
-            balls: [Ball::default(); N],
+            last: WarmStart::new(&Layout::alone(&bearing.constants, &bearing.azimuths)),
             motion: PhantomData,
-            point: Point::new(&bearing.constants, T::ZERO, T::ZERO, Growth::NONE),
-            speed: Speed::REST,
         }
+    }
+
+    /// The only row of a shaft.
+    #[inline(always)]
+    fn layout(&self) -> Layout<'b, T, 1, false> {
+        Layout::alone(&self.bearing.constants, &self.bearing.azimuths)
     }
 
     /// Has the next solve start from nothing.
     pub fn reset(&mut self) {
-        self.state = State::COLD;
+        self.last.reset();
     }
 
     /// The equilibrium under the load `[Fx, Fy, Fz, My, Mz]` (N, N m) at a speed.
@@ -535,26 +476,22 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         settings: &Settings<T>,
         mut more_time: impl FnMut() -> bool,
     ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
-        let task = self.task(given, speed, growth, settings.tolerance)?;
+        let layout = self.layout();
+        let growth = core::array::from_ref(growth);
+        let tolerance = settings.tolerance;
+        let task = self
+            .last
+            .task::<M, _>(&layout, given, |_| (), speed, growth, tolerance)?;
         let mut time = Time::new(settings.max_iterations, &mut more_time);
-        let mut row = Row {
-            c: &self.bearing.constants,
-            p: &mut self.point,
-            azimuths: &self.bearing.azimuths,
-            balls: &mut self.balls,
-        };
-        let end = self.state.solve::<_, M::Rule>(&mut row, &task, &mut time);
-        let iterations = time.taken;
-        let answer = self.state.conclude::<M::Rule>(&row, given, &task, end)?;
-        Ok(Solution {
-            status: answer.status,
-            iterations,
-            error: answer.error,
-            displacement: answer.displacement,
-            load: answer.load,
-            speed,
-            solver: self,
-        })
+        let reached = self.last.solve::<M::Rule, _>(&layout, &task, &mut time)?;
+        let mut solution = self.solution(&reached);
+        for (i, given) in given.iter().enumerate() {
+            match *given {
+                Given::Load(load) => solution.load[i] = load,
+                Given::Displacement(u) => solution.displacement[i] = u,
+            }
+        }
+        Ok(solution)
     }
 
     /// The state that a solve had reached when it ended as [`Status::IterationLimit`], marked with this status. None after any
@@ -563,64 +500,20 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
     /// of the stiffness is 1 or more, nothing is known of it. The table of a cut is in `docs/firmware.md`.
     pub fn unfinished(&self) -> Option<Solution<'_, T, N, M, D>> {
-        let attempt = &self.state.attempt;
-        if attempt.outcome.end != End::Unfinished {
-            return None;
-        }
-        let c = &self.bearing.constants;
-        let u = self.state.displacement(c.plane);
-        let solution = Solution {
-            status: attempt.outcome.end.status(),
-            iterations: attempt.taken,
-            error: self.state.errors(&u, self.point.s * c.balls),
-            displacement: displacement_out(c, &u),
-            load: force_out(c, &self.state.force(c.plane)),
-            speed: self.speed,
-            solver: self,
-        };
-        let is_finite = solution.error.is_finite()
-            && are_finite(&solution.displacement)
-            && are_finite(&solution.load)
-            && solution.stiffness().iter().all(|row| are_finite(row));
-        is_finite.then_some(solution)
+        let reached = self.last.unfinished::<M::Rule, _>(&self.layout())?;
+        Some(self.solution(&reached))
     }
 
-    /// Checks the input, and turns it into the solver's units.
-    fn task(
-        &mut self,
-        given: &[Given<T>; D],
-        speed: Speed<T>,
-        growth: &Growth<T>,
-        tolerance: T,
-    ) -> Result<Task<T, D>, Status<T>> {
-        let c = &self.bearing.constants;
-        let mut task = Task {
-            load: [T::ZERO; D],
-            size: T::ZERO,
-            held: [None; D],
-            tolerance,
-        };
-        for (i, given) in given.iter().enumerate() {
-            match input::given(c, i, *given)? {
-                Given::Load(load) => task.load[i] = load,
-                Given::Displacement(u) => task.held[i] = Some(u),
-            }
+    fn solution(&self, reached: &Reached<T, D>) -> Solution<'_, T, N, M, D> {
+        let (c, state) = (&self.bearing.constants, &self.last.state);
+        Solution {
+            status: state.attempt.outcome.end.status(),
+            iterations: reached.iterations,
+            error: state.errors(&reached.u, self.last.points[0].s * c.balls),
+            displacement: displacement_out(c, &reached.u),
+            load: force_out(c, &reached.load),
+            speed: self.last.speed,
+            solver: self,
         }
-        let omega = input::omega(c, speed, M::AT_SPEED)?;
-        let growth = input::growth(c, growth)?;
-        let size = norm(&task.load).at_least(c.preload);
-        task.size = size;
-        if !task.is_loaded() {
-            return Err(Status::Unloaded);
-        }
-        let s = if M::AT_SPEED {
-            input::inertia(c, omega, c.balls, size)
-        } else {
-            T::ZERO
-        };
-        self.state.grow(&self.point.growth, &growth);
-        self.point.set(c, s, size, growth, self.state.u[0]);
-        self.speed = speed;
-        Ok(task)
     }
 }

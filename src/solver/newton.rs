@@ -7,7 +7,7 @@ use crate::float::Real;
 use crate::frame::plane_of;
 use crate::kinematics::Rule;
 use crate::linalg::{norm, product};
-use crate::rows::Rows;
+use crate::shaft::Shaft;
 use crate::status::Status;
 use crate::tuning;
 
@@ -50,12 +50,12 @@ impl<T: Real, const D: usize> Task<T, D> {
     /// Whether enough balls carry: one holds the ring in two directions, and one that touches without force in none.
     #[cold]
     #[inline(never)]
-    fn is_held_by<S: Rows<T, D>>(&self, rows: &S) -> bool {
+    fn is_held_by<const R: usize, const SET: bool>(&self, shaft: &Shaft<'_, T, R, SET>) -> bool {
         let mut free = 0;
         for held in &self.held {
             free += u16::from(held.is_none());
         }
-        2 * rows.loaded() >= free
+        2 * shaft.loaded() >= free
     }
 
     /// Error of the balls' forces that is small enough, relative to the largest.
@@ -183,16 +183,16 @@ impl<T: Real> Outcome<T> {
     /// Residual that rounding of the balls' forces at the ring's offset `v` explains, that of each force capped at `most`.
     #[cold]
     #[inline(never)]
-    fn rounding<S: Rows<T, D>, const D: usize>(
+    fn rounding<const R: usize, const SET: bool, const D: usize>(
         &self,
-        rows: &S,
+        shaft: &Shaft<'_, T, R, SET>,
         task: &Task<T, D>,
         v: &[T; D],
         most: T,
     ) -> T {
         let largest = self.estimate.largest;
-        let forces =
-            rows.weight() * largest / task.size.at_least(rows.internal()).at_least(largest);
+        let size = task.size.at_least(*shaft.internal).at_least(largest);
+        let forces = shaft.layout.weight * largest / size;
         rounding(largest, v).at_most(most) * forces.at_least(T::ONE)
     }
 
@@ -395,24 +395,24 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Newton's method from where ring and balls are, until an end, or until the time is up.
-    pub fn newton<S: Rows<T, D>, R: Rule>(
+    pub fn newton<A: Rule, const R: usize, const SET: bool>(
         &mut self,
-        rows: &mut S,
+        shaft: &mut Shaft<'_, T, R, SET>,
         task: &Task<T, D>,
         mut ds: T,
         time: &mut Time<'_>,
     ) -> End {
-        let plane = rows.plane();
+        let plane = shaft.layout.plane;
         while !self.attempt.is_used_up() {
-            let near = rows.condense::<R>(&self.v, ds);
-            rows.sum::<R>(&mut self.sum);
+            let near = shaft.condense::<A, D>(&self.v, ds);
+            shaft.sum::<A, D>(&mut self.sum);
             (self.at, self.correct, self.plain) = (self.v, false, false);
             ds = T::ZERO;
             let is_last = time.spend();
             self.attempt.taken += 1;
 
             let r = self.unbalanced(task, T::ZERO);
-            let mut size = task.size.at_least(rows.internal());
+            let mut size = task.size.at_least(*shaft.internal);
             if !task.is_free() {
                 size = size.at_least(norm(&self.sum.force));
             }
@@ -426,7 +426,7 @@ impl<T: Real, const D: usize> State<T, D> {
             self.attempt.outcome.residual = residual;
             let stalled = !(residual < T::of(0.5) * before.residual);
             let at = self.at;
-            let rounded = |most| stalled && residual < before.rounding(rows, task, &at, most);
+            let rounded = |most| stalled && residual < before.rounding(shaft, task, &at, most);
             let control = &mut self.attempt.control;
             let back = control.review(&r, task.enough(), rounded);
             let Control { radius, least, .. } = *control;
@@ -435,7 +435,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 let planar = plane_of(plane, &back);
                 self.advance(planar);
                 if is_last {
-                    self.look::<S, R>(rows, &planar, near);
+                    self.look::<A, R, SET>(shaft, &planar, near);
                     break;
                 }
                 continue;
@@ -447,7 +447,7 @@ impl<T: Real, const D: usize> State<T, D> {
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
             let far = residual > task.far();
             if !far || is_last {
-                self.look::<S, R>(rows, &planar, near && is_last);
+                self.look::<A, R, SET>(shaft, &planar, near && is_last);
             }
             let work = product(&r, &du);
             if damped {
@@ -457,9 +457,9 @@ impl<T: Real, const D: usize> State<T, D> {
                     return End::Singular;
                 }
             } else if near && !far {
-                match self.verdict(rows, task, &before) {
+                match self.verdict(shaft, task, &before) {
                     End::Unfinished => {}
-                    End::Rounded if !task.is_held_by(rows) => return End::Singular,
+                    End::Rounded if !task.is_held_by(shaft) => return End::Singular,
                     _ if self.weak => return End::Singular,
                     end => return end,
                 }
@@ -479,8 +479,13 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Estimates how far the step `planar` of the groove plane changes the stiffness. If it `may`, the stiffness is to follow the
     /// step where that makes it better.
     #[inline(always)]
-    fn look<S: Rows<T, D>, R: Rule>(&mut self, rows: &S, planar: &[T; D], may: bool) {
-        let estimate = Estimate::of(&rows.changes::<R>(planar), &self.sum.k);
+    fn look<A: Rule, const R: usize, const SET: bool>(
+        &mut self,
+        shaft: &Shaft<'_, T, R, SET>,
+        planar: &[T; D],
+        may: bool,
+    ) {
+        let estimate = Estimate::of(&shaft.changes::<A, D>(planar), &self.sum.k);
         self.correct = may && estimate.corrected() < estimate.k;
         self.attempt.outcome.estimate = estimate;
     }
@@ -489,17 +494,22 @@ impl<T: Real, const D: usize> State<T, D> {
     /// one that touches without force the power 3/2 of that.
     #[cold]
     #[inline(never)]
-    fn is_rounded<S: Rows<T, D>>(&self, rows: &S, task: &Task<T, D>, outcome: &Outcome<T>) -> bool {
+    fn is_rounded<const R: usize, const SET: bool>(
+        &self,
+        shaft: &Shaft<'_, T, R, SET>,
+        task: &Task<T, D>,
+        outcome: &Outcome<T>,
+    ) -> bool {
         let of_ball = rounding(outcome.estimate.largest, &self.at);
         let most = task.enough().at_least(of_ball * of_ball.sqrt());
         outcome.estimate.force <= most
-            && outcome.residual < outcome.rounding(rows, task, &self.at, T::ONE)
+            && outcome.residual < outcome.rounding(shaft, task, &self.at, T::ONE)
     }
 
     /// How the loop ends with the last step, if that was small enough.
-    fn verdict<S: Rows<T, D>>(
+    fn verdict<const R: usize, const SET: bool>(
         &mut self,
-        rows: &mut S,
+        shaft: &Shaft<'_, T, R, SET>,
         task: &Task<T, D>,
         before: &Outcome<T>,
     ) -> End {
@@ -515,7 +525,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 self.attempt.outcome.estimate.k = corrected;
             }
             End::Converged
-        } else if stalled && most < T::of(tuning::ROUGH) && self.is_rounded(rows, task, &outcome) {
+        } else if stalled && most < T::of(tuning::ROUGH) && self.is_rounded(shaft, task, &outcome) {
             // Such a step may lead far along a weak direction: the answer is where the balance was seen.
             (self.v, self.correct) = (self.at, false);
             End::Rounded

@@ -12,10 +12,8 @@ use crate::motion::Motion;
 use crate::mounting::Speed;
 use crate::pose::{BallMotion, BallState};
 use crate::rating::{LifeRating, RatingLife};
-use crate::ring::in_full;
 use crate::status::Status;
 use core::fmt;
-use core::marker::PhantomData;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 ///
@@ -41,29 +39,16 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) at constant speed: the exact
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
-        let (c, state) = (&self.solver.bearing.constants, &self.solver.state);
-        let k = state.stiffness_of::<M::Rule>(
-            c,
-            &self.solver.point,
-            &self.solver.bearing.azimuths,
-            &self.solver.balls,
-        );
-        stiffness_out(c, &k)
+        let (c, last) = (&self.solver.bearing.constants, &self.solver.last);
+        stiffness_out(c, &last.stiffness::<M::Rule, _>(&self.solver.layout()))
     }
 
     /// The row of balls.
     #[inline(always)]
     pub(crate) fn view(&self) -> View<'_, T, M::Rule> {
-        let bearing = self.solver.bearing;
-        View {
-            c: &bearing.constants,
-            p: &self.solver.point,
-            azimuths: &bearing.azimuths,
-            balls: &self.solver.balls,
-            v: in_full(&self.solver.state.v),
-            speed: self.speed,
-            rule: PhantomData,
-        }
+        self.solver
+            .last
+            .view::<M::Rule, _>(&self.solver.layout(), 0)
     }
 
     /// States of the balls, in the order of their azimuths.

@@ -8,7 +8,7 @@ use crate::float::Real;
 use crate::frame::plane_of;
 use crate::kinematics::Rule;
 use crate::mounting::Point;
-use crate::rows::{Rows, Stance};
+use crate::shaft::{Shaft, Stance};
 use core::array::from_fn;
 
 /// Halvings of the range of an angle, to 2e-5 of it.
@@ -29,19 +29,19 @@ impl<T: Real> Pressing<T> {
     /// Of fixed rows: the axial load less what the sliding ones carry. Rows that do not hold each other have so
     /// much more that radial load and moment do not unload balls at first sight.
     #[inline(never)]
-    fn of<S: Rows<T, D>, const D: usize>(
-        rows: &S,
+    fn of<const R: usize, const SET: bool, const D: usize>(
+        shaft: &Shaft<'_, T, R, SET>,
         fixed: &Stance<'_, T>,
         task: &Task<T, D>,
     ) -> Self {
         let load = &task.load;
-        let mut own = fixed.seat.facing * load[0];
-        if let Some(sliding) = rows.stance(true) {
-            own -= fixed.seat.facing * sliding.seat.facing * spring(task);
+        let mut own = fixed.mount.facing * load[0];
+        if let Some(sliding) = shaft.stance(shaft.layout.sliding) {
+            own -= fixed.mount.facing * sliding.mount.facing * spring(task);
         }
         let side = if own < T::ZERO { -T::ONE } else { T::ONE };
         let mut force = own.abs();
-        if D == 6 || rows.is_opposed() {
+        if D == 6 || shaft.layout.fixed.opposed {
             return Self { force, side };
         }
         if D >= 3 {
@@ -56,7 +56,7 @@ impl<T: Real> Pressing<T> {
     /// Axial displacement of the rows that carry this at their speed, in their own frame.
     fn displacement(&self, rows: &Stance<'_, T>) -> T {
         // Of none, the contacts have no direction.
-        let q = (self.force / (rows.balls * rows.seat.force)).at_least(T::EPSILON);
+        let q = (self.force / (rows.balls * rows.mount.force)).at_least(T::EPSILON);
         let [axial, _] = rows.c.n0.map(|n| T::of(L0) * n);
         self.side * distance(rows.c, rows.p, q) - axial - rows.p.growth.axial
     }
@@ -102,39 +102,47 @@ fn distance<T: Real>(c: &Constants<T>, p: &Point<T>, q: T) -> T {
 /// Displacement of the groove plane: as given, and else such that fixed and sliding rows carry the axial load and the
 /// spring. Rows that hold each other stay where they are.
 #[inline(never)]
-fn displaced<T: Real, S: Rows<T, D>, const D: usize>(rows: &S, task: &Task<T, D>) -> [T; D] {
+fn displaced<T: Real, const R: usize, const SET: bool, const D: usize>(
+    shaft: &Shaft<'_, T, R, SET>,
+    task: &Task<T, D>,
+) -> [T; D] {
     // A displacement of the shaft from one of a row.
-    let shaft = |rows: &Stance<'_, T>, pressed: Pressing<T>| {
-        (pressed.displacement(rows) - rows.seat.closure) / rows.seat.length
+    let moved = |rows: &Stance<'_, T>, pressed: Pressing<T>| {
+        (pressed.displacement(rows) - rows.mount.closure) / rows.mount.length
     };
     let mut u = [T::ZERO; D];
-    if let Some(holding) = rows.stance(false).filter(|_| !rows.is_opposed()) {
-        let pressed = Pressing::of(rows, &holding, task);
-        u[0] = holding.seat.facing * shaft(&holding, pressed);
+    if let Some(holding) = shaft
+        .stance(Some(shaft.layout.fixed))
+        .filter(|_| !shaft.layout.fixed.opposed)
+    {
+        let pressed = Pressing::of(shaft, &holding, task);
+        u[0] = holding.mount.facing * moved(&holding, pressed);
     }
     if D == 6
-        && let Some(sliding) = rows.stance(true)
+        && let Some(sliding) = shaft.stance(shaft.layout.sliding)
     {
         let (force, side) = (spring(task), T::ONE);
-        u[5] = shaft(&sliding, Pressing { force, side }) - sliding.seat.facing * u[0];
+        u[5] = moved(&sliding, Pressing { force, side }) - sliding.mount.facing * u[0];
     }
     for (u, held) in u.iter_mut().zip(task.held) {
         *u = held.unwrap_or(*u);
     }
-    plane_of(rows.plane(), &u)
+    plane_of(shaft.layout.plane, &u)
 }
 
 /// Puts rows and balls where the axial load alone would, all balls of a row alike.
 #[inline(never)]
-pub(super) fn start<T: Real, S: Rows<T, D>, R: Rule, const D: usize>(
+pub(super) fn start<T: Real, A: Rule, const R: usize, const SET: bool, const D: usize>(
     state: &mut State<T, D>,
-    rows: &mut S,
+    shaft: &mut Shaft<'_, T, R, SET>,
     task: &Task<T, D>,
 ) {
-    let u = displaced(rows, task);
+    let u = displaced(shaft, task);
     // Offsets count from the axial part.
     state.u = from_fn(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
     state.v = from_fn(|i| u[i] - state.u[i]);
-    rows.refer(&state.u);
-    rows.each(&state.v, |row, _, v| row.start::<R>(v));
+    shaft.each(&state.u, |row, mount, u| {
+        row.p.start(row.c, u[0] + mount.closure)
+    });
+    shaft.each(&state.v, |row, _, v| row.start::<A>(v));
 }

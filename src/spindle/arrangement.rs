@@ -98,7 +98,7 @@ impl Arrangement {
                     continue;
                 }
                 let distance = (a.position - b.position).abs();
-                let least = a.constants.ball_radius.at_least(b.constants.ball_radius);
+                let least = a.bearing.c.ball_radius.at_least(b.bearing.c.ball_radius);
                 if !(distance >= least) {
                     return Err(SpindleError::TooNear {
                         row: j,

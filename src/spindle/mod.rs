@@ -10,16 +10,15 @@
 
 mod arrangement;
 mod error;
-mod set;
 mod solution;
 mod solver;
 
 use crate::axial::AxialRest;
-use crate::constants::{Azimuth, Bearing, Constants};
+use crate::constants::{Bearing, Constants};
 use crate::float::Real;
 use crate::growth::Growth;
 use crate::mounting::Point;
-use crate::rows::Seat;
+use crate::shaft::{Group, Layout, Mount, Numbers};
 use crate::solver::input;
 use crate::status::Quantity;
 
@@ -67,8 +66,7 @@ pub enum Preload<T> {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Mounted<'b, T, const N: usize> {
-    constants: &'b Constants<T>,
-    azimuths: &'b [Azimuth<T>],
+    bearing: Numbers<'b, T>,
     position: T,
     facing: Facing,
     preload: Preload<T>,
@@ -88,8 +86,10 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
             )
         };
         Self {
-            constants: &bearing.constants,
-            azimuths: &bearing.azimuths,
+            bearing: Numbers {
+                c: &bearing.constants,
+                azimuths: &bearing.azimuths,
+            },
             position,
             facing,
             preload: Preload::Closure(T::ZERO),
@@ -107,12 +107,12 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
 
     /// How far its groove plane is in front of its centre, in `+x`, over the radius `rp`.
     fn plane(&self, rp: T) -> T {
-        self.facing.sign::<T>() * self.constants.plane * (self.constants.radius() / rp)
+        self.facing.sign::<T>() * self.bearing.c.plane * (self.bearing.c.radius() / rp)
     }
 
     /// Closure, in its unit of length; 0 if it slides.
     fn closure(&self) -> T {
-        let c = self.constants;
+        let c = self.bearing.c;
         match self.preload {
             Preload::Closure(e) => e / c.length,
             Preload::Force(force) => closure(c, force / c.force),
@@ -122,11 +122,11 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
 
     /// Refuses what is out of range of the row with this number. `spring` is its force, if there is one.
     fn check(&self, number: usize, first: &Self, spring: Option<T>) -> Result<(), SpindleError<T>> {
-        let c = self.constants;
+        let c = self.bearing.c;
         let position = input::check(
             Quantity::RowPosition,
             self.position - first.position,
-            T::of(64.0) * first.constants.radius(),
+            T::of(64.0) * first.bearing.c.radius(),
         );
         let most = c.balls * c.force;
         let half_play = c.play.at_least(T::ZERO).sqrt();
@@ -155,62 +155,49 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
     }
 }
 
-/// Rows that hold the shaft together, or slide together.
-#[derive(Debug, Clone, Copy)]
-struct Group<T> {
-    /// Number of their balls.
-    balls: T,
-    /// How the first one faces, and whether another one faces the other way.
-    facing: Facing,
-    opposed: bool,
+/// The rows that slide, or the fixed ones, and how the first of them faces.
+fn group<T: Real, const N: usize>(
+    rows: &[Mounted<'_, T, N>],
+    sliding: bool,
+) -> Option<(Facing, Group<T>)> {
+    let mut of_group = rows.iter().enumerate();
+    let (first, row) = of_group.find(|(_, row)| row.slides() == sliding)?;
+    let mut group = Group {
+        first,
+        balls: row.bearing.c.balls,
+        opposed: false,
+    };
+    for (_, other) in of_group.filter(|(_, row)| row.slides() == sliding) {
+        group.balls += other.bearing.c.balls;
+        group.opposed |= other.facing != row.facing;
+    }
+    Some((row.facing, group))
 }
 
-impl<T: Real> Group<T> {
-    /// The rows that slide, or those that do not, and which the first one is.
-    fn of<const N: usize>(rows: &[Mounted<'_, T, N>], sliding: bool) -> Option<(usize, Self)> {
-        let mut group = None;
-        for (i, row) in rows.iter().enumerate() {
-            if row.slides() == sliding {
-                let (_, group) = group.get_or_insert((
-                    i,
-                    Self {
-                        balls: T::ZERO,
-                        facing: row.facing,
-                        opposed: false,
-                    },
-                ));
-                group.balls += row.constants.balls;
-                group.opposed |= row.facing != group.facing;
+/// The fixed rows and the sliding ones, unless they do not hold the shaft.
+fn groups<T: Real, const N: usize>(
+    rows: &[Mounted<'_, T, N>],
+    spring: bool,
+) -> Result<(Group<T>, Option<Group<T>>), SpindleError<T>> {
+    let Some((facing, fixed)) = group(rows, false) else {
+        return Err(SpindleError::NotHeld);
+    };
+    let sliding = match (group(rows, true), spring) {
+        (None, false) => None,
+        (None, true) => return Err(SpindleError::NothingSlides),
+        (Some((_, group)), false) => return Err(SpindleError::NoSpring { row: group.first }),
+        (Some((other, group)), true) => {
+            let faced = fixed.opposed || facing != other;
+            if group.opposed || !faced {
+                return Err(SpindleError::Unopposed { row: group.first });
             }
+            Some(group)
         }
-        group
-    }
-
-    /// The rows that are fixed and those that slide, unless they do not hold the shaft.
-    fn both<const N: usize>(
-        rows: &[Mounted<'_, T, N>],
-        spring: bool,
-    ) -> Result<(Self, Option<Self>), SpindleError<T>> {
-        let Some((_, fixed)) = Self::of(rows, false) else {
-            return Err(SpindleError::NotHeld);
-        };
-        let sliding = match (Self::of(rows, true), spring) {
-            (None, false) => None,
-            (None, true) => return Err(SpindleError::NothingSlides),
-            (Some((row, _)), false) => return Err(SpindleError::NoSpring { row }),
-            (Some((row, group)), true) => {
-                let faced = fixed.opposed || fixed.facing != group.facing;
-                if group.opposed || !faced {
-                    return Err(SpindleError::Unopposed { row });
-                }
-                Some(group)
-            }
-        };
-        let preloaded = |row: &Mounted<'_, T, N>| matches!(row.preload, Preload::Force(_));
-        match rows.iter().position(preloaded) {
-            Some(row) if !fixed.opposed => Err(SpindleError::Unopposed { row }),
-            _ => Ok((fixed, sliding)),
-        }
+    };
+    let preloaded = |row: &Mounted<'_, T, N>| matches!(row.preload, Preload::Force(_));
+    match rows.iter().position(preloaded) {
+        Some(row) if !fixed.opposed => Err(SpindleError::Unopposed { row }),
+        _ => Ok((fixed, sliding)),
     }
 }
 
@@ -237,20 +224,13 @@ impl<T: Real> Group<T> {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5> {
-    rows: [Mounted<'b, T, N>; R],
-    seats: [Seat<T>; R],
-    fixed: Group<T>,
-    sliding: Option<Group<T>>,
+    layout: Layout<'b, T, R, true>,
+    positions: [T; R],
+    facings: [Facing; R],
     /// Force of the spring, N.
     spring: T,
-    /// Position of the point that the solver refers to, m: the mean of the rows'. The groove plane is further by so much,
-    /// over `Rp`.
+    /// Position of the shaft's centre, m: the mean of the rows'.
     centre: T,
-    plane: T,
-    /// Number of balls, weighted with their inertia.
-    weight: T,
-    /// About the forces by which the rows hold each other at rest, in the solver's unit.
-    held: T,
 }
 
 impl<'b, T: Real, const N: usize> Spindle<'b, T, 1, N, 5> {
@@ -258,8 +238,8 @@ impl<'b, T: Real, const N: usize> Spindle<'b, T, 1, N, 5> {
     pub fn single(bearing: &'b Bearing<T, N>) -> Self {
         let row = Mounted::new(bearing, T::ZERO, Facing::PlusX);
         let group = Group {
-            balls: row.constants.balls,
-            facing: row.facing,
+            first: 0,
+            balls: row.bearing.c.balls,
             opposed: false,
         };
         Self::seated([row], group, None, T::ZERO)
@@ -332,7 +312,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             row.check(number, first, spring)?;
         }
         arrangement.check(&rows)?;
-        let (fixed, sliding) = Group::both(&rows, D == 6)?;
+        let (fixed, sliding) = groups(&rows, D == 6)?;
         Ok(Self::seated(rows, fixed, sliding, spring))
     }
 
@@ -343,7 +323,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         sliding: Option<Group<T>>,
         spring: T,
     ) -> Self {
-        let unit = rows[0].constants;
+        let unit = rows[0].bearing.c;
         let rp = unit.radius();
         let (mut centre, mut plane, mut count) = (T::ZERO, T::ZERO, T::ZERO);
         for row in &rows {
@@ -352,13 +332,13 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             count += T::ONE;
         }
         let (centre, plane) = (centre / count, plane / count);
-        let mut seats = [Seat::PLAIN; R];
+        let mut mounts = [Mount::PLAIN; R];
         let (mut weight, mut held) = (T::ZERO, T::ZERO);
-        for (seat, row) in seats.iter_mut().zip(&rows) {
-            let c = row.constants;
+        for (mount, row) in mounts.iter_mut().zip(&rows) {
+            let c = row.bearing.c;
             let (facing, arm, closure) = (row.facing.sign::<T>(), c.radius() / rp, row.closure());
             let off = row.position - centre;
-            *seat = Seat {
+            *mount = Mount {
                 facing,
                 length: unit.length / c.length,
                 force: c.force / unit.force,
@@ -369,36 +349,40 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 closure,
                 sliding: row.slides(),
             };
-            weight += c.balls * (seat.force * seat.inertia);
+            weight += c.balls * (mount.force * mount.inertia);
             let axial = c.balls * force_at(c, closure).at_least(T::ZERO);
-            held += seat.force * (axial + c.preload);
+            held += mount.force * (axial + c.preload);
         }
         Self {
-            rows,
-            seats,
-            fixed,
-            sliding,
+            layout: Layout {
+                bearings: rows.map(|row| row.bearing),
+                mounts,
+                fixed,
+                sliding,
+                plane,
+                weight,
+                held,
+            },
+            positions: rows.map(|row| row.position),
+            facings: rows.map(|row| row.facing),
             spring,
             centre,
-            plane,
-            weight,
-            held,
         }
     }
 
     /// Closure `e` of each clamped row (m), the given one or that of the preload force; 0 for a row that slides.
     pub fn closures(&self) -> [T; R] {
-        core::array::from_fn(|i| self.seats[i].closure * self.rows[i].constants.length)
+        core::array::from_fn(|i| self.layout.mounts[i].closure * self.layout.bearings[i].c.length)
     }
 
     /// Positions of the rows on the shaft, m.
     pub fn positions(&self) -> [T; R] {
-        self.rows.map(|row| row.position)
+        self.positions
     }
 
     /// How the rows face.
     pub fn facings(&self) -> [Facing; R] {
-        self.rows.map(|row| row.facing)
+        self.facings
     }
 }
 

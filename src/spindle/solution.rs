@@ -1,9 +1,8 @@
 //! What a solve of a spindle gives.
 
-use super::{Facing, Spindle, SpindleSolver};
-use crate::constants::Constants;
+use super::{Facing, SpindleSolver};
 use crate::float::Real;
-use crate::frame::{centre_of, displacement_out, force_out, refer, refer_stiffness, stiffness_out};
+use crate::frame::{centre_of, force_out, refer, refer_stiffness, stiffness_out};
 use crate::frequencies::Frequencies;
 use crate::limits::{Limit, LimitSet, Limits, Margins};
 use crate::linalg::{Factors, Matrix, add_to, product};
@@ -12,12 +11,10 @@ use crate::mounting::Speed;
 use crate::pose::{BallMotion, BallState};
 use crate::rating::{LifeRating, RatingLife};
 use crate::ring::{Sum, sum_up};
-use crate::solver::ErrorEstimate;
-use crate::solver::view::View;
+use crate::solver::{ErrorEstimate, View};
 use crate::status::Status;
 use core::array::from_fn;
 use core::fmt;
-use core::marker::PhantomData;
 
 /// A point on the shaft where the stiffness is wanted, like the nose.
 ///
@@ -65,33 +62,6 @@ pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motio
     pub(super) solver: &'s SpindleSolver<'s, T, R, N, M, D>,
 }
 
-/// The stiffness of the shaft's freedoms where the force of the spring does not change.
-pub(super) fn condensed<T: Real, const D: usize>(k: &Matrix<T, D>) -> Matrix<T, 5> {
-    from_fn(|i| {
-        from_fn(|j| {
-            if D == 6 {
-                k[i][j] - k[i][5] * k[5][j] / k[5][5]
-            } else {
-                k[i][j]
-            }
-        })
-    })
-}
-
-impl<T: Real, const R: usize, const N: usize, const D: usize> Spindle<'_, T, R, N, D> {
-    /// The constants whose units are the shaft's.
-    #[inline(always)]
-    pub(super) fn unit(&self) -> &Constants<T> {
-        self.rows[0].constants
-    }
-
-    /// Displacement of the shaft at `x = 0`, SI, from one of the centre in the solver's units.
-    pub(super) fn displacement(&self, u: &[T; D]) -> [T; 5] {
-        let own: [T; 5] = from_fn(|i| u[i]);
-        centre_of(self.centre, &displacement_out(self.unit(), &own))
-    }
-}
-
 impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     SpindleSolution<'s, T, R, N, M, D>
 {
@@ -101,9 +71,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         self.rigid_stiffness(T::ZERO)
     }
 
-    /// The same at the position `x` (m) of the rigid shaft.
+    /// The stiffness at the position `x` (m) of the rigid shaft.
+    #[inline(always)]
     pub(crate) fn rigid_stiffness(&self, x: T) -> Matrix<T, 5> {
-        let mut k = stiffness_out(self.solver.spindle.unit(), &self.k);
+        let mut k = stiffness_out(self.solver.spindle.layout.unit(), &self.k);
         refer_stiffness(self.solver.spindle.centre - x, &mut k);
         k
     }
@@ -111,7 +82,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
     /// are displacements. One over its diagonal is the stiffness that a force alone meets.
     pub fn compliance_at(&self, end: &ShaftEnd<T>) -> Matrix<T, 5> {
-        let unit = self.solver.spindle.unit();
+        let unit = self.solver.spindle.layout.unit();
         let inverse = inverse(&self.k);
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
         let mut c: Matrix<T, 5> = from_fn(|i| {
@@ -139,7 +110,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             return self.rigid_stiffness(end.position);
         }
         // In units that make the elements alike.
-        let unit = self.solver.spindle.unit();
+        let unit = self.solver.spindle.layout.unit();
         let scale = |i: usize| {
             if i < 3 {
                 T::ONE
@@ -191,34 +162,24 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// The balls of a row.
     #[inline(always)]
     pub(crate) fn view(&self, i: usize) -> View<'_, T, M::Rule> {
-        let solver = self.solver;
-        let row = &solver.spindle.rows[i];
-        let balls = solver.balls[i].get(..row.azimuths.len());
-        View {
-            c: row.constants,
-            p: &solver.points[i],
-            azimuths: row.azimuths,
-            balls: balls.unwrap_or_default(),
-            v: solver.spindle.seats[i].motion(&solver.state.v),
-            speed: self.speed,
-            rule: PhantomData,
-        }
+        let SpindleSolver { spindle, last, .. } = self.solver;
+        last.view::<M::Rule, _>(&spindle.layout, i)
     }
 
     /// A row, its preload left out.
     fn row(&self, i: usize) -> RowSolution<'_, T, M> {
-        let (spindle, state) = (&self.solver.spindle, &self.solver.state);
-        let (row, seat) = (&spindle.rows[i], &spindle.seats[i]);
-        let c = row.constants;
+        let (spindle, state) = (&self.solver.spindle, &self.solver.last.state);
+        let mount = &spindle.layout.mounts[i];
+        let c = spindle.layout.bearings[i].c;
         let view = self.view(i);
         let mut sum = Sum::NONE;
         sum_up::<T, M::Rule, 5>(view.balls, view.azimuths, &mut sum);
         // What the tangent says of the force after the last step.
-        let du = seat.motion(&from_fn::<T, D, _>(|i| state.v[i] - state.at[i]));
+        let du = mount.motion(&from_fn::<T, D, _>(|i| state.v[i] - state.at[i]));
         let mut force: [T; 5] = from_fn(|i| sum.force[i] + product(&sum.k[i], &du));
         refer(c.plane, &mut force);
         RowSolution {
-            position: row.position,
+            position: spindle.positions[i],
             force: force_out(c, &force),
             preload: T::ZERO,
             view,

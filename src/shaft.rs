@@ -1,0 +1,323 @@
+//! A shaft in its rows of balls: turns the shaft's motion into the rows' motions, and adds up the rows' forces.
+//!
+//! A bearing is a shaft with one row, in the frame and the units of that row. It is no `SET`: mounts are not there then.
+
+use super::constants::{Azimuth, Constants};
+use super::float::Real;
+use super::frame::{refer, refer_stiffness};
+use super::kinematics::Rule;
+use super::mounting::Point;
+use super::ring::{Changes, Row, Sum, in_full, sum_up};
+
+/// How a row sits on the shaft.
+///
+/// Shaft and row have frames and units of their own: those of the shaft are those of its first row. A row that faces
+/// against the axis is mirrored. Its motion is `r P v` with the shaft's motion `v` of the groove plane, the force on the shaft
+/// `phi P^T F`:
+///
+/// `P v = (s vx + e, vy + l vtz, vz - l vty, s m vty, s m vtz)`
+///
+/// with the motion `e` of the row's sleeve towards its balls, if that slides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mount<T> {
+    /// `s`: 1, or -1 for a row that faces against the axis.
+    pub facing: T,
+    /// `r` and `phi`: the shaft's unit of length over the row's, the row's unit of force over the shaft's.
+    pub length: T,
+    pub force: T,
+    /// `l`: the row's groove plane beyond the shaft's, over the shaft's `Rp`.
+    pub lever: T,
+    /// The row's groove plane beyond the shaft's centre, in the row's own direction and over its own `Rp`.
+    pub reach: T,
+    /// `m`: `Rp` of the row over that of the shaft.
+    pub arm: T,
+    /// Inertia `m dm omega^2 / 2` of a ball over that of the first row's, in either row's unit of force.
+    pub inertia: T,
+    /// Closure, in the row's unit of length.
+    pub closure: T,
+    /// The row's sleeve slides under a spring.
+    pub sliding: bool,
+}
+
+impl<T: Real> Mount<T> {
+    /// Of a bearing alone.
+    pub const PLAIN: Self = Self {
+        facing: T::ONE,
+        length: T::ONE,
+        force: T::ONE,
+        lever: T::ZERO,
+        reach: T::ZERO,
+        arm: T::ONE,
+        inertia: T::ONE,
+        closure: T::ZERO,
+        sliding: false,
+    };
+
+    /// The row's motion when the shaft makes the motion `v`: of a bearing alone, the same.
+    #[inline(always)]
+    pub fn own<const D: usize, const SET: bool>(&self, v: &[T; D]) -> [T; 5] {
+        if SET { self.motion(v) } else { in_full(v) }
+    }
+
+    /// The row's motion when the shaft makes the motion `v`.
+    #[inline(never)]
+    pub fn motion<const D: usize>(&self, v: &[T; D]) -> [T; 5] {
+        let r = self.length;
+        let mut own = in_full(v);
+        if D == 6 && self.sliding {
+            own[0] += self.facing * v[5];
+        }
+        if D >= 5 {
+            own[1] += self.lever * own[4];
+            own[2] -= self.lever * own[3];
+        }
+        own[0] = r * (self.facing * own[0]);
+        own[1] = r * own[1];
+        own[2] = r * own[2];
+        let turn = r * (self.facing * self.arm);
+        own[3] = turn * own[3];
+        own[4] = turn * own[4];
+        own
+    }
+
+    /// Adds the row's forces and slopes, at its groove plane, to those of the shaft about its centre.
+    #[inline(never)]
+    pub fn add<const D: usize>(&self, own: &mut Sum<T, 5>, sum: &mut Sum<T, D>) {
+        let turn = self.facing * self.arm;
+        let mirror = [self.facing, T::ONE, T::ONE, turn, turn];
+        let slides = D == 6 && self.sliding;
+        let forces = [
+            (&mut own.force, &mut sum.force),
+            (&mut own.by_speed, &mut sum.by_speed),
+        ];
+        for (own, sum) in forces {
+            refer(self.reach, own);
+            for i in 0..5 {
+                sum[i] += self.force * (mirror[i] * own[i]);
+            }
+            if slides {
+                sum[5] += self.force * own[0];
+            }
+        }
+        let (own, k) = (&mut own.k, &mut sum.k);
+        refer_stiffness(self.reach, own);
+        let unit = self.force * self.length;
+        for i in 0..5 {
+            for j in 0..5 {
+                k[i][j] += unit * (mirror[i] * mirror[j] * own[i][j]);
+            }
+        }
+        if slides {
+            for i in 0..5 {
+                k[i][5] += unit * (mirror[i] * own[i][0]);
+                k[5][i] += unit * (mirror[i] * own[0][i]);
+            }
+            k[5][5] += unit * own[0][0];
+        }
+    }
+}
+
+/// Rows that hold the shaft together, or slide together.
+#[derive(Debug, Clone, Copy)]
+pub struct Group<T> {
+    /// The first of its rows.
+    pub first: usize,
+    /// Number of its balls.
+    pub balls: T,
+    /// Its rows face both ways.
+    pub opposed: bool,
+}
+
+/// A bearing of any ball count.
+#[derive(Debug, Clone, Copy)]
+pub struct Numbers<'b, T> {
+    pub c: &'b Constants<T>,
+    pub azimuths: &'b [Azimuth<T>],
+}
+
+/// Bearings and how they sit on the shaft: all that no solve changes.
+#[derive(Debug, Clone, Copy)]
+pub struct Layout<'b, T, const R: usize, const SET: bool> {
+    pub bearings: [Numbers<'b, T>; R],
+    pub mounts: [Mount<T>; R],
+    /// Rows that are fixed, and rows that slide.
+    pub fixed: Group<T>,
+    pub sliding: Option<Group<T>>,
+    /// Axial position of the groove plane from the shaft's centre, over `Rp`.
+    pub plane: T,
+    /// Number of balls, weighted with their inertia in units of the first row.
+    pub weight: T,
+    /// About the forces by which the rows hold each other at rest.
+    pub held: T,
+}
+
+impl<'b, T: Real> Layout<'b, T, 1, false> {
+    /// A bearing alone.
+    #[inline(always)]
+    pub fn alone(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
+        Self {
+            bearings: [Numbers { c, azimuths }],
+            mounts: [Mount::PLAIN],
+            fixed: Group {
+                first: 0,
+                balls: c.balls,
+                opposed: false,
+            },
+            sliding: None,
+            plane: c.plane,
+            weight: c.balls,
+            held: c.preload,
+        }
+    }
+}
+
+impl<'b, T, const R: usize, const SET: bool> Layout<'b, T, R, SET> {
+    /// The constants whose units are those of the shaft.
+    #[inline(always)]
+    pub fn unit(&self) -> &'b Constants<T> {
+        self.bearings[0].c
+    }
+}
+
+/// A group of rows, as a start sees it by its first row.
+#[derive(Debug, Clone, Copy)]
+pub struct Stance<'a, T> {
+    pub c: &'a Constants<T>,
+    pub p: &'a Point<T>,
+    pub mount: &'a Mount<T>,
+    /// Number of its balls.
+    pub balls: T,
+}
+
+/// The rows of a shaft in one solve. Displacements and offsets are those of the shaft's groove plane; forces are referred
+/// to its centre.
+pub struct Shaft<'a, T, const R: usize, const SET: bool> {
+    pub rows: [Row<'a, T>; R],
+    pub layout: &'a Layout<'a, T, R, SET>,
+    /// Inertia `m dm omega^2 / 2` of a ball of the first row.
+    pub s: T,
+    /// Axial force by which rows of either facing hold each other, besides the load.
+    pub internal: &'a mut T,
+}
+
+impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
+    /// Every row, how it sits, and its motion when the shaft has the motion `v`.
+    #[inline(always)]
+    pub fn each<const D: usize>(
+        &mut self,
+        v: &[T; D],
+        mut f: impl FnMut(&mut Row<'_, T>, &Mount<T>, &[T; 5]),
+    ) {
+        // Not `zip`, which the compiler unrolls.
+        let mut mounts = self.layout.mounts.iter();
+        for row in self.rows.iter_mut() {
+            let Some(mount) = mounts.next() else { return };
+            f(row, mount, &mount.own::<D, SET>(v));
+        }
+    }
+
+    pub fn stance(&self, group: Option<Group<T>>) -> Option<Stance<'_, T>> {
+        let group = group?;
+        let row = self.rows.get(group.first)?;
+        Some(Stance {
+            c: row.c,
+            p: row.p,
+            mount: self.layout.mounts.get(group.first)?,
+            balls: group.balls,
+        })
+    }
+
+    /// Has every ball follow to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all are near
+    /// their balance.
+    #[inline(never)]
+    pub fn condense<A: Rule, const D: usize>(&mut self, v: &[T; D], ds: T) -> bool {
+        let mut near = true;
+        self.each(v, |row, _, v| near &= row.condense::<A>(v, ds));
+        near
+    }
+
+    /// Sums the forces and slopes that the balls hand over.
+    #[inline(never)]
+    pub fn sum<A: Rule, const D: usize>(&mut self, sum: &mut Sum<T, D>) {
+        if !SET {
+            let row = &self.rows[0];
+            sum_up::<T, A, D>(row.balls, row.azimuths, sum);
+            sum.refer(row.c.plane);
+            return;
+        }
+        *sum = Sum::NONE;
+        let mut sides = [T::ZERO; 2];
+        self.each(&[T::ZERO; D], |row, mount, _| {
+            let mut own = Sum::<T, 5>::NONE;
+            sum_up::<T, A, 5>(row.balls, row.azimuths, &mut own);
+            sides[usize::from(mount.facing < T::ZERO)] += mount.force * own.force[0];
+            mount.add(&mut own, sum);
+        });
+        *self.internal = sides[0].at_most(sides[1]).at_least(T::ZERO);
+    }
+
+    /// Changes of the rows along a step `du`.
+    #[inline(never)]
+    pub fn changes<A: Rule, const D: usize>(&self, du: &[T; D]) -> Changes<T, D> {
+        let mut all = Changes {
+            k: [T::ZERO; D],
+            most: T::ZERO,
+            lost: T::ZERO,
+            largest: T::TINY,
+            cos: T::ONE,
+        };
+        if !SET {
+            let own = self.rows[0].changes::<A>(&in_full(du));
+            all.k.copy_from_slice(&own.k[..D]);
+            return Changes {
+                k: all.k,
+                most: own.most,
+                lost: own.lost,
+                largest: own.largest,
+                cos: own.cos,
+            };
+        }
+        let mut mounts = self.layout.mounts.iter();
+        for row in self.rows.iter() {
+            let Some(mount) = mounts.next() else { break };
+            let own = row.changes::<A>(&mount.motion(du));
+            let k = mount.force * mount.length;
+            let (arm, lever) = (mount.arm * mount.arm, mount.lever * mount.lever);
+            all.k[0] += k * own.k[0];
+            all.k[1] += k * own.k[1];
+            all.k[2] += k * own.k[2];
+            all.k[3] += k * (arm * own.k[3] + lever * own.k[2]);
+            all.k[4] += k * (arm * own.k[4] + lever * own.k[1]);
+            if D == 6 && mount.sliding {
+                all.k[5] += k * own.k[0];
+            }
+            all.most = all.most.at_least(own.most);
+            all.lost = all.lost.at_least(mount.force * own.lost);
+            all.largest = all.largest.at_least(mount.force * own.largest);
+            all.cos = all.cos.at_most(own.cos);
+        }
+        all
+    }
+
+    /// Number of balls that carry.
+    #[cold]
+    #[inline(never)]
+    pub fn loaded(&self) -> u16 {
+        self.rows.iter().map(Row::loaded).sum()
+    }
+
+    /// The ball whose contacts are furthest apart, counted on from row to row, and that angle, if its cosine is below
+    /// `limit`: see [`Row::furthest`].
+    pub fn furthest_apart<A: Rule>(&self, limit: T) -> Option<(u16, T)> {
+        let (mut furthest, mut before) = (None::<(u16, T)>, 0);
+        for row in self.rows.iter() {
+            if let Some((ball, apart)) = row.furthest::<A>(limit)
+                && furthest.is_none_or(|(_, most)| apart > most)
+            {
+                furthest = Some((before + ball, apart));
+            }
+            before += row.balls.len() as u16;
+        }
+        furthest
+    }
+}
