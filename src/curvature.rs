@@ -6,7 +6,7 @@
 use super::linalg::{Pair, dot};
 use crate::float::Real;
 
-/// What the second-order terms of one contact are made of.
+/// Factors of the second-order terms of one contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Curvature<T> {
     /// `Q'`, `Q/R`, `1/delta` and `1/R`.

@@ -2,7 +2,7 @@
 
 use super::plausibility::seconds;
 
-/// Ticks, and those of them with a fresh estimate.
+/// Ticks, and ticks with a fresh estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Span {
     ticks: u32,

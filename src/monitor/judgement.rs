@@ -1,23 +1,23 @@
-//! What estimates mean: limits, a baseline, a slow trend, and alarms that latch.
+//! Judgement of estimates: limits, a baseline, a slow trend, and alarms that latch.
 //!
 //! - **Alarm.** A condition begins where a level reaches `raise`, and ends where it has fallen to `clear`
-//!   ([`Threshold`]). Its time is added up; time without it is taken off at a quarter of the rate. So a condition that
-//!   comes and goes, as teeth pass, counts like one that lasts, if it is there for more than a fifth of the time. The alarm is
+//!   ([`Threshold`]). Its time is added up; time without it is taken off at a quarter of the rate. A condition that comes
+//!   and goes, as teeth pass, counts like a lasting one if it is there for more than a fifth of the time. The alarm is
 //!   raised when the sum reaches the hold time, or when the level reaches `at_once`. When the sum has run off, the
 //!   condition is gone, but the alarm stays latched until somebody acknowledges it. A level that is not known changes
 //!   nothing, and the time without one counts for neither.
-//! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. Compared
-//!   is the *idling* spindle (all five loads within bounds, as between cuts), within a band of
+//! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. The *idling*
+//!   spindle is compared (all five loads within bounds, as between cuts), within a band of
 //!   speed ([`Baseline`]). The stiffness is computed from loads, speed and temperatures: there, heat and a drift of the
 //!   sensors change it. Wear, a loosened nut or a lost spacer do not, since no input has them. The baseline is learnt on
-//!   the good spindle: the mean diagonal of the stiffness in every band. The loss is that of the element that has lost
-//!   most, over the baseline.
-//! - **Trend.** Stiffness goes slowly. Means of the idling stiffness over the baseline, one for each span of
-//!   time, are kept ([`Trend`]); the least-squares line through them tells the loss to be expected some time
-//!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit, and so
-//!   raises [`Alarm::StiffnessTrend`] before [`Alarm::StiffnessLoss`] comes.
+//!   the good spindle: the mean diagonal of the stiffness in every band. The loss is the largest of any element, over
+//!   the baseline.
+//! - **Trend.** Stiffness is lost slowly. Means of the idling stiffness over the baseline, one for each span of
+//!   time, are kept ([`Trend`]). The least-squares line through them tells the loss to be expected some time
+//!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit. So
+//!   [`Alarm::StiffnessTrend`] is raised before [`Alarm::StiffnessLoss`] comes.
 //! - **Preload.** Rows that face each other hold each other with a preload, which heat and speed change. The solve knows it
-//!   row by row. What is left of it, and what it has grown to, are held against the preload of the mounted spindle.
+//!   row by row. The smallest and the largest preload are held against the preload of the mounted spindle.
 
 use super::baseline::{Baseline, BaselineSettings};
 use super::learning::{Learning, LearningReport};
@@ -26,7 +26,7 @@ use crate::float::Real;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// What there is to warn of, the most serious first.
+/// Alarms, the most serious first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -40,9 +40,9 @@ pub enum Alarm {
     Slip,
     /// Balls off the inner race: their number.
     UnloadedBalls,
-    /// Preload that has grown: that of the row with most of it, over the mounted one.
+    /// Preload that has grown: in the row with the most, over the mounted preload.
     PreloadGrowth,
-    /// Preload that is lost: that of the row with least of it, part of 1 of the mounted one.
+    /// Preload that is lost: in the row with the least, as a part of 1 of the mounted preload.
     PreloadLoss,
     /// Loads as they are measured, doubted or not, over what the spindle may carry: the largest of five parts of 1.
     Overload,
@@ -207,7 +207,7 @@ impl Level {
     }
 }
 
-/// What happened to an alarm, for which a report is sent.
+/// Change of an alarm, for which a report is sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -491,13 +491,13 @@ impl JudgementSettings {
     }
 }
 
-/// What an equilibrium looks like to the one who judges it.
+/// Figures of an equilibrium that alarms are judged by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Findings {
     /// Largest peak pressure, Pa.
     pub pressure: Level,
-    /// Largest contact angle less that of its shoulder, rad.
+    /// Largest contact angle less its shoulder's, rad.
     pub contact_angle: Level,
     /// Largest friction over contact force; 0 if below the level at which its alarm clears.
     pub slip: Level,
@@ -531,7 +531,7 @@ pub type Changes = heapless::Vec<Change, { Alarm::COUNT }>;
 pub struct Judgement {
     alarms: [AlarmMachine; Alarm::COUNT],
     baseline: Baseline,
-    /// What is being learnt, and how the last learning ended.
+    /// Baseline that is being learnt, and how the last learning ended.
     shadow: Option<Baseline>,
     learning: LearningReport,
     learnt: u32,
@@ -634,7 +634,7 @@ impl Judgement {
         }
     }
 
-    /// Forgets the baseline, as that of another bearing, until the next one is learnt.
+    /// Forgets the baseline, as another bearing's, until the next one is learnt.
     pub fn forget_baseline(&mut self) {
         self.baseline = Baseline::EMPTY;
         self.trend = Trend::EMPTY;

@@ -155,11 +155,11 @@ use temperature::Temperatures;
 use tick::{CycleCounter, Ticker, Watchdog};
 use tracker::Tracker;
 
-/// What happened in a tick.
+/// Outcome of a tick.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Outcome {
-    /// What is doubted, of the sample or of the estimate.
+    /// Doubts about the sample or the estimate.
     pub marks: Marks,
     /// Whether there is a new estimate.
     pub solved: bool,
@@ -257,12 +257,12 @@ fn diagonal(k: &[[f32; 5]; 5]) -> [f32; 5] {
     core::array::from_fn(|i| k[i][i])
 }
 
-/// What is to be solved.
+/// Solve to be made.
 #[derive(Debug, Clone, Copy)]
 enum Wanted {
     /// The estimate of a good sample.
     Estimate(GoodSample),
-    /// What so many times the loads of this sample take of the life.
+    /// Life that the loads of this sample use, times this factor.
     Wear(GoodSample, f32),
 }
 
@@ -336,7 +336,7 @@ impl Every {
     }
 }
 
-/// The monitor of a spindle with `R` rows of at most `N` balls; `D` is that of the [`Spindle`].
+/// The monitor of a spindle with `R` rows of at most `N` balls; `D` is as for [`Spindle`].
 ///
 /// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. The solver works
 /// in `T`; what is measured and reported is in single precision.
@@ -529,7 +529,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         self.retention = store.report();
     }
 
-    /// What came over the line of the load records, for the telemetry ([`InputsReport`]).
+    /// Notes the counts of the line of load records, for the telemetry ([`InputsReport`]).
     pub const fn note_records(&mut self, counts: FrameCounts) {
         self.records = counts;
     }
@@ -692,8 +692,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         self.estimate.as_ref().map(age)
     }
 
-    /// Tells the life what the measured loads are. Returns what is to be solved for the life alone: loads that are too
-    /// large or came too fast, if nothing else speaks against them, scaled into their range.
+    /// Tells the life the measured loads. Returns loads to be solved for the life alone, scaled into
+    /// their range: too large or too fast ones, if nothing else speaks against them.
     fn measure(&mut self, time_us: u64, readings: &Readings, doubts: Marks) -> Option<Wanted> {
         let believed = doubts.is_within(Marks::from(Mark::Range).with(Mark::Rate));
         let Ok(Some(sample)) = &readings.loads else {
@@ -717,8 +717,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         Some(Wanted::Wear(sample, scale))
     }
 
-    /// How rings and balls of each row have grown at a speed, but for less than [`GROWTH_STEP`]: a solver that is told of
-    /// other growth has to move its references, which takes some thousand cycles.
+    /// Growth of rings and balls of each row at a speed, but for less than [`GROWTH_STEP`]. Another
+    /// growth has a solver move its references, which takes some thousand cycles.
     fn growth(&mut self, speed: f32) -> [Growth<f32>; R] {
         let [inner, outer] = match &self.settings.temperatures {
             Some(settings) => self.temperatures.used().map(|t| t - settings.reference),
@@ -942,7 +942,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         }
     }
 
-    /// What came in since the start, and what was counted without it.
+    /// Inputs since the start, for the telemetry.
     pub fn inputs(&self) -> InputsReport {
         InputsReport {
             records: self.records,
@@ -970,7 +970,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     }
 }
 
-/// What stands where on the shaft, as the telemetry has it.
+/// Places on the shaft, as the telemetry has them.
 fn shaft_report<T: Real, const R: usize, const N: usize, const D: usize>(
     spindle: &Spindle<'_, T, R, N, D>,
     settings: &MonitorSettings<R>,
@@ -991,7 +991,7 @@ fn shaft_report<T: Real, const R: usize, const N: usize, const D: usize>(
     }
 }
 
-/// What an equilibrium costs of the life.
+/// Rating life that an equilibrium uses per million revolutions, as a part of 1.
 fn damage<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     solution: &SpindleSolution<'_, T, R, N, M, D>,
     settings: &MonitorSettings<R>,
