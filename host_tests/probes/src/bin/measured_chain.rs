@@ -1,8 +1,8 @@
-//! The monitor's chain, as `cargo reports` wants it: an entry point that an emulator calls tick by tick,
+//! The monitor's chain, as `cargo reports` wants it: an emulator calls an entry point tick by tick,
 //! with the bytes of the port at fixed symbols. See `measured.rs`, which has the solver alone.
 //!
-//! `MEASURED_PRECISION` says which of the two boards' chains it is: `f32` that of the STM32F405, `f64` that
-//! of the STM32H743.
+//! `MEASURED_PRECISION` says which of the two boards' chains it is: `f32` the STM32F405's, `f64` the
+//! STM32H743's.
 
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
@@ -95,7 +95,7 @@ mod measured {
         u32::from(chain.prepare().is_ok())
     }
 
-    /// What the firmware does in a period of its timer: bytes in, a tick, bytes out.
+    /// Does a period of the firmware's timer: bytes in, a tick, bytes out.
     ///
     /// # Safety
     ///
