@@ -1,7 +1,7 @@
-//! What an operator tells the board: alarms seen, when to learn the baseline, and that a bearing was replaced.
+//! Orders of an operator to the board: alarms seen, learning of the baseline, a bearing replaced.
 //!
-//! The board carries out what has the nonce that it told last, and answers ([`command`]). An operator therefore
-//! listens: [`Operator::follow`] sends what is wanted as soon as a nonce is known, and sends it again until it is
+//! The board carries out an order with the nonce that it told last, and answers ([`command`]). An operator therefore
+//! listens: [`Operator::follow`] sends an order as soon as a nonce is known, and sends it again until it is
 //! answered.
 
 use super::state::{State, words};

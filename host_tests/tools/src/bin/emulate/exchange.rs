@@ -13,7 +13,7 @@ use std::time::Duration;
 /// Where a copy of the board's bytes goes.
 pub type Tee = SyncSender<io::Result<Vec<u8>>>;
 
-/// What came from the board.
+/// Frames and log that came from the board.
 pub struct Answer {
     /// Frames of the telemetry.
     pub frames: Vec<Frame>,
