@@ -68,7 +68,7 @@ impl Race {
     }
 }
 
-/// A limit that an equilibrium may pass, the most serious first: the value of a contact, and what it is held against.
+/// Limits that an equilibrium may pass, the most serious first: a contact's value, and its bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -223,7 +223,7 @@ impl<T: Real> Margins<T> {
         (margin.value > T::of(f64::NEG_INFINITY)).then_some(Margin { value, ..margin })
     }
 
-    /// The limits whose margins are above what is allowed.
+    /// The limits whose margins are above the allowed values.
     pub fn passed(&self) -> LimitSet {
         let worst = Limit::ALL.into_iter().zip(&self.worst);
         let passed = worst.filter(|(limit, worst)| worst.value > self.allowed(*limit));

@@ -1,4 +1,4 @@
-//! How a solve can end, and the names of what it can complain of.
+//! How a solve can end, and the names of the quantities that it can complain of.
 
 use crate::float::Real;
 use core::fmt;

@@ -115,7 +115,7 @@ impl<S: Sensors> Chain<S> {
         None
     }
 
-    /// Takes what the board says of itself, for the telemetry.
+    /// Takes the board's report on itself, for the telemetry.
     #[allow(dead_code, reason = "the boards'")]
     pub fn set_board(&mut self, report: BoardReport) {
         self.monitor.set_board(report);
@@ -135,7 +135,7 @@ impl<S: Sensors> Chain<S> {
         self.monitor.tick(time_us, &readings, counter, watchdog)
     }
 
-    /// Has a store keep what is new. Between ticks.
+    /// Has a store keep new data. Between ticks.
     #[allow(dead_code, reason = "the boards'")]
     pub fn retain<F: NorFlash>(&mut self, store: &mut Store<F>) {
         self.monitor.retain(self.time_us, store);

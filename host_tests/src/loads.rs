@@ -93,7 +93,7 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// A place in a file that is not as it must be, what is wrong with it, and what would be right.
+/// A place in a file that is not as it must be, its fault, and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault(String);
 
@@ -196,7 +196,7 @@ impl fmt::Debug for Loads {
     }
 }
 
-/// Splits a line; the error is the column at fault and what is wrong.
+/// Splits a line; the error is the column at fault and its fault.
 fn split(line: &[u8], separator: u8) -> Result<ByteRecord, (usize, &'static str)> {
     let mut records = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -408,7 +408,7 @@ impl Loads {
         self.field_of.iter().position(|&field| field == Some(i))
     }
 
-    /// The number in a field; or what is wrong with it.
+    /// The number in a field, or the field's fault.
     fn number(&mut self, field: &[u8]) -> Result<f64, String> {
         if field.is_empty() {
             return Err("the field is empty; a number is needed".to_owned());

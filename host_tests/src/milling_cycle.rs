@@ -1,4 +1,4 @@
-//! A synthetic recording of one cycle of a small milling spindle: what its front bearing carries, or what acts at its nose.
+//! A synthetic recording of one cycle of a small milling spindle: loads of its front bearing, or at its nose.
 //!
 //! Nothing here was measured. Every tooth presses the shaft with a half-sine of a force that turns with the tooth. There
 //! is run-out, uneven material, unbalance, preload that grows with heat, and sensor noise. Levels and timing are made

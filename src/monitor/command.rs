@@ -288,7 +288,7 @@ pub enum Received {
     Record(LoadRecord),
 }
 
-/// Takes what comes over the port apart, byte by byte: commands, and load records.
+/// Takes the port's bytes apart, one by one, into commands and load records.
 #[derive(Debug, Default)]
 pub struct PortReader {
     reader: FrameReader<Received, { record::MESSAGE_LENGTH }>,
@@ -302,7 +302,7 @@ impl PortReader {
         }
     }
 
-    /// Takes the next byte; at the end of a frame returns what it holds.
+    /// Takes the next byte; at the end of a frame returns its content.
     ///
     /// # Errors
     ///

@@ -44,7 +44,7 @@ pub enum Alarm {
     PreloadGrowth,
     /// Preload that is lost: in the row with the least, as a part of 1 of the mounted preload.
     PreloadLoss,
-    /// Loads as they are measured, doubted or not, over what the spindle may carry: the largest of five parts of 1.
+    /// Measured loads, doubted or not, over the loads allowed: the largest of five parts of 1.
     Overload,
     /// Stiffness lost against the baseline: part of 1, of the element that has lost most.
     StiffnessLoss,
@@ -109,7 +109,7 @@ impl Alarm {
         }
     }
 
-    /// Unit of what is watched; empty for a ratio or a number.
+    /// Unit of the watched value; empty for a ratio or a number.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::PeakPressure => "Pa",
@@ -222,7 +222,7 @@ pub enum AlarmChange {
     Standing,
 }
 
-/// A level stands for so much time at most, us: what comes after it, without a level, is not known.
+/// Longest time that a level stands for, us. Later, without a level, nothing is known.
 const KNOWN_US: u32 = 20_000;
 
 /// Time without a condition takes this part of itself off the condition's time.
@@ -603,8 +603,8 @@ impl Judgement {
         self.shadow.get_or_insert(Baseline::EMPTY);
     }
 
-    /// Ends the learning. From now on stiffness is held against what was learnt, if that is enough and plausible; else
-    /// the old baseline stays.
+    /// Ends the learning. From now on stiffness is held against the learnt baseline, if it is enough and
+    /// plausible; else the old baseline stays.
     pub fn stop_learning(&mut self, settings: &JudgementSettings) -> Learning {
         let Some(shadow) = self.shadow.take() else {
             return self.learning.state;
@@ -722,7 +722,7 @@ impl Judgement {
         }
     }
 
-    /// Holds loads as they are measured, whatever is doubted, against what the spindle may carry.
+    /// Holds measured loads, doubted or not, against the loads that the spindle may carry.
     pub fn measured(
         &mut self,
         time_us: u64,
@@ -825,7 +825,7 @@ mod tests {
         assert_eq!(run(&mut often, 0, &levels(4))[0].1, AlarmChange::Raised);
         assert_eq!(run(&mut often, 1000, &levels(4)), []);
         assert_eq!(run(&mut rare, 0, &levels(6)), []);
-        // Of what comes after a level, only so much is known.
+        // Of the time after a level, only so much is known.
         let mut unknown = AlarmMachine::default();
         let hold = Threshold {
             hold_us: 100_000,

@@ -7,8 +7,8 @@
 //!
 //! # The converter
 //!
-//! A spindle's bridges must be read at the same instant: five loads that belong to different angles of the
-//! cutter are no load that ever was. Drivers on the registry were judged:
+//! A spindle's bridges must be read at the same instant: five loads of different angles of the cutter
+//! are no load that ever was. Drivers on the registry were judged:
 //!
 //! | driver | converter | verdict |
 //! | --- | --- | --- |
@@ -359,7 +359,7 @@ where
     ///
     /// # Errors
     ///
-    /// What went wrong.
+    /// The converter's fault.
     pub fn start(
         mut device: Ads131m08<SPI, DRDY, SYNC, CS, DELAY>,
         config: &Ads131m08Config,
@@ -603,7 +603,7 @@ impl<const K: usize> Calibration<K> {
     ///
     /// # Errors
     ///
-    /// What is wrong.
+    /// The calibration's fault.
     pub const fn check(&self) -> Result<(), CalibrationError> {
         let [low, high] = self.temperatures;
         let mut k = 0;

@@ -89,7 +89,7 @@ pub struct GoodSample {
 /// Speed below which the shaft stands still, rad/s.
 const STANDSTILL: f32 = 1.0;
 
-/// Holds samples against what is plausible.
+/// Holds samples against the bounds of plausible ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plausibility {
     /// The last good loads and speed, each with its time.
@@ -137,7 +137,7 @@ impl Plausibility {
         self.speed.is_some_and(still) && self.speed_doubts.is_empty()
     }
 
-    /// Judges what came in a tick. With a new sample that nothing speaks against, returns it; without
+    /// Judges the readings of a tick. With a new sample that nothing speaks against, returns it; without
     /// a new sample, the doubts about the last one stay.
     pub fn judge(
         &mut self,

@@ -95,12 +95,12 @@ pub const VERSION: u8 = 3;
 
 /// Shortest time between two records of the life, us.
 pub const LIFE_US: u64 = 120_000_000;
-/// Life is written when it has grown by this part of what it has grown since the start. A power cut loses a 64th at
-/// most, and the number of records grows with the logarithm of time: `64 (1 + ln(t / 128 min))`.
+/// Life is written again when it has grown by this part of its growth since the start. A power cut
+/// loses a 64th at most, and the number of records grows with the logarithm of time: `64 (1 + ln(t / 128 min))`.
 const PART: u128 = 64;
 /// Shortest time between two records of the alarms, us.
 pub const ALARMS_US: u64 = 10_000_000;
-/// Time between looks at what is new, us.
+/// Time between looks at new data, us.
 const LOOK_US: u64 = 1_000_000;
 
 /// How often a copy is tried.
@@ -197,7 +197,7 @@ impl Past {
     }
 }
 
-/// Tells what was learnt on one spindle from what was learnt on another: checksums of all that it depends on.
+/// Identity of a spindle, which tells its data from another's: checksums of all that they depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identity {
@@ -332,7 +332,7 @@ impl Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WriteError {
-    /// The flash does not take, or does not hold, what is written.
+    /// The flash does not take, or does not hold, written bytes.
     Flash,
     /// There is no room left until the next start.
     Full,
@@ -431,7 +431,7 @@ struct Found {
     told: (u32, [u32; KINDS]),
     /// The newest numbers that can be read of each kind, whatever their identity.
     readable: [u32; KINDS],
-    /// This spindle's records, and what they say.
+    /// This spindle's records, and their content.
     own: [Option<Newest>; KINDS],
     baseline: Baseline,
     life: (u128, u128),
@@ -589,7 +589,7 @@ impl Found {
     }
 }
 
-/// The log, and what is to go into it.
+/// The log, and the data that are to go into it.
 #[derive(Debug)]
 pub struct Store<F> {
     flash: F,
@@ -688,8 +688,8 @@ impl<F: NorFlash> Store<F> {
         );
     };
 
-    /// Reads what was kept, and makes room for what will be. Before ticks begin, since it may erase: some
-    /// seconds at the most, and mostly nothing. `cause` is what the hardware says this start is for; it is kept, with the
+    /// Reads the kept data, and makes room for new records. Before ticks begin, since it may erase: some
+    /// seconds at the most, and mostly nothing. `cause` is the cause of this start by the hardware. It is kept, with the
     /// number of starts, once [`Store::step`] is called.
     ///
     /// [`Store::report`] says why data cannot be used; the past is a new bearing's then.
@@ -773,7 +773,7 @@ impl<F: NorFlash> Store<F> {
         self.raised = found.start.raised;
     }
 
-    /// Sees to it that all that is to stay has two copies, and erases what is superseded where that is much.
+    /// Gives all records that are to stay two copies, and erases superseded ones where they are many.
     fn tidy(&mut self, found: &mut Found) {
         if self.halves < 2 {
             // Nothing is lost by that, and nothing else can be erased.
@@ -862,8 +862,8 @@ impl<F: NorFlash> Store<F> {
         true
     }
 
-    /// Erases a half, and fills it with what is to stay. The other half has all of that, unless both are damaged: then
-    /// nothing that is another spindle's is erased, and this one's is known.
+    /// Erases a half, and fills it with the records that are to stay. The other half has them all,
+    /// unless both are damaged. Then no record of another spindle is erased, and this one's are known.
     fn renew(&mut self, half: Half, found: &mut Found) {
         let elsewhere = |newest: &Newest| newest.places[half.other() as usize].is_some();
         if !found.foreign.iter().all(elsewhere) {
@@ -1011,7 +1011,7 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// Sees what is new to be kept: what [`Monitor::retain`](super::Monitor::retain) does, with a monitor of
+    /// Sees new data to be kept, as [`Monitor::retain`](super::Monitor::retain) does, with a monitor of
     /// one's own. Looks once a second, and else does nothing.
     pub fn look(&mut self, time_us: u64, judgement: &Judgement, life: &Life) {
         if time_us < self.look_us {
@@ -1108,7 +1108,7 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// Writes the next unit ([`NorFlash::WRITE_SIZE`] bytes) of what is due; false if there is nothing to do.
+    /// Writes the next unit ([`NorFlash::WRITE_SIZE`] bytes) of due records; false if there is nothing to do.
     ///
     /// Takes as long as the flash does for one unit, and now and then as long as it takes to encode a record.
     pub fn step(&mut self) -> bool {
@@ -1160,7 +1160,7 @@ impl<F: NorFlash> Store<F> {
         (1 + self.frame.len()).next_multiple_of(Self::GRANULE)
     }
 
-    /// Leaves what was written of a copy behind.
+    /// Leaves the written part of a copy behind.
     fn spoil(&mut self) {
         if let Some(half) = self.copies.first() {
             let spoilt = self.done.next_multiple_of(Self::GRANULE) as u32;

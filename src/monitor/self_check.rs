@@ -70,7 +70,7 @@ impl Seal {
     }
 }
 
-/// Parts of an image: what the linker leaves between them belongs to nobody.
+/// Parts of an image. Gaps that the linker leaves between them belong to nobody.
 pub const PARTS: usize = 4;
 
 /// Holds an image against its checksum, again and again.
@@ -193,7 +193,7 @@ fn add_number<T: Real>(sum: &mut Checksum, number: T) {
     }
 }
 
-/// Takes what a monitor uses of an answer.
+/// Adds the figures that a monitor uses of an answer.
 fn add<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     sum: &mut Checksum,
     of: &SpindleSolution<'_, T, R, N, M, D>,

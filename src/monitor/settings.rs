@@ -290,7 +290,7 @@ impl<const R: usize> MonitorSettings<R> {
     ///
     /// # Errors
     ///
-    /// The first field that is not, and what it must be.
+    /// The first field that is out of order, and its condition.
     pub const fn check(&self) -> Result<(), SettingsError> {
         let t = &self.tick;
         let mut i = 0;

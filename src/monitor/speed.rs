@@ -5,8 +5,8 @@
 //!
 //! - **Slow**: the time between the last two pulses that were seen (by period).
 //! - **Fast**: the pulses of a gate time, over the time from the pulse before the gate's first to its last
-//!   (by count). A single period would be few counts of the timer. Both ends of a gate are pulses: so
-//!   there is no error of one pulse, and no jump where one method takes over from the other. Two
+//!   (by count). A single period would be few counts of the timer. Both ends of a gate are pulses: there
+//!   is no error of one pulse, and no jump where one method takes over from the other. Two
 //!   thresholds keep them from taking turns.
 //! - **No pulse**: the shaft has turned by less than a pitch since the last one, which bounds its speed from
 //!   above, lower and lower. After a time-out it stands still.

@@ -161,7 +161,7 @@ impl<T> From<&Status<T>> for StatusCode {
     }
 }
 
-/// The last good estimate, how old it is, and what is doubted now. SI units.
+/// The last good estimate, its age, and the doubts of now. SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EstimateReport {
@@ -379,7 +379,7 @@ pub struct InputsReport {
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Recovery {
-    /// There is no memory for it: what is learnt is lost with the power.
+    /// There is no memory: learnt data are lost with the power.
     #[default]
     NoMemory,
     /// Nothing has been kept yet.
@@ -573,7 +573,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         self.answers.is_full()
     }
 
-    /// Queues a payload of this time. What has to give way for want of room is counted.
+    /// Queues a payload of this time. Payloads that give way for want of room are counted.
     pub fn post(&mut self, time_us: u64, payload: Payload) {
         match payload {
             Payload::Alarm(report) => self.post_alarm(time_us, report),
@@ -587,7 +587,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             Payload::Start(report) => self.start = Some((time_us, report)),
             Payload::Shaft(report) => self.shaft = Some((time_us, report)),
             payload @ (Payload::Estimate(_) | Payload::Rows(_) | Payload::Balls(_)) => {
-                // What is newest is worth most.
+                // The newest one is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
                     self.dropped = self.dropped.saturating_add(1);
                 }
@@ -604,7 +604,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             return;
         };
         let held = slot.is_some_and(|held| held.change);
-        // One that only says that the alarm stands must not take the room of those that say more.
+        // A report that only says that the alarm stands must not take the room of changes.
         let change = report.change != AlarmChange::Standing;
         if change && !held && self.alarms.push_back((time_us, report)).is_ok() {
             // What says that it stands is out of date.
@@ -621,7 +621,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         });
     }
 
-    /// Makes a frame of what is worth the link most, and drops it from the queue.
+    /// Makes a frame of the payload that is worth the link most, and drops it from the queue.
     fn encode_next(&mut self) {
         if let Some((time_us, report)) = self.alarms.pop_front() {
             return self.encode(time_us, &Payload::Alarm(report));

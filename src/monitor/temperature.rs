@@ -120,7 +120,7 @@ impl Temperatures {
         }
     }
 
-    /// Takes what came in a tick, in degrees Celsius, if something did; a sensor that fails gives no number.
+    /// Takes a tick's temperatures, degrees Celsius, if there are new ones; a failing sensor gives no number.
     pub(super) fn judge(
         &mut self,
         time_us: u64,
@@ -187,7 +187,7 @@ impl Side {
         self.good = Some((value, time_us));
     }
 
-    /// Takes what is used nearer to what it should be, by `most`.
+    /// Moves the temperature in use towards the one it should be, by `most`.
     fn follow(
         &mut self,
         time_us: u64,

@@ -1,8 +1,8 @@
 //! The beat of the monitor: a fixed rate, a deadline in cycles, and a watchdog that only a finished tick
 //! feeds.
 //!
-//! How many iterations a solve may take follows from the deadline and from what an iteration
-//! costs on the core at hand ([`CycleCost`]). A tick that takes longer all the same is counted, and so
+//! The iterations that a solve may take follow from the deadline and from an iteration's cost on the
+//! core at hand ([`CycleCost`]). A tick that takes longer all the same is counted, and so
 //! are ticks that never began because of it. Nothing here allocates or waits, and every counter is good
 //! for more than a century at any rate.
 

@@ -6,7 +6,7 @@
 //!
 //! Teeth that pass take the loads to and fro. The monitor has two solvers, and the one that stands nearer takes the
 //! sample: loads that come back find a solution where they were. A solver that was not the nearer one for 100
-//! samples takes over what the other one has.
+//! samples takes over the other one's state.
 //!
 //! After 20 solves without an answer, one starts from nothing, with
 //! [`TickSettings::cold_iterations`](super::tick::TickSettings::cold_iterations). So does one where no solver has a

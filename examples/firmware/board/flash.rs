@@ -1,4 +1,4 @@
-//! Two sectors of the board's flash that the linker fills with nothing, for what is kept over a power cycle.
+//! Two sectors of the board's flash that the linker fills with nothing, for data kept over a power cycle.
 //! Without any hardware, so that it is tested on the host; the registers are in `cells.rs`.
 
 use embedded_storage::nor_flash::{

@@ -31,7 +31,7 @@ struct Run {
     steps: Vec<Step>,
 }
 
-/// Numbers relative to what the bearing can take.
+/// Numbers relative to the bearing's scale.
 #[derive(Debug)]
 enum Step {
     /// Loads, or displacements, and a speed.

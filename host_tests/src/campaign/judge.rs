@@ -57,7 +57,7 @@ impl Answer {
         }
     }
 
-    /// Says what must never be, if the answer to this tick is that.
+    /// Fault that must never be, if the answer to this tick has one.
     fn failure(&self, tick: &Tick) -> Option<&'static str> {
         let status = self.status;
         let is_finite = tick.load.iter().chain([&tick.omega]).all(|x| x.is_finite());

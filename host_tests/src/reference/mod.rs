@@ -238,7 +238,7 @@ impl Reference {
     }
 
     /// The bearing as a program sees it that gives the gyroscopic moment the wrong sign; for showing
-    /// what that does. `Mg` of its balls is negative.
+    /// the effect. `Mg` of its balls is negative.
     #[must_use]
     pub fn with_gyroscopic_moment_reversed(mut self) -> Reference {
         self.inertia = -self.inertia;
@@ -253,7 +253,7 @@ impl Reference {
     }
 
     /// The bearing as a program sees it that leaves the friction moment `mt` out of the ring's balance;
-    /// for showing what that does.
+    /// for showing the effect.
     #[must_use]
     pub fn without_friction_moment(mut self) -> Reference {
         self.inner_groove = Dd::ZERO;
@@ -261,7 +261,7 @@ impl Reference {
     }
 
     /// The bearing as a program sees it that takes its contact constants from the fits of Brewe and
-    /// Hamrock (1977); for showing what they do.
+    /// Hamrock (1977); for showing their effect.
     #[must_use]
     pub fn with_fitted_contacts(mut self) -> Reference {
         self.inner = self.inner.fitted();
@@ -364,7 +364,7 @@ impl Reference {
         self.solve_held(load, omega, attitude, free, held, false)
     }
 
-    /// A cold start under what is given, with all patience or without.
+    /// A cold start under given loads and displacements, with all patience or without.
     fn solve_held(
         &self,
         load: [f64; 5],

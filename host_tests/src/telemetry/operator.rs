@@ -25,7 +25,7 @@ struct Sent {
     tries: u32,
 }
 
-/// Sends what an operator wants.
+/// Sends an operator's orders.
 #[derive(Debug)]
 pub struct Operator<W> {
     to: W,
@@ -68,7 +68,7 @@ impl<W: Write> Operator<W> {
         self.acknowledging = Some(None);
     }
 
-    /// Wants acknowledged what the board has told of and nobody has acknowledged; returns how many alarms that are.
+    /// Wants alarms acknowledged that the board has told of and nobody has acknowledged; returns their number.
     pub fn acknowledge(&mut self, state: &State) -> usize {
         let before = self.wanted.len();
         for (_, of) in state.standing() {
@@ -90,7 +90,7 @@ impl<W: Write> Operator<W> {
         &self.unanswered
     }
 
-    /// Sends what is wanted, and again what was not answered. To be called after every event of the stream.
+    /// Sends new orders, and again unanswered ones. To be called after every event of the stream.
     ///
     /// # Errors
     ///

@@ -119,7 +119,7 @@ impl State {
         }
     }
 
-    /// Takes what a frame says.
+    /// Takes a frame's content.
     fn take(&mut self, frame: &Frame) {
         let time_us = frame.time_us;
         self.time_us = self.time_us.max(time_us);

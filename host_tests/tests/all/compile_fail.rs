@@ -96,7 +96,7 @@ fn library(folder: &Path) -> PathBuf {
     folder.join("debug/libspindle_bearing.rlib")
 }
 
-/// Compiles an item; what the compiler says if it refuses.
+/// Compiles an item; the error is the compiler's words if it refuses.
 fn compile(item: &str, library: &Path) -> Result<(), String> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let mut compiler = Command::new(rustc)

@@ -361,7 +361,7 @@ fn assert_stiffness(reported: [f32; 5], load: [f32; 5], within: f32) {
     }
 }
 
-/// Warm, loaded at the nose: what is reported of rows and nose is what the spindle's own solver says.
+/// Warm, loaded at the nose: reports of rows and nose are as by the spindle's own solver.
 #[test]
 fn the_estimate_of_a_pair_is_its_spindles_own() {
     let mut rig = Rig::shipped();

@@ -52,9 +52,9 @@ fn worst_where_rounding_ends(
     [worst, of_all]
 }
 
-/// Below 6 N, the ring moves further to the side than its balls are pressed. The stiffness is rounded like the motion:
-/// to 1e-2 at most, as the estimate says, but for two loads that hardly tell a pressed ball from a free one. Of the loads
-/// below 0.15 N, 62 find no equilibrium.
+/// Below 6 N, the ring moves further to the side than its balls are pressed. The stiffness is rounded like the motion, to
+/// 1e-2 at most, as the estimate says. Two loads are worse, which hardly tell a pressed ball from a free one. Of the
+/// loads below 0.15 N, 62 find no equilibrium.
 #[test]
 fn where_rounding_ends_a_solve_at_rest_the_stiffness_is_good_or_said_not_to_be() {
     let (balls, radial) = (Balls::Static, [0.0, 1.0, 0.3, 0.0, 0.0]);

@@ -24,8 +24,8 @@ fn clamped_by(row: &Row) -> Option<f64> {
     }
 }
 
-/// Errors of an answer. Displacements are of the shaft and of the sleeve. They are over the shaft's largest, or over the
-/// largest closure of a row if this is larger: an unloaded set has no displacement at all. Forces are the rows' and the
+/// Errors of an answer. Displacements are of the shaft and of the sleeve. They are over the shaft's largest, or a row's
+/// largest closure if this is larger: an unloaded set has no displacement at all. Forces are the rows' and the
 /// balls' contact forces, over the largest of their kind in the set.
 fn errors(found: &Answer, set: &SolvedSet) -> Errors {
     let design = &set.plan.rows[0].design;

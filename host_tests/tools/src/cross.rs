@@ -168,7 +168,7 @@ apt-get -q -o "Dir::Etc::SourceList=$sources" update
 apt-get -o "Dir::Etc::SourceList=$sources" -t "$suite" $install "$@"
 "#;
 
-/// Installs what is missing where that takes no password: on Debian and Ubuntu, by root or with `sudo`.
+/// Installs missing packages where that takes no password: on Debian and Ubuntu, by root or with `sudo`.
 ///
 /// # Errors
 ///

@@ -10,7 +10,7 @@ use object::{
 };
 use std::collections::{BTreeMap, VecDeque};
 
-/// Symbols by their addresses, and what each of them mentions.
+/// Symbols by their addresses, and the addresses that each of them mentions.
 #[derive(Debug, Default)]
 pub struct Graph {
     symbols: BTreeMap<u64, Symbol>,
@@ -109,7 +109,7 @@ impl Graph {
         Ok(())
     }
 
-    /// Symbols reachable from those that `is_root` picks by their names.
+    /// Symbols reachable from the roots that `is_root` picks by their names.
     pub fn reach(&self, is_root: impl Fn(&str) -> bool) -> Reach<'_> {
         let roots = self.symbols.iter().filter(|(_, s)| is_root(&s.name));
         let mut before: BTreeMap<_, _> = roots.map(|(at, _)| (*at, None)).collect();

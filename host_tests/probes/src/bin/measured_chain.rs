@@ -40,7 +40,7 @@ mod measured {
     use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
 
     pub const CORE_HZ: u32 = if DOUBLE { 400_000_000 } else { 168_000_000 };
-    /// One iteration more than the firmware allows: what that takes decides whether it fits. A period is 1 ms.
+    /// One iteration more than the firmware allows: its measured cost decides whether it fits. A period is 1 ms.
     pub const COST: [CycleCost; 2] = {
         let [single, pair] = if DOUBLE {
             [CycleCost::CORTEX_M7_SINGLE, CycleCost::CORTEX_M7]
@@ -62,7 +62,7 @@ mod measured {
     static mut MEASURED_INPUT: [u8; INPUT] = [0; INPUT];
     #[unsafe(no_mangle)]
     static mut MEASURED_OUTPUT: [u8; OUTPUT] = [0; OUTPUT];
-    /// Bytes that come in, and bytes that the link takes; then what came of it: bytes that went out, and
+    /// Bytes that come in, and bytes that the link takes; then the results: bytes that went out, and
     /// iterations.
     #[unsafe(no_mangle)]
     static mut MEASURED_TICK: [u32; 4] = [0; 4];

@@ -12,8 +12,8 @@ use host_tests::tolerances::allowed_at;
 use spindle_bearing::Status;
 use std::array::from_fn;
 
-/// Factor on the table's errors that an answer may have: the families' cases are harder than the
-/// table's own cases, whose errors are a third of the table.
+/// Factor on the table's errors that an answer may have: the families' cases are harder. The table's
+/// own cases have errors of a third of the table.
 const HARDER: f64 = 20.0;
 
 /// The largest estimate of its own errors that excuses an answer.

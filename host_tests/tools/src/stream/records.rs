@@ -1,4 +1,4 @@
-//! A recording as what the board receives: a record of loads and speed a tick, and temperatures now and then.
+//! A recording as the board receives it: a record of loads and speed a tick, and temperatures at times.
 
 use anyhow::{Result, bail};
 use host_tests::loads::{self, LoadRow};

@@ -137,7 +137,7 @@ fn header(state: &State) -> Vec<Line<'static>> {
     ]
 }
 
-/// Where each row is, and what it carries.
+/// Table of the rows: their places and their loads.
 fn row_table(state: &State) -> Table<'static> {
     let head = ",at mm,faces,axial N,radial N,preload N,balls N";
     let about = state.shaft.as_ref().map_or(String::new(), |shaft| {

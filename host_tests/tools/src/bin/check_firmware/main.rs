@@ -5,8 +5,8 @@
 //!   in single precision and in double.
 //! - In it, and in the firmware as shipped, the solver's calls are followed through the
 //!   relocations. For code that must not be there, the way to it is printed.
-//! - `measured` is built for every scene without a panic handler that links, and must have nothing of what that
-//!   scene leaves out.
+//! - `measured` is built for every scene without a panic handler that links. It must have none of the
+//!   code that the scene leaves out.
 //! - All are first shown a program that has it: a check that finds nothing there is blind.
 
 mod scenes;
@@ -104,7 +104,7 @@ impl Program {
     }
 }
 
-/// Builds a bare program; where `lenient`, with a definition of what must not be called.
+/// Builds a bare program; where `lenient`, with a definition of the function that must not be called.
 fn build_bare(root: &Path, program: &str, variant: Option<&str>, lenient: bool) -> Result<Program> {
     let definition = format!("--defsym={MISSING}=0");
     let link = [RELOCATIONS, &definition];

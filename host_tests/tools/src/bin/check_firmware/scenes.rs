@@ -110,7 +110,7 @@ impl Part {
 
 macro_rules! left_out {
     ($($number:literal $name:literal $freedoms:literal: $scene:ty; $without:literal, [$($part:ident),*];)*) => {
-        /// The scenes, and what each leaves out besides designs, which all do.
+        /// The scenes, and the parts that each leaves out besides designs, which all do.
         const SCENES: &[(&str, &[Part])] = &[$(($name, &[$(Part::$part),*])),*];
     };
 }
@@ -265,7 +265,7 @@ pub fn check(root: &Path) -> Result<()> {
     for &(scene, without) in SCENES {
         let program = build_scene(root, scene)?;
         let reach = program.graph.reach(is_solver);
-        // What is inlined into it makes it the solver.
+        // The code inlined into it makes it the solver.
         if !reach.names().any(is_solver) {
             bail!("this check is blind: there is no solver in {scene}");
         }

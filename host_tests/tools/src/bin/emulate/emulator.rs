@@ -136,7 +136,7 @@ impl Board {
             false => Command::new(QEMU),
         };
         // The emulator's main loop reads standard input a byte per turn, and only while there is room for
-        // it: bytes that the firmware has not taken stay in the pipe. If the room is the receiver's register, the
+        // it. Bytes that the firmware has not taken stay in the pipe. If the room is the receiver's register, the
         // firmware waits a turn for every byte. If it is a multiplexer's queue of 32 bytes, a read of that
         // register fetches the next byte at once.
         let version = version().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The run itself: what the board sends, held against what the host's build of the same monitor sends.
+//! The run itself: the board's bytes, held against the bytes of the host's build of the same monitor.
 
 use crate::emulator::{Board, Firmware, Log, MACHINE};
 use crate::plan::Plan;

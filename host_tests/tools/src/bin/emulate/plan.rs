@@ -1,5 +1,4 @@
-//! A run: what goes over the port, tick by tick, and what the host's own build of the same monitor makes of
-//! it.
+//! A run: bytes over the port, tick by tick, and the answers of the host's own build of the same monitor.
 
 use crate::chain::Chain;
 use crate::monitor_settings::MONITOR;
