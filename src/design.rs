@@ -209,7 +209,7 @@ macro_rules! check {
 pub(crate) use check;
 
 impl Design {
-    /// The angle of a shoulder as high as the groove's radius, rad: no groove reaches further than
+    /// The angle of a shoulder as high as the groove's radius, rad. No groove reaches further than
     /// this quarter circle. For bearings whose shoulders are not known.
     pub const HIGHEST_SHOULDER: f64 = core::f64::consts::FRAC_PI_2;
 

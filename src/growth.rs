@@ -103,7 +103,7 @@ impl Design {
 }
 
 impl Growth<f64> {
-    /// By heat: inner ring, outer ring and balls are this much warmer (K) than where the bearing has its free contact
+    /// Growth by heat: inner ring, outer ring and balls this much warmer (K) than where the bearing has its free contact
     /// angle.
     ///
     /// `gr = a (Ti ri - To ro)` with the radii of the grooves, `gD = a_ball Tb D`. The axial growth depends on what

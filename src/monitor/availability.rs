@@ -1,4 +1,4 @@
-//! How much of the time the monitor sees: the share of ticks with a fresh estimate, in the last second and minute.
+//! Availability: the share of ticks with a fresh estimate, in the last second and minute.
 
 use super::plausibility::seconds;
 

@@ -567,7 +567,7 @@ impl Judgement {
         &self.alarms[alarm as usize]
     }
 
-    /// Alarms that were raised and that nobody has acknowledged: one bit each, in the order of [`Alarm::ALL`] from the
+    /// Alarms that were raised and that nobody has acknowledged. One bit each, in the order of [`Alarm::ALL`] from the
     /// lowest. To be kept over a power cycle.
     pub fn unacknowledged(&self) -> u32 {
         let open = |alarm: &Alarm| {

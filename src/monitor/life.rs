@@ -22,7 +22,7 @@
 
 use crate::float::Real;
 
-/// Sum of non-negative numbers that rounds nothing down to `2^-FRACTION`, and stops at its largest value,
+/// Sum of non-negative numbers that rounds nothing down to `2^-FRACTION`. It stops at its largest value,
 /// `2^(128 - FRACTION)`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ExactSum<const FRACTION: u32>(u128);

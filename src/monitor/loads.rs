@@ -68,7 +68,7 @@ pub trait LoadSource {
 /// Of several records between two calls, the newest is the sample. A damaged frame is an error if no
 /// good one followed it.
 ///
-/// - **Order.** Numbers of records grow. A record is out of order if its number is not larger than the last one, or
+/// - **Order.** Numbers of records grow. A record is out of order if its number is not larger than the last, or
 ///   larger than any sender reaches in the time since. It is then no sample.
 /// - **Restart.** A sender that restarts counts from 0. A record with a smaller number begins a new count if its own time
 ///   is not longer than the time since any record came. Replayed records are older than that, and stay out of order.

@@ -568,7 +568,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         stands_still
     }
 
-    /// Solves a first equilibrium (loads in N, N m; speed in rad/s) to start from, before ticks begin: it may
+    /// Solves a first equilibrium (loads in N, N m; speed in rad/s) to start from, before ticks begin. It may
     /// take longer than one. Gives no estimate.
     ///
     /// # Errors

@@ -69,8 +69,8 @@ pub struct Readings {
     pub loads: Result<Option<LoadSample>, Marks>,
     /// Shaft speed from a source of its own, rad/s, if there is one; `Some(None)` if that source fails.
     pub speed: Option<Option<f32>>,
-    /// Temperatures of the inner and of the outer side, degrees Celsius, if there are new ones; no number from a sensor that
-    /// fails. See [`temperature`](super::temperature).
+    /// Temperatures of the inner and of the outer side, degrees Celsius, if there are new ones. No number from a sensor
+    /// that fails. See [`temperature`](super::temperature).
     pub temperatures: Option<[f32; 2]>,
 }
 

@@ -107,7 +107,7 @@ const LOOK_US: u64 = 1_000_000;
 pub const ATTEMPTS: u8 = 3;
 /// Kinds of records of other spindles and versions that are carried along: three for each bearing.
 pub const FOREIGN: usize = 16;
-/// Longest message of another version that is carried along, bytes, checksum included: over twice the longest of
+/// Longest message of another version that is carried along, bytes, checksum included. It is over twice the longest of
 /// this one.
 pub const LONGEST_FOREIGN: usize = 1024;
 /// Longest unit that a flash may want, bytes.
@@ -118,8 +118,8 @@ const LAST: u32 = u32::MAX / 2;
 /// Kinds of records.
 const KINDS: usize = 3;
 
-/// Longest message of a record, checksum included: version, number, kind and identity, a baseline, and the numbers of
-/// the newest.
+/// Longest message of a record, checksum included. It has version, number, kind and identity, a baseline, and the
+/// numbers of the newest.
 const MESSAGE_LENGTH: usize =
     1 + 5 + 1 + 5 + size_of::<[[f32; 5]; BANDS]>() + 5 * BANDS + 5 * KINDS + CHECKSUM_LENGTH;
 const FRAME_LENGTH: usize = framing::frame_length(LONGEST_FOREIGN);

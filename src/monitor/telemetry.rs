@@ -177,7 +177,7 @@ pub struct EstimateReport {
     pub displacement: [f32; 5],
     /// Diagonal of the stiffness at the nose: `Kxx, Kyy, Kzz` (N/m), `Ktyty, Ktztz` (N m/rad).
     pub stiffness: [f32; 5],
-    /// Stiffness that a force at the nose meets along x, y and z, while the shaft tilts as it likes and yields by itself: N/m.
+    /// Stiffness against a force at the nose along x, y and z, N/m. The shaft tilts freely, and yields by itself.
     pub nose: [f32; 3],
     /// The off-diagonal stiffness that couples most.
     pub coupling: f32,
@@ -459,7 +459,7 @@ pub struct StartReport {
     pub cause: ResetCause,
     /// Recovery of the alarms.
     pub recovery: Recovery,
-    /// Alarms that nobody had acknowledged before, and that were latched again: one bit each, in the order of
+    /// Alarms that nobody had acknowledged before, and that were latched again. One bit each, in the order of
     /// [`Alarm::ALL`] from the lowest.
     pub alarms: u32,
     /// How often each alarm was raised before, in all starts, in that order.
