@@ -13,13 +13,13 @@ use std::error::Error;
 
 static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&S6014C);
 
-/// Between the groove planes of the two rows, m.
+/// Distance between the centres of the two bearings, m.
 const DISTANCE: f64 = 0.1;
 /// Mounting preload, N: the light one of the catalogue.
 const PRELOAD: f64 = 240.0;
 /// Bore of the hollow shaft, as a radius, m.
 const BORE: f64 = 0.015;
-/// The nose, 60 mm in front of the first row.
+/// Position of the nose, m: 60 mm in front of the first bearing's centre.
 const NOSE: f64 = -0.06;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,4 +1,4 @@
-//! Second-order terms of a ball's contacts: what its linearisation leaves out along a motion.
+//! Second-order terms of a ball's contacts, which its linearisation leaves out along a motion.
 //!
 //! A contact's end moves by `v`, along and across it. The tangent changes by
 //! `[[Q' v1/(2 delta), 2 g v2], [2 g v2, 2 g v1]]` with `g = (Q' - Q/R) / (2 R)`.
@@ -6,7 +6,7 @@
 use super::linalg::{Pair, dot};
 use crate::float::Real;
 
-/// What the second-order terms of one contact are made of.
+/// Factors of the second-order terms of one contact.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Curvature<T> {
     /// `Q'`, `Q/R`, `1/delta` and `1/R`.

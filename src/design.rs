@@ -1,4 +1,4 @@
-//! What a bearing is made of, in SI units, and what can be wrong with it.
+//! Design of a bearing, in SI units, and its possible errors.
 //!
 //! [`Bearing::new`](crate::Bearing::new) checks a [`Design`] and turns it into solver constants. It is a `const fn`: a
 //! design written into firmware costs no code. With [`Bearing::checked`](crate::Bearing::checked), one that cannot be
@@ -18,7 +18,7 @@ pub struct Material {
     pub youngs_modulus: f64,
     /// Poisson's ratio `nu`.
     pub poissons_ratio: f64,
-    /// Density `rho`, kg/m^3. That of the rings matters for [`Growth::by_rotation`](crate::Growth::by_rotation) alone.
+    /// Density `rho`, kg/m^3. The rings' is for [`Growth::by_rotation`](crate::Growth::by_rotation) alone.
     pub density: f64,
 }
 
@@ -209,15 +209,15 @@ macro_rules! check {
 pub(crate) use check;
 
 impl Design {
-    /// The angle of a shoulder as high as the groove's radius, rad: no groove reaches further than
+    /// The angle of a shoulder as high as the groove's radius, rad. No groove reaches further than
     /// this quarter circle. For bearings whose shoulders are not known.
     pub const HIGHEST_SHOULDER: f64 = core::f64::consts::FRAC_PI_2;
 
-    /// An angular contact ball bearing of steel, of which no more is known than a catalogue has: ball diameter `D` and pitch
+    /// An angular contact ball bearing of steel, from a catalogue's data: ball diameter `D` and pitch
     /// diameter `dm` (m), free contact angle (rad).
     ///
-    /// Groove factors of 0.515 and 0.525 are assumed, as they are common in spindle bearings, and the highest shoulders. What
-    /// is known better takes their place:
+    /// Groove factors of 0.515 and 0.525 are assumed, as they are common in spindle bearings, and the highest shoulders.
+    /// Better known values take their place:
     ///
     /// ```
     /// use spindle_bearing::{Design, Material};

@@ -50,7 +50,7 @@ const fn sin_cos_small(x: f64) -> (f64, f64) {
 
 /// Sine and cosine of `numerator / denominator` turns, exact at the quarters.
 pub(crate) const fn sin_cos_turns(numerator: u32, denominator: u32) -> (f64, f64) {
-    // Nearest quarter, and what is left beyond it, in eighths of a turn at most.
+    // Nearest quarter, and the rest beyond it, in eighths of a turn at most.
     let n = (numerator % denominator) as i64;
     let d = denominator as i64;
     let quarter = (8 * n + d) / (2 * d);
@@ -81,7 +81,7 @@ pub(crate) const fn sin_cos(x: f64) -> (f64, f64) {
     }
 }
 
-/// Natural logarithm of a finite, positive number; that of the smallest one for anything less.
+/// Natural logarithm of a finite, positive number; anything smaller counts as the smallest one.
 pub(crate) const fn ln(x: f64) -> f64 {
     let mut x = if x > f64::MIN_POSITIVE {
         x

@@ -1,4 +1,4 @@
-//! The one float trait: what the solver needs of `f32` and `f64`, and nothing else.
+//! The one float trait: the solver's needs of `f32` and `f64`, and nothing else.
 
 use crate::constants::Bearing;
 use crate::design::{Design, DesignError};

@@ -19,8 +19,8 @@ use postcard::ser_flavors::Flavor;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// With a table of a kilobyte: bit by bit, the checksums of a tick with telemetry would take a tenth of the
-/// period on a Cortex-M4F.
+/// CRC-32 with a table of a kilobyte. Bit by bit, the checksums of a tick with telemetry would take a
+/// tenth of the period on a Cortex-M4F.
 pub(crate) static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Bytes of the checksum.
@@ -229,7 +229,7 @@ impl<T: DeserializeOwned, const CAP: usize> FrameReader<T, CAP> {
 }
 
 impl<T, const CAP: usize> FrameReader<T, CAP> {
-    /// The same with another way to read the bytes of an undamaged message.
+    /// Takes the next byte like `push`, with another way to read the bytes of an undamaged message.
     #[inline(always)]
     pub(crate) fn push_with<R>(
         &mut self,
@@ -293,7 +293,7 @@ fn undamaged(message: &[u8]) -> Result<&[u8], FrameError> {
     Ok(content)
 }
 
-/// What the bytes of an undamaged message hold.
+/// Message in undamaged bytes.
 pub(crate) fn decode<T: DeserializeOwned>(content: &[u8]) -> Result<T, FrameError> {
     match postcard::take_from_bytes(content) {
         Ok((message, [])) => Ok(message),

@@ -3,7 +3,7 @@
 use crate::float::Real;
 use crate::pose::BallMotion;
 
-/// Characteristic frequencies of a bearing, Hz: a defect of one of its parts makes vibrations at these and their multiples.
+/// Characteristic frequencies of a bearing, Hz. A defect of one of its parts makes vibrations at these and their multiples.
 ///
 /// They follow from the mean cage speed and rotation of the balls that the inner race touches. Formulas with the free contact
 /// angle are off by as much as the angles change under load and speed.

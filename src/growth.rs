@@ -10,7 +10,7 @@ use core::ops::{Add, Mul};
 /// linear: in temperature, square of the speed, or interference. So the compiler can make the growth of one unit, and
 /// firmware scales it and adds it up.
 ///
-/// Stiffness constants, masses and the pitch diameter stay those of the cold bearing; their change is of the relative
+/// Stiffness constants, masses and the pitch diameter stay the cold bearing's; their change is of the relative
 /// order of 1e-4.
 ///
 /// ```
@@ -103,7 +103,7 @@ impl Design {
 }
 
 impl Growth<f64> {
-    /// By heat: inner ring, outer ring and balls are this much warmer (K) than where the bearing has its free contact
+    /// Growth by heat: inner ring, outer ring and balls this much warmer (K) than where the bearing has its free contact
     /// angle.
     ///
     /// `gr = a (Ti ri - To ro)` with the radii of the grooves, `gD = a_ball Tb D`. The axial growth depends on what
@@ -123,9 +123,9 @@ impl Growth<f64> {
 
     /// By the length of shaft and housing, inner and outer side this much warmer (K), of expansion `expansion` (1/K).
     ///
-    /// `gx = a reach (Ti - To)`. `reach` (m) is how far the row is from some point of the set, in the direction that it
-    /// faces: the same point for all rows, such as the middle. Rows back to back have a negative one, and lose preload when
-    /// the shaft is the warmer side.
+    /// `gx = a reach (Ti - To)`. `reach` (m) is the distance of the row from some point of the set, in the direction that
+    /// the row faces. The point is the same for all rows, such as the middle. Rows back to back have a negative reach,
+    /// and lose preload when the shaft is the warmer side.
     pub const fn by_length(expansion: f64, reach: f64, [inner, outer]: [f64; 2]) -> Self {
         Self {
             axial: expansion * reach * (inner - outer),
@@ -162,11 +162,11 @@ impl Growth<f64> {
 
     /// By the interference of the inner ring on a hollow shaft of the same material.
     ///
-    /// `seat` is the radius of the shaft under the ring (m), `bore` that of its bore (m, 0 for a solid shaft),
-    /// `interference` the difference of the radii before mounting (m, half of that of the diameters). Two thick-walled
+    /// Radii are `seat` of the shaft under the ring (m) and `bore` of its bore (m, 0 for a solid shaft).
+    /// `interference` is the difference of the radii before mounting (m, half of the diameters'). Two thick-walled
     /// cylinders under the pressure between them (Lame 1852; Timoshenko, Strength of Materials II) widen the groove's radius
     /// `b` by `gr = interference (b/seat) (seat^2 - bore^2)/(b^2 - bore^2)`. The seat grows apart from the shaft at
-    /// speed: the interference is that which is left then.
+    /// speed: the interference that remains then counts.
     pub const fn by_fit(design: &Design, seat: f64, bore: f64, interference: f64) -> Self {
         let [b, _] = design.groove_radii();
         let hole = bore * bore;

@@ -62,8 +62,8 @@ impl HertzContact {
     pub const fn new(rolling: f64, across: f64, compliance: f64) -> Self {
         let sum = rolling + across;
         let target = (rolling - across) / sum;
-        // Fr falls with 1/kappa: false position between 1e-6 and 1 (Illinois: an end that stays
-        // twice counts half), with a bisection every eighth step as insurance.
+        // Fr falls with 1/kappa: false position between 1e-6 and 1, with a bisection every eighth
+        // step as insurance. Illinois: an end that stays twice counts half.
         let (mut low, mut high) = (1e-6, 0.999_999);
         let mut f_low = curvature_difference(1.0 / low).0 - target;
         let mut f_high = curvature_difference(1.0 / high).0 - target;

@@ -52,9 +52,9 @@ impl<T: Real> Default for Limits<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Race {
-    /// That of the inner ring.
+    /// Raceway of the inner ring.
     Inner,
-    /// That of the outer ring.
+    /// Raceway of the outer ring.
     Outer,
 }
 
@@ -68,7 +68,7 @@ impl Race {
     }
 }
 
-/// A limit that an equilibrium may pass, the most serious first: the value of a contact, and what it is held against.
+/// Limits that an equilibrium may pass, the most serious first: a contact's value, and its bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -78,8 +78,8 @@ pub enum Limit {
     /// Contact angle less the shoulder's angle, rad, against 0: past the edge of the shoulder there is no groove.
     /// A contact on the other side of the groove counts within a quarter turn of the shoulder.
     Shoulder,
-    /// Length that the edge of the shoulder cuts off the contact ellipse, m, against 0; negative for what is left.
-    /// The true pressure of a truncated contact is above the one given here. One past the shoulder is truncated, too.
+    /// Length that the shoulder's edge cuts off the contact ellipse, m, against 0; negative for a margin.
+    /// A truncated contact has a higher pressure than the one given here. A contact past the shoulder is truncated, too.
     Truncation,
     /// Sine of the angle of a contact that lies on the other side than the free contact angle, against 0.
     ///
@@ -136,18 +136,18 @@ impl LimitSet {
         self.0 == 0
     }
 
-    /// Whether this one is in it.
+    /// Whether this limit is in the set.
     pub const fn contains(self, limit: Limit) -> bool {
         self.0 & (1 << limit as u8) != 0
     }
 
-    /// The same with this one in it.
+    /// The set with this limit added.
     #[must_use]
     pub const fn with(self, limit: Limit) -> Self {
         Self(self.0 | 1 << limit as u8)
     }
 
-    /// All that are in this one or in the other.
+    /// Limits in either set.
     #[must_use]
     pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
@@ -223,7 +223,7 @@ impl<T: Real> Margins<T> {
         (margin.value > T::of(f64::NEG_INFINITY)).then_some(Margin { value, ..margin })
     }
 
-    /// The limits whose margins are above what is allowed.
+    /// The limits whose margins are above the allowed values.
     pub fn passed(&self) -> LimitSet {
         let worst = Limit::ALL.into_iter().zip(&self.worst);
         let passed = worst.filter(|(limit, worst)| worst.value > self.allowed(*limit));

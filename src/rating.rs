@@ -75,7 +75,7 @@ const fn geometry(design: &Design) -> (f64, f64, f64) {
 impl Design {
     /// Basic dynamic radial load rating `Cr` of a single-row bearing of `balls` balls, N, by the formula of ISO 281.
     ///
-    /// A maker's catalogue is to be preferred where it gives `C`: with the close grooves of spindle bearings the formula is
+    /// Prefer a maker's catalogue where it gives `C`. With the close grooves of spindle bearings the formula is
     /// 5 % to 8 % high, and a life by it up to 25 % long. ISO 281:2007 with the factors of ISO/TR 1281-1, `D` in mm and up to
     /// 25.4 mm:
     ///
@@ -147,8 +147,8 @@ impl<T: Real> LifeRating<T> {
         self.weight(T::ONE, inner, outer, balls)
     }
 
-    /// `(1 / L10)^(10/9)` of so many `balls`, per million revolutions: what adds up over the rows of a spindle. From the sum
-    /// of the cubes of the inner contact forces, and from that of the outer ones to 10/3, forces in a `unit` (N).
+    /// `(1 / L10)^(10/9)` of so many `balls`, per million revolutions: it adds up over a spindle's rows.
+    /// `inner` is the sum of the inner contact forces cubed, `outer` of the outer forces to 10/3, in a `unit` (N).
     pub fn weight(&self, unit: T, inner: T, outer: T, balls: T) -> T {
         if !(balls > T::ZERO) {
             return T::ZERO;

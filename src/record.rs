@@ -7,7 +7,7 @@ pub use crate::framing::{DELIMITER, FrameError};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Length of the longest message that a record can become: two varints of at most five bytes, six
+/// Length of the longest message that a record can become. It has two varints of at most five bytes, six
 /// floats, and the checksum.
 pub const MESSAGE_LENGTH: usize = 2 * 5 + 6 * size_of::<f32>() + CHECKSUM_LENGTH;
 

@@ -1,4 +1,4 @@
-//! How a solve can end, and the names of what it can complain of.
+//! How a solve can end, and the names of the quantities that it can complain of.
 
 use crate::float::Real;
 use core::fmt;
@@ -114,11 +114,11 @@ pub enum Status<T> {
     IterationLimit,
     /// Centrifugal force has driven a ball out of the inner groove: the load is too small for the speed.
     ///
-    /// Either none of the starts led to an equilibrium, and a ball's contacts are more than 90 degrees apart. Or one was found where they
-    /// are more than 150 degrees apart, next to the pole of the cage speed: the model has several equilibria there or
-    /// none.
+    /// Either none of the starts led to an equilibrium, and a ball's contacts are more than 90 degrees apart. Or an
+    /// equilibrium has a ball's contacts more than 150 degrees apart, next to the pole of the cage speed. There the model
+    /// has several equilibria or none.
     Unseated {
-        /// Index of the worst ball; those of a spindle are counted on from row to row.
+        /// Index of the worst ball; a spindle's balls are counted on from row to row.
         ball: u16,
         /// How far its contact angles are apart, `abs(ai - ao)`, rad.
         apart: T,

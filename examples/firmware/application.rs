@@ -45,7 +45,7 @@ pub fn run() -> ! {
     }
 }
 
-/// Keeps over a power cycle what is learnt, where the board has a memory for it.
+/// Keeps learnt data over a power cycle, where the board has a memory for them.
 struct Keeper {
     store: Option<Store<Memory>>,
     /// Cycles of the core that a step may take.
@@ -199,7 +199,7 @@ fn by_the_timer<S: Sensors>(
     }
 }
 
-/// Ticks as they are asked for: what the monitor does is then a matter of the bytes alone, and can be held
+/// Ticks as they are asked for: the monitor's work is then a matter of the bytes alone, and can be held
 /// against another machine.
 fn in_lock_step<S: Sensors>(
     chain: &mut Chain<S>,

@@ -1,4 +1,4 @@
-//! The monitor's chain, from the bytes of the port to those of the telemetry, without any hardware: the
+//! The monitor's chain without any hardware, from the port's bytes to the telemetry's. It is the
 //! same on every board, and on the host, which holds the emulated board against it.
 //!
 //! Two kinds of frames come in over one port: load records, and now and then a [`Command`], such as temperatures.
@@ -24,7 +24,7 @@ pub trait Sensors {
     /// A load record of the port, or a damaged frame.
     fn take(&mut self, _: Result<LoadRecord, FrameError>) {}
 
-    /// What there is at a tick.
+    /// Readings at a tick.
     fn readings(&mut self, time_us: u64) -> Readings;
 
     /// Records that came over the port.
@@ -68,7 +68,7 @@ impl Chain {
         Self::with(FramedLoads::new(), past)
     }
 
-    /// What came over the port.
+    /// Counts of the records that came over the port.
     #[allow(dead_code, reason = "the host's side")]
     pub fn counts(&self) -> FrameCounts {
         Sensors::counts(&self.sensors)
@@ -92,7 +92,7 @@ impl<S: Sensors> Chain<S> {
         }
     }
 
-    /// Solves a first equilibrium to start from, that of the idling spindle.
+    /// Solves a first equilibrium to start from, the idling spindle's.
     ///
     /// # Errors
     ///
@@ -115,7 +115,7 @@ impl<S: Sensors> Chain<S> {
         None
     }
 
-    /// Takes what the board says of itself, for the telemetry.
+    /// Takes the board's report on itself, for the telemetry.
     #[allow(dead_code, reason = "the boards'")]
     pub fn set_board(&mut self, report: BoardReport) {
         self.monitor.set_board(report);
@@ -135,7 +135,7 @@ impl<S: Sensors> Chain<S> {
         self.monitor.tick(time_us, &readings, counter, watchdog)
     }
 
-    /// Has a store keep what is new. Between ticks.
+    /// Has a store keep new data. Between ticks.
     #[allow(dead_code, reason = "the boards'")]
     pub fn retain<F: NorFlash>(&mut self, store: &mut Store<F>) {
         self.monitor.retain(self.time_us, store);

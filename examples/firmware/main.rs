@@ -30,7 +30,7 @@ mod self_check;
 #[cfg(target_os = "none")]
 use spindle_bearing::monitor::tick::CycleCost;
 
-/// What the solver works in: this core has no double precision.
+/// Precision that the solver works in: this core has no double precision.
 #[cfg(target_os = "none")]
 type Precision = f32;
 /// The core's frequency, and what a tick costs there: of a single bearing, and of a pair.

@@ -126,8 +126,8 @@ pub const KEY: Option<Key> = match option_env!("SPINDLE_KEY") {
     },
 };
 
-/// Whether loads come from strain bridges and speed from a tachometer at the board, and not as records over the
-/// port: set it here, or build with `SPINDLE_SENSORS=bridges` in the environment.
+/// Whether loads and speed come from strain bridges and a tachometer at the board, not as records over
+/// the port. Set it here, or build with `SPINDLE_SENSORS=bridges` in the environment.
 #[allow(dead_code, reason = "the boards'")]
 pub const BRIDGES: bool = option_env!("SPINDLE_SENSORS").is_some();
 
@@ -137,8 +137,8 @@ pub const BRIDGES: bool = option_env!("SPINDLE_SENSORS").is_some();
 #[allow(dead_code, reason = "the boards'")]
 pub const SET_BROWN_OUT: bool = option_env!("SPINDLE_BROWN_OUT").is_some();
 
-/// Counts of six bridges per N and N m, rows of the bridges: **to be replaced by those of your spindle**. These
-/// are of bridges that each see one load, the sixth one all forces.
+/// Counts of six bridges per N and N m, rows of the bridges: **to be replaced by your spindle's**.
+/// These are of bridges that each see one load, the sixth one all forces.
 #[allow(dead_code, reason = "the boards'")]
 pub const CALIBRATION: Calibration<6> = match Calibration::from_counts([
     [500.0, 0.0, 0.0, 0.0, 0.0],

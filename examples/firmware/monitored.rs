@@ -48,7 +48,7 @@ pub const POSITIONS: [f64; ROWS] = if ROWS == 1 {
     positions
 };
 
-/// How they face: those of the pair back to back.
+/// Facings of the rows: a pair is back to back.
 pub const FACINGS: [Facing; ROWS] = {
     let mut facings = [Facing::PlusX; ROWS];
     if ROWS > 1 {

@@ -11,13 +11,13 @@ use spindle_bearing::monitor::tick::CycleCounter;
 
 /// Ticks from one solve whose answer is known to the next: a minute.
 const MINUTE: u32 = 60_000_000 / MONITOR.tick.period_us;
-/// Bytes of the image, and words of the stack, in a step between ticks, and cycles that are enough for both: ten for a
-/// byte, with wait states of the flash, and some for a word. 127 KB of flash are gone through in 500 ticks.
+/// Bytes of the image, and words of the stack, in a step between ticks, and cycles enough for both.
+/// A byte takes ten, with wait states of the flash, a word some. 127 KB of flash are gone through in 500 ticks.
 const BYTES: usize = 256;
 const WORDS: u32 = 64;
 const CYCLES: u32 = 5000;
 
-/// The checks, and what they have come to.
+/// The checks, and their report.
 pub struct SelfCheck {
     image: Option<ImageCheck>,
     answer: KnownAnswer<Precision, ROWS, BALLS>,
@@ -106,7 +106,7 @@ impl SelfCheck {
         checks
     }
 
-    /// What they have come to.
+    /// Report of the checks so far.
     pub const fn report(&self) -> BoardReport {
         self.report
     }
@@ -139,7 +139,7 @@ impl SelfCheck {
         self.report != before
     }
 
-    /// What has failed goes into the log, if it had not failed before.
+    /// Logs the checks that have failed since the report `before`.
     pub fn tell(&self, before: BoardReport) {
         let failed = |now: Check, before: Check| now == Check::Failed && before != now;
         if failed(self.report.image, before.image) {

@@ -1,8 +1,8 @@
 //! Firmware for an STM32H743, laid out for a NUCLEO-H743ZI2: the application of `spindle_monitor` with
 //! its solver in double precision.
 //!
-//! Records and commands come in, and telemetry goes out, over USART3 (PD9 and PD8), which that board leads to
-//! its USB plug; the log goes out over USART2 (PD5). 460,800 baud, 8N1. PC0
+//! Records and commands come in, and telemetry goes out, over USART3 (PD9 and PD8). That board leads it to
+//! its USB plug. The log goes out over USART2 (PD5). 460,800 baud, 8N1. PC0
 //! to ground and PC1 to PC2: lock-step. `cargo flash-h743` builds it and brings it onto the board.
 
 #![no_std]
@@ -22,7 +22,7 @@ mod self_check;
 
 use spindle_bearing::monitor::tick::CycleCost;
 
-/// What the solver works in: this core has a unit for double precision.
+/// Precision that the solver works in: this core has a unit for double precision.
 type Precision = f64;
 /// The core's frequency, and what a tick costs there: of a single bearing, and of a pair.
 const CORE_HZ: u32 = 400_000_000;

@@ -310,7 +310,7 @@ impl Random {
         least + (most - least) * unit
     }
 
-    /// Positive, its logarithm evenly distributed from that of `least` to that of `most`.
+    /// Positive number from `least` to `most`, with an evenly distributed logarithm.
     pub fn log_between(&mut self, least: f64, most: f64) -> f64 {
         self.between(least.ln(), most.ln()).exp()
     }
@@ -336,9 +336,9 @@ impl Random {
 }
 
 impl Case {
-    /// A random case: 7 to 30 balls of 3 to 30 mm, steel or ceramic; loads from a ten-thousandth of
-    /// the static load rating up to it, axial or with radial parts and moments; at rest, or up to
-    /// 60,000 rpm and `n dm` of two and a half millions (mm, rpm); every rule of attitude.
+    /// A random case: 7 to 30 balls of 3 to 30 mm, steel or ceramic, and every rule of attitude. Loads are
+    /// from a ten-thousandth of the static load rating up to it, axial or with radial parts and moments.
+    /// It is at rest, or up to 60,000 rpm and `n dm` of two and a half millions (mm, rpm).
     pub fn random(seed: u64) -> Self {
         Self::random_with(seed, None)
     }

@@ -1,4 +1,4 @@
-//! Designs that one can name: makers' bearings with published ball data, and those of `bearings`.
+//! Designs that one can name: makers' bearings with published ball data, and the files in `bearings`.
 
 use crate::design_file::{DesignFile, DesignFileError, SHIPPED};
 use serde::Deserialize;

@@ -33,7 +33,7 @@ pub struct Ball {
     pub gyroscopic_moment: f64,
 }
 
-/// A solution, whoever found it; the letters are those of the files of solved cases.
+/// A solution, whoever found it; the letters are as in the files of solved cases.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Equilibrium {
     /// `dx, dy, dz, ty, tz`, m and rad.

@@ -145,7 +145,7 @@ type Number = (
     fn(&mut Design, f64),
 );
 
-/// The numbers of a design. That of balls is no part of [`Design`].
+/// The numbers of a design. The number of balls is no part of [`Design`].
 #[rustfmt::skip]
 const NUMBERS: [Number; 15] = [
     (Quantity::BallCount, "balls", "16", |k| &k.balls, |_, _| {}),

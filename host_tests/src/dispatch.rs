@@ -1,8 +1,8 @@
 //! From ball count, precision and attitude rule known at run time to the solver, which wants them
 //! at compile time.
 //!
-//! The solver is generic over the ball count and owns no memory. A host program that reads the bearing from a file has one
-//! bearing compiled for every count, and solvers for the largest one alone: a row may have fewer balls than its spindle.
+//! The solver is generic over the ball count and owns no memory. A host program that reads the bearing from a file has
+//! one bearing compiled for every count. Solvers are for the largest alone: a row may have fewer balls than its spindle.
 
 use serde::Deserialize;
 use spindle_bearing::{

@@ -2,7 +2,7 @@
 //!
 //! Header `time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm`, columns in any order, one row an instant; `t_inner_c,t_outer_c`
 //! besides, for spindles. Other columns are ignored. The header may be separated by commas, semicolons or tabs; with
-//! the latter two, decimal commas are understood. Blank lines and lines that begin with `#` are skipped.
+//! semicolons and tabs, decimal commas are understood. Blank lines and lines that begin with `#` are skipped.
 //! The file is read as a stream, so that a pipe of any length works. Every number is passed on as it
 //! stands, `nan` and `inf` too: whether a row can be solved is for the solver to say. A row that cannot be read is an
 //! error of that row: the rows after it are still there to be read.
@@ -39,17 +39,17 @@ const MOST: usize = 9;
 /// Their units.
 const UNITS: [&str; MOST] = ["s", "N", "N", "N", "N m", "N m", "rpm", "deg C", "deg C"];
 
-/// What may separate the fields of a line; decimal commas go with the latter two.
+/// Separators of a line's fields; decimal commas go with semicolons and tabs.
 const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
 const DECIMAL_COMMAS: &str = "decimals take a point where commas separate the fields; for decimal commas, \
      separate fields by semicolons, in the header too";
 
-/// A line longer than this is no row of seven numbers; without a bound, a stray binary file would
+/// Length beyond which a line is no row of seven numbers. Without a bound, a stray binary file would
 /// be read into memory before the complaint.
 const LONGEST_LINE: u64 = 16 * 1024;
 
-/// What was measured at one instant.
+/// Measured values of one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadRow {
     /// Time, s.
@@ -73,7 +73,7 @@ impl LoadRow {
 ///
 /// # Errors
 ///
-/// Those of the output.
+/// Errors of the output.
 pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     let warm = rows.iter().any(|row| row.temperatures.is_some());
     let columns = if warm { MOST } else { COLUMNS };
@@ -93,7 +93,7 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// A place in a file that is not as it must be, what is wrong with it, and what would be right.
+/// A place in a file that is not as it must be, its fault, and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault(String);
 
@@ -112,7 +112,7 @@ pub struct BadRow {
     pub numbers: [Option<f64>; COLUMNS],
 }
 
-/// What is wrong with a file of recorded loads.
+/// Error of a file of recorded loads.
 #[derive(Debug)]
 pub enum LoadsError {
     /// The operating system refused to open or to read the file.
@@ -196,7 +196,7 @@ impl fmt::Debug for Loads {
     }
 }
 
-/// Splits a line; the error is the column at fault and what is wrong.
+/// Splits a line; the error is the column at fault and its fault.
 fn split(line: &[u8], separator: u8) -> Result<ByteRecord, (usize, &'static str)> {
     let mut records = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -408,7 +408,7 @@ impl Loads {
         self.field_of.iter().position(|&field| field == Some(i))
     }
 
-    /// The number in a field; or what is wrong with it.
+    /// The number in a field, or the field's fault.
     fn number(&mut self, field: &[u8]) -> Result<f64, String> {
         if field.is_empty() {
             return Err("the field is empty; a number is needed".to_owned());
@@ -534,8 +534,8 @@ fn column_of(field: &[u8]) -> Option<usize> {
     NAMES.iter().position(named)
 }
 
-/// Whether a name that is not `column`'s seems to be meant for it: it has another unit, none, or one letter wrong, or is the
-/// unit alone.
+/// Whether a name that is not `column`'s seems to be meant for it. It has another unit, none, or one
+/// letter wrong, or is the unit alone.
 fn means(field: &[u8], column: usize) -> bool {
     let letters = shortened(field).to_lowercase();
     let letters = letters.replace(|c: char| !c.is_alphanumeric(), "");

@@ -1,11 +1,11 @@
-//! A synthetic recording of one cycle of a small milling spindle: what its front bearing carries, or what acts at its nose.
+//! A synthetic recording of one cycle of a small milling spindle: loads of its front bearing, or at its nose.
 //!
-//! Nothing here was measured. Every tooth presses the shaft with a half-sine of a force that turns with the tooth, with
-//! run-out, uneven material, unbalance, preload that grows with heat, and sensor noise. Levels and timing are made up,
-//! within what a B7005C carries in practice, but for a crash. `records/README.md` tells what happens when.
+//! Nothing here was measured. Every tooth presses the shaft with a half-sine of a force that turns with the tooth. There
+//! is run-out, uneven material, unbalance, preload that grows with heat, and sensor noise. Levels and timing are made
+//! up, within a B7005C's loads in practice, but for a crash. `records/README.md` tells what happens when.
 //!
-//! The same rows come out everywhere: the noise comes from a generator with a fixed seed, and sines
-//! from `libm` rather than from the platform.
+//! Rows are the same everywhere: the noise comes from a generator with a fixed seed, and sines from
+//! `libm` rather than from the platform.
 
 use crate::cases::Random;
 use crate::loads::LoadRow;
@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 /// Where the recording is kept.
 pub const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/milling_cycle.csv");
 
-/// Where that of the loads at the nose is kept.
+/// Where the recording of the loads at the nose is kept.
 pub const NOSE_RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/milling_nose.csv");
 
 /// The recording that a monitor of so many rows is fed with.
@@ -34,15 +34,15 @@ pub enum Place {
     Nose,
 }
 
-/// Force on the cutter over the load that it puts onto the front bearing: they are 180 mm and 80 mm in front of the
-/// rear bearing.
+/// Force on the cutter over the load that it puts onto the front bearing. The cutter is 180 mm in
+/// front of the rear bearing, the front bearing 100 mm.
 const AT_CUTTER: f64 = 0.55;
 
 /// Position of the cutter, m, the nose being at 0.
 const CUTTER: f64 = -0.05;
 
-/// Temperatures of the inner and of the outer side, degrees Celsius: at the start of the cycle, and by how much they are
-/// higher for a spindle that has always been at 20,000 rpm.
+/// Temperatures of the inner and of the outer side at the start of the cycle, degrees Celsius. Then
+/// their rise for a spindle that has always been at 20,000 rpm, K.
 const WARM: [[f64; 2]; 2] = [[26.0, 18.0], [24.5, 8.0]];
 
 /// Length of the cycle, ms: a row each.
@@ -54,9 +54,9 @@ pub const CRASH: [f64; 2] = [9.3, 9.395];
 /// The time in which the tool drills, s.
 pub const DRILLING: [f64; 2] = [5.6, 6.8];
 
-/// Speed of a spindle that carries nothing, `(s, rpm)`; between these points it changes smoothly. Teeth pass at rates
-/// that are no multiples or simple fractions of those of ticks and of telemetry, which thereby meet every part of a
-/// tooth's load.
+/// Speed of a spindle that carries nothing, `(s, rpm)`; between these points it changes smoothly.
+/// Rates of teeth are no multiples or simple fractions of the rates of ticks and of telemetry. So
+/// ticks and telemetry meet every part of a tooth's load.
 const SPEED: [(f64, f64); 19] = [
     (0.0, 0.0),
     (0.2, 0.0),
@@ -97,11 +97,11 @@ const CLAMPING: [(f64, f64); 8] = [
 /// Loads of a shaft that is a little askew, N m.
 const MISALIGNMENT: [f64; 2] = [0.05, -0.12];
 
-/// Moment about the bearing for a radial force at the tool, m: that of an overhang of 50 mm but for what the bearings
-/// behind take of it. A shaft that turns by 0.1 mrad under 1,000 N tilts a B7005C with some 3 N m.
+/// Lever of a radial force at the tool about the bearing, m. The overhang is 50 mm, but the bearings
+/// behind take most of the moment. A shaft that turns by 0.1 mrad under 1,000 N tilts a B7005C with some 3 N m.
 const ARM: f64 = 0.003;
 
-/// Axial force over radial force at a tooth: that of a helix of 17 degrees.
+/// Axial force over radial force at a tooth, for a helix of 17 degrees.
 const AXIAL: f64 = 0.3;
 
 struct Tool {
@@ -125,7 +125,7 @@ impl Tool {
 /// The first one also drills.
 const TOOLS: [Tool; 2] = [Tool::new(0.0, 2, 6.0e-6), Tool::new(11.3, 1, 3.0e-6)];
 
-/// Force of the last tooth over that of the first: the cutter's run-out.
+/// Force of the last tooth over the first one's: the cutter's run-out.
 const RUN_OUT: f64 = 0.85;
 
 struct Cut {
@@ -306,8 +306,8 @@ fn presence([start, end]: [f64; 2], time: f64) -> f64 {
     smooth((time - start) / SOFT) * smooth((end - time) / SOFT)
 }
 
-/// Value at `x` of a curve through points, each piece of it shaped by `shape`; that of the first or last point beyond
-/// them.
+/// Value at `x` of a curve through points, each piece of it shaped by `shape`. Beyond the points, it
+/// is the first or last point's.
 fn curve(points: &[(f64, f64)], x: f64, shape: impl Fn(f64) -> f64) -> f64 {
     let after = points.partition_point(|point| point.0 <= x);
     let (x0, y0) = points[after.saturating_sub(1)];

@@ -201,8 +201,8 @@ impl SpindleFile {
         self.designs.iter().map(DesignFile::rating).collect()
     }
 
-    /// Reads a spindle file with the design files that it names, or a design file, or takes a design from the
-    /// [`catalogue`] if the path is a name there.
+    /// Reads a spindle file with the design files that it names, or a design file. If the path is a name
+    /// in the [`catalogue`], takes the design from there.
     ///
     /// # Errors
     ///

@@ -1,10 +1,10 @@
-//! The monitor's telemetry on the host: from bytes to lines of JSON, and to what they say of the spindle.
+//! The monitor's telemetry on the host: from bytes to lines of JSON, and to the state of the spindle.
 //!
 //! | module | does |
 //! | --- | --- |
-//! | [`decoder`] | bytes to frames; counts what was damaged and what is missing |
+//! | [`decoder`] | bytes to frames; counts damaged and missing ones |
 //! | [`json`] | frames to lines of JSON, and lines to bytes again |
-//! | [`state`] | what the frames so far say of the spindle |
+//! | [`state`] | the state of the spindle by the frames so far |
 //! | [`operator`] | commands to the board |
 //! | [`simulated`] | telemetry of a recording, by the shipped monitor on this machine |
 

@@ -1,6 +1,6 @@
 //! Errors that are allowed: of the quantities of [`compare`](crate::compare), which says their units.
 //!
-//! The bounds are about three times the errors that the solver reaches over the solved cases in `cases/public.json` and
+//! The bounds are about three times the solver's errors over the solved cases in `cases/public.json` and
 //! over random ones of the same kind.
 
 use crate::compare::Errors;
@@ -29,7 +29,7 @@ pub const OF_REFERENCE: Errors = errors(1e-14, 5e-15, 5e-15, 2e-14);
 /// Resolution of a displacement in single precision, relative to `L0`: half a unit in the last place of 1.
 ///
 /// A contact angle that is rounded in its last digit moves the ring by as much, however light the
-/// load; on a B7005C it is 15 picometres.
+/// load. On a B7005C this is 15 picometres.
 const SINGLE_RESOLUTION: f64 = 6e-8;
 
 /// Errors allowed of the solver in a precision for a displacement whose largest component is

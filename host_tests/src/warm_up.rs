@@ -1,8 +1,8 @@
 //! A synthetic recording: a milling spindle that warms up.
 //!
-//! Nothing here was measured. The inner side warms with the heat of the bearings, in minutes, the outer side half as much
-//! and more slowly; both cool when the spindle stands. Loads on the shaft are those of a cutter 60 mm in front of the first
-//! row. `records/README.md` tells what happens when.
+//! Nothing here was measured. The inner side warms with the heat of the bearings, in minutes. The outer side warms half
+//! as much and more slowly; both cool when the spindle stands. A cutter 60 mm in front of the first row loads the shaft.
+//! `records/README.md` tells what happens when.
 
 use crate::loads::LoadRow;
 use std::f64::consts::TAU;

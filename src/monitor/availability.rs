@@ -1,8 +1,8 @@
-//! How much of the time the monitor sees: the share of ticks with a fresh estimate, in the last second and minute.
+//! Availability: the share of ticks with a fresh estimate, in the last second and minute.
 
 use super::plausibility::seconds;
 
-/// Ticks, and those of them with a fresh estimate.
+/// Ticks, and ticks with a fresh estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Span {
     ticks: u32,

@@ -1,4 +1,4 @@
-//! Stiffness of the good spindle, and when that of another time may be held against it.
+//! Stiffness of the good spindle, and when a later stiffness may be held against it.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,11 +1,11 @@
-//! What the board says of itself: why it started, and whether memory and arithmetic are sound.
+//! Report of the board on itself: why it started, and whether memory and arithmetic are sound.
 //!
 //! The library only carries the report: the firmware finds out. A monitor without a board has
 //! [`BoardReport::NONE`].
 
 use serde::{Deserialize, Serialize};
 
-/// What reset the chip last.
+/// Cause of the chip's last reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -42,8 +42,8 @@ impl ResetCause {
         Self::Unknown,
     ];
 
-    /// Those that explain others, first. Every reset of the chip pulls the pin, and power that comes on was below
-    /// the brown-out level. What the firmware failed to clear before says less than a watchdog.
+    /// Causes that explain others come first. Every reset of the chip pulls the pin, and power that
+    /// comes on was below the brown-out level. A flag that the firmware failed to clear says less than a watchdog.
     const TELLING_FIRST: [Self; 7] = [
         Self::WindowWatchdog,
         Self::Watchdog,
@@ -116,7 +116,7 @@ impl Check {
     }
 }
 
-/// What the board says of itself.
+/// Report of the board on itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BoardReport {

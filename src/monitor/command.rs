@@ -1,17 +1,17 @@
-//! What a host says to the monitor besides loads: one command, one frame of
-//! [`framing`], over the port that load records come in by.
+//! Commands of a host to the monitor, over the port of the load records.
 //!
-//! [`encode`] is the host's side. [`PortReader`] is the board's: it tells commands from load records, which are for
-//! [`FramedLoads`](super::loads::FramedLoads), by their length. Commands are shorter than any record.
+//! A command is a frame of [`framing`]. [`encode`] is the host's side. [`PortReader`] is the board's: it tells commands
+//! from load records, which are for [`FramedLoads`](super::loads::FramedLoads), by their length. Commands are shorter
+//! than any record.
 //!
 //! # Requests
 //!
-//! What an operator wants is an [`Order`] in a [`Request`]. The board answers every request with an
+//! An operator sends an [`Order`] in a [`Request`]. The board answers every request with an
 //! [`Answer`], and carries an order out once:
 //!
 //! - **Nonce.** A request has the number that the board tells in its telemetry, once a second and with every answer. It
-//!   changes with every order, and from start to start where there is a memory: a request that was recorded, or was long
-//!   under way, is out of date.
+//!   changes with every order, and from start to start where there is a memory. So a request that was recorded, or was
+//!   long under way, is out of date.
 //! - **Repeats.** A host that hears no answer sends the very request again. Where only the answer was lost, the board
 //!   gives it again.
 //! - **State of the spindle.** Learning starts on the idling spindle alone, and a bearing is replaced at a standstill. An
@@ -22,7 +22,7 @@
 //! Whoever can send to the port can send load records, and so make up what the monitor sees; the port belongs inside the
 //! machine. By itself, the nonce keeps out accidents: repeats, recordings, a tool that talks to the wrong board. Where
 //! others share the link, a key of 16 bytes that board and host have in common
-//! ([`Monitor::with_key`](super::Monitor::with_key)) authenticates orders, and nothing else: SipHash-2-4
+//! ([`Monitor::with_key`](super::Monitor::with_key)) authenticates orders, and nothing else. The tag is SipHash-2-4
 //! (Aumasson and Bernstein 2012) of the request. A guess of its 64 bits is right once in 1.8e19. Load records stay
 //! unauthenticated.
 
@@ -34,7 +34,7 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 use siphasher::sip::SipHasher24;
 
-/// What a host says besides loads.
+/// Message of a host besides loads.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
@@ -47,7 +47,7 @@ pub enum Command {
     Temperatures([f32; 2]),
 }
 
-/// What an operator wants.
+/// Order of an operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -69,11 +69,11 @@ pub enum Order {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Request {
-    /// The sender's, for the answer to name.
+    /// Number given by the sender, for the answer to name.
     pub number: u16,
-    /// The one that the board told last.
+    /// Nonce that the board told last.
     pub nonce: u32,
-    /// What is wanted.
+    /// Order to be carried out.
     pub order: Order,
     /// [`Request::tag`], or zeros to a board without a key.
     pub tag: [u8; 8],
@@ -141,7 +141,7 @@ impl Request {
     }
 }
 
-/// What became of an order.
+/// Outcome of an order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -158,9 +158,9 @@ pub enum AnswerCode {
     NotIdling,
     /// The alarm does not stand, or was raised again since.
     NoSuchOccurrence,
-    /// What was learnt is too little for any band of speed; the old baseline is kept.
+    /// Too few estimates were learnt for any band of speed; the old baseline is kept.
     TooLittleLearnt,
-    /// What was learnt cannot be the same bearing's; the old baseline is kept.
+    /// The learnt baseline cannot be the same bearing's; the old baseline is kept.
     Implausible,
 }
 
@@ -192,15 +192,15 @@ impl AnswerCode {
     }
 }
 
-/// What the board answers to a request.
+/// Answer of the board to a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Answer {
-    /// That of the request.
+    /// Number of the request.
     pub number: u16,
-    /// That of the request.
+    /// Order of the request.
     pub order: Order,
-    /// What became of it.
+    /// Outcome of the order.
     pub outcome: AnswerCode,
     /// The board's nonce from now on.
     pub nonce: u32,
@@ -221,12 +221,12 @@ impl Desk {
         last: None,
     };
 
-    /// The same with another key.
+    /// Desk with another key.
     pub(super) const fn with_key(self, key: Option<Key>) -> Self {
         Self { key, ..self }
     }
 
-    /// The same after so many starts. None of them gets to the nonces of the next one: that would take 65,536 orders.
+    /// Desk after so many starts. No start reaches the nonces of the next: that takes 65,536 orders.
     pub(super) const fn after_starts(self, boots: u32) -> Self {
         let nonce = boots << 16;
         Self { nonce, ..self }
@@ -288,7 +288,7 @@ pub enum Received {
     Record(LoadRecord),
 }
 
-/// Takes what comes over the port apart, byte by byte: commands, and load records.
+/// Takes the port's bytes apart, one by one, into commands and load records.
 #[derive(Debug, Default)]
 pub struct PortReader {
     reader: FrameReader<Received, { record::MESSAGE_LENGTH }>,
@@ -302,7 +302,7 @@ impl PortReader {
         }
     }
 
-    /// Takes the next byte; at the end of a frame returns what it holds.
+    /// Takes the next byte; at the end of a frame returns its content.
     ///
     /// # Errors
     ///
@@ -473,7 +473,7 @@ mod tests {
                 AnswerCode::NotAuthentic
             );
         }
-        // The tag is that of this order alone.
+        // The tag belongs to this order alone.
         let other = Request {
             order: Order::Learn(true),
             ..good

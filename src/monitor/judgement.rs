@@ -1,23 +1,23 @@
-//! What estimates mean: limits, a baseline, a slow trend, and alarms that latch.
+//! Judgement of estimates: limits, a baseline, a slow trend, and alarms that latch.
 //!
 //! - **Alarm.** A condition begins where a level reaches `raise`, and ends where it has fallen to `clear`
-//!   ([`Threshold`]). Its time is added up; time without it is taken off at a quarter of the rate. So a condition that
-//!   comes and goes, as teeth pass, counts like one that lasts, if it is there for more than a fifth of the time. The alarm is
+//!   ([`Threshold`]). Its time is added up; time without it is taken off at a quarter of the rate. A condition that comes
+//!   and goes, as teeth pass, counts like a lasting one if it is there for more than a fifth of the time. The alarm is
 //!   raised when the sum reaches the hold time, or when the level reaches `at_once`. When the sum has run off, the
 //!   condition is gone, but the alarm stays latched until somebody acknowledges it. A level that is not known changes
 //!   nothing, and the time without one counts for neither.
-//! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. Compared
-//!   is the *idling* spindle (all five loads within bounds, as between cuts), within a band of
+//! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. The *idling*
+//!   spindle is compared (all five loads within bounds, as between cuts), within a band of
 //!   speed ([`Baseline`]). The stiffness is computed from loads, speed and temperatures: there, heat and a drift of the
 //!   sensors change it. Wear, a loosened nut or a lost spacer do not, since no input has them. The baseline is learnt on
-//!   the good spindle: the mean diagonal of the stiffness in every band. The loss is that of the element that has lost
-//!   most, over the baseline.
-//! - **Trend.** Stiffness goes slowly. Means of the idling stiffness over the baseline, one for each span of
-//!   time, are kept ([`Trend`]); the least-squares line through them tells the loss to be expected some time
-//!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit, and so
-//!   raises [`Alarm::StiffnessTrend`] before [`Alarm::StiffnessLoss`] comes.
+//!   the good spindle: the mean diagonal of the stiffness in every band. The loss is the largest of any element, over
+//!   the baseline.
+//! - **Trend.** Stiffness is lost slowly. Means of the idling stiffness over the baseline, one for each span of
+//!   time, are kept ([`Trend`]). The least-squares line through them tells the loss to be expected some time
+//!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit. So
+//!   [`Alarm::StiffnessTrend`] is raised before [`Alarm::StiffnessLoss`] comes.
 //! - **Preload.** Rows that face each other hold each other with a preload, which heat and speed change. The solve knows it
-//!   row by row. What is left of it, and what it has grown to, are held against the preload of the mounted spindle.
+//!   row by row. The smallest and the largest preload are held against the preload of the mounted spindle.
 
 use super::baseline::{Baseline, BaselineSettings};
 use super::learning::{Learning, LearningReport};
@@ -26,7 +26,7 @@ use crate::float::Real;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// What there is to warn of, the most serious first.
+/// Alarms, the most serious first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -40,11 +40,11 @@ pub enum Alarm {
     Slip,
     /// Balls off the inner race: their number.
     UnloadedBalls,
-    /// Preload that has grown: that of the row with most of it, over the mounted one.
+    /// Preload that has grown: in the row with the most, over the mounted preload.
     PreloadGrowth,
-    /// Preload that is lost: that of the row with least of it, part of 1 of the mounted one.
+    /// Preload that is lost: in the row with the least, as a part of 1 of the mounted preload.
     PreloadLoss,
-    /// Loads as they are measured, doubted or not, over what the spindle may carry: the largest of five parts of 1.
+    /// Measured loads, doubted or not, over the loads allowed: the largest of five parts of 1.
     Overload,
     /// Stiffness lost against the baseline: part of 1, of the element that has lost most.
     StiffnessLoss,
@@ -109,7 +109,7 @@ impl Alarm {
         }
     }
 
-    /// Unit of what is watched; empty for a ratio or a number.
+    /// Unit of the watched value; empty for a ratio or a number.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::PeakPressure => "Pa",
@@ -207,7 +207,7 @@ impl Level {
     }
 }
 
-/// What happened to an alarm, for which a report is sent.
+/// Change of an alarm, for which a report is sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -222,7 +222,7 @@ pub enum AlarmChange {
     Standing,
 }
 
-/// A level stands for so much time at most, us: what comes after it, without a level, is not known.
+/// Longest time that a level stands for, us. Later, without a level, nothing is known.
 const KNOWN_US: u32 = 20_000;
 
 /// Time without a condition takes this part of itself off the condition's time.
@@ -491,13 +491,13 @@ impl JudgementSettings {
     }
 }
 
-/// What an equilibrium looks like to the one who judges it.
+/// Figures of an equilibrium that alarms are judged by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Findings {
     /// Largest peak pressure, Pa.
     pub pressure: Level,
-    /// Largest contact angle less that of its shoulder, rad.
+    /// Largest contact angle less its shoulder's, rad.
     pub contact_angle: Level,
     /// Largest friction over contact force; 0 if below the level at which its alarm clears.
     pub slip: Level,
@@ -531,7 +531,7 @@ pub type Changes = heapless::Vec<Change, { Alarm::COUNT }>;
 pub struct Judgement {
     alarms: [AlarmMachine; Alarm::COUNT],
     baseline: Baseline,
-    /// What is being learnt, and how the last learning ended.
+    /// Baseline that is being learnt, and how the last learning ended.
     shadow: Option<Baseline>,
     learning: LearningReport,
     learnt: u32,
@@ -567,7 +567,7 @@ impl Judgement {
         &self.alarms[alarm as usize]
     }
 
-    /// Alarms that were raised and that nobody has acknowledged: one bit each, in the order of [`Alarm::ALL`] from the
+    /// Alarms that were raised and that nobody has acknowledged. One bit each, in the order of [`Alarm::ALL`] from the
     /// lowest. To be kept over a power cycle.
     pub fn unacknowledged(&self) -> u32 {
         let open = |alarm: &Alarm| {
@@ -603,8 +603,8 @@ impl Judgement {
         self.shadow.get_or_insert(Baseline::EMPTY);
     }
 
-    /// Ends the learning. From now on stiffness is held against what was learnt, if that is enough and plausible; else
-    /// the old baseline stays.
+    /// Ends the learning. From now on stiffness is held against the learnt baseline, if it is enough and
+    /// plausible; else the old baseline stays.
     pub fn stop_learning(&mut self, settings: &JudgementSettings) -> Learning {
         let Some(shadow) = self.shadow.take() else {
             return self.learning.state;
@@ -634,7 +634,7 @@ impl Judgement {
         }
     }
 
-    /// Forgets the baseline, as that of another bearing, until the next one is learnt.
+    /// Forgets the baseline, as another bearing's, until the next one is learnt.
     pub fn forget_baseline(&mut self) {
         self.baseline = Baseline::EMPTY;
         self.trend = Trend::EMPTY;
@@ -722,7 +722,7 @@ impl Judgement {
         }
     }
 
-    /// Holds loads as they are measured, whatever is doubted, against what the spindle may carry.
+    /// Holds measured loads, doubted or not, against the loads that the spindle may carry.
     pub fn measured(
         &mut self,
         time_us: u64,
@@ -825,7 +825,7 @@ mod tests {
         assert_eq!(run(&mut often, 0, &levels(4))[0].1, AlarmChange::Raised);
         assert_eq!(run(&mut often, 1000, &levels(4)), []);
         assert_eq!(run(&mut rare, 0, &levels(6)), []);
-        // Of what comes after a level, only so much is known.
+        // Of the time after a level, only so much is known.
         let mut unknown = AlarmMachine::default();
         let hold = Threshold {
             hold_us: 100_000,

@@ -13,12 +13,12 @@ pub enum Learning {
     Off,
     /// A baseline is being learnt, the one in use being kept.
     Running,
-    /// What was learnt last is in use.
+    /// The last learnt baseline is in use.
     Taken,
-    /// What was learnt last was too little for any band of speed: the old baseline is kept.
+    /// Too few estimates were learnt last for any band of speed: the old baseline is kept.
     TooLittle,
-    /// What was learnt last differs from the old baseline by a loss, or a gain, that is worth an alarm: the old one is
-    /// kept. Another bearing has to be told of ([`Monitor::replace_bearing`](super::Monitor::replace_bearing)).
+    /// The last learnt baseline shows a loss or a gain worth an alarm: the old baseline is kept.
+    /// Another bearing has to be told of ([`Monitor::replace_bearing`](super::Monitor::replace_bearing)).
     Implausible,
 }
 
@@ -61,8 +61,8 @@ impl Baseline {
         self.estimates.iter().filter(enough).count() as u8
     }
 
-    /// Takes over the bands of `newer` that have enough estimates, unless one has lost or gained `most` of the stiffness,
-    /// part of 1: a loss cannot be learnt away.
+    /// Takes over the bands of `newer` that have enough estimates. None is taken if a band has lost or
+    /// gained `most` (part of 1) of the stiffness: a loss cannot be learnt away.
     pub(super) fn take_over(
         &mut self,
         newer: &Self,

@@ -4,25 +4,25 @@
 //!
 //! # Life
 //!
-//! What is used up adds up by revolutions (Palmgren 1924, Miner 1945): `sum dn / (1e6 L10)`, 1 when
+//! Used life adds up by revolutions (Palmgren 1924, Miner 1945): `sum dn / (1e6 L10)`, 1 when
 //! a tenth of such bearings are expected to have failed. Lubrication, contamination and the fatigue
-//! limit (`a_ISO`) are left out: at the clean, light loads of a spindle they lengthen life, in bad grease they
-//! shorten it, and nothing on the board measures them.
+//! limit (`a_ISO`) are left out. At the clean, light loads of a spindle they lengthen life, in bad grease they
+//! shorten it. Nothing on the board measures them.
 //!
 //! # Without an estimate
 //!
 //! Forces on the balls grow no faster than all five loads together do: the contact angle opens, and more balls carry. So
-//! `s` times the loads use up `s^3` times the life at most; twice the loads of B7005C use up 4.9 to 7.9 times as much
+//! `s` times the loads use up `s^3` times the life at most. Twice the loads of B7005C use up 4.9 to 7.9 times as much
 //! (`host_tests/tests/all/life.rs`). Where only range or rate speak against a sample, the loads are scaled into the
 //! range and solved there, for the life alone. Where a solve has not ended, the last loads are scaled to the measured ones. Smaller
-//! measured loads, or none that can be believed, leave the rate as it was. [`Life::estimated`] has what was counted so.
+//! measured loads, or none that can be believed, leave the rate as it was. [`Life::estimated`] has the life counted so.
 //!
 //! An increment is some 1e-13, and there are 86 million of them in a day: in single precision the sum would
 //! stop growing. [`ExactSum`] adds them up as whole numbers, without any rounding.
 
 use crate::float::Real;
 
-/// Sum of non-negative numbers that rounds nothing down to `2^-FRACTION`, and stops at its largest value,
+/// Sum of non-negative numbers that rounds nothing down to `2^-FRACTION`. It stops at its largest value,
 /// `2^(128 - FRACTION)`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ExactSum<const FRACTION: u32>(u128);
@@ -113,8 +113,7 @@ pub struct Life {
     measured: f32,
 }
 
-/// Measured loads count as so many times their range, and those that were solved, at most: what is farther off is no
-/// load.
+/// Most that measured loads count over their range, or over the solved loads; beyond is no load.
 pub(super) const LARGEST_GROWTH: f32 = 10.0;
 
 impl Life {
@@ -157,8 +156,8 @@ impl Life {
         self.measured = part;
     }
 
-    /// The shaft has turned on at `speed` (rad/s) for `time` (s). `doubtful` if speed or forces are those of
-    /// an older sample.
+    /// The shaft has turned on at `speed` (rad/s) for `time` (s). It is `doubtful` if speed or
+    /// forces are an older sample's.
     pub fn turn(&mut self, speed: f32, time: f32, doubtful: bool) {
         let revolutions = speed.abs() * time * (0.5 * core::f32::consts::FRAC_1_PI);
         self.revolutions.add(revolutions);

@@ -2,13 +2,13 @@
 //!
 //! Read [`LoadSource`] first. [`FramedLoads`] takes the frames of [`record`](crate::record) apart;
 //! [`StrainBridge`] turns the counts of `K` bridges into five loads by a [`Calibration`], after tare and
-//! temperature. Sources tell what they know themselves (a bus error, a converter at its rail, a damaged
-//! frame); whether loads make sense is the next stage's to say ([`plausibility`](super::plausibility)).
+//! temperature. Sources tell their own faults: a bus error, a converter at its rail, a damaged
+//! frame. Whether loads make sense is the next stage's to say ([`plausibility`](super::plausibility)).
 //!
 //! # The converter
 //!
-//! A spindle's bridges must be read at the same instant: five loads that belong to different angles of the
-//! cutter are no load that ever was. What was judged, of drivers that are on the registry:
+//! A spindle's bridges must be read at the same instant: five loads of different angles of the cutter
+//! are no load that ever was. Drivers on the registry were judged:
 //!
 //! | driver | converter | verdict |
 //! | --- | --- | --- |
@@ -20,7 +20,7 @@
 //! | `nau7802` 0.1 alpha, `ads1263` 0.1 | one modulator | embedded-hal 0.2 |
 //!
 //! No driver is on the registry for ADS1256, AD7190 and AD7193. [`Ads131m08Bridges`] wraps the
-//! driver that was taken and adds what it leaves to its caller: it checks the CRC of every conversion,
+//! chosen driver, and does what it leaves to its caller. It checks the CRC of every conversion,
 //! reads back the settings, and tells a converter that has lost them.
 //! Bridges are excited by the converter's reference voltage, so that counts are ratios (V/V).
 //!
@@ -47,7 +47,7 @@ pub struct LoadSample {
     pub speed: Option<f32>,
     /// How far redundant channels are from agreeing, counts; 0 of a source that has none.
     pub residual: f32,
-    /// What the source itself doubts.
+    /// Doubts of the source itself.
     pub doubts: Marks,
 }
 
@@ -68,7 +68,7 @@ pub trait LoadSource {
 /// Of several records between two calls, the newest is the sample. A damaged frame is an error if no
 /// good one followed it.
 ///
-/// - **Order.** Numbers of records grow. A record is out of order if its number is not larger than the last one, or
+/// - **Order.** Numbers of records grow. A record is out of order if its number is not larger than the last, or
 ///   larger than any sender reaches in the time since. It is then no sample.
 /// - **Restart.** A sender that restarts counts from 0. A record with a smaller number begins a new count if its own time
 ///   is not longer than the time since any record came. Replayed records are older than that, and stay out of order.
@@ -78,7 +78,7 @@ pub trait LoadSource {
 pub struct FramedLoads {
     reader: FrameReader<MESSAGE_LENGTH>,
     newest: Option<LoadRecord>,
-    /// Number of the newest record in order, and that of the last sample with its time, us.
+    /// Number of the newest record in order, and number and time (us) of the last sample.
     sequence: Option<u32>,
     sampled: Option<(u32, u64)>,
     /// When the last record came that was not damaged, us.
@@ -86,13 +86,13 @@ pub struct FramedLoads {
     /// Records in order since the last sample, and the last one that was behind.
     in_order: u32,
     behind: Option<LoadRecord>,
-    /// Time of the monitor less that of the record, for the fastest record, ms; and when that was set, ms.
+    /// Monitor's time less the record's, for the fastest record, ms; and when this was set, ms.
     fastest: Option<(u32, u32)>,
     doubts: Marks,
     counts: FrameCounts,
 }
 
-/// What came over the line.
+/// Counts of frames and records over the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrameCounts {
@@ -165,7 +165,7 @@ impl FramedLoads {
         }
     }
 
-    /// What came over the line so far.
+    /// Counts of frames and records so far.
     pub const fn counts(&self) -> FrameCounts {
         self.counts
     }
@@ -283,7 +283,7 @@ impl LoadSource for FramedLoads {
 
 // --- strain bridges -----------------------------------------------------------------------------
 
-/// What can go wrong with a converter.
+/// Error of a converter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -294,7 +294,7 @@ pub enum AdcError {
     Checksum,
     /// The converter was reset, and has lost its settings: start it again.
     Reset,
-    /// The settings read back are not those that were written.
+    /// The settings read back differ from the written ones.
     Settings,
 }
 
@@ -359,7 +359,7 @@ where
     ///
     /// # Errors
     ///
-    /// What went wrong.
+    /// The converter's fault.
     pub fn start(
         mut device: Ads131m08<SPI, DRDY, SYNC, CS, DELAY>,
         config: &Ads131m08Config,
@@ -412,7 +412,7 @@ where
             return Ok(None);
         }
         let data = self.device.read_channels().map_err(|_| AdcError::Bus)?;
-        // The driver hands the checksum on unchecked. It is that of the words before it: status, padded to
+        // The driver hands the checksum on unchecked. It covers the words before it: status, padded to
         // three bytes, and eight channels.
         let mut words = [0; 27];
         let (status, channels) = words.split_at_mut(3);
@@ -472,7 +472,7 @@ pub enum CalibrationError {
 }
 
 impl CalibrationError {
-    /// What is wrong, in a few words.
+    /// Fault of the calibration, in a few words.
     pub const fn name(self) -> &'static str {
         match self {
             Self::NotFinite => "calibration has numbers that are none",
@@ -491,13 +491,13 @@ impl fmt::Display for CalibrationError {
 impl core::error::Error for CalibrationError {}
 
 impl<const K: usize> Calibration<K> {
-    /// From the counts that each load makes alone (rows the channels, counts per N or N m): the
-    /// loads that fit counts best, by least squares. No temperature slopes, from -40 to 125 degrees,
-    /// nothing standing.
+    /// From the counts that each load makes alone (rows the channels, counts per N or N m).
+    /// It gives the loads that fit counts best, by least squares. No temperature slopes, from -40 to
+    /// 125 degrees, nothing standing.
     ///
     /// # Errors
     ///
-    /// What is wrong with the numbers.
+    /// Fault of the numbers.
     pub const fn from_counts(counts: [[f64; 5]; K]) -> Result<Self, CalibrationError> {
         // Columns scaled to length 1, since loads have units of their own.
         let mut scale = [0.0; 5];
@@ -603,7 +603,7 @@ impl<const K: usize> Calibration<K> {
     ///
     /// # Errors
     ///
-    /// What is wrong.
+    /// The calibration's fault.
     pub const fn check(&self) -> Result<(), CalibrationError> {
         let [low, high] = self.temperatures;
         let mut k = 0;
@@ -677,14 +677,14 @@ pub enum TareState {
 /// Strain bridges at a converter, as a source of loads.
 ///
 /// A count becomes `(count - tare - zero_slope dT) / (1 + gain_slope dT)`, and these become loads by
-/// the calibration; `dT` is the temperature less that of the calibration.
+/// the calibration; `dT` is the temperature less the calibration's.
 #[derive(Debug)]
 pub struct StrainBridge<A, const K: usize> {
     adc: A,
     calibration: Calibration<K>,
     /// Counts under no load, referred to the temperature of the calibration.
     tare: Option<[f32; K]>,
-    /// Temperature less that of the calibration; none if it is not to be trusted.
+    /// Temperature less the calibration's; none if it is not to be trusted.
     warmer: Option<f32>,
     turning: bool,
     state: TareState,
@@ -736,15 +736,15 @@ impl<A: BridgeAdc<K>, const K: usize> StrainBridge<A, K> {
     }
 
     /// Temperature of the bridges, degrees Celsius. Outside the calibration's range, or not a number,
-    /// it makes every sample doubtful. Unless told, it is that of the calibration.
+    /// it makes every sample doubtful. Unless told, it is the calibration's.
     pub fn set_temperature(&mut self, celsius: f32) {
         let [low, high] = self.calibration.temperatures;
         let known = celsius >= low && celsius <= high;
         self.warmer = known.then_some(celsius - self.calibration.temperature);
     }
 
-    /// Asks for a tare: the mean of the next `samples` samples (at least 1), which must all be free of doubt
-    /// and of a shaft that stands still. Until it is there, the old one holds.
+    /// Asks for a tare: the mean of the next `samples` samples (at least 1). All must be free of doubt
+    /// and of a shaft that stands still. Until the new tare is there, the old one holds.
     ///
     /// # Errors
     ///

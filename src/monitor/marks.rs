@@ -142,7 +142,7 @@ impl Marks {
         self.0 & !other.0 == 0
     }
 
-    /// What is in either set.
+    /// Marks in either set.
     #[must_use]
     pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)

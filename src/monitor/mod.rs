@@ -1,17 +1,17 @@
-//! From sensor to alarm: what a spindle's board does around the solver.
+//! From sensor to alarm: the work of a spindle's board around the solver.
 //!
 //! Data flows one way, a file for each step:
 //!
 //! | step | module | gives |
 //! | --- | --- | --- |
 //! | acquisition | [`loads`], [`speed`] | five loads and a speed, or why there are none |
-//! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of what is doubted |
+//! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of its doubts |
 //! | tick | [`tick`], `tracker`, [`Monitor`] | an equilibrium within the deadline |
 //! | judgement | [`judgement`], [`baseline`], [`learning`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | telemetry | [`telemetry`] | frames for a host |
 //! | the board | [`board`], [`self_check`] | why it started, and whether it is sound |
-//! | commands | [`command`] | what the host says besides loads |
+//! | commands | [`command`] | the host's messages besides loads |
 //! | retention | [`retained`] | baseline, life used and alarms, over a power cycle |
 //!
 //! Read [`Monitor::tick`] first, then [`settings`], which has all that is particular to a spindle. The
@@ -91,7 +91,7 @@
 //!
 //! - **No fault stops the ticks.** Nothing waits, loops are bounded, and every input ends in an answer or a
 //!   mark.
-//! - **No stiffness without a mark.** What is doubted is not solved. The last good estimate stays, with its
+//! - **No stiffness without a mark.** A doubted sample is not solved. The last good estimate stays, with its
 //!   age, and goes out with the marks of the present.
 //! - **No alarm is lost.** Alarms latch, and their reports are not dropped ([`telemetry`]).
 //! - **No drift.** Times are 64 bits, counters are 64 bits and stop rather than wrap, sums over a life are
@@ -155,11 +155,11 @@ use temperature::Temperatures;
 use tick::{CycleCounter, Ticker, Watchdog};
 use tracker::Tracker;
 
-/// What happened in a tick.
+/// Outcome of a tick.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Outcome {
-    /// What is doubted, of the sample or of the estimate.
+    /// Doubts about the sample or the estimate.
     pub marks: Marks,
     /// Whether there is a new estimate.
     pub solved: bool,
@@ -173,7 +173,7 @@ pub struct Outcome {
     pub overrun: bool,
 }
 
-/// The last good equilibrium: what a report of it is made of.
+/// The last good equilibrium, as a report needs it.
 #[derive(Debug, Clone, Copy)]
 struct Estimate<const R: usize, const N: usize> {
     time_us: u64,
@@ -257,12 +257,12 @@ fn diagonal(k: &[[f32; 5]; 5]) -> [f32; 5] {
     core::array::from_fn(|i| k[i][i])
 }
 
-/// What is to be solved.
+/// Solve to be made.
 #[derive(Debug, Clone, Copy)]
 enum Wanted {
     /// The estimate of a good sample.
     Estimate(GoodSample),
-    /// What so many times the loads of this sample take of the life.
+    /// Life that the loads of this sample use, times this factor.
     Wear(GoodSample, f32),
 }
 
@@ -336,10 +336,10 @@ impl Every {
     }
 }
 
-/// The monitor of a spindle with `R` rows of at most `N` balls; `D` is that of the [`Spindle`].
+/// The monitor of a spindle with `R` rows of at most `N` balls; `D` is as for [`Spindle`].
 ///
 /// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. The solver works
-/// in `T`; what is measured and reported is in single precision.
+/// in `T`; measured and reported values are in single precision.
 #[derive(Debug)]
 pub struct Monitor<
     const R: usize,
@@ -453,7 +453,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         }
     }
 
-    /// Goes on with what was kept over a power cycle ([`retained`]). Alarms that nobody had acknowledged are latched.
+    /// Goes on with the data kept over a power cycle ([`retained`]). Alarms that nobody had acknowledged are latched.
     #[must_use]
     pub fn with_past(mut self, past: &Past) -> Self {
         self.judgement = Judgement::new(past.baseline);
@@ -522,19 +522,19 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         })
     }
 
-    /// Has a store keep what is new. To be called between ticks, as often as it likes; it is the store that
+    /// Has a store keep new data. To be called between ticks, as often as one likes; it is the store that
     /// writes, by [`Store::step`].
     pub fn retain<F: NorFlash>(&mut self, time_us: u64, store: &mut Store<F>) {
         store.look(time_us, &self.judgement, &self.life);
         self.retention = store.report();
     }
 
-    /// What came over the line of the load records, for the telemetry ([`InputsReport`]).
+    /// Notes the counts of the line of load records, for the telemetry ([`InputsReport`]).
     pub const fn note_records(&mut self, counts: FrameCounts) {
         self.records = counts;
     }
 
-    /// Takes what the board says of itself. What is new, but for the stack, is reported in the next tick.
+    /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.
     pub fn set_board(&mut self, report: BoardReport) {
         if report.differs(&self.board) {
             self.due_board = Every { next_us: 0 };
@@ -568,7 +568,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         stands_still
     }
 
-    /// Solves a first equilibrium (loads in N, N m; speed in rad/s) to start from, before ticks begin: it may
+    /// Solves a first equilibrium (loads in N, N m; speed in rad/s) to start from, before ticks begin. It may
     /// take longer than one. Gives no estimate.
     ///
     /// # Errors
@@ -587,7 +587,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         Ok(())
     }
 
-    /// One tick: takes what the sensors say, doubts it, solves it if it is time to, judges, counts and reports.
+    /// One tick: takes the readings, doubts them, solves them if it is time, judges, counts and reports.
     /// `time_us` is the time since the start and never goes back.
     pub fn tick(
         &mut self,
@@ -623,7 +623,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         if doubts.is_empty() {
             self.good_us = Some(time_us);
         } else {
-            // What was good a tick ago is not solved under the doubts of now.
+            // A sample that was good a tick ago is not solved under the doubts of now.
             self.waiting = wear.map(|wear| (wear, tick));
             self.marked = self.marked.saturating_add(1);
         }
@@ -692,8 +692,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         self.estimate.as_ref().map(age)
     }
 
-    /// Tells the life what the measured loads are. Returns what is to be solved for the life alone: loads that are too
-    /// large or came too fast, if nothing else speaks against them, scaled into their range.
+    /// Tells the life the measured loads. Returns loads to be solved for the life alone, scaled into
+    /// their range: too large or too fast ones, if nothing else speaks against them.
     fn measure(&mut self, time_us: u64, readings: &Readings, doubts: Marks) -> Option<Wanted> {
         let believed = doubts.is_within(Marks::from(Mark::Range).with(Mark::Rate));
         let Ok(Some(sample)) = &readings.loads else {
@@ -717,8 +717,8 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         Some(Wanted::Wear(sample, scale))
     }
 
-    /// How rings and balls of each row have grown at a speed, but for less than [`GROWTH_STEP`]: a solver that is told of
-    /// other growth has to move its references, which takes some thousand cycles.
+    /// Growth of rings and balls of each row at a speed, but for less than [`GROWTH_STEP`]. Another
+    /// growth has a solver move its references, which takes some thousand cycles.
     fn growth(&mut self, speed: f32) -> [Growth<f32>; R] {
         let [inner, outer] = match &self.settings.temperatures {
             Some(settings) => self.temperatures.used().map(|t| t - settings.reference),
@@ -782,9 +782,9 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         }
     }
 
-    /// Puts what is due into the outbox.
+    /// Puts due frames into the outbox.
     ///
-    /// A tick whose solve has taken all of its iterations (`is_full`) leaves what can wait to the next ones.
+    /// A tick whose solve has taken all of its iterations (`is_full`) leaves frames that can wait to the next ticks.
     fn report(&mut self, time_us: u64, tick: u64, marks: Marks, changes: &Changes, is_full: bool) {
         let every = &self.settings.telemetry;
         for change in changes {
@@ -942,7 +942,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         }
     }
 
-    /// What came in since the start, and what was counted without it.
+    /// Inputs since the start, for the telemetry.
     pub fn inputs(&self) -> InputsReport {
         InputsReport {
             records: self.records,
@@ -970,7 +970,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     }
 }
 
-/// What stands where on the shaft, as the telemetry has it.
+/// Places on the shaft, as the telemetry has them.
 fn shaft_report<T: Real, const R: usize, const N: usize, const D: usize>(
     spindle: &Spindle<'_, T, R, N, D>,
     settings: &MonitorSettings<R>,
@@ -991,7 +991,7 @@ fn shaft_report<T: Real, const R: usize, const N: usize, const D: usize>(
     }
 }
 
-/// What an equilibrium costs of the life.
+/// Rating life that an equilibrium uses per million revolutions, as a part of 1.
 fn damage<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     solution: &SpindleSolution<'_, T, R, N, M, D>,
     settings: &MonitorSettings<R>,
@@ -1010,8 +1010,8 @@ fn worse(a: Level, b: Level) -> Level {
     if b.value > a.value { b } else { a }
 }
 
-/// Takes an equilibrium into the estimate. How the solve ended, what judgement is to know, and what it costs of the
-/// life.
+/// Takes an equilibrium into the estimate. Returns how the solve ended, the findings to be judged, and
+/// the life that it uses.
 fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     solution: &SpindleSolution<'_, T, R, N, M, D>,
     sample: &GoodSample,
@@ -1040,7 +1040,7 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         let view = solution.view(i);
         let unit = view.c.force.to_f32();
         let (mut inner, mut outer) = (0.0_f32, 0.0_f32);
-        // What the inner ring presses onto the balls, in units.
+        // Force of the inner ring onto the balls, in units.
         let (mut axial, mut radial) = (0.0_f32, [0.0_f32; 2]);
         *seen = NO_ROW;
         let margins = view.survey(&limits, |ball, pose| {

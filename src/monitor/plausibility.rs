@@ -8,16 +8,16 @@
 //! | saturation | a converter's rail (known to its source) |
 //! | missing samples | a time without any |
 //! | order and age | numbers and times of records (known to their source) |
-//! | disagreement | what redundant channels leave of one another, and two sources of speed |
+//! | disagreement | redundant channels of one another, and two sources of speed |
 //!
-//! A value that changed too fast is not the new truth at once: it is held against the last good one, whose
-//! distance it may have come as time goes by. A true step is thus believed after a few samples, and a
+//! A value that changed too fast is not the new truth at once. It is held against the last good value:
+//! as time goes by, it may have come that far. A true step is thus believed after a few samples, and a
 //! spike never.
 
 use super::loads::LoadSample;
 use super::marks::{Mark, Marks, StuckWatch};
 
-/// What is plausible.
+/// Bounds of plausible loads and speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlausibilitySettings {
@@ -35,8 +35,8 @@ pub struct PlausibilitySettings {
     pub residual: f32,
     /// Highest speed in either direction, rad/s.
     pub speed: f32,
-    /// Fastest change of speed, rad/s^2, from tick to tick: a source that has a new value every few
-    /// ticks only makes the change of all of them in one.
+    /// Fastest change of speed, rad/s^2, from tick to tick. A source with a new value every few ticks
+    /// makes the change of all of them in one.
     pub speed_rate: f32,
     /// Equal speeds in a row, other than 0, after which the speed is stuck. 0: never, for a control that sends the speed
     /// it commands instead of one it measures.
@@ -61,16 +61,16 @@ impl PlausibilitySettings {
     }
 }
 
-/// What the sensors say in a tick.
+/// Readings of the sensors in a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Readings {
-    /// What the source of loads returned.
+    /// Result of the source of loads.
     pub loads: Result<Option<LoadSample>, Marks>,
     /// Shaft speed from a source of its own, rad/s, if there is one; `Some(None)` if that source fails.
     pub speed: Option<Option<f32>>,
-    /// Temperatures of the inner and of the outer side, degrees Celsius, if there are new ones; no number from a sensor that
-    /// fails. See [`temperature`](super::temperature).
+    /// Temperatures of the inner and of the outer side, degrees Celsius, if there are new ones. No number from a sensor
+    /// that fails. See [`temperature`](super::temperature).
     pub temperatures: Option<[f32; 2]>,
 }
 
@@ -89,7 +89,7 @@ pub struct GoodSample {
 /// Speed below which the shaft stands still, rad/s.
 const STANDSTILL: f32 = 1.0;
 
-/// Holds samples against what is plausible.
+/// Holds samples against the bounds of plausible ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plausibility {
     /// The last good loads and speed, each with its time.
@@ -137,7 +137,7 @@ impl Plausibility {
         self.speed.is_some_and(still) && self.speed_doubts.is_empty()
     }
 
-    /// Judges what came in a tick. With a new sample that nothing speaks against, returns it; without
+    /// Judges the readings of a tick. With a new sample that nothing speaks against, returns it; without
     /// a new sample, the doubts about the last one stay.
     pub fn judge(
         &mut self,

@@ -1,9 +1,8 @@
-//! What the monitor keeps over a power cycle: baseline, life used, alarms, number of starts.
+//! Data that the monitor keeps over a power cycle: baseline, life used, alarms, number of starts.
 //!
-//! All of it is in the flash of the board.
-//! [`Store::open`] reads the [`Past`] before ticks begin, [`Monitor::retain`](super::Monitor::retain) sees
-//! what is new, and [`Store::step`] writes it between ticks, one unit of the flash at a time. The flash is whatever
-//! implements [`NorFlash`]; all of it is the store's.
+//! All of it is in the flash of the board. [`Store::open`] reads the [`Past`] before ticks begin.
+//! [`Monitor::retain`](super::Monitor::retain) sees changes, and [`Store::step`] writes them between ticks, one unit of
+//! the flash at a time. The flash is whatever implements [`NorFlash`]; all of it is the store's.
 //!
 //! | kept | written | belongs to |
 //! | --- | --- | --- |
@@ -14,30 +13,30 @@
 //!
 //! The tare is not kept: it drifts, and a shaft stands still when power comes on, so that it is taken again.
 //!
-//! **What a power cut loses** is the larger of two things: what two minutes used, and a 64th of what was used since the
-//! start. With a cut every nine minutes, that is a ninth. Cuts every two minutes lose everything. A board that is warned of
-//! the cut loses nothing: see [`Store::power_fails`].
+//! **A power cut loses** the larger of two lives: the one used in two minutes, and a 64th of the one used since the
+//! start. With a cut every nine minutes, that is a ninth. Cuts every two minutes lose everything. A board that is
+//! warned of the cut loses nothing: see [`Store::power_fails`].
 //!
 //! # Log
 //!
-//! The flash is two halves, of one sector or more, and every record is written to both: the first copy is complete
+//! The flash is two halves, of one sector or more. Every record is written to both: the first copy is complete
 //! before the second one begins. A flash of one sector has both copies one behind the other.
 //!
-//! Records stand one behind the other in the framing of [`framing`]: postcard, CRC-32, COBS,
-//! each behind a zero of its own and filled up with zeros to [`Store::GRANULE`] bytes. What holds on a wire holds
-//! here: a reader that meets a damaged piece is in step again after the next zero. Numbers tell the newest.
+//! Records stand one behind the other in the framing of [`framing`]: postcard, CRC-32, COBS. Each is
+//! behind a zero of its own and filled up with zeros to [`Store::GRANULE`] bytes. As on a wire,
+//! a reader that meets a damaged piece is in step again after the next zero. Numbers tell the newest.
 //!
 //! - **One damaged copy** loses nothing. At the next start the other one is copied to where it is missing.
 //! - **Both copies damaged** is [`Recovery::OlderCopy`], if an older record of the kind can be read. Every record
 //!   has the numbers of the newest ones of all kinds before it: one that is nowhere to be found was lost. The newest
 //!   record of all is told of by none. So it counts as lost if *both* halves have a damaged piece behind the newest number
 //!   that they hold. Nobody knows its kind: all kinds are older copies then, until they are written again.
-//! - **Power lost while writing** leaves a damaged piece in the first half and none in the second, or a good record in
-//!   the first half and a damaged piece in the second. In the first case the record was never complete: the one before it
-//!   is the newest, and is [`Recovery::Recovered`]. In the second case it is the newest.
+//! - **Power lost while writing** leaves a damaged piece in the first half and none in the second. Then the record was
+//!   never complete: the one before it is the newest, and is [`Recovery::Recovered`]. Or it leaves a good record in the
+//!   first half and a damaged piece in the second. Then the record is the newest.
 //! - **Not told apart**: power lost between the two copies, and the first one damaged before the next start. That looks
 //!   as if it had never been complete. In a flash of one sector, two copies must have gone bad behind a pair of good ones.
-//! - **Every unit is read back.** One that does not hold what was written is left behind, and the copy is
+//! - **Every unit is read back.** A unit that does not hold its bytes is left behind. The copy is
 //!   written again further on, [`ATTEMPTS`] times in all.
 //! - **Any content** ends in a record or in a named [`Recovery`].
 //!
@@ -54,20 +53,20 @@
 //!
 //! # Erasing
 //!
-//! It takes 1 s to 2 s for 128 KiB, and a core that executes from the same bank stands still meanwhile, longer than a
-//! watchdog waits. So nothing is erased while ticks run. At the start, if half of a half is superseded, each half in turn
-//! is erased, and filled with the newest records of the other one. At any time one half has them all.
+//! It takes 1 s to 2 s for 128 KiB. A core that executes from the same bank stands still meanwhile, longer than a
+//! watchdog waits. So nothing is erased while ticks run. If half of a half is superseded at the start, each half in turn
+//! is erased, and filled with the other one's newest records. At any time one half has them all.
 //!
 //! **How long the log lasts.** There is room for 1,000 records at every start, in halves of 128 KiB. Since life is
-//! written in proportion, a year of cutting day and night without a restart takes 600 of them: every two minutes in the
-//! first two hours, every 22 minutes after a day, every 11 hours after a month. Ten years take 740. The last quarter
-//! of a half is for life and baseline alone. If there is no room in the end, nothing is lost that was written, and
-//! [`RetentionReport::failed`] counts what is not.
+//! written in proportion, a year of cutting day and night without a restart takes 600 of them. They come every two
+//! minutes in the first two hours, every 22 minutes after a day, every 11 hours after a month. Ten years take 740. The
+//! last quarter of a half is for life and baseline alone. If there is no room in the end, no written record is lost, and
+//! [`RetentionReport::failed`] counts the others.
 //!
 //! **Wear.** A record of the life or of a start has 48 to 64 bytes. A day's work with a start in the morning and
-//! eight hours of turning is 150 records of the life, and half of a half is full in a week: 50 erases a year, 200
-//! years for 10,000. The worst that power cuts can do is one every two minutes, day and night: a half is erased 500 times a
-//! year then, and lasts for 20 years. A board that resets itself every second lasts for four months.
+//! eight hours of turning is 150 records of the life. Half of a half is full in a week: 50 erases a year, 200
+//! years for 10,000. At worst, power is cut every two minutes, day and night. Then a half is erased 500 times a
+//! year, and lasts for 20 years. A board that resets itself every second lasts for four months.
 //!
 //! # Why no library for this
 //!
@@ -90,25 +89,25 @@ pub use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Version of the format, and of the model: a baseline is that of one way to work the stiffness out, and alarms are
-/// kept by their place in [`Alarm::ALL`].
+/// Version of the format, and of the model. A baseline belongs to one way to work the stiffness out,
+/// and alarms are kept by their place in [`Alarm::ALL`].
 pub const VERSION: u8 = 3;
 
 /// Shortest time between two records of the life, us.
 pub const LIFE_US: u64 = 120_000_000;
-/// Life is written when it has grown by this part of what it has grown since the start. A power cut loses a 64th at
-/// most, and the number of records grows with the logarithm of time: `64 (1 + ln(t / 128 min))`.
+/// Life is written again when it has grown by this part of its growth since the start. A power cut
+/// loses a 64th at most, and the number of records grows with the logarithm of time: `64 (1 + ln(t / 128 min))`.
 const PART: u128 = 64;
 /// Shortest time between two records of the alarms, us.
 pub const ALARMS_US: u64 = 10_000_000;
-/// Time between looks at what is new, us.
+/// Time between looks at new data, us.
 const LOOK_US: u64 = 1_000_000;
 
 /// How often a copy is tried.
 pub const ATTEMPTS: u8 = 3;
 /// Kinds of records of other spindles and versions that are carried along: three for each bearing.
 pub const FOREIGN: usize = 16;
-/// Longest message of another version that is carried along, bytes, checksum included: over twice the longest of
+/// Longest message of another version that is carried along, bytes, checksum included. It is over twice the longest of
 /// this one.
 pub const LONGEST_FOREIGN: usize = 1024;
 /// Longest unit that a flash may want, bytes.
@@ -119,14 +118,14 @@ const LAST: u32 = u32::MAX / 2;
 /// Kinds of records.
 const KINDS: usize = 3;
 
-/// Longest message of a record, checksum included: version, number, kind and identity, a baseline, and the numbers of
-/// the newest.
+/// Longest message of a record, checksum included. It has version, number, kind and identity, a baseline, and the
+/// numbers of the newest.
 const MESSAGE_LENGTH: usize =
     1 + 5 + 1 + 5 + size_of::<[[f32; 5]; BANDS]>() + 5 * BANDS + 5 * KINDS + CHECKSUM_LENGTH;
 const FRAME_LENGTH: usize = framing::frame_length(LONGEST_FOREIGN);
 const _: () = assert!(MESSAGE_LENGTH <= LONGEST_FOREIGN);
 
-/// What is kept of a start, and of the alarms since.
+/// Record of a start, and of the alarms since.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Start {
@@ -150,7 +149,7 @@ impl Start {
     };
 }
 
-/// What was kept.
+/// Data kept from earlier starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Past {
@@ -160,12 +159,12 @@ pub struct Past {
     pub life: (u128, u128),
     /// This start, with the alarms of those before.
     pub start: Start,
-    /// What became of the alarms.
+    /// Recovery of the alarms.
     pub alarms: Recovery,
 }
 
 impl Past {
-    /// That of a new bearing, without a memory.
+    /// Past of a new bearing, without a memory.
     pub const NONE: Self = Self {
         baseline: Baseline::EMPTY,
         life: (0, 0),
@@ -173,14 +172,14 @@ impl Past {
         alarms: Recovery::NoMemory,
     };
 
-    /// That of a board without a memory, which knows why it started.
+    /// Past of a board without a memory, which knows why it started.
     pub const fn without_memory(cause: ResetCause) -> Self {
         let mut past = Self::NONE;
         past.start.cause = cause;
         past
     }
 
-    /// What the telemetry says of the start.
+    /// Report of the start, for the telemetry.
     pub const fn report(&self) -> StartReport {
         let Start {
             boots,
@@ -198,7 +197,7 @@ impl Past {
     }
 }
 
-/// Tells what was learnt on one spindle from what was learnt on another: checksums of all that it depends on.
+/// Identity of a spindle, which tells its data from another's: checksums of all that they depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identity {
@@ -209,8 +208,8 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// That of a bearing of `balls` balls. Shoulders are no part of it, which have no part in the stiffness; nor is
-    /// the load rating, by which only the life used from now on goes.
+    /// Identity of a bearing of `balls` balls. Shoulders are left out: they do not change the stiffness.
+    /// So is the load rating: only the life used from now on goes by it.
     pub const fn new(design: &Design, balls: usize, baseline: &BaselineSettings) -> Self {
         // Without a table, which would be for the compiler alone.
         const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
@@ -263,7 +262,7 @@ impl Identity {
         }
     }
 
-    /// The same of such bearings on a shaft: where the rows are (m), how they face, and their preload (N).
+    /// Identity of such bearings on a shaft: the rows' positions (m), facings and preload (N).
     #[must_use]
     pub const fn mounted<const R: usize>(
         self,
@@ -292,7 +291,7 @@ impl Identity {
     }
 }
 
-/// What stands in the flash: the order of fields and variants *is* the format, as in
+/// Record in the flash: the order of fields and variants *is* the format, as in
 /// [`telemetry`](super::telemetry). All versions begin as [`Prefix`] does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Record {
@@ -317,7 +316,7 @@ enum Content {
 /// How a record of any version begins: version, number, kind and identity.
 type Prefix = (u8, u32, u32, u32);
 
-/// What a record is about.
+/// Kind of a record's content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Baseline,
@@ -333,7 +332,7 @@ impl Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WriteError {
-    /// The flash does not take, or does not hold, what is written.
+    /// The flash does not take, or does not hold, written bytes.
     Flash,
     /// There is no room left until the next start.
     Full,
@@ -342,7 +341,7 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    /// What went wrong, in a few words.
+    /// The error in a few words.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flash => "the flash does not hold what is written",
@@ -422,7 +421,7 @@ impl Newest {
     }
 }
 
-/// What a look through the whole log has found.
+/// Records found by a look through the whole log.
 #[derive(Debug)]
 struct Found {
     identity: Identity,
@@ -432,7 +431,7 @@ struct Found {
     told: (u32, [u32; KINDS]),
     /// The newest numbers that can be read of each kind, whatever their identity.
     readable: [u32; KINDS],
-    /// This spindle's records, and what they say.
+    /// This spindle's records, and their content.
     own: [Option<Newest>; KINDS],
     baseline: Baseline,
     life: (u128, u128),
@@ -577,7 +576,7 @@ impl Found {
         }
     }
 
-    /// What became of one kind.
+    /// Recovery of one kind of record.
     fn recovery(&self, kind: Kind, older: bool) -> Recovery {
         match self.own[kind as usize] {
             Some(_) if older => Recovery::OlderCopy,
@@ -590,22 +589,22 @@ impl Found {
     }
 }
 
-/// The log, and what is to go into it.
+/// The log, and the data that are to go into it.
 #[derive(Debug)]
 pub struct Store<F> {
     flash: F,
     identity: Identity,
-    /// Number of the next record, and those of the newest of each kind.
+    /// Number of the next record, and numbers of the newest record of each kind.
     number: u32,
     latest: [u32; KINDS],
     /// Halves that there are, the length of one, and how much of it is in use.
     halves: usize,
     half: u32,
     used: [u32; 2],
-    /// What is kept, or will be when all that is due is written.
+    /// Data in the log once all due records are written.
     past: Past,
     due: Due,
-    /// What could not be written is tried again with the life.
+    /// Records that could not be written: tried again with the life.
     owed: Due,
     /// The record that is being written, its number and kind if it is a new one, and the halves that it still goes to.
     frame: Vec<u8, FRAME_LENGTH>,
@@ -629,7 +628,7 @@ pub struct Store<F> {
     raised: [u16; Alarm::COUNT],
 }
 
-/// What is to be written.
+/// Records to be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Due {
     baseline: bool,
@@ -673,7 +672,7 @@ impl<F: NorFlash> Store<F> {
     } else {
         16
     };
-    /// What can be told at compile time of a flash that cannot hold this.
+    /// Checks at compile time that the flash can hold the log.
     const FITS: () = {
         assert!(
             F::WRITE_SIZE <= LONGEST_UNIT && Self::GRANULE.is_multiple_of(F::WRITE_SIZE),
@@ -689,11 +688,11 @@ impl<F: NorFlash> Store<F> {
         );
     };
 
-    /// Reads what was kept, and makes room for what will be. Before ticks begin, since it may erase: some
-    /// seconds at the most, and mostly nothing. `cause` is what the hardware says this start is for; it is kept, with the
+    /// Reads the kept data, and makes room for new records. Before ticks begin, since it may erase: some
+    /// seconds at the most, and mostly nothing. `cause` is the cause of this start by the hardware. It is kept, with the
     /// number of starts, once [`Store::step`] is called.
     ///
-    /// Of what cannot be used, [`Store::report`] says why; the past is that of a new bearing then.
+    /// [`Store::report`] says why data cannot be used; the past is a new bearing's then.
     pub fn open(flash: F, identity: Identity, cause: ResetCause) -> (Self, Past) {
         const { Self::FITS };
         let most = u32::MAX as usize / F::ERASE_SIZE;
@@ -744,7 +743,7 @@ impl<F: NorFlash> Store<F> {
         (store, past)
     }
 
-    /// What the log says of the past.
+    /// Takes the past from the records found in the log.
     fn recall(&mut self, found: &Found, cause: ResetCause) {
         let lost = found.newest_is_lost(self.halves);
         let mut older = [lost; KINDS];
@@ -774,7 +773,7 @@ impl<F: NorFlash> Store<F> {
         self.raised = found.start.raised;
     }
 
-    /// Sees to it that all that is to stay has two copies, and erases what is superseded where that is much.
+    /// Gives all records that are to stay two copies, and erases superseded ones where they are many.
     fn tidy(&mut self, found: &mut Found) {
         if self.halves < 2 {
             // Nothing is lost by that, and nothing else can be erased.
@@ -863,8 +862,8 @@ impl<F: NorFlash> Store<F> {
         true
     }
 
-    /// Erases a half, and fills it with what is to stay. The other half has all of that, unless both are damaged: then
-    /// nothing that is another spindle's is erased, and this one's is known.
+    /// Erases a half, and fills it with the records that are to stay. The other half has them all,
+    /// unless both are damaged. Then no record of another spindle is erased, and this one's are known.
     fn renew(&mut self, half: Half, found: &mut Found) {
         let elsewhere = |newest: &Newest| newest.places[half.other() as usize].is_some();
         if !found.foreign.iter().all(elsewhere) {
@@ -1012,7 +1011,7 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// Sees what is new to be kept: what [`Monitor::retain`](super::Monitor::retain) does, with a monitor of
+    /// Sees new data to be kept, as [`Monitor::retain`](super::Monitor::retain) does, with a monitor of
     /// one's own. Looks once a second, and else does nothing.
     pub fn look(&mut self, time_us: u64, judgement: &Judgement, life: &Life) {
         if time_us < self.look_us {
@@ -1072,8 +1071,8 @@ impl<F: NorFlash> Store<F> {
     /// The supply is about to go: writes life and alarms at once, whatever else is due. Whether they stand in the
     /// flash then, in one copy at least. Between ticks, as [`Store::look`] is.
     ///
-    /// For boards whose hardware warns of that. A record of 64 bytes is two copies of 16 words on an STM32F405, which is
-    /// 0.5 ms, or 3.2 ms at worst; the alarms take as long again if they have changed. The programmable voltage detector
+    /// For boards whose hardware warns of that. A record of 64 bytes is two copies of 16 words on an STM32F405: 0.5 ms,
+    /// or 3.2 ms at worst. The alarms take as long again if they have changed. The programmable voltage detector
     /// (PVD: `PWR_CR`, `PWR_CSR`) of that chip warns at 2.9 V, and words are written down to 2.7 V. The supply must hold out
     /// in between: 100 mA for 3.2 ms take 1.6 mF. A detector at the input of the regulator leaves more time. To be called
     /// once for each warning.
@@ -1109,7 +1108,7 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// Writes the next unit ([`NorFlash::WRITE_SIZE`] bytes) of what is due; false if there is nothing to do.
+    /// Writes the next unit ([`NorFlash::WRITE_SIZE`] bytes) of due records; false if there is nothing to do.
     ///
     /// Takes as long as the flash does for one unit, and now and then as long as it takes to encode a record.
     pub fn step(&mut self) -> bool {
@@ -1161,7 +1160,7 @@ impl<F: NorFlash> Store<F> {
         (1 + self.frame.len()).next_multiple_of(Self::GRANULE)
     }
 
-    /// Leaves what was written of a copy behind.
+    /// Leaves the written part of a copy behind.
     fn spoil(&mut self) {
         if let Some(half) = self.copies.first() {
             let spoilt = self.done.next_multiple_of(Self::GRANULE) as u32;
@@ -1257,7 +1256,7 @@ impl<F: NorFlash> Store<F> {
         self.error = Some(error);
     }
 
-    /// What was found at the start, and what has been written since.
+    /// Recovery at the start, and records written since.
     pub const fn report(&self) -> RetentionReport {
         self.report
     }

@@ -1,8 +1,7 @@
 //! Self-checks of a board: arithmetic by a solve whose answer is known, flash by a checksum.
 //!
-//! What is expected is written into the image after it is linked: the image's checksum, and that of the answer, as
-//! another machine has computed it with the same source ([`Seal`]). Both checks go step by step, so that they fit
-//! between ticks.
+//! Two checksums are written into the image after it is linked ([`Seal`]). One is the image's, the other the answer's as
+//! another machine has computed it with the same source. Both checks go step by step, so that they fit between ticks.
 
 use crate::float::Real;
 use crate::framing::CHECKSUM;
@@ -32,7 +31,7 @@ impl Checksum {
     }
 }
 
-/// What an image is to be like, in words that no checksum of the image covers.
+/// Expected checksums of an image, in words that no checksum of the image covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seal {
     /// As the linker leaves it: nothing is known.
@@ -71,7 +70,7 @@ impl Seal {
     }
 }
 
-/// Parts of an image: what the linker leaves between them belongs to nobody.
+/// Parts of an image. Gaps that the linker leaves between them belong to nobody.
 pub const PARTS: usize = 4;
 
 /// Holds an image against its checksum, again and again.
@@ -132,8 +131,8 @@ pub struct KnownAnswer<
     sum: u32,
 }
 
-/// Loads in parts of the preload (the moments in its parts by a metre) and speeds (rad/s) of the solves: some hundred
-/// to some thousand rpm, and a lateral load that is most of the preload.
+/// Loads in parts of the preload (moments in its parts by a metre) and speeds (rad/s) of the solves.
+/// Speeds are some hundred to some thousand rpm, and a lateral load is most of the preload.
 const SOLVES: [([f32; 5], f32); 2] = [
     ([1.25, 0.25, -0.125, 0.0005, -0.001], 1024.0),
     ([1.3125, 0.375, -0.25, 0.0015, -0.0005], 1088.0),
@@ -194,7 +193,7 @@ fn add_number<T: Real>(sum: &mut Checksum, number: T) {
     }
 }
 
-/// Takes what a monitor uses of an answer.
+/// Adds the figures that a monitor uses of an answer.
 fn add<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     sum: &mut Checksum,
     of: &SpindleSolution<'_, T, R, N, M, D>,

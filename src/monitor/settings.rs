@@ -1,4 +1,4 @@
-//! Everything that makes a monitor that of one spindle, in one place, for the compiler to check.
+//! Everything that fits a monitor to one spindle, in one place, for the compiler to check.
 
 use super::baseline::{BANDS, BaselineSettings};
 use super::judgement::{Alarm, JudgementSettings, TREND_SPANS, Threshold, TrendSettings};
@@ -25,7 +25,7 @@ pub struct TelemetrySettings {
     pub standing_us: u32,
 }
 
-/// What the monitor has to know of a row besides what its solver knows.
+/// Data of a row that the monitor needs besides its solver's.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RowSettings {
@@ -65,8 +65,8 @@ impl RowSettings {
         self
     }
 
-    /// The same, growing with the temperatures of both sides. Balls are as warm as the mean of both. `reach` is that of
-    /// [`Growth::by_length`].
+    /// Lets the row grow with the temperatures of both sides. Balls are as warm as the mean of both.
+    /// `reach` is as for [`Growth::by_length`].
     #[must_use]
     pub const fn with_heat(self, design: &Design, expansion: &Expansion, reach: f64) -> Self {
         const fn of(
@@ -86,7 +86,7 @@ impl RowSettings {
         Self { heat, ..self }
     }
 
-    /// The same, growing with the speed on a hollow shaft, whose bore has this radius (m).
+    /// Lets the row grow with the speed on a hollow shaft, whose bore has this radius (m).
     #[must_use]
     pub const fn with_rotation(self, design: &Design, bore: f64) -> Self {
         let rotation = Growth::by_rotation(design, bore, 1.0).to_f32();
@@ -99,15 +99,15 @@ impl RowSettings {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftSettings {
-    /// The point that the measured moments are about, m: that of the flange, or of the nose.
+    /// The point that the measured moments are about, m: the flange, or the nose.
     pub loads_at: f32,
     /// The point to which displacement and stiffness belong, m.
     pub nose: f32,
-    /// What the shaft yields there by itself, along x, y and z, m/N.
+    /// Flexibility of the shaft itself at the nose, along x, y and z, m/N.
     pub flexibility: [f32; 3],
 }
 
-/// Everything that makes a monitor that of one spindle with `R` rows of balls.
+/// Everything that fits a monitor to one spindle with `R` rows of balls.
 ///
 /// ```
 /// use spindle_bearing::monitor::settings::MonitorSettings;
@@ -123,19 +123,19 @@ pub struct ShaftSettings {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MonitorSettings<const R: usize = 1> {
-    /// What the rows are, in their order.
+    /// Settings of the rows, in their order.
     pub rows: [RowSettings; R],
     /// Where loads are measured and stiffness is wanted.
     pub shaft: ShaftSettings,
-    /// What is plausible of temperatures; none if they are not measured, and rings and balls grow with the speed alone.
+    /// Settings of temperatures; none if they are not measured: the rows grow with the speed alone.
     pub temperatures: Option<TemperatureSettings>,
     /// Rate and deadline.
     pub tick: TickSettings,
     /// Largest estimated error of the stiffness that counts as solved, relative.
     pub tolerance: f32,
-    /// What estimates report as passed limits.
+    /// Limits that estimates report when they are passed.
     pub limits: Limits<f32>,
-    /// What is plausible.
+    /// Bounds of plausible loads and speeds.
     pub plausibility: PlausibilitySettings,
     /// When alarms are raised.
     pub judgement: JudgementSettings,
@@ -149,7 +149,7 @@ pub struct MonitorSettings<const R: usize = 1> {
 pub struct SettingsError {
     /// Path of the field, as in code.
     pub field: &'static str,
-    /// What it must be.
+    /// Condition on the field, in words that follow "must be".
     pub must: &'static str,
 }
 
@@ -191,9 +191,9 @@ const fn threshold(raise: f32, clear: f32, hold_ms: u32) -> Threshold {
 }
 
 impl<const R: usize> MonitorSettings<R> {
-    /// A start for bearings of `balls` balls, all of one design, on a machine tool's spindle: sampled at 1 kHz and solved at
-    /// every tick on a Cortex-M4F at 168 MHz, thresholds on the safe side. Ranges and rates of loads are
-    /// wide; narrow them to what your spindle does.
+    /// Settings to start from, for bearings of `balls` balls, all of one design, on a machine tool's
+    /// spindle. Loads are sampled at 1 kHz and solved at every tick on a Cortex-M4F at 168 MHz, thresholds
+    /// are on the safe side. Ranges and rates of loads are wide; narrow them to your spindle's.
     pub const fn new(design: &Design, balls: usize) -> Self {
         let dynamic = design.dynamic_load_rating(balls);
         Self {
@@ -290,7 +290,7 @@ impl<const R: usize> MonitorSettings<R> {
     ///
     /// # Errors
     ///
-    /// The first field that is not, and what it must be.
+    /// The first field that is out of order, and its condition.
     pub const fn check(&self) -> Result<(), SettingsError> {
         let t = &self.tick;
         let mut i = 0;

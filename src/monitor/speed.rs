@@ -5,15 +5,15 @@
 //!
 //! - **Slow**: the time between the last two pulses that were seen (by period).
 //! - **Fast**: the pulses of a gate time, over the time from the pulse before the gate's first to its last
-//!   (by count). A single period would be few counts of the timer. Since both ends of a gate are pulses,
-//!   there is no error of one pulse, and no jump where one method takes over from the other; two
+//!   (by count). A single period would be few counts of the timer. Both ends of a gate are pulses: there
+//!   is no error of one pulse, and no jump where one method takes over from the other. Two
 //!   thresholds keep them from taking turns.
 //! - **No pulse**: the shaft has turned by less than a pitch since the last one, which bounds its speed from
 //!   above, lower and lower. After a time-out it stands still.
 //! - **Signal lost**: a shaft that turned at `omega` cannot stop within the pitch `theta` of a pulse
 //!   unless `omega^2 <= 2 a theta`, `a` being its greatest deceleration. If the next pulse is overdue by
-//!   twice the time that it may take under that deceleration, the signal is lost, which is an error and no
-//!   standstill, until pulses come again.
+//!   twice its time under that deceleration, the signal is lost until pulses come again. This is an
+//!   error and no standstill.
 //! - **Direction**: a counter that counts down (quadrature, or a second channel as its direction) gives a
 //!   negative speed. At a reversal the speed is 0.
 //!
@@ -23,7 +23,7 @@ use super::tick::Widened;
 use core::f32::consts::TAU;
 use core::fmt;
 
-/// What a timer says of pulses. Both values wrap at their width.
+/// Pulses at a timer: their count, and the time of the last one. Both wrap at their width.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pulses {
@@ -35,7 +35,7 @@ pub struct Pulses {
 
 /// A timer that counts and captures pulses.
 pub trait PulseInput {
-    /// What it says now. Both values must belong together.
+    /// Reads the timer. Both values must belong together.
     fn pulses(&mut self) -> Pulses;
 }
 

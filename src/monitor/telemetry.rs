@@ -1,10 +1,9 @@
-//! What the monitor tells others: a versioned binary record, and the queue in which it waits for a slow
-//! link.
+//! Telemetry of the monitor: a versioned binary record, and the queue in which it waits for a link.
 //!
-//! A [`Frame`] goes out in the framing of [`framing`]: postcard, CRC-32, COBS. On the
-//! wire it is the fields of [`Frame`] in their order, integers as varints, floats as four bytes, and enums
-//! as the index of their variant: the order in which fields and variants stand here *is* the format. A
-//! change of it is a new [`VERSION`], which older receivers refuse as [`FrameError::Content`].
+//! A [`Frame`] goes out in the framing of [`framing`]: postcard, CRC-32, COBS. On the wire it is the fields of
+//! [`Frame`] in their order. Integers are varints, floats four bytes, and enums the index of their variant. The
+//! order in which fields and variants stand here *is* the format. A change of it is a new [`VERSION`], which older
+//! receivers refuse as [`FrameError::Content`].
 //!
 //! | payload | when | in need |
 //! | --- | --- | --- |
@@ -17,14 +16,14 @@
 //! | [`Payload::Board`] | at the start, at changes, with every tenth health report | the newest is kept |
 //!
 //! [`Outbox`] is the queue. The link takes bytes out of it whenever it can; alarms go first. Sequence
-//! numbers are given when a frame goes out, so that a gap in them is a frame that the link lost, and
-//! what was dropped for want of room is counted by itself ([`HealthReport::frames_dropped`]).
+//! numbers are given when a frame goes out: a gap in them is a frame that the link lost. Frames
+//! dropped for want of room are counted by themselves ([`HealthReport::frames_dropped`]).
 //!
-//! **No alarm is lost.** Changes queue in order. Should the link stay shut for so long that even that
-//! queue is full, what is left of the alarms that no longer fit is their latest state, which goes out
-//! when there is room, with the number of times that each was raised and cleared so far: a receiver
-//! sees from these counts what happened meanwhile. An alarm that stands is sent again at an interval,
-//! which makes up for frames that the link itself loses.
+//! **No alarm is lost.** Changes queue in order. Should the link stay shut until even that queue is
+//! full, alarms that no longer fit keep their latest state, which goes out when there is room. It has
+//! the number of times that the alarm was raised and cleared so far: a receiver sees what happened
+//! meanwhile. An alarm that stands is sent again at an interval, which makes up for frames that the
+//! link itself loses.
 
 use super::board::{BoardReport, ResetCause};
 use super::command::Answer;
@@ -49,7 +48,7 @@ pub const ROWS_PER_FRAME: usize = 4;
 
 /// Length of the longest message that a frame can become, checksum included.
 ///
-/// Version, sequence, time and variant (17 bytes), then row, index, count and first azimuth (12 bytes with the
+/// Version, sequence, time and variant have 17 bytes. Then come row, index, count and first azimuth (12 bytes with the
 /// length) and as many balls as a frame takes.
 pub const MESSAGE_LENGTH: usize =
     17 + 12 + BALLS_PER_FRAME * 4 * size_of::<f32>() + CHECKSUM_LENGTH;
@@ -71,11 +70,11 @@ pub struct Frame {
     pub sequence: u32,
     /// Time of the monitor since its start, us.
     pub time_us: u64,
-    /// What it is about.
+    /// Content of the frame.
     pub payload: Payload,
 }
 
-/// What a [`Frame`] is about.
+/// Content of a [`Frame`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -90,17 +89,17 @@ pub enum Payload {
     Alarm(AlarmReport),
     /// Counters.
     Health(HealthReport),
-    /// What came in.
+    /// Counts of inputs, and temperatures in use.
     Inputs(InputsReport),
-    /// What became of an operator's order.
+    /// Outcome of an operator's order.
     Answer(Answer),
-    /// What the board says of itself.
+    /// Report of the board on itself.
     Board(BoardReport),
-    /// This start, and what was kept of those before.
+    /// This start, and the data kept from earlier ones.
     Start(StartReport),
     /// Forces and preload of the rows of that estimate.
     Rows(RowsReport),
-    /// What stands where on the shaft.
+    /// Places on the shaft.
     Shaft(ShaftReport),
 }
 
@@ -130,7 +129,7 @@ pub enum StatusCode {
 }
 
 impl StatusCode {
-    /// Short name in lower case, that of [`Status::name`].
+    /// Short name in lower case, as [`Status::name`] has it.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -162,7 +161,7 @@ impl<T> From<&Status<T>> for StatusCode {
     }
 }
 
-/// The last good estimate, how old it is, and what is doubted now. SI units.
+/// The last good estimate, its age, and the doubts of now. SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct EstimateReport {
@@ -178,7 +177,7 @@ pub struct EstimateReport {
     pub displacement: [f32; 5],
     /// Diagonal of the stiffness at the nose: `Kxx, Kyy, Kzz` (N/m), `Ktyty, Ktztz` (N m/rad).
     pub stiffness: [f32; 5],
-    /// Stiffness that a force at the nose meets along x, y and z, while the shaft tilts as it likes and yields by itself: N/m.
+    /// Stiffness against a force at the nose along x, y and z, N/m. The shaft tilts freely, and yields by itself.
     pub nose: [f32; 3],
     /// The off-diagonal stiffness that couples most.
     pub coupling: f32,
@@ -230,7 +229,7 @@ pub struct RowReport {
     pub axial: f32,
     /// Radial force of the shaft on it, along y and z.
     pub radial: [f32; 2],
-    /// What of its axial force is preload.
+    /// Part of its axial force that is preload.
     pub preload: f32,
     /// Smallest and largest contact force on its inner race; 0 if a ball is off that race.
     pub least_force: f32,
@@ -238,7 +237,7 @@ pub struct RowReport {
     pub largest_force: f32,
 }
 
-/// What stands where on the shaft, for a picture of it.
+/// Places on the shaft, for a picture of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftReport {
@@ -303,11 +302,11 @@ pub struct BallReport {
 pub struct AlarmReport {
     /// Which alarm.
     pub alarm: Alarm,
-    /// What happened.
+    /// Change that is reported.
     pub change: AlarmChange,
     /// Its state since then.
     pub state: AlarmState,
-    /// What was watched, in the unit of [`Alarm`].
+    /// Watched value, in the unit of [`Alarm`].
     pub value: f32,
     /// The limit that it is held against.
     pub limit: f32,
@@ -349,7 +348,7 @@ pub struct HealthReport {
     pub life_used: f32,
     /// Every doubt that there was since the last health report.
     pub marks: Marks,
-    /// What is kept over a power cycle.
+    /// Data kept over a power cycle.
     pub retention: RetentionReport,
     /// Share of ticks with a fresh estimate, in the last second and in the last minute, parts of 1.
     pub availability: [f32; 2],
@@ -357,7 +356,7 @@ pub struct HealthReport {
     pub learning: LearningReport,
 }
 
-/// What came in since the start, and what was counted without it.
+/// Inputs since the start, and counts without good ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct InputsReport {
@@ -365,9 +364,9 @@ pub struct InputsReport {
     pub records: FrameCounts,
     /// Revolutions at a doubtful speed or under doubtful loads.
     pub doubtful_revolutions: u64,
-    /// The part of [`HealthReport::life_used`] that was counted in these, an upper bound.
+    /// Part of [`HealthReport::life_used`] that doubtful revolutions used, an upper bound.
     pub life_estimated: f32,
-    /// What the next request of an operator must have ([`command`](super::command)).
+    /// Nonce of an operator's next request ([`command`](super::command)).
     pub nonce: u32,
     /// Temperatures of the inner and of the outer side that are used, degrees Celsius.
     pub temperatures: [f32; 2],
@@ -375,12 +374,12 @@ pub struct InputsReport {
     pub temperature_sources: [TemperatureSource; 2],
 }
 
-/// What became of something that was to be kept, when the monitor started.
+/// Recovery of a kind of data at the start of the monitor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Recovery {
-    /// There is no memory for it: what is learnt is lost with the power.
+    /// There is no memory: learnt data are lost with the power.
     #[default]
     NoMemory,
     /// Nothing has been kept yet.
@@ -391,7 +390,7 @@ pub enum Recovery {
     OtherSpindle,
     /// It was kept by another version of the monitor.
     OtherVersion,
-    /// What there is cannot be read.
+    /// There are records, but damaged: none can be read.
     Damaged,
     /// It was found, and goes on, but a newer one was written that cannot be read.
     OlderCopy,
@@ -423,13 +422,13 @@ impl Recovery {
     }
 }
 
-/// What is kept over a power cycle ([`retained`](super::retained)).
+/// Data kept over a power cycle ([`retained`](super::retained)).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RetentionReport {
-    /// What became of the baseline.
+    /// Recovery of the baseline.
     pub baseline: Recovery,
-    /// What became of life used and revolutions.
+    /// Recovery of life used and revolutions.
     pub life: Recovery,
     /// Damaged pieces that were met at the start, such as a record that the power was lost in.
     pub damaged: u16,
@@ -450,7 +449,7 @@ impl RetentionReport {
     };
 }
 
-/// A start of the monitor, and what was kept of those before.
+/// A start of the monitor, and the data kept from earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StartReport {
@@ -458,9 +457,9 @@ pub struct StartReport {
     pub boots: u32,
     /// Why this one was.
     pub cause: ResetCause,
-    /// What became of the alarms.
+    /// Recovery of the alarms.
     pub recovery: Recovery,
-    /// Alarms that nobody had acknowledged before, and that were latched again: one bit each, in the order of
+    /// Alarms that nobody had acknowledged before, and that were latched again. One bit each, in the order of
     /// [`Alarm::ALL`] from the lowest.
     pub alarms: u32,
     /// How often each alarm was raised before, in all starts, in that order.
@@ -574,7 +573,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         self.answers.is_full()
     }
 
-    /// Queues a payload of this time. What has to give way for want of room is counted.
+    /// Queues a payload of this time. Payloads that give way for want of room are counted.
     pub fn post(&mut self, time_us: u64, payload: Payload) {
         match payload {
             Payload::Alarm(report) => self.post_alarm(time_us, report),
@@ -588,7 +587,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             Payload::Start(report) => self.start = Some((time_us, report)),
             Payload::Shaft(report) => self.shaft = Some((time_us, report)),
             payload @ (Payload::Estimate(_) | Payload::Rows(_) | Payload::Balls(_)) => {
-                // What is newest is worth most.
+                // The newest one is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
                     self.dropped = self.dropped.saturating_add(1);
                 }
@@ -605,7 +604,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             return;
         };
         let held = slot.is_some_and(|held| held.change);
-        // One that only says that the alarm stands must not take the room of those that say more.
+        // A report that only says that the alarm stands must not take the room of changes.
         let change = report.change != AlarmChange::Standing;
         if change && !held && self.alarms.push_back((time_us, report)).is_ok() {
             // What says that it stands is out of date.
@@ -622,7 +621,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         });
     }
 
-    /// Makes a frame of what is worth the link most, and drops it from the queue.
+    /// Makes a frame of the payload that is worth the link most, and drops it from the queue.
     fn encode_next(&mut self) {
         if let Some((time_us, report)) = self.alarms.pop_front() {
             return self.encode(time_us, &Payload::Alarm(report));
@@ -727,10 +726,10 @@ pub fn encode(frame: &Frame) -> Vec<u8, FRAME_LENGTH> {
     framing::encode(frame).unwrap_or_default()
 }
 
-/// What a reader returns at the end of each frame.
+/// Result of a reader at the end of each frame.
 pub type Read = Result<Frame, FrameError>;
 
-/// By how much `Kij^2 / |Kii Kjj|` must exceed that of an earlier element: a per cent of its root.
+/// Factor by which `Kij^2 / |Kii Kjj|` must exceed an earlier element's: a per cent of its root.
 const CLEARLY: f32 = 1.02;
 
 /// Row and column of the off-diagonal element that couples most; x, y if nothing couples.

@@ -1,23 +1,23 @@
 //! Temperatures of the shaft's side and of the housing's side, by which rings and balls grow and preload changes.
 //!
-//! They come more seldom than loads, and a sensor that fails must not stop the estimates: no doubt about a temperature
-//! keeps a sample from being solved.
+//! They come more seldom than loads, and a sensor that fails must not stop the estimates. So no doubt about a
+//! temperature keeps a sample from being solved.
 //!
-//! | a side's temperature | what is used |
+//! | a side's temperature | value in use |
 //! | --- | --- |
 //! | is measured | the last good value ([`TemperatureSource::Measured`]) |
 //! | has not been measured for [`TemperatureSettings::missing_after_us`] | the last good value ([`TemperatureSource::Held`]) |
-//! | has not been for [`TemperatureSettings::hold_us`] | that of the warm spindle ([`TemperatureSource::Assumed`]) |
+//! | has not been for [`TemperatureSettings::hold_us`] | the warm spindle's ([`TemperatureSource::Assumed`]) |
 //!
-//! What is used changes by [`TemperatureSettings::rate`] at most, so that no estimate jumps when a sensor fails or comes
-//! back. A value is good within its range, near the other side's, and if it has not changed faster than that rate since
-//! the last good one. [`Alarm::Temperature`](super::Alarm::Temperature) tells how long a side has had none.
+//! The value in use changes by [`TemperatureSettings::rate`] at most: no estimate jumps when a sensor fails or comes
+//! back. A good value is in its range and near the other side's, and has not changed faster than that rate since the
+//! last good one. [`Alarm::Temperature`](super::Alarm::Temperature) tells how long a side has had none.
 
 use super::plausibility::seconds;
 use crate::float::Real;
 use serde::{Deserialize, Serialize};
 
-/// What is plausible of temperatures, and what is used without them.
+/// Bounds of plausible temperatures, and their substitutes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TemperatureSettings {
@@ -65,7 +65,7 @@ pub enum TemperatureSource {
     Measured,
     /// It is not measured any more, and held.
     Held,
-    /// It has not been measured for long, and is that of the warm spindle.
+    /// It has not been measured for long: the warm spindle's is assumed.
     Assumed,
 }
 
@@ -120,7 +120,7 @@ impl Temperatures {
         }
     }
 
-    /// Takes what came in a tick, in degrees Celsius, if something did; a sensor that fails gives no number.
+    /// Takes a tick's temperatures, degrees Celsius, if there are new ones; a failing sensor gives no number.
     pub(super) fn judge(
         &mut self,
         time_us: u64,
@@ -144,12 +144,12 @@ impl Temperatures {
         }
     }
 
-    /// What is used, degrees Celsius.
+    /// Temperatures in use, degrees Celsius.
     pub(super) fn used(&self) -> [f32; 2] {
         self.sides.map(|side| side.used)
     }
 
-    /// Where that comes from.
+    /// Where these temperatures come from.
     pub(super) fn sources(&self) -> [TemperatureSource; 2] {
         self.sides.map(|side| side.source)
     }
@@ -187,7 +187,7 @@ impl Side {
         self.good = Some((value, time_us));
     }
 
-    /// Takes what is used nearer to what it should be, by `most`.
+    /// Moves the temperature in use towards the one it should be, by `most`.
     fn follow(
         &mut self,
         time_us: u64,

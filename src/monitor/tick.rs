@@ -1,8 +1,8 @@
 //! The beat of the monitor: a fixed rate, a deadline in cycles, and a watchdog that only a finished tick
 //! feeds.
 //!
-//! How many iterations a solve may take follows from the deadline and from what an iteration
-//! costs on the core at hand ([`CycleCost`]). A tick that takes longer all the same is counted, and so
+//! The iterations that a solve may take follow from the deadline and from an iteration's cost on the
+//! core at hand ([`CycleCost`]). A tick that takes longer all the same is counted, and so
 //! are ticks that never began because of it. Nothing here allocates or waits, and every counter is good
 //! for more than a century at any rate.
 
@@ -22,7 +22,7 @@ impl CycleCounter for NoCycles {
     }
 }
 
-/// What resets the board unless it is fed in time.
+/// Watchdog, which resets the board unless it is fed in time.
 pub trait Watchdog {
     /// Called at the end of every tick that finished, and nowhere else.
     fn feed(&mut self);
@@ -36,8 +36,8 @@ impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
 }
 
-/// What a tick costs on a core, in its cycles: `fixed + n iteration` is what all ticks with a solve of `n` iterations but one
-/// in a thousand take at most.
+/// Cost of a tick on a core, in its cycles. With a solve of `n` iterations, all ticks but one in a
+/// thousand take `fixed + n iteration` at most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CycleCost {
@@ -64,13 +64,13 @@ impl CycleCost {
         }
     }
 
-    /// What a deadline leaves for iterations.
+    /// Cycles that a deadline leaves for iterations.
     const fn left(&self, deadline: u32) -> u32 {
         deadline.saturating_sub(self.fixed)
     }
 
-    /// The same with iterations so cheap that one more of them fits into a deadline: to measure what the first would
-    /// take that does not fit.
+    /// Cost with iterations so cheap that one more of them fits into a deadline. With it, the first
+    /// iteration that does not fit can be measured.
     #[must_use]
     pub const fn with_an_iteration_more(self, deadline: u32) -> Self {
         Self {
@@ -117,7 +117,7 @@ impl Widened {
     /// around.
     pub const fn ahead(&self, other: u32, now: u32) -> i32 {
         let unused = self.mask.leading_zeros();
-        // The sign bit of the narrow difference becomes that of the wide one.
+        // The sign bit of the narrow difference becomes the wide one's.
         ((other.wrapping_sub(now) << unused) as i32) >> unused
     }
 }
@@ -132,9 +132,9 @@ pub struct TickSettings {
     pub solve_every: u16,
     /// Cycles within which a tick must finish.
     pub deadline_cycles: u32,
-    /// What a tick costs.
+    /// Cost of a tick.
     pub cost: CycleCost,
-    /// Iterations of a solve that starts from nothing: the first one, and that after a solve which went
+    /// Iterations of a solve that starts from nothing: the first one, and the one after a solve gone
     /// astray. It may pass the deadline, which is counted, and must end before the watchdog does.
     pub cold_iterations: u16,
 }

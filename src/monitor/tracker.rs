@@ -6,7 +6,7 @@
 //!
 //! Teeth that pass take the loads to and fro. The monitor has two solvers, and the one that stands nearer takes the
 //! sample: loads that come back find a solution where they were. A solver that was not the nearer one for 100
-//! samples takes over what the other one has.
+//! samples takes over the other one's state.
 //!
 //! After 20 solves without an answer, one starts from nothing, with
 //! [`TickSettings::cold_iterations`](super::tick::TickSettings::cold_iterations). So does one where no solver has a
@@ -57,8 +57,8 @@ pub(super) struct Tracker<
 
 /// Solves in a row without an answer, after which one starts from nothing.
 const PATIENCE: u16 = 20;
-/// Solves after which a solver that was not the nearer one takes over what the other one has: a tenth of a second
-/// at 1 kHz, in which several teeth pass.
+/// Solves after which a solver that was never the nearer one takes over the other one's state.
+/// They are a tenth of a second at 1 kHz, in which several teeth pass.
 const LONGEST_IDLE: u16 = 100;
 /// The longest pause between solves from nothing, in solves.
 const LONGEST_PAUSE: u16 = 1023;
@@ -134,7 +134,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         self.start(load, speed, growth, settings, see)
     }
 
-    /// What `see` sees of the equilibrium under these loads, or how the solve ended without it.
+    /// Result of `see` on the equilibrium under these loads, or how the solve ended without one.
     pub(super) fn solve<Seen>(
         &mut self,
         load: [f32; 5],
@@ -180,7 +180,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         seen.map_err(|status| StatusCode::from(&status))
     }
 
-    /// The same from nothing, unless it is to pause.
+    /// Solves from nothing, unless the tracker is to pause.
     fn start<Seen>(
         &mut self,
         load: [f32; 5],

@@ -1,4 +1,4 @@
-//! What gives the monitor its beat: SysTick, and the core's cycle counter. The same on every Cortex-M.
+//! The monitor's beat: SysTick, and the core's cycle counter. They are the same on every Cortex-M.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::syst::SystClkSource;

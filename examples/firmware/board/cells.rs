@@ -1,7 +1,7 @@
 //! The last two sectors of this chip's flash.
 //!
-//! There is one bank, from which the core executes, too: while a word is written it may stand still for 16 us,
-//! 100 us at worst, and while a sector is erased for 1 s to 2 s.
+//! There is one bank, from which the core executes, too. While a word is written the core may stand still for
+//! 16 us, 100 us at worst; while a sector is erased, for 1 s to 2 s.
 
 #![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
 
@@ -10,12 +10,12 @@ use super::flash::{Cells, SECTOR};
 use super::{pac, within};
 use pac::FLASH;
 
-/// The first of them: `memory.x` holds its address against it.
+/// The first of the two sectors: `memory.x` holds its address against it.
 const FIRST: u8 = 10;
 
 /// Looks at the busy flag before a write counts as failed: 10 ms at least.
 const PATIENCE: u32 = 200_000;
-/// The same of erasing: 4 s at least, the core's caches holding this loop.
+/// Looks before an erase counts as failed: 4 s at least, the core's caches holding this loop.
 const ERASE_PATIENCE: u32 = 80_000_000;
 
 unsafe extern "C" {
@@ -39,7 +39,7 @@ pub fn start(flash: FLASH) -> Option<Memory> {
     there.then_some(Memory(flash))
 }
 
-/// What the controller is to do, and when. Its lock is set where it is not said to be open.
+/// Writes the controller's command. Its lock is set where a command does not say that it is open.
 fn command(flash: &FLASH, what: impl FnOnce(&mut pac::flash::cr::W) -> &mut pac::flash::cr::W) {
     flash
         .cr()
@@ -69,7 +69,7 @@ impl Memory {
         });
     }
 
-    /// What the cache knows of these sectors is out of date.
+    /// Drops the data of these sectors from the cache.
     fn forget_cached(&self) {
         let acr = self.0.acr();
         let on = acr.read().dcen().is_enabled();

@@ -19,8 +19,8 @@ const PLL_Q: u8 = (2 * CORE_HZ / 48_000_000) as u8;
 /// Flash wait states at this frequency and 2.7 V to 3.6 V.
 const WAIT_STATES: u8 = 5;
 
-/// Looks at a ready flag before an oscillator counts as dead: some 50 ms at 16 MHz, where a
-/// crystal takes 2 ms and the PLL 0.3 ms.
+/// Looks at a ready flag before an oscillator counts as dead: some 50 ms at 16 MHz.
+/// A crystal takes 2 ms and the PLL 0.3 ms.
 const PATIENCE: u32 = 100_000;
 
 /// Where the clock comes from.
@@ -41,7 +41,7 @@ pub struct Clock {
     pub core_hz: u32,
     /// Frequency that USART1 divides its baud rate from, Hz.
     pub usart_hz: u32,
-    /// The same of USART2.
+    /// Frequency that USART2 divides its baud rate from, Hz.
     pub log_hz: u32,
     /// Frequency that TIM2 counts from, Hz.
     pub timer_hz: u32,

@@ -18,8 +18,8 @@ use crate::monitor_settings::MONITOR;
 use core::sync::atomic::{AtomicBool, Ordering};
 use spindle_bearing::monitor::tick::Watchdog;
 
-// Before variables are initialised, when nothing but registers can be used: starts the independent watchdog (0xcccc)
-// and opens its prescaler (0x5555) to divide 32 kHz by 64 (4). It begins at 4095 counts, that is 8 s.
+// Before variables are initialised, only registers can be used. This starts the independent watchdog (0xcccc) and
+// opens its prescaler (0x5555) to divide 32 kHz by 64 (4). The watchdog begins at 4095 counts, that is 8 s.
 core::arch::global_asm!(
     ".pushsection .text.__pre_init, \"ax\", %progbits",
     ".global __pre_init",
@@ -47,7 +47,7 @@ static WATCHED: AtomicBool = AtomicBool::new(false);
 /// a period.
 const FED_EVERY_US: u32 = 16_000;
 pub const TOO_EARLY_US: u32 = FED_EVERY_US / 2;
-/// The same in ticks, of which one is not enough: the first may come at once.
+/// Ticks between two feedings. One is not enough: the first may come at once.
 const FED_EVERY: u32 = {
     let ticks = FED_EVERY_US / MONITOR.tick.period_us;
     if ticks < 2 { 2 } else { ticks }

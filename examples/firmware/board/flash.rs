@@ -1,17 +1,17 @@
-//! Two sectors of the board's flash that the linker fills with nothing, for what is kept over a power cycle.
+//! Two sectors of the board's flash that the linker fills with nothing, for data kept over a power cycle.
 //! Without any hardware, so that it is tested on the host; the registers are in `cells.rs`.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
 
-/// Length of a sector, bytes: that of the large ones on both chips.
+/// Length of a sector, bytes: a large one on both chips.
 pub const SECTOR: u32 = 128 * 1024;
 /// Sectors.
 pub const SECTORS: u32 = 2;
 
-/// What does the work. Places are counted from the first of the sectors on, in bytes, and are those of whole
-/// units. All return whether it went well.
+/// The flash's cells. Places are bytes from the first of the sectors on, and begin a unit.
+/// All functions return whether it went well.
 pub trait Cells {
     /// Bytes that are read or written at once.
     const UNIT: usize;

@@ -39,7 +39,7 @@ fn send(bytes: &[u8]) {
 }
 
 // SAFETY: `acquire` lets one frame at a time begin, and panics where a second one would, whatever
-// the context it comes from; the panic handler logs only where no frame has begun.
+// its context. The panic handler logs only where no frame has begun.
 unsafe impl Logger for Log {
     fn acquire() {
         assert!(

@@ -10,8 +10,8 @@ use core::slice::from_raw_parts;
 use cortex_m_rt::STACK_PAINT_VALUE;
 use spindle_bearing::monitor::self_check::{PARTS, Seal};
 
-/// What `seal` of the project's tools writes into the linked program, which finds it by its name. Not covered by the
-/// image's checksum.
+/// Seal of the image, which the project's tool `seal` finds by this name in the linked program and
+/// writes. It is not covered by the image's checksum.
 #[unsafe(no_mangle)]
 static IMAGE_SEAL: [u32; 4] = Seal::Open {
     precision: size_of::<Precision>() as u32,

@@ -39,7 +39,7 @@ use stm32f4::stm32f405 as pac;
 pub struct Board {
     /// The clock that was reached.
     pub clock: Clock,
-    /// What came in over the port.
+    /// Receiver of the bytes that come in over the port.
     pub receiver: Receiver,
     /// Counts cycles.
     pub cycles: Cycles,
@@ -51,7 +51,7 @@ pub struct Board {
     pub timer: SYST,
     /// PC0 is wired to ground and PC1 to PC2, or the board is an emulated one: ticks are asked for over the port.
     pub lock_step: bool,
-    /// What the board says of itself: why it started, and its brown-out level.
+    /// Report of the board on itself: why it started, and its brown-out level.
     pub report: BoardReport,
     /// Why it started.
     pub reset: ResetCause,

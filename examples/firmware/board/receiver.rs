@@ -48,8 +48,8 @@ impl Sender {
         Self(None)
     }
 
-    /// Queues a received byte, if there is one, and counts what was lost: that byte for want of room,
-    /// and another one if the hardware was overrun.
+    /// Queues a received byte, if there is one, and counts lost bytes: this one for want of room, and
+    /// another one if the hardware was overrun.
     pub fn push(&mut self, byte: Option<u8>, overrun: bool) {
         if self.0.is_none() {
             self.0 = critical_section::with(|cs| HANDOVER.borrow_ref_mut(cs).take());

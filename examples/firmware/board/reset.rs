@@ -1,4 +1,4 @@
-//! What resets this chip besides the independent watchdog (`super::dog`), and what it says of its last reset.
+//! The window watchdog, beside the independent one (`super::dog`), and the cause of the last reset.
 
 use super::clock::Clock;
 use super::dog::TOO_EARLY_US;
@@ -14,7 +14,7 @@ pub struct Window(WWDG);
 
 /// Cycles of the bus in a count: 4096 by 8.
 const CYCLES: u32 = 4096 * 8;
-/// What it counts down from, and the last count that is no reset.
+/// The count that the watchdog starts from.
 const FULL: u8 = 0x7f;
 
 impl Window {
@@ -49,7 +49,7 @@ impl Window {
     }
 }
 
-/// What reset the chip last. Clears it, so that the next reset is told from this one.
+/// Cause of the chip's last reset. Clears it, so that the next reset is told from this one.
 pub fn cause(rcc: &RCC) -> ResetCause {
     let flags = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().clear());

@@ -107,7 +107,7 @@ static EDGES: Mutex<Cell<Pulses>> = Mutex::new(Cell::new(Pulses {
     capture: 0,
 }));
 
-/// What the interrupt handler counts.
+/// Pulses that the interrupt handler counts.
 pub struct Tachometer(TIM2);
 
 impl PulseInput for Tachometer {

@@ -65,8 +65,8 @@ pub fn start(
 /// The port's registers, for the two who share them.
 fn registers() -> &'static pac::usart1::RegisterBlock {
     // SAFETY: they are always there, and every access is volatile. After `start` has given up its
-    // ownership, only one of the two reads the data, the interrupt handler or, in lock-step, the main
-    // program, which else reads the status and writes data.
+    // ownership, only one of the two reads the data: the interrupt handler or, in lock-step, the main
+    // program. Otherwise, the main program reads the status and writes data.
     unsafe { &*USART1::ptr() }
 }
 

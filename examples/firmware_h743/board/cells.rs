@@ -1,8 +1,8 @@
 //! The last two sectors of this chip's flash, in its second bank.
 //!
 //! The core executes from the first bank, and goes on while the second one writes. Every 32 bytes have a code that
-//! corrects errors. Where the power is lost while they are written, that code is wrong, and whoever reads them
-//! takes a bus fault: [`Memory::read`] has the core ignore it, and asks the controller.
+//! corrects errors. Where the power is lost while they are written, that code is wrong, and reading them is a bus
+//! fault. [`Memory::read`] has the core ignore it, and asks the controller.
 
 #![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
 
@@ -13,18 +13,18 @@ use core::arch::asm;
 use cortex_m::peripheral::SCB;
 use pac::FLASH;
 
-/// The first of them, of its bank: `memory.x` holds its address against it.
+/// The first of the two sectors, in its bank: `memory.x` holds its address against it.
 const FIRST: u8 = 6;
 
 /// Looks at the busy flags before a write counts as failed: 10 ms at least.
 const PATIENCE: u32 = 500_000;
-/// The same of erasing: 4 s at least.
+/// Looks at the busy flags before an erase counts as failed: 4 s at least.
 const ERASE_PATIENCE: u32 = 200_000_000;
 
 /// Bytes that have one code.
 const WORD: usize = 32;
-/// Bus faults of reads are ignored where faults are masked (`SCB.CCR.BFHFNMIGN`), and the flags of those that were
-/// (`SCB.CFSR`, the part that is on the bus).
+/// Ignores bus faults of reads where faults are masked (`SCB.CCR.BFHFNMIGN`). Ignored faults set the
+/// flags below (`SCB.CFSR`, its part for the bus).
 const IGNORE_BUS_FAULTS: u32 = 1 << 8;
 const BUS_FAULTS: u32 = 0xff00;
 
@@ -52,7 +52,7 @@ pub fn start(flash: FLASH, scb: SCB) -> Option<Memory> {
     there.then_some(Memory { flash, scb })
 }
 
-/// What the bank is to do. Its lock is set where it is not said to be open.
+/// Writes the bank's command. Its lock is set where a command does not say that it is open.
 fn command(
     flash: &FLASH,
     what: impl FnOnce(&mut pac::flash::bank::cr::W) -> &mut pac::flash::bank::cr::W,
@@ -92,7 +92,7 @@ impl Memory {
         });
     }
 
-    /// What the cache knows of this part is out of date.
+    /// Drops the data of this part from the cache.
     fn forget_cached(&mut self, at: u32, length: u32) {
         let address = word(at) as usize;
         self.scb

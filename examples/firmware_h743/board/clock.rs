@@ -13,7 +13,7 @@ const EXTERNAL_IS_CLOCK: bool = true;
 const INTERNAL_HZ: u32 = 64_000_000;
 /// Frequency of the core when it runs from the PLL, Hz.
 const CORE_HZ: u32 = 400_000_000;
-/// What the PLL compares at, Hz: the lower end of its range of 2 MHz to 4 MHz.
+/// Frequency that the PLL compares at, Hz: the lower end of its range of 2 MHz to 4 MHz.
 const COMPARED_HZ: u32 = 2_000_000;
 /// The PLL's oscillator runs at twice the core's frequency: 800 MHz, of 192 MHz to 836 MHz.
 const PLL_N: u16 = (2 * CORE_HZ / COMPARED_HZ) as u16;
@@ -22,8 +22,8 @@ const PLL_N: u16 = (2 * CORE_HZ / COMPARED_HZ) as u16;
 const WAIT_STATES: u8 = 2;
 const PROGRAMMING_DELAY: u8 = 2;
 
-/// Looks at a ready flag before it counts as dead: some 20 ms at 64 MHz, where a crystal takes 2 ms and
-/// the PLL 0.2 ms.
+/// Looks at a ready flag before an oscillator counts as dead: some 20 ms at 64 MHz.
+/// A crystal takes 2 ms and the PLL 0.2 ms.
 const PATIENCE: u32 = 100_000;
 
 /// Where the clock comes from.
@@ -90,8 +90,8 @@ fn external(rcc: &RCC) -> bool {
     ready
 }
 
-/// Says that the core is fed by the internal regulator, which can be said once after power comes on, and
-/// must be before it is raised to the scale for this frequency.
+/// Says that the internal regulator feeds the core. This can be said once after power comes on, and
+/// must be before the supply is raised to the scale for this frequency.
 #[allow(
     unsafe_code,
     reason = "the register description does not know the scales"

@@ -50,7 +50,7 @@ use stm32h7::stm32h743 as pac;
 pub struct Board {
     /// The clock that was reached.
     pub clock: Clock,
-    /// What came in over the port.
+    /// Receiver of the bytes that come in over the port.
     pub receiver: Receiver,
     /// Counts cycles.
     pub cycles: Cycles,
@@ -62,7 +62,7 @@ pub struct Board {
     pub timer: SYST,
     /// PC0 is wired to ground and PC1 to PC2: ticks are asked for over the port.
     pub lock_step: bool,
-    /// What the board says of itself: why it started, and its brown-out level.
+    /// Report of the board on itself: why it started, and its brown-out level.
     pub report: BoardReport,
     /// Why it started.
     pub reset: ResetCause,

@@ -1,4 +1,4 @@
-//! What resets this chip besides the independent watchdog (`super::dog`), and what it says of its last reset.
+//! The independent watchdog's window (see `super::dog`), and the cause of the chip's last reset.
 
 use super::clock::Clock;
 use super::dog::{COUNTS, TOO_EARLY_US};
@@ -25,7 +25,7 @@ impl Window {
     pub const fn feed(&self) {}
 }
 
-/// What reset the chip last. Clears it, so that the next reset is told from this one.
+/// Cause of the chip's last reset. Clears it, so that the next reset is told from this one.
 pub fn cause(rcc: &RCC) -> ResetCause {
     let flags = rcc.rsr().read();
     rcc.rsr().modify(|_, w| w.rmvf().reset());

@@ -1,5 +1,5 @@
-//! Any bearing, any settings, any sequence of loads, displacements, speeds and growths: no panic, every figure of an
-//! answer a number, no more iterations than allowed, and a refusal does no harm.
+//! Any bearing, any settings, any sequence of loads, displacements, speeds and growths. There is no panic, every
+//! figure of an answer is a number, iterations keep to their limit, and a refusal does no harm.
 #![no_main]
 
 use arbitrary::{Arbitrary, Error, Result, Unstructured};
@@ -31,7 +31,7 @@ struct Run {
     steps: Vec<Step>,
 }
 
-/// Numbers relative to what the bearing can take.
+/// Numbers relative to the bearing's scale.
 #[derive(Debug)]
 enum Step {
     /// Loads, or displacements, and a speed.
@@ -185,7 +185,7 @@ fn with_ring<T: Real, const N: usize, M: Motion + Copy + Debug>(
     }
 }
 
-/// What a solver is asked.
+/// Question to a solver.
 #[derive(Debug, Clone, Copy)]
 struct Question<T> {
     /// Of five freedoms; a ring with fewer has the first ones.
@@ -247,7 +247,7 @@ fn ask_axial<T: Real, const N: usize, M: Motion>(
     })
 }
 
-/// What the bearing can take, to an order of magnitude.
+/// Load, speed and displacement that the bearing can take, to an order of magnitude.
 struct Scale {
     load: [f64; 5],
     speed: f64,

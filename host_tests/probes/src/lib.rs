@@ -1,4 +1,4 @@
-//! The scenes that are measured and proved: one table for the images beside this file, and for the programs that
+//! The scenes that are measured and proved. One table serves the images beside this file, and the programs that
 //! build the images and look at them.
 
 #![no_std]

@@ -4,8 +4,8 @@ use super::families::Family::{self, *};
 use super::judge::{PRECISIONS, Record, Verdict};
 use super::report::{covered, errors, name, part, ratios, share, table};
 
-/// Figures in words; the families whose figures they are, none for all of them together; the figures; and their largest
-/// values in single and in double precision, infinite where nothing is promised.
+/// Figures in words; their families, none for all together; the figures; and their largest values in
+/// single and in double precision, infinite where nothing is promised.
 type Promise = (
     &'static str,
     &'static [Family],
@@ -54,8 +54,8 @@ fn beyond(of: &[&Record]) -> Vec<f64> {
     covered(of).map(|covered| 100.0 - covered).to_vec()
 }
 
-/// A load cell is good for a hundredth, and a stability lobe wants stiffness to a thousandth: single precision keeps both with
-/// room to spare wherever a spindle runs. Double precision is good to some hundred units in the last place.
+/// A load cell is good for a hundredth, and a stability lobe wants stiffness to a thousandth. Single precision keeps both
+/// with room to spare wherever a spindle runs. Double precision is good to some hundred units in the last place.
 #[rustfmt::skip]
 const PROMISES: &[Promise] = &[
     ("panics, figures not finite, solves past 100 iterations, wrong reasons", &Family::ALL,

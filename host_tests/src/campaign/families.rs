@@ -147,7 +147,7 @@ impl Draft {
         }
     }
 
-    /// Largest static load, N: roughly that of ISO 76.
+    /// Largest static load, N: roughly ISO 76's.
     fn capacity(&self) -> f64 {
         let d = self.design.ball_diameter;
         12e6 * self.balls as f64 * d * d

@@ -14,8 +14,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// Most iterations a solve may take: the limit of the default settings.
 const MOST_ITERATIONS: u16 = 100;
 
-/// Beyond this error in displacement, forces or stiffness, an answer may be another equilibrium than the one it was
-/// compared with: it is judged from its own balls as well.
+/// Error in displacement, forces or stiffness beyond which an answer may be another equilibrium than the
+/// expected one. It is then judged from its own balls as well.
 const FAR: f64 = 1e-2;
 
 /// Two truths whose forces or displacements differ by more are two equilibria.
@@ -57,7 +57,7 @@ impl Answer {
         }
     }
 
-    /// Says what must never be, if the answer to this tick is that.
+    /// Fault that must never be, if the answer to this tick has one.
     fn failure(&self, tick: &Tick) -> Option<&'static str> {
         let status = self.status;
         let is_finite = tick.load.iter().chain([&tick.omega]).all(|x| x.is_finite());
@@ -232,8 +232,8 @@ fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
         physical(trial, found)
     };
     near(tick.omega).or_else(|| {
-        // A ball that is off the inner race and hardly turns is held by next to nothing, and where it is
-        // makes no difference: as well judged at rest.
+        // A ball that is off the inner race and hardly turns is held by next to nothing. Its place makes
+        // no difference: it may as well be judged at rest.
         let largest =
             |of: fn(&BallState<f64>) -> f64| answer.balls().iter().map(of).fold(0.0, f64::max);
         if largest(|b| b.centrifugal_force) <= NEGLIGIBLE * largest(|b| b.q_o) {
@@ -260,7 +260,7 @@ fn known(trial: &Trial, tick: &Tick) -> Option<Solution> {
     physical(trial, found)
 }
 
-/// An equilibrium, if it is one of the bearing and not just of its equations: Newton may run away to
+/// An equilibrium, if it is one of the bearing and not just of its equations. Newton may run away to
 /// contacts that are wound round the ball or deeper than the grooves' centres are apart.
 fn physical(trial: &Trial, found: Result<Solution, Failure>) -> Option<Solution> {
     let deepest = trial.case.design.centre_distance();
@@ -280,8 +280,8 @@ fn errors(trial: &Trial, found: &Equilibrium, truth: &Solution) -> [f64; 3] {
     [e.displacement, e.force, e.stiffness].map(|e| if e.is_nan() { f64::INFINITY } else { e })
 }
 
-/// Whether an equilibrium leaves the ring free to move in some direction, as far as this precision can
-/// tell: fewer than three balls carry by more than rounding of the largest force, or the stiffness has no inverse.
+/// Whether an equilibrium leaves the ring free to move in some direction, as far as this precision tells.
+/// Fewer than three balls carry by more than rounding of the largest force, or the stiffness has no inverse.
 fn is_indeterminate(truth: &Solution, pitch_radius: f64, precision: Precision) -> bool {
     let epsilon = match precision {
         Precision::F32 => f64::from(f32::EPSILON),
@@ -311,8 +311,8 @@ fn refused(truth: &Solution, trial: &Trial, status: &str, precision: Precision) 
     }
 }
 
-/// Solves and judges the counted solves of a case, without the reference build's own search; `is_followed` has the
-/// reference build follow the branch from rest as well.
+/// Solves and judges the counted solves of a case, without the reference build's own search. If
+/// `is_followed`, the reference build follows the branch from rest as well.
 pub fn judge(trial: &Trial, is_followed: bool) -> Vec<Judged> {
     let [single, double] = PRECISIONS.map(|precision| answers(trial, precision));
     let first = trial.ticks.len() - trial.family.ticks();

@@ -113,7 +113,7 @@ from there. Of {} answers, {} are off by far more than their estimates.
     )
 }
 
-/// Whether a solve is one to look into: no answer and no good reason, or an answer that is not what it says.
+/// Whether a solve is one to look into: no answer and no good reason, or an answer that is not true.
 fn is_failure(record: &Record) -> bool {
     !matches!(record.verdict, Verdict::Judged | Verdict::RightlyRefused)
         || record.is_unbalanced()

@@ -79,7 +79,7 @@ pub fn part(records: &[Record], family: Option<Family>, precision: Precision) ->
     records.iter().filter(of).collect()
 }
 
-/// Records of one kind in percent of those of another; 0 % of nothing.
+/// Records of one kind in percent of another kind's; 0 % of nothing.
 pub fn share(
     records: &[&Record],
     is: impl Fn(&Record) -> bool,

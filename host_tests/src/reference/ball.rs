@@ -255,8 +255,8 @@ impl Reference {
         x
     }
 
-    /// Centre of a ball thrown into the wedge between the races, where the circles on which it touches
-    /// one race each cross, a little further out by what its centrifugal force presses in.
+    /// Centre of a ball thrown into the wedge between the races. The circles on which it touches one
+    /// race each cross there, a little further out as its centrifugal force presses it in.
     fn wedged(&self, centre: &[f64; 2], flung: &[f64; 2]) -> [f64; 2] {
         let length = centre[0].hypot(centre[1]);
         let press = flung[1] - self.lo.hi;

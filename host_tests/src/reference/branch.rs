@@ -1,7 +1,7 @@
 //! The equilibrium on the branch that is connected to rest, by continuation in `omega^2`.
 //!
 //! At rest the bearing has one equilibrium: its energy is convex. As the speed rises, that equilibrium moves along a
-//! branch, and where a load has several equilibria at speed, the one on this branch is meant.
+//! branch. Where a load has several equilibria at speed, the one on this branch is meant.
 
 use super::newton::{Stage, Task};
 use super::{Attitude, Failure, Reference, Solution, check};
@@ -124,8 +124,8 @@ impl Reference {
         Some(Point { part, stage })
     }
 
-    /// The next point, if it is one of the same branch as far as the predictor tells; and whether a longer step would
-    /// have been one, too.
+    /// The next point, if it is on this branch as far as the predictor tells; and whether a longer step
+    /// would have been, too.
     fn advance(
         &self,
         last: Option<&Point>,

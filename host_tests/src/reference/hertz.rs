@@ -88,8 +88,8 @@ impl Hertz {
         }
     }
 
-    /// The same contact with ellipticity and elliptic integrals by the fits of Brewe and Hamrock, J. Lubr.
-    /// Technol. 99 (1977), instead of their exact values.
+    /// This contact with ellipticity and elliptic integrals by fits instead of their exact values: Brewe
+    /// and Hamrock, J. Lubr. Technol. 99 (1977).
     pub(super) fn fitted(&self) -> Hertz {
         let [rx, ry] = self.curvature.map(Dd::value);
         let ratio = rx / ry;

@@ -3,13 +3,13 @@
 //! Unknowns are the five ring displacements and, per ball, both contact angles and both contact
 //! deformations. Every formula is written once, generic over the number type: f64 for values, dual
 //! numbers for the exact Jacobian, double-double for the residual. Newton runs in two stages. The
-//! first, in f64 and damped, keeps the ball centres as what is stepped so that geometry always
-//! closes. The second refines all `4 N + 5` unknowns, held as double-double, until the
-//! residual vanishes to about 20 digits: a deformation is 1e-3 to 1e-7 of the lengths it is the
-//! difference of, and f64 alone would lose that many digits.
+//! first, in f64 and damped, steps the ball centres so that geometry always closes. The second
+//! refines all `4 N + 5` unknowns, held as double-double, until the residual vanishes to about 20
+//! digits. A deformation is a difference of lengths, and 1e-3 to 1e-7 of them: f64 alone would lose
+//! that many digits.
 //!
-//! Physics: Jones (1960) and Harris, "Rolling Bearing Analysis"; the raceway-control-free attitude is
-//! that of Ding (2001) and of Wang et al., Mech. Mach. Theory 82 (2014).
+//! Physics: Jones (1960) and Harris, "Rolling Bearing Analysis"; the raceway-control-free attitude by
+//! Ding (2001) and Wang et al., Mech. Mach. Theory 82 (2014).
 //! It is slow, allocates, and is meant for judging other solvers.
 
 mod ball;
@@ -47,7 +47,7 @@ pub struct Material {
     pub youngs_modulus: f64,
     /// Poisson's ratio.
     pub poissons_ratio: f64,
-    /// Density in kg/m^3; only that of the balls is used.
+    /// Density in kg/m^3; only the balls' is used.
     pub density: f64,
 }
 
@@ -68,8 +68,8 @@ pub struct Bearing {
     pub cos_alpha0: f64,
     /// Sine of the free contact angle.
     pub sin_alpha0: f64,
-    /// Diametral clearance `Pd` in m, of either sign, of a bearing that is alike on both sides: displacement is measured
-    /// from the middle of its play. The free contact angle above then only sets curvatures and radii.
+    /// Diametral clearance `Pd` in m, of either sign, of a bearing that is alike on both sides. Displacement
+    /// counts from the middle of its play. The free contact angle above then only sets curvatures and radii.
     pub clearance: Option<f64>,
     /// Azimuth of ball 0 in rad, from +y towards +z.
     pub first_ball: f64,
@@ -238,7 +238,7 @@ impl Reference {
     }
 
     /// The bearing as a program sees it that gives the gyroscopic moment the wrong sign; for showing
-    /// what that does. `Mg` of its balls is negative.
+    /// the effect. `Mg` of its balls is negative.
     #[must_use]
     pub fn with_gyroscopic_moment_reversed(mut self) -> Reference {
         self.inertia = -self.inertia;
@@ -253,7 +253,7 @@ impl Reference {
     }
 
     /// The bearing as a program sees it that leaves the friction moment `mt` out of the ring's balance;
-    /// for showing what that does.
+    /// for showing the effect.
     #[must_use]
     pub fn without_friction_moment(mut self) -> Reference {
         self.inner_groove = Dd::ZERO;
@@ -261,7 +261,7 @@ impl Reference {
     }
 
     /// The bearing as a program sees it that takes its contact constants from the fits of Brewe and
-    /// Hamrock (1977); for showing what they do.
+    /// Hamrock (1977); for showing their effect.
     #[must_use]
     pub fn with_fitted_contacts(mut self) -> Reference {
         self.inner = self.inner.fitted();
@@ -348,8 +348,8 @@ impl Reference {
         self.search_with(load, omega, attitude, [true; 5], [0.0; 5])
     }
 
-    /// Like [`Self::search`]; a freedom that is not `free` keeps the displacement `held` (m, rad) and its load is ignored. The
-    /// stiffness is still that of all five.
+    /// Like [`Self::search`], but a freedom that is not `free` keeps the displacement `held` (m, rad). Its
+    /// load is ignored. The stiffness is still of all five freedoms.
     ///
     /// # Errors
     /// See [`Failure`].
@@ -364,7 +364,7 @@ impl Reference {
         self.solve_held(load, omega, attitude, free, held, false)
     }
 
-    /// A cold start under what is given, with all patience or without.
+    /// A cold start under given loads and displacements, with all patience or without.
     fn solve_held(
         &self,
         load: [f64; 5],
@@ -399,7 +399,7 @@ impl Reference {
         };
         let mut outcome = Err(Failure::Singular);
         // Plain Newton from a preload that keeps every ball loaded, then with balls in equilibrium
-        // throughout, then along the load, then along the speed; each from milder to heavier preload.
+        // throughout, then along the load, then along the speed. Each goes from milder to heavier preload.
         for method in 0..4 {
             for factor in [1.0, 4.0] {
                 let preload = self.preload(&task.load, factor);

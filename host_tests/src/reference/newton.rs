@@ -14,7 +14,7 @@ pub(super) struct Stage {
     pub(super) x: Vec<[f64; 2]>,
 }
 
-/// A problem: what is applied, what is prescribed.
+/// A problem: load, speed, rule of attitude, and the freedoms that are not prescribed.
 #[derive(Clone, Copy)]
 pub(super) struct Task {
     pub(super) load: [f64; 5],

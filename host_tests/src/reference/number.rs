@@ -1,10 +1,10 @@
-//! Number types: what the textbook formulas need of a number, and dual numbers for exact derivatives.
+//! Number types of the textbook formulas, and dual numbers for exact derivatives.
 
 use crate::double_double::Dd;
 use core::array::from_fn;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What the textbook formulas need of a number.
+/// Number type of the textbook formulas.
 pub(crate) trait Scalar:
     Copy
     + Add<Output = Self>

@@ -1,4 +1,4 @@
-//! Bytes to frames. Damage is counted by its kind, and what is missing by the gaps in the sequence
+//! Bytes to frames. Damage is counted by its kind, and missing frames by the gaps in the sequence
 //! numbers.
 
 use serde::Serialize;

@@ -1,7 +1,7 @@
-//! What an operator tells the board: alarms seen, when to learn the baseline, and that a bearing was replaced.
+//! Orders of an operator to the board: alarms seen, learning of the baseline, a bearing replaced.
 //!
-//! The board carries out what has the nonce that it told last, and answers ([`command`]). An operator therefore
-//! listens: [`Operator::follow`] sends what is wanted as soon as a nonce is known, and sends it again until it is
+//! The board carries out an order with the nonce that it told last, and answers ([`command`]). An operator therefore
+//! listens: [`Operator::follow`] sends an order as soon as a nonce is known, and sends it again until it is
 //! answered.
 
 use super::state::{State, words};
@@ -25,7 +25,7 @@ struct Sent {
     tries: u32,
 }
 
-/// Sends what an operator wants.
+/// Sends an operator's orders.
 #[derive(Debug)]
 pub struct Operator<W> {
     to: W,
@@ -68,7 +68,7 @@ impl<W: Write> Operator<W> {
         self.acknowledging = Some(None);
     }
 
-    /// Wants acknowledged what the board has told of and nobody has acknowledged; returns how many alarms that are.
+    /// Wants alarms acknowledged that the board has told of and nobody has acknowledged; returns their number.
     pub fn acknowledge(&mut self, state: &State) -> usize {
         let before = self.wanted.len();
         for (_, of) in state.standing() {
@@ -90,7 +90,7 @@ impl<W: Write> Operator<W> {
         &self.unanswered
     }
 
-    /// Sends what is wanted, and again what was not answered. To be called after every event of the stream.
+    /// Sends new orders, and again unanswered ones. To be called after every event of the stream.
     ///
     /// # Errors
     ///

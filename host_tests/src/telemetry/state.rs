@@ -1,4 +1,4 @@
-//! What the frames so far say of the spindle.
+//! State of the spindle by the frames so far.
 
 use super::decoder::{Event, Gap, Tally};
 use serde::Serialize;
@@ -119,7 +119,7 @@ impl State {
         }
     }
 
-    /// Takes what a frame says.
+    /// Takes a frame's content.
     fn take(&mut self, frame: &Frame) {
         let time_us = frame.time_us;
         self.time_us = self.time_us.max(time_us);
@@ -239,8 +239,8 @@ impl State {
         self.is_opposed() && report.is_some_and(|report| !(report.axial > 0.0))
     }
 
-    /// Alarms that stand or want somebody's attention, with the time of their last change, the most serious first: none
-    /// that is clear, or pending for its hold time.
+    /// Alarms that stand or want attention, with the time of their last change, the most serious first.
+    /// Alarms that are clear, or pending for their hold time, are left out.
     pub fn standing(&self) -> impl Iterator<Item = &(u64, AlarmReport)> {
         let alarms = self.alarms.iter().flatten();
         alarms.filter(|(_, of)| !matches!(of.state, AlarmState::Clear | AlarmState::Pending))

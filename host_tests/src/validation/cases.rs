@@ -1,4 +1,4 @@
-//! Cases of a run, solved: a table whose columns are those of `cargo replay`.
+//! Cases of a run, solved: a table with the columns of `cargo replay`.
 
 use super::book::{Chapter, Program, Run, Table};
 use crate::cases::{rad_per_s, reference};

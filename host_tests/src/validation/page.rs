@@ -138,7 +138,7 @@ pub fn shown(value: f64) -> String {
     }
 }
 
-/// First line of `committed` whose text is not that of `made`, or whose numbers are not within 1e-3 of it.
+/// First line of `committed` whose text differs from `made`, or whose numbers differ by over 1e-3.
 ///
 /// The commit in the first line makes no difference.
 pub fn difference(committed: &str, made: &str) -> Option<String> {

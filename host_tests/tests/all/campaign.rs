@@ -73,7 +73,7 @@ fn a_ball_that_diverges_on_the_way_does_not_cost_the_solve() {
     }
 }
 
-/// Balls off the inner race whose cage speed is next to its pole, where a bound on the cage speed balances loads that the
+/// Balls off the inner race whose cage speed is next to its pole. A bound on the cage speed balances loads there that the
 /// model does not. The first answer is out of balance by little.
 #[test]
 fn a_load_that_only_the_pole_of_the_cage_speed_balances_is_refused() {
@@ -86,8 +86,8 @@ fn a_load_that_only_the_pole_of_the_cage_speed_balances_is_refused() {
     }
 }
 
-/// A ball's force goes out of all proportion when the ring is already there, which says nothing of the ring's steps: no
-/// answer, or one that is as exact as it says.
+/// A ball's force goes out of all proportion when the ring is already there. It says nothing of the
+/// ring's steps: there is no answer, or one that is as exact as it says.
 #[test]
 fn a_ball_whose_force_diverges_does_not_make_an_unbalanced_ring_converge() {
     let records = records(Random, 2_282);

@@ -1,7 +1,7 @@
 //! Scenes and designs that must not compile, and what the compiler says to them.
 //!
 //! Every item is compiled twice: in its good form, where it must pass, and in its bad form, where it must be refused. So it
-//! is refused for nothing else. Only the library's own words are compared: those of the compiler change from release to
+//! is refused for nothing else. Only the library's own words are compared: the compiler's words change from release to
 //! release.
 
 use rayon::prelude::*;
@@ -96,7 +96,7 @@ fn library(folder: &Path) -> PathBuf {
     folder.join("debug/libspindle_bearing.rlib")
 }
 
-/// Compiles an item; what the compiler says if it refuses.
+/// Compiles an item; the error is the compiler's words if it refuses.
 fn compile(item: &str, library: &Path) -> Result<(), String> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let mut compiler = Command::new(rustc)

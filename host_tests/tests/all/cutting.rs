@@ -109,7 +109,7 @@ fn a_pressure_above_the_limit_is_one_alarm() {
     }
 }
 
-/// With the shipped settings no load is out of the range of estimates and within that of the alarm.
+/// With the shipped settings no load is out of the range of estimates and within the alarm's.
 #[test]
 fn an_overload_needs_no_equilibrium_but_more_than_a_sample() {
     let bounds = MONITOR

@@ -1,4 +1,4 @@
-//! Designs that cannot be built: what is said to them.
+//! Designs that cannot be built, and their errors.
 
 use host_tests::cases::B7005C;
 use spindle_bearing::Bearing;

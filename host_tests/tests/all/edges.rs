@@ -55,8 +55,8 @@ fn radial(force: f64) -> [f64; 5] {
     [0.0, force, 0.0, 0.0, 0.0]
 }
 
-/// Where four divides the number of balls, a radial load alone has two balls touch without force: their stiffness is that of
-/// rounding, and nothing else depends on it. A little load across presses one of them.
+/// Where four divides the number of balls, a radial load alone has two balls touch without force. Their stiffness is one
+/// of rounding, and nothing else depends on it. A little load across presses one of them.
 #[test]
 fn radial_loads_on_balls_without_clearance_have_the_stiffness_of_those_a_little_aside() {
     let found = answers((&EIGHT, 8), Precision::F64, false, &[radial(500.0)], 0.0).remove(0);
@@ -90,8 +90,8 @@ fn radial_loads_on_balls_without_clearance_have_the_stiffness_of_those_a_little_
     }
 }
 
-/// Radial loads, moments and two equal components along the balls' symmetries are solved but for one in a thousand, at rest
-/// and where the shaft hardly turns.
+/// Radial loads, moments and two equal components along the balls' symmetries are solved, at rest and
+/// where the shaft hardly turns, but for one in a thousand.
 #[test]
 fn loads_along_the_symmetries_of_the_balls_are_solved() {
     let mut lost = 0;
@@ -240,8 +240,8 @@ fn a_negative_clearance_is_a_growth_without_clearance() {
     assert!(middle.stiffness()[1][1] > 8e7);
 }
 
-/// A row that nothing holds along its axis or against a tilt is told so, or that no equilibrium was found: never that more
-/// iterations would do. With enough axial load, the radial load is solved.
+/// A row that nothing holds along its axis or against a tilt is told so, or that no equilibrium was found. It is never
+/// told that more iterations would do. With enough axial load, the radial load is solved.
 #[test]
 fn a_ring_that_is_free_is_told_so_and_an_axial_load_holds_it() {
     let steep = Design {

@@ -81,8 +81,8 @@ fn a_bearing_that_warms_up_is_followed() {
     }
 }
 
-/// A disc of the rings' material from one radius to another, turning at `omega`: the displacement at the outer radius and
-/// the stress at both, from the displacement at the inner radius and its slope. Equilibrium of an element, integrated.
+/// Displacement at the outer radius, and stress at both radii, of a disc that turns at `omega`, of the rings' material.
+/// The displacement at the inner radius and its slope are given. Equilibrium of an element, integrated.
 fn disc([a, b]: [f64; 2], omega: f64, mut u: f64, mut slope: f64) -> (f64, [f64; 2]) {
     const STEPS: u32 = 2000;
     let ring = &B7005C.ring;

@@ -1,4 +1,4 @@
-//! Rating life that the monitor counts, against that of the loads as they are.
+//! Rating life that the monitor counts, against the life under the loads as they are.
 
 use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use rayon::prelude::*;

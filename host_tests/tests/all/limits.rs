@@ -201,7 +201,7 @@ fn shoulders_are_passed_where_the_contact_angles_say() {
             FreeContact::Angle(angle) => angle,
             FreeContact::DiametralClearance(_) => 0.0,
         };
-        // Ball count is that of the others: the SKF6205 has room for 9 only.
+        // Ball count as for the others: the SKF6205 has room for 9 only.
         let base = Design {
             pitch_diameter: base.pitch_diameter.max(6.0 * base.ball_diameter),
             ..base

@@ -1,6 +1,6 @@
 //! The monitor under faults, and for a day.
 //!
-//! Three laws hold in every test with a [`Rig`]: no fault stops the ticks, none yields a stiffness without a mark, and no
+//! Three laws hold in every test with a [`Rig`]. No fault stops the ticks, none yields a stiffness without a mark, and no
 //! alarm is lost.
 
 use embedded_hal::delay::DelayNs;
@@ -65,7 +65,7 @@ pub(super) static ON_BEARING: MonitorSettings = {
 pub(super) const IDLE: [f32; 5] = [420.0, 5.0, -8.0, 0.05, -0.1];
 pub(super) const SPEED: f32 = 1500.0;
 
-/// Loads at the nose of the shipped spindle of a cutter 50 mm in front of it that puts this force (N) onto the front bearing.
+/// Loads at the shipped spindle's nose. A cutter 50 mm in front of it puts this force (N) onto the front bearing.
 pub(super) fn at_nose(force: [f64; 3]) -> [f32; 5] {
     let [x, y, z] = force.map(|force| 0.55 * force);
     [x, y, z, 0.05 * z, -0.05 * y].map(|load| load as f32)
@@ -361,7 +361,7 @@ fn assert_stiffness(reported: [f32; 5], load: [f32; 5], within: f32) {
     }
 }
 
-/// Warm, loaded at the nose: what is reported of rows and nose is what the spindle's own solver says.
+/// Warm, loaded at the nose: reports of rows and nose are as by the spindle's own solver.
 #[test]
 fn the_estimate_of_a_pair_is_its_spindles_own() {
     let mut rig = Rig::shipped();
@@ -719,8 +719,8 @@ const fn numbered(sequence: u32, time_ms: u32) -> LoadRecord {
     }
 }
 
-/// Of records that arrive at these ms, this range has the mark and no other record has any; `counts` are those of
-/// disordered, lost and late records.
+/// Of records that arrive at these ms, this range has the mark and no other record has any. `counts`
+/// are the numbers of disordered, lost and late records.
 fn assert_doubted(
     records: impl Iterator<Item = (u64, LoadRecord)>,
     range: Range<usize>,
@@ -1434,8 +1434,8 @@ fn a_day_passes_without_drift_or_overflow() {
         (0, 0, 0)
     );
     assert_eq!((health.estimates, health.refusals), (86_400, 0));
-    // Estimates and their rows every ten seconds; a picture of four frames, two reports, the start and the shaft every
-    // minute; the board's report every tenth.
+    // Estimates and their rows come every ten seconds. A picture of four frames, two reports, the start and the shaft
+    // come every minute, and the board's report every tenth.
     let reports = 8 * 1440 + 144;
     assert!((17_278..=17_282).contains(&(frames - reports)), "{frames}");
     // No drift: the same cycle gives the same stiffness, and takes the same part of the life.

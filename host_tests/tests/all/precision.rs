@@ -11,9 +11,9 @@ use host_tests::tolerances::allowed;
 use spindle_bearing::{Design, FreeContact, Status};
 use std::f64::consts::PI;
 
-/// Holds 400 solves in single precision along a direction, some of which rounding ends, to their stiffness in
-/// double precision: all to their own estimates, and as many as `rounded_off` allows to the table. At most `refused` have no
-/// answer. Returns the largest errors of those within the table and of all that rounding has ended.
+/// Holds 400 solves in single precision along a direction to their stiffness in double precision. Rounding ends some. All
+/// keep to their own estimates, and as many as `rounded_off` allows to the table. At most `refused` have no answer.
+/// Returns the largest errors of the solves within the table, and of all that rounding has ended.
 fn worst_where_rounding_ends(
     balls: Balls,
     direction: [f64; 5],
@@ -52,9 +52,9 @@ fn worst_where_rounding_ends(
     [worst, of_all]
 }
 
-/// Below 6 N, the ring moves further to the side than its balls are pressed, and rounding of the motion is that of the stiffness:
-/// 1e-2 at most, as the estimate says, but for two loads that hardly tell a pressed ball from a free one. Of the loads below
-/// 0.15 N, 62 find no equilibrium.
+/// Below 6 N, the ring moves further to the side than its balls are pressed. The stiffness is rounded like the motion, to
+/// 1e-2 at most, as the estimate says. Two loads are worse, which hardly tell a pressed ball from a free one. Of the
+/// loads below 0.15 N, 62 find no equilibrium.
 #[test]
 fn where_rounding_ends_a_solve_at_rest_the_stiffness_is_good_or_said_not_to_be() {
     let (balls, radial) = (Balls::Static, [0.0, 1.0, 0.3, 0.0, 0.0]);
@@ -197,7 +197,7 @@ fn a_ring_that_rocks_on_few_balls_comes_to_rest_before_the_solve_ends() {
     }
 }
 
-/// Answers for these loads at these speeds, each next to the one before, and the medians of their stated errors of
+/// Answers for these loads at these speeds, each next to the one before. The medians are of their stated errors of
 /// displacement, force and stiffness over the true ones. Of each hundred, one true error may be larger than stated.
 fn stated_over_true(
     precision: Precision,
@@ -245,9 +245,9 @@ fn stated_over_true(
     (medians, found)
 }
 
-/// The last step leaves most of the error of a coarse solve, rounding most of that of a fine one: the more, the less the
-/// balls are deformed. A stiffness corrected along the step is better than stated: what the correction is said to miss is that
-/// of light loads.
+/// The last step leaves most of the error of a coarse solve. Rounding leaves most of a fine solve's: the more, the less
+/// the balls are deformed. A stiffness corrected along the step is better than stated: the error stated for the
+/// correction is a light load's.
 #[test]
 fn stated_errors_cover_the_true_ones_and_are_of_their_order() {
     let mut r = Random::seeded(5);

@@ -139,9 +139,9 @@ fn an_unloaded_bearing_has_no_position() {
 
 #[test]
 fn a_ring_on_one_or_two_balls_is_indeterminate() {
-    // Three balls with clearance, under a radial load in the plane of the groove centres: the first
+    // Three balls with clearance, under a radial load in the plane of the groove centres. The first
     // ball carries alone if it lies in the direction of the load, two of them if the load points
-    // between them; nothing holds the ring in the other directions.
+    // between them. Nothing holds the ring in the other directions.
     fn assert_indeterminate<M: Motion>(first_ball: f64, expected: u16) {
         let design = Design {
             free_contact: FreeContact::DiametralClearance(20e-6),

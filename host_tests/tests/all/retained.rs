@@ -1,5 +1,4 @@
-//! What the monitor has learnt is kept without power: the log of `monitor::retained` on a flash in memory that
-//! forgets its manners as real ones do.
+//! Log of `monitor::retained` without power, on a flash in memory that forgets its manners as real ones do.
 
 use super::monitor::BEARING;
 use embedded_storage::nor_flash::{
@@ -207,7 +206,7 @@ pub(super) fn idling(speed: f32, stiffness: [f32; 5]) -> Findings {
 type Learnt = (Baseline, (u128, u128));
 const NOTHING: Learnt = (Baseline::EMPTY, (0, 0));
 
-/// The same spindle with balls of ceramic.
+/// Identity of the spindle with balls of ceramic.
 const OTHER: Identity = {
     let mut design = B7005C;
     design.ball = Material::SILICON_NITRIDE;
@@ -241,7 +240,7 @@ impl<F: NorFlash> Board<F> {
         }
     }
 
-    /// Learns the spindle with a stiffness of `k`, as that of another bearing.
+    /// Learns the spindle with a stiffness of `k`, as another bearing's.
     fn learn(&mut self, k: f32) {
         self.judgement.forget_baseline();
         self.judgement.start_learning();
@@ -1303,7 +1302,7 @@ fn a_monitor_goes_on_after_a_power_cycle_with_the_same_judgement() {
     assert!(past.life.1 >> 64 <= 250, "{}", past.life.1 >> 64);
 }
 
-/// The host sees it without asking: the start by its own report, the alarm among those that stand.
+/// The host sees it without asking: the start by its own report, the alarm among the standing ones.
 #[test]
 fn a_monitor_tells_of_its_start_and_of_the_alarms_before_it() {
     let mut board = Board::start(WideWords::new(2));

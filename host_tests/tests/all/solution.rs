@@ -29,7 +29,7 @@ fn a_snapshot_is_what_the_reference_build_says() {
         assert!(errors.within(allowed(Precision::F64)), "{rpm}: {errors}");
         assert_eq!((copy.load, copy.speed), (SKEW, speed));
         assert!(solution.inner_forces().eq(copy.balls.map(|ball| ball.q_i)));
-        // Cage speeds are those of the centrifugal forces.
+        // Cage speeds fit the centrifugal forces.
         let half_m_dm = B7005C.ball.density * PI * d.powi(3) / 12.0 * B7005C.pitch_diameter;
         assert!(solution.cage_speeds().eq(copy.cage_speeds));
         for (ball, cage_speed) in copy.balls.iter().zip(copy.cage_speeds) {

@@ -24,9 +24,9 @@ fn clamped_by(row: &Row) -> Option<f64> {
     }
 }
 
-/// How far an answer is off. Displacements are of the shaft and of the sleeve, over the largest of the shaft or the largest
-/// closure of a row, whichever is larger: an unloaded set has no displacement at all. Forces are those of the rows and of
-/// the balls' contacts, over the largest of its kind in the set.
+/// Errors of an answer. Displacements are of the shaft and of the sleeve. They are over the shaft's largest, or a row's
+/// largest closure if this is larger: an unloaded set has no displacement at all. Forces are the rows' and the
+/// balls' contact forces, over the largest of their kind in the set.
 fn errors(found: &Answer, set: &SolvedSet) -> Errors {
     let design = &set.plan.rows[0].design;
     let (lengths, forces) = (solves::lengths(design), solves::forces(design));
@@ -353,8 +353,8 @@ fn the_tangent_is_that_of_central_differences() {
     }
 }
 
-/// A light rear row, clamped or in a sleeve, is what changes most: the tilt stiffness that it makes by its distance, or the
-/// stiffness of its sleeve.
+/// A light rear row, clamped or in a sleeve, changes most: the tilt stiffness by its distance, or its
+/// sleeve's stiffness.
 #[test]
 fn a_set_that_tilts_states_true_errors_of_its_stiffness_the_same_about_any_axis() {
     for (preload, spring) in [
@@ -401,7 +401,7 @@ fn a_set_that_tilts_states_true_errors_of_its_stiffness_the_same_about_any_axis(
     }
 }
 
-/// Growth of both rings of a clamped pair makes its preload grow; that of a pair under a spring leaves it.
+/// Growth of both rings makes the preload of a clamped pair grow, and leaves a sprung pair's alone.
 #[test]
 fn growth_preloads_a_clamped_pair_only() {
     let radial = Growth {
@@ -445,8 +445,8 @@ fn a_pair_of_7014c_is_as_stiff_as_the_model_says() {
     }
 }
 
-/// A random spindle that a designer might draw: one to four rows of one or two kinds, clamped or with a sleeve, under loads
-/// about as large as its preload, grown a little.
+/// A random spindle that a designer might draw: one to four rows of one or two kinds, clamped or with a
+/// sleeve. Its loads are about as large as its preload, and it has grown a little.
 fn random(seed: u64) -> (Plan, Attitude, Question) {
     let mut r = Random::seeded(seed);
     let kinds = [Case::random(seed), Case::random(seed ^ 0x55)];
@@ -473,7 +473,7 @@ fn random(seed: u64) -> (Plan, Attitude, Question) {
             let first = i < turn;
             let preload = match spring && !first {
                 true => Preload::Spring,
-                // That of a force; for sets whose rows do not face each other, too.
+                // A force's closure; for sets whose rows do not face each other, too.
                 false => Preload::Closure(design.centre_distance() * r.log_between(2e-3, 5e-2)),
             };
             Row {
@@ -579,8 +579,8 @@ fn off_balance(plan: &Plan, question: &Question, answer: &Answer) -> f64 {
     solves::size(left, unit) / largest_force(answer)
 }
 
-/// Clamped rows that face each other hold nearly any shaft, cold from the first solve on, and each row carries what the
-/// reference build says of its displacement.
+/// Clamped rows that face each other hold nearly any shaft, cold from the first solve on. Each row
+/// carries the reference build's forces at its displacement.
 #[test]
 fn random_clamped_spindles_are_what_the_reference_build_says() {
     let lost = AtomicUsize::new(0);

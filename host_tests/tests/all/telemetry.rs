@@ -36,7 +36,7 @@ pub(super) fn frames_of(events: &[Event]) -> Vec<&Frame> {
     frames.collect()
 }
 
-/// The recording up to a time, and what the monitor sends of it.
+/// The recording up to a time, and the monitor's bytes for it.
 pub(super) fn cycle(seconds: f64) -> (Vec<LoadRow>, Vec<u8>) {
     let rows: Result<Vec<_>, _> = loads::read(record_of(ROWS))
         .unwrap()
@@ -487,7 +487,7 @@ fn a_restart_forgets_what_was_and_goes_on_counting() {
     assert_eq!((state.tally.frames, state.tally.restarts), (4, 1));
 }
 
-/// The orders in what an operator has sent, with their nonces, as the board finds them.
+/// The orders that an operator has sent, with their nonces, as the board finds them.
 fn orders(operator: &mut Operator<Vec<u8>>) -> Vec<(u32, Order)> {
     let sent = std::mem::take(operator.get_mut());
     let mut reader = PortReader::new();

@@ -28,7 +28,7 @@ fn inner_centre(design: &Design) -> [f64; 2] {
     [0.5 * design.pitch_diameter + li * cos0, li * sin0]
 }
 
-/// A ball's forces on the inner ring, axial and radial, the moment of its friction there, and what its own balance leaves.
+/// A ball's forces on the inner ring, axial and radial, its friction moment there, and the rest of its own balance.
 fn forces(design: &Design, rule: Attitude, ball: &BallState<f64>) -> ([f64; 3], [f64; 2]) {
     let [ti, to] = friction(ball, rule, design.ball_diameter);
     let ((si, ci), (so, co)) = (ball.alpha_i.sin_cos(), ball.alpha_o.sin_cos());

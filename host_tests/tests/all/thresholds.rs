@@ -102,7 +102,7 @@ fn single_precision_sees_what_double_precision_sees() {
         let (Some((double, _)), Some((single, _))) = (double, single) else {
             continue;
         };
-        // That of the closest groove.
+        // Radius of the closest groove.
         let radius = 0.5 * design.ball_diameter;
         for limit in Limit::ALL {
             let allowed = match limit {
@@ -130,7 +130,7 @@ fn single_precision_sees_what_double_precision_sees() {
                         // Forces are good to `errors.force` of the largest, and pressure has a third
                         // of their relative error.
                         Limit::PeakPressure => close(a, b, errors.force + 1e-6),
-                        // That of a ball with a hundredth of the largest force.
+                        // Error of a ball with a hundredth of the largest force.
                         Limit::Friction => close(a, b, 1e-2),
                         Limit::InnerContact => (a - b).abs() < 1e-9,
                         Limit::Truncation => (a - b).abs() < angle * radius,

@@ -149,8 +149,8 @@ fn judge(
     }
 }
 
-/// Cases that have an ordinary solution: contact angles below 85 degrees, and no ball off the inner
-/// race under inner race control, which presumes that there is none.
+/// Whether a case has an ordinary solution: contact angles below 85 degrees, and under inner race
+/// control no ball off the inner race, which this rule presumes.
 fn is_ordinary(case: &Case, truth: &Equilibrium) -> bool {
     let pressed = truth.balls.iter().filter(|b| b.inner.force > 0.0);
     let steepest = pressed.fold(0.0, |m, b| worse(m, b.inner.angle.abs()));

@@ -1,4 +1,4 @@
-//! Solves that are stopped: what they have reached, and how the next one goes on from there.
+//! Solves that are stopped: the states that they have reached, and how the next one goes on from there.
 
 use super::solves::SKEW;
 use host_tests::cases::B7005C;

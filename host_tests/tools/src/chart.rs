@@ -59,7 +59,7 @@ impl Panel {
 #[derive(Debug, Clone, Default)]
 pub struct Axis {
     pub label: String,
-    /// Lowest and highest value; those of the curves, if none are given.
+    /// Lowest and highest value; the curves', if none are given.
     pub range: Option<(f64, f64)>,
     pub logarithmic: bool,
 }

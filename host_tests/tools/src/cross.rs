@@ -43,7 +43,7 @@ pub struct Build<'b> {
     pub link: &'b [&'b str],
     /// Processor to compile for, where it is not the one of the project's configuration.
     pub processor: Option<&'b str>,
-    /// Environment variables, and `None` for those that must not be set.
+    /// Environment variables; one with `None` must not be set.
     pub environment: &'b [(&'b str, Option<&'b str>)],
     /// Keep what cargo says for the error instead of showing it.
     pub quiet: bool,
@@ -128,7 +128,7 @@ pub fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// What a command prints; `None` if it cannot be run, or fails.
+/// Output of a command; `None` if it cannot be run, or fails.
 pub fn output(command: &mut Command) -> Option<String> {
     let output = command
         .stdin(Stdio::null())
@@ -144,7 +144,7 @@ pub fn output(command: &mut Command) -> Option<String> {
 /// Something that is not on this machine.
 #[derive(Debug, Clone, Copy)]
 pub struct Missing<'m> {
-    /// What to call it.
+    /// Name of the missing thing.
     pub what: &'m str,
     /// Debian's packages that bring it.
     pub debian: &'m [&'m str],
@@ -152,8 +152,8 @@ pub struct Missing<'m> {
     pub elsewhere: &'m str,
 }
 
-/// Installs the packages that are its arguments, on Debian and Ubuntu. A package of the release may not get along with a
-/// newer one that is there: it then comes from Debian's backports, and the system's own sources are left alone.
+/// Installs the packages that are its arguments, on Debian and Ubuntu. A package of the release may not get
+/// along with a newer one that is there. It then comes from Debian's backports; the system's sources are left alone.
 const INSTALL: &str = r#"
 export DEBIAN_FRONTEND=noninteractive
 install="install -q -y --no-remove --no-install-recommends"
@@ -168,7 +168,7 @@ apt-get -q -o "Dir::Etc::SourceList=$sources" update
 apt-get -o "Dir::Etc::SourceList=$sources" -t "$suite" $install "$@"
 "#;
 
-/// Installs what is missing where that takes no password: on Debian and Ubuntu, by root or with `sudo`.
+/// Installs missing packages where that takes no password: on Debian and Ubuntu, by root or with `sudo`.
 ///
 /// # Errors
 ///

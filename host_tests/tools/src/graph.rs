@@ -10,7 +10,7 @@ use object::{
 };
 use std::collections::{BTreeMap, VecDeque};
 
-/// Symbols by their addresses, and what each of them mentions.
+/// Symbols by their addresses, and the addresses that each of them mentions.
 #[derive(Debug, Default)]
 pub struct Graph {
     symbols: BTreeMap<u64, Symbol>,
@@ -20,7 +20,7 @@ pub struct Graph {
 struct Symbol {
     name: String,
     size: u64,
-    /// What it mentions, and at which address first.
+    /// Addresses that it mentions, and the place of their first mention.
     mentions: BTreeMap<u64, u64>,
 }
 
@@ -109,7 +109,7 @@ impl Graph {
         Ok(())
     }
 
-    /// What is reachable from the symbols that `is_root` picks by their names.
+    /// Symbols reachable from the roots that `is_root` picks by their names.
     pub fn reach(&self, is_root: impl Fn(&str) -> bool) -> Reach<'_> {
         let roots = self.symbols.iter().filter(|(_, s)| is_root(&s.name));
         let mut before: BTreeMap<_, _> = roots.map(|(at, _)| (*at, None)).collect();
@@ -132,7 +132,7 @@ impl Graph {
     }
 }
 
-/// What is reachable from some roots, the nearest first.
+/// Symbols reachable from some roots, the nearest first.
 pub struct Reach<'g> {
     graph: &'g Graph,
     /// The symbol by which each was reached, and the place in it; none for roots.
@@ -141,12 +141,12 @@ pub struct Reach<'g> {
 }
 
 impl Reach<'_> {
-    /// Names of what is reachable.
+    /// Names of the reachable symbols.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.order.iter().map(|at| &*self.graph.symbols[at].name)
     }
 
-    /// Address, size in bytes and name of what is reachable.
+    /// Address, size in bytes and name of each reachable symbol.
     pub fn symbols(&self) -> impl Iterator<Item = (u64, u64, &str)> {
         self.order.iter().map(|at| {
             let symbol = &self.graph.symbols[at];

@@ -1,4 +1,4 @@
-//! What the programs around the judge share.
+//! Shared parts of the programs around the judge.
 
 pub mod arguments;
 pub mod bar;

@@ -1,5 +1,5 @@
-//! Writes into a linked firmware what its self-checks expect: the checksum of its image, and that of the solve whose
-//! answer is known, as this machine's build of the same source computes it.
+//! Writes two checksums into a linked firmware, for its self-checks: its image's, and the known answer's. The answer is
+//! computed by this machine's build of the same source.
 
 use anyhow::{Context, Result, bail, ensure};
 use object::elf::PT_LOAD;

@@ -1,5 +1,5 @@
-//! What goes over the port to the monitor in a run of a recording: a record a tick and temperatures ten times a second, spoilt
-//! by faults if wanted, and now and then a command of the operator's.
+//! Input of the monitor's port in a run of a recording: a record a tick and temperatures ten times a
+//! second, spoilt by faults if wanted. Now and then comes a command of the operator's.
 
 pub mod faults;
 pub mod records;
@@ -13,7 +13,7 @@ use records::Recording;
 use spindle_bearing::monitor::MonitorSettings;
 use spindle_bearing::monitor::command::{self, Command, Order};
 
-/// Bytes that the link takes in a tick: those of 460,800 baud in a millisecond.
+/// Bytes that the link takes in a tick: 460,800 baud for a millisecond.
 pub const ROOM: u16 = 46;
 /// Ticks from one message of temperatures to the next.
 const TEMPERATURES: usize = 100;

@@ -43,7 +43,7 @@ mod bare {
         }
     }
 
-    /// What firmware in single precision uses, for a design that the compiler works out.
+    /// Functions that firmware in single precision uses, for a design that the compiler works out.
     fn single() {
         every_scene(&BEARING);
         monitor();
@@ -61,7 +61,7 @@ mod bare {
         black_box(elliptic_integrals(black_box(0.5)));
     }
 
-    /// What must not be there.
+    /// Code that must not be there: the check has to find it.
     fn spoiled() {
         let numbers = black_box([1.0_f64; 4]);
         black_box(numbers[black_box(3)] * 3.0);

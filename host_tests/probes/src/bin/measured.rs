@@ -1,4 +1,4 @@
-//! One solver, for `cargo reports` and `cargo check-firmware`: entry points that an emulator calls one at a time,
+//! One solver, for `cargo reports` and `cargo check-firmware`. An emulator calls its entry points one at a time,
 //! each with its input and its output at fixed symbols.
 //!
 //! The build says the precision (`MEASURED_PRECISION`) and the scene (`MEASURED_SCENE`), so that a program has one
@@ -70,8 +70,8 @@ mod measured {
     type Measured = <Chose as Chosen>::Scene;
     type Solver = <Measured as Scene<Precision, BALLS, D>>::Solver<'static>;
 
-    /// The design: ball and pitch diameter, groove factors, free contact angle, azimuth of the first ball; modulus,
-    /// Poisson's ratio and density of the rings and of the balls.
+    /// The design: ball and pitch diameter, groove factors, free contact angle, azimuth of the first ball.
+    /// Then modulus, Poisson's ratio and density of the rings and of the balls.
     #[unsafe(no_mangle)]
     static mut MEASURED_DESIGN: [f64; 12] = [0.0; 12];
 

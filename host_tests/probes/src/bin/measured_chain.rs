@@ -1,8 +1,8 @@
-//! The monitor's chain, as `cargo reports` wants it: an entry point that an emulator calls tick by tick,
+//! The monitor's chain, as `cargo reports` wants it: an emulator calls an entry point tick by tick,
 //! with the bytes of the port at fixed symbols. See `measured.rs`, which has the solver alone.
 //!
-//! `MEASURED_PRECISION` says which of the two boards' chains it is: `f32` that of the STM32F405, `f64` that
-//! of the STM32H743.
+//! `MEASURED_PRECISION` says which of the two boards' chains it is: `f32` the STM32F405's, `f64` the
+//! STM32H743's.
 
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
@@ -40,7 +40,7 @@ mod measured {
     use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
 
     pub const CORE_HZ: u32 = if DOUBLE { 400_000_000 } else { 168_000_000 };
-    /// One iteration more than the firmware allows: what that takes decides whether it fits. A period is 1 ms.
+    /// One iteration more than the firmware allows: its measured cost decides whether it fits. A period is 1 ms.
     pub const COST: [CycleCost; 2] = {
         let [single, pair] = if DOUBLE {
             [CycleCost::CORTEX_M7_SINGLE, CycleCost::CORTEX_M7]
@@ -62,7 +62,7 @@ mod measured {
     static mut MEASURED_INPUT: [u8; INPUT] = [0; INPUT];
     #[unsafe(no_mangle)]
     static mut MEASURED_OUTPUT: [u8; OUTPUT] = [0; OUTPUT];
-    /// Bytes that come in, and bytes that the link takes; then what came of it: bytes that went out, and
+    /// Bytes that come in, and bytes that the link takes; then the results: bytes that went out, and
     /// iterations.
     #[unsafe(no_mangle)]
     static mut MEASURED_TICK: [u32; 4] = [0; 4];
@@ -95,7 +95,7 @@ mod measured {
         u32::from(chain.prepare().is_ok())
     }
 
-    /// What the firmware does in a period of its timer: bytes in, a tick, bytes out.
+    /// Does a period of the firmware's timer: bytes in, a tick, bytes out.
     ///
     /// # Safety
     ///

@@ -12,8 +12,8 @@ use host_tests::tolerances::allowed_at;
 use spindle_bearing::Status;
 use std::array::from_fn;
 
-/// How much more than the table's errors an answer may have: the families have harder cases than
-/// those the table is for, whose own errors are a third of it.
+/// Factor on the table's errors that an answer may have: the families' cases are harder. The table's
+/// own cases have errors of a third of the table.
 const HARDER: f64 = 20.0;
 
 /// The largest estimate of its own errors that excuses an answer.
@@ -24,7 +24,7 @@ const MOST: f64 = 0.05;
 const HELD_RING: f64 = 2.0;
 
 /// Whether the free freedoms are hardly determined: one is softer than the stiffest by so much that this
-/// precision cannot tell. Two balls at rest leave none but a tilt undetermined: across its own plane, a
+/// precision cannot tell. Two balls at rest leave none but a tilt undetermined. Across its own plane, a
 /// ball resists by its force over the distance of the grooves' centres.
 fn is_loose(truth: &reference::Solution, free: [bool; 5], lever: f64, epsilon: f64) -> bool {
     let unit = |i: usize| if i < 3 { 1.0 } else { lever };
@@ -245,8 +245,8 @@ impl<'t> Scene<'t> {
         let own = self.load_error(has, &found.load, &by_balls, all);
         let missed = worse(error, own);
         if !(missed <= bounds.force) {
-            // Where a ball leaves the inner race, inner race control takes its friction from one moment to
-            // the next; there may be no balance to better than that.
+            // Where a ball leaves the inner race, inner race control drops its friction abruptly. There may be
+            // no balance to better than this friction.
             let open = found.balls.iter().any(|ball| ball.q_i <= 0.0);
             let moments = found.balls.iter().map(|ball| ball.gyroscopic_moment.abs());
             let friction = moments.fold(0.0, f64::max) / design.ball_diameter;

@@ -30,8 +30,8 @@ const RINGS: [Ring; 8] = [
 
 const HELD_AXIALLY: Ring = ("axial, dx held", 1, [true, false, false, false, false]);
 
-/// All families but the typed one: its loads often have no part in the freedoms that a scene keeps, and nothing to measure an
-/// error by.
+/// All families but the typed one. Its loads often have no part in the freedoms that a scene keeps,
+/// and nothing to measure an error by.
 const DRAWN: [Family; 14] = {
     let [drawn @ .., Family::Typed] = Family::ALL else {
         panic!("the typed family is the last")
@@ -71,7 +71,7 @@ fn complaints_of(family: Family, balls: Balls, rings: &[Ring]) -> Vec<String> {
     let mut complaints = Vec::new();
     for (tally, (ring, ..)) in tallies.iter().zip(rings) {
         // Loads and speeds of any size leave more without an answer. So does a given axial displacement where one
-        // ball stands for all: of 16 loads with zeros at speed, 6 drive it out of its groove.
+        // ball stands for all. Of 16 loads with zeros at speed, 6 drive it out of its groove.
         let most = match family == Family::Random || *ring == HELD_AXIALLY.0 {
             true => 0.4,
             false => 0.25,

@@ -44,7 +44,7 @@ struct Args {
 
     /// Time of which the balls are drawn, s: the nearest in the file
     ///
-    /// The default is that of the largest contact force.
+    /// The default is the time of the largest contact force.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     time: Option<f64>,
 
@@ -322,7 +322,7 @@ fn over_speed(rows: &[Row]) -> Result<Chart> {
     Ok(Chart::new(title, 2, panels.collect()))
 }
 
-/// Contact forces around the bearing at the time nearest to `wanted`, or at that of the largest force.
+/// Contact forces around the bearing at the time nearest to `wanted`, or of the largest force.
 fn around(table: &mut Table, wanted: Option<f64>) -> Result<Chart> {
     // The file of a single bearing has no rows: its balls share the time, too.
     let row = if table.has("row") { "row" } else { "time_s" };

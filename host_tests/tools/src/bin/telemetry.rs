@@ -72,8 +72,8 @@ struct Arguments {
     #[arg(long, value_name = "S", requires = "simulate", conflicts_with_all = ["port", "replay"])]
     seconds: Option<f64>,
 
-    /// Write every frame as an object of JSON, one a line, to this file or to standard output, which is what is done
-    /// without --view and --picture
+    /// Write every frame as an object of JSON, one a line, to this file or to standard output (the
+    /// default without --view and --picture)
     #[arg(
         long,
         value_name = "FILE",

@@ -17,7 +17,7 @@ struct Line<'r> {
     random: &'r mut Random,
 }
 
-/// The effect of a fault on a tick; the record is that of its first tick.
+/// The effect of a fault on a tick; the record is from the fault's first tick.
 type Spoil = fn(&mut Line<'_>, &LoadRecord);
 
 /// Each fault: its name, its shortest and longest duration in ticks, and what it does.

@@ -1,10 +1,10 @@
-//! A recording as what the board receives: a record of loads and speed a tick, and temperatures now and then.
+//! A recording as the board receives it: a record of loads and speed a tick, and temperatures at times.
 
 use anyhow::{Result, bail};
 use host_tests::loads::{self, LoadRow};
 use spindle_bearing::record::LoadRecord;
 
-/// What is sent in a run.
+/// Input of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Recording {
     /// Loads and speed, a record a tick.
@@ -16,8 +16,8 @@ pub struct Recording {
 /// Longest run: a day of ticks takes some gigabytes of frames.
 const LONGEST: f64 = 3600.0;
 
-/// Reads the first `seconds` of a recording, all of it if that is `None`, and puts a record onto every
-/// tick of `period_us`, on the straight line between the rows around it.
+/// Reads the first `seconds` of a recording, or all of it. It puts a record onto every tick of
+/// `period_us`, on the straight line between the rows around it.
 pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Recording> {
     let mut rows: Vec<LoadRow> = Vec::new();
     for row in loads::read(path)? {

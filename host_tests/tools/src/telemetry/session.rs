@@ -1,4 +1,4 @@
-//! Bytes of a stream to lines of JSON, to the state of the spindle, and to what an operator says next.
+//! Bytes of a stream to lines of JSON, to the state of the spindle, and to an operator's next orders.
 
 use super::source::{self, Chunks, PortOperator};
 use anyhow::{Context, Result, bail};

@@ -27,7 +27,7 @@ pub type Chunks = Receiver<io::Result<Vec<u8>>>;
 /// Says something to a port.
 pub type PortOperator = Operator<Box<dyn Write + Send>>;
 
-/// Opens a serial port, 8N1: what comes in, and who sends commands out, authenticated if there is a key.
+/// Opens a serial port, 8N1: bytes that come in, and the sender of commands, authenticated if there is a key.
 ///
 /// # Errors
 ///

@@ -1,5 +1,5 @@
-//! The live view: each row with its place and its load, stiffness over time, the balls' forces as a polar picture of each
-//! row, alarms and counters.
+//! The live view: each row with its place and its load, stiffness over time, alarms and counters. A polar picture of each
+//! row shows the balls' forces.
 
 use super::session::Session;
 use super::source::Chunks;
@@ -43,7 +43,7 @@ const DIRECTIONS: [(&str, Color); 5] = [
     ("Ktz", Color::Magenta),
 ];
 
-/// What the polar picture reaches to, in parts of its scale: room for the numbers of the balls.
+/// Reach of the polar picture, in parts of its scale: room for the numbers of the balls.
 const MARGIN: f64 = 1.25;
 
 /// Rows that are shown at most.
@@ -137,7 +137,7 @@ fn header(state: &State) -> Vec<Line<'static>> {
     ]
 }
 
-/// Where each row is, and what it carries.
+/// Table of the rows: their places and their loads.
 fn row_table(state: &State) -> Table<'static> {
     let head = ",at mm,faces,axial N,radial N,preload N,balls N";
     let about = state.shaft.as_ref().map_or(String::new(), |shaft| {
@@ -315,7 +315,7 @@ fn polar(balls: &Balls, scale: f64, name: &str, area: Rect, buffer: &mut Buffer)
             if let Some([(x, y), _]) = worst.and_then(place) {
                 picture.draw(&canvas::Line::new(0.0, 0.0, x, y, WORST));
             }
-            // Eight numbers have room, and those of the balls to look at.
+            // Eight numbers have room, and the numbers of the balls to look at.
             let step = count.div_ceil(8);
             for (i, ball) in balls.balls.iter().enumerate() {
                 let colour = match ball {

@@ -52,7 +52,7 @@ fn results_are_drawn_over_time_and_broken_where_there_is_no_answer() {
         assert!(whole.contains(text), "{text} is missing in\n{whole}");
     }
     let broken = drawn(&[], &results(&rows(4)));
-    // Five curves of stiffness, and that of the load, in two parts each.
+    // Five curves of stiffness, and one of the load, in two parts each.
     let curves = |svg| count(svg, "stroke-width=\"6\" points");
     assert_eq!(curves(&broken), curves(&whole) + 5 + 1, "{broken}");
 }

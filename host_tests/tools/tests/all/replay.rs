@@ -435,7 +435,7 @@ fn a_table_has_what_a_recording_of_its_loads_gives() {
     let recording = HEADER.to_owned() + &(0..24).map(row).collect::<String>();
     assert_eq!(table, replayed(&[&design, "-", "--cold"], &recording).1);
 
-    // A temperature that is not given is that of the reference.
+    // A temperature that is not given is the reference's.
     let spindle = shipped("../spindles/milling_spindle");
     let axes = ["speed=3000", "t_inner=25:35:5", "--cold"];
     let (status, table, err) = replayed(&[&[&*spindle, "--table"], &axes[..]].concat(), "");

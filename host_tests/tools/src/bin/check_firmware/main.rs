@@ -1,12 +1,12 @@
-//! `cargo check-firmware`: no panic, no double precision and no allocation in the solver and the monitor
-//! on a microcontroller, and no square root in software in the solver, proved on linked programs.
+//! `cargo check-firmware`: proof on linked programs for a microcontroller. Solver and monitor have no
+//! panic, no double precision and no allocation, and the solver no square root in software.
 //!
 //! - `bare_solver` and `bare_monitor` have a panic handler that does not link. They must link, the solver
 //!   in single precision and in double.
-//! - In it, and in the firmware as shipped, what the solver calls is followed through the
-//!   relocations. For what must not be there, the way to it is printed.
-//! - `measured` is built for every scene without a panic handler that links, and must have nothing of what that
-//!   scene leaves out.
+//! - In it, and in the firmware as shipped, the solver's calls are followed through the
+//!   relocations. For code that must not be there, the way to it is printed.
+//! - `measured` is built for every scene without a panic handler that links. It must have none of the
+//!   code that the scene leaves out.
 //! - All are first shown a program that has it: a check that finds nothing there is blind.
 
 mod scenes;
@@ -25,7 +25,7 @@ use unwanted::Unwanted;
 
 /// Keeps the relocations of a linked program.
 const RELOCATIONS: &str = "--emit-relocs";
-/// What the panic handlers of the bare programs call, and nobody defines.
+/// Function that the panic handlers of the bare programs call, and nobody defines.
 const MISSING: &str = "the_solver_can_panic";
 
 fn main() -> ExitCode {
@@ -104,7 +104,7 @@ impl Program {
     }
 }
 
-/// Builds a bare program; where `lenient`, with a definition of what must not be called.
+/// Builds a bare program; where `lenient`, with a definition of the function that must not be called.
 fn build_bare(root: &Path, program: &str, variant: Option<&str>, lenient: bool) -> Result<Program> {
     let definition = format!("--defsym={MISSING}=0");
     let link = [RELOCATIONS, &definition];

@@ -1,9 +1,9 @@
-//! What a scene leaves out must not be in a firmware that has that scene alone.
+//! Check that a firmware with one scene alone lacks the code that the scene leaves out.
 //!
-//! Functions are told by the debug information, which knows the inlined ones, too: every instruction that
-//! the solver reaches is asked for the functions and the source lines that it comes from. Physics that is
-//! a part of a function stands in the library's source behind a constant of the scene, as in
-//! `if D == 5 {`; no instruction may come from the lines of such a block.
+//! Functions are told by the debug information, which knows the inlined ones, too. Every instruction that
+//! the solver reaches is asked for its functions and source lines. Physics that is a part of a function
+//! stands in the library's source behind a constant of the scene, as in `if D == 5 {`. No instruction may
+//! come from the lines of such a block.
 
 use crate::{Program, build_scene, clean, unwanted::Unwanted};
 use addr2line::Loader;
@@ -110,7 +110,7 @@ impl Part {
 
 macro_rules! left_out {
     ($($number:literal $name:literal $freedoms:literal: $scene:ty; $without:literal, [$($part:ident),*];)*) => {
-        /// The scenes, and what each leaves out besides designs, which all do.
+        /// The scenes, and the parts that each leaves out besides designs, which all do.
         const SCENES: &[(&str, &[Part])] = &[$(($name, &[$(Part::$part),*])),*];
     };
 }
@@ -193,14 +193,14 @@ impl Guarded {
     }
 }
 
-/// What the instructions of a program come from.
+/// Functions and source lines that a program's instructions come from.
 struct Origins {
     functions: BTreeSet<String>,
     lines: BTreeSet<(String, u32)>,
 }
 
 impl Origins {
-    /// Of what is reached in a program.
+    /// Origins of the instructions reached in a program.
     fn of(program: &Program, reach: &Reach<'_>) -> Result<Self> {
         let loader = Loader::new(&program.path)
             .map_err(|error| anyhow::anyhow!("no debug information: {error}"))?;
@@ -257,15 +257,15 @@ fn is_solver(name: &str) -> bool {
     name == "measured_solve"
 }
 
-/// Builds every scene's firmware and looks for what it leaves out; and for what it does not, since a part
-/// that is found nowhere would be found nowhere else either.
+/// Builds every scene's firmware and looks for the parts that it leaves out. The kept parts are looked
+/// for, too: a search that finds a part nowhere proves nothing.
 pub fn check(root: &Path) -> Result<()> {
     let guarded = Guarded::read(root)?;
     let mut seen = BTreeSet::new();
     for &(scene, without) in SCENES {
         let program = build_scene(root, scene)?;
         let reach = program.graph.reach(is_solver);
-        // What is inlined into it makes it the solver.
+        // The code inlined into it makes it the solver.
         if !reach.names().any(is_solver) {
             bail!("this check is blind: there is no solver in {scene}");
         }

@@ -1,4 +1,4 @@
-//! What a solver for a microcontroller must not contain, told by its symbols.
+//! Code that a solver for a microcontroller must not contain, told by its symbols.
 
 /// A kind of unwanted code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,12 +16,12 @@ pub enum Unwanted {
 impl Unwanted {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Panic, Self::Double, Self::Allocation, Self::Root];
-    /// Those of the monitor: a power takes a root in software.
+    /// Kinds unwanted in the monitor, in which a power takes a root in software.
     pub const BUT_ROOTS: [Self; 3] = [Self::Panic, Self::Double, Self::Allocation];
-    /// Those of a core that computes in double precision.
+    /// Kinds unwanted on a core that computes in double precision.
     pub const IN_DOUBLE: [Self; 2] = [Self::Panic, Self::Allocation];
 
-    /// What code that contains it does.
+    /// Verb for code that contains this kind.
     pub fn verb(self) -> &'static str {
         match self {
             Self::Panic => "can panic",
@@ -31,7 +31,7 @@ impl Unwanted {
         }
     }
 
-    /// What to look for.
+    /// Advice on the search for its cause.
     pub fn advice(self) -> &'static str {
         match self {
             Self::Panic => {

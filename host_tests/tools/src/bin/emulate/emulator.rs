@@ -76,8 +76,8 @@ impl Firmware {
     }
 }
 
-/// A program that the system kills when the thread that has started it is gone, for whatever reason: Linux
-/// can do that, and its util-linux has a command for it.
+/// A program that the system kills when its starting thread is gone, for whatever reason. Linux can
+/// do that, and its util-linux has a command for it.
 fn tied(program: &str) -> Command {
     let mut command = Command::new("setpriv");
     command.args(["--pdeathsig", "KILL", program]);
@@ -136,9 +136,9 @@ impl Board {
             false => Command::new(QEMU),
         };
         // The emulator's main loop reads standard input a byte per turn, and only while there is room for
-        // that byte: bytes that the firmware has not taken stay in the pipe. The room is the receiver's register, so that
-        // the firmware waits a turn for every byte; or a multiplexer's queue of 32 bytes, from which a read of that register
-        // fetches the next byte at once.
+        // it. Bytes that the firmware has not taken stay in the pipe. If the room is the receiver's register, the
+        // firmware waits a turn for every byte. If it is a multiplexer's queue of 32 bytes, a read of that
+        // register fetches the next byte at once.
         let version = version().unwrap_or_default();
         let is_multiplexed = major(&version).is_some_and(|major| major >= KEEPS_READ_BYTES);
         let mux = if is_multiplexed { "on" } else { "off" };

@@ -1,4 +1,4 @@
-//! The run itself: what the board sends, held against what the host's build of the same monitor sends.
+//! The run itself: the board's bytes, held against the bytes of the host's build of the same monitor.
 
 use crate::emulator::{Board, Firmware, Log, MACHINE};
 use crate::plan::Plan;
@@ -13,7 +13,7 @@ use std::time::Duration;
 /// Where a copy of the board's bytes goes.
 pub type Tee = SyncSender<io::Result<Vec<u8>>>;
 
-/// What came from the board.
+/// Frames and log that came from the board.
 pub struct Answer {
     /// Frames of the telemetry.
     pub frames: Vec<Frame>,

@@ -1,8 +1,8 @@
-//! `cargo emulate`: runs the spindle monitor's firmware on an emulated STM32F405, feeds it recorded loads,
-//! and holds all of its telemetry against that of the host's own build of the same monitor.
+//! `cargo emulate`: runs the spindle monitor's firmware on an emulated STM32F405 and feeds it recorded
+//! loads. All of its telemetry is held against the telemetry of the host's own build of the monitor.
 //!
-//! The board runs in lock-step: a tick is a command in the stream, and ticks are what time is. Neither the
-//! clock of this machine nor that of the emulator has a part in it, so that a run is the same every time.
+//! The board runs in lock-step: a tick is a command in the stream, and ticks are what time is. No clock of
+//! this machine or of the emulator has a part in it, so that a run is the same every time.
 //!
 //! | module | does |
 //! | --- | --- |
@@ -39,7 +39,7 @@ use tools::stream::records;
 use tools::telemetry::session::Session;
 use tools::telemetry::{source, view};
 
-/// What the solver works in, as on the board.
+/// Precision that the solver works in, as on the board.
 type Precision = f32;
 /// The board's core, and what a tick costs there: of a single bearing, and of a pair.
 const CORE_HZ: u32 = 168_000_000;
@@ -50,8 +50,8 @@ const DISAGREEMENT: u8 = 1;
 /// Status when the run could not start.
 const NOT_STARTED: u8 = 2;
 
-/// Runs the spindle monitor's firmware on an emulated STM32F405, feeds it recorded loads over the
-/// emulated serial port, and compares its telemetry with the host's own, bit for bit.
+/// Runs the spindle monitor's firmware on an emulated STM32F405, and feeds it recorded loads over the
+/// emulated serial port. Compares its telemetry with the host's own, bit for bit.
 ///
 /// Time is counted in ticks of the stream, a millisecond each, so that every run is the same.
 #[derive(Parser, Debug)]

@@ -1,5 +1,4 @@
-//! A run: what goes over the port, tick by tick, and what the host's own build of the same monitor makes of
-//! it.
+//! A run: bytes over the port, tick by tick, and the answers of the host's own build of the same monitor.
 
 use crate::chain::Chain;
 use crate::monitor_settings::MONITOR;
@@ -20,11 +19,11 @@ use tools::stream::{
 pub struct Plan {
     /// Bytes for the board.
     pub input: Vec<u8>,
-    /// What it must answer, to the bit.
+    /// Bytes that the board must answer, to the bit.
     pub expected: Vec<u8>,
     /// Ticks with each mark, in the order of [`Mark::ALL`].
     pub marks: [u64; Mark::ALL.len()],
-    /// What came over the port.
+    /// Counts of the records that came over the port.
     pub counts: FrameCounts,
     /// Faults.
     pub episodes: Vec<Episode>,
@@ -41,8 +40,7 @@ pub fn plan(recording: &Recording, mut spoiler: Spoiler) -> Result<Plan> {
     let mut chain = Chain::new(&Past::NONE);
     let prepared = chain.prepare();
     ensure!(prepared.is_ok(), "no equilibrium to start from");
-    // What the self-checks of an emulated board that is sound come to: there is no cause of a reset, and in lock-step no
-    // stack is measured.
+    // Self-checks of a sound emulated board: there is no cause of a reset, and in lock-step no stack is measured.
     chain.set_board(BoardReport {
         known_answer: Check::Passed,
         image: Check::Passed,

@@ -1,5 +1,5 @@
-//! Counts of a run, without measured digits and without what depends on how fast the solver follows the loads: a golden
-//! file of them holds for every build of the solver that is right.
+//! Counts of a run for a golden file, which holds for every build of the solver that is right. Left out are measured
+//! digits, and counts that depend on how fast the solver follows the loads.
 
 use crate::exchange::Answer;
 use crate::plan::Plan;
@@ -21,8 +21,8 @@ struct Story {
     acknowledged: u32,
 }
 
-/// The counts of a run, from the board's own telemetry. Marks tick by tick, which no telemetry could hold, are those of
-/// the host's build: the telemetry has been found equal to it.
+/// The counts of a run, from the board's own telemetry. No telemetry could hold marks tick by tick. They
+/// are the host's build's, to which the telemetry has been found equal.
 ///
 /// # Errors
 ///
@@ -116,8 +116,8 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     Ok(text)
 }
 
-/// Share of the samples in order that are solved, in percent, which is enough: most of the rest are ticks for which
-/// a load moves farther than their budget reaches.
+/// Share of solved samples, among those in order, that is enough, in percent. In most of the other
+/// ticks, a load moves farther than their budget reaches.
 const ENOUGH: u64 = 99;
 
 /// Alarms of measured quantities. All others, and marks of an unsolved tick, depend on how fast the solver follows the loads.

@@ -11,8 +11,8 @@ use spindle_bearing::{Design, FreeContact};
 /// An answer; equal answers are equal to the last bit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// Bits of the displacements (m and rad), then of the stiffness, row by row, of a scene's freedoms; in double
-    /// precision, to which they are widened exactly.
+    /// Bits of the displacements (m and rad), then of the stiffness, row by row, of a scene's freedoms. They
+    /// are widened to double precision exactly.
     bits: Vec<u64>,
     iterations: u32,
 }
@@ -128,7 +128,7 @@ impl Bench {
         Ok((solved != 0).then_some(answer))
     }
 
-    /// Bytes of stack that a solve takes, beyond those of the call around it.
+    /// Bytes of stack that a solve takes, beyond the call around it.
     pub fn stack(&mut self, state: State, tolerance: f64) -> Result<u64> {
         self.ask(state, tolerance)?;
         let [nothing, solve] =

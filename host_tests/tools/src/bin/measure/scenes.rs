@@ -93,7 +93,7 @@ pub struct Program {
     pub precision: Precision,
     /// The scene.
     pub scene: &'static Scene,
-    /// Tolerances, the default one first, then that of a tick.
+    /// Tolerances, the default one first, then a tick's.
     pub tolerances: Vec<f64>,
 }
 
@@ -155,7 +155,7 @@ pub fn run(root: &Path, programs: Vec<Program>, works: &[Work]) -> Result<Vec<Me
 }
 
 impl Program {
-    /// A program at the default tolerance, and at that of a tick.
+    /// A program at the default tolerance, and at a tick's.
     pub fn new(core: Core, precision: Precision, scene: &'static Scene) -> Self {
         let tolerance = match precision {
             Precision::F32 => f32::TOLERANCE.into(),

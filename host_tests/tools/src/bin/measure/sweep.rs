@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use spindle_bearing::{Bearing, Settings, Solver, Speed};
 use tools::chart::{Chart, Curve, Panel, Style};
 
-/// Tolerances besides the default one and that of a tick. Tolerances below the default are left out.
+/// Tolerances besides the default one and a tick's. Tolerances below the default are left out.
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-4, 1e-6, 1e-9, 1e-12];
 
 /// The gate's programs, then the full scene in single precision on the larger core; the full scene at all tolerances.

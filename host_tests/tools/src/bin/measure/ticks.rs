@@ -1,7 +1,7 @@
 //! The shipped monitor's chain, tick by tick: bytes in, doubts, a warm solve, judgement, life, bytes out.
 //!
 //! Input is a part of the recorded cycle under faults, then loads of passing teeth, at the pace of the port.
-//! The constants of `CycleCost` are made of it: what an iteration costs, and what a tick costs besides iterations. The
+//! The constants of `CycleCost` are made of it: the cost of an iteration, and of a tick besides iterations. The
 //! firmware works out how many iterations fit.
 
 use crate::image::Image;

@@ -1,15 +1,15 @@
 //! Cycles of the modelled cores: every number of the model is in this file.
 //!
 //! *Modelled* means instruction counts turned into cycles by published timings, without wait states
-//! of the flash memory and without interrupts: good to about 15 %, and not calibrated on silicon.
+//! of the flash memory and without interrupts. It is good to about 15 %, and not calibrated on silicon.
 //!
 //! Cortex-M4F, from the instruction tables of Arm's "Cortex-M4 Technical Reference Manual" (r0p1,
-//! sections 3.3 and 7.2.3): costs by instruction; loads and stores in a row overlap; the result of an FPU
-//! operation that the next instruction uses costs one cycle more; a taken branch refills the
+//! sections 3.3 and 7.2.3): costs by instruction. Loads and stores in a row overlap. The result of an FPU
+//! operation that the next instruction uses costs one cycle more. A taken branch refills the
 //! pipeline, which takes one to three cycles.
 //!
 //! Cortex-M7, for which Arm publishes no such table: two instructions a cycle in order as far as
-//! operands and units allow, with the latencies and units of LLVM's scheduling model
+//! operands and units allow. Latencies and units are from LLVM's scheduling model
 //! (`llvm/lib/Target/ARM/ARMScheduleM7.td`, contributed with Arm's numbers). Branches count as predicted,
 //! memory as tightly coupled.
 
@@ -227,7 +227,7 @@ fn paired(block: &[Timed]) -> u32 {
 mod tests {
     use super::*;
 
-    /// An instruction on singles: its class, the registers that it reads, and those that it writes.
+    /// An instruction on singles: its class, and the registers that it reads and writes.
     fn op(class: Class, reads: u64, writes: u64) -> Timed {
         Timed {
             class,

@@ -59,7 +59,7 @@ struct Args {
     #[arg(long, value_enum, default_value_t = Digits::F64)]
     precision: Digits,
 
-    /// What decides the axis about which a ball turns, and with it the gyroscopic moment
+    /// Rule for the axis about which a ball turns, and with it the gyroscopic moment
     #[arg(long, value_enum, default_value_t = Rule::Raceless)]
     attitude: Rule,
 
@@ -72,7 +72,7 @@ struct Args {
 
     /// Peak contact pressure, MPa, above which a row is marked in the column `limits`
     ///
-    /// The default is that of ISO 76's static load rating. A spindle in continuous service is better
+    /// The default is from ISO 76's static load rating. A spindle in continuous service is better
     /// held to some 2000 MPa.
     #[arg(long, value_name = "MPA", default_value_t = 4200.0)]
     peak_pressure: f64,
@@ -351,8 +351,8 @@ fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>
     }
 }
 
-/// A bar on the terminal over the bytes of the recording or the rows of a table, with `position` beside it; a count if their
-/// number is unknown.
+/// A bar on the terminal over the bytes of the recording or the rows of a table, with `position` beside
+/// it. A count if their number is unknown.
 fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
     let (bar, template) = match total {
         Some(total) => (

@@ -40,7 +40,7 @@ fn main() -> Result<()> {
     if let Some(Page::Validation { check }) = arguments.page {
         return validation::run(check);
     }
-    // The page has times on the host, which are those of optimised code. The tests have built the other profile.
+    // The page has times of optimised code on the host. The tests have built the other profile.
     let (profile, task) = match (arguments.check, arguments.accept) {
         (true, _) => ("dev", "check"),
         (_, true) => ("dev", "accept"),
