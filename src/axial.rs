@@ -15,7 +15,7 @@
 
 use super::constants::{Constants, L0};
 use super::contact::Contact;
-use super::mounting::Point;
+use super::mounting::{Point, excess};
 use crate::float::Real;
 
 /// From the outer to the inner groove's centre.
@@ -64,7 +64,7 @@ impl<T: Real> AxialRest<T> {
     pub fn new(c: &Constants<T>, p: &Point<T>) -> Self {
         let [axial, radial] = c.n0.map(|n| T::of(L0) * n);
         let (gx, gr) = (p.growth.axial, p.growth.radial);
-        let change = p.growth_of_square() + gr * (radial + radial + gr) - c.play;
+        let change = excess(T::of(L0), p.growth.ball) + gr * (radial + radial + gr) - c.play;
         let e = axial * axial - change;
         Self {
             length: p.lo + p.li,

@@ -120,12 +120,6 @@ impl<T: Real> Ball<T> {
         self.xs = [T::ZERO; 2];
     }
 
-    /// The vector along the inner contact, beyond its reference.
-    #[inline(always)]
-    pub fn inner_offset(&self) -> Pair<T> {
-        sub(self.a, self.x)
-    }
-
     /// At rest: both contacts in series, the groove's centre at `a`.
     #[inline(always)]
     pub fn in_series(c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Contact<T> {
@@ -135,7 +129,7 @@ impl<T: Real> Ball<T> {
     /// The ball at speed, where it is.
     #[inline(never)]
     pub fn pose_here<R: Rule>(&self, c: &Constants<T>, p: &Point<T>) -> Pose<T> {
-        let inner = Contact::at(&p.inner, self.inner_offset(), p.li, c.ki);
+        let inner = Contact::at(&p.inner, sub(self.a, self.x), p.li, c.ki);
         let outer = Contact::at(&p.outer, self.x, p.lo, T::ONE);
         Pose::at_speed::<R>(inner, outer, c, p)
     }
@@ -317,7 +311,7 @@ impl<T: Real> Ball<T> {
     pub fn linearise<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) -> Balance<T> {
         let one = T::ONE;
         // Vectors and squares; one division for both contacts' quotients.
-        let y = self.inner_offset();
+        let y = sub(self.a, self.x);
         let v = add(p.inner.vector, y);
         let xv = add(p.outer.vector, self.x);
         let [ri2, ro2] = dots([v, v], [xv, xv]);

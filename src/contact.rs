@@ -4,7 +4,7 @@
 //! `|X|^2 - lo^2 = e + (2 Xr + x).x`, and `delta = (|X|^2 - lo^2) / (|X| + lo)`. Single precision keeps six digits of
 //! the deformation where the plain difference of lengths keeps three.
 
-use super::constants::{L0, Squared};
+use super::constants::Squared;
 use super::linalg::{Pair, add, dot, dots, scale};
 use crate::float::Real;
 
@@ -41,12 +41,6 @@ impl<T: Real> Reference<T> {
 #[inline(always)]
 pub fn to_grid<T: Real>(x: T) -> T {
     (x + T::GRID) - T::GRID
-}
-
-/// Rounding error of a deformation, in units of length: ten operations on numbers near 1.
-#[inline(always)]
-pub fn rounding<T: Real>() -> T {
-    T::of(10.0) * T::EPSILON
 }
 
 /// A contact, or two in series.
@@ -140,13 +134,5 @@ impl<T: Real> Contact<T> {
         let beyond = self.slope - self.across;
         let (bs, bc) = (beyond * s, beyond * c);
         [self.across + bs * s, bs * c, self.across + bc * c]
-    }
-}
-
-/// `L0^2`, exactly.
-pub fn l0_squared<T: Real>() -> Squared<T> {
-    Squared {
-        whole: (L0 * L0 * 65_536.0) as i32,
-        rest: T::ZERO,
     }
 }

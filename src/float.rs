@@ -51,6 +51,8 @@ pub trait Real:
     const ONE: Self;
     /// Distance from 1 to the next number.
     const EPSILON: Self;
+    /// Rounding error of a deformation, in the solver's unit of length: ten operations on numbers near 1.
+    const ROUNDING: Self;
     /// Smallest normal number.
     const TINY: Self;
     /// Default of [`Settings::tolerance`](crate::Settings::tolerance).
@@ -118,6 +120,7 @@ macro_rules! real {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $t::EPSILON;
+            const ROUNDING: Self = 10.0 * $t::EPSILON;
             const TINY: Self = $t::MIN_POSITIVE;
             const TOLERANCE: Self = $tolerance;
             const TICK: Self = 1e-3;

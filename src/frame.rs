@@ -6,27 +6,15 @@
 
 use super::constants::Constants;
 use super::linalg::Matrix;
-use super::ring::Sum;
 use crate::float::Real;
 
-/// The displacement of the groove plane that belongs to one of the bearing centre.
+/// The displacement of a point that is further along the axis by the `distance` from the one displaced by `u`.
 #[inline(always)]
-pub fn plane_of<T: Real, const D: usize>(plane: T, u: &[T; D]) -> [T; D] {
+pub fn moved<T: Real, const D: usize>(distance: T, u: &[T; D]) -> [T; D] {
     let mut u = *u;
     if D >= 5 {
-        u[1] += plane * u[4];
-        u[2] -= plane * u[3];
-    }
-    u
-}
-
-/// The displacement of the bearing centre that belongs to one of the groove plane.
-#[inline(always)]
-pub fn centre_of<T: Real, const D: usize>(plane: T, u: &[T; D]) -> [T; D] {
-    let mut u = *u;
-    if D >= 5 {
-        u[1] -= plane * u[4];
-        u[2] += plane * u[3];
+        u[1] += distance * u[4];
+        u[2] -= distance * u[3];
     }
     u
 }
@@ -54,16 +42,6 @@ pub fn refer_stiffness<T: Real, const D: usize>(plane: T, k: &mut Matrix<T, D>) 
             k[4][j] += plane * y;
             k[3][j] -= plane * z;
         }
-    }
-}
-
-impl<T: Real, const D: usize> Sum<T, D> {
-    /// Refers forces and slopes at the groove plane to the bearing centre.
-    #[inline(always)]
-    pub fn refer(&mut self, plane: T) {
-        refer(plane, &mut self.force);
-        refer(plane, &mut self.by_speed);
-        refer_stiffness(plane, &mut self.k);
     }
 }
 

@@ -105,6 +105,8 @@ pub struct Factors<T, const D: usize> {
     /// Least pivot over the diagonal element that it came of; not positive where the matrix is not
     /// positive definite.
     pub least: T,
+    /// A pivot may be nothing but rounding: that of the products taken off it, one for each pivot before.
+    pub is_weak: bool,
 }
 
 impl<T: Real, const D: usize> Factors<T, D> {
@@ -112,6 +114,7 @@ impl<T: Real, const D: usize> Factors<T, D> {
     pub const NONE: Self = Self {
         lu: [[T::ZERO; D]; D],
         least: T::ZERO,
+        is_weak: true,
     };
 
     /// Takes the factors of `k` with `shift` added to its diagonal, without pivoting.
@@ -144,11 +147,7 @@ impl<T: Real, const D: usize> Factors<T, D> {
             }
         }
         self.least = least / element;
-    }
-
-    /// A pivot may be nothing but rounding: that of the products taken off it, one for each pivot before.
-    pub fn is_weak(&self) -> bool {
-        !(self.least > T::of(D as f64 - 1.0) * T::EPSILON)
+        self.is_weak = !(self.least > T::of(D as f64 - 1.0) * T::EPSILON);
     }
 
     /// Largest inverse pivot: about the compliance in the direction in which the matrix resists least.

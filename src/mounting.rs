@@ -1,7 +1,7 @@
 //! The speed, and the growth of rings and balls in the solver's units: what a bearing is solved at, besides its load.
 
-use super::constants::{Constants, L0};
-use super::contact::{Reference, l0_squared, rounding, to_grid};
+use super::constants::{Constants, L0, Squared};
+use super::contact::{Reference, to_grid};
 use super::growth::Growth;
 use super::linalg::{Pair, add, dot, scale, sub};
 use crate::float::Real;
@@ -16,7 +16,7 @@ use crate::float::Real;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Speed<T>(T);
+pub struct Speed<T>(pub(crate) T);
 
 impl<T: Real> Speed<T> {
     /// At rest.
@@ -70,7 +70,7 @@ impl<T: Real> Point<T> {
         Self {
             s,
             negligible: (T::EPSILON * size) * (T::EPSILON * size),
-            rounding: rounding::<T>() * (T::ONE + size / c.balls),
+            rounding: T::ROUNDING * (T::ONE + size / c.balls),
             lo: c.lo - half,
             li: c.li - half,
             growth,
@@ -81,11 +81,16 @@ impl<T: Real> Point<T> {
         }
     }
 
-    /// [`Point::new`] with the references that there were, the ring's reference position being `axial`.
-    pub fn set(&mut self, c: &Constants<T>, s: T, size: T, growth: Growth<T>, axial: T) {
+    /// [`Point::new`] with the references that there were, the ring's reference position being `axial`. Whether a solution at
+    /// the last growth is a start for the next one: it differs by no more than a unit of length, about a deformation.
+    pub fn set(&mut self, c: &Constants<T>, s: T, size: T, growth: Growth<T>, axial: T) -> bool {
         let (centres, outer) = (self.centres.vector, self.outer.vector);
+        let grown = (growth.axial - self.growth.axial).abs()
+            + (growth.radial - self.growth.radial).abs()
+            + (growth.ball - self.growth.ball).abs();
         *self = Self::new(c, s, size, growth);
         self.refer(c, axial, centres, outer);
+        grown <= T::ONE
     }
 
     /// Has offsets count from where the ring is displaced by `axial`, and the balls are taut between the grooves' centres.
@@ -127,12 +132,12 @@ impl<T: Real> Point<T> {
         let half = T::of(0.5) * self.growth.ball;
         self.outer = Reference::at(outer, &c.lo_squared, excess(c.lo, half));
         self.inner = Reference::at(sub(centres, outer), &c.li_squared, excess(c.li, half));
-        self.centres = Reference::at(centres, &l0_squared(), self.growth_of_square());
-    }
-
-    /// Growth of the ball adds so much to `-L0^2`.
-    pub fn growth_of_square(&self) -> T {
-        excess(T::of(L0), self.growth.ball)
+        let l0_squared = Squared {
+            whole: (L0 * L0 * 65_536.0) as i32,
+            rest: T::ZERO,
+        };
+        let growth = excess(T::of(L0), self.growth.ball);
+        self.centres = Reference::at(centres, &l0_squared, growth);
     }
 
     /// The balls have inertia that makes a difference.
@@ -143,6 +148,6 @@ impl<T: Real> Point<T> {
 }
 
 /// The square of a length, less that of one shorter by `less`.
-fn excess<T: Real>(length: T, less: T) -> T {
+pub fn excess<T: Real>(length: T, less: T) -> T {
     less * (length + length - less)
 }

@@ -31,31 +31,15 @@ impl<T: Real, const D: usize> Sum<T, D> {
 
 /// Shift of the inner groove's centre at an azimuth due to a displacement of the ring.
 #[inline(always)]
-pub fn shift<T: Real, const D: usize>(u: &[T; D], at: &Azimuth<T>) -> Pair<T> {
-    let mut a = [u[0], T::ZERO];
-    if D >= 3 {
-        a[1] = u[1] * at.cos + u[2] * at.sin;
-    }
-    if D == 5 {
-        a[0] = u[0] + (u[3] * at.sin - u[4] * at.cos);
-    }
-    a
+pub fn shift<T: Real>(u: &[T; 5], at: &Azimuth<T>) -> Pair<T> {
+    let radial = u[1] * at.cos + u[2] * at.sin;
+    [u[0] + (u[3] * at.sin - u[4] * at.cos), radial]
 }
 
 /// Offset of the inner groove's centre at an azimuth from the row's reference, the ring's offset being `v`.
 #[inline(always)]
 pub fn groove<T: Real>(p: &Point<T>, v: &[T; 5], at: &Azimuth<T>) -> Pair<T> {
     add(p.low, shift(v, at))
-}
-
-/// A displacement with all five freedoms, for code that serves any number of them.
-#[inline(always)]
-pub fn in_full<T: Real, const D: usize>(u: &[T; D]) -> [T; 5] {
-    let mut full = [T::ZERO; 5];
-    for (full, u) in full.iter_mut().zip(u) {
-        *full = *u;
-    }
-    full
 }
 
 impl<T: Real, const D: usize> Sum<T, D> {

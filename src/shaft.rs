@@ -2,12 +2,12 @@
 //!
 //! A bearing is a shaft with one row, in the frame and the units of that row. It is no `SET`: mounts are not there then.
 
-use super::constants::{Azimuth, Constants};
+use super::constants::{Azimuth, Bearing, Constants};
 use super::float::Real;
 use super::frame::{refer, refer_stiffness};
 use super::kinematics::Rule;
 use super::mounting::Point;
-use super::ring::{Changes, Row, Sum, in_full, sum_up};
+use super::ring::{Changes, Row, Sum, sum_up};
 
 /// How a row sits on the shaft.
 ///
@@ -53,17 +53,19 @@ impl<T: Real> Mount<T> {
         sliding: false,
     };
 
-    /// The row's motion when the shaft makes the motion `v`: of a bearing alone, the same.
+    /// The row's motion when the shaft makes the motion `v`.
     #[inline(always)]
-    pub fn own<const D: usize, const SET: bool>(&self, v: &[T; D]) -> [T; 5] {
-        if SET { self.motion(v) } else { in_full(v) }
+    pub fn motion<const D: usize, const SET: bool>(&self, v: &[T; D]) -> [T; 5] {
+        let mut own = [T::ZERO; 5];
+        for (own, v) in own.iter_mut().zip(v) {
+            *own = *v;
+        }
+        if SET { self.turned(v, own) } else { own }
     }
 
-    /// The row's motion when the shaft makes the motion `v`.
     #[inline(never)]
-    pub fn motion<const D: usize>(&self, v: &[T; D]) -> [T; 5] {
+    fn turned<const D: usize>(&self, v: &[T; D], mut own: [T; 5]) -> [T; 5] {
         let r = self.length;
-        let mut own = in_full(v);
         if D == 6 && self.sliding {
             own[0] += self.facing * v[5];
         }
@@ -82,7 +84,7 @@ impl<T: Real> Mount<T> {
 
     /// Adds the row's forces and slopes, at its groove plane, to those of the shaft about its centre.
     #[inline(never)]
-    pub fn add<const D: usize>(&self, own: &mut Sum<T, 5>, sum: &mut Sum<T, D>) {
+    pub fn assemble<const D: usize>(&self, own: &mut Sum<T, 5>, sum: &mut Sum<T, D>) {
         let turn = self.facing * self.arm;
         let mirror = [self.facing, T::ONE, T::ONE, turn, turn];
         let slides = D == 6 && self.sliding;
@@ -154,7 +156,13 @@ pub struct Layout<'b, T, const R: usize, const SET: bool> {
 impl<'b, T: Real> Layout<'b, T, 1, false> {
     /// A bearing alone.
     #[inline(always)]
-    pub fn alone(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
+    pub fn alone<const N: usize>(bearing: &'b Bearing<T, N>) -> Self {
+        Self::of_balls(&bearing.constants, &bearing.azimuths)
+    }
+
+    /// Balls alone.
+    #[inline(always)]
+    pub fn of_balls(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
         Self {
             bearings: [Numbers { c, azimuths }],
             mounts: [Mount::PLAIN],
@@ -168,14 +176,6 @@ impl<'b, T: Real> Layout<'b, T, 1, false> {
             weight: c.balls,
             held: c.preload,
         }
-    }
-}
-
-impl<'b, T, const R: usize, const SET: bool> Layout<'b, T, R, SET> {
-    /// The constants whose units are those of the shaft.
-    #[inline(always)]
-    pub fn unit(&self) -> &'b Constants<T> {
-        self.bearings[0].c
     }
 }
 
@@ -212,7 +212,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
         let mut mounts = self.layout.mounts.iter();
         for row in self.rows.iter_mut() {
             let Some(mount) = mounts.next() else { return };
-            f(row, mount, &mount.own::<D, SET>(v));
+            f(row, mount, &mount.motion::<D, SET>(v));
         }
     }
 
@@ -242,7 +242,9 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
         if !SET {
             let row = &self.rows[0];
             sum_up::<T, A, D>(row.balls, row.azimuths, sum);
-            sum.refer(row.c.plane);
+            refer(row.c.plane, &mut sum.force);
+            refer(row.c.plane, &mut sum.by_speed);
+            refer_stiffness(row.c.plane, &mut sum.k);
             return;
         }
         *sum = Sum::NONE;
@@ -251,7 +253,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
             let mut own = Sum::<T, 5>::NONE;
             sum_up::<T, A, 5>(row.balls, row.azimuths, &mut own);
             sides[usize::from(mount.facing < T::ZERO)] += mount.force * own.force[0];
-            mount.add(&mut own, sum);
+            mount.assemble(&mut own, sum);
         });
         *self.internal = sides[0].at_most(sides[1]).at_least(T::ZERO);
     }
@@ -267,7 +269,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
             cos: T::ONE,
         };
         if !SET {
-            let own = self.rows[0].changes::<A>(&in_full(du));
+            let own = self.rows[0].changes::<A>(&self.layout.mounts[0].motion::<D, SET>(du));
             all.k.copy_from_slice(&own.k[..D]);
             return Changes {
                 k: all.k,
@@ -280,7 +282,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
         let mut mounts = self.layout.mounts.iter();
         for row in self.rows.iter() {
             let Some(mount) = mounts.next() else { break };
-            let own = row.changes::<A>(&mount.motion(du));
+            let own = row.changes::<A>(&mount.motion::<D, SET>(du));
             let k = mount.force * mount.length;
             let (arm, lever) = (mount.arm * mount.arm, mount.lever * mount.lever);
             all.k[0] += k * own.k[0];

@@ -52,7 +52,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     pub fn of(bearing: &'b Bearing<T, N>) -> Self {
         Self {
             bearing,
-            last: WarmStart::new(&Layout::alone(&bearing.constants, &[])),
+            last: WarmStart::new(&Layout::of_balls(&bearing.constants, &[])),
             motion: PhantomData,
             root: T::ONE / T::TINY,
             centres: Centres {
@@ -129,8 +129,9 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             T::ZERO
         };
         if M::AT_SPEED && s > T::ZERO {
-            self.last.state.grow(&self.last.points[0].growth, &growth);
-            self.last.points[0].set(c, s, size, growth, self.last.state.u[0]);
+            if !self.last.points[0].set(c, s, size, growth, self.last.state.u[0]) {
+                self.last.state.size = T::ZERO;
+            }
             return self.at_speed(asked, given, settings);
         }
         self.last.points[0] = Point::new(c, s, size, growth);
@@ -214,20 +215,15 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             balls: T::ONE,
             ..*c
         };
-        let mut task = Task {
-            load: [T::ZERO],
-            size: T::ZERO,
-            held: [None],
-            tolerance: settings.tolerance,
-        };
+        let mut task = Task::new(settings.tolerance);
         match given {
             Given::Load(load) => {
                 task.load[0] = load / c.balls;
                 task.size = task.load[0].abs().at_least(c.preload / c.balls);
             }
-            Given::Displacement(dx) => task.held[0] = Some(dx),
+            Given::Displacement(dx) => (task.held[0], task.is_free) = (Some(dx), false),
         }
-        let layout = Layout::alone(&one, self.first());
+        let layout = Layout::of_balls(&one, self.first());
         let mut more = || true;
         let mut time = Time::new(settings.max_iterations, &mut more);
         let reached = self.last.solve::<M::Rule, _>(&layout, &task, &mut time)?;
@@ -269,7 +265,7 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     pub fn stiffness(&self) -> T {
         let (c, last) = (&self.solver.bearing.constants, &self.solver.last);
         let k = if M::AT_SPEED && last.points[0].is_at_speed() {
-            let layout = Layout::alone(c, self.solver.first());
+            let layout = Layout::of_balls(c, self.solver.first());
             last.stiffness::<M::Rule, _>(&layout)[0][0]
         } else {
             last.state.sum.k[0][0]

@@ -2,10 +2,8 @@
 
 use super::newton::{End, Outcome};
 use super::{State, are_finite};
-use crate::contact;
 use crate::float::Real;
-use crate::linalg::{Matrix, norm};
-use crate::ring::Changes;
+use crate::linalg::norm;
 use crate::tuning;
 
 /// Estimated errors of a solution, relative.
@@ -44,27 +42,6 @@ pub struct Estimate<T> {
 }
 
 impl<T: Real> Estimate<T> {
-    /// Of a step that makes these changes of the stiffness `k`.
-    #[inline(always)]
-    pub fn of<const D: usize>(changes: &Changes<T, D>, k: &Matrix<T, D>) -> Self {
-        // The largest quotient, with one division.
-        let (mut change, mut element) = (T::ZERO, T::ONE);
-        for i in 0..D {
-            let diagonal = k[i][i].abs().at_least(T::TINY);
-            if changes.k[i] * element > change * diagonal {
-                (change, element) = (changes.k[i], diagonal);
-            }
-        }
-        let largest = change / element;
-        Self {
-            k: T::of(3.0) * largest,
-            most: changes.most,
-            force: changes.lost / changes.largest,
-            largest: changes.largest,
-            cos: changes.cos,
-        }
-    }
-
     /// Error of the stiffness that its correction along the step leaves: what is of second order, and a small part of the first.
     pub fn corrected(&self) -> T {
         self.k * (self.most + T::of(tuning::CORRECTED))
@@ -78,7 +55,7 @@ pub(super) fn rounding<T: Real, const D: usize>(force: T, v: &[T; D]) -> T {
     let root = force.cbrt();
     let deformation = (root * root).at_least(T::EPSILON);
     let offset = T::ONE + norm(v);
-    contact::rounding::<T>() * (T::ONE + offset / deformation)
+    T::ROUNDING * (T::ONE + offset / deformation)
 }
 
 impl<T: Real, const D: usize> State<T, D> {

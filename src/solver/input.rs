@@ -51,14 +51,13 @@ pub fn given<T: Real>(
 /// balls that are not `at_speed`.
 #[inline(always)]
 pub fn omega<T: Real>(c: &Constants<T>, speed: Speed<T>, at_speed: bool) -> Result<T, Status<T>> {
-    let omega = speed.as_rad_per_s();
     let limit = if at_speed {
         (T::of(2048.0) / c.inertia).sqrt()
     } else {
         T::ZERO
     };
-    check(Quantity::Speed, omega, limit)?;
-    Ok(omega)
+    check(Quantity::Speed, speed.0, limit)?;
+    Ok(speed.0)
 }
 
 /// Growth in units of length, at most a quarter of the groove distance each.

@@ -19,10 +19,10 @@ mod warm_start;
 
 use crate::constants::Bearing;
 use crate::float::Real;
-use crate::frame::{centre_of, displacement_out, force_out};
+use crate::frame::{displacement_out, force_out, moved};
 use crate::growth::Growth;
 use crate::kinematics::Rule;
-use crate::linalg::{Factors, norm, product};
+use crate::linalg::{Factors, norm};
 use crate::motion::{Full, Motion};
 use crate::mounting::Speed;
 use crate::ring::{Sum, UNSEATED};
@@ -171,7 +171,7 @@ pub struct State<T, const D: usize> {
     pub correct: bool,
     /// Load of the last solve, its size with reactions, and inertia `m dm omega^2 / 2`.
     load: [T; D],
-    size: T,
+    pub(crate) size: T,
     s: T,
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     weak: bool,
@@ -198,18 +198,7 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Displacement of the centre.
     pub(crate) fn displacement(&self, plane: T) -> [T; D] {
-        centre_of(plane, &from_fn(|i| self.u[i] + self.v[i]))
-    }
-
-    /// Forgets a solution that is no start for the next one, at another growth of a row: one that differs by more than a unit
-    /// of length, about a deformation.
-    pub(crate) fn grow(&mut self, last: &Growth<T>, growth: &Growth<T>) {
-        let by = (growth.axial - last.axial).abs()
-            + (growth.radial - last.radial).abs()
-            + (growth.ball - last.ball).abs();
-        if !(by <= T::ONE) {
-            self.size = T::ZERO;
-        }
+        moved(-plane, &from_fn(|i| self.u[i] + self.v[i]))
     }
 
     /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
@@ -269,7 +258,7 @@ impl<T: Real, const D: usize> State<T, D> {
             None => task.load[i] - self.load[i],
             Some(u) => self.sum.k[i][i] * (u - at[i]),
         });
-        let smaller = if task.is_free() {
+        let smaller = if task.is_free {
             self.size.at_most(task.size.at_least(*shaft.internal))
         } else {
             self.size
@@ -334,12 +323,6 @@ impl<T: Real, const D: usize> State<T, D> {
         }
         Err(status)
     }
-
-    /// Force on the ring that the tangent sees after the last step.
-    pub(crate) fn force(&self, plane: T) -> [T; D] {
-        let du = centre_of(plane, &from_fn(|i| self.v[i] - self.at[i]));
-        from_fn(|i| self.sum.force[i] + product(&self.sum.k[i], &du))
-    }
 }
 
 /// Whether every figure is a finite number.
@@ -388,15 +371,9 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     {
         Self {
             bearing,
-            last: WarmStart::new(&Layout::alone(&bearing.constants, &bearing.azimuths)),
+            last: WarmStart::new(&Layout::alone(bearing)),
             motion: PhantomData,
         }
-    }
-
-    /// The only row of a shaft.
-    #[inline(always)]
-    fn layout(&self) -> Layout<'b, T, 1, false> {
-        Layout::alone(&self.bearing.constants, &self.bearing.azimuths)
     }
 
     /// Has the next solve start from nothing.
@@ -418,7 +395,13 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         speed: Speed<T>,
         settings: &Settings<T>,
     ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
-        self.solve_at(&load.map(Given::Load), speed, &Growth::NONE, settings)
+        self.solve_while(
+            &load.map(Given::Load),
+            speed,
+            &Growth::NONE,
+            settings,
+            || true,
+        )
     }
 
     /// The equilibrium where some displacements are given in the place of loads, and rings and balls have grown.
@@ -476,7 +459,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         settings: &Settings<T>,
         mut more_time: impl FnMut() -> bool,
     ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
-        let layout = self.layout();
+        let layout = Layout::alone(self.bearing);
         let growth = core::array::from_ref(growth);
         let tolerance = settings.tolerance;
         let task = self
@@ -500,7 +483,9 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
     /// of the stiffness is 1 or more, nothing is known of it. The table of a cut is in `docs/firmware.md`.
     pub fn unfinished(&self) -> Option<Solution<'_, T, N, M, D>> {
-        let reached = self.last.unfinished::<M::Rule, _>(&self.layout())?;
+        let reached = self
+            .last
+            .unfinished::<M::Rule, _>(&Layout::alone(self.bearing))?;
         Some(self.solution(&reached))
     }
 

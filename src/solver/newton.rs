@@ -4,7 +4,7 @@ use super::State;
 use super::error::{Estimate, rounding};
 use crate::constants::L0;
 use crate::float::Real;
-use crate::frame::plane_of;
+use crate::frame::moved;
 use crate::kinematics::Rule;
 use crate::linalg::{norm, product};
 use crate::shaft::Shaft;
@@ -20,30 +20,33 @@ pub struct Task<T, const D: usize> {
     pub size: T,
     /// The displacement that is given of some freedoms.
     pub held: [Option<T>; D],
+    /// No displacement is given.
+    pub is_free: bool,
     /// Largest change of the stiffness along the last step.
     pub tolerance: T,
+    /// Error of the balls' forces that is small enough, relative to the largest.
+    enough: T,
+    /// Unbalanced part of the load from which on a step is not the last one: it changes the stiffness by more than the
+    /// tolerance.
+    far: T,
 }
 
 impl<T: Real, const D: usize> Task<T, D> {
-    /// No displacement is given.
-    #[inline(always)]
-    pub fn is_free(&self) -> bool {
-        self.held.iter().all(Option::is_none)
-    }
-
-    /// A ring that nothing presses and nothing holds floats in its clearance.
-    pub fn is_loaded(&self) -> bool {
-        self.size > T::TINY.sqrt() || !self.is_free()
-    }
-
-    /// Unbalanced part of the load from which on a step is not the last one: it changes the stiffness by more than the
-    /// tolerance.
-    fn far(&self) -> T {
-        let far = T::of(tuning::FAR) * self.tolerance;
-        if self.tolerance < T::of(0.5 * tuning::ROUGH) {
-            far.at_most(T::of(tuning::FAR_AT_MOST))
-        } else {
-            far
+    /// Without a load yet.
+    pub fn new(tolerance: T) -> Self {
+        let far = T::of(tuning::FAR) * tolerance;
+        Self {
+            load: [T::ZERO; D],
+            size: T::ZERO,
+            held: [None; D],
+            is_free: true,
+            tolerance,
+            enough: T::of(tuning::FORCE) * tolerance,
+            far: if tolerance < T::of(0.5 * tuning::ROUGH) {
+                far.at_most(T::of(tuning::FAR_AT_MOST))
+            } else {
+                far
+            },
         }
     }
 
@@ -56,11 +59,6 @@ impl<T: Real, const D: usize> Task<T, D> {
             free += u16::from(held.is_none());
         }
         2 * shaft.loaded() >= free
-    }
-
-    /// Error of the balls' forces that is small enough, relative to the largest.
-    fn enough(&self) -> T {
-        T::of(tuning::FORCE) * self.tolerance
     }
 }
 
@@ -301,7 +299,7 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Factors the tangent. A given displacement stands in the place of the equation of its freedom.
     pub(super) fn factor(&mut self, task: &Task<T, D>, damping: T) {
-        if task.is_free() {
+        if task.is_free {
             self.factors.factor(&self.sum.k, damping);
             return;
         }
@@ -313,21 +311,6 @@ impl<T: Real, const D: usize> State<T, D> {
             }
         }
         self.factors.factor(&k, damping);
-    }
-
-    /// The step that the factors make of the unbalanced force `r` and of what is missing of given displacements.
-    fn resolve(&self, plane: T, task: &Task<T, D>, r: &[T; D], damping: T) -> [T; D] {
-        if task.is_free() {
-            return self.factors.solve(r);
-        }
-        let mut b = *r;
-        let u = self.displacement(plane);
-        for i in 0..D {
-            if let Some(given) = task.held[i] {
-                b[i] = (T::ONE + damping) * (given - u[i]);
-            }
-        }
-        self.factors.solve(&b)
     }
 
     /// The step to where the tangent sees equilibrium under the unbalanced force `r`, its length, whether it is damped.
@@ -346,14 +329,23 @@ impl<T: Real, const D: usize> State<T, D> {
             if damping > T::ZERO || !self.plain {
                 self.factor(task, damping);
             }
-            let du = self.resolve(plane, task, r, damping);
+            let mut b = *r;
+            if !task.is_free {
+                let u = self.displacement(plane);
+                for i in 0..D {
+                    if let Some(given) = task.held[i] {
+                        b[i] = (T::ONE + damping) * (given - u[i]);
+                    }
+                }
+            }
+            let du = self.factors.solve(&b);
             let length = norm(&du);
             if !(damping > T::ZERO) {
-                self.weak = self.factors.is_weak();
+                self.weak = self.factors.is_weak;
             }
             if self.factors.least > T::ZERO && length <= radius {
                 let damped = damping > T::ZERO;
-                self.plain = task.is_free() && !damped;
+                self.plain = task.is_free && !damped;
                 return (du, length, damped);
             }
             if damping > T::ZERO {
@@ -391,7 +383,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let (du, _, damped) = self.step(plane, task, &r, radius, least);
         let work = product(&r, &du);
         self.attempt.control.last = (!is_first).then_some(Step { du, work, damped });
-        self.advance(plane_of(plane, &du));
+        self.advance(moved(plane, &du));
     }
 
     /// Newton's method from where ring and balls are, until an end, or until the time is up.
@@ -413,7 +405,7 @@ impl<T: Real, const D: usize> State<T, D> {
 
             let r = self.unbalanced(task, T::ZERO);
             let mut size = task.size.at_least(*shaft.internal);
-            if !task.is_free() {
+            if !task.is_free {
                 size = size.at_least(norm(&self.sum.force));
             }
             let before = self.attempt.outcome;
@@ -428,11 +420,11 @@ impl<T: Real, const D: usize> State<T, D> {
             let at = self.at;
             let rounded = |most| stalled && residual < before.rounding(shaft, task, &at, most);
             let control = &mut self.attempt.control;
-            let back = control.review(&r, task.enough(), rounded);
+            let back = control.review(&r, task.enough, rounded);
             let Control { radius, least, .. } = *control;
             self.attempt.back = back.is_some();
             if let Some(back) = back {
-                let planar = plane_of(plane, &back);
+                let planar = moved(plane, &back);
                 self.advance(planar);
                 if is_last {
                     self.look::<A, R, SET>(shaft, &planar, near);
@@ -441,11 +433,11 @@ impl<T: Real, const D: usize> State<T, D> {
                 continue;
             }
             let (du, length, damped) = self.step(plane, task, &r, radius, least);
-            let planar = plane_of(plane, &du);
+            let planar = moved(plane, &du);
             self.attempt.outcome.step = length;
             self.advance(planar);
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
-            let far = residual > task.far();
+            let far = residual > task.far;
             if !far || is_last {
                 self.look::<A, R, SET>(shaft, &planar, near && is_last);
             }
@@ -453,7 +445,7 @@ impl<T: Real, const D: usize> State<T, D> {
             if damped {
                 // In balance, and no damping is too small to be followed further.
                 let stays = least < T::EPSILON || !(work > T::ZERO);
-                if stays && self.weak && rounded(task.enough()) {
+                if stays && self.weak && rounded(task.enough) {
                     return End::Singular;
                 }
             } else if near && !far {
@@ -485,7 +477,22 @@ impl<T: Real, const D: usize> State<T, D> {
         planar: &[T; D],
         may: bool,
     ) {
-        let estimate = Estimate::of(&shaft.changes::<A, D>(planar), &self.sum.k);
+        let changes = shaft.changes::<A, D>(planar);
+        // The largest quotient, with one division.
+        let (mut change, mut element) = (T::ZERO, T::ONE);
+        for i in 0..D {
+            let diagonal = self.sum.k[i][i].abs().at_least(T::TINY);
+            if changes.k[i] * element > change * diagonal {
+                (change, element) = (changes.k[i], diagonal);
+            }
+        }
+        let estimate = Estimate {
+            k: T::of(3.0) * (change / element),
+            most: changes.most,
+            force: changes.lost / changes.largest,
+            largest: changes.largest,
+            cos: changes.cos,
+        };
         self.correct = may && estimate.corrected() < estimate.k;
         self.attempt.outcome.estimate = estimate;
     }
@@ -501,7 +508,7 @@ impl<T: Real, const D: usize> State<T, D> {
         outcome: &Outcome<T>,
     ) -> bool {
         let of_ball = rounding(outcome.estimate.largest, &self.at);
-        let most = task.enough().at_least(of_ball * of_ball.sqrt());
+        let most = task.enough.at_least(of_ball * of_ball.sqrt());
         outcome.estimate.force <= most
             && outcome.residual < outcome.rounding(shaft, task, &self.at, T::ONE)
     }
@@ -515,7 +522,7 @@ impl<T: Real, const D: usize> State<T, D> {
     ) -> End {
         let outcome = self.attempt.outcome;
         let Estimate { k, most, force, .. } = outcome.estimate;
-        let enough = task.enough();
+        let enough = task.enough;
         let half = T::of(0.5);
         let stalled = k > half * before.estimate.k && !(outcome.residual < half * before.residual);
         let corrected = outcome.estimate.corrected();

@@ -12,6 +12,7 @@ use crate::motion::Motion;
 use crate::mounting::Speed;
 use crate::pose::{BallMotion, BallState};
 use crate::rating::{LifeRating, RatingLife};
+use crate::shaft::Layout;
 use crate::status::Status;
 use core::fmt;
 
@@ -40,7 +41,10 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
         let (c, last) = (&self.solver.bearing.constants, &self.solver.last);
-        stiffness_out(c, &last.stiffness::<M::Rule, _>(&self.solver.layout()))
+        stiffness_out(
+            c,
+            &last.stiffness::<M::Rule, _>(&Layout::alone(self.solver.bearing)),
+        )
     }
 
     /// The row of balls.
@@ -48,7 +52,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
     pub(crate) fn view(&self) -> View<'_, T, M::Rule> {
         self.solver
             .last
-            .view::<M::Rule, _>(&self.solver.layout(), 0)
+            .view::<M::Rule, _>(&Layout::alone(self.solver.bearing), 0)
     }
 
     /// States of the balls, in the order of their azimuths.

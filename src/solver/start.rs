@@ -5,7 +5,7 @@ use super::newton::Task;
 use crate::constants::{Constants, L0};
 use crate::contact::to_grid;
 use crate::float::Real;
-use crate::frame::plane_of;
+use crate::frame::moved;
 use crate::kinematics::Rule;
 use crate::mounting::Point;
 use crate::shaft::{Shaft, Stance};
@@ -107,7 +107,7 @@ fn displaced<T: Real, const R: usize, const SET: bool, const D: usize>(
     task: &Task<T, D>,
 ) -> [T; D] {
     // A displacement of the shaft from one of a row.
-    let moved = |rows: &Stance<'_, T>, pressed: Pressing<T>| {
+    let shifted = |rows: &Stance<'_, T>, pressed: Pressing<T>| {
         (pressed.displacement(rows) - rows.mount.closure) / rows.mount.length
     };
     let mut u = [T::ZERO; D];
@@ -116,18 +116,18 @@ fn displaced<T: Real, const R: usize, const SET: bool, const D: usize>(
         .filter(|_| !shaft.layout.fixed.opposed)
     {
         let pressed = Pressing::of(shaft, &holding, task);
-        u[0] = holding.mount.facing * moved(&holding, pressed);
+        u[0] = holding.mount.facing * shifted(&holding, pressed);
     }
     if D == 6
         && let Some(sliding) = shaft.stance(shaft.layout.sliding)
     {
         let (force, side) = (spring(task), T::ONE);
-        u[5] = moved(&sliding, Pressing { force, side }) - sliding.mount.facing * u[0];
+        u[5] = shifted(&sliding, Pressing { force, side }) - sliding.mount.facing * u[0];
     }
     for (u, held) in u.iter_mut().zip(task.held) {
         *u = held.unwrap_or(*u);
     }
-    plane_of(shaft.layout.plane, &u)
+    moved(shaft.layout.plane, &u)
 }
 
 /// Puts rows and balls where the axial load alone would, all balls of a row alike.

@@ -5,9 +5,10 @@ use super::view::View;
 use super::{Given, State, are_finite, input};
 use crate::ball::Ball;
 use crate::float::Real;
+use crate::frame::{moved, refer_stiffness};
 use crate::growth::Growth;
 use crate::kinematics::Rule;
-use crate::linalg::{Matrix, add_to, norm};
+use crate::linalg::{Matrix, add_to, norm, product};
 use crate::motion::Motion;
 use crate::mounting::{Point, Speed};
 use crate::ring::{Row, Sum, stiffening};
@@ -63,17 +64,12 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         growth: &[Growth<T>; R],
         tolerance: T,
     ) -> Result<Task<T, D>, Status<T>> {
-        let unit = layout.unit();
-        let mut task = Task {
-            load: [T::ZERO; D],
-            size: T::ZERO,
-            held: [None; D],
-            tolerance,
-        };
+        let unit = layout.bearings[0].c;
+        let mut task = Task::new(tolerance);
         for (i, given) in given.iter().enumerate() {
             match input::given(unit, i, layout.weight, *given)? {
                 Given::Load(load) => task.load[i] = load,
-                Given::Displacement(u) => task.held[i] = Some(u),
+                Given::Displacement(u) => (task.held[i], task.is_free) = (Some(u), false),
             }
         }
         to_centre(&mut task.load);
@@ -84,7 +80,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             *grown = input::growth(row.c, growth)?;
         }
         task.size = norm(&task.load).at_least(layout.held);
-        if !task.is_loaded() {
+        // A ring that nothing presses and nothing holds floats in its clearance.
+        if task.is_free && !(task.size > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
         }
         let s = if M::AT_SPEED {
@@ -94,10 +91,11 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         };
         let rows = layout.bearings.iter().zip(&layout.mounts);
         for ((row, mount), (point, growth)) in rows.zip(self.points.iter_mut().zip(grown)) {
-            self.state.grow(&point.growth, &growth);
-            let [axial, ..] = mount.own::<D, SET>(&self.state.u);
+            let [axial, ..] = mount.motion::<D, SET>(&self.state.u);
             let (s, size) = (s * mount.inertia, task.size / mount.force);
-            point.set(row.c, s, size, growth, axial + mount.closure);
+            if !point.set(row.c, s, size, growth, axial + mount.closure) {
+                self.state.size = T::ZERO;
+            }
         }
         self.speed = speed;
         Ok(task)
@@ -116,7 +114,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             let (row, balls) = (bearings.next(), balls.next());
             let azimuths = row.map_or(&[][..], |row| row.azimuths);
             Row {
-                c: row.map_or(layout.unit(), |row| row.c),
+                c: row.map_or(layout.bearings[0].c, |row| row.c),
                 p,
                 azimuths,
                 balls: balls
@@ -142,9 +140,11 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
     }
 
     fn reached(&self, plane: T, iterations: u16) -> Reached<T, D> {
+        let State { v, at, sum, .. } = &self.state;
+        let du = moved(-plane, &from_fn(|i| v[i] - at[i]));
         Reached {
             u: self.state.displacement(plane),
-            load: self.state.force(plane),
+            load: from_fn(|i| sum.force[i] + product(&sum.k[i], &du)),
             iterations,
         }
     }
@@ -183,13 +183,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         let rows = layout.bearings.iter().zip(&layout.mounts);
         for ((row, mount), (p, balls)) in rows.zip(self.points.iter().zip(&self.balls)) {
             let balls = balls.get(..row.azimuths.len()).unwrap_or_default();
-            let v = mount.own::<D, SET>(&self.state.v);
+            let v = mount.motion::<D, SET>(&self.state.v);
             if SET {
                 let mut own = stiffening::<T, A, 5>(p, balls, row.azimuths, &v);
-                mount.add(&mut own, &mut change);
+                mount.assemble(&mut own, &mut change);
             } else {
                 change = stiffening::<T, A, D>(p, balls, row.azimuths, &v);
-                change.refer(layout.plane);
+                refer_stiffness(layout.plane, &mut change.k);
             }
         }
         add_to(&mut k, &change.k);
@@ -209,7 +209,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             p: &self.points[i],
             azimuths: row.azimuths,
             balls: self.balls[i].get(..row.azimuths.len()).unwrap_or_default(),
-            v: layout.mounts[i].own::<D, SET>(&self.state.v),
+            v: layout.mounts[i].motion::<D, SET>(&self.state.v),
             speed: self.speed,
             rule: PhantomData,
         }

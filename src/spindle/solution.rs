@@ -2,7 +2,7 @@
 
 use super::{Facing, SpindleSolver};
 use crate::float::Real;
-use crate::frame::{centre_of, force_out, refer, refer_stiffness, stiffness_out};
+use crate::frame::{force_out, moved, refer, refer_stiffness, stiffness_out};
 use crate::frequencies::Frequencies;
 use crate::limits::{Limit, LimitSet, Limits, Margins};
 use crate::linalg::{Factors, Matrix, add_to, product};
@@ -74,7 +74,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// The stiffness at the position `x` (m) of the rigid shaft.
     #[inline(always)]
     pub(crate) fn rigid_stiffness(&self, x: T) -> Matrix<T, 5> {
-        let mut k = stiffness_out(self.solver.spindle.layout.unit(), &self.k);
+        let mut k = stiffness_out(self.solver.spindle.layout.bearings[0].c, &self.k);
         refer_stiffness(self.solver.spindle.centre - x, &mut k);
         k
     }
@@ -82,7 +82,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
     /// are displacements. One over its diagonal is the stiffness that a force alone meets.
     pub fn compliance_at(&self, end: &ShaftEnd<T>) -> Matrix<T, 5> {
-        let unit = self.solver.spindle.layout.unit();
+        let unit = self.solver.spindle.layout.bearings[0].c;
         let inverse = inverse(&self.k);
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
         let mut c: Matrix<T, 5> = from_fn(|i| {
@@ -110,7 +110,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             return self.rigid_stiffness(end.position);
         }
         // In units that make the elements alike.
-        let unit = self.solver.spindle.layout.unit();
+        let unit = self.solver.spindle.layout.bearings[0].c;
         let scale = |i: usize| {
             if i < 3 {
                 T::ONE
@@ -126,7 +126,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the rigid shaft at the position `x` (m).
     pub fn displacement_at(&self, x: T) -> [T; 5] {
-        centre_of(-x, &self.displacement)
+        moved(x, &self.displacement)
     }
 
     /// Rating life of the set under this load at this speed, each row with its own rating: see [`LifeRating`].
@@ -175,7 +175,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let mut sum = Sum::NONE;
         sum_up::<T, M::Rule, 5>(view.balls, view.azimuths, &mut sum);
         // What the tangent says of the force after the last step.
-        let du = mount.motion(&from_fn::<T, D, _>(|i| state.v[i] - state.at[i]));
+        let du = mount.motion::<D, true>(&from_fn(|i| state.v[i] - state.at[i]));
         let mut force: [T; 5] = from_fn(|i| sum.force[i] + product(&sum.k[i], &du));
         refer(c.plane, &mut force);
         RowSolution {
@@ -263,7 +263,7 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         if self.correct {
             add_to(&mut sum.k, &self.view.stiffening());
         }
-        sum.refer(self.view.c.plane);
+        refer_stiffness(self.view.c.plane, &mut sum.k);
         stiffness_out(self.view.c, &sum.k)
     }
 

@@ -3,7 +3,7 @@
 use super::Spindle;
 use super::solution::SpindleSolution;
 use crate::float::Real;
-use crate::frame::{centre_of, displacement_out, force_out, refer};
+use crate::frame::{displacement_out, force_out, moved, refer};
 use crate::growth::Growth;
 use crate::motion::{Full, Motion};
 use crate::mounting::Speed;
@@ -69,7 +69,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         speed: Speed<T>,
         settings: &Settings<T>,
     ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
-        self.solve_at(load, speed, &[Growth::NONE; R], settings)
+        self.solve_while(load, speed, &[Growth::NONE; R], settings, || true)
     }
 
     /// The equilibrium where the rings and balls of each row have grown.
@@ -107,7 +107,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             ..
         } = &self.spindle;
         let given = from_fn(|i| Given::Load(load.get(i).copied().unwrap_or(*spring)));
-        let unit = layout.unit();
+        let unit = layout.bearings[0].c;
         // From x = 0 to the centre.
         let to_centre = |load: &mut [T; D]| refer(-*centre * unit.tilt / unit.length, load);
         let tolerance = settings.tolerance;
@@ -124,7 +124,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     pub fn unfinished(&self) -> Option<SpindleSolution<'_, T, R, N, M, D>> {
         let Spindle { layout, centre, .. } = &self.spindle;
         let reached = self.last.unfinished::<M::Rule, _>(layout)?;
-        let mut load = force_out(layout.unit(), &from_fn(|i| reached.load[i]));
+        let mut load = force_out(layout.bearings[0].c, &from_fn(|i| reached.load[i]));
         refer(*centre, &mut load);
         Some(self.solution(&reached, load))
     }
@@ -135,7 +135,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         load: [T; 5],
     ) -> SpindleSolution<'_, T, R, N, M, D> {
         let Spindle { layout, centre, .. } = &self.spindle;
-        let (unit, last) = (layout.unit(), &self.last);
+        let (unit, last) = (layout.bearings[0].c, &self.last);
         let u: [T; 5] = from_fn(|i| reached.u[i]);
         let k = last.stiffness::<M::Rule, _>(layout);
         let (k, slide) = if D == 6 {
@@ -151,7 +151,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             error: last
                 .state
                 .errors(&reached.u, last.points[0].s * layout.weight),
-            displacement: centre_of(*centre, &displacement_out(unit, &u)),
+            displacement: moved(-*centre, &displacement_out(unit, &u)),
             load,
             speed: last.speed,
             k,
