@@ -4,7 +4,7 @@
 //! design written into firmware costs no code. With [`Bearing::checked`](crate::Bearing::checked), one that cannot be
 //! built does not compile.
 
-use crate::elementary::{sin_cos, sin_cos_turns};
+use crate::const_math::{sin_cos, sin_cos_turns};
 use crate::status::Quantity;
 
 /// Elastic constants and density of a ring or of the balls.

@@ -4,9 +4,9 @@
 //! Displacements of the plane move a groove centre by one product each. A force with the moments `My`, `Mz` about a point
 //! of the plane has `My - p Fz` and `Mz + p Fy` about the bearing centre. Distances along the axis are over `Rp`.
 
-use super::constants::Constants;
-use super::linalg::Matrix;
-use crate::float::Real;
+use crate::bearing::Constants;
+use crate::linalg::Matrix;
+use crate::real::Real;
 
 /// The displacement of a point that is further along the axis by the `distance` from the one displaced by `u`.
 #[inline(always)]

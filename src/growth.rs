@@ -1,7 +1,7 @@
 //! Growth of rings and balls by heat, rotation and fits.
 
 use crate::design::Design;
-use crate::float::Real;
+use crate::real::Real;
 use core::ops::{Add, Mul};
 
 /// Growth of rings and balls by heat, rotation and fits, m: the three lengths that the equilibrium needs.

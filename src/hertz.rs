@@ -5,8 +5,8 @@
 //!
 //! Everything is a `const fn` of doubles: it runs in the compiler for a design known there.
 
+use crate::const_math::{cbrt, sqrt};
 use crate::design::Material;
-use crate::elementary::{cbrt, sqrt};
 use core::f64::consts::PI;
 
 /// Complete elliptic integrals of the first and second kind, `K(m)` and `E(m)`, for `0 <= m < 1`.

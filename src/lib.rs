@@ -58,28 +58,16 @@ extern crate std;
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-mod axial;
 mod ball;
-mod body;
-mod constants;
-mod contact;
-mod curvature;
+mod bearing;
+mod const_math;
 mod design;
-mod elementary;
-mod float;
 mod frame;
-mod frequencies;
 mod growth;
 mod hertz;
-mod kinematics;
-mod limits;
 mod linalg;
-mod motion;
-mod mounting;
-mod place;
-mod pose;
-mod rating;
-mod ring;
+mod real;
+mod results;
 mod shaft;
 mod solver;
 mod spindle;
@@ -95,24 +83,27 @@ pub mod monitor;
 #[cfg(feature = "record")]
 pub mod record;
 
-pub use constants::Bearing;
+pub use ball::kinematics::{
+    Centrifugal, Full, InnerRaceControl, Motion, OuterRaceControl, RacewayControlFree, Speed,
+    Static,
+};
+pub use ball::report::{BallMotion, BallState, ContactPatch};
+pub use bearing::Bearing;
 pub use design::{Design, DesignError, FreeContact, Material};
-pub use float::Real;
-pub use frequencies::Frequencies;
 pub use growth::{Expansion, Growth};
 pub use hertz::{HertzContact, elliptic_integrals};
-pub use kinematics::{InnerRaceControl, OuterRaceControl, RacewayControlFree};
-pub use limits::{Limit, LimitSet, Limits, Margin, Margins, Race};
-pub use motion::{Centrifugal, Full, Motion, Static};
-pub use mounting::Speed;
-pub use pose::{BallMotion, BallState, ContactPatch};
-pub use rating::{LifeRating, RatingLife};
-pub use solver::{
-    AxialSolution, AxialSolver, ErrorEstimate, Given, RingVector, Settings, Snapshot, Solution,
-    Solver,
-};
-pub use spindle::{
-    Arrangement, Facing, Mounted, Preload, RowSolution, ShaftEnd, Spindle, SpindleError,
-    SpindleSolution, SpindleSolver,
-};
+pub use real::Real;
+pub use results::frequencies::Frequencies;
+pub use results::life::{LifeRating, RatingLife};
+pub use results::margins::{Limit, LimitSet, Limits, Margin, Margins, Race};
+pub use solver::Solver;
+pub use solver::axial::{AxialSolution, AxialSolver};
+pub use solver::problem::{Given, RingVector, Settings};
+pub use solver::solution::{Snapshot, Solution};
+pub use solver::state::ErrorEstimate;
+pub use spindle::arrangement::{Arrangement, Facing};
+pub use spindle::error::SpindleError;
+pub use spindle::solution::{RowSolution, ShaftEnd, SpindleSolution};
+pub use spindle::solver::SpindleSolver;
+pub use spindle::{Mounted, Preload, Spindle};
 pub use status::{Quantity, Status};

@@ -3,7 +3,7 @@
 //! Products come first, then their sums: an FPU like the Cortex-M4's waits where a result is used at once, and the
 //! compiler keeps this order.
 
-use crate::float::Real;
+use crate::real::Real;
 
 /// A vector in the axial-radial plane of a ball.
 pub type Pair<T> = [T; 2];

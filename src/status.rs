@@ -1,6 +1,5 @@
 //! How a solve can end, and the names of the quantities that it can complain of.
 
-use crate::float::Real;
 use core::fmt;
 
 macro_rules! quantities {
@@ -175,7 +174,7 @@ impl<T> Status<T> {
     }
 }
 
-impl<T: Real> fmt::Display for Status<T> {
+impl<T: fmt::Display + fmt::LowerExp> fmt::Display for Status<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Converged => f.write_str("converged"),
@@ -212,4 +211,4 @@ impl<T: Real> fmt::Display for Status<T> {
     }
 }
 
-impl<T: Real> core::error::Error for Status<T> {}
+impl<T: fmt::Debug + fmt::Display + fmt::LowerExp> core::error::Error for Status<T> {}

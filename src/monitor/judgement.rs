@@ -22,7 +22,7 @@
 use super::baseline::{Baseline, BaselineSettings};
 use super::learning::{Learning, LearningReport};
 use super::plausibility::seconds;
-use crate::float::Real;
+use crate::real::Real;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 

@@ -511,7 +511,7 @@ impl<const K: usize> Calibration<K> {
                 scale[j] += counts[k][j] * counts[k][j];
                 k += 1;
             }
-            scale[j] = crate::elementary::sqrt(scale[j]);
+            scale[j] = crate::const_math::sqrt(scale[j]);
             if !(scale[j] > 0.0 && scale[j].is_finite()) {
                 return Err(CalibrationError::Singular);
             }
@@ -550,7 +550,7 @@ impl<const K: usize> Calibration<K> {
                 square += column[k] * column[k];
                 k += 1;
             }
-            let norm = crate::elementary::sqrt(square);
+            let norm = crate::const_math::sqrt(square);
             // A load that others make up to a thousandth would amplify noise as much.
             if !(norm > 1e-3) {
                 return Err(CalibrationError::Singular);

@@ -133,11 +133,11 @@ pub use retained::{Identity, Past, Store};
 pub use settings::{MonitorSettings, RowSettings, SettingsError, ShaftSettings};
 pub use temperature::{TemperatureSettings, TemperatureSource};
 
-use crate::float::Real;
 use crate::growth::Growth;
-use crate::limits::{Limit, Limits};
-use crate::rating::damage_of_weight;
-use crate::spindle::{inverse, preloads};
+use crate::real::Real;
+use crate::results::life::damage_of_weight;
+use crate::results::margins::{Limit, Limits};
+use crate::spindle::solution::{inverse, preloads};
 use crate::{Facing, Full, Motion, Spindle, SpindleSolution};
 use availability::Availability;
 use command::{AnswerCode, Desk};

@@ -3,9 +3,9 @@
 //! Two checksums are written into the image after it is linked ([`Seal`]). One is the image's, the other the answer's as
 //! another machine has computed it with the same source. Both checks go step by step, so that they fit between ticks.
 
-use crate::float::Real;
 use crate::framing::CHECKSUM;
-use crate::limits::Limits;
+use crate::real::Real;
+use crate::results::margins::Limits;
 use crate::{Full, Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status};
 use crc::Digest;
 

@@ -7,8 +7,8 @@ use super::temperature::TemperatureSettings;
 use super::tick::{CycleCost, TickSettings};
 use crate::design::Design;
 use crate::growth::{Expansion, Growth};
-use crate::limits::Limits;
-use crate::rating::LifeRating;
+use crate::results::life::LifeRating;
+use crate::results::margins::Limits;
 use core::fmt;
 
 /// How often telemetry goes out.

@@ -33,7 +33,7 @@ use super::loads::FrameCounts;
 use super::marks::Marks;
 use super::temperature::TemperatureSource;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
-use crate::limits::Limit;
+use crate::results::margins::Limit;
 use crate::status::Status;
 use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};

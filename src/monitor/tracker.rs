@@ -15,9 +15,9 @@
 use super::plausibility::PlausibilitySettings;
 use super::settings::MonitorSettings;
 use super::telemetry::StatusCode;
-use crate::float::Real;
 use crate::frame::refer;
 use crate::growth::Growth;
+use crate::real::Real;
 use crate::status::Status;
 use crate::{Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver};
 

@@ -1,16 +1,19 @@
 //! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
 
-use super::error::ErrorEstimate;
-use super::{Given, Settings, Task, Time, WarmStart, input};
-use crate::axial::{AxialRest, Centres};
-use crate::constants::{Azimuth, Bearing, Constants};
-use crate::float::Real;
+use crate::ball::kinematics::{Full, Motion, Speed};
+use crate::ball::point::Point;
+use crate::ball::report::{BallState, Pose};
+use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::growth::Growth;
 use crate::linalg::add;
-use crate::motion::{Full, Motion};
-use crate::mounting::{Point, Speed};
-use crate::pose::{BallState, Pose};
+use crate::real::Real;
 use crate::shaft::Layout;
+use crate::shaft::axial::{AxialRest, Centres};
+use crate::solver::problem::{
+    Given, Settings, Task, Time, checked_speed, given_in_units, growth_in_units, inertia,
+};
+use crate::solver::state::ErrorEstimate;
+use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
 use core::marker::PhantomData;
 
@@ -110,10 +113,10 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
-        let given = input::given(c, 0, c.balls, asked)?;
-        let omega = input::omega(c, speed, M::AT_SPEED)?;
+        let given = given_in_units(c, 0, c.balls, asked)?;
+        let omega = checked_speed(c, speed, M::AT_SPEED)?;
         let growth = match growth {
-            Some(growth) => input::growth(c, growth)?,
+            Some(growth) => growth_in_units(c, growth)?,
             None => Growth::NONE,
         };
         let size = match given {
@@ -124,7 +127,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             return Err(Status::Unloaded);
         }
         let s = if M::AT_SPEED {
-            input::inertia(c, omega, c.balls, size)
+            inertia(c, omega, c.balls, size)
         } else {
             T::ZERO
         };

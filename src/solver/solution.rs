@@ -1,20 +1,21 @@
 //! What a solve gives.
 
-use super::Solver;
-use super::error::ErrorEstimate;
-use super::view::View;
-use crate::float::Real;
-use crate::frame::stiffness_out;
-use crate::frequencies::Frequencies;
-use crate::limits::{Limits, Margins};
+use crate::ball::kinematics::{Motion, Speed};
+use crate::ball::report::{BallMotion, BallState};
+use crate::bearing::Bearing;
+use crate::frame::{displacement_out, force_out, stiffness_out};
 use crate::linalg::Matrix;
-use crate::motion::Motion;
-use crate::mounting::Speed;
-use crate::pose::{BallMotion, BallState};
-use crate::rating::{LifeRating, RatingLife};
+use crate::real::Real;
+use crate::results::View;
+use crate::results::frequencies::Frequencies;
+use crate::results::life::{LifeRating, RatingLife};
+use crate::results::margins::{Limits, Margins};
 use crate::shaft::Layout;
+use crate::solver::state::ErrorEstimate;
+use crate::solver::warm_start::{Reached, WarmStart};
 use crate::status::Status;
 use core::fmt;
+use core::marker::PhantomData;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 ///
@@ -33,26 +34,46 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
     pub load: [T; D],
     /// Speed of the shaft.
     pub speed: Speed<T>,
-    pub(super) solver: &'s Solver<'s, T, N, M, D>,
+    bearing: &'s Bearing<T, N>,
+    last: &'s WarmStart<T, 1, N, D>,
+    motion: PhantomData<M>,
 }
 
-impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D> {
+impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, M, D> {
+    /// Of a solver that has reached this.
+    pub(super) fn new(
+        bearing: &'s Bearing<T, N>,
+        last: &'s WarmStart<T, 1, N, D>,
+        reached: &Reached<T, D>,
+    ) -> Self {
+        let c = &bearing.constants;
+        Self {
+            status: last.state.attempt.outcome.end.status(),
+            iterations: reached.iterations,
+            error: last.state.errors(&reached.u, last.points[0].s * c.balls),
+            displacement: displacement_out(c, &reached.u),
+            load: force_out(c, &reached.load),
+            speed: last.speed,
+            bearing,
+            last,
+            motion: PhantomData,
+        }
+    }
+
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) at constant speed: the exact
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
-        let (c, last) = (&self.solver.bearing.constants, &self.solver.last);
-        stiffness_out(
-            c,
-            &last.stiffness::<M::Rule, _>(&Layout::alone(self.solver.bearing)),
-        )
+        let k = self
+            .last
+            .stiffness::<M::Rule, _>(&Layout::alone(self.bearing));
+        stiffness_out(&self.bearing.constants, &k)
     }
 
     /// The row of balls.
     #[inline(always)]
     pub(crate) fn view(&self) -> View<'_, T, M::Rule> {
-        self.solver
-            .last
-            .view::<M::Rule, _>(&Layout::alone(self.solver.bearing), 0)
+        self.last
+            .view::<M::Rule, _>(&Layout::alone(self.bearing), 0)
     }
 
     /// States of the balls, in the order of their azimuths.
@@ -128,7 +149,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D
 
     /// A copy that borrows nothing.
     pub fn snapshot(&self) -> Snapshot<T, N, D> {
-        let bearing = self.solver.bearing;
+        let bearing = self.bearing;
         let omega = self.speed.as_rad_per_s();
         let mut balls = [BallState::default(); N];
         let mut cage_speeds = [T::ZERO; N];

@@ -1,14 +1,14 @@
 //! Where a solve starts that has no solution next to it.
 
-use super::State;
-use super::newton::Task;
-use crate::constants::{Constants, L0};
-use crate::contact::to_grid;
-use crate::float::Real;
+use crate::ball::contact::to_grid;
+use crate::ball::kinematics::Rule;
+use crate::ball::point::Point;
+use crate::bearing::{Constants, L0};
 use crate::frame::moved;
-use crate::kinematics::Rule;
-use crate::mounting::Point;
+use crate::real::Real;
 use crate::shaft::{Shaft, Stance};
+use crate::solver::problem::Task;
+use crate::solver::state::State;
 use core::array::from_fn;
 
 /// Halvings of the range of an angle, to 2e-5 of it.

@@ -1,19 +1,21 @@
 //! What a solver remembers: the start of its next solve, and what results are worked out from.
 
-use super::newton::{End, Task, Time};
-use super::view::View;
-use super::{Given, State, are_finite, input};
 use crate::ball::Ball;
-use crate::float::Real;
+use crate::ball::kinematics::{Motion, Rule, Speed};
+use crate::ball::point::Point;
 use crate::frame::{moved, refer_stiffness};
 use crate::growth::Growth;
-use crate::kinematics::Rule;
 use crate::linalg::{Matrix, add_to, norm, product};
-use crate::motion::Motion;
-use crate::mounting::{Point, Speed};
-use crate::ring::{Row, Sum, stiffening};
+use crate::real::Real;
+use crate::results::View;
+use crate::shaft::row::{Row, Sum, UNSEATED, stiffening};
 use crate::shaft::{Layout, Shaft};
-use crate::status::Status;
+use crate::solver::problem::{
+    Given, Task, Time, checked_speed, given_in_units, growth_in_units, inertia,
+};
+use crate::solver::start::start;
+use crate::solver::state::{End, State, are_finite};
+use crate::status::{Quantity, Status};
 use core::array::from_fn;
 use core::marker::PhantomData;
 
@@ -67,7 +69,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         let unit = layout.bearings[0].c;
         let mut task = Task::new(tolerance);
         for (i, given) in given.iter().enumerate() {
-            match input::given(unit, i, layout.weight, *given)? {
+            match given_in_units(unit, i, layout.weight, *given)? {
                 Given::Load(load) => task.load[i] = load,
                 Given::Displacement(u) => (task.held[i], task.is_free) = (Some(u), false),
             }
@@ -76,8 +78,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         let mut omega = T::ZERO;
         let mut grown = [Growth::NONE; R];
         for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&layout.bearings) {
-            omega = input::omega(row.c, speed, M::AT_SPEED)?;
-            *grown = input::growth(row.c, growth)?;
+            omega = checked_speed(row.c, speed, M::AT_SPEED)?;
+            *grown = growth_in_units(row.c, growth)?;
         }
         task.size = norm(&task.load).at_least(layout.held);
         // A ring that nothing presses and nothing holds floats in its clearance.
@@ -85,7 +87,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             return Err(Status::Unloaded);
         }
         let s = if M::AT_SPEED {
-            input::inertia(unit, omega, layout.weight, task.size)
+            inertia(unit, omega, layout.weight, task.size)
         } else {
             T::ZERO
         };
@@ -213,5 +215,130 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             speed: self.speed,
             rule: PhantomData,
         }
+    }
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
+    fn solve<A: Rule, const R: usize, const SET: bool>(
+        &mut self,
+        shaft: &mut Shaft<'_, T, R, SET>,
+        task: &Task<T, D>,
+        time: &mut Time<'_>,
+    ) -> End {
+        let s = shaft.s;
+        let mut end = End::Lost;
+        if self.is_near(shaft, task) {
+            if self.attempt.outcome.end != End::Unfinished {
+                self.attempt.begin(false);
+            }
+            let ds = if s > T::ZERO {
+                s / self.s - T::ONE
+            } else {
+                T::ZERO
+            };
+            self.predict(shaft.layout.plane, task, ds);
+            end = self.newton::<A, R, SET>(shaft, task, ds, time);
+        } else {
+            self.attempt.begin(false);
+        }
+        let mut is_over = end.is_solved() || end == End::Unfinished || self.attempt.started;
+        if !is_over && !time.is_up {
+            is_over = true;
+            self.attempt.begin(true);
+            start::<T, A, R, SET, D>(self, shaft, task);
+            end = self.newton::<A, R, SET>(shaft, task, T::ZERO, time);
+        }
+        self.attempt.outcome.end = end;
+        self.load = task.load;
+        self.s = s;
+        if is_over {
+            let size = task.size.at_least(norm(&self.sum.force));
+            self.size = size.at_least(*shaft.internal);
+            return end;
+        }
+        // There was no time for a start: the next solve has one.
+        self.size = T::ZERO;
+        End::Unfinished
+    }
+
+    /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
+    /// any load.
+    fn is_near<const R: usize, const SET: bool>(
+        &self,
+        shaft: &Shaft<'_, T, R, SET>,
+        task: &Task<T, D>,
+    ) -> bool {
+        let half = T::of(0.5);
+        let (s, balls) = (shaft.s, shaft.layout.weight);
+        let at = self.displacement(shaft.layout.plane);
+        let change: [T; D] = from_fn(|i| match task.held[i] {
+            None => task.load[i] - self.load[i],
+            Some(u) => self.sum.k[i][i] * (u - at[i]),
+        });
+        let smaller = if task.is_free {
+            self.size.at_most(task.size.at_least(*shaft.internal))
+        } else {
+            self.size
+        };
+        self.size > T::ZERO
+            && (shaft.layout.fixed.opposed || norm(&change) <= smaller)
+            && (s - self.s).abs() * balls <= half * (self.s * balls + self.size)
+            && (s > T::ZERO) == (self.s > T::ZERO)
+    }
+
+    /// Freedom in which the tangent resists least: the largest component after two inverse iterations.
+    #[cold]
+    #[inline(never)]
+    fn freest(&mut self, task: &Task<T, D>) -> Quantity {
+        let largest = self.stiffest().at_least(T::EPSILON);
+        self.factor(task, T::EPSILON.sqrt() * largest);
+        let free = |motion: [T; D]| {
+            from_fn(|i| match task.held[i] {
+                None => largest * motion[i],
+                Some(_) => T::ZERO,
+            })
+        };
+        let motion = self.factors.solve(&free([T::ONE; D]));
+        let motion = free(self.factors.solve(&free(motion)));
+        let mut freest = 0;
+        for i in 1..D.min(5) {
+            if motion[i].abs() > motion[freest].abs() {
+                freest = i;
+            }
+        }
+        Quantity::OF_FREEDOM[freest][1]
+    }
+
+    /// Why there is no solution, if there is none.
+    fn refuse<A: Rule, const R: usize, const SET: bool>(
+        &mut self,
+        shaft: &Shaft<'_, T, R, SET>,
+        task: &Task<T, D>,
+        end: End,
+    ) -> Result<(), Status<T>> {
+        let outcome = self.attempt.outcome;
+        let is_solved = end.is_solved();
+        if is_solved && outcome.estimate.cos >= T::of(UNSEATED) {
+            return Ok(());
+        }
+        // Contacts more than 90 degrees apart do not hold a ball: that is why. An unfinished step says nothing of it.
+        let limit = if is_solved { T::of(UNSEATED) } else { T::ZERO };
+        let driven_out = shaft.furthest_apart::<A>(limit);
+        let status = match (end, driven_out) {
+            (End::Singular, _) => Status::Indeterminate {
+                loaded_balls: shaft.loaded(),
+                free: self.freest(task),
+            },
+            (End::Unfinished, _) => Status::IterationLimit,
+            (_, Some((ball, apart))) => Status::Unseated { ball, apart },
+            _ => Status::Diverged {
+                residual: outcome.residual,
+            },
+        };
+        if end != End::Unfinished {
+            *self = Self::COLD;
+        }
+        Err(status)
     }
 }

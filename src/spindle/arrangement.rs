@@ -1,7 +1,6 @@
 //! How rows face, and the names of what comes of it.
 
-use super::{Mounted, SpindleError};
-use crate::float::Real;
+use crate::real::Real;
 
 /// Which load on the shaft presses the balls of a row.
 ///
@@ -77,53 +76,12 @@ impl Arrangement {
     }
 
     /// Whether two rows may stand to each other like this, the first one at the smaller x.
-    fn allows(self, first: Facing, second: Facing) -> bool {
+    pub(super) fn allows(self, first: Facing, second: Facing) -> bool {
         match self {
             Self::BackToBack => !(first == Facing::MinusX && second == Facing::PlusX),
             Self::FaceToFace => !(first == Facing::PlusX && second == Facing::MinusX),
             Self::Tandem => first == second,
             Self::ByRows => true,
-        }
-    }
-
-    /// Refuses rows that are not arranged like this, or where two are too near to each other.
-    pub(super) fn check<T: Real, const N: usize>(
-        self,
-        rows: &[Mounted<'_, T, N>],
-    ) -> Result<(), SpindleError<T>> {
-        let mut opposed = false;
-        for (i, a) in rows.iter().enumerate() {
-            for (j, b) in rows.iter().enumerate() {
-                if i == j {
-                    continue;
-                }
-                let distance = (a.position - b.position).abs();
-                let least = a.bearing.c.ball_radius.at_least(b.bearing.c.ball_radius);
-                if !(distance >= least) {
-                    return Err(SpindleError::TooNear {
-                        row: j,
-                        distance,
-                        least,
-                    });
-                }
-                if a.position < b.position && !self.allows(a.facing, b.facing) {
-                    return Err(SpindleError::NotArranged {
-                        arrangement: self,
-                        row: j,
-                        facing: b.facing,
-                    });
-                }
-                opposed |= a.facing != b.facing;
-            }
-        }
-        let needs_both = matches!(self, Self::BackToBack | Self::FaceToFace);
-        match rows.last() {
-            Some(last) if needs_both && !opposed => Err(SpindleError::NotArranged {
-                arrangement: self,
-                row: rows.len() - 1,
-                facing: last.facing,
-            }),
-            _ => Ok(()),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Why bearings do not make a spindle.
 
-use super::{Arrangement, Facing};
-use crate::float::Real;
+use crate::real::Real;
+use crate::spindle::arrangement::{Arrangement, Facing};
 use crate::status::Status;
 use core::fmt;
 

@@ -8,27 +8,21 @@
 //! solves a single bearing. [`Spindle`] is what does not change, [`SpindleSolver`] solves it, [`SpindleSolution`] is what
 //! comes of it.
 
-mod arrangement;
-mod error;
-mod solution;
-mod solver;
+pub mod arrangement;
+pub mod error;
+pub mod solution;
+pub mod solver;
 
-use crate::axial::AxialRest;
-use crate::constants::{Bearing, Constants};
-use crate::float::Real;
+use crate::ball::point::Point;
+use crate::bearing::{Bearing, Constants};
 use crate::growth::Growth;
-use crate::mounting::Point;
+use crate::real::Real;
+use crate::shaft::axial::AxialRest;
 use crate::shaft::{Group, Layout, Mount, Numbers};
-use crate::solver::input;
+use crate::solver::problem::check;
+use crate::spindle::arrangement::{Arrangement, Facing};
+use crate::spindle::error::SpindleError;
 use crate::status::Quantity;
-
-#[cfg(feature = "monitor")]
-pub(crate) use solution::{inverse, preloads};
-
-pub use arrangement::{Arrangement, Facing};
-pub use error::SpindleError;
-pub use solution::{RowSolution, ShaftEnd, SpindleSolution};
-pub use solver::SpindleSolver;
 
 /// How a row is held against the others.
 ///
@@ -107,7 +101,7 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
 
     /// How far its groove plane is in front of its centre, in `+x`, over the radius `rp`.
     fn plane(&self, rp: T) -> T {
-        self.facing.sign::<T>() * self.bearing.c.plane * (self.bearing.c.radius() / rp)
+        self.facing.sign::<T>() * self.bearing.c.plane * (radius(self.bearing.c) / rp)
     }
 
     /// Closure, in its unit of length; 0 if it slides.
@@ -123,25 +117,22 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
     /// Refuses what is out of range of the row with this number. `spring` is its force, if there is one.
     fn check(&self, number: usize, first: &Self, spring: Option<T>) -> Result<(), SpindleError<T>> {
         let c = self.bearing.c;
-        let position = input::check(
+        let position = check(
             Quantity::RowPosition,
             self.position - first.position,
-            T::of(64.0) * first.bearing.c.radius(),
+            T::of(64.0) * radius(first.bearing.c),
         );
         let most = c.balls * c.force;
         let half_play = c.play.at_least(T::ZERO).sqrt();
         let (held, force) = match self.preload {
             Preload::Closure(e) => (
-                input::check(Quantity::Closure, e, (T::of(16.0) + half_play) * c.length),
+                check(Quantity::Closure, e, (T::of(16.0) + half_play) * c.length),
                 None,
             ),
-            Preload::Force(force) => (
-                input::check(Quantity::PreloadForce, force, most),
-                Some(force),
-            ),
+            Preload::Force(force) => (check(Quantity::PreloadForce, force, most), Some(force)),
             Preload::Spring => {
                 let force = spring.unwrap_or(T::ZERO);
-                (input::check(Quantity::SpringForce, force, most), spring)
+                (check(Quantity::SpringForce, force, most), spring)
             }
         };
         position.and(held).map_err(|status| SpindleError::Row {
@@ -198,6 +189,50 @@ fn groups<T: Real, const N: usize>(
     match rows.iter().position(preloaded) {
         Some(row) if !fixed.opposed => Err(SpindleError::Unopposed { row }),
         _ => Ok((fixed, sliding)),
+    }
+}
+
+/// Refuses rows that are not arranged like this, or where two are too near to each other.
+fn check_arranged<T: Real, const N: usize>(
+    arrangement: Arrangement,
+    rows: &[Mounted<'_, T, N>],
+) -> Result<(), SpindleError<T>> {
+    let mut opposed = false;
+    for (i, a) in rows.iter().enumerate() {
+        for (j, b) in rows.iter().enumerate() {
+            if i == j {
+                continue;
+            }
+            let distance = (a.position - b.position).abs();
+            let least = a.bearing.c.ball_radius.at_least(b.bearing.c.ball_radius);
+            if !(distance >= least) {
+                return Err(SpindleError::TooNear {
+                    row: j,
+                    distance,
+                    least,
+                });
+            }
+            if a.position < b.position && !arrangement.allows(a.facing, b.facing) {
+                return Err(SpindleError::NotArranged {
+                    arrangement,
+                    row: j,
+                    facing: b.facing,
+                });
+            }
+            opposed |= a.facing != b.facing;
+        }
+    }
+    let needs_both = matches!(
+        arrangement,
+        Arrangement::BackToBack | Arrangement::FaceToFace
+    );
+    match rows.last() {
+        Some(last) if needs_both && !opposed => Err(SpindleError::NotArranged {
+            arrangement,
+            row: rows.len() - 1,
+            facing: last.facing,
+        }),
+        _ => Ok(()),
     }
 }
 
@@ -311,7 +346,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             let spring = (D == 6).then_some(spring);
             row.check(number, first, spring)?;
         }
-        arrangement.check(&rows)?;
+        check_arranged(arrangement, &rows)?;
         let (fixed, sliding) = groups(&rows, D == 6)?;
         Ok(Self::seated(rows, fixed, sliding, spring))
     }
@@ -324,7 +359,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         spring: T,
     ) -> Self {
         let unit = rows[0].bearing.c;
-        let rp = unit.radius();
+        let rp = radius(unit);
         let (mut centre, mut plane, mut count) = (T::ZERO, T::ZERO, T::ZERO);
         for row in &rows {
             centre += row.position;
@@ -336,14 +371,14 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         let (mut weight, mut held) = (T::ZERO, T::ZERO);
         for (mount, row) in mounts.iter_mut().zip(&rows) {
             let c = row.bearing.c;
-            let (facing, arm, closure) = (row.facing.sign::<T>(), c.radius() / rp, row.closure());
+            let (facing, arm, closure) = (row.facing.sign::<T>(), radius(c) / rp, row.closure());
             let off = row.position - centre;
             *mount = Mount {
                 facing,
                 length: unit.length / c.length,
                 force: c.force / unit.force,
                 lever: (off / rp + row.plane(rp)) - plane,
-                reach: facing * (off / c.radius()) + c.plane,
+                reach: facing * (off / radius(c)) + c.plane,
                 arm,
                 inertia: c.inertia / unit.inertia,
                 closure,
@@ -384,6 +419,11 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
     pub fn facings(&self) -> [Facing; R] {
         self.facings
     }
+}
+
+/// `Rp`, m.
+fn radius<T: Real>(c: &Constants<T>) -> T {
+    c.length / c.tilt
 }
 
 /// Axial displacement of a bearing at rest, cold, under an axial load, both in its units.

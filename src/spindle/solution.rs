@@ -1,20 +1,23 @@
 //! What a solve of a spindle gives.
 
-use super::{Facing, SpindleSolver};
-use crate::float::Real;
-use crate::frame::{force_out, moved, refer, refer_stiffness, stiffness_out};
-use crate::frequencies::Frequencies;
-use crate::limits::{Limit, LimitSet, Limits, Margins};
+use crate::ball::kinematics::{Motion, Speed};
+use crate::ball::report::{BallMotion, BallState};
+use crate::frame::{displacement_out, force_out, moved, refer, refer_stiffness, stiffness_out};
 use crate::linalg::{Factors, Matrix, add_to, product};
-use crate::motion::Motion;
-use crate::mounting::Speed;
-use crate::pose::{BallMotion, BallState};
-use crate::rating::{LifeRating, RatingLife};
-use crate::ring::{Sum, sum_up};
-use crate::solver::{ErrorEstimate, View};
+use crate::real::Real;
+use crate::results::View;
+use crate::results::frequencies::Frequencies;
+use crate::results::life::{LifeRating, RatingLife};
+use crate::results::margins::{Limit, LimitSet, Limits, Margins};
+use crate::shaft::row::{Sum, sum_up};
+use crate::solver::state::ErrorEstimate;
+use crate::solver::warm_start::{Reached, WarmStart};
+use crate::spindle::Spindle;
+use crate::spindle::arrangement::Facing;
 use crate::status::Status;
 use core::array::from_fn;
 use core::fmt;
+use core::marker::PhantomData;
 
 /// A point on the shaft where the stiffness is wanted, like the nose.
 ///
@@ -56,15 +59,52 @@ pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motio
     /// Speed of the shaft.
     pub speed: Speed<T>,
     /// Stiffness about the spindle's centre, with the force of the spring held.
-    pub(super) k: Matrix<T, 5>,
+    k: Matrix<T, 5>,
     /// Motion of the sleeve, m.
-    pub(super) slide: T,
-    pub(super) solver: &'s SpindleSolver<'s, T, R, N, M, D>,
+    slide: T,
+    spindle: &'s Spindle<'s, T, R, N, D>,
+    last: &'s WarmStart<T, R, N, D>,
+    motion: PhantomData<M>,
 }
 
 impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     SpindleSolution<'s, T, R, N, M, D>
 {
+    /// Of a solver that has reached this under the `load`.
+    pub(super) fn new(
+        spindle: &'s Spindle<'s, T, R, N, D>,
+        last: &'s WarmStart<T, R, N, D>,
+        reached: &Reached<T, D>,
+        load: [T; 5],
+    ) -> Self {
+        let Spindle { layout, centre, .. } = spindle;
+        let unit = layout.bearings[0].c;
+        let u: [T; 5] = from_fn(|i| reached.u[i]);
+        let k = last.stiffness::<M::Rule, _>(layout);
+        let (k, slide) = if D == 6 {
+            // The force of the spring is held.
+            let k = from_fn(|i| from_fn(|j| k[i][j] - k[i][5] * k[5][j] / k[5][5]));
+            (k, reached.u[5] * unit.length)
+        } else {
+            (from_fn(|i| from_fn(|j| k[i][j])), T::ZERO)
+        };
+        Self {
+            status: last.state.attempt.outcome.end.status(),
+            iterations: reached.iterations,
+            error: last
+                .state
+                .errors(&reached.u, last.points[0].s * layout.weight),
+            displacement: moved(-*centre, &displacement_out(unit, &u)),
+            load,
+            speed: last.speed,
+            k,
+            slide,
+            spindle,
+            last,
+            motion: PhantomData,
+        }
+    }
+
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) of the shaft at `x = 0` and at
     /// constant speed: the exact tangent, which is not symmetric at speed. A spring keeps its force.
     pub fn stiffness(&self) -> Matrix<T, 5> {
@@ -74,15 +114,15 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// The stiffness at the position `x` (m) of the rigid shaft.
     #[inline(always)]
     pub(crate) fn rigid_stiffness(&self, x: T) -> Matrix<T, 5> {
-        let mut k = stiffness_out(self.solver.spindle.layout.bearings[0].c, &self.k);
-        refer_stiffness(self.solver.spindle.centre - x, &mut k);
+        let mut k = stiffness_out(self.spindle.layout.bearings[0].c, &self.k);
+        refer_stiffness(self.spindle.centre - x, &mut k);
         k
     }
 
     /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
     /// are displacements. One over its diagonal is the stiffness that a force alone meets.
     pub fn compliance_at(&self, end: &ShaftEnd<T>) -> Matrix<T, 5> {
-        let unit = self.solver.spindle.layout.bearings[0].c;
+        let unit = self.spindle.layout.bearings[0].c;
         let inverse = inverse(&self.k);
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
         let mut c: Matrix<T, 5> = from_fn(|i| {
@@ -90,7 +130,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             from_fn(|j| inverse[i][j] * (length * per[usize::from(j >= 3)]))
         });
         // Displacements at the point, of forces at the point.
-        let d = end.position - self.solver.spindle.centre;
+        let d = end.position - self.spindle.centre;
         for row in &mut c {
             row[1] += d * row[4];
             row[2] -= d * row[3];
@@ -110,7 +150,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             return self.rigid_stiffness(end.position);
         }
         // In units that make the elements alike.
-        let unit = self.solver.spindle.layout.bearings[0].c;
+        let unit = self.spindle.layout.bearings[0].c;
         let scale = |i: usize| {
             if i < 3 {
                 T::ONE
@@ -156,19 +196,18 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// How the rows face.
     pub(crate) fn facings(&self) -> [Facing; R] {
-        self.solver.spindle.facings()
+        self.spindle.facings()
     }
 
     /// The balls of a row.
     #[inline(always)]
     pub(crate) fn view(&self, i: usize) -> View<'_, T, M::Rule> {
-        let SpindleSolver { spindle, last, .. } = self.solver;
-        last.view::<M::Rule, _>(&spindle.layout, i)
+        self.last.view::<M::Rule, _>(&self.spindle.layout, i)
     }
 
     /// A row, its preload left out.
     fn row(&self, i: usize) -> RowSolution<'_, T, M> {
-        let (spindle, state) = (&self.solver.spindle, &self.solver.last.state);
+        let (spindle, state) = (self.spindle, &self.last.state);
         let mount = &spindle.layout.mounts[i];
         let c = spindle.layout.bearings[i].c;
         let view = self.view(i);

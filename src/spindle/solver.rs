@@ -1,13 +1,13 @@
 //! The equilibrium of a shaft in its bearings.
 
-use super::Spindle;
-use super::solution::SpindleSolution;
-use crate::float::Real;
-use crate::frame::{displacement_out, force_out, moved, refer};
+use crate::ball::kinematics::{Full, Motion, Speed};
+use crate::frame::{force_out, refer};
 use crate::growth::Growth;
-use crate::motion::{Full, Motion};
-use crate::mounting::Speed;
-use crate::solver::{Given, Reached, Settings, Time, WarmStart};
+use crate::real::Real;
+use crate::solver::problem::{Given, Settings, Time};
+use crate::solver::warm_start::WarmStart;
+use crate::spindle::Spindle;
+use crate::spindle::solution::SpindleSolution;
 use crate::status::Status;
 use core::array::from_fn;
 use core::marker::PhantomData;
@@ -24,8 +24,8 @@ pub struct SpindleSolver<
     M: Motion = Full,
     const D: usize = 5,
 > {
-    pub(super) spindle: Spindle<'b, T, R, N, D>,
-    pub(super) last: WarmStart<T, R, N, D>,
+    spindle: Spindle<'b, T, R, N, D>,
+    last: WarmStart<T, R, N, D>,
     motion: PhantomData<M>,
 }
 
@@ -116,7 +116,12 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             .task::<M, _>(layout, &given, to_centre, speed, growth, tolerance)?;
         let mut time = Time::new(settings.max_iterations, &mut more_time);
         let reached = self.last.solve::<M::Rule, _>(layout, &task, &mut time)?;
-        Ok(self.solution(&reached, load))
+        Ok(SpindleSolution::new(
+            &self.spindle,
+            &self.last,
+            &reached,
+            load,
+        ))
     }
 
     /// The state that a solve had reached when it ended as [`Status::IterationLimit`]: as
@@ -126,37 +131,11 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let reached = self.last.unfinished::<M::Rule, _>(layout)?;
         let mut load = force_out(layout.bearings[0].c, &from_fn(|i| reached.load[i]));
         refer(*centre, &mut load);
-        Some(self.solution(&reached, load))
-    }
-
-    fn solution(
-        &self,
-        reached: &Reached<T, D>,
-        load: [T; 5],
-    ) -> SpindleSolution<'_, T, R, N, M, D> {
-        let Spindle { layout, centre, .. } = &self.spindle;
-        let (unit, last) = (layout.bearings[0].c, &self.last);
-        let u: [T; 5] = from_fn(|i| reached.u[i]);
-        let k = last.stiffness::<M::Rule, _>(layout);
-        let (k, slide) = if D == 6 {
-            // The force of the spring is held.
-            let k = from_fn(|i| from_fn(|j| k[i][j] - k[i][5] * k[5][j] / k[5][5]));
-            (k, reached.u[5] * unit.length)
-        } else {
-            (from_fn(|i| from_fn(|j| k[i][j])), T::ZERO)
-        };
-        SpindleSolution {
-            status: last.state.attempt.outcome.end.status(),
-            iterations: reached.iterations,
-            error: last
-                .state
-                .errors(&reached.u, last.points[0].s * layout.weight),
-            displacement: moved(-*centre, &displacement_out(unit, &u)),
+        Some(SpindleSolution::new(
+            &self.spindle,
+            &self.last,
+            &reached,
             load,
-            speed: last.speed,
-            k,
-            slide,
-            solver: self,
-        }
+        ))
     }
 }

@@ -1,45 +1,10 @@
-//! The speed, and the growth of rings and balls in the solver's units: what a bearing is solved at, besides its load.
+//! Speed and growth that a row is solved at, and the references of its contacts.
 
-use super::constants::{Constants, L0, Squared};
-use super::contact::{Reference, to_grid};
-use super::growth::Growth;
-use super::linalg::{Pair, add, dot, scale, sub};
-use crate::float::Real;
-
-/// Speed of the shaft.
-///
-/// ```
-/// use spindle_bearing::Speed;
-/// let speed = Speed::rpm(20_000.0_f64);
-/// assert!((speed.as_rad_per_s() - 2094.395).abs() < 1e-3);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Speed<T>(pub(crate) T);
-
-impl<T: Real> Speed<T> {
-    /// At rest.
-    pub const REST: Self = Self(T::ZERO);
-
-    /// Revolutions per minute.
-    #[inline]
-    pub fn rpm(rpm: T) -> Self {
-        Self(rpm * T::of(core::f64::consts::PI / 30.0))
-    }
-
-    /// Angular speed `omega`, rad/s.
-    #[inline]
-    pub const fn rad_per_s(omega: T) -> Self {
-        Self(omega)
-    }
-
-    /// Angular speed `omega`, rad/s.
-    #[inline]
-    pub const fn as_rad_per_s(self) -> T {
-        self.0
-    }
-}
+use crate::ball::contact::{Reference, to_grid};
+use crate::bearing::{Constants, L0, Squared};
+use crate::growth::Growth;
+use crate::linalg::{Pair, add, dot, scale, sub};
+use crate::real::Real;
 
 /// Speed and growth that a row is solved at, and where its offsets count from, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]

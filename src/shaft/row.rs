@@ -3,15 +3,15 @@
 //! Order of freedoms: axial, radial y, radial z, tilt about y, tilt about z, radial displacements and moments referred to
 //! the groove plane. A solver has the first `D` of them: 1, 3 or 5.
 
-use super::ball::Ball;
-use super::body::Share;
-use super::constants::{Azimuth, Constants};
-use super::kinematics::Rule;
-use super::linalg::{Matrix, Pair, add};
-use super::mounting::Point;
-use super::place::{ALONE, place};
-use super::tuning;
-use crate::float::Real;
+use crate::ball::Ball;
+use crate::ball::condensed::Share;
+use crate::ball::kinematics::Rule;
+use crate::ball::point::Point;
+use crate::ball::settle::{ALONE, place};
+use crate::bearing::{Azimuth, Constants};
+use crate::linalg::{Matrix, Pair, add};
+use crate::real::Real;
+use crate::tuning;
 
 /// Force of the balls on the ring, its slopes by the ring's displacement and by the relative change of `omega^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -191,7 +191,8 @@ impl<T: Real> Row<'_, T> {
         first.start(groove(self.p, v, at));
         if R::INERTIA && self.p.is_at_speed() {
             let mut left = ALONE;
-            place::<T, R>(first, self.c, self.p, &mut left);
+            first.x = place::<T, R>(self.c, self.p, first.a, first.x, &mut left);
+            first.z = [T::ZERO; 2];
             first.x = self.p.move_outer(self.c, first.x);
         }
         for ball in others {

@@ -1,15 +1,19 @@
 //! A solved row of balls, to be looked at.
 
+pub mod frequencies;
+pub mod life;
+pub mod margins;
+
 use crate::ball::Ball;
-use crate::constants::{Azimuth, Constants};
-use crate::float::Real;
-use crate::frequencies::Frequencies;
-use crate::kinematics::Rule;
-use crate::limits::{Limits, Margins};
+use crate::ball::kinematics::{Rule, Speed};
+use crate::ball::point::Point;
+use crate::ball::report::{BallMotion, BallState, Pose};
+use crate::bearing::{Azimuth, Constants};
 use crate::linalg::Matrix;
-use crate::mounting::{Point, Speed};
-use crate::pose::{BallMotion, BallState, Pose};
-use crate::ring::{Sum, groove, stiffening};
+use crate::real::Real;
+use crate::results::frequencies::Frequencies;
+use crate::results::margins::{Limits, Margins};
+use crate::shaft::row::{Sum, groove, stiffening};
 use core::marker::PhantomData;
 
 /// The balls of a row where a solve has left them.

@@ -1,8 +1,8 @@
 //! Force and slopes that a condensed ball hands to the ring, and how a step changes them.
 
-use super::contact::Contact;
-use super::linalg::{Matrix2, Pair};
-use crate::float::Real;
+use crate::ball::contact::Contact;
+use crate::linalg::{Matrix2, Pair};
+use crate::real::Real;
 
 /// What a condensed ball hands to the ring.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,7 +1,7 @@
 //! Frequencies at which a bearing's parts pass each other, from the speeds that its balls have under load.
 
-use crate::float::Real;
-use crate::pose::BallMotion;
+use crate::ball::report::BallMotion;
+use crate::real::Real;
 
 /// Characteristic frequencies of a bearing, Hz. A defect of one of its parts makes vibrations at these and their multiples.
 ///

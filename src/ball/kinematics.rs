@@ -15,8 +15,9 @@
 //! with `L = eta/2 (tau sin ao + (1 + c + A) sin d q)`.
 //! Rule: Ding (2001); Wang, Hong, Zhang, Zhu, Mech. Mach. Theory 82 (2014).
 
-use super::linalg::{Pair, scale};
-use crate::float::Real;
+use crate::linalg::{Pair, scale};
+use crate::real::Real;
+use core::marker::PhantomData;
 
 /// Directions of the contacts, and how they share.
 #[derive(Debug, Clone, Copy)]
@@ -190,7 +191,7 @@ impl Rule for AtRest {
 
 /// The cage speed of a rule, without its gyroscopic moment.
 #[derive(Debug, Clone, Copy)]
-pub struct Frictionless<R>(core::marker::PhantomData<R>);
+pub struct Frictionless<R>(PhantomData<R>);
 
 impl<R: Rule> Rule for Frictionless<R> {
     const FRICTION: bool = false;
@@ -199,5 +200,79 @@ impl<R: Rule> Rule for Frictionless<R> {
     #[inline(always)]
     fn speeds<T: Real>(tau: T, g: &Contacts<T>) -> Speeds<T> {
         R::speeds(tau, g)
+    }
+}
+
+/// How the balls move: [`Static`], [`Centrifugal`] or [`Full`].
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a motion of the balls",
+    label = "not a motion",
+    note = "a motion is `Static`, `Centrifugal<A>` or `Full<A>`, with an attitude rule `A`"
+)]
+pub trait Motion: 'static {
+    /// The rule of their attitude.
+    type Rule: Rule;
+    /// The shaft turns.
+    const AT_SPEED: bool = <Self::Rule as Rule>::INERTIA;
+}
+
+/// The bearing at rest: its solvers refuse any speed but [`Speed::REST`](crate::Speed::REST).
+///
+/// See [`AxialSolver`](crate::AxialSolver) for an example.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Static;
+
+/// The bearing at speed under centrifugal force alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Centrifugal<A = RacewayControlFree>(PhantomData<A>);
+
+/// The bearing at speed with all inertia loads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Full<A = RacewayControlFree>(PhantomData<A>);
+
+impl Motion for Static {
+    type Rule = AtRest;
+}
+
+impl<A: Rule> Motion for Centrifugal<A> {
+    type Rule = Frictionless<A>;
+}
+
+impl<A: Rule> Motion for Full<A> {
+    type Rule = A;
+}
+
+/// Speed of the shaft.
+///
+/// ```
+/// use spindle_bearing::Speed;
+/// let speed = Speed::rpm(20_000.0_f64);
+/// assert!((speed.as_rad_per_s() - 2094.395).abs() < 1e-3);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Speed<T>(pub(crate) T);
+
+impl<T: Real> Speed<T> {
+    /// At rest.
+    pub const REST: Self = Self(T::ZERO);
+
+    /// Revolutions per minute.
+    #[inline]
+    pub fn rpm(rpm: T) -> Self {
+        Self(rpm * T::of(core::f64::consts::PI / 30.0))
+    }
+
+    /// Angular speed `omega`, rad/s.
+    #[inline]
+    pub const fn rad_per_s(omega: T) -> Self {
+        Self(omega)
+    }
+
+    /// Angular speed `omega`, rad/s.
+    #[inline]
+    pub const fn as_rad_per_s(self) -> T {
+        self.0
     }
 }

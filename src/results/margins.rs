@@ -4,10 +4,10 @@
 //!
 //! One pass over the balls finds the worst contact of each limit, whether it passes the limit or not.
 
-use crate::constants::Constants;
-use crate::float::Real;
+use crate::ball::report::Pose;
+use crate::bearing::Constants;
 use crate::linalg::Pair;
-use crate::pose::Pose;
+use crate::real::Real;
 use core::fmt;
 
 /// Limits that the design does not give. One that is infinite, or not a number, is never passed.

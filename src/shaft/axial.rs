@@ -13,10 +13,10 @@
 //! Neither sum cancels, and the force grows with `w` at first with the power 3, 4 or 1, so that Newton's method from
 //! above comes down on the solution.
 
-use super::constants::{Constants, L0};
-use super::contact::Contact;
-use super::mounting::{Point, excess};
-use crate::float::Real;
+use crate::ball::contact::Contact;
+use crate::ball::point::{Point, excess};
+use crate::bearing::{Constants, L0};
+use crate::real::Real;
 
 /// From the outer to the inner groove's centre.
 #[derive(Debug, Clone, Copy, PartialEq)]

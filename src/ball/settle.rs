@@ -3,13 +3,13 @@
 //! With inertia loads frozen, the ball's energy `2/5 Ki delta_i^(5/2) + 2/5 Ko delta_o^(5/2) - P.X` is convex, and
 //! Newton's method descends on it. The loads are worked out again at every step.
 
-use super::ball::Ball;
-use super::constants::Constants;
-use super::kinematics::Rule;
-use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
-use super::mounting::Point;
-use super::tuning;
-use crate::float::Real;
+use crate::ball::kinematics::Rule;
+use crate::ball::point::Point;
+use crate::ball::report::Pose;
+use crate::bearing::Constants;
+use crate::linalg::{Matrix2, Pair, add, dot, scale, sub};
+use crate::real::Real;
+use crate::tuning;
 
 /// Where a ball is under the centrifugal force `fc` alone.
 ///
@@ -55,23 +55,28 @@ pub const ALONE: u16 = 48;
 
 /// Places the ball next to its equilibrium, from where it is or from the chain, whichever has less energy.
 ///
-/// It takes of the steps that are `left`; without one, it stays on its way.
+/// From the offset `kept` of the ball to the one where it is placed, for the offset `groove` of the groove's centre. It takes of
+/// the steps that are `left`; without one, it stays on its way.
 #[inline(never)]
-pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T>, left: &mut u16) {
+pub fn place<T: Real, R: Rule>(
+    c: &Constants<T>,
+    p: &Point<T>,
+    groove: Pair<T>,
+    kept: Pair<T>,
+    left: &mut u16,
+) -> Pair<T> {
     let half = T::of(0.5) * (T::ONE - c.tau * c.n0[1]);
     let fc = p.s * half * half;
     // Without the ball's own place, which may be lost to it.
-    let a = add(p.centres.vector, ball.a);
+    let a = add(p.centres.vector, groove);
     let x = chain(c, p, a, fc);
-    let here = ball.pose_here::<R>(c, p);
-    let kept = ball.x;
-    ball.x = sub(x, p.outer.vector);
-    ball.z = [T::ZERO; 2];
-    let mut pose = ball.pose_here::<R>(c, p);
+    let here = Pose::of::<R>(c, p, groove, kept);
+    let mut at = sub(x, p.outer.vector);
+    let mut pose = Pose::of::<R>(c, p, groove, at);
     let energy_here = here.energy() - fc * (p.outer.vector[1] + kept[1]);
     let energy = pose.energy() - fc * x[1];
     if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
-        (ball.x, pose) = (kept, here);
+        (at, pose) = (kept, here);
     }
     while *left > 0 {
         let loads = pose.loads();
@@ -87,10 +92,10 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
             break;
         }
         // Shortened until the force along the step no longer turns round.
-        let (from, before) = (ball.x, dot(r, step));
+        let (from, before) = (at, dot(r, step));
         for _ in 0..4 {
-            ball.x = add(from, step);
-            pose = ball.pose_here::<R>(c, p);
+            at = add(from, step);
+            pose = Pose::of::<R>(c, p, groove, at);
             *left = left.saturating_sub(1);
             if dot(add(pose.forces().0, loads), step) >= -before {
                 break;
@@ -98,6 +103,7 @@ pub fn place<T: Real, R: Rule>(ball: &mut Ball<T>, c: &Constants<T>, p: &Point<T
             step = scale(T::of(0.4), step);
         }
     }
+    at
 }
 
 /// The step `m^-1 r`, no longer than `most`. Where a contact gives no hold, the ball moves no further than it would by

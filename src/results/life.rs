@@ -1,8 +1,8 @@
 //! Rating life of a bearing from the forces on its balls.
 
+use crate::const_math::{cbrt, pow, sin_cos};
 use crate::design::{Design, FreeContact};
-use crate::elementary::{cbrt, pow, sin_cos};
-use crate::float::Real;
+use crate::real::Real;
 use core::f64::consts::PI;
 
 /// Dynamic load ratings of the contacts of a bearing, N: what [`Solution::rating_life`](crate::Solution::rating_life) takes.

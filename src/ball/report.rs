@@ -2,12 +2,12 @@
 //!
 //! The same quantities as in the ball pass, without slopes: for placing a ball, and for reports.
 
-use super::constants::{Azimuth, Constants, Groove};
-use super::contact::Contact;
-use super::kinematics::{Contacts, Rule};
-use super::linalg::{Matrix2, Pair, add, dot, scale, sub};
-use super::mounting::Point;
-use crate::float::Real;
+use crate::ball::contact::Contact;
+use crate::ball::kinematics::{Contacts, Rule};
+use crate::ball::point::Point;
+use crate::bearing::{Azimuth, Constants, Groove};
+use crate::linalg::{Matrix2, Pair, add, dot, scale, sub};
+use crate::real::Real;
 
 /// State of one ball, SI units.
 ///
@@ -109,6 +109,14 @@ impl<T: Real> Pose<T> {
             mu,
             nu: mu * both.n[0],
         }
+    }
+
+    /// A ball at speed, at the offset `x` from the row's reference, that of the groove's centre being `a`.
+    #[inline(never)]
+    pub fn of<R: Rule>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, x: Pair<T>) -> Self {
+        let inner = Contact::at(&p.inner, sub(a, x), p.li, c.ki);
+        let outer = Contact::at(&p.outer, x, p.lo, T::ONE);
+        Self::at_speed::<R>(inner, outer, c, p)
     }
 
     /// A ball at speed, with its inner and its outer contact.

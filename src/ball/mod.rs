@@ -15,19 +15,25 @@
 //! Positions are a reference, whose deformations are known to twice the working precision, plus a small offset:
 //! `|X|^2 - lo^2 = e + (2 Xr + x).x`, so that a deformation keeps the digits that a difference of lengths would lose.
 
-use super::body::{Change, Share, grazing, share_of};
-use super::constants::Constants;
-use super::contact::Contact;
-use super::curvature::{Curvature, forms};
-use super::kinematics::{Contacts, Rule};
-use super::linalg::{
+pub mod condensed;
+pub mod contact;
+pub mod kinematics;
+pub mod point;
+pub mod report;
+pub mod settle;
+
+use crate::ball::condensed::{Change, Share, grazing, share_of};
+use crate::ball::contact::{Contact, Curvature, forms};
+use crate::ball::kinematics::{Contacts, Rule};
+use crate::ball::point::Point;
+use crate::ball::report::Pose;
+use crate::ball::settle::place;
+use crate::bearing::Constants;
+use crate::linalg::{
     Matrix2, Pair, add, dot, dots, product2, scale, sub, times, times_transposed, turn,
 };
-use super::mounting::Point;
-use super::place::place;
-use super::pose::Pose;
-use super::tuning;
-use crate::float::Real;
+use crate::real::Real;
+use crate::tuning;
 
 /// Steps of placing a ball that its own step costs as much as.
 const OWN: u16 = 2;
@@ -126,14 +132,6 @@ impl<T: Real> Ball<T> {
         Contact::at(&p.centres, a, p.lo + p.li, c.kn)
     }
 
-    /// The ball at speed, where it is.
-    #[inline(never)]
-    pub fn pose_here<R: Rule>(&self, c: &Constants<T>, p: &Point<T>) -> Pose<T> {
-        let inner = Contact::at(&p.inner, sub(self.a, self.x), p.li, c.ki);
-        let outer = Contact::at(&p.outer, self.x, p.lo, T::ONE);
-        Pose::at_speed::<R>(inner, outer, c, p)
-    }
-
     /// The ball at speed, where it follows the groove's centre to `a`.
     #[inline(always)]
     pub fn pose_for<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
@@ -206,7 +204,8 @@ impl<T: Real> Ball<T> {
                 self.advance(a, T::ZERO);
                 *left = left.saturating_sub(OWN);
             } else {
-                place::<T, R>(self, c, p, left);
+                self.x = place::<T, R>(c, p, a, self.x, left);
+                self.z = [T::ZERO; 2];
             }
             tries += 1;
         }
@@ -549,9 +548,9 @@ impl<T: Real> Ball<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constants::Bearing;
+    use crate::ball::kinematics::RacewayControlFree;
+    use crate::bearing::Bearing;
     use crate::growth::Growth;
-    use crate::kinematics::RacewayControlFree;
     use crate::{Design, FreeContact, Material};
 
     const SPINDLE: Bearing<f64, 16> = Bearing::<f64, 16>::checked(&Design {
@@ -575,7 +574,7 @@ mod tests {
         assert!(p.is_at_speed());
         let mut ball = Ball::default();
         ball.start(p.low);
-        place::<f64, RacewayControlFree>(&mut ball, c, &p, &mut 48);
+        ball.x = place::<f64, RacewayControlFree>(c, &p, ball.a, ball.x, &mut 48);
         at(&mut ball, &p, p.low);
         (ball, p)
     }

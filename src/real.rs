@@ -1,6 +1,6 @@
 //! The one float trait: the solver's needs of `f32` and `f64`, and nothing else.
 
-use crate::constants::Bearing;
+use crate::bearing::Bearing;
 use crate::design::{Design, DesignError};
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};

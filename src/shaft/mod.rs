@@ -2,12 +2,15 @@
 //!
 //! A bearing is a shaft with one row, in the frame and the units of that row. It is no `SET`: mounts are not there then.
 
-use super::constants::{Azimuth, Bearing, Constants};
-use super::float::Real;
-use super::frame::{refer, refer_stiffness};
-use super::kinematics::Rule;
-use super::mounting::Point;
-use super::ring::{Changes, Row, Sum, sum_up};
+pub mod axial;
+pub mod row;
+
+use crate::ball::kinematics::Rule;
+use crate::ball::point::Point;
+use crate::bearing::{Azimuth, Bearing, Constants};
+use crate::frame::{refer, refer_stiffness};
+use crate::real::Real;
+use crate::shaft::row::{Changes, Row, Sum, sum_up};
 
 /// How a row sits on the shaft.
 ///

@@ -10,11 +10,9 @@
 //! In these units deformations are of the order of 1. Positions are multiples of 1/256, which integers hold
 //! exactly, plus small offsets.
 
+use crate::const_math::{cbrt, sin_cos, sin_cos_turns, sqrt};
 use crate::design::{Design, DesignError, FreeContact, check};
-use crate::elementary::{cbrt, sin_cos, sin_cos_turns, sqrt};
-use crate::float::Real;
 use crate::hertz::HertzContact;
-use crate::linalg::Pair;
 
 /// Distance of the groove centres, in units of length.
 pub const L0: f64 = 64.0;
@@ -79,13 +77,6 @@ pub struct Constants<T> {
     pub symmetric: bool,
 }
 
-impl<T: Real> Constants<T> {
-    /// `Rp`, m.
-    pub fn radius(&self) -> T {
-        self.length / self.tilt
-    }
-}
-
 /// Size and place of the contacts in a groove, for deformations in units of the solver's length.
 ///
 /// Pressure and axes of a Hertzian contact grow with the cube root of the load. With `Q = K delta^(3/2)`, that is the
@@ -100,7 +91,7 @@ pub struct Groove<T> {
     /// Radius, m.
     pub radius: T,
     /// Sine and cosine of the shoulder's angle.
-    pub shoulder: Pair<T>,
+    pub shoulder: [T; 2],
 }
 
 impl Groove<f64> {

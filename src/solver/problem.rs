@@ -1,0 +1,291 @@
+//! The problem of one solve: loads or displacements, speed, growth, and how long it may take. Checked, and turned into the
+//! solver's units.
+
+use crate::ball::kinematics::Speed;
+use crate::bearing::Constants;
+use crate::frame::units;
+use crate::growth::Growth;
+use crate::real::Real;
+use crate::shaft::Shaft;
+use crate::status::{Quantity, Status};
+use crate::tuning;
+
+/// Iteration limit and convergence tolerance.
+///
+/// The default is for a solve that may take its time, [`Settings::TICK`] for a tick of firmware.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Settings<T> {
+    /// Most iterations, at least 1. An iteration condenses every ball once.
+    pub max_iterations: u16,
+    /// Largest change of the stiffness along the last step, relative to its diagonal. Displacements and contact forces
+    /// are then good to less.
+    pub tolerance: T,
+}
+
+impl<T: Real> Settings<T> {
+    /// A tick of firmware: three iterations at most, a tolerance of 1e-3.
+    ///
+    /// Where such a solve converges, the stiffness is good to 5e-3, the tolerance times the estimate's margin of 5.
+    /// [`ErrorEstimate::stiffness`] states that much at most, besides rounding. A Cortex-M4F at 168 MHz has time for three
+    /// iterations in a tick of 1 ms that monitors a pair.
+    ///
+    /// A solve from nothing mostly takes more iterations: it ends as [`Status::IterationLimit`], and the next call goes on.
+    /// [`Solver::unfinished`] has what a tick without an answer has reached.
+    ///
+    /// ```
+    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
+    ///
+    /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+    /// let (mut solver, speed) = (Solver::new(&BEARING), Speed::rpm(20_000.0));
+    /// solver.solve([500.0, 100.0, 0.0, 0.0, 1.0], speed, &Settings::default())?;
+    /// // A tick later.
+    /// let solution = solver.solve([502.0, 104.0, 0.0, 0.0, 1.0], speed, &Settings::TICK)?;
+    /// assert!(solution.error.stiffness <= 5e-3);
+    /// # Ok::<(), spindle_bearing::Status<f32>>(())
+    /// ```
+    pub const TICK: Self = Self {
+        max_iterations: 3,
+        tolerance: T::TICK,
+    };
+}
+
+impl<T: Real> Default for Settings<T> {
+    /// 100 iterations; a tolerance of 2e-5 in single and 3e-13 in double
+    /// precision.
+    fn default() -> Self {
+        Self {
+            max_iterations: 2 * tuning::ATTEMPT,
+            tolerance: T::TOLERANCE,
+        }
+    }
+}
+
+/// Loads or displacements of the freedoms that the inner ring has in a [`Solver`]: 3 or 5 numbers.
+#[diagnostic::on_unimplemented(
+    message = "the inner ring has 3 freedoms (tilts locked) or 5, which `{Self}` does not fit",
+    note = "one freedom, along the axis, is that of `AxialSolver`"
+)]
+pub trait RingVector {}
+
+impl<T: Real> RingVector for [T; 3] {}
+impl<T: Real> RingVector for [T; 5] {}
+
+/// A load or a displacement that is given of a freedom of the inner ring.
+///
+/// ```
+/// use spindle_bearing::{Bearing, Design, Given, Growth, Settings, Solver, Speed};
+///
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+/// static BEARING: Bearing<f64, 15> = Bearing::<f64, 15>::checked(&DESIGN);
+/// let mut solver = Solver::new(&BEARING);
+/// // Pressed together by 10 um, without tilt; a radial load of 50 N.
+/// let given = [
+///     Given::Displacement(10e-6),
+///     Given::Load(50.0),
+///     Given::Load(0.0),
+///     Given::Displacement(0.0),
+///     Given::Displacement(0.0),
+/// ];
+/// let solution = solver.solve_at(&given, Speed::rpm(10_000.0), &Growth::NONE, &Settings::default())?;
+/// assert!(solution.load[0] > 100.0);
+/// # Ok::<(), spindle_bearing::Status<f64>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Given<T> {
+    /// Its load, N or N m; the displacement is solved for.
+    Load(T),
+    /// Its displacement, m or rad; the load is the reaction.
+    Displacement(T),
+}
+
+impl<T> Given<T> {
+    /// The load that was given, or else the reaction.
+    #[inline(always)]
+    pub fn load_or(self, found: T) -> T {
+        match self {
+            Self::Load(given) => given,
+            Self::Displacement(_) => found,
+        }
+    }
+
+    /// The displacement that was given, or else the one that was found.
+    #[inline(always)]
+    pub fn displacement_or(self, found: T) -> T {
+        match self {
+            Self::Displacement(given) => given,
+            Self::Load(_) => found,
+        }
+    }
+}
+
+/// What a solve is for, in the units of the constants, referred to the bearing centre.
+#[derive(Debug, Clone, Copy)]
+pub struct Task<T, const D: usize> {
+    /// Load; 0 of a freedom whose displacement is given.
+    pub load: [T; D],
+    /// Its size.
+    pub size: T,
+    /// The displacement that is given of some freedoms.
+    pub held: [Option<T>; D],
+    /// No displacement is given.
+    pub is_free: bool,
+    /// Largest change of the stiffness along the last step.
+    pub tolerance: T,
+    /// Error of the balls' forces that is small enough, relative to the largest.
+    pub enough: T,
+    /// Unbalanced part of the load from which on a step is not the last one: it changes the stiffness by more than the
+    /// tolerance.
+    pub far: T,
+}
+
+impl<T: Real, const D: usize> Task<T, D> {
+    /// Without a load yet.
+    pub fn new(tolerance: T) -> Self {
+        let far = T::of(tuning::FAR) * tolerance;
+        Self {
+            load: [T::ZERO; D],
+            size: T::ZERO,
+            held: [None; D],
+            is_free: true,
+            tolerance,
+            enough: T::of(tuning::FORCE) * tolerance,
+            far: if tolerance < T::of(0.5 * tuning::ROUGH) {
+                far.at_most(T::of(tuning::FAR_AT_MOST))
+            } else {
+                far
+            },
+        }
+    }
+
+    /// Whether enough balls carry: one holds the ring in two directions, and one that touches without force in none.
+    #[cold]
+    #[inline(never)]
+    pub fn is_held_by<const R: usize, const SET: bool>(
+        &self,
+        shaft: &Shaft<'_, T, R, SET>,
+    ) -> bool {
+        let mut free = 0;
+        for held in &self.held {
+            free += u16::from(held.is_none());
+        }
+        2 * shaft.loaded() >= free
+    }
+}
+
+/// How long a solve may go on.
+pub struct Time<'a> {
+    /// Most iterations, and those taken.
+    most: u16,
+    pub taken: u16,
+    /// Asked after every pass over the balls.
+    more: &'a mut dyn FnMut() -> bool,
+    /// There is no more.
+    pub is_up: bool,
+}
+
+impl<'a> Time<'a> {
+    /// At least one iteration.
+    pub fn new(most: u16, more: &'a mut dyn FnMut() -> bool) -> Self {
+        Self {
+            most,
+            taken: 0,
+            more,
+            is_up: false,
+        }
+    }
+
+    /// Takes an iteration; whether it was the last one.
+    pub fn spend(&mut self) -> bool {
+        self.taken += 1;
+        self.is_up = self.taken >= self.most || !(self.more)();
+        self.is_up
+    }
+}
+
+/// Refuses a value that is not finite, or larger in magnitude than `limit`.
+pub fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Status<T>> {
+    if !value.is_finite() {
+        return Err(Status::NotFinite { quantity, value });
+    }
+    if value.abs() > limit {
+        return Err(Status::OutOfRange {
+            quantity,
+            value,
+            limit,
+        });
+    }
+    Ok(())
+}
+
+/// What is given of a freedom, in units of force or length.
+///
+/// Beyond the force that would press all `balls` by the whole groove distance, nothing in the model holds.
+#[inline(always)]
+pub fn given_in_units<T: Real>(
+    c: &Constants<T>,
+    freedom: usize,
+    balls: T,
+    given: Given<T>,
+) -> Result<Given<T>, Status<T>> {
+    let (force, length) = units(c, freedom);
+    let [of_load, of_displacement] = Quantity::OF_FREEDOM[freedom];
+    match given {
+        Given::Load(load) => {
+            check(of_load, load, force * balls * T::of(512.0))?;
+            Ok(Given::Load(load / force))
+        }
+        Given::Displacement(u) => {
+            check(of_displacement, u, length * T::of(128.0))?;
+            Ok(Given::Displacement(u / length))
+        }
+    }
+}
+
+/// The speed, rad/s: at most that where a ball's centrifugal force would press it by the whole groove distance; none of
+/// balls that are not `at_speed`.
+#[inline(always)]
+pub fn checked_speed<T: Real>(
+    c: &Constants<T>,
+    speed: Speed<T>,
+    at_speed: bool,
+) -> Result<T, Status<T>> {
+    let limit = if at_speed {
+        (T::of(2048.0) / c.inertia).sqrt()
+    } else {
+        T::ZERO
+    };
+    check(Quantity::Speed, speed.0, limit)?;
+    Ok(speed.0)
+}
+
+/// Growth in units of length, at most a quarter of the groove distance each.
+pub fn growth_in_units<T: Real>(
+    c: &Constants<T>,
+    growth: &Growth<T>,
+) -> Result<Growth<T>, Status<T>> {
+    let lengths = [growth.axial, growth.radial, growth.ball];
+    for (length, quantity) in lengths.into_iter().zip(Quantity::OF_GROWTH) {
+        check(quantity, length, c.length * T::of(16.0))?;
+    }
+    let per = T::ONE / c.length;
+    Ok(Growth {
+        axial: growth.axial * per,
+        radial: growth.radial * per,
+        ball: growth.ball * per,
+    })
+}
+
+/// Inertia `m dm omega^2 / 2`; 0 where the inertia of `weight` balls is below rounding of loads of the size `size`.
+pub fn inertia<T: Real>(c: &Constants<T>, omega: T, weight: T, size: T) -> T {
+    let s = c.inertia * omega * omega;
+    if size > T::ZERO && s * weight < T::EPSILON * size {
+        T::ZERO
+    } else {
+        s
+    }
+}

@@ -1,0 +1,296 @@
+//! Where a solver is: the shaft's position, the balls' sum there, the attempt that led there, and the errors of it.
+
+use crate::bearing::L0;
+use crate::frame::moved;
+use crate::linalg::{Factors, norm};
+use crate::real::Real;
+use crate::shaft::Shaft;
+use crate::shaft::row::Sum;
+use crate::solver::problem::Task;
+use crate::status::Status;
+use crate::tuning;
+use core::array::from_fn;
+
+/// What is kept between solves besides the balls, in the units of the constants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State<T, const D: usize> {
+    /// Reference position of the groove plane, along the axis, and the offset of the ring from it.
+    pub u: [T; D],
+    pub v: [T; D],
+    /// Offset where the balls were condensed last, and what they handed over, referred to the bearing centre.
+    pub at: [T; D],
+    pub sum: Sum<T, D>,
+    /// Factors of the tangent, and whether they are those of the undamped tangent of free loads.
+    pub factors: Factors<T, D>,
+    pub plain: bool,
+    /// The stiffness has yet to follow the last step.
+    pub correct: bool,
+    /// Load of the last solve, its size with reactions, and inertia `m dm omega^2 / 2`.
+    pub load: [T; D],
+    pub size: T,
+    pub s: T,
+    /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
+    pub weak: bool,
+    /// The last attempt, and how it ended.
+    pub attempt: Attempt<T, D>,
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// Of a solver without history.
+    pub const COLD: Self = Self {
+        u: [T::ZERO; D],
+        v: [T::ZERO; D],
+        at: [T::ZERO; D],
+        sum: Sum::NONE,
+        factors: Factors::NONE,
+        plain: false,
+        correct: false,
+        load: [T::ZERO; D],
+        size: T::ZERO,
+        s: T::ZERO,
+        weak: false,
+        attempt: Attempt::NONE,
+    };
+
+    /// Displacement of the centre.
+    pub fn displacement(&self, plane: T) -> [T; D] {
+        moved(-plane, &from_fn(|i| self.u[i] + self.v[i]))
+    }
+}
+
+/// How the loop ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// The last step changes the stiffness by less than the tolerance.
+    Converged,
+    /// Rounding is larger than the tolerance.
+    Rounded,
+    /// The balls leave the ring free to move in some direction.
+    Singular,
+    /// The time was up.
+    Unfinished,
+    /// A figure is not a number, or the attempt has had its iterations and led to no equilibrium.
+    Lost,
+}
+
+impl End {
+    /// There is an answer.
+    pub const fn is_solved(self) -> bool {
+        matches!(self, Self::Converged | Self::Rounded)
+    }
+
+    /// The status of a solution, or of what an unfinished attempt has reached.
+    pub const fn status<T>(self) -> Status<T> {
+        match self {
+            Self::Rounded => Status::PrecisionLimit,
+            Self::Unfinished => Status::IterationLimit,
+            _ => Status::Converged,
+        }
+    }
+}
+
+/// An attempt at an equilibrium, from the last solution or from a start, over several calls if need be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Attempt<T, const D: usize> {
+    /// It began with a start.
+    pub started: bool,
+    /// Iterations so far.
+    pub taken: u16,
+    pub outcome: Outcome<T>,
+    pub control: Control<T, D>,
+    /// After the last pass, the step before it was taken back.
+    pub back: bool,
+}
+
+impl<T: Real, const D: usize> Attempt<T, D> {
+    /// None.
+    pub const NONE: Self = Self {
+        started: false,
+        taken: 0,
+        outcome: Outcome::NONE,
+        control: Control {
+            radius: T::ONE,
+            least: T::ONE,
+            last: None,
+        },
+        back: false,
+    };
+
+    /// Begins one.
+    pub fn begin(&mut self, started: bool) {
+        (self.started, self.taken, self.back) = (started, 0, false);
+        self.outcome = Outcome::NONE;
+        self.control.radius = T::of(L0 * tuning::FIRST_RADIUS);
+        self.control.least = T::of(tuning::DAMPING);
+        self.control.last = None;
+    }
+
+    /// It has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near.
+    pub fn is_used_up(&self) -> bool {
+        self.taken >= 2 * tuning::ATTEMPT
+            || (self.taken > tuning::ATTEMPT && self.outcome.residual > T::of(tuning::ROUGH))
+    }
+}
+
+/// What the loop hands on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome<T> {
+    pub end: End,
+    pub estimate: Estimate<T>,
+    /// Unbalanced force before the last step, over the load.
+    pub residual: T,
+    /// Length of the last step.
+    pub step: T,
+}
+
+impl<T: Real> Outcome<T> {
+    /// Residual that rounding of the balls' forces at the ring's offset `v` explains, that of each force capped at `most`.
+    #[cold]
+    #[inline(never)]
+    pub fn rounding<const R: usize, const SET: bool, const D: usize>(
+        &self,
+        shaft: &Shaft<'_, T, R, SET>,
+        task: &Task<T, D>,
+        v: &[T; D],
+        most: T,
+    ) -> T {
+        let largest = self.estimate.largest;
+        let size = task.size.at_least(*shaft.internal).at_least(largest);
+        let forces = shaft.layout.weight * largest / size;
+        rounding(largest, v).at_most(most) * forces.at_least(T::ONE)
+    }
+
+    /// Before the first iteration.
+    pub const NONE: Self = Self {
+        end: End::Lost,
+        estimate: Estimate {
+            k: T::ONE,
+            most: T::ONE,
+            force: T::ONE,
+            largest: T::ONE,
+            cos: T::ONE,
+        },
+        residual: T::ONE,
+        step: T::ONE,
+    };
+}
+
+/// A step of the ring, referred to the bearing centre, and the work that the unbalanced force before it was to do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step<T, const D: usize> {
+    pub du: [T; D],
+    pub work: T,
+    pub damped: bool,
+}
+
+/// Step control: how long a step may be, and how strongly it is damped at least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Control<T, const D: usize> {
+    pub radius: T,
+    pub least: T,
+    pub last: Option<Step<T, D>>,
+}
+
+/// Estimated errors of a solution, relative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ErrorEstimate<T> {
+    /// Of displacements: of the largest component, tilts taken at the pitch radius.
+    pub displacement: T,
+    /// Of contact forces: of the largest.
+    pub force: T,
+    /// Of the stiffness: an element's error over the root of the two diagonal elements.
+    pub stiffness: T,
+}
+
+impl<T: Real> ErrorEstimate<T> {
+    /// Every figure is a number.
+    pub fn is_finite(&self) -> bool {
+        are_finite(&[self.displacement, self.force, self.stiffness])
+    }
+}
+
+/// What the last step leaves unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate<T> {
+    /// Change of the stiffness along the step, relative to its diagonal.
+    pub k: T,
+    /// Largest relative change of a ball's stiffness.
+    pub most: T,
+    /// What the step leaves of the balls' forces, of second order, relative to the largest.
+    pub force: T,
+    /// The largest force of a ball on the ring.
+    pub largest: T,
+    /// Least cosine of the angle between the contacts of a ball.
+    pub cos: T,
+}
+
+impl<T: Real> Estimate<T> {
+    /// Error of the stiffness that its correction along the step leaves: what is of second order, and a small part of the first.
+    pub fn corrected(&self) -> T {
+        self.k * (self.most + T::of(tuning::CORRECTED))
+    }
+}
+
+/// Rounding error of the force of a ball, relative to it: its deformation is a difference of numbers like the ring's offset `v`
+/// from the reference, or of a unit of length.
+#[inline(never)]
+pub fn rounding<T: Real, const D: usize>(force: T, v: &[T; D]) -> T {
+    let root = force.cbrt();
+    let deformation = (root * root).at_least(T::EPSILON);
+    let offset = T::ONE + norm(v);
+    T::ROUNDING * (T::ONE + offset / deformation)
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// How far the figures at the displacement `u` can be off: what the last step leaves, and what rounding does. `inertia` is
+    /// that of all balls.
+    pub fn errors(&self, u: &[T; D], inertia: T) -> ErrorEstimate<T> {
+        let Outcome {
+            end,
+            estimate,
+            step,
+            ..
+        } = self.attempt.outcome;
+        let margin = T::of(tuning::MARGIN);
+        let stiffness = match end {
+            // The estimate is above what a long step changes by itself.
+            End::Unfinished if self.correct => estimate.corrected(),
+            // A ball is out of balance, or a correction makes the stiffness no better: nothing is known of it.
+            End::Unfinished => estimate.k.at_least(T::ONE),
+            _ => margin * estimate.k,
+        };
+        let rounding = rounding(estimate.largest, &self.at);
+        // Where rounding ends a solve, the balance is known to that of the balls' forces, and the last step is not taken.
+        let (unbalanced, untaken) = if end == End::Rounded {
+            (rounding, step)
+        } else {
+            (T::EPSILON, T::ZERO)
+        };
+        let forces = self.size + inertia;
+        let moved = T::of(4.0) * T::EPSILON + unbalanced * forces * self.factors.compliance();
+        let step = untaken.at_least(margin * step * estimate.most);
+        // Constants are worked out in double precision, by some thirty operations each.
+        let constants = T::of(64.0 * f64::EPSILON);
+        let rounding = rounding + constants;
+        let displacement =
+            constants + T::of(8.0) * T::EPSILON + (step + moved) / norm(u).at_least(T::TINY);
+        ErrorEstimate {
+            displacement,
+            // Rounding of the ring's displacement, too, changes deformations.
+            force: margin * estimate.force + rounding + rounding,
+            stiffness: stiffness + rounding,
+        }
+    }
+}
+
+/// Whether every figure is a finite number.
+#[inline(never)]
+pub fn are_finite<T: Real>(figures: &[T]) -> bool {
+    let mut zero = T::ZERO;
+    for x in figures {
+        zero += T::ZERO * *x;
+    }
+    zero == T::ZERO
+}
