@@ -62,7 +62,6 @@ mod ball;
 mod bearing;
 mod const_math;
 mod design;
-mod frame;
 mod growth;
 mod hertz;
 mod linalg;

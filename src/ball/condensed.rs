@@ -28,12 +28,6 @@ impl<T: Real> Share<T> {
         force_by_speed: [T::ZERO; 2],
         moment_by_speed: T::ZERO,
     };
-
-    /// Magnitudes of the elements `aa`, `ar`, `rr` of the stiffness.
-    #[inline(always)]
-    pub fn magnitudes(&self) -> [T; 3] {
-        [self.h[0][0].abs(), self.h[0][1].abs(), self.h[1][1].abs()]
-    }
 }
 
 /// How a step changes a ball's contacts.

@@ -18,14 +18,12 @@
 pub mod condensed;
 pub mod contact;
 pub mod kinematics;
-pub mod point;
 pub mod report;
 pub mod settle;
 
 use crate::ball::condensed::{Change, Share, grazing, share_of};
-use crate::ball::contact::{Contact, Curvature, forms};
+use crate::ball::contact::{Contact, Curvature, Point, forms};
 use crate::ball::kinematics::{Contacts, Rule};
-use crate::ball::point::Point;
 use crate::ball::report::Pose;
 use crate::ball::settle::place;
 use crate::bearing::Constants;
@@ -268,6 +266,7 @@ impl<T: Real> Ball<T> {
                 ..inner
             };
         }
+        let h = &self.share.h;
         let (inner, outer) = (v[0] * l.per_di, along * l.per_do);
         let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
         let depth = (inner.abs() + outer.abs()).at_most(T::ONE + T::ONE);
@@ -278,7 +277,7 @@ impl<T: Real> Ball<T> {
             relative: depth + (turn + turn),
             cos: l.cd,
             off: T::ZERO,
-            h: self.share.magnitudes(),
+            h: [h[0][0].abs(), h[0][1].abs(), h[1][1].abs()],
         }
     }
 
@@ -289,6 +288,7 @@ impl<T: Real> Ball<T> {
         if !(l.delta > p.rounding) {
             return grazing(v[0], l.delta, c.kn, p.rounding);
         }
+        let h = &self.share.h;
         let depth = T::of(0.5) * (v[0] * l.per_di).abs().at_most(T::ONE);
         let turn = (v[1] * l.per_ri).abs();
         Change {
@@ -297,7 +297,7 @@ impl<T: Real> Ball<T> {
             relative: depth + (turn + turn),
             cos: T::ONE,
             off: T::ZERO,
-            h: self.share.magnitudes(),
+            h: [h[0][0].abs(), h[0][1].abs(), h[1][1].abs()],
         }
     }
 

@@ -2,9 +2,8 @@
 //!
 //! The same quantities as in the ball pass, without slopes: for placing a ball, and for reports.
 
-use crate::ball::contact::Contact;
+use crate::ball::contact::{Contact, Point};
 use crate::ball::kinematics::{Contacts, Rule};
-use crate::ball::point::Point;
 use crate::bearing::{Azimuth, Constants, Groove};
 use crate::linalg::{Matrix2, Pair, add, dot, scale, sub};
 use crate::real::Real;

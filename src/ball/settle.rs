@@ -3,8 +3,8 @@
 //! With inertia loads frozen, the ball's energy `2/5 Ki delta_i^(5/2) + 2/5 Ko delta_o^(5/2) - P.X` is convex, and
 //! Newton's method descends on it. The loads are worked out again at every step.
 
+use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
-use crate::ball::point::Point;
 use crate::ball::report::Pose;
 use crate::bearing::Constants;
 use crate::linalg::{Matrix2, Pair, add, dot, scale, sub};

@@ -5,8 +5,8 @@ pub mod life;
 pub mod margins;
 
 use crate::ball::Ball;
+use crate::ball::contact::Point;
 use crate::ball::kinematics::{Rule, Speed};
-use crate::ball::point::Point;
 use crate::ball::report::{BallMotion, BallState, Pose};
 use crate::bearing::{Azimuth, Constants};
 use crate::linalg::Matrix;

@@ -13,8 +13,7 @@
 //! Neither sum cancels, and the force grows with `w` at first with the power 3, 4 or 1, so that Newton's method from
 //! above comes down on the solution.
 
-use crate::ball::contact::Contact;
-use crate::ball::point::{Point, excess};
+use crate::ball::contact::{Contact, Point, excess};
 use crate::bearing::{Constants, L0};
 use crate::real::Real;
 

@@ -5,12 +5,13 @@
 pub mod axial;
 pub mod row;
 
+use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
-use crate::ball::point::Point;
-use crate::bearing::{Azimuth, Bearing, Constants};
-use crate::frame::{refer, refer_stiffness};
+use crate::bearing::{Azimuth, Constants};
+use crate::linalg::{refer, refer_stiffness};
 use crate::real::Real;
-use crate::shaft::row::{Changes, Row, Sum, sum_up};
+use crate::shaft::row::{Changes, Row, Sum, groove, sum_up};
+use crate::tuning;
 
 /// How a row sits on the shaft.
 ///
@@ -159,13 +160,7 @@ pub struct Layout<'b, T, const R: usize, const SET: bool> {
 impl<'b, T: Real> Layout<'b, T, 1, false> {
     /// A bearing alone.
     #[inline(always)]
-    pub fn alone<const N: usize>(bearing: &'b Bearing<T, N>) -> Self {
-        Self::of_balls(&bearing.constants, &bearing.azimuths)
-    }
-
-    /// Balls alone.
-    #[inline(always)]
-    pub fn of_balls(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
+    pub fn alone(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
         Self {
             bearings: [Numbers { c, azimuths }],
             mounts: [Mount::PLAIN],
@@ -235,7 +230,15 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
     #[inline(never)]
     pub fn condense<A: Rule, const D: usize>(&mut self, v: &[T; D], ds: T) -> bool {
         let mut near = true;
-        self.each(v, |row, _, v| near &= row.condense::<A>(v, ds));
+        self.each(v, |row, _, v| {
+            let mut left = tuning::PLACING * row.balls.len() as u16 / 2;
+            let mut azimuths = row.azimuths.iter();
+            for ball in row.balls.iter_mut() {
+                let Some(at) = azimuths.next() else { break };
+                let a = groove(row.p, v, at);
+                near &= ball.condense::<A>(row.c, row.p, a, ds, &mut left);
+            }
+        });
         near
     }
 

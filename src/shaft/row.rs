@@ -5,13 +5,12 @@
 
 use crate::ball::Ball;
 use crate::ball::condensed::Share;
+use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
-use crate::ball::point::Point;
 use crate::ball::settle::{ALONE, place};
 use crate::bearing::{Azimuth, Constants};
 use crate::linalg::{Matrix, Pair, add};
 use crate::real::Real;
-use crate::tuning;
 
 /// Force of the balls on the ring, its slopes by the ring's displacement and by the relative change of `omega^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -165,21 +164,6 @@ pub struct Row<'s, T> {
 }
 
 impl<T: Real> Row<'_, T> {
-    /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all
-    /// are near their balance.
-    #[inline(never)]
-    pub fn condense<R: Rule>(&mut self, v: &[T; 5], ds: T) -> bool {
-        let mut near = true;
-        let mut left = tuning::PLACING * self.balls.len() as u16 / 2;
-        let mut azimuths = self.azimuths.iter();
-        for ball in self.balls.iter_mut() {
-            let Some(at) = azimuths.next() else { break };
-            let a = groove(self.p, v, at);
-            near &= ball.condense::<R>(self.c, self.p, a, ds, &mut left);
-        }
-        near
-    }
-
     /// Has every ball start as the first one does, near its balance at the ring's offset `v`.
     #[inline(never)]
     pub fn start<R: Rule>(&mut self, v: &[T; 5]) {

@@ -1,7 +1,7 @@
 //! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
 
+use crate::ball::contact::Point;
 use crate::ball::kinematics::{Full, Motion, Speed};
-use crate::ball::point::Point;
 use crate::ball::report::{BallState, Pose};
 use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::growth::Growth;
@@ -55,7 +55,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     pub fn of(bearing: &'b Bearing<T, N>) -> Self {
         Self {
             bearing,
-            last: WarmStart::new(&Layout::of_balls(&bearing.constants, &[])),
+            last: WarmStart::new(&Layout::alone(&bearing.constants, &[])),
             motion: PhantomData,
             root: T::ONE / T::TINY,
             centres: Centres {
@@ -226,10 +226,10 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             }
             Given::Displacement(dx) => (task.held[0], task.is_free) = (Some(dx), false),
         }
-        let layout = Layout::of_balls(&one, self.first());
+        let layout = Layout::alone(&one, self.first());
         let mut more = || true;
         let mut time = Time::new(settings.max_iterations, &mut more);
-        let reached = self.last.solve::<M::Rule, _>(&layout, &task, &mut time)?;
+        let reached = self.last.run::<M::Rule, _>(&layout, &task, &mut time)?;
         let state = &self.last.state;
         Ok(AxialSolution {
             status: state.attempt.outcome.end.status(),
@@ -268,8 +268,8 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     pub fn stiffness(&self) -> T {
         let (c, last) = (&self.solver.bearing.constants, &self.solver.last);
         let k = if M::AT_SPEED && last.points[0].is_at_speed() {
-            let layout = Layout::of_balls(c, self.solver.first());
-            last.stiffness::<M::Rule, _>(&layout)[0][0]
+            let layout = Layout::alone(c, self.solver.first());
+            last.tangent::<M::Rule, _>(&layout)[0][0]
         } else {
             last.state.sum.k[0][0]
         };

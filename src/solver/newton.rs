@@ -2,8 +2,7 @@
 
 use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
-use crate::frame::moved;
-use crate::linalg::{norm, product};
+use crate::linalg::{moved, norm, product};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::solver::problem::{Task, Time};
@@ -123,7 +122,7 @@ impl<T: Real, const D: usize> State<T, D> {
                     }
                 }
             }
-            let du = self.factors.solve(&b);
+            let du = self.factors.back_substitute(&b);
             let length = norm(&du);
             if !(damping > T::ZERO) {
                 self.weak = self.factors.is_weak;

@@ -3,12 +3,13 @@
 
 use crate::ball::kinematics::Speed;
 use crate::bearing::Constants;
-use crate::frame::units;
 use crate::growth::Growth;
+use crate::linalg::Matrix;
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::status::{Quantity, Status};
 use crate::tuning;
+use core::array::from_fn;
 
 /// Iteration limit and convergence tolerance.
 ///
@@ -288,4 +289,22 @@ pub fn inertia<T: Real>(c: &Constants<T>, omega: T, weight: T, size: T) -> T {
     } else {
         s
     }
+}
+
+/// Units of force and displacement of a freedom, SI.
+#[inline(always)]
+pub fn units<T: Real>(c: &Constants<T>, freedom: usize) -> (T, T) {
+    match freedom {
+        3 | 4 => (c.moment, c.tilt),
+        _ => (c.force, c.length),
+    }
+}
+
+/// A stiffness in SI units.
+pub fn stiffness_out<T: Real, const D: usize>(c: &Constants<T>, k: &Matrix<T, D>) -> Matrix<T, D> {
+    let per = [T::ONE / c.length, T::ONE / c.tilt];
+    from_fn(|i| {
+        let force = units(c, i).0;
+        from_fn(|j| k[i][j] * (force * per[usize::from(matches!(j, 3 | 4))]))
+    })
 }

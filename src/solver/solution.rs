@@ -3,7 +3,6 @@
 use crate::ball::kinematics::{Motion, Speed};
 use crate::ball::report::{BallMotion, BallState};
 use crate::bearing::Bearing;
-use crate::frame::{displacement_out, force_out, stiffness_out};
 use crate::linalg::Matrix;
 use crate::real::Real;
 use crate::results::View;
@@ -11,9 +10,11 @@ use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limits, Margins};
 use crate::shaft::Layout;
+use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::status::Status;
+use core::array::from_fn;
 use core::fmt;
 use core::marker::PhantomData;
 
@@ -51,8 +52,8 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
             status: last.state.attempt.outcome.end.status(),
             iterations: reached.iterations,
             error: last.state.errors(&reached.u, last.points[0].s * c.balls),
-            displacement: displacement_out(c, &reached.u),
-            load: force_out(c, &reached.load),
+            displacement: from_fn(|i| reached.u[i] * units(c, i).1),
+            load: from_fn(|i| reached.load[i] * units(c, i).0),
             speed: last.speed,
             bearing,
             last,
@@ -63,17 +64,20 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) at constant speed: the exact
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
-        let k = self
-            .last
-            .stiffness::<M::Rule, _>(&Layout::alone(self.bearing));
+        let k = self.last.tangent::<M::Rule, _>(&Layout::alone(
+            &self.bearing.constants,
+            &self.bearing.azimuths,
+        ));
         stiffness_out(&self.bearing.constants, &k)
     }
 
     /// The row of balls.
     #[inline(always)]
     pub(crate) fn view(&self) -> View<'_, T, M::Rule> {
-        self.last
-            .view::<M::Rule, _>(&Layout::alone(self.bearing), 0)
+        self.last.view::<M::Rule, _>(
+            &Layout::alone(&self.bearing.constants, &self.bearing.azimuths),
+            0,
+        )
     }
 
     /// States of the balls, in the order of their azimuths.

@@ -1,10 +1,9 @@
 //! Where a solve starts that has no solution next to it.
 
-use crate::ball::contact::to_grid;
+use crate::ball::contact::{Point, to_grid};
 use crate::ball::kinematics::Rule;
-use crate::ball::point::Point;
 use crate::bearing::{Constants, L0};
-use crate::frame::moved;
+use crate::linalg::moved;
 use crate::real::Real;
 use crate::shaft::{Shaft, Stance};
 use crate::solver::problem::Task;

@@ -1,8 +1,7 @@
 //! Where a solver is: the shaft's position, the balls' sum there, the attempt that led there, and the errors of it.
 
 use crate::bearing::L0;
-use crate::frame::moved;
-use crate::linalg::{Factors, norm};
+use crate::linalg::{Factors, moved, norm};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::shaft::row::Sum;

@@ -1,11 +1,10 @@
 //! What a solver remembers: the start of its next solve, and what results are worked out from.
 
 use crate::ball::Ball;
+use crate::ball::contact::Point;
 use crate::ball::kinematics::{Motion, Rule, Speed};
-use crate::ball::point::Point;
-use crate::frame::{moved, refer_stiffness};
 use crate::growth::Growth;
-use crate::linalg::{Matrix, add_to, norm, product};
+use crate::linalg::{Matrix, add_to, moved, norm, product, refer_stiffness};
 use crate::real::Real;
 use crate::results::View;
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffening};
@@ -104,7 +103,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
     }
 
     /// Solves, and says where the shaft is, or why there is no answer.
-    pub fn solve<A: Rule, const SET: bool>(
+    pub fn run<A: Rule, const SET: bool>(
         &mut self,
         layout: &Layout<'_, T, R, SET>,
         task: &Task<T, D>,
@@ -130,7 +129,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             s,
             internal: &mut self.internal,
         };
-        let end = self.state.solve::<A, R, SET>(&mut shaft, task, time);
+        let end = self.state.find::<A, R, SET>(&mut shaft, task, time);
         self.state.refuse::<A, R, SET>(&shaft, task, end)?;
         let reached = self.reached(layout.plane, time.taken);
         // A tangent of other than numbers makes no undamped step.
@@ -166,14 +165,14 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             && are_finite(&reached.u)
             && are_finite(&reached.load)
             && self
-                .stiffness::<A, SET>(layout)
+                .tangent::<A, SET>(layout)
                 .iter()
                 .all(|row| are_finite(row));
         is_finite.then_some(reached)
     }
 
     /// The stiffness about the shaft's centre, after the last step.
-    pub fn stiffness<A: Rule, const SET: bool>(
+    pub fn tangent<A: Rule, const SET: bool>(
         &self,
         layout: &Layout<'_, T, R, SET>,
     ) -> Matrix<T, D> {
@@ -220,7 +219,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
 
 impl<T: Real, const D: usize> State<T, D> {
     /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
-    fn solve<A: Rule, const R: usize, const SET: bool>(
+    fn find<A: Rule, const R: usize, const SET: bool>(
         &mut self,
         shaft: &mut Shaft<'_, T, R, SET>,
         task: &Task<T, D>,
@@ -299,8 +298,8 @@ impl<T: Real, const D: usize> State<T, D> {
                 Some(_) => T::ZERO,
             })
         };
-        let motion = self.factors.solve(&free([T::ONE; D]));
-        let motion = free(self.factors.solve(&free(motion)));
+        let motion = self.factors.back_substitute(&free([T::ONE; D]));
+        let motion = free(self.factors.back_substitute(&free(motion)));
         let mut freest = 0;
         for i in 1..D.min(5) {
             if motion[i].abs() > motion[freest].abs() {

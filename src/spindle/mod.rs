@@ -13,7 +13,7 @@ pub mod error;
 pub mod solution;
 pub mod solver;
 
-use crate::ball::point::Point;
+use crate::ball::contact::Point;
 use crate::bearing::{Bearing, Constants};
 use crate::growth::Growth;
 use crate::real::Real;

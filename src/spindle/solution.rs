@@ -2,14 +2,14 @@
 
 use crate::ball::kinematics::{Motion, Speed};
 use crate::ball::report::{BallMotion, BallState};
-use crate::frame::{displacement_out, force_out, moved, refer, refer_stiffness, stiffness_out};
-use crate::linalg::{Factors, Matrix, add_to, product};
+use crate::linalg::{Factors, Matrix, add_to, moved, product, refer, refer_stiffness};
 use crate::real::Real;
 use crate::results::View;
 use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limit, LimitSet, Limits, Margins};
 use crate::shaft::row::{Sum, sum_up};
+use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::spindle::Spindle;
@@ -79,8 +79,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     ) -> Self {
         let Spindle { layout, centre, .. } = spindle;
         let unit = layout.bearings[0].c;
-        let u: [T; 5] = from_fn(|i| reached.u[i]);
-        let k = last.stiffness::<M::Rule, _>(layout);
+        let u: [T; 5] = from_fn(|i| reached.u[i] * units(unit, i).1);
+        let k = last.tangent::<M::Rule, _>(layout);
         let (k, slide) = if D == 6 {
             // The force of the spring is held.
             let k = from_fn(|i| from_fn(|j| k[i][j] - k[i][5] * k[5][j] / k[5][5]));
@@ -94,7 +94,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             error: last
                 .state
                 .errors(&reached.u, last.points[0].s * layout.weight),
-            displacement: moved(-*centre, &displacement_out(unit, &u)),
+            displacement: moved(-*centre, &u),
             load,
             speed: last.speed,
             k,
@@ -219,7 +219,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         refer(c.plane, &mut force);
         RowSolution {
             position: spindle.positions[i],
-            force: force_out(c, &force),
+            force: from_fn(|i| force[i] * units(c, i).0),
             preload: T::ZERO,
             view,
             sum,
@@ -248,7 +248,7 @@ pub fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
     let columns: [[T; 5]; 5] = from_fn(|j| {
         let mut unit = [T::ZERO; 5];
         unit[j] = T::ONE;
-        factors.solve(&unit)
+        factors.back_substitute(&unit)
     });
     from_fn(|i| from_fn(|j| columns[j][i]))
 }

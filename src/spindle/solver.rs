@@ -1,10 +1,10 @@
 //! The equilibrium of a shaft in its bearings.
 
 use crate::ball::kinematics::{Full, Motion, Speed};
-use crate::frame::{force_out, refer};
 use crate::growth::Growth;
+use crate::linalg::refer;
 use crate::real::Real;
-use crate::solver::problem::{Given, Settings, Time};
+use crate::solver::problem::{Given, Settings, Time, units};
 use crate::solver::warm_start::WarmStart;
 use crate::spindle::Spindle;
 use crate::spindle::solution::SpindleSolution;
@@ -115,7 +115,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             .last
             .task::<M, _>(layout, &given, to_centre, speed, growth, tolerance)?;
         let mut time = Time::new(settings.max_iterations, &mut more_time);
-        let reached = self.last.solve::<M::Rule, _>(layout, &task, &mut time)?;
+        let reached = self.last.run::<M::Rule, _>(layout, &task, &mut time)?;
         Ok(SpindleSolution::new(
             &self.spindle,
             &self.last,
@@ -129,7 +129,8 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     pub fn unfinished(&self) -> Option<SpindleSolution<'_, T, R, N, M, D>> {
         let Spindle { layout, centre, .. } = &self.spindle;
         let reached = self.last.unfinished::<M::Rule, _>(layout)?;
-        let mut load = force_out(layout.bearings[0].c, &from_fn(|i| reached.load[i]));
+        let unit = layout.bearings[0].c;
+        let mut load: [T; 5] = from_fn(|i| reached.load[i] * units(unit, i).0);
         refer(*centre, &mut load);
         Some(SpindleSolution::new(
             &self.spindle,
