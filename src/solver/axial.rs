@@ -9,9 +9,7 @@ use crate::linalg::add;
 use crate::real::Real;
 use crate::shaft::Layout;
 use crate::shaft::axial::{AxialRest, Centres};
-use crate::solver::problem::{
-    Given, Settings, Task, Time, checked_speed, given_in_units, growth_in_units, inertia,
-};
+use crate::solver::problem::{Given, Settings, Task, given_in_units, inertia, speed_and_growth};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
@@ -114,11 +112,9 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
         let given = given_in_units(c, 0, c.balls, asked)?;
-        let omega = checked_speed(c, speed, M::AT_SPEED)?;
-        let growth = match growth {
-            Some(growth) => growth_in_units(c, growth)?,
-            None => Growth::NONE,
-        };
+        let none = Growth::NONE;
+        let growth = growth.unwrap_or(&none);
+        let (omega, growth) = speed_and_growth(c, speed, M::AT_SPEED, growth)?;
         let size = match given {
             Given::Load(load) => load.abs().at_least(c.preload),
             Given::Displacement(_) => T::ZERO,
@@ -228,8 +224,10 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         }
         let layout = Layout::alone(&one, self.first());
         let mut more = || true;
-        let mut time = Time::new(settings.max_iterations, &mut more);
-        let reached = self.last.run::<M::Rule, _>(&layout, &task, &mut time)?;
+        let most = settings.max_iterations;
+        let reached = self
+            .last
+            .run::<M::Rule, _>(&layout, &task, most, &mut more)?;
         let state = &self.last.state;
         Ok(AxialSolution {
             status: state.attempt.outcome.end.status(),

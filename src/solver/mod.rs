@@ -21,7 +21,7 @@ use crate::bearing::Bearing;
 use crate::growth::Growth;
 use crate::real::Real;
 use crate::shaft::Layout;
-use crate::solver::problem::{Given, RingVector, Settings, Time};
+use crate::solver::problem::{Given, RingVector, Settings};
 use crate::solver::solution::Solution;
 use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
@@ -157,8 +157,10 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         let task = self
             .last
             .task::<M, _>(&layout, given, |_| (), speed, growth, tolerance)?;
-        let mut time = Time::new(settings.max_iterations, &mut more_time);
-        let reached = self.last.run::<M::Rule, _>(&layout, &task, &mut time)?;
+        let most = settings.max_iterations;
+        let reached = self
+            .last
+            .run::<M::Rule, _>(&layout, &task, most, &mut more_time)?;
         let mut solution = Solution::new(self.bearing, &self.last, &reached);
         for (i, given) in given.iter().enumerate() {
             match *given {

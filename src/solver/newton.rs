@@ -184,8 +184,9 @@ impl<T: Real, const D: usize> State<T, D> {
             shaft.sum::<A, D>(&mut self.sum);
             (self.at, self.correct, self.plain) = (self.v, false, false);
             ds = T::ZERO;
-            let is_last = time.spend();
-            self.attempt.taken += 1;
+            (time.taken, self.attempt.taken) = (time.taken + 1, self.attempt.taken + 1);
+            time.is_up = time.taken >= time.max_iterations || !(time.more)();
+            let is_last = time.is_up;
 
             let r = self.unbalanced(task, T::ZERO);
             let mut size = task.size.at_least(*shaft.internal);

@@ -180,32 +180,13 @@ impl<T: Real, const D: usize> Task<T, D> {
 
 /// How long a solve may go on.
 pub struct Time<'a> {
-    /// Most iterations, and those taken.
-    most: u16,
+    /// Most iterations; at least one is taken.
+    pub max_iterations: u16,
     pub taken: u16,
     /// Asked after every pass over the balls.
-    more: &'a mut dyn FnMut() -> bool,
+    pub more: &'a mut dyn FnMut() -> bool,
     /// There is no more.
     pub is_up: bool,
-}
-
-impl<'a> Time<'a> {
-    /// At least one iteration.
-    pub fn new(most: u16, more: &'a mut dyn FnMut() -> bool) -> Self {
-        Self {
-            most,
-            taken: 0,
-            more,
-            is_up: false,
-        }
-    }
-
-    /// Takes an iteration; whether it was the last one.
-    pub fn spend(&mut self) -> bool {
-        self.taken += 1;
-        self.is_up = self.taken >= self.most || !(self.more)();
-        self.is_up
-    }
 }
 
 /// Refuses a value that is not finite, or larger in magnitude than `limit`.
@@ -247,38 +228,33 @@ pub fn given_in_units<T: Real>(
     }
 }
 
-/// The speed, rad/s: at most that where a ball's centrifugal force would press it by the whole groove distance; none of
-/// balls that are not `at_speed`.
-#[inline(always)]
-pub fn checked_speed<T: Real>(
+/// Speed in rad/s, and growth in units of length.
+///
+/// The speed is at most the one where a ball's centrifugal force would press it by the whole groove distance, and 0 of balls
+/// that are not `at_speed`. Growths are at most a quarter of the groove distance each.
+pub fn speed_and_growth<T: Real>(
     c: &Constants<T>,
     speed: Speed<T>,
     at_speed: bool,
-) -> Result<T, Status<T>> {
+    growth: &Growth<T>,
+) -> Result<(T, Growth<T>), Status<T>> {
     let limit = if at_speed {
         (T::of(2048.0) / c.inertia).sqrt()
     } else {
         T::ZERO
     };
     check(Quantity::Speed, speed.0, limit)?;
-    Ok(speed.0)
-}
-
-/// Growth in units of length, at most a quarter of the groove distance each.
-pub fn growth_in_units<T: Real>(
-    c: &Constants<T>,
-    growth: &Growth<T>,
-) -> Result<Growth<T>, Status<T>> {
     let lengths = [growth.axial, growth.radial, growth.ball];
     for (length, quantity) in lengths.into_iter().zip(Quantity::OF_GROWTH) {
         check(quantity, length, c.length * T::of(16.0))?;
     }
     let per = T::ONE / c.length;
-    Ok(Growth {
+    let growth = Growth {
         axial: growth.axial * per,
         radial: growth.radial * per,
         ball: growth.ball * per,
-    })
+    };
+    Ok((speed.0, growth))
 }
 
 /// Inertia `m dm omega^2 / 2`; 0 where the inertia of `weight` balls is below rounding of loads of the size `size`.

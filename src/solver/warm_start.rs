@@ -9,9 +9,7 @@ use crate::real::Real;
 use crate::results::View;
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffening};
 use crate::shaft::{Layout, Shaft};
-use crate::solver::problem::{
-    Given, Task, Time, checked_speed, given_in_units, growth_in_units, inertia,
-};
+use crate::solver::problem::{Given, Task, Time, given_in_units, inertia, speed_and_growth};
 use crate::solver::start::start;
 use crate::solver::state::{End, State, are_finite};
 use crate::status::{Quantity, Status};
@@ -77,8 +75,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         let mut omega = T::ZERO;
         let mut grown = [Growth::NONE; R];
         for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&layout.bearings) {
-            omega = checked_speed(row.c, speed, M::AT_SPEED)?;
-            *grown = growth_in_units(row.c, growth)?;
+            (omega, *grown) = speed_and_growth(row.c, speed, M::AT_SPEED, growth)?;
         }
         task.size = norm(&task.load).at_least(layout.held);
         // A ring that nothing presses and nothing holds floats in its clearance.
@@ -107,7 +104,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         &mut self,
         layout: &Layout<'_, T, R, SET>,
         task: &Task<T, D>,
-        time: &mut Time<'_>,
+        max_iterations: u16,
+        more: &mut dyn FnMut() -> bool,
     ) -> Result<Reached<T, D>, Status<T>> {
         let s = self.points[0].s;
         let (mut bearings, mut balls) = (layout.bearings.iter(), self.balls.iter_mut());
@@ -129,7 +127,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             s,
             internal: &mut self.internal,
         };
-        let end = self.state.find::<A, R, SET>(&mut shaft, task, time);
+        let mut time = Time {
+            max_iterations,
+            taken: 0,
+            more,
+            is_up: false,
+        };
+        let end = self.state.find::<A, R, SET>(&mut shaft, task, &mut time);
         self.state.refuse::<A, R, SET>(&shaft, task, end)?;
         let reached = self.reached(layout.plane, time.taken);
         // A tangent of other than numbers makes no undamped step.

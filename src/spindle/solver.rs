@@ -4,7 +4,7 @@ use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::growth::Growth;
 use crate::linalg::refer;
 use crate::real::Real;
-use crate::solver::problem::{Given, Settings, Time, units};
+use crate::solver::problem::{Given, Settings, units};
 use crate::solver::warm_start::WarmStart;
 use crate::spindle::Spindle;
 use crate::spindle::solution::SpindleSolution;
@@ -114,8 +114,10 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let task = self
             .last
             .task::<M, _>(layout, &given, to_centre, speed, growth, tolerance)?;
-        let mut time = Time::new(settings.max_iterations, &mut more_time);
-        let reached = self.last.run::<M::Rule, _>(layout, &task, &mut time)?;
+        let most = settings.max_iterations;
+        let reached = self
+            .last
+            .run::<M::Rule, _>(layout, &task, most, &mut more_time)?;
         Ok(SpindleSolution::new(
             &self.spindle,
             &self.last,
