@@ -135,6 +135,12 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         };
         let end = self.state.find::<A, R, SET>(&mut shaft, task, &mut time);
         self.state.refuse::<A, R, SET>(&shaft, task, end)?;
+        // Rounding may end a solve under a spring of next to no force, where no ball of the sleeve is pressed.
+        if D == 6 && !(self.state.sum.k[D - 1][D - 1] > T::ZERO) {
+            let (loaded_balls, free) = (shaft.loaded(), Quantity::Closure);
+            self.state = State::COLD;
+            return Err(Status::Indeterminate { loaded_balls, free });
+        }
         let reached = self.reached(layout.plane, time.taken);
         // A tangent of other than numbers makes no undamped step.
         if are_finite(&reached.u) && are_finite(&reached.load) {

@@ -59,7 +59,7 @@ pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motio
     /// Speed of the shaft.
     pub speed: Speed<T>,
     /// Stiffness about the spindle's centre, with the force of the spring held.
-    k: Matrix<T, 5>,
+    pub(super) k: Matrix<T, 5>,
     /// Motion of the sleeve, m.
     slide: T,
     spindle: &'s Spindle<'s, T, R, N, D>,

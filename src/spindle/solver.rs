@@ -5,6 +5,7 @@ use crate::growth::Growth;
 use crate::linalg::refer;
 use crate::real::Real;
 use crate::solver::problem::{Given, Settings, units};
+use crate::solver::state::are_finite;
 use crate::solver::warm_start::WarmStart;
 use crate::spindle::Spindle;
 use crate::spindle::solution::SpindleSolution;
@@ -134,11 +135,9 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let unit = layout.bearings[0].c;
         let mut load: [T; 5] = from_fn(|i| reached.load[i] * units(unit, i).0);
         refer(*centre, &mut load);
-        Some(SpindleSolution::new(
-            &self.spindle,
-            &self.last,
-            &reached,
-            load,
-        ))
+        let solution = SpindleSolution::new(&self.spindle, &self.last, &reached, load);
+        // A sleeve that no ball holds makes the shaft's stiffness 0 / 0.
+        let is_finite = solution.k.iter().all(|row| are_finite(row));
+        is_finite.then_some(solution)
     }
 }

@@ -5,18 +5,6 @@ use spindle_bearing::{Facing, Motion, Real, SpindleSolution};
 /// Facing of a row, whether it slides, and its pitch diameter.
 pub type Place = (Facing, bool, f64);
 
-/// No ball of the sleeve is pressed.
-///
-/// Rounding may end a solve like this in single precision, where a spring is 1e-16 of what a bearing can take. The shaft's
-/// stiffness is 0 / 0 then, even of an answer that has converged, and no law is asked of that.
-pub fn is_sleeve_free<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
-    rows: &[Place],
-    s: &SpindleSolution<'_, T, R, N, M, D>,
-) -> bool {
-    let mut sliding = s.rows().zip(rows).filter(|(_, place)| place.1);
-    D == 6 && sliding.all(|(row, _)| row.inner_forces().all(|q| q == T::ZERO))
-}
-
 /// Rows carry the load, and those in a sleeve its spring, as well as the contact forces are said to be known.
 pub fn assert_balances<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     rows: &[Place],
