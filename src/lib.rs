@@ -33,7 +33,7 @@
 //! | speed, growth by heat, rotation and fits | [`Speed`], [`Growth`] |
 //! | iterations and tolerance | [`Settings`]; in a tick of firmware [`Settings::TICK`] |
 //! | how a solve ends | [`Status`] |
-//! | balls | [`BallState`], [`BallMotion`], [`Frequencies`] |
+//! | balls | [`BallState`], [`BallKinematics`], [`Frequencies`] |
 //! | physical limits | [`Limits`], [`Margins`] |
 //! | rating life | [`LifeRating`], [`RatingLife`] |
 //! | what a scene leaves out | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |
@@ -86,7 +86,7 @@ pub use ball::kinematics::{
     Centrifugal, Full, InnerRaceControl, Motion, OuterRaceControl, RacewayControlFree, Speed,
     Static,
 };
-pub use ball::report::{BallMotion, BallState, ContactPatch};
+pub use ball::report::{BallKinematics, BallState, ContactPatch};
 pub use bearing::Bearing;
 pub use design::{Design, DesignError, FreeContact, Material};
 pub use growth::{Expansion, Growth};

@@ -6,7 +6,7 @@ use crate::real::Real;
 
 /// What a condensed ball hands to the ring.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Share<T> {
+pub struct Condensed<T> {
     /// Axial and radial force, and moment over `Rp`.
     pub force: Pair<T>,
     pub moment: T,
@@ -18,7 +18,7 @@ pub struct Share<T> {
     pub moment_by_speed: T,
 }
 
-impl<T: Real> Share<T> {
+impl<T: Real> Condensed<T> {
     /// No ball.
     pub const NONE: Self = Self {
         force: [T::ZERO; 2],
@@ -48,15 +48,15 @@ pub struct Change<T> {
 
 /// What a ball whose only force is that of `contact` hands to the ring.
 #[inline(always)]
-pub fn share_of<T: Real>(contact: &Contact<T>) -> Share<T> {
+pub fn condensed_of<T: Real>(contact: &Contact<T>) -> Condensed<T> {
     let [aa, ar, rr] = contact.tangent();
     let force = [contact.q * contact.n[0], contact.q * contact.n[1]];
-    Share {
+    Condensed {
         force,
         moment: force[0],
         h: [[aa, ar], [ar, rr]],
         hm: [aa, ar],
-        ..Share::NONE
+        ..Condensed::NONE
     }
 }
 

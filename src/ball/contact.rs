@@ -153,7 +153,7 @@ impl<T: Real> Curvature<T> {
     /// `[[Q' v1/(2 delta), 2 g v2], [2 g v2, 2 g v1]]` with `g = (Q' - Q/R) / (2 R)`. The stiffness grows with the root of the
     /// deformation.
     #[inline(always)]
-    pub fn stiffening(&self, v: Pair<T>) -> [T; 3] {
+    pub fn stiffness_change(&self, v: Pair<T>) -> [T; 3] {
         let relative = v[0] * self.per_delta;
         let g2 = (self.slope - self.across) * self.per_r;
         let growth = if relative.abs() < T::of(0.1) {

@@ -10,7 +10,7 @@ use crate::real::Real;
 
 /// State of one ball, SI units.
 ///
-/// See [`Solution::motions`](crate::Solution::motions) for an example; [`Solution::balls`](crate::Solution::balls) gives these.
+/// See [`Solution::kinematics`](crate::Solution::kinematics) for an example; [`Solution::balls`](crate::Solution::balls) gives these.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -53,11 +53,11 @@ pub struct ContactPatch<T> {
 
 /// How a ball turns, and how its contacts are pressed, SI units.
 ///
-/// See [`Solution::motions`](crate::Solution::motions) for an example.
+/// See [`Solution::kinematics`](crate::Solution::kinematics) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct BallMotion<T> {
+pub struct BallKinematics<T> {
     /// Speed `omega_m` about the bearing's axis, rad/s: the cage speed.
     pub cage_speed: T,
     /// Speed `omega_R` of its own rotation, rad/s, seen from the cage.
@@ -72,7 +72,7 @@ pub struct BallMotion<T> {
 
 /// Both contacts of a ball, and its inertia loads.
 #[derive(Debug, Clone, Copy)]
-pub struct Pose<T> {
+pub struct Kinetics<T> {
     pub inner: Contact<T>,
     pub outer: Contact<T>,
     /// Centrifugal force, and gyroscopic couple `2 Mg / D`.
@@ -86,7 +86,7 @@ pub struct Pose<T> {
     nu: T,
 }
 
-impl<T: Real> Pose<T> {
+impl<T: Real> Kinetics<T> {
     /// A ball at rest between both races: the two contacts share what `both` in series have.
     pub fn at_rest(c: &Constants<T>, both: &Contact<T>) -> Self {
         let outer = Contact {
@@ -191,7 +191,7 @@ impl<T: Real> Pose<T> {
     }
 
     /// How the ball turns on a shaft with the speed `omega`, rad/s, and how its contacts are pressed, in SI units.
-    pub fn motion(&self, c: &Constants<T>, omega: T) -> BallMotion<T> {
+    pub fn motion(&self, c: &Constants<T>, omega: T) -> BallKinematics<T> {
         let ([si, ci], [so, co]) = (self.inner.n, self.outer.n);
         // The rotation across the bearing's axis, and along it so that the ball rolls on the race whose contact is
         // more radial: over the shaft speed, times tau.
@@ -222,7 +222,7 @@ impl<T: Real> Pose<T> {
                 spin_to_roll,
             }
         };
-        BallMotion {
+        BallKinematics {
             cage_speed: self.mu * omega,
             rotation: (along * along + across * across).sqrt() * (omega.abs() / c.tau),
             attitude: across.atan2(along),

@@ -136,7 +136,7 @@ pub struct Group<T> {
 
 /// A bearing of any ball count.
 #[derive(Debug, Clone, Copy)]
-pub struct Numbers<'b, T> {
+pub struct BearingRef<'b, T> {
     pub c: &'b Constants<T>,
     pub azimuths: &'b [Azimuth<T>],
 }
@@ -144,7 +144,7 @@ pub struct Numbers<'b, T> {
 /// Bearings and how they sit on the shaft: all that no solve changes.
 #[derive(Debug, Clone, Copy)]
 pub struct Layout<'b, T, const R: usize, const SET: bool> {
-    pub bearings: [Numbers<'b, T>; R],
+    pub bearings: [BearingRef<'b, T>; R],
     pub mounts: [Mount<T>; R],
     /// Rows that are fixed, and rows that slide.
     pub fixed: Group<T>,
@@ -152,9 +152,9 @@ pub struct Layout<'b, T, const R: usize, const SET: bool> {
     /// Axial position of the groove plane from the shaft's centre, over `Rp`.
     pub plane: T,
     /// Number of balls, weighted with their inertia in units of the first row.
-    pub weight: T,
+    pub ball_count: T,
     /// About the forces by which the rows hold each other at rest.
-    pub held: T,
+    pub preload: T,
 }
 
 impl<'b, T: Real> Layout<'b, T, 1, false> {
@@ -162,7 +162,7 @@ impl<'b, T: Real> Layout<'b, T, 1, false> {
     #[inline(always)]
     pub fn alone(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
         Self {
-            bearings: [Numbers { c, azimuths }],
+            bearings: [BearingRef { c, azimuths }],
             mounts: [Mount::PLAIN],
             fixed: Group {
                 first: 0,
@@ -171,15 +171,15 @@ impl<'b, T: Real> Layout<'b, T, 1, false> {
             },
             sliding: None,
             plane: c.plane,
-            weight: c.balls,
-            held: c.preload,
+            ball_count: c.balls,
+            preload: c.preload,
         }
     }
 }
 
 /// A group of rows, as a start sees it by its first row.
 #[derive(Debug, Clone, Copy)]
-pub struct Stance<'a, T> {
+pub struct GroupRow<'a, T> {
     pub c: &'a Constants<T>,
     pub p: &'a Point<T>,
     pub mount: &'a Mount<T>,
@@ -195,7 +195,7 @@ pub struct Shaft<'a, T, const R: usize, const SET: bool> {
     /// Inertia `m dm omega^2 / 2` of a ball of the first row.
     pub s: T,
     /// Axial force by which rows of either facing hold each other, besides the load.
-    pub internal: &'a mut T,
+    pub preload: &'a mut T,
 }
 
 impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
@@ -214,10 +214,10 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
         }
     }
 
-    pub fn stance(&self, group: Option<Group<T>>) -> Option<Stance<'_, T>> {
+    pub fn group(&self, group: Option<Group<T>>) -> Option<GroupRow<'_, T>> {
         let group = group?;
         let row = self.rows.get(group.first)?;
-        Some(Stance {
+        Some(GroupRow {
             c: row.c,
             p: row.p,
             mount: self.layout.mounts.get(group.first)?,
@@ -231,7 +231,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
     pub fn condense<A: Rule, const D: usize>(&mut self, v: &[T; D], ds: T) -> bool {
         let mut near = true;
         self.each(v, |row, _, v| {
-            let mut left = tuning::PLACING * row.balls.len() as u16 / 2;
+            let mut left = tuning::SETTLING * row.balls.len() as u16 / 2;
             let mut azimuths = row.azimuths.iter();
             for ball in row.balls.iter_mut() {
                 let Some(at) = azimuths.next() else { break };
@@ -261,7 +261,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
             sides[usize::from(mount.facing < T::ZERO)] += mount.force * own.force[0];
             mount.assemble(&mut own, sum);
         });
-        *self.internal = sides[0].at_most(sides[1]).at_least(T::ZERO);
+        *self.preload = sides[0].at_most(sides[1]).at_least(T::ZERO);
     }
 
     /// Changes of the rows along a step `du`.
@@ -269,8 +269,8 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
     pub fn changes<A: Rule, const D: usize>(&self, du: &[T; D]) -> Changes<T, D> {
         let mut all = Changes {
             k: [T::ZERO; D],
-            most: T::ZERO,
-            lost: T::ZERO,
+            relative: T::ZERO,
+            force_error: T::ZERO,
             largest: T::TINY,
             cos: T::ONE,
         };
@@ -279,8 +279,8 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
             all.k.copy_from_slice(&own.k[..D]);
             return Changes {
                 k: all.k,
-                most: own.most,
-                lost: own.lost,
+                relative: own.relative,
+                force_error: own.force_error,
                 largest: own.largest,
                 cos: own.cos,
             };
@@ -299,8 +299,8 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
             if D == 6 && mount.sliding {
                 all.k[5] += k * own.k[0];
             }
-            all.most = all.most.at_least(own.most);
-            all.lost = all.lost.at_least(mount.force * own.lost);
+            all.relative = all.relative.at_least(own.relative);
+            all.force_error = all.force_error.at_least(mount.force * own.force_error);
             all.largest = all.largest.at_least(mount.force * own.largest);
             all.cos = all.cos.at_most(own.cos);
         }

@@ -2,14 +2,14 @@
 
 use crate::ball::contact::Point;
 use crate::ball::kinematics::{Full, Motion, Speed};
-use crate::ball::report::{BallState, Pose};
+use crate::ball::report::{BallState, Kinetics};
 use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::growth::Growth;
 use crate::linalg::add;
 use crate::real::Real;
 use crate::shaft::Layout;
 use crate::shaft::axial::{AxialRest, Centres};
-use crate::solver::problem::{Given, Settings, Task, given_in_units, inertia, speed_and_growth};
+use crate::solver::problem::{Given, Problem, Settings, given_in_units, inertia, speed_and_growth};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
@@ -129,7 +129,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         };
         if M::AT_SPEED && s > T::ZERO {
             if !self.last.points[0].set(c, s, size, growth, self.last.state.u[0]) {
-                self.last.state.size = T::ZERO;
+                self.last.state.load_scale = T::ZERO;
             }
             return self.at_speed(asked, given, settings);
         }
@@ -214,23 +214,23 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             balls: T::ONE,
             ..*c
         };
-        let mut task = Task::new(settings.tolerance);
+        let mut problem = Problem::new(settings.tolerance);
         match given {
             Given::Load(load) => {
-                task.load[0] = load / c.balls;
-                task.size = task.load[0].abs().at_least(c.preload / c.balls);
+                problem.load[0] = load / c.balls;
+                problem.load_scale = problem.load[0].abs().at_least(c.preload / c.balls);
             }
-            Given::Displacement(dx) => (task.held[0], task.is_free) = (Some(dx), false),
+            Given::Displacement(dx) => (problem.prescribed[0], problem.is_free) = (Some(dx), false),
         }
         let layout = Layout::alone(&one, self.first());
         let mut more = || true;
         let most = settings.max_iterations;
         let reached = self
             .last
-            .run::<M::Rule, _>(&layout, &task, most, &mut more)?;
+            .run::<M::Rule, _>(&layout, &problem, most, &mut more)?;
         let state = &self.last.state;
         Ok(AxialSolution {
-            status: state.attempt.outcome.end.status(),
+            status: state.attempt.report.termination.status(),
             iterations: reached.iterations,
             error: state.errors(&reached.u, self.last.points[0].s),
             displacement: asked.displacement_or(reached.u[0] * c.length),
@@ -278,14 +278,14 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     pub fn ball(&self) -> BallState<T> {
         let (solver, p) = (self.solver, &self.solver.last.points[0]);
         let c = &solver.bearing.constants;
-        let pose = if M::AT_SPEED && p.is_at_speed() {
+        let kinetics = if M::AT_SPEED && p.is_at_speed() {
             let a = add(p.low, [solver.last.state.v[0], T::ZERO]);
-            solver.last.balls[0][0].pose::<M::Rule>(c, p, a)
+            solver.last.balls[0][0].kinetics::<M::Rule>(c, p, a)
         } else {
-            Pose::at_rest(c, &AxialRest::new(c, p).contact(&solver.centres))
+            Kinetics::at_rest(c, &AxialRest::new(c, p).contact(&solver.centres))
         };
         match solver.bearing.azimuths.first() {
-            Some(first) => pose.state(c, first),
+            Some(first) => kinetics.state(c, first),
             None => BallState::default(),
         }
     }

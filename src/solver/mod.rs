@@ -154,13 +154,13 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         let layout = Layout::alone(&self.bearing.constants, &self.bearing.azimuths);
         let growth = core::array::from_ref(growth);
         let tolerance = settings.tolerance;
-        let task = self
-            .last
-            .task::<M, _>(&layout, given, |_| (), speed, growth, tolerance)?;
+        let problem =
+            self.last
+                .problem::<M, _>(&layout, given, |_| (), speed, growth, tolerance)?;
         let most = settings.max_iterations;
         let reached = self
             .last
-            .run::<M::Rule, _>(&layout, &task, most, &mut more_time)?;
+            .run::<M::Rule, _>(&layout, &problem, most, &mut more_time)?;
         let mut solution = Solution::new(self.bearing, &self.last, &reached);
         for (i, given) in given.iter().enumerate() {
             match *given {

@@ -126,13 +126,13 @@ impl<T> Given<T> {
 
 /// What a solve is for, in the units of the constants, referred to the bearing centre.
 #[derive(Debug, Clone, Copy)]
-pub struct Task<T, const D: usize> {
+pub struct Problem<T, const D: usize> {
     /// Load; 0 of a freedom whose displacement is given.
     pub load: [T; D],
     /// Its size.
-    pub size: T,
+    pub load_scale: T,
     /// The displacement that is given of some freedoms.
-    pub held: [Option<T>; D],
+    pub prescribed: [Option<T>; D],
     /// No displacement is given.
     pub is_free: bool,
     /// Largest change of the stiffness along the last step.
@@ -144,18 +144,18 @@ pub struct Task<T, const D: usize> {
     pub far: T,
 }
 
-impl<T: Real, const D: usize> Task<T, D> {
+impl<T: Real, const D: usize> Problem<T, D> {
     /// Without a load yet.
     pub fn new(tolerance: T) -> Self {
         let far = T::of(tuning::FAR) * tolerance;
         Self {
             load: [T::ZERO; D],
-            size: T::ZERO,
-            held: [None; D],
+            load_scale: T::ZERO,
+            prescribed: [None; D],
             is_free: true,
             tolerance,
             enough: T::of(tuning::FORCE) * tolerance,
-            far: if tolerance < T::of(0.5 * tuning::ROUGH) {
+            far: if tolerance < T::of(0.5 * tuning::COARSE) {
                 far.at_most(T::of(tuning::FAR_AT_MOST))
             } else {
                 far
@@ -171,7 +171,7 @@ impl<T: Real, const D: usize> Task<T, D> {
         shaft: &Shaft<'_, T, R, SET>,
     ) -> bool {
         let mut free = 0;
-        for held in &self.held {
+        for held in &self.prescribed {
             free += u16::from(held.is_none());
         }
         2 * shaft.loaded() >= free

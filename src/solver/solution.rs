@@ -1,7 +1,7 @@
 //! What a solve gives.
 
 use crate::ball::kinematics::{Motion, Speed};
-use crate::ball::report::{BallMotion, BallState};
+use crate::ball::report::{BallKinematics, BallState};
 use crate::bearing::Bearing;
 use crate::linalg::Matrix;
 use crate::real::Real;
@@ -20,7 +20,7 @@ use core::marker::PhantomData;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 ///
-/// See [`Solver`] for an example, and [`Solution::motions`] for the balls.
+/// See [`Solver`] for an example, and [`Solution::kinematics`] for the balls.
 pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
     /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of [`Solver::unfinished`].
     pub status: Status<T>,
@@ -49,7 +49,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     ) -> Self {
         let c = &bearing.constants;
         Self {
-            status: last.state.attempt.outcome.end.status(),
+            status: last.state.attempt.report.termination.status(),
             iterations: reached.iterations,
             error: last.state.errors(&reached.u, last.points[0].s * c.balls),
             displacement: from_fn(|i| reached.u[i] * units(c, i).1),
@@ -106,7 +106,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// let mut solver = Solver::new(&bearing);
     /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
     /// let solution = solver.solve(load, speed, &Settings::default())?;
-    /// for ball in solution.motions() {
+    /// for ball in solution.kinematics() {
     ///     println!("{:.2} GPa, {:.0} rad/s", ball.inner.peak_pressure / 1e9, ball.rotation);
     /// }
     /// let frequencies = solution.frequencies();
@@ -114,11 +114,11 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// assert!((frequencies.outer_race + frequencies.inner_race - 16.0 * 200.0).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn motions(&self) -> impl ExactSizeIterator<Item = BallMotion<T>> + '_ {
-        self.view().motions()
+    pub fn kinematics(&self) -> impl ExactSizeIterator<Item = BallKinematics<T>> + '_ {
+        self.view().kinematics()
     }
 
-    /// Frequencies at which damaged parts of the bearing are heard: see [`Solution::motions`].
+    /// Frequencies at which damaged parts of the bearing are heard: see [`Solution::kinematics`].
     pub fn frequencies(&self) -> Frequencies<T> {
         self.view().frequencies()
     }
@@ -157,11 +157,11 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
         let omega = self.speed.as_rad_per_s();
         let mut balls = [BallState::default(); N];
         let mut cage_speeds = [T::ZERO; N];
-        let poses = self.view().poses().zip(&bearing.azimuths);
+        let kinetics_of_balls = self.view().kinetics_of_balls().zip(&bearing.azimuths);
         let of_ball = balls.iter_mut().zip(&mut cage_speeds);
-        for ((pose, at), (ball, cage_speed)) in poses.zip(of_ball) {
-            *ball = pose.state(&bearing.constants, at);
-            *cage_speed = pose.mu * omega;
+        for ((kinetics, at), (ball, cage_speed)) in kinetics_of_balls.zip(of_ball) {
+            *ball = kinetics.state(&bearing.constants, at);
+            *cage_speed = kinetics.mu * omega;
         }
         Snapshot {
             status: self.status,

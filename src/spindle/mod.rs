@@ -18,7 +18,7 @@ use crate::bearing::{Bearing, Constants};
 use crate::growth::Growth;
 use crate::real::Real;
 use crate::shaft::axial::AxialRest;
-use crate::shaft::{Group, Layout, Mount, Numbers};
+use crate::shaft::{BearingRef, Group, Layout, Mount};
 use crate::solver::problem::check;
 use crate::spindle::arrangement::{Arrangement, Facing};
 use crate::spindle::error::SpindleError;
@@ -60,7 +60,7 @@ pub enum Preload<T> {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Mounted<'b, T, const N: usize> {
-    bearing: Numbers<'b, T>,
+    bearing: BearingRef<'b, T>,
     position: T,
     facing: Facing,
     preload: Preload<T>,
@@ -80,7 +80,7 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
             )
         };
         Self {
-            bearing: Numbers {
+            bearing: BearingRef {
                 c: &bearing.constants,
                 azimuths: &bearing.azimuths,
             },
@@ -368,7 +368,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
         let (centre, plane) = (centre / count, plane / count);
         let mut mounts = [Mount::PLAIN; R];
-        let (mut weight, mut held) = (T::ZERO, T::ZERO);
+        let (mut ball_count, mut preload) = (T::ZERO, T::ZERO);
         for (mount, row) in mounts.iter_mut().zip(&rows) {
             let c = row.bearing.c;
             let (facing, arm, closure) = (row.facing.sign::<T>(), radius(c) / rp, row.closure());
@@ -384,9 +384,9 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 closure,
                 sliding: row.slides(),
             };
-            weight += c.balls * (mount.force * mount.inertia);
+            ball_count += c.balls * (mount.force * mount.inertia);
             let axial = c.balls * force_at(c, closure).at_least(T::ZERO);
-            held += mount.force * (axial + c.preload);
+            preload += mount.force * (axial + c.preload);
         }
         Self {
             layout: Layout {
@@ -395,8 +395,8 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 fixed,
                 sliding,
                 plane,
-                weight,
-                held,
+                ball_count,
+                preload,
             },
             positions: rows.map(|row| row.position),
             facings: rows.map(|row| row.facing),

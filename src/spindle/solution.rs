@@ -1,7 +1,7 @@
 //! What a solve of a spindle gives.
 
 use crate::ball::kinematics::{Motion, Speed};
-use crate::ball::report::{BallMotion, BallState};
+use crate::ball::report::{BallKinematics, BallState};
 use crate::linalg::{Factors, Matrix, add_to, moved, product, refer, refer_stiffness};
 use crate::real::Real;
 use crate::results::View;
@@ -89,11 +89,11 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             (from_fn(|i| from_fn(|j| k[i][j])), T::ZERO)
         };
         Self {
-            status: last.state.attempt.outcome.end.status(),
+            status: last.state.attempt.report.termination.status(),
             iterations: reached.iterations,
             error: last
                 .state
-                .errors(&reached.u, last.points[0].s * layout.weight),
+                .errors(&reached.u, last.points[0].s * layout.ball_count),
             displacement: moved(-*centre, &u),
             load,
             speed: last.speed,
@@ -223,7 +223,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             preload: T::ZERO,
             view,
             sum,
-            correct: state.correct,
+            stale: state.stale,
         }
     }
 }
@@ -281,7 +281,7 @@ pub struct RowSolution<'s, T: Real, M: Motion> {
     preload: T,
     view: View<'s, T, M::Rule>,
     sum: Sum<T, 5>,
-    correct: bool,
+    stale: bool,
 }
 
 impl<T: Real, M: Motion> RowSolution<'_, T, M> {
@@ -299,8 +299,8 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
     /// Stiffness of the row alone, about its centre: `dF/du` (rows are forces; N, N m per m, rad).
     pub fn stiffness(&self) -> Matrix<T, 5> {
         let mut sum = self.sum;
-        if self.correct {
-            add_to(&mut sum.k, &self.view.stiffening());
+        if self.stale {
+            add_to(&mut sum.k, &self.view.stiffness_change());
         }
         refer_stiffness(self.view.c.plane, &mut sum.k);
         stiffness_out(self.view.c, &sum.k)
@@ -321,9 +321,9 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         self.view.cage_speeds()
     }
 
-    /// How every ball turns, and how its contacts are pressed: see [`Solution::motions`](crate::Solution::motions).
-    pub fn motions(&self) -> impl ExactSizeIterator<Item = BallMotion<T>> + '_ {
-        self.view.motions()
+    /// How every ball turns, and how its contacts are pressed: see [`Solution::kinematics`](crate::Solution::kinematics).
+    pub fn kinematics(&self) -> impl ExactSizeIterator<Item = BallKinematics<T>> + '_ {
+        self.view.kinematics()
     }
 
     /// Frequencies at which damaged parts of the row are heard.

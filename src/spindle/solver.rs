@@ -112,13 +112,13 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         // From x = 0 to the centre.
         let to_centre = |load: &mut [T; D]| refer(-*centre * unit.tilt / unit.length, load);
         let tolerance = settings.tolerance;
-        let task = self
+        let problem = self
             .last
-            .task::<M, _>(layout, &given, to_centre, speed, growth, tolerance)?;
+            .problem::<M, _>(layout, &given, to_centre, speed, growth, tolerance)?;
         let most = settings.max_iterations;
         let reached = self
             .last
-            .run::<M::Rule, _>(layout, &task, most, &mut more_time)?;
+            .run::<M::Rule, _>(layout, &problem, most, &mut more_time)?;
         Ok(SpindleSolution::new(
             &self.spindle,
             &self.last,

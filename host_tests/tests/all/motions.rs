@@ -25,7 +25,7 @@ fn judge<M: Motion>(design: &Design, load: [f64; 5], omega: f64, rule: Attitude)
     let mut compared = 0;
     for ((ball, motion), cage) in solution
         .balls()
-        .zip(solution.motions())
+        .zip(solution.kinematics())
         .zip(solution.cage_speeds())
     {
         if ball.q_i <= 0.0 {
