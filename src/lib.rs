@@ -95,6 +95,7 @@ pub use real::Real;
 pub use results::frequencies::Frequencies;
 pub use results::life::{LifeRating, RatingLife};
 pub use results::margins::{Limit, LimitSet, Limits, Margin, Margins, Race};
+pub use results::summary::RowSummary;
 pub use solver::Solver;
 pub use solver::axial::{AxialSolution, AxialSolver};
 pub use solver::problem::{Given, RingVector, Settings};

@@ -3,6 +3,7 @@
 pub mod frequencies;
 pub mod life;
 pub mod margins;
+pub mod summary;
 
 use crate::ball::Ball;
 use crate::ball::contact::Point;

@@ -9,6 +9,7 @@ use crate::results::View;
 use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limits, Margins};
+use crate::results::summary::RowSummary;
 use crate::shaft::Layout;
 use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
@@ -149,6 +150,23 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// ```
     pub fn margins(&self, limits: &Limits<T>) -> Margins<T> {
         self.view().margins(limits)
+    }
+
+    /// The row at a glance: largest contact forces and pressures, contact angles, margins and life.
+    ///
+    /// ```
+    /// use spindle_bearing::{Bearing, Design, LifeRating, Limits, Settings, Solver, Speed};
+    /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// let (bearing, rating) = (Bearing::<f64, 16>::new(&DESIGN)?, LifeRating::<f64>::new(&DESIGN, 16, 13_700.0));
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
+    /// let summary = solver.solve(load, speed, &Settings::default())?.summary(&Limits::default(), &rating);
+    /// println!("{:.0} to {:.0} N on the inner race", summary.inner_force[0], summary.inner_force[1]);
+    /// assert!((summary.force[0] - 300.0).abs() < 1e-6 && summary.margins.unloaded == 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn summary(&self, limits: &Limits<T>, rating: &LifeRating<T>) -> RowSummary<T> {
+        RowSummary::of(&self.view(), limits, rating)
     }
 
     /// A copy that borrows nothing.

@@ -8,6 +8,7 @@ use crate::results::View;
 use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limit, LimitSet, Limits, Margins};
+use crate::results::summary::RowSummary;
 use crate::shaft::row::{Sum, sum_up};
 use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
@@ -176,6 +177,33 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             weight += rating.weight_of(self.view(i).contact_forces());
         }
         RatingLife::of_weight(weight, self.speed.as_rad_per_s())
+    }
+
+    /// The rows at a glance, in their order, each with its own rating: largest contact forces and pressures, contact angles,
+    /// preload, share of the load, margins and life.
+    pub fn summary(&self, limits: &Limits<T>, ratings: &[LifeRating<T>; R]) -> [RowSummary<T>; R] {
+        let mut rows: [RowSummary<T>; R] =
+            from_fn(|i| RowSummary::of(&self.view(i), limits, &ratings[i]));
+        let magnitudes = rows.each_ref().map(|row| {
+            let [axial, y, z] = row.force;
+            [axial.abs(), (y * y + z * z).sqrt()]
+        });
+        let mut all = [T::ZERO; 2];
+        for row in &magnitudes {
+            all = [all[0] + row[0], all[1] + row[1]];
+        }
+        let axial = rows.each_ref().map(|row| row.force[0]);
+        let preloads = preloads(&axial, &self.facings());
+        for (row, (preload, [axial, radial])) in
+            rows.iter_mut().zip(preloads.iter().zip(magnitudes))
+        {
+            row.preload = *preload;
+            row.load_share = [
+                axial / all[0].at_least(T::TINY),
+                radial / all[1].at_least(T::TINY),
+            ];
+        }
+        rows
     }
 
     /// By how much the sleeve has moved the rows in it towards their balls, m: the closure that the spring makes. 0
