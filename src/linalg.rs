@@ -145,7 +145,7 @@ pub struct Factors<T, const D: usize> {
     /// Least pivot over the diagonal element that it came of; not positive where the matrix is not
     /// positive definite.
     pub least: T,
-    /// A pivot may be nothing but rounding: that of the products taken off it, one for each pivot before.
+    /// A pivot may be nothing but the rounding of the products taken off it, one for each pivot before.
     pub is_weak: bool,
 }
 

@@ -6,10 +6,11 @@
 /// Unbalanced force of a ball over its larger contact force, above which its linearisation is repeated.
 /// Tuned: doubled, random +3, zero-loads +9, moderate +2.
 pub const SETTLE: f64 = 0.1;
-/// The same, at which placing ends. Where it is not well below [`SETTLE`], a ball may be placed again and again.
+/// Unbalanced force of a ball over its larger contact force, at which settling ends. Where it is not well below [`SETTLE`], a ball
+/// may be settled again and again.
 /// Tuned: doubled, zero-loads +5, warm jumps +3.
 pub const SETTLED: f64 = 0.03;
-/// Steps of placing in one pass, over half the number of balls: a ball for which none is left goes on in the next pass.
+/// Steps of settling in one pass, over half the number of balls: a ball without a step left goes on in the next pass.
 /// Tuned: doubled, no effect, and a pass of six medians in place of four; at 3, random -2, radial and zero-loads -1 %.
 pub const SETTLING: u16 = 8;
 /// Longest step of the ring at first, over `L0`.
@@ -37,10 +38,10 @@ pub const CORRECTED: f64 = 0.1;
 /// no need to work it out, which costs 5,000 cycles on a pair.
 /// Tuned: at 30, rounding that ends a solve is taken for its end too early; at 200, up to 1,300 cycles an iteration.
 pub const FAR: f64 = 100.0;
-/// The same above a tolerance of 1.5e-4, where no rounding ends a solve, as an unbalanced part of the load.
+/// Unbalanced part of the load with the meaning of [`FAR`], above a tolerance of 1.5e-4, where no rounding ends a solve.
 /// Tuned: trebled, as many iterations, each of 1,300 cycles more.
 pub const FAR_AT_MOST: f64 = 0.015;
-/// What a converged step may leave of the balls' forces, over the tolerance of the stiffness: forces are good to 1e-6
+/// Error of the balls' forces after a converged step, over the tolerance of the stiffness: forces are good to 1e-6
 /// where the stiffness is to 2e-5. Follows from what is promised.
 pub const FORCE: f64 = 0.05;
 /// Margin of the error estimate on what the last step leaves.

@@ -4,7 +4,7 @@ use crate::ball::contact::Contact;
 use crate::linalg::{Matrix2, Pair};
 use crate::real::Real;
 
-/// What a condensed ball hands to the ring.
+/// A condensed ball: its force on the ring, and the slopes of that force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Condensed<T> {
     /// Axial and radial force, and moment over `Rp`.
@@ -42,11 +42,11 @@ pub struct Change<T> {
     pub h: [T; 3],
     /// Cosine of the angle between the contacts; 1 at rest.
     pub cos: T,
-    /// What the step leaves of the force on a ball without inner contact, of second order.
+    /// Unbalanced force on a ball without inner contact after the step, of second order.
     pub off: T,
 }
 
-/// What a ball whose only force is that of `contact` hands to the ring.
+/// A ball on which `contact` alone acts.
 #[inline(always)]
 pub fn condensed_of<T: Real>(contact: &Contact<T>) -> Condensed<T> {
     let [aa, ar, rr] = contact.tangent();

@@ -14,7 +14,7 @@ use crate::real::Real;
 pub struct Reference<T> {
     /// Multiples of 1/256.
     pub vector: Pair<T>,
-    /// Its squared length less that of the undeformed contact.
+    /// Its squared length less the square of the undeformed contact's length.
     pub excess: T,
 }
 
@@ -68,7 +68,7 @@ impl<T: Real> Contact<T> {
         Self::along(v, excess, length, k)
     }
 
-    /// The contact along the vector `v`, whose squared length is `excess` more than that of the undeformed contact.
+    /// The contact along the vector `v`, whose squared length exceeds the undeformed contact's by `excess`.
     #[inline(always)]
     pub fn along(v: Pair<T>, excess: T, length: T, k: T) -> Self {
         let r = dot(v, v).at_least(T::TINY).sqrt();
@@ -242,7 +242,7 @@ impl<T: Real> Point<T> {
         );
     }
 
-    /// Has the offset `x` of the balls count from next to where it is; what is left of it.
+    /// Moves the outer reference next to the offset `x` of the balls; their offset from there.
     pub fn move_outer(&mut self, c: &Constants<T>, x: Pair<T>) -> Pair<T> {
         let was = self.outer.vector;
         self.outer.vector = add(was, x).map(to_grid);

@@ -1,4 +1,4 @@
-//! A ball: linearised at its present place, and condensed into what it hands to the ring.
+//! A ball: linearised where it is, and condensed into a force and a stiffness for the ring.
 //!
 //! `V = A - X` and `X` are the vectors along the inner and the outer contact, `n` and `t` the contacts' normals and
 //! tangents. The ball's residual is
@@ -33,13 +33,13 @@ use crate::linalg::{
 use crate::real::Real;
 use crate::tuning;
 
-/// Steps of placing a ball that its own step costs as much as.
+/// Steps of settling that cost as much as a Newton step of the ball.
 const OWN: u16 = 2;
 
-/// What is remembered of a ball.
+/// A ball where it was linearised last.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ball<T> {
-    /// Where it was linearised: offset from the row's reference along the outer contact, and that of the groove's centre.
+    /// Offset from the row's reference along the outer contact, and offset of the groove's centre.
     pub x: Pair<T>,
     pub a: Pair<T>,
     /// Normal of the inner contact there.
@@ -50,7 +50,7 @@ pub struct Ball<T> {
     pub d: Matrix2<T>,
     pub xs: Pair<T>,
     pub local: Local<T>,
-    /// What it hands to the ring.
+    /// Force and slopes that it hands to the ring.
     pub condensed: Condensed<T>,
 }
 
@@ -75,7 +75,7 @@ pub struct Local<T> {
     pub th: T,
 }
 
-/// What a linearisation says of the ball's balance: squares of the unbalanced force and of the contact forces.
+/// Balance of a linearised ball: squares of the unbalanced force and of the contact forces.
 #[derive(Debug, Clone, Copy)]
 pub struct Balance<T> {
     residual: T,
@@ -153,7 +153,7 @@ impl<T: Real> Ball<T> {
             self.freeze();
         }
         self.n = contact.n;
-        // One contact between the ring and what stays in place.
+        // One contact between the ring and the outer race.
         self.local = Local {
             delta: contact.delta,
             per_di: T::ONE / contact.delta.at_least(T::NOTHING),
@@ -188,7 +188,7 @@ impl<T: Real> Ball<T> {
             self.stop::<R>(c, p);
             return true;
         }
-        // Its own Newton step first, where that is likely to do; then it is placed.
+        // A Newton step of its own first, which mostly does; then it is settled.
         let mut tries = 0;
         loop {
             let balance = self.linearise::<R>(c, p);
@@ -510,7 +510,7 @@ impl<T: Real> Ball<T> {
         )
     }
 
-    /// From the directions of the inner contact to those of the outer one.
+    /// Components along the inner contact's normal and tangent, turned to the outer contact's.
     #[inline(always)]
     fn outer_of(&self, v: Pair<T>) -> Pair<T> {
         let l = &self.local;

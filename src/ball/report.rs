@@ -1,6 +1,6 @@
 //! A ball that is somewhere: its contacts, and the inertia loads that follow from them.
 //!
-//! The same quantities as in the ball pass, without slopes: for placing a ball, and for reports.
+//! Without slopes: for settling a ball, and for reports.
 
 use crate::ball::contact::{Contact, Point};
 use crate::ball::kinematics::{Contacts, Rule};
@@ -42,9 +42,9 @@ pub struct BallState<T> {
 pub struct ContactPatch<T> {
     /// Peak pressure, Pa.
     pub peak_pressure: T,
-    /// Semi-axes `a` and `b` of the contact ellipse, m: across the rolling direction and along it.
+    /// Semi-axis `a` of the contact ellipse, m, across the rolling direction.
     pub semi_major: T,
-    /// The latter.
+    /// Semi-axis `b` of the contact ellipse, m, along the rolling direction.
     pub semi_minor: T,
     /// Spin over rolling: magnitudes of the ball's angular speed against the race along the contact's normal, and in the
     /// tangent plane. Heat grows with it.
@@ -110,7 +110,7 @@ impl<T: Real> Kinetics<T> {
         }
     }
 
-    /// A ball at speed, at the offset `x` from the row's reference, that of the groove's centre being `a`.
+    /// A ball at speed: offset `x` of the ball from the row's reference, offset `a` of the groove's centre.
     #[inline(never)]
     pub fn of<R: Rule>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, x: Pair<T>) -> Self {
         let inner = Contact::at(&p.inner, sub(a, x), p.li, c.ki);

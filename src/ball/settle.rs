@@ -1,4 +1,4 @@
-//! Places a ball that its own Newton steps do not: near its equilibrium for the ring where that is.
+//! Settles a ball near its equilibrium, from where its own Newton steps do not lead there. The ring stays where it is.
 //!
 //! With inertia loads frozen, the ball's energy `2/5 Ki delta_i^(5/2) + 2/5 Ko delta_o^(5/2) - P.X` is convex, and
 //! Newton's method descends on it. The loads are worked out again at every step.
@@ -29,7 +29,7 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
     for _ in 0..3 {
         let (ro, ri) = (p.lo + d_o, p.li + d_i);
         if length >= ro + ri {
-            // Taut: both contacts share what is left.
+            // Taut: both contacts share the rest of the length.
             let beyond = length - p.lo - p.li;
             let ro = p.lo + (c.outer_share * beyond).at_least(d_o.at_most(beyond));
             return scale(ro, e);
@@ -50,13 +50,13 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
     x
 }
 
-/// Steps for a ball that is placed alone, in a start.
+/// Steps for a ball that settles alone, in a start.
 pub const ALONE: u16 = 48;
 
-/// Places the ball next to its equilibrium, from where it is or from the chain, whichever has less energy.
+/// Settles the ball next to its equilibrium, from where it is or from the chain, whichever has less energy.
 ///
-/// From the offset `kept` of the ball to the one where it is placed, for the offset `groove` of the groove's centre. It takes of
-/// the steps that are `left`; without one, it stays on its way.
+/// Its offset was `kept`, and the groove's centre is at the offset `groove`. It takes of the steps that are `left`; without one, it
+/// stays on its way.
 #[inline(never)]
 pub fn settle<T: Real, R: Rule>(
     c: &Constants<T>,
@@ -67,7 +67,7 @@ pub fn settle<T: Real, R: Rule>(
 ) -> Pair<T> {
     let half = T::of(0.5) * (T::ONE - c.tau * c.n0[1]);
     let fc = p.s * half * half;
-    // Without the ball's own place, which may be lost to it.
+    // Without the ball's own position, which may be lost to it.
     let a = add(p.centres.vector, groove);
     let x = chain(c, p, a, fc);
     let here = Kinetics::of::<R>(c, p, groove, kept);

@@ -36,7 +36,7 @@ impl<'s, T: Real, R: Rule> View<'s, T, R> {
         ball.kinetics::<R>(self.c, self.p, groove(self.p, &self.v, at))
     }
 
-    /// The same, by a call: one for all but the survey.
+    /// [`View::kinetics`] by a call: one for all callers but the survey.
     #[inline(never)]
     fn kinetics_by_call(&self, ball: &Ball<T>, at: &Azimuth<T>) -> Kinetics<T> {
         self.kinetics(ball, at)

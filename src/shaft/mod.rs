@@ -15,7 +15,7 @@ use crate::tuning;
 
 /// How a row sits on the shaft.
 ///
-/// Shaft and row have frames and units of their own: those of the shaft are those of its first row. A row that faces
+/// Shaft and row have frames and units of their own; the shaft has the units of its first row. A row that faces
 /// against the axis is mirrored. Its motion is `r P v` with the shaft's motion `v` of the groove plane, the force on the shaft
 /// `phi P^T F`:
 ///
@@ -33,9 +33,9 @@ pub struct Mount<T> {
     pub lever: T,
     /// The row's groove plane beyond the shaft's centre, in the row's own direction and over its own `Rp`.
     pub reach: T,
-    /// `m`: `Rp` of the row over that of the shaft.
+    /// `m`: `Rp` of the row over the shaft's.
     pub arm: T,
-    /// Inertia `m dm omega^2 / 2` of a ball over that of the first row's, in either row's unit of force.
+    /// Inertia `m dm omega^2 / 2` of a ball over a ball's in the first row, each in its row's unit of force.
     pub inertia: T,
     /// Closure, in the row's unit of length.
     pub closure: T,
@@ -86,7 +86,7 @@ impl<T: Real> Mount<T> {
         own
     }
 
-    /// Adds the row's forces and slopes, at its groove plane, to those of the shaft about its centre.
+    /// Adds the row's forces and slopes, at its groove plane, to the shaft's about its centre.
     #[inline(never)]
     pub fn assemble<const D: usize>(&self, own: &mut Sum<T, 5>, sum: &mut Sum<T, D>) {
         let turn = self.facing * self.arm;
@@ -187,8 +187,8 @@ pub struct GroupRow<'a, T> {
     pub balls: T,
 }
 
-/// The rows of a shaft in one solve. Displacements and offsets are those of the shaft's groove plane; forces are referred
-/// to its centre.
+/// The rows of a shaft in one solve. Displacements and offsets are the groove plane's; forces are referred to the shaft's
+/// centre.
 pub struct Shaft<'a, T, const R: usize, const SET: bool> {
     pub rows: [Row<'a, T>; R],
     pub layout: &'a Layout<'a, T, R, SET>,

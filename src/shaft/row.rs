@@ -252,7 +252,7 @@ impl<T: Real> Row<'_, T> {
     }
 }
 
-/// What a step changes of rows of balls.
+/// Changes of rows of balls along a step.
 #[derive(Debug, Clone, Copy)]
 pub struct Changes<T, const D: usize> {
     /// Changes of the stiffness's diagonal.
@@ -296,8 +296,7 @@ pub fn stiffness_change<T: Real, R: Rule, const D: usize>(
     sum
 }
 
-/// What the balls hand to the ring, with its azimuth: opposite balls together where there are any, else every
-/// ball and `none`.
+/// Condensed balls with the azimuth: opposite balls together where there are any, else every ball and `none`.
 #[inline(always)]
 fn opposite_pairs<'a, T: Real>(
     balls: &'a [Ball<T>],

@@ -10,7 +10,7 @@ use crate::solver::state::{Control, Estimate, State, Step, StepReport, Terminati
 use crate::tuning;
 
 impl<T: Real, const D: usize> Control<T, D> {
-    /// Looks at what the last step has made of the unbalanced force `r`; what of it is to be taken back, if anything.
+    /// Accepts or rejects the last step by the unbalanced force `r` it led to: the part to be taken back, if any.
     ///
     /// A residual of rounding rejects no step. `rounded(part)`: rounding, capped at this part of a ball's force, explains the
     /// residual; `enough` is a part that makes no difference.
@@ -62,8 +62,8 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// What of the load, less the balls' force at a relative change `ds` of `omega^2`, is not balanced. Of a freedom whose
-    /// displacement is given, that is a matter of its support.
+    /// Residual at the predicted speed: load minus the balls' forces, extrapolated by the relative change `ds` of `omega^2`. A
+    /// freedom whose displacement is prescribed has none, since its support takes it.
     fn unbalanced(&self, problem: &Problem<T, D>, ds: T) -> [T; D] {
         core::array::from_fn(|i| match problem.prescribed[i] {
             None => problem.load[i] - self.sum.force[i] - ds * self.sum.by_speed[i],

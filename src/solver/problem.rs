@@ -124,7 +124,7 @@ impl<T> Given<T> {
     }
 }
 
-/// What a solve is for, in the units of the constants, referred to the bearing centre.
+/// Load and prescribed displacements of a solve, in the units of the constants, referred to the bearing centre.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<T, const D: usize> {
     /// Load; 0 of a freedom whose displacement is given.
@@ -204,7 +204,7 @@ pub fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Stat
     Ok(())
 }
 
-/// What is given of a freedom, in units of force or length.
+/// A given load or displacement, in units of force or length.
 ///
 /// Beyond the force that would press all `balls` by the whole groove distance, nothing in the model holds.
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! What a solve gives.
+//! Solution of a bearing.
 
 use crate::ball::kinematics::{Motion, Speed};
 use crate::ball::report::{BallKinematics, BallState};
@@ -130,7 +130,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
         RatingLife::of_weight(weight, self.speed.as_rad_per_s())
     }
 
-    /// How near this equilibrium is to its limits, and which are passed: the given ones, and those of the grooves.
+    /// How near this equilibrium is to its limits, and which limits are passed: the given ones, and the grooves' own.
     ///
     /// ```
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};

@@ -13,7 +13,7 @@ use core::array::from_fn;
 /// Halvings of the range of an angle, to 2e-5 of it.
 const BISECTIONS: u8 = 16;
 
-/// What a spring presses the sliding rows with.
+/// Force of the spring on the sliding rows.
 fn spring<T: Real, const D: usize>(problem: &Problem<T, D>) -> T {
     if D == 6 { problem.load[5] } else { T::ZERO }
 }

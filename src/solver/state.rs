@@ -10,7 +10,7 @@ use crate::status::Status;
 use crate::tuning;
 use core::array::from_fn;
 
-/// What is kept between solves besides the balls, in the units of the constants.
+/// Position of the shaft and sum of its balls, kept between solves, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<T, const D: usize> {
     /// Reference position of the groove plane, along the axis, and the offset of the ring from it.
@@ -19,7 +19,7 @@ pub struct State<T, const D: usize> {
     /// Offset where the balls were condensed last, and what they handed over, referred to the bearing centre.
     pub at: [T; D],
     pub sum: Sum<T, D>,
-    /// Factors of the tangent, and whether they are those of the undamped tangent of free loads.
+    /// Factors of the tangent; `plain` if it was undamped, and no displacement prescribed.
     pub factors: Factors<T, D>,
     pub plain: bool,
     /// The stiffness has yet to follow the last step.
@@ -131,7 +131,7 @@ impl<T: Real, const D: usize> Attempt<T, D> {
     }
 }
 
-/// What the loop hands on.
+/// Report of the last step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport<T> {
     pub termination: Termination,
@@ -213,14 +213,14 @@ impl<T: Real> ErrorEstimate<T> {
     }
 }
 
-/// What the last step leaves unknown.
+/// Estimated errors after the last step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate<T> {
     /// Change of the stiffness along the step, relative to its diagonal.
     pub k: T,
     /// Largest relative change of a ball's stiffness.
     pub relative: T,
-    /// What the step leaves of the balls' forces, of second order, relative to the largest.
+    /// Error of the balls' forces, of second order, relative to the largest.
     pub force: T,
     /// The largest force of a ball on the ring.
     pub largest: T,
@@ -264,7 +264,7 @@ impl<T: Real, const D: usize> State<T, D> {
             _ => margin * estimate.k,
         };
         let rounding = rounding(estimate.largest, &self.at);
-        // Where rounding ends a solve, the balance is known to that of the balls' forces, and the last step is not taken.
+        // Where rounding ends a solve, the balance is as good as the balls' forces, and the last step is not taken.
         let (unbalanced, untaken) = if termination == Termination::Rounded {
             (rounding, step)
         } else {

@@ -1,4 +1,4 @@
-//! What a solver remembers: the start of its next solve, and what results are worked out from.
+//! Memory of a solver: the start of its next solve, and the source of results.
 
 use crate::ball::Ball;
 use crate::ball::contact::Point;

@@ -307,7 +307,7 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 5> {
     ///
     /// # Errors
     ///
-    /// What of the rows is out of range, or why they cannot be what they are said to be.
+    /// A figure of a row that is out of range, or why the rows are not so arranged.
     pub fn new(
         arrangement: Arrangement,
         rows: [Mounted<'b, T, N>; R],
@@ -322,7 +322,7 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
     ///
     /// # Errors
     ///
-    /// What of the rows is out of range, or why they cannot be what they are said to be.
+    /// A figure of a row that is out of range, or why the rows are not so arranged.
     pub fn sprung(
         arrangement: Arrangement,
         rows: [Mounted<'b, T, N>; R],
@@ -405,7 +405,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
     }
 
-    /// Closure `e` of each clamped row (m), the given one or that of the preload force; 0 for a row that slides.
+    /// Closure `e` of each clamped row (m), given, or made by the preload force; 0 for a row that slides.
     pub fn closures(&self) -> [T; R] {
         core::array::from_fn(|i| self.layout.mounts[i].closure * self.layout.bearings[i].c.length)
     }

@@ -1,4 +1,4 @@
-//! What a solve of a spindle gives.
+//! Solution of a spindle.
 
 use crate::ball::kinematics::{Motion, Speed};
 use crate::ball::report::{BallKinematics, BallState};
@@ -28,7 +28,7 @@ use core::marker::PhantomData;
 pub struct ShaftEnd<T> {
     /// Its position x, m.
     pub position: T,
-    /// What the shaft itself yields there, besides its motion as a rigid body: displacements (m, rad) per force (N) and
+    /// Flexibility of the shaft itself there, besides its motion as a rigid body: displacements (m, rad) per force (N) and
     /// moment (N m), rows are displacements.
     pub flexibility: Matrix<T, 5>,
 }
@@ -256,7 +256,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     }
 }
 
-/// What of the axial forces of rows is preload: what one side's have in common with the other's, shared out like the forces.
+/// Preload of each row: the axial force that both sides have in common, shared out like the rows' forces.
 pub fn preloads<T: Real, const R: usize>(axial: &[T; R], facings: &[Facing; R]) -> [T; R] {
     let mut sides = [T::ZERO; 2];
     for (axial, facing) in axial.iter().zip(facings) {
@@ -313,7 +313,7 @@ pub struct RowSolution<'s, T: Real, M: Motion> {
 }
 
 impl<T: Real, M: Motion> RowSolution<'_, T, M> {
-    /// Part of its axial force that is preload, N: the rows of one facing press those of the other with so much, besides the
+    /// Part of its axial force that is preload, N: the rows of either facing press each other with so much, besides the
     /// load. 0 once one side has lifted off; of rows that all face one way, none is preloaded.
     pub fn preload(&self) -> T {
         self.preload

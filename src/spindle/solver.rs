@@ -15,7 +15,7 @@ use core::marker::PhantomData;
 
 /// A solver for one spindle: owns it, borrows the bearings' constants, and keeps the state that the next solve starts from.
 ///
-/// `M` is how the balls move, as for [`Solver`](crate::Solver). `D` is that of the spindle. See [`Spindle`] for an example.
+/// `M` is how the balls move, as for [`Solver`](crate::Solver). `D` is the spindle's. See [`Spindle`] for an example.
 #[derive(Debug, Clone, Copy)]
 pub struct SpindleSolver<
     'b,

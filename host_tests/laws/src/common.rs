@@ -110,7 +110,7 @@ pub fn several<T, const K: usize>(one: impl FnMut(usize) -> Result<T>) -> Result
     several?.try_into().map_err(|_| Error::IncorrectFormat)
 }
 
-/// What the bearing can take, to an order of magnitude.
+/// Load capacity of the bearing, to an order of magnitude.
 pub struct Scale {
     pub load: [f64; 5],
     pub speed: f64,

@@ -126,7 +126,7 @@ fn with_ring<T: Real, const N: usize, M: Motion + Copy + Debug>(
     }
 }
 
-/// What a solver is asked.
+/// A question to a solver.
 #[derive(Debug, Clone, Copy)]
 struct Question<T> {
     /// Of five freedoms; a ring with fewer has the first ones.

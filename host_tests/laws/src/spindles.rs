@@ -95,7 +95,7 @@ fn moving<T: Real, const R: usize, const D: usize>(
 
 type Shaft<'b, T, const R: usize, M, const D: usize> = SpindleSolver<'b, T, R, BALLS, M, D>;
 
-/// What a solver is asked.
+/// A question to a solver.
 #[derive(Debug, Clone, Copy)]
 struct Question<T, const R: usize> {
     load: [T; 5],
