@@ -29,11 +29,11 @@ impl<T: Real> Settings<T> {
     /// A tick of firmware: three iterations at most, a tolerance of 1e-3.
     ///
     /// Where such a solve converges, the stiffness is good to 5e-3, the tolerance times the estimate's margin of 5.
-    /// [`ErrorEstimate::stiffness`] states that much at most, besides rounding. A Cortex-M4F at 168 MHz has time for three
-    /// iterations in a tick of 1 ms that monitors a pair.
+    /// [`ErrorEstimate::stiffness`](crate::ErrorEstimate::stiffness) states that much at most, besides rounding. A Cortex-M4F at
+    /// 168 MHz has time for three iterations in a tick of 1 ms that monitors a pair.
     ///
     /// A solve from nothing mostly takes more iterations: it ends as [`Status::IterationLimit`], and the next call goes on.
-    /// [`Solver::unfinished`] has what a tick without an answer has reached.
+    /// [`Solver::unfinished`](crate::Solver::unfinished) has what a tick without an answer has reached.
     ///
     /// ```
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
@@ -64,7 +64,7 @@ impl<T: Real> Default for Settings<T> {
     }
 }
 
-/// Loads or displacements of the freedoms that the inner ring has in a [`Solver`]: 3 or 5 numbers.
+/// Loads or displacements of the freedoms that the inner ring has in a [`Solver`](crate::Solver): 3 or 5 numbers.
 #[diagnostic::on_unimplemented(
     message = "the inner ring has 3 freedoms (tilts locked) or 5, which `{Self}` does not fit",
     note = "one freedom, along the axis, is that of `AxialSolver`"

@@ -21,9 +21,10 @@ use core::marker::PhantomData;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 ///
-/// See [`Solver`] for an example, and [`Solution::kinematics`] for the balls.
+/// See [`Solver`](crate::Solver) for an example, and [`Solution::kinematics`] for the balls.
 pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
-    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of [`Solver::unfinished`].
+    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
+    /// [`Solver::unfinished`](crate::Solver::unfinished).
     pub status: Status<T>,
     /// Iterations, those of starts included.
     pub iterations: u16,

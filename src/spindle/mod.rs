@@ -165,11 +165,14 @@ fn group<T: Real, const N: usize>(
     Some((row.facing, group))
 }
 
+/// Fixed rows and sliding ones.
+type Groups<T> = (Group<T>, Option<Group<T>>);
+
 /// The fixed rows and the sliding ones, unless they do not hold the shaft.
 fn groups<T: Real, const N: usize>(
     rows: &[Mounted<'_, T, N>],
     spring: bool,
-) -> Result<(Group<T>, Option<Group<T>>), SpindleError<T>> {
+) -> Result<Groups<T>, SpindleError<T>> {
     let Some((facing, fixed)) = group(rows, false) else {
         return Err(SpindleError::NotHeld);
     };

@@ -47,7 +47,8 @@ impl<T: Real> ShaftEnd<T> {
 ///
 /// See [`Spindle`](crate::Spindle) for an example.
 pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize> {
-    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of [`SpindleSolver::unfinished`].
+    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
+    /// [`SpindleSolver::unfinished`](crate::SpindleSolver::unfinished).
     pub status: Status<T>,
     /// Iterations, those of starts included. An iteration condenses every ball once.
     pub iterations: u16,
