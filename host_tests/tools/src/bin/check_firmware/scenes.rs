@@ -65,26 +65,26 @@ impl Part {
         match self {
             Self::Speed => &[
                 "::linearise",
-                "::pose_for",
-                "::pose_here",
-                "spindle_bearing::kinematics::",
-                "spindle_bearing::place::",
+                "::kinetics_for",
+                "::at_speed",
+                "as spindle_bearing::ball::kinematics::Rule>::speeds",
+                "spindle_bearing::ball::settle::",
                 "atan",
             ],
             Self::Iteration => &[
-                "spindle_bearing::ring::",
-                "spindle_bearing::rows::",
+                "spindle_bearing::shaft::row::",
+                "spindle_bearing::shaft::Shaft",
                 "spindle_bearing::solver::newton::",
             ],
             Self::RaceControl => &["OuterRaceControl as", "InnerRaceControl as"],
             Self::RacewayControlFree => &["RacewayControlFree as"],
             Self::Stiffness => &[">::stiffness"],
             Self::Balls => &[">::balls"],
-            Self::Limits => &["spindle_bearing::limits::"],
-            Self::Spindle => &["spindle_bearing::spindle::"],
+            Self::Limits => &["spindle_bearing::results::margins::"],
+            Self::Spindle => &["spindle_bearing::spindle::", ">::assemble", ">::turned"],
             Self::Design => &[
                 "spindle_bearing::hertz::",
-                "spindle_bearing::elementary::",
+                "spindle_bearing::const_math::",
                 "spindle_bearing::design::",
             ],
             _ => &[],
@@ -103,6 +103,7 @@ impl Part {
             Self::Friction => &["R::FRICTION"],
             Self::Radial => &["D >= 3"],
             Self::Tilts => &["D == 5", "D >= 5"],
+            Self::Spindle => &["SET"],
             _ => &[],
         }
     }
@@ -115,10 +116,6 @@ macro_rules! left_out {
     };
 }
 for_every_scene!(left_out);
-
-/// Functions that the pass over the balls has with all freedoms, however many the ring has: one pass serves starts and
-/// solves alike.
-const SHARED: [&str; 1] = ["shift"];
 
 /// Source lines of the solver that stand behind a condition, by file under `src`.
 struct Guarded {
@@ -155,14 +152,10 @@ impl Guarded {
         let lines: Vec<&str> = text.lines().collect();
         let indent = |line: &str| line.len() - line.trim_start().len();
         let mut found = Vec::new();
-        let mut function = "";
         for (i, line) in lines.iter().enumerate() {
-            if let Some((_, name)) = line.split_once("fn ") {
-                function = name.split(['(', '<']).next().unwrap_or(name);
-            }
             let opens = line.trim_end().ends_with('{');
             let is_if = line.trim_start().starts_with("if ") || line.contains("= if ");
-            if !(opens && is_if) || SHARED.contains(&function) {
+            if !(opens && is_if) {
                 continue;
             }
             let rest = lines[i + 1..].iter();
