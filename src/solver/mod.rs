@@ -1,12 +1,11 @@
 //! The equilibrium of a bearing under given loads.
 //!
-//! One solve, in the order of its steps: [`Solver::solve_at`] checks the input and turns it into the solver's units.
-//! Next to the last solution, the ring and the balls are predicted from it. Elsewhere a start puts them where the axial
-//! load alone would (`start`). The loop (`newton`) condenses every ball into what it hands to the ring. It steps the ring
-//! until the step no longer changes the stiffness (`error`). The result is a [`Solution`].
+//! One solve, in the order of its steps: `problem` checks the input and turns it into the solver's units. Next to the last
+//! solution (`warm_start`), the ring and the balls are predicted from it. Elsewhere a start puts them where the axial load
+//! alone would (`start`). The loop (`newton`) condenses every ball, and steps the ring until the step no longer changes the
+//! stiffness (`state` has the estimate). The result is a [`Solution`].
 //!
-//! Under a purely axial load, [`AxialSolver`] takes the same steps with a single ball, which carries its part of the
-//! load.
+//! Under a purely axial load, `axial` takes the same steps with a single ball, which carries its part of the load.
 
 pub mod axial;
 mod newton;
@@ -44,7 +43,7 @@ use core::marker::PhantomData;
 #[derive(Debug, Clone, Copy)]
 pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
     bearing: &'b Bearing<T, N>,
-    pub(crate) last: WarmStart<T, 1, N, D>,
+    last: WarmStart<T, 1, N, D>,
     motion: PhantomData<M>,
 }
 
