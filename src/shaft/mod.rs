@@ -10,8 +10,7 @@ use crate::ball::kinematics::Rule;
 use crate::bearing::{Azimuth, Constants};
 use crate::linalg::{refer, refer_stiffness};
 use crate::real::Real;
-use crate::shaft::row::{Changes, Row, Sum, groove, sum_up};
-use crate::tuning;
+use crate::shaft::row::{Changes, Row, Sum, sum_up};
 
 /// How a row sits on the shaft.
 ///
@@ -60,16 +59,13 @@ impl<T: Real> Mount<T> {
     /// The row's motion when the shaft makes the motion `v`.
     #[inline(always)]
     pub fn motion<const D: usize, const SET: bool>(&self, v: &[T; D]) -> [T; 5] {
-        let mut own = [T::ZERO; 5];
-        for (own, v) in own.iter_mut().zip(v) {
-            *own = *v;
-        }
-        if SET { self.turned(v, own) } else { own }
+        if SET { self.turned(v) } else { in_full(v) }
     }
 
     #[inline(never)]
-    fn turned<const D: usize>(&self, v: &[T; D], mut own: [T; 5]) -> [T; 5] {
+    fn turned<const D: usize>(&self, v: &[T; D]) -> [T; 5] {
         let r = self.length;
+        let mut own = in_full(v);
         if D == 6 && self.sliding {
             own[0] += self.facing * v[5];
         }
@@ -121,6 +117,16 @@ impl<T: Real> Mount<T> {
             k[5][5] += unit * own[0][0];
         }
     }
+}
+
+/// A displacement with all five freedoms; the others are 0.
+#[inline(always)]
+fn in_full<T: Real, const D: usize>(v: &[T; D]) -> [T; 5] {
+    let mut full = [T::ZERO; 5];
+    for (full, v) in full.iter_mut().zip(v) {
+        *full = *v;
+    }
+    full
 }
 
 /// Rows that hold the shaft together, or slide together.
@@ -230,15 +236,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
     #[inline(never)]
     pub fn condense<A: Rule, const D: usize>(&mut self, v: &[T; D], ds: T) -> bool {
         let mut near = true;
-        self.each(v, |row, _, v| {
-            let mut left = tuning::SETTLING * row.balls.len() as u16 / 2;
-            let mut azimuths = row.azimuths.iter();
-            for ball in row.balls.iter_mut() {
-                let Some(at) = azimuths.next() else { break };
-                let a = groove(row.p, v, at);
-                near &= ball.condense::<A>(row.c, row.p, a, ds, &mut left);
-            }
-        });
+        self.each(v, |row, _, v| near &= row.follow::<A>(v, ds));
         near
     }
 
