@@ -37,7 +37,7 @@ fn main() -> Result<(), Status<f64>> {
 
     println!("\nball  alpha_i  alpha_o    Q_i    Q_o  pressure  spin-to-roll");
     println!("          deg      deg      N      N       MPa");
-    for (j, (ball, motion)) in solution.balls().zip(solution.motions()).enumerate() {
+    for (j, (ball, motion)) in solution.balls().zip(solution.kinematics()).enumerate() {
         println!(
             "{j:4} {:8.2} {:8.2} {:6.1} {:6.1} {:9.0} {:13.4}",
             ball.alpha_i.to_degrees(),

@@ -23,7 +23,7 @@ pub const L0: f64 = 64.0;
 pub struct Squared<T> {
     /// Its square in units of 2^-16, rounded.
     pub whole: i32,
-    /// What rounding lost.
+    /// Rest that rounding cut off.
     pub rest: T,
 }
 
@@ -143,7 +143,7 @@ const fn round(x: f64, per: f64) -> f64 {
     ((x * per + 6_755_399_441_055_744.0) - 6_755_399_441_055_744.0) / per
 }
 
-/// What a unit vector of rounded components needs beyond them for a length of 1.
+/// Correction that gives a unit vector of rounded components a length of 1.
 const fn beyond_unit([x, y]: [f64; 2]) -> [f64; 2] {
     let (hx, hy) = (round(x, 67_108_864.0), round(y, 67_108_864.0));
     let (lx, ly) = (x - hx, y - hy);

@@ -33,10 +33,22 @@
 //! | speed, growth by heat, rotation and fits | [`Speed`], [`Growth`] |
 //! | iterations and tolerance | [`Settings`]; in a tick of firmware [`Settings::TICK`] |
 //! | how a solve ends | [`Status`] |
-//! | balls | [`BallState`], [`BallMotion`], [`Frequencies`] |
-//! | physical limits | [`Limits`], [`Margins`] |
+//! | balls | [`BallState`], [`BallKinematics`], [`Frequencies`] |
+//! | physical limits | [`Limits`], [`Margins`]; a row at a glance: [`RowSummary`] |
 //! | rating life | [`LifeRating`], [`RatingLife`] |
 //! | what a scene leaves out | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |
+//!
+//! Inside, imports go down these layers. `CONTRIBUTING.md` draws them and says where a first change goes.
+//!
+//! | layer | has |
+//! | --- | --- |
+//! | `spindle` | bearings on a shaft, as a user builds them |
+//! | `solver` | faces, problem, Newton's loop, starts, what one solve leaves for the next |
+//! | `results` | what a solved row shows: summary, margins, life, frequencies |
+//! | `shaft` | rows on their mounts: their motion, sum of forces and stiffness |
+//! | `ball` | one ball for a given ring: contacts, kinematics, linearised and condensed |
+//! | `bearing`, `design` | the constants of a design |
+//! | `real`, `linalg` | numbers, vectors, matrices |
 //!
 //! No allocation, no panic, no NaN as a number. `f32` has the same bits on a Cortex-M4F and on a host.
 //!
@@ -62,7 +74,6 @@ mod ball;
 mod bearing;
 mod const_math;
 mod design;
-mod frame;
 mod growth;
 mod hertz;
 mod linalg;
@@ -87,7 +98,7 @@ pub use ball::kinematics::{
     Centrifugal, Full, InnerRaceControl, Motion, OuterRaceControl, RacewayControlFree, Speed,
     Static,
 };
-pub use ball::report::{BallMotion, BallState, ContactPatch};
+pub use ball::report::{BallKinematics, BallState, ContactPatch};
 pub use bearing::Bearing;
 pub use design::{Design, DesignError, FreeContact, Material};
 pub use growth::{Expansion, Growth};
@@ -96,6 +107,7 @@ pub use real::Real;
 pub use results::frequencies::Frequencies;
 pub use results::life::{LifeRating, RatingLife};
 pub use results::margins::{Limit, LimitSet, Limits, Margin, Margins, Race};
+pub use results::summary::RowSummary;
 pub use solver::Solver;
 pub use solver::axial::{AxialSolution, AxialSolver};
 pub use solver::problem::{Given, RingVector, Settings};

@@ -1,5 +1,8 @@
 //! Vectors and matrices of two, and the system of the ring's freedoms.
 //!
+//! A tilt about a point moves one further along the axis sideways: `dy' = dy + p tz`, `dz' = dz - p ty` at the distance `p`. A force
+//! with moments about the second point has `My - p Fz` and `Mz + p Fy` about the first. Distances are over `Rp` where tilts are.
+//!
 //! Products come first, then their sums: an FPU like the Cortex-M4's waits where a result is used at once, and the
 //! compiler keeps this order.
 
@@ -92,6 +95,43 @@ pub fn product<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     sum
 }
 
+/// The displacement of a point that is further along the axis by the `distance` from the one displaced by `u`.
+#[inline(always)]
+pub fn moved<T: Real, const D: usize>(distance: T, u: &[T; D]) -> [T; D] {
+    let mut u = *u;
+    if D >= 5 {
+        u[1] += distance * u[4];
+        u[2] -= distance * u[3];
+    }
+    u
+}
+
+/// Refers a force on the groove plane to the bearing centre.
+#[inline(always)]
+pub fn refer<T: Real, const D: usize>(plane: T, force: &mut [T; D]) {
+    if D >= 5 {
+        force[4] += plane * force[1];
+        force[3] -= plane * force[2];
+    }
+}
+
+/// Refers a stiffness at the groove plane to the bearing centre.
+#[inline(always)]
+pub fn refer_stiffness<T: Real, const D: usize>(plane: T, k: &mut Matrix<T, D>) {
+    if D >= 5 {
+        for row in k.iter_mut() {
+            let (y, z) = (row[1], row[2]);
+            row[4] += plane * y;
+            row[3] -= plane * z;
+        }
+        for j in 0..D {
+            let (y, z) = (k[1][j], k[2][j]);
+            k[4][j] += plane * y;
+            k[3][j] -= plane * z;
+        }
+    }
+}
+
 /// Length of a vector over the freedoms.
 #[inline(never)]
 pub fn norm<T: Real, const D: usize>(a: &[T; D]) -> T {
@@ -105,7 +145,7 @@ pub struct Factors<T, const D: usize> {
     /// Least pivot over the diagonal element that it came of; not positive where the matrix is not
     /// positive definite.
     pub least: T,
-    /// A pivot may be nothing but rounding: that of the products taken off it, one for each pivot before.
+    /// A pivot may be nothing but the rounding of the products taken off it, one for each pivot before.
     pub is_weak: bool,
 }
 
@@ -161,7 +201,7 @@ impl<T: Real, const D: usize> Factors<T, D> {
 
     /// Solves for the right-hand side `b`.
     #[inline(never)]
-    pub fn solve(&self, b: &[T; D]) -> [T; D] {
+    pub fn back_substitute(&self, b: &[T; D]) -> [T; D] {
         let mut x = *b;
         for i in 0..D {
             for j in 0..i {

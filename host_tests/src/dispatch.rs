@@ -6,7 +6,7 @@
 
 use serde::Deserialize;
 use spindle_bearing::{
-    BallMotion, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies,
+    BallKinematics, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies,
     Mounted, Quantity, Real, Status,
 };
 use std::ops::RangeInclusive;
@@ -149,14 +149,14 @@ pub fn widened<T: Real>(ball: &BallState<T>) -> BallState<f64> {
 }
 
 /// A ball's motion in doubles.
-pub fn widened_motion<T: Real>(motion: &BallMotion<T>) -> BallMotion<f64> {
+pub fn widened_motion<T: Real>(motion: &BallKinematics<T>) -> BallKinematics<f64> {
     let patch = |patch: &ContactPatch<T>| ContactPatch {
         peak_pressure: patch.peak_pressure.to_f64(),
         semi_major: patch.semi_major.to_f64(),
         semi_minor: patch.semi_minor.to_f64(),
         spin_to_roll: patch.spin_to_roll.to_f64(),
     };
-    BallMotion {
+    BallKinematics {
         cage_speed: motion.cage_speed.to_f64(),
         rotation: motion.rotation.to_f64(),
         attitude: motion.attitude.to_f64(),

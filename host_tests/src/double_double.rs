@@ -1,5 +1,7 @@
-//! Double-double arithmetic: an unevaluated sum of two f64, about 31 digits. It goes as far as the reference
-//! build needs it (Dekker 1971; Hida, Li and Bailey, "Library for double-double arithmetic", 2007).
+//! Double-double arithmetic: an unevaluated sum of two f64, about 31 digits.
+//!
+//! It goes as far as the reference build needs it (Dekker 1971; Hida, Li and Bailey, "Library for double-double arithmetic",
+//! 2007).
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 

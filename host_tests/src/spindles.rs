@@ -5,7 +5,7 @@ use crate::dispatch::{
     widened_motion,
 };
 use spindle_bearing::{
-    Arrangement, BallMotion, BallState, Design, DesignError, Facing, Frequencies, Full, Growth,
+    Arrangement, BallKinematics, BallState, Design, DesignError, Facing, Frequencies, Full, Growth,
     InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
     RacewayControlFree, Real, Settings, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver,
     Static, Status,
@@ -118,7 +118,7 @@ pub struct RowAnswer {
     /// States of the balls.
     pub balls: Vec<BallState<f64>>,
     /// How they turn, and how their contacts are pressed.
-    pub motions: Vec<BallMotion<f64>>,
+    pub motions: Vec<BallKinematics<f64>>,
     /// Frequencies at which damage is heard.
     pub frequencies: Frequencies<f64>,
 }
@@ -348,7 +348,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
                 stiffness: wide(&row.stiffness()),
                 balls: row.balls().map(|ball| widened(&ball)).collect(),
                 motions: row
-                    .motions()
+                    .kinematics()
                     .map(|motion| widened_motion(&motion))
                     .collect(),
                 frequencies: widened_frequencies(&row.frequencies()),

@@ -4,9 +4,9 @@ use crate::ball::contact::Contact;
 use crate::linalg::{Matrix2, Pair};
 use crate::real::Real;
 
-/// What a condensed ball hands to the ring.
+/// A condensed ball: its force on the ring, and the slopes of that force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Share<T> {
+pub struct Condensed<T> {
     /// Axial and radial force, and moment over `Rp`.
     pub force: Pair<T>,
     pub moment: T,
@@ -18,7 +18,7 @@ pub struct Share<T> {
     pub moment_by_speed: T,
 }
 
-impl<T: Real> Share<T> {
+impl<T: Real> Condensed<T> {
     /// No ball.
     pub const NONE: Self = Self {
         force: [T::ZERO; 2],
@@ -28,12 +28,6 @@ impl<T: Real> Share<T> {
         force_by_speed: [T::ZERO; 2],
         moment_by_speed: T::ZERO,
     };
-
-    /// Magnitudes of the elements `aa`, `ar`, `rr` of the stiffness.
-    #[inline(always)]
-    pub fn magnitudes(&self) -> [T; 3] {
-        [self.h[0][0].abs(), self.h[0][1].abs(), self.h[1][1].abs()]
-    }
 }
 
 /// How a step changes a ball's contacts.
@@ -48,21 +42,21 @@ pub struct Change<T> {
     pub h: [T; 3],
     /// Cosine of the angle between the contacts; 1 at rest.
     pub cos: T,
-    /// What the step leaves of the force on a ball without inner contact, of second order.
+    /// Unbalanced force on a ball without inner contact after the step, of second order.
     pub off: T,
 }
 
-/// What a ball whose only force is that of `contact` hands to the ring.
+/// A ball on which `contact` alone acts.
 #[inline(always)]
-pub fn share_of<T: Real>(contact: &Contact<T>) -> Share<T> {
+pub fn condensed_of<T: Real>(contact: &Contact<T>) -> Condensed<T> {
     let [aa, ar, rr] = contact.tangent();
     let force = [contact.q * contact.n[0], contact.q * contact.n[1]];
-    Share {
+    Condensed {
         force,
         moment: force[0],
         h: [[aa, ar], [ar, rr]],
         hm: [aa, ar],
-        ..Share::NONE
+        ..Condensed::NONE
     }
 }
 

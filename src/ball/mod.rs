@@ -1,4 +1,4 @@
-//! A ball: linearised at its present place, and condensed into what it hands to the ring.
+//! A ball: linearised where it is, and condensed into a force and a stiffness for the ring.
 //!
 //! `V = A - X` and `X` are the vectors along the inner and the outer contact, `n` and `t` the contacts' normals and
 //! tangents. The ball's residual is
@@ -18,16 +18,14 @@
 pub mod condensed;
 pub mod contact;
 pub mod kinematics;
-pub mod point;
 pub mod report;
 pub mod settle;
 
-use crate::ball::condensed::{Change, Share, grazing, share_of};
-use crate::ball::contact::{Contact, Curvature, forms};
+use crate::ball::condensed::{Change, Condensed, condensed_of, grazing};
+use crate::ball::contact::{Contact, Curvature, Point, forms};
 use crate::ball::kinematics::{Contacts, Rule};
-use crate::ball::point::Point;
-use crate::ball::report::Pose;
-use crate::ball::settle::place;
+use crate::ball::report::Kinetics;
+use crate::ball::settle::settle;
 use crate::bearing::Constants;
 use crate::linalg::{
     Matrix2, Pair, add, dot, dots, product2, scale, sub, times, times_transposed, turn,
@@ -35,13 +33,13 @@ use crate::linalg::{
 use crate::real::Real;
 use crate::tuning;
 
-/// Steps of placing a ball that its own step costs as much as.
+/// Steps of settling that cost as much as a Newton step of the ball.
 const OWN: u16 = 2;
 
-/// What is remembered of a ball.
+/// A ball where it was linearised last.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ball<T> {
-    /// Where it was linearised: offset from the row's reference along the outer contact, and that of the groove's centre.
+    /// Offset from the row's reference along the outer contact, and offset of the groove's centre.
     pub x: Pair<T>,
     pub a: Pair<T>,
     /// Normal of the inner contact there.
@@ -52,8 +50,8 @@ pub struct Ball<T> {
     pub d: Matrix2<T>,
     pub xs: Pair<T>,
     pub local: Local<T>,
-    /// What it hands to the ring.
-    pub share: Share<T>,
+    /// Force and slopes that it hands to the ring.
+    pub condensed: Condensed<T>,
 }
 
 /// The contacts where the ball was linearised.
@@ -77,7 +75,7 @@ pub struct Local<T> {
     pub th: T,
 }
 
-/// What a linearisation says of the ball's balance: squares of the unbalanced force and of the contact forces.
+/// Balance of a linearised ball: squares of the unbalanced force and of the contact forces.
 #[derive(Debug, Clone, Copy)]
 pub struct Balance<T> {
     residual: T,
@@ -115,11 +113,11 @@ impl<T: Real> Ball<T> {
     pub fn start(&mut self, a: Pair<T>) {
         self.x = [T::ZERO; 2];
         self.a = a;
-        self.hold();
+        self.freeze();
     }
 
     /// Has the ball stay where it is until it is linearised again.
-    pub fn hold(&mut self) {
+    pub fn freeze(&mut self) {
         self.n = [T::ZERO, T::ONE];
         self.z = [T::ZERO; 2];
         self.d = [[T::ZERO; 2]; 2];
@@ -134,7 +132,7 @@ impl<T: Real> Ball<T> {
 
     /// The ball at speed, where it follows the groove's centre to `a`.
     #[inline(always)]
-    pub fn pose_for<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
+    pub fn kinetics_for<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Kinetics<T> {
         let step = add(self.z, times(&self.d, sub(a, self.a)));
         let x = add(self.x, turn(self.n, step));
         let [inner, outer] = Contact::both_at(
@@ -143,19 +141,19 @@ impl<T: Real> Ball<T> {
             [p.li, p.lo],
             [c.ki, T::ONE],
         );
-        Pose::at_speed::<R>(inner, outer, c, p)
+        Kinetics::at_speed::<R>(inner, outer, c, p)
     }
 
     /// Condenses the ball at rest, in closed form.
     #[inline(always)]
     fn condense_at_rest<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) {
         let contact = Self::in_series(c, p, self.a);
-        self.share = share_of(&contact);
+        self.condensed = condensed_of(&contact);
         if R::INERTIA {
-            self.hold();
+            self.freeze();
         }
         self.n = contact.n;
-        // One contact between the ring and what stays in place.
+        // One contact between the ring and the outer race.
         self.local = Local {
             delta: contact.delta,
             per_di: T::ONE / contact.delta.at_least(T::NOTHING),
@@ -190,11 +188,11 @@ impl<T: Real> Ball<T> {
             self.stop::<R>(c, p);
             return true;
         }
-        // Its own Newton step first, where that is likely to do; then it is placed.
+        // A Newton step of its own first, which mostly does; then it is settled.
         let mut tries = 0;
         loop {
             let balance = self.linearise::<R>(c, p);
-            if balance.is_within(tuning::PLACE) || balance.is_below(p.negligible) {
+            if balance.is_within(tuning::SETTLE) || balance.is_below(p.negligible) {
                 return true;
             }
             if tries == 2 || *left == 0 {
@@ -204,7 +202,7 @@ impl<T: Real> Ball<T> {
                 self.advance(a, T::ZERO);
                 *left = left.saturating_sub(OWN);
             } else {
-                self.x = place::<T, R>(c, p, a, self.x, left);
+                self.x = settle::<T, R>(c, p, a, self.x, left);
                 self.z = [T::ZERO; 2];
             }
             tries += 1;
@@ -220,11 +218,11 @@ impl<T: Real> Ball<T> {
     /// The ball when the groove's centre is at `a`.
     // In line, so that whoever looks at a ball has what it looks at in registers.
     #[inline(always)]
-    pub fn pose<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Pose<T> {
+    pub fn kinetics<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Kinetics<T> {
         if R::INERTIA && p.is_at_speed() {
-            self.pose_for::<R>(c, p, a)
+            self.kinetics_for::<R>(c, p, a)
         } else {
-            Pose::at_rest(c, &Self::in_series(c, p, a))
+            Kinetics::at_rest(c, &Self::in_series(c, p, a))
         }
     }
 
@@ -232,7 +230,7 @@ impl<T: Real> Ball<T> {
     // By a call: the loop over the balls is unrolled.
     #[inline(never)]
     pub fn carries(&self, p: &Point<T>) -> bool {
-        let force = self.share.force;
+        let force = self.condensed.force;
         dot(force, force) > p.negligible
     }
 
@@ -268,6 +266,7 @@ impl<T: Real> Ball<T> {
                 ..inner
             };
         }
+        let h = &self.condensed.h;
         let (inner, outer) = (v[0] * l.per_di, along * l.per_do);
         let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
         let depth = (inner.abs() + outer.abs()).at_most(T::ONE + T::ONE);
@@ -278,7 +277,7 @@ impl<T: Real> Ball<T> {
             relative: depth + (turn + turn),
             cos: l.cd,
             off: T::ZERO,
-            h: self.share.magnitudes(),
+            h: [h[0][0].abs(), h[0][1].abs(), h[1][1].abs()],
         }
     }
 
@@ -289,6 +288,7 @@ impl<T: Real> Ball<T> {
         if !(l.delta > p.rounding) {
             return grazing(v[0], l.delta, c.kn, p.rounding);
         }
+        let h = &self.condensed.h;
         let depth = T::of(0.5) * (v[0] * l.per_di).abs().at_most(T::ONE);
         let turn = (v[1] * l.per_ri).abs();
         Change {
@@ -297,7 +297,7 @@ impl<T: Real> Ball<T> {
             relative: depth + (turn + turn),
             cos: T::ONE,
             off: T::ZERO,
-            h: self.share.magnitudes(),
+            h: [h[0][0].abs(), h[0][1].abs(), h[1][1].abs()],
         }
     }
 
@@ -468,8 +468,8 @@ impl<T: Real> Ball<T> {
         let arm = c.friction_arm;
         let [aa, ra] = turn(n, [normal[0], tangential[0]]);
         let [ar, rr] = turn(n, [normal[1], tangential[1]]);
-        self.share.h = [[aa, ar], [ra, rr]];
-        self.share.hm = sub([aa, ar], scale(arm, t_by));
+        self.condensed.h = [[aa, ar], [ra, rr]];
+        self.condensed.hm = sub([aa, ar], scale(arm, t_by));
 
         // Slope of the force by the speed.
         let friction = ti + dot(k, xs);
@@ -478,10 +478,10 @@ impl<T: Real> Ball<T> {
         let moment_by_speed = force_by_speed[0] - c.friction_arm * friction;
         let (residual, inner, outer) = (dot(r, r), qi * qi, qo * qo);
         self.n = n;
-        self.share.force = force;
-        self.share.moment = moment;
-        self.share.force_by_speed = force_by_speed;
-        self.share.moment_by_speed = moment_by_speed;
+        self.condensed.force = force;
+        self.condensed.moment = moment;
+        self.condensed.force_by_speed = force_by_speed;
+        self.condensed.moment_by_speed = moment_by_speed;
         Balance {
             residual,
             inner,
@@ -510,7 +510,7 @@ impl<T: Real> Ball<T> {
         )
     }
 
-    /// From the directions of the inner contact to those of the outer one.
+    /// Components along the inner contact's normal and tangent, turned to the outer contact's.
     #[inline(always)]
     fn outer_of(&self, v: Pair<T>) -> Pair<T> {
         let l = &self.local;
@@ -520,13 +520,13 @@ impl<T: Real> Ball<T> {
     /// Change of the condensed stiffness along the motion to `a`: elements `aa`, `ar`, `rr`. Of the friction forces, only
     /// the contacts' part is in it.
     #[inline(always)]
-    pub fn stiffening<R: Rule>(&self, a: Pair<T>) -> [T; 3] {
+    pub fn stiffness_change<R: Rule>(&self, a: Pair<T>) -> [T; 3] {
         // Motions of the ball and of the inner contact, along and across that.
         let da = sub(a, self.a);
         if !R::INERTIA {
             let (inner, _) = self.curvatures();
             let [s, c] = self.n;
-            return forms(inner.stiffening(turn(self.n, da)), [s, c], [c, -s]);
+            return forms(inner.stiffness_change(turn(self.n, da)), [s, c], [c, -s]);
         }
         let dx = add(self.z, times(&self.d, da));
         let v = sub(turn(self.n, da), dx);
@@ -535,9 +535,9 @@ impl<T: Real> Ball<T> {
         // How the inner contact and the ball move with the groove's centre, axially and radially.
         let (xa, xr) = ([d[0][0], d[1][0]], [d[0][1], d[1][1]]);
         let (va, vr) = (sub([s, c], xa), sub([c, -s], xr));
-        let i = forms(inner.stiffening(v), va, vr);
+        let i = forms(inner.stiffness_change(v), va, vr);
         let o = forms(
-            outer.stiffening(self.outer_of(dx)),
+            outer.stiffness_change(self.outer_of(dx)),
             self.outer_of(xa),
             self.outer_of(xr),
         );
@@ -574,7 +574,7 @@ mod tests {
         assert!(p.is_at_speed());
         let mut ball = Ball::default();
         ball.start(p.low);
-        ball.x = place::<f64, RacewayControlFree>(c, &p, ball.a, ball.x, &mut 48);
+        ball.x = settle::<f64, RacewayControlFree>(c, &p, ball.a, ball.x, &mut 48);
         at(&mut ball, &p, p.low);
         (ball, p)
     }
@@ -592,10 +592,10 @@ mod tests {
         let (ball, p) = settled();
         for a in [[1e-4, 0.0], [0.0, 1e-4], [1e-4, -1e-4]] {
             let a = add(p.low, a);
-            let [aa, ar, rr] = ball.stiffening::<RacewayControlFree>(a);
+            let [aa, ar, rr] = ball.stiffness_change::<RacewayControlFree>(a);
             let mut moved = ball;
             at(&mut moved, &p, a);
-            let (h, before) = (moved.share.h, ball.share.h);
+            let (h, before) = (moved.condensed.h, ball.condensed.h);
             for (i, j, foreseen) in [(0, 0, aa), (0, 1, ar), (1, 0, ar), (1, 1, rr)] {
                 let change = h[i][j] - before[i][j];
                 let off = (foreseen - change).abs();

@@ -1,17 +1,16 @@
 //! A ball that is somewhere: its contacts, and the inertia loads that follow from them.
 //!
-//! The same quantities as in the ball pass, without slopes: for placing a ball, and for reports.
+//! Without slopes: for settling a ball, and for reports.
 
-use crate::ball::contact::Contact;
+use crate::ball::contact::{Contact, Point};
 use crate::ball::kinematics::{Contacts, Rule};
-use crate::ball::point::Point;
 use crate::bearing::{Azimuth, Constants, Groove};
 use crate::linalg::{Matrix2, Pair, add, dot, scale, sub};
 use crate::real::Real;
 
 /// State of one ball, SI units.
 ///
-/// See [`Solution::motions`](crate::Solution::motions) for an example; [`Solution::balls`](crate::Solution::balls) gives these.
+/// See [`Solution::kinematics`](crate::Solution::kinematics) for an example; [`Solution::balls`](crate::Solution::balls) gives these.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -43,9 +42,9 @@ pub struct BallState<T> {
 pub struct ContactPatch<T> {
     /// Peak pressure, Pa.
     pub peak_pressure: T,
-    /// Semi-axes `a` and `b` of the contact ellipse, m: across the rolling direction and along it.
+    /// Semi-axis `a` of the contact ellipse, m, across the rolling direction.
     pub semi_major: T,
-    /// The latter.
+    /// Semi-axis `b` of the contact ellipse, m, along the rolling direction.
     pub semi_minor: T,
     /// Spin over rolling: magnitudes of the ball's angular speed against the race along the contact's normal, and in the
     /// tangent plane. Heat grows with it.
@@ -54,11 +53,11 @@ pub struct ContactPatch<T> {
 
 /// How a ball turns, and how its contacts are pressed, SI units.
 ///
-/// See [`Solution::motions`](crate::Solution::motions) for an example.
+/// See [`Solution::kinematics`](crate::Solution::kinematics) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct BallMotion<T> {
+pub struct BallKinematics<T> {
     /// Speed `omega_m` about the bearing's axis, rad/s: the cage speed.
     pub cage_speed: T,
     /// Speed `omega_R` of its own rotation, rad/s, seen from the cage.
@@ -73,7 +72,7 @@ pub struct BallMotion<T> {
 
 /// Both contacts of a ball, and its inertia loads.
 #[derive(Debug, Clone, Copy)]
-pub struct Pose<T> {
+pub struct Kinetics<T> {
     pub inner: Contact<T>,
     pub outer: Contact<T>,
     /// Centrifugal force, and gyroscopic couple `2 Mg / D`.
@@ -87,7 +86,7 @@ pub struct Pose<T> {
     nu: T,
 }
 
-impl<T: Real> Pose<T> {
+impl<T: Real> Kinetics<T> {
     /// A ball at rest between both races: the two contacts share what `both` in series have.
     pub fn at_rest(c: &Constants<T>, both: &Contact<T>) -> Self {
         let outer = Contact {
@@ -111,7 +110,7 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// A ball at speed, at the offset `x` from the row's reference, that of the groove's centre being `a`.
+    /// A ball at speed: offset `x` of the ball from the row's reference, offset `a` of the groove's centre.
     #[inline(never)]
     pub fn of<R: Rule>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, x: Pair<T>) -> Self {
         let inner = Contact::at(&p.inner, sub(a, x), p.li, c.ki);
@@ -192,7 +191,7 @@ impl<T: Real> Pose<T> {
     }
 
     /// How the ball turns on a shaft with the speed `omega`, rad/s, and how its contacts are pressed, in SI units.
-    pub fn motion(&self, c: &Constants<T>, omega: T) -> BallMotion<T> {
+    pub fn motion(&self, c: &Constants<T>, omega: T) -> BallKinematics<T> {
         let ([si, ci], [so, co]) = (self.inner.n, self.outer.n);
         // The rotation across the bearing's axis, and along it so that the ball rolls on the race whose contact is
         // more radial: over the shaft speed, times tau.
@@ -223,7 +222,7 @@ impl<T: Real> Pose<T> {
                 spin_to_roll,
             }
         };
-        BallMotion {
+        BallKinematics {
             cage_speed: self.mu * omega,
             rotation: (along * along + across * across).sqrt() * (omega.abs() / c.tau),
             attitude: across.atan2(along),

@@ -1,11 +1,11 @@
-//! Places a ball that its own Newton steps do not: near its equilibrium for the ring where that is.
+//! Settles a ball near its equilibrium, from where its own Newton steps do not lead there. The ring stays where it is.
 //!
 //! With inertia loads frozen, the ball's energy `2/5 Ki delta_i^(5/2) + 2/5 Ko delta_o^(5/2) - P.X` is convex, and
 //! Newton's method descends on it. The loads are worked out again at every step.
 
+use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
-use crate::ball::point::Point;
-use crate::ball::report::Pose;
+use crate::ball::report::Kinetics;
 use crate::bearing::Constants;
 use crate::linalg::{Matrix2, Pair, add, dot, scale, sub};
 use crate::real::Real;
@@ -29,7 +29,7 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
     for _ in 0..3 {
         let (ro, ri) = (p.lo + d_o, p.li + d_i);
         if length >= ro + ri {
-            // Taut: both contacts share what is left.
+            // Taut: both contacts share the rest of the length.
             let beyond = length - p.lo - p.li;
             let ro = p.lo + (c.outer_share * beyond).at_least(d_o.at_most(beyond));
             return scale(ro, e);
@@ -50,15 +50,15 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
     x
 }
 
-/// Steps for a ball that is placed alone, in a start.
+/// Steps for a ball that settles alone, in a start.
 pub const ALONE: u16 = 48;
 
-/// Places the ball next to its equilibrium, from where it is or from the chain, whichever has less energy.
+/// Settles the ball next to its equilibrium, from where it is or from the chain, whichever has less energy.
 ///
-/// From the offset `kept` of the ball to the one where it is placed, for the offset `groove` of the groove's centre. It takes of
-/// the steps that are `left`; without one, it stays on its way.
+/// Its offset was `kept`, and the groove's centre is at the offset `groove`. It takes of the steps that are `left`; without one, it
+/// stays on its way.
 #[inline(never)]
-pub fn place<T: Real, R: Rule>(
+pub fn settle<T: Real, R: Rule>(
     c: &Constants<T>,
     p: &Point<T>,
     groove: Pair<T>,
@@ -67,27 +67,27 @@ pub fn place<T: Real, R: Rule>(
 ) -> Pair<T> {
     let half = T::of(0.5) * (T::ONE - c.tau * c.n0[1]);
     let fc = p.s * half * half;
-    // Without the ball's own place, which may be lost to it.
+    // Without the ball's own position, which may be lost to it.
     let a = add(p.centres.vector, groove);
     let x = chain(c, p, a, fc);
-    let here = Pose::of::<R>(c, p, groove, kept);
+    let here = Kinetics::of::<R>(c, p, groove, kept);
     let mut at = sub(x, p.outer.vector);
-    let mut pose = Pose::of::<R>(c, p, groove, at);
+    let mut kinetics = Kinetics::of::<R>(c, p, groove, at);
     let energy_here = here.energy() - fc * (p.outer.vector[1] + kept[1]);
-    let energy = pose.energy() - fc * x[1];
+    let energy = kinetics.energy() - fc * x[1];
     if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
-        (at, pose) = (kept, here);
+        (at, kinetics) = (kept, here);
     }
     while *left > 0 {
-        let loads = pose.loads();
-        let (f, m) = pose.forces();
+        let loads = kinetics.loads();
+        let (f, m) = kinetics.forces();
         let r = add(f, loads);
-        let force = pose.inner.q.at_least(pose.outer.q);
+        let force = kinetics.inner.q.at_least(kinetics.outer.q);
         let mut step = bounded(&m, r, T::of(0.1) * p.lo);
         // A ball that swings against the inner race is out of balance, however small the force that swings it.
-        let gap = -pose.inner.delta;
-        let closes = gap >= T::ZERO && dot(step, pose.inner.n) < -gap;
-        let least = T::of(tuning::PLACED * tuning::PLACED) * force * force;
+        let gap = -kinetics.inner.delta;
+        let closes = gap >= T::ZERO && dot(step, kinetics.inner.n) < -gap;
+        let least = T::of(tuning::SETTLED * tuning::SETTLED) * force * force;
         if dot(r, r) <= least && !closes {
             break;
         }
@@ -95,9 +95,9 @@ pub fn place<T: Real, R: Rule>(
         let (from, before) = (at, dot(r, step));
         for _ in 0..4 {
             at = add(from, step);
-            pose = Pose::of::<R>(c, p, groove, at);
+            kinetics = Kinetics::of::<R>(c, p, groove, at);
             *left = left.saturating_sub(1);
-            if dot(add(pose.forces().0, loads), step) >= -before {
+            if dot(add(kinetics.forces().0, loads), step) >= -before {
                 break;
             }
             step = scale(T::of(0.4), step);

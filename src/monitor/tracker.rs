@@ -15,8 +15,8 @@
 use super::plausibility::PlausibilitySettings;
 use super::settings::MonitorSettings;
 use super::telemetry::StatusCode;
-use crate::frame::refer;
 use crate::growth::Growth;
+use crate::linalg::refer;
 use crate::real::Real;
 use crate::status::Status;
 use crate::{Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver};

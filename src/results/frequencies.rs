@@ -1,6 +1,6 @@
 //! Frequencies at which a bearing's parts pass each other, from the speeds that its balls have under load.
 
-use crate::ball::report::BallMotion;
+use crate::ball::report::BallKinematics;
 use crate::real::Real;
 
 /// Characteristic frequencies of a bearing, Hz. A defect of one of its parts makes vibrations at these and their multiples.
@@ -23,7 +23,7 @@ pub struct Frequencies<T> {
 
 impl<T: Real> Frequencies<T> {
     /// Of `count` balls that turn like this, on a shaft with the speed `omega`, rad/s.
-    pub(crate) fn of(balls: impl Iterator<Item = BallMotion<T>>, count: T, omega: T) -> Self {
+    pub(crate) fn of(balls: impl Iterator<Item = BallKinematics<T>>, count: T, omega: T) -> Self {
         let (mut held, mut all) = ([T::ZERO; 3], [T::ZERO; 3]);
         for ball in balls {
             let carries = ball.inner.peak_pressure > T::ZERO;

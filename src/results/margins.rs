@@ -4,7 +4,7 @@
 //!
 //! One pass over the balls finds the worst contact of each limit, whether it passes the limit or not.
 
-use crate::ball::report::Pose;
+use crate::ball::report::Kinetics;
 use crate::bearing::Constants;
 use crate::linalg::Pair;
 use crate::real::Real;
@@ -255,12 +255,12 @@ impl<T: Real> Margins<T> {
 
     /// Takes a ball.
     #[inline(always)]
-    pub(crate) fn take(&mut self, c: &Constants<T>, ball: u16, pose: &Pose<T>) {
-        self.contact(c, pose, (ball, Race::Inner));
-        self.contact(c, pose, (ball, Race::Outer));
-        if !(pose.inner.q > T::ZERO) {
+    pub(crate) fn take(&mut self, c: &Constants<T>, ball: u16, kinetics: &Kinetics<T>) {
+        self.contact(c, kinetics, (ball, Race::Inner));
+        self.contact(c, kinetics, (ball, Race::Outer));
+        if !(kinetics.inner.q > T::ZERO) {
             self.unloaded = self.unloaded.saturating_add(1);
-            let depth = pose.inner.delta + pose.outer.delta.at_most(T::ZERO);
+            let depth = kinetics.inner.delta + kinetics.outer.delta.at_most(T::ZERO);
             // A gap of 0 is above the limit, too.
             let gap = (-depth * c.length).at_least(T::TINY);
             self.note(Limit::InnerContact, gap, (ball, Race::Inner));
@@ -269,11 +269,11 @@ impl<T: Real> Margins<T> {
 
     // In line, so that the race is known.
     #[inline(always)]
-    fn contact(&mut self, c: &Constants<T>, pose: &Pose<T>, at: (u16, Race)) {
-        let ([inner, outer], [i, o]) = (&c.grooves, pose.friction.map(T::abs));
+    fn contact(&mut self, c: &Constants<T>, kinetics: &Kinetics<T>, at: (u16, Race)) {
+        let ([inner, outer], [i, o]) = (&c.grooves, kinetics.friction.map(T::abs));
         let (groove, k, friction) = match at.1 {
-            Race::Inner => (inner, &pose.inner, i),
-            Race::Outer => (outer, &pose.outer, o),
+            Race::Inner => (inner, &kinetics.inner, i),
+            Race::Outer => (outer, &kinetics.outer, o),
         };
         if !(k.q > T::ZERO) {
             return;
@@ -292,7 +292,7 @@ impl<T: Real> Margins<T> {
         let mut grown = past[0];
         if !(side > T::ZERO && cos > T::ZERO) {
             // Without an inner contact, the outer one is radial but for rounding.
-            if pose.inner.q > T::ZERO && -side > T::of(64.0) * T::EPSILON {
+            if kinetics.inner.q > T::ZERO && -side > T::of(64.0) * T::EPSILON {
                 self.note(Limit::Reversal, -side, at);
             }
             if !(side > T::ZERO || past[1] > T::ZERO) {

@@ -3,17 +3,18 @@
 pub mod frequencies;
 pub mod life;
 pub mod margins;
+pub mod summary;
 
 use crate::ball::Ball;
+use crate::ball::contact::Point;
 use crate::ball::kinematics::{Rule, Speed};
-use crate::ball::point::Point;
-use crate::ball::report::{BallMotion, BallState, Pose};
+use crate::ball::report::{BallKinematics, BallState, Kinetics};
 use crate::bearing::{Azimuth, Constants};
 use crate::linalg::Matrix;
 use crate::real::Real;
 use crate::results::frequencies::Frequencies;
 use crate::results::margins::{Limits, Margins};
-use crate::shaft::row::{Sum, groove, stiffening};
+use crate::shaft::row::{Sum, groove, stiffness_change};
 use core::marker::PhantomData;
 
 /// The balls of a row where a solve has left them.
@@ -31,61 +32,67 @@ pub struct View<'s, T, R> {
 
 impl<'s, T: Real, R: Rule> View<'s, T, R> {
     #[inline(always)]
-    fn pose(&self, ball: &Ball<T>, at: &Azimuth<T>) -> Pose<T> {
-        ball.pose::<R>(self.c, self.p, groove(self.p, &self.v, at))
+    fn kinetics(&self, ball: &Ball<T>, at: &Azimuth<T>) -> Kinetics<T> {
+        ball.kinetics::<R>(self.c, self.p, groove(self.p, &self.v, at))
     }
 
-    /// The same, by a call: one for all but the survey.
+    /// [`View::kinetics`] by a call: one for all callers but the survey.
     #[inline(never)]
-    fn pose_by_call(&self, ball: &Ball<T>, at: &Azimuth<T>) -> Pose<T> {
-        self.pose(ball, at)
+    fn kinetics_by_call(&self, ball: &Ball<T>, at: &Azimuth<T>) -> Kinetics<T> {
+        self.kinetics(ball, at)
     }
 
-    pub fn poses(self) -> impl ExactSizeIterator<Item = Pose<T>> + 's {
+    pub fn kinetics_of_balls(self) -> impl ExactSizeIterator<Item = Kinetics<T>> + 's {
         let balls = self.balls.iter();
         balls
             .zip(self.azimuths)
-            .map(move |(ball, at)| self.pose_by_call(ball, at))
+            .map(move |(ball, at)| self.kinetics_by_call(ball, at))
     }
 
     pub fn states(self) -> impl ExactSizeIterator<Item = BallState<T>> + 's {
-        self.poses()
+        self.kinetics_of_balls()
             .zip(self.azimuths)
-            .map(move |(pose, at)| pose.state(self.c, at))
+            .map(move |(kinetics, at)| kinetics.state(self.c, at))
     }
 
     /// Forces on the inner and the outer contact of every ball, N.
     pub fn contact_forces(self) -> impl ExactSizeIterator<Item = (T, T)> + 's {
         let force = self.c.force;
-        self.poses()
-            .map(move |pose| (pose.inner.q * force, pose.outer.q * force))
+        self.kinetics_of_balls()
+            .map(move |kinetics| (kinetics.inner.q * force, kinetics.outer.q * force))
     }
 
     pub fn cage_speeds(self) -> impl ExactSizeIterator<Item = T> + 's {
         let omega = self.speed.as_rad_per_s();
-        self.poses().map(move |pose| pose.mu * omega)
+        self.kinetics_of_balls()
+            .map(move |kinetics| kinetics.mu * omega)
     }
 
-    pub fn motions(self) -> impl ExactSizeIterator<Item = BallMotion<T>> + 's {
+    pub fn kinematics(self) -> impl ExactSizeIterator<Item = BallKinematics<T>> + 's {
         let omega = self.speed.as_rad_per_s();
-        self.poses().map(move |pose| pose.motion(self.c, omega))
+        self.kinetics_of_balls()
+            .map(move |kinetics| kinetics.motion(self.c, omega))
     }
 
     pub fn frequencies(self) -> Frequencies<T> {
         let count = T::of(self.balls.len() as f64);
-        Frequencies::of(self.motions(), count, self.speed.as_rad_per_s())
+        Frequencies::of(self.kinematics(), count, self.speed.as_rad_per_s())
     }
 
     /// Looks at every ball once, and hands each on with its number.
     // In line: results of a call go through memory (+1,500 cycles).
     #[inline(always)]
-    pub fn survey(&self, limits: &Limits<T>, mut each: impl FnMut(u16, &Pose<T>)) -> Margins<T> {
+    pub fn survey(
+        &self,
+        limits: &Limits<T>,
+        mut each: impl FnMut(u16, &Kinetics<T>),
+    ) -> Margins<T> {
         let mut margins = Margins::new(*limits);
         let mut number = 0_u16;
         for (ball, at) in self.balls.iter().zip(self.azimuths) {
-            let pose = self.pose(ball, at);
-            each(number, &pose);
-            margins.take(self.c, number, &pose);
+            let kinetics = self.kinetics(ball, at);
+            each(number, &kinetics);
+            margins.take(self.c, number, &kinetics);
             number = number.saturating_add(1);
         }
         margins
@@ -98,8 +105,9 @@ impl<'s, T: Real, R: Rule> View<'s, T, R> {
     }
 
     /// Change of the stiffness along the motion from where the balls were condensed, referred to the groove plane.
-    pub fn stiffening(self) -> Matrix<T, 5> {
-        let change: Sum<T, 5> = stiffening::<T, R, 5>(self.p, self.balls, self.azimuths, &self.v);
+    pub fn stiffness_change(self) -> Matrix<T, 5> {
+        let change: Sum<T, 5> =
+            stiffness_change::<T, R, 5>(self.p, self.balls, self.azimuths, &self.v);
         change.k
     }
 }

@@ -13,8 +13,7 @@
 //! Neither sum cancels, and the force grows with `w` at first with the power 3, 4 or 1, so that Newton's method from
 //! above comes down on the solution.
 
-use crate::ball::contact::Contact;
-use crate::ball::point::{Point, excess};
+use crate::ball::contact::{Contact, Point, excess};
 use crate::bearing::{Constants, L0};
 use crate::real::Real;
 
@@ -35,12 +34,12 @@ pub struct Loaded<T> {
     pub contact: Contact<T>,
     /// The last step was as small as asked for.
     pub small: bool,
-    /// Square of the last step over that of the root: the error that Newton's method leaves.
+    /// Square of the last step over the root's: the error that Newton's method leaves.
     pub left: T,
     pub iterations: u16,
 }
 
-/// What the balls at rest have in common, wherever the ring is along its axis.
+/// Figures of the balls at rest that do not change as the ring moves along its axis.
 #[derive(Debug, Clone, Copy)]
 pub struct AxialRest<T> {
     /// `R` and `Kn`.
@@ -105,7 +104,7 @@ impl<T: Real> AxialRest<T> {
 
     /// Newton's method on the root for the axial force `q` of a ball, from the root `from` or from above the solution.
     ///
-    /// The last step has a square of at most `part` times that of the root, unless `limit` iterations were too few.
+    /// The last step squared is at most `part` times the root squared, unless `limit` iterations were too few.
     #[inline(always)]
     pub fn root(&self, from: T, q: T, part: T, limit: u16) -> Loaded<T> {
         // There, d exceeds 1 + q / Kn, and the sine of the contact angle 1/3.

@@ -5,16 +5,17 @@
 pub mod axial;
 pub mod row;
 
+use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
-use crate::ball::point::Point;
-use crate::bearing::{Azimuth, Bearing, Constants};
-use crate::frame::{refer, refer_stiffness};
+use crate::bearing::{Azimuth, Constants};
+use crate::linalg::{refer, refer_stiffness};
 use crate::real::Real;
-use crate::shaft::row::{Changes, Row, Sum, sum_up};
+use crate::shaft::row::{Changes, Row, Sum, groove, sum_up};
+use crate::tuning;
 
 /// How a row sits on the shaft.
 ///
-/// Shaft and row have frames and units of their own: those of the shaft are those of its first row. A row that faces
+/// Shaft and row have frames and units of their own; the shaft has the units of its first row. A row that faces
 /// against the axis is mirrored. Its motion is `r P v` with the shaft's motion `v` of the groove plane, the force on the shaft
 /// `phi P^T F`:
 ///
@@ -32,9 +33,9 @@ pub struct Mount<T> {
     pub lever: T,
     /// The row's groove plane beyond the shaft's centre, in the row's own direction and over its own `Rp`.
     pub reach: T,
-    /// `m`: `Rp` of the row over that of the shaft.
+    /// `m`: `Rp` of the row over the shaft's.
     pub arm: T,
-    /// Inertia `m dm omega^2 / 2` of a ball over that of the first row's, in either row's unit of force.
+    /// Inertia `m dm omega^2 / 2` of a ball over a ball's in the first row, each in its row's unit of force.
     pub inertia: T,
     /// Closure, in the row's unit of length.
     pub closure: T,
@@ -85,7 +86,7 @@ impl<T: Real> Mount<T> {
         own
     }
 
-    /// Adds the row's forces and slopes, at its groove plane, to those of the shaft about its centre.
+    /// Adds the row's forces and slopes, at its groove plane, to the shaft's about its centre.
     #[inline(never)]
     pub fn assemble<const D: usize>(&self, own: &mut Sum<T, 5>, sum: &mut Sum<T, D>) {
         let turn = self.facing * self.arm;
@@ -135,7 +136,7 @@ pub struct Group<T> {
 
 /// A bearing of any ball count.
 #[derive(Debug, Clone, Copy)]
-pub struct Numbers<'b, T> {
+pub struct BearingRef<'b, T> {
     pub c: &'b Constants<T>,
     pub azimuths: &'b [Azimuth<T>],
 }
@@ -143,7 +144,7 @@ pub struct Numbers<'b, T> {
 /// Bearings and how they sit on the shaft: all that no solve changes.
 #[derive(Debug, Clone, Copy)]
 pub struct Layout<'b, T, const R: usize, const SET: bool> {
-    pub bearings: [Numbers<'b, T>; R],
+    pub bearings: [BearingRef<'b, T>; R],
     pub mounts: [Mount<T>; R],
     /// Rows that are fixed, and rows that slide.
     pub fixed: Group<T>,
@@ -151,23 +152,17 @@ pub struct Layout<'b, T, const R: usize, const SET: bool> {
     /// Axial position of the groove plane from the shaft's centre, over `Rp`.
     pub plane: T,
     /// Number of balls, weighted with their inertia in units of the first row.
-    pub weight: T,
+    pub ball_count: T,
     /// About the forces by which the rows hold each other at rest.
-    pub held: T,
+    pub preload: T,
 }
 
 impl<'b, T: Real> Layout<'b, T, 1, false> {
     /// A bearing alone.
     #[inline(always)]
-    pub fn alone<const N: usize>(bearing: &'b Bearing<T, N>) -> Self {
-        Self::of_balls(&bearing.constants, &bearing.azimuths)
-    }
-
-    /// Balls alone.
-    #[inline(always)]
-    pub fn of_balls(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
+    pub fn alone(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
         Self {
-            bearings: [Numbers { c, azimuths }],
+            bearings: [BearingRef { c, azimuths }],
             mounts: [Mount::PLAIN],
             fixed: Group {
                 first: 0,
@@ -176,15 +171,15 @@ impl<'b, T: Real> Layout<'b, T, 1, false> {
             },
             sliding: None,
             plane: c.plane,
-            weight: c.balls,
-            held: c.preload,
+            ball_count: c.balls,
+            preload: c.preload,
         }
     }
 }
 
 /// A group of rows, as a start sees it by its first row.
 #[derive(Debug, Clone, Copy)]
-pub struct Stance<'a, T> {
+pub struct GroupRow<'a, T> {
     pub c: &'a Constants<T>,
     pub p: &'a Point<T>,
     pub mount: &'a Mount<T>,
@@ -192,15 +187,15 @@ pub struct Stance<'a, T> {
     pub balls: T,
 }
 
-/// The rows of a shaft in one solve. Displacements and offsets are those of the shaft's groove plane; forces are referred
-/// to its centre.
+/// The rows of a shaft in one solve. Displacements and offsets are the groove plane's; forces are referred to the shaft's
+/// centre.
 pub struct Shaft<'a, T, const R: usize, const SET: bool> {
     pub rows: [Row<'a, T>; R],
     pub layout: &'a Layout<'a, T, R, SET>,
     /// Inertia `m dm omega^2 / 2` of a ball of the first row.
     pub s: T,
     /// Axial force by which rows of either facing hold each other, besides the load.
-    pub internal: &'a mut T,
+    pub preload: &'a mut T,
 }
 
 impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
@@ -219,10 +214,10 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
         }
     }
 
-    pub fn stance(&self, group: Option<Group<T>>) -> Option<Stance<'_, T>> {
+    pub fn group(&self, group: Option<Group<T>>) -> Option<GroupRow<'_, T>> {
         let group = group?;
         let row = self.rows.get(group.first)?;
-        Some(Stance {
+        Some(GroupRow {
             c: row.c,
             p: row.p,
             mount: self.layout.mounts.get(group.first)?,
@@ -235,7 +230,15 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
     #[inline(never)]
     pub fn condense<A: Rule, const D: usize>(&mut self, v: &[T; D], ds: T) -> bool {
         let mut near = true;
-        self.each(v, |row, _, v| near &= row.condense::<A>(v, ds));
+        self.each(v, |row, _, v| {
+            let mut left = tuning::SETTLING * row.balls.len() as u16 / 2;
+            let mut azimuths = row.azimuths.iter();
+            for ball in row.balls.iter_mut() {
+                let Some(at) = azimuths.next() else { break };
+                let a = groove(row.p, v, at);
+                near &= ball.condense::<A>(row.c, row.p, a, ds, &mut left);
+            }
+        });
         near
     }
 
@@ -258,7 +261,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
             sides[usize::from(mount.facing < T::ZERO)] += mount.force * own.force[0];
             mount.assemble(&mut own, sum);
         });
-        *self.internal = sides[0].at_most(sides[1]).at_least(T::ZERO);
+        *self.preload = sides[0].at_most(sides[1]).at_least(T::ZERO);
     }
 
     /// Changes of the rows along a step `du`.
@@ -266,8 +269,8 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
     pub fn changes<A: Rule, const D: usize>(&self, du: &[T; D]) -> Changes<T, D> {
         let mut all = Changes {
             k: [T::ZERO; D],
-            most: T::ZERO,
-            lost: T::ZERO,
+            relative: T::ZERO,
+            force_error: T::ZERO,
             largest: T::TINY,
             cos: T::ONE,
         };
@@ -276,8 +279,8 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
             all.k.copy_from_slice(&own.k[..D]);
             return Changes {
                 k: all.k,
-                most: own.most,
-                lost: own.lost,
+                relative: own.relative,
+                force_error: own.force_error,
                 largest: own.largest,
                 cos: own.cos,
             };
@@ -296,8 +299,8 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
             if D == 6 && mount.sliding {
                 all.k[5] += k * own.k[0];
             }
-            all.most = all.most.at_least(own.most);
-            all.lost = all.lost.at_least(mount.force * own.lost);
+            all.relative = all.relative.at_least(own.relative);
+            all.force_error = all.force_error.at_least(mount.force * own.force_error);
             all.largest = all.largest.at_least(mount.force * own.largest);
             all.cos = all.cos.at_most(own.cos);
         }

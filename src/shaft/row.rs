@@ -4,14 +4,13 @@
 //! the groove plane. A solver has the first `D` of them: 1, 3 or 5.
 
 use crate::ball::Ball;
-use crate::ball::condensed::Share;
+use crate::ball::condensed::Condensed;
+use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
-use crate::ball::point::Point;
-use crate::ball::settle::{ALONE, place};
+use crate::ball::settle::{ALONE, settle};
 use crate::bearing::{Azimuth, Constants};
 use crate::linalg::{Matrix, Pair, add};
 use crate::real::Real;
-use crate::tuning;
 
 /// Force of the balls on the ring, its slopes by the ring's displacement and by the relative change of `omega^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +46,7 @@ impl<T: Real, const D: usize> Sum<T, D> {
     /// none; what they change with the speed, if `at_speed`. What two opposite balls have in common cancels exactly in radial
     /// forces and moments.
     #[inline(always)]
-    fn add_forces(&mut self, a: &Share<T>, b: &Share<T>, at: &Azimuth<T>, at_speed: bool) {
+    fn add_forces(&mut self, a: &Condensed<T>, b: &Condensed<T>, at: &Azimuth<T>, at_speed: bool) {
         let (c, s) = (at.cos, at.sin);
         let (f, by) = (&mut self.force, &mut self.by_speed);
         let axial = a.force[0] + b.force[0];
@@ -84,7 +83,7 @@ impl<T: Real, const D: usize> Sum<T, D> {
 
     /// Adds their slopes.
     #[inline(always)]
-    pub fn add_slopes(&mut self, a: &Share<T>, b: &Share<T>, at: &Azimuth<T>) {
+    pub fn add_slopes(&mut self, a: &Condensed<T>, b: &Condensed<T>, at: &Azimuth<T>) {
         let (c, s) = (at.cos, at.sin);
         let (cc, cs, ss) = (c * c, c * s, s * s);
         let k = &mut self.k;
@@ -165,21 +164,6 @@ pub struct Row<'s, T> {
 }
 
 impl<T: Real> Row<'_, T> {
-    /// Has every ball follow the ring to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all
-    /// are near their balance.
-    #[inline(never)]
-    pub fn condense<R: Rule>(&mut self, v: &[T; 5], ds: T) -> bool {
-        let mut near = true;
-        let mut left = tuning::PLACING * self.balls.len() as u16 / 2;
-        let mut azimuths = self.azimuths.iter();
-        for ball in self.balls.iter_mut() {
-            let Some(at) = azimuths.next() else { break };
-            let a = groove(self.p, v, at);
-            near &= ball.condense::<R>(self.c, self.p, a, ds, &mut left);
-        }
-        near
-    }
-
     /// Has every ball start as the first one does, near its balance at the ring's offset `v`.
     #[inline(never)]
     pub fn start<R: Rule>(&mut self, v: &[T; 5]) {
@@ -191,7 +175,7 @@ impl<T: Real> Row<'_, T> {
         first.start(groove(self.p, v, at));
         if R::INERTIA && self.p.is_at_speed() {
             let mut left = ALONE;
-            first.x = place::<T, R>(self.c, self.p, first.a, first.x, &mut left);
+            first.x = settle::<T, R>(self.c, self.p, first.a, first.x, &mut left);
             first.z = [T::ZERO; 2];
             first.x = self.p.move_outer(self.c, first.x);
         }
@@ -232,20 +216,21 @@ impl<T: Real> Row<'_, T> {
     #[inline(never)]
     pub fn changes<R: Rule>(&self, du: &[T; 5]) -> Changes<T, 5> {
         let mut sums = [T::ZERO; 5];
-        let (mut most, mut lost, mut largest, mut cos) = (T::ZERO, T::ZERO, T::TINY, T::ONE);
+        let (mut relative, mut force_error) = (T::ZERO, T::ZERO);
+        let (mut largest, mut cos) = (T::TINY, T::ONE);
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter() {
             let Some(at) = azimuths.next() else { break };
             let change = ball.change::<R>(self.c, self.p, shift(du, at));
             let turn = change.turn + change.turn;
             let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
-            let relative = change.relative;
-            most = most.at_least(relative);
+            relative = relative.at_least(change.relative);
             cos = cos.at_most(change.cos);
-            let [axial, radial] = ball.share.force;
+            let [axial, radial] = ball.condensed.force;
             let force = axial.abs() + radial.abs();
             largest = largest.at_least(force);
-            lost = lost.at_least(relative * relative * force + change.off);
+            let second_order = change.relative * change.relative * force;
+            force_error = force_error.at_least(second_order + change.off);
             let mixed = turn * change.h[1];
             let (axial, radial) = (change.depth * change.h[0], change.depth * change.h[2]);
             let (axial, radial) = (axial + mixed, radial + mixed);
@@ -259,23 +244,23 @@ impl<T: Real> Row<'_, T> {
         sums[0] = sums[3] + sums[4];
         Changes {
             k: sums,
-            most,
-            lost,
+            relative,
+            force_error,
             largest,
             cos,
         }
     }
 }
 
-/// What a step changes of rows of balls.
+/// Changes of rows of balls along a step.
 #[derive(Debug, Clone, Copy)]
 pub struct Changes<T, const D: usize> {
     /// Changes of the stiffness's diagonal.
     pub k: [T; D],
     /// Largest relative change of a ball's stiffness.
-    pub most: T,
+    pub relative: T,
     /// Largest square of it as it counts in the force of a ball, and the largest force of a ball.
-    pub lost: T,
+    pub force_error: T,
     pub largest: T,
     /// Least cosine of the angle between the contacts of a ball.
     pub cos: T,
@@ -284,7 +269,7 @@ pub struct Changes<T, const D: usize> {
 /// Change of the stiffness along the ring's motion to `v`, referred to the groove plane. Opposite balls together where
 /// there are any.
 #[inline(never)]
-pub fn stiffening<T: Real, R: Rule, const D: usize>(
+pub fn stiffness_change<T: Real, R: Rule, const D: usize>(
     p: &Point<T>,
     balls: &[Ball<T>],
     azimuths: &[Azimuth<T>],
@@ -292,11 +277,11 @@ pub fn stiffening<T: Real, R: Rule, const D: usize>(
 ) -> Sum<T, D> {
     let mut sum = Sum::NONE;
     let change = |(ball, at): (&Ball<T>, &Azimuth<T>)| {
-        let [aa, ar, rr] = ball.stiffening::<R>(groove(p, v, at));
-        Share {
+        let [aa, ar, rr] = ball.stiffness_change::<R>(groove(p, v, at));
+        Condensed {
             h: [[aa, ar], [ar, rr]],
             hm: [aa, ar],
-            ..Share::NONE
+            ..Condensed::NONE
         }
     };
     let n = balls.len();
@@ -304,21 +289,20 @@ pub fn stiffening<T: Real, R: Rule, const D: usize>(
     let (first, second) = balls.split_at(alone);
     let mut second = second.iter().zip(azimuths.iter().skip(alone));
     for (ball, at) in first.iter().zip(azimuths) {
-        let opposite = second.next().map_or(Share::NONE, change);
+        let opposite = second.next().map_or(Condensed::NONE, change);
         sum.add_slopes(&change((ball, at)), &opposite, at);
     }
     sum.finish();
     sum
 }
 
-/// What the balls hand to the ring, with its azimuth: opposite balls together where there are any, else every
-/// ball and `none`.
+/// Condensed balls with the azimuth: opposite balls together where there are any, else every ball and `none`.
 #[inline(always)]
-fn shares<'a, T: Real>(
+fn opposite_pairs<'a, T: Real>(
     balls: &'a [Ball<T>],
     azimuths: &'a [Azimuth<T>],
-    none: &'a Share<T>,
-) -> impl Iterator<Item = (&'a Share<T>, &'a Share<T>, &'a Azimuth<T>)> {
+    none: &'a Condensed<T>,
+) -> impl Iterator<Item = (&'a Condensed<T>, &'a Condensed<T>, &'a Azimuth<T>)> {
     let n = balls.len();
     let alone = if n.is_multiple_of(2) { n / 2 } else { n };
     let (first, second) = balls.split_at(alone);
@@ -328,8 +312,8 @@ fn shares<'a, T: Real>(
     core::iter::from_fn(move || {
         let (ball, at) = (first.next()?, azimuths.next()?);
         Some((
-            &ball.share,
-            second.next().map_or(none, |ball| &ball.share),
+            &ball.condensed,
+            second.next().map_or(none, |ball| &ball.condensed),
             at,
         ))
     })
@@ -343,13 +327,13 @@ pub fn sum_up<T: Real, R: Rule, const D: usize>(
     azimuths: &[Azimuth<T>],
     sum: &mut Sum<T, D>,
 ) {
-    let none = Share::NONE;
+    let none = Condensed::NONE;
     let mut part = Sum::NONE;
-    for (a, b, at) in shares(balls, azimuths, &none) {
+    for (a, b, at) in opposite_pairs(balls, azimuths, &none) {
         part.add_forces(a, b, at, R::INERTIA);
     }
     (sum.force, sum.by_speed) = (part.force, part.by_speed);
-    for (a, b, at) in shares(balls, azimuths, &none) {
+    for (a, b, at) in opposite_pairs(balls, azimuths, &none) {
         part.add_slopes(a, b, at);
     }
     part.finish();

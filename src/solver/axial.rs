@@ -1,17 +1,15 @@
 //! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
 
+use crate::ball::contact::Point;
 use crate::ball::kinematics::{Full, Motion, Speed};
-use crate::ball::point::Point;
-use crate::ball::report::{BallState, Pose};
+use crate::ball::report::{BallState, Kinetics};
 use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::growth::Growth;
 use crate::linalg::add;
 use crate::real::Real;
 use crate::shaft::Layout;
 use crate::shaft::axial::{AxialRest, Centres};
-use crate::solver::problem::{
-    Given, Settings, Task, Time, checked_speed, given_in_units, growth_in_units, inertia,
-};
+use crate::solver::problem::{Given, Problem, Settings, given_in_units, inertia, speed_and_growth};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
@@ -55,7 +53,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     pub fn of(bearing: &'b Bearing<T, N>) -> Self {
         Self {
             bearing,
-            last: WarmStart::new(&Layout::of_balls(&bearing.constants, &[])),
+            last: WarmStart::new(&Layout::alone(&bearing.constants, &[])),
             motion: PhantomData,
             root: T::ONE / T::TINY,
             centres: Centres {
@@ -114,11 +112,9 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
         let given = given_in_units(c, 0, c.balls, asked)?;
-        let omega = checked_speed(c, speed, M::AT_SPEED)?;
-        let growth = match growth {
-            Some(growth) => growth_in_units(c, growth)?,
-            None => Growth::NONE,
-        };
+        let none = Growth::NONE;
+        let growth = growth.unwrap_or(&none);
+        let (omega, growth) = speed_and_growth(c, speed, M::AT_SPEED, growth)?;
         let size = match given {
             Given::Load(load) => load.abs().at_least(c.preload),
             Given::Displacement(_) => T::ZERO,
@@ -133,7 +129,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         };
         if M::AT_SPEED && s > T::ZERO {
             if !self.last.points[0].set(c, s, size, growth, self.last.state.u[0]) {
-                self.last.state.size = T::ZERO;
+                self.last.state.load_scale = T::ZERO;
             }
             return self.at_speed(asked, given, settings);
         }
@@ -218,21 +214,23 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             balls: T::ONE,
             ..*c
         };
-        let mut task = Task::new(settings.tolerance);
+        let mut problem = Problem::new(settings.tolerance);
         match given {
             Given::Load(load) => {
-                task.load[0] = load / c.balls;
-                task.size = task.load[0].abs().at_least(c.preload / c.balls);
+                problem.load[0] = load / c.balls;
+                problem.load_scale = problem.load[0].abs().at_least(c.preload / c.balls);
             }
-            Given::Displacement(dx) => (task.held[0], task.is_free) = (Some(dx), false),
+            Given::Displacement(dx) => (problem.prescribed[0], problem.is_free) = (Some(dx), false),
         }
-        let layout = Layout::of_balls(&one, self.first());
+        let layout = Layout::alone(&one, self.first());
         let mut more = || true;
-        let mut time = Time::new(settings.max_iterations, &mut more);
-        let reached = self.last.solve::<M::Rule, _>(&layout, &task, &mut time)?;
+        let most = settings.max_iterations;
+        let reached = self
+            .last
+            .run::<M::Rule, _>(&layout, &problem, most, &mut more)?;
         let state = &self.last.state;
         Ok(AxialSolution {
-            status: state.attempt.outcome.end.status(),
+            status: state.attempt.report.termination.status(),
             iterations: reached.iterations,
             error: state.errors(&reached.u, self.last.points[0].s),
             displacement: asked.displacement_or(reached.u[0] * c.length),
@@ -268,8 +266,8 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     pub fn stiffness(&self) -> T {
         let (c, last) = (&self.solver.bearing.constants, &self.solver.last);
         let k = if M::AT_SPEED && last.points[0].is_at_speed() {
-            let layout = Layout::of_balls(c, self.solver.first());
-            last.stiffness::<M::Rule, _>(&layout)[0][0]
+            let layout = Layout::alone(c, self.solver.first());
+            last.tangent::<M::Rule, _>(&layout)[0][0]
         } else {
             last.state.sum.k[0][0]
         };
@@ -280,14 +278,14 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     pub fn ball(&self) -> BallState<T> {
         let (solver, p) = (self.solver, &self.solver.last.points[0]);
         let c = &solver.bearing.constants;
-        let pose = if M::AT_SPEED && p.is_at_speed() {
+        let kinetics = if M::AT_SPEED && p.is_at_speed() {
             let a = add(p.low, [solver.last.state.v[0], T::ZERO]);
-            solver.last.balls[0][0].pose::<M::Rule>(c, p, a)
+            solver.last.balls[0][0].kinetics::<M::Rule>(c, p, a)
         } else {
-            Pose::at_rest(c, &AxialRest::new(c, p).contact(&solver.centres))
+            Kinetics::at_rest(c, &AxialRest::new(c, p).contact(&solver.centres))
         };
         match solver.bearing.azimuths.first() {
-            Some(first) => pose.state(c, first),
+            Some(first) => kinetics.state(c, first),
             None => BallState::default(),
         }
     }

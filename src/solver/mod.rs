@@ -21,7 +21,7 @@ use crate::bearing::Bearing;
 use crate::growth::Growth;
 use crate::real::Real;
 use crate::shaft::Layout;
-use crate::solver::problem::{Given, RingVector, Settings, Time};
+use crate::solver::problem::{Given, RingVector, Settings};
 use crate::solver::solution::Solution;
 use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
@@ -63,7 +63,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     {
         Self {
             bearing,
-            last: WarmStart::new(&Layout::alone(bearing)),
+            last: WarmStart::new(&Layout::alone(&bearing.constants, &bearing.azimuths)),
             motion: PhantomData,
         }
     }
@@ -151,14 +151,16 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         settings: &Settings<T>,
         mut more_time: impl FnMut() -> bool,
     ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
-        let layout = Layout::alone(self.bearing);
+        let layout = Layout::alone(&self.bearing.constants, &self.bearing.azimuths);
         let growth = core::array::from_ref(growth);
         let tolerance = settings.tolerance;
-        let task = self
+        let problem =
+            self.last
+                .problem::<M, _>(&layout, given, |_| (), speed, growth, tolerance)?;
+        let most = settings.max_iterations;
+        let reached = self
             .last
-            .task::<M, _>(&layout, given, |_| (), speed, growth, tolerance)?;
-        let mut time = Time::new(settings.max_iterations, &mut more_time);
-        let reached = self.last.solve::<M::Rule, _>(&layout, &task, &mut time)?;
+            .run::<M::Rule, _>(&layout, &problem, most, &mut more_time)?;
         let mut solution = Solution::new(self.bearing, &self.last, &reached);
         for (i, given) in given.iter().enumerate() {
             match *given {
@@ -175,9 +177,10 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
     /// of the stiffness is 1 or more, nothing is known of it. The table of a cut is in `docs/firmware.md`.
     pub fn unfinished(&self) -> Option<Solution<'_, T, N, M, D>> {
-        let reached = self
-            .last
-            .unfinished::<M::Rule, _>(&Layout::alone(self.bearing))?;
+        let reached = self.last.unfinished::<M::Rule, _>(&Layout::alone(
+            &self.bearing.constants,
+            &self.bearing.azimuths,
+        ))?;
         Some(Solution::new(self.bearing, &self.last, &reached))
     }
 }

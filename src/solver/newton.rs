@@ -2,16 +2,15 @@
 
 use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
-use crate::frame::moved;
-use crate::linalg::{norm, product};
+use crate::linalg::{moved, norm, product};
 use crate::real::Real;
 use crate::shaft::Shaft;
-use crate::solver::problem::{Task, Time};
-use crate::solver::state::{Control, End, Estimate, Outcome, State, Step, rounding};
+use crate::solver::problem::{Problem, Time};
+use crate::solver::state::{Control, Estimate, State, Step, StepReport, Termination, rounding};
 use crate::tuning;
 
 impl<T: Real, const D: usize> Control<T, D> {
-    /// Looks at what the last step has made of the unbalanced force `r`; what of it is to be taken back, if anything.
+    /// Accepts or rejects the last step by the unbalanced force `r` it led to: the part to be taken back, if any.
     ///
     /// A residual of rounding rejects no step. `rounded(part)`: rounding, capped at this part of a ball's force, explains the
     /// residual; `enough` is a part that makes no difference.
@@ -63,11 +62,11 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// What of the load, less the balls' force at a relative change `ds` of `omega^2`, is not balanced. Of a freedom whose
-    /// displacement is given, that is a matter of its support.
-    fn unbalanced(&self, task: &Task<T, D>, ds: T) -> [T; D] {
-        core::array::from_fn(|i| match task.held[i] {
-            None => task.load[i] - self.sum.force[i] - ds * self.sum.by_speed[i],
+    /// Residual at the predicted speed: load minus the balls' forces, extrapolated by the relative change `ds` of `omega^2`. A
+    /// freedom whose displacement is prescribed has none, since its support takes it.
+    fn unbalanced(&self, problem: &Problem<T, D>, ds: T) -> [T; D] {
+        core::array::from_fn(|i| match problem.prescribed[i] {
+            None => problem.load[i] - self.sum.force[i] - ds * self.sum.by_speed[i],
             Some(_) => T::ZERO,
         })
     }
@@ -83,13 +82,13 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Factors the tangent. A given displacement stands in the place of the equation of its freedom.
-    pub(super) fn factor(&mut self, task: &Task<T, D>, damping: T) {
-        if task.is_free {
+    pub(super) fn factor(&mut self, problem: &Problem<T, D>, damping: T) {
+        if problem.is_free {
             self.factors.factor(&self.sum.k, damping);
             return;
         }
         let mut k = self.sum.k;
-        for (i, held) in task.held.iter().enumerate() {
+        for (i, held) in problem.prescribed.iter().enumerate() {
             if held.is_some() {
                 k[i] = [T::ZERO; D];
                 k[i][i] = T::ONE;
@@ -104,7 +103,7 @@ impl<T: Real, const D: usize> State<T, D> {
     fn step(
         &mut self,
         plane: T,
-        task: &Task<T, D>,
+        problem: &Problem<T, D>,
         r: &[T; D],
         radius: T,
         least: T,
@@ -112,25 +111,25 @@ impl<T: Real, const D: usize> State<T, D> {
         let mut damping = T::ZERO;
         loop {
             if damping > T::ZERO || !self.plain {
-                self.factor(task, damping);
+                self.factor(problem, damping);
             }
             let mut b = *r;
-            if !task.is_free {
+            if !problem.is_free {
                 let u = self.displacement(plane);
                 for i in 0..D {
-                    if let Some(given) = task.held[i] {
+                    if let Some(given) = problem.prescribed[i] {
                         b[i] = (T::ONE + damping) * (given - u[i]);
                     }
                 }
             }
-            let du = self.factors.solve(&b);
+            let du = self.factors.back_substitute(&b);
             let length = norm(&du);
             if !(damping > T::ZERO) {
                 self.weak = self.factors.is_weak;
             }
             if self.factors.least > T::ZERO && length <= radius {
                 let damped = damping > T::ZERO;
-                self.plain = task.is_free && !damped;
+                self.plain = problem.is_free && !damped;
                 return (du, length, damped);
             }
             if damping > T::ZERO {
@@ -148,16 +147,16 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// Moves the shaft to where the last linearisation sees it under the task's load, from where a solution or an unfinished
+    /// Moves the shaft to where the last linearisation sees it under the problem's load, from where a solution or an unfinished
     /// attempt has left it.
     ///
     /// `ds` is the relative change of `omega^2`.
-    pub fn predict(&mut self, plane: T, task: &Task<T, D>, ds: T) {
+    pub fn predict(&mut self, plane: T, problem: &Problem<T, D>, ds: T) {
         if self.attempt.back {
             return;
         }
         self.v = self.at;
-        let r = self.unbalanced(task, ds);
+        let r = self.unbalanced(problem, ds);
         let Control { radius, least, .. } = self.attempt.control;
         let is_first = self.attempt.taken == 0;
         let radius = if is_first {
@@ -165,7 +164,7 @@ impl<T: Real, const D: usize> State<T, D> {
         } else {
             radius
         };
-        let (du, _, damped) = self.step(plane, task, &r, radius, least);
+        let (du, _, damped) = self.step(plane, problem, &r, radius, least);
         let work = product(&r, &du);
         self.attempt.control.last = (!is_first).then_some(Step { du, work, damped });
         self.advance(moved(plane, &du));
@@ -175,37 +174,38 @@ impl<T: Real, const D: usize> State<T, D> {
     pub fn newton<A: Rule, const R: usize, const SET: bool>(
         &mut self,
         shaft: &mut Shaft<'_, T, R, SET>,
-        task: &Task<T, D>,
+        problem: &Problem<T, D>,
         mut ds: T,
         time: &mut Time<'_>,
-    ) -> End {
+    ) -> Termination {
         let plane = shaft.layout.plane;
         while !self.attempt.is_used_up() {
             let near = shaft.condense::<A, D>(&self.v, ds);
             shaft.sum::<A, D>(&mut self.sum);
-            (self.at, self.correct, self.plain) = (self.v, false, false);
+            (self.at, self.stale, self.plain) = (self.v, false, false);
             ds = T::ZERO;
-            let is_last = time.spend();
-            self.attempt.taken += 1;
+            (time.taken, self.attempt.taken) = (time.taken + 1, self.attempt.taken + 1);
+            time.is_up = time.taken >= time.max_iterations || !(time.more)();
+            let is_last = time.is_up;
 
-            let r = self.unbalanced(task, T::ZERO);
-            let mut size = task.size.at_least(*shaft.internal);
-            if !task.is_free {
+            let r = self.unbalanced(problem, T::ZERO);
+            let mut size = problem.load_scale.at_least(*shaft.preload);
+            if !problem.is_free {
                 size = size.at_least(norm(&self.sum.force));
             }
-            let before = self.attempt.outcome;
+            let before = self.attempt.report;
             let residual = norm(&r) / size.at_least(T::TINY);
             if !residual.is_finite() {
                 // No figure that is not a number is handed on.
-                self.attempt.outcome.residual = T::ONE;
-                return End::Lost;
+                self.attempt.report.residual = T::ONE;
+                return Termination::Lost;
             }
-            self.attempt.outcome.residual = residual;
+            self.attempt.report.residual = residual;
             let stalled = !(residual < T::of(0.5) * before.residual);
             let at = self.at;
-            let rounded = |most| stalled && residual < before.rounding(shaft, task, &at, most);
+            let rounded = |most| stalled && residual < before.rounding(shaft, problem, &at, most);
             let control = &mut self.attempt.control;
-            let back = control.review(&r, task.enough, rounded);
+            let back = control.review(&r, problem.enough, rounded);
             let Control { radius, least, .. } = *control;
             self.attempt.back = back.is_some();
             if let Some(back) = back {
@@ -217,12 +217,12 @@ impl<T: Real, const D: usize> State<T, D> {
                 }
                 continue;
             }
-            let (du, length, damped) = self.step(plane, task, &r, radius, least);
+            let (du, length, damped) = self.step(plane, problem, &r, radius, least);
             let planar = moved(plane, &du);
-            self.attempt.outcome.step = length;
+            self.attempt.report.step = length;
             self.advance(planar);
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
-            let far = residual > task.far;
+            let far = residual > problem.far;
             if !far || is_last {
                 self.look::<A, R, SET>(shaft, &planar, near && is_last);
             }
@@ -230,14 +230,16 @@ impl<T: Real, const D: usize> State<T, D> {
             if damped {
                 // In balance, and no damping is too small to be followed further.
                 let stays = least < T::EPSILON || !(work > T::ZERO);
-                if stays && self.weak && rounded(task.enough) {
-                    return End::Singular;
+                if stays && self.weak && rounded(problem.enough) {
+                    return Termination::Singular;
                 }
             } else if near && !far {
-                match self.verdict(shaft, task, &before) {
-                    End::Unfinished => {}
-                    End::Rounded if !task.is_held_by(shaft) => return End::Singular,
-                    _ if self.weak => return End::Singular,
+                match self.verdict(shaft, problem, &before) {
+                    Termination::Unfinished => {}
+                    Termination::Rounded if !problem.is_held_by(shaft) => {
+                        return Termination::Singular;
+                    }
+                    _ if self.weak => return Termination::Singular,
                     end => return end,
                 }
             }
@@ -247,9 +249,9 @@ impl<T: Real, const D: usize> State<T, D> {
             }
         }
         if self.attempt.is_used_up() {
-            End::Lost
+            Termination::Lost
         } else {
-            End::Unfinished
+            Termination::Unfinished
         }
     }
 
@@ -273,13 +275,13 @@ impl<T: Real, const D: usize> State<T, D> {
         }
         let estimate = Estimate {
             k: T::of(3.0) * (change / element),
-            most: changes.most,
-            force: changes.lost / changes.largest,
+            relative: changes.relative,
+            force: changes.force_error / changes.largest,
             largest: changes.largest,
             cos: changes.cos,
         };
-        self.correct = may && estimate.corrected() < estimate.k;
-        self.attempt.outcome.estimate = estimate;
+        self.stale = may && estimate.corrected() < estimate.k;
+        self.attempt.report.estimate = estimate;
     }
 
     /// Whether rounding makes what is unbalanced, and what the step leaves of the balls' forces: rounding of a force, and of
@@ -289,40 +291,45 @@ impl<T: Real, const D: usize> State<T, D> {
     fn is_rounded<const R: usize, const SET: bool>(
         &self,
         shaft: &Shaft<'_, T, R, SET>,
-        task: &Task<T, D>,
-        outcome: &Outcome<T>,
+        problem: &Problem<T, D>,
+        report: &StepReport<T>,
     ) -> bool {
-        let of_ball = rounding(outcome.estimate.largest, &self.at);
-        let most = task.enough.at_least(of_ball * of_ball.sqrt());
-        outcome.estimate.force <= most
-            && outcome.residual < outcome.rounding(shaft, task, &self.at, T::ONE)
+        let of_ball = rounding(report.estimate.largest, &self.at);
+        let most = problem.enough.at_least(of_ball * of_ball.sqrt());
+        report.estimate.force <= most
+            && report.residual < report.rounding(shaft, problem, &self.at, T::ONE)
     }
 
     /// How the loop ends with the last step, if that was small enough.
     fn verdict<const R: usize, const SET: bool>(
         &mut self,
         shaft: &Shaft<'_, T, R, SET>,
-        task: &Task<T, D>,
-        before: &Outcome<T>,
-    ) -> End {
-        let outcome = self.attempt.outcome;
-        let Estimate { k, most, force, .. } = outcome.estimate;
-        let enough = task.enough;
+        problem: &Problem<T, D>,
+        before: &StepReport<T>,
+    ) -> Termination {
+        let report = self.attempt.report;
+        let Estimate {
+            k, relative, force, ..
+        } = report.estimate;
+        let enough = problem.enough;
         let half = T::of(0.5);
-        let stalled = k > half * before.estimate.k && !(outcome.residual < half * before.residual);
-        let corrected = outcome.estimate.corrected();
-        if corrected <= task.tolerance && force <= enough {
-            self.correct = k > task.tolerance;
-            if self.correct {
-                self.attempt.outcome.estimate.k = corrected;
+        let stalled = k > half * before.estimate.k && !(report.residual < half * before.residual);
+        let corrected = report.estimate.corrected();
+        if corrected <= problem.tolerance && force <= enough {
+            self.stale = k > problem.tolerance;
+            if self.stale {
+                self.attempt.report.estimate.k = corrected;
             }
-            End::Converged
-        } else if stalled && most < T::of(tuning::ROUGH) && self.is_rounded(shaft, task, &outcome) {
+            Termination::Converged
+        } else if stalled
+            && relative < T::of(tuning::COARSE)
+            && self.is_rounded(shaft, problem, &report)
+        {
             // Such a step may lead far along a weak direction: the answer is where the balance was seen.
-            (self.v, self.correct) = (self.at, false);
-            End::Rounded
+            (self.v, self.stale) = (self.at, false);
+            Termination::Rounded
         } else {
-            End::Unfinished
+            Termination::Unfinished
         }
     }
 }

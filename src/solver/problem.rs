@@ -3,12 +3,13 @@
 
 use crate::ball::kinematics::Speed;
 use crate::bearing::Constants;
-use crate::frame::units;
 use crate::growth::Growth;
+use crate::linalg::Matrix;
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::status::{Quantity, Status};
 use crate::tuning;
+use core::array::from_fn;
 
 /// Iteration limit and convergence tolerance.
 ///
@@ -28,11 +29,11 @@ impl<T: Real> Settings<T> {
     /// A tick of firmware: three iterations at most, a tolerance of 1e-3.
     ///
     /// Where such a solve converges, the stiffness is good to 5e-3, the tolerance times the estimate's margin of 5.
-    /// [`ErrorEstimate::stiffness`] states that much at most, besides rounding. A Cortex-M4F at 168 MHz has time for three
-    /// iterations in a tick of 1 ms that monitors a pair.
+    /// [`ErrorEstimate::stiffness`](crate::ErrorEstimate::stiffness) states that much at most, besides rounding. A Cortex-M4F at
+    /// 168 MHz has time for three iterations in a tick of 1 ms that monitors a pair.
     ///
     /// A solve from nothing mostly takes more iterations: it ends as [`Status::IterationLimit`], and the next call goes on.
-    /// [`Solver::unfinished`] has what a tick without an answer has reached.
+    /// [`Solver::unfinished`](crate::Solver::unfinished) has what a tick without an answer has reached.
     ///
     /// ```
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
@@ -63,7 +64,7 @@ impl<T: Real> Default for Settings<T> {
     }
 }
 
-/// Loads or displacements of the freedoms that the inner ring has in a [`Solver`]: 3 or 5 numbers.
+/// Loads or displacements of the freedoms that the inner ring has in a [`Solver`](crate::Solver): 3 or 5 numbers.
 #[diagnostic::on_unimplemented(
     message = "the inner ring has 3 freedoms (tilts locked) or 5, which `{Self}` does not fit",
     note = "one freedom, along the axis, is that of `AxialSolver`"
@@ -123,15 +124,15 @@ impl<T> Given<T> {
     }
 }
 
-/// What a solve is for, in the units of the constants, referred to the bearing centre.
+/// Load and prescribed displacements of a solve, in the units of the constants, referred to the bearing centre.
 #[derive(Debug, Clone, Copy)]
-pub struct Task<T, const D: usize> {
+pub struct Problem<T, const D: usize> {
     /// Load; 0 of a freedom whose displacement is given.
     pub load: [T; D],
     /// Its size.
-    pub size: T,
+    pub load_scale: T,
     /// The displacement that is given of some freedoms.
-    pub held: [Option<T>; D],
+    pub prescribed: [Option<T>; D],
     /// No displacement is given.
     pub is_free: bool,
     /// Largest change of the stiffness along the last step.
@@ -143,18 +144,18 @@ pub struct Task<T, const D: usize> {
     pub far: T,
 }
 
-impl<T: Real, const D: usize> Task<T, D> {
+impl<T: Real, const D: usize> Problem<T, D> {
     /// Without a load yet.
     pub fn new(tolerance: T) -> Self {
         let far = T::of(tuning::FAR) * tolerance;
         Self {
             load: [T::ZERO; D],
-            size: T::ZERO,
-            held: [None; D],
+            load_scale: T::ZERO,
+            prescribed: [None; D],
             is_free: true,
             tolerance,
             enough: T::of(tuning::FORCE) * tolerance,
-            far: if tolerance < T::of(0.5 * tuning::ROUGH) {
+            far: if tolerance < T::of(0.5 * tuning::COARSE) {
                 far.at_most(T::of(tuning::FAR_AT_MOST))
             } else {
                 far
@@ -170,7 +171,7 @@ impl<T: Real, const D: usize> Task<T, D> {
         shaft: &Shaft<'_, T, R, SET>,
     ) -> bool {
         let mut free = 0;
-        for held in &self.held {
+        for held in &self.prescribed {
             free += u16::from(held.is_none());
         }
         2 * shaft.loaded() >= free
@@ -179,32 +180,13 @@ impl<T: Real, const D: usize> Task<T, D> {
 
 /// How long a solve may go on.
 pub struct Time<'a> {
-    /// Most iterations, and those taken.
-    most: u16,
+    /// Most iterations; at least one is taken.
+    pub max_iterations: u16,
     pub taken: u16,
     /// Asked after every pass over the balls.
-    more: &'a mut dyn FnMut() -> bool,
+    pub more: &'a mut dyn FnMut() -> bool,
     /// There is no more.
     pub is_up: bool,
-}
-
-impl<'a> Time<'a> {
-    /// At least one iteration.
-    pub fn new(most: u16, more: &'a mut dyn FnMut() -> bool) -> Self {
-        Self {
-            most,
-            taken: 0,
-            more,
-            is_up: false,
-        }
-    }
-
-    /// Takes an iteration; whether it was the last one.
-    pub fn spend(&mut self) -> bool {
-        self.taken += 1;
-        self.is_up = self.taken >= self.most || !(self.more)();
-        self.is_up
-    }
 }
 
 /// Refuses a value that is not finite, or larger in magnitude than `limit`.
@@ -222,7 +204,7 @@ pub fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Stat
     Ok(())
 }
 
-/// What is given of a freedom, in units of force or length.
+/// A given load or displacement, in units of force or length.
 ///
 /// Beyond the force that would press all `balls` by the whole groove distance, nothing in the model holds.
 #[inline(always)]
@@ -246,38 +228,33 @@ pub fn given_in_units<T: Real>(
     }
 }
 
-/// The speed, rad/s: at most that where a ball's centrifugal force would press it by the whole groove distance; none of
-/// balls that are not `at_speed`.
-#[inline(always)]
-pub fn checked_speed<T: Real>(
+/// Speed in rad/s, and growth in units of length.
+///
+/// The speed is at most the one where a ball's centrifugal force would press it by the whole groove distance, and 0 of balls
+/// that are not `at_speed`. Growths are at most a quarter of the groove distance each.
+pub fn speed_and_growth<T: Real>(
     c: &Constants<T>,
     speed: Speed<T>,
     at_speed: bool,
-) -> Result<T, Status<T>> {
+    growth: &Growth<T>,
+) -> Result<(T, Growth<T>), Status<T>> {
     let limit = if at_speed {
         (T::of(2048.0) / c.inertia).sqrt()
     } else {
         T::ZERO
     };
     check(Quantity::Speed, speed.0, limit)?;
-    Ok(speed.0)
-}
-
-/// Growth in units of length, at most a quarter of the groove distance each.
-pub fn growth_in_units<T: Real>(
-    c: &Constants<T>,
-    growth: &Growth<T>,
-) -> Result<Growth<T>, Status<T>> {
     let lengths = [growth.axial, growth.radial, growth.ball];
     for (length, quantity) in lengths.into_iter().zip(Quantity::OF_GROWTH) {
         check(quantity, length, c.length * T::of(16.0))?;
     }
     let per = T::ONE / c.length;
-    Ok(Growth {
+    let growth = Growth {
         axial: growth.axial * per,
         radial: growth.radial * per,
         ball: growth.ball * per,
-    })
+    };
+    Ok((speed.0, growth))
 }
 
 /// Inertia `m dm omega^2 / 2`; 0 where the inertia of `weight` balls is below rounding of loads of the size `size`.
@@ -288,4 +265,22 @@ pub fn inertia<T: Real>(c: &Constants<T>, omega: T, weight: T, size: T) -> T {
     } else {
         s
     }
+}
+
+/// Units of force and displacement of a freedom, SI.
+#[inline(always)]
+pub fn units<T: Real>(c: &Constants<T>, freedom: usize) -> (T, T) {
+    match freedom {
+        3 | 4 => (c.moment, c.tilt),
+        _ => (c.force, c.length),
+    }
+}
+
+/// A stiffness in SI units.
+pub fn stiffness_out<T: Real, const D: usize>(c: &Constants<T>, k: &Matrix<T, D>) -> Matrix<T, D> {
+    let per = [T::ONE / c.length, T::ONE / c.tilt];
+    from_fn(|i| {
+        let force = units(c, i).0;
+        from_fn(|j| k[i][j] * (force * per[usize::from(matches!(j, 3 | 4))]))
+    })
 }

@@ -1,27 +1,30 @@
-//! What a solve gives.
+//! Solution of a bearing.
 
 use crate::ball::kinematics::{Motion, Speed};
-use crate::ball::report::{BallMotion, BallState};
+use crate::ball::report::{BallKinematics, BallState};
 use crate::bearing::Bearing;
-use crate::frame::{displacement_out, force_out, stiffness_out};
 use crate::linalg::Matrix;
 use crate::real::Real;
 use crate::results::View;
 use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limits, Margins};
+use crate::results::summary::RowSummary;
 use crate::shaft::Layout;
+use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::status::Status;
+use core::array::from_fn;
 use core::fmt;
 use core::marker::PhantomData;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 ///
-/// See [`Solver`] for an example, and [`Solution::motions`] for the balls.
+/// See [`Solver`](crate::Solver) for an example, and [`Solution::kinematics`] for the balls.
 pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
-    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of [`Solver::unfinished`].
+    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
+    /// [`Solver::unfinished`](crate::Solver::unfinished).
     pub status: Status<T>,
     /// Iterations, those of starts included.
     pub iterations: u16,
@@ -48,11 +51,11 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     ) -> Self {
         let c = &bearing.constants;
         Self {
-            status: last.state.attempt.outcome.end.status(),
+            status: last.state.attempt.report.termination.status(),
             iterations: reached.iterations,
             error: last.state.errors(&reached.u, last.points[0].s * c.balls),
-            displacement: displacement_out(c, &reached.u),
-            load: force_out(c, &reached.load),
+            displacement: from_fn(|i| reached.u[i] * units(c, i).1),
+            load: from_fn(|i| reached.load[i] * units(c, i).0),
             speed: last.speed,
             bearing,
             last,
@@ -63,17 +66,20 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) at constant speed: the exact
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> Matrix<T, D> {
-        let k = self
-            .last
-            .stiffness::<M::Rule, _>(&Layout::alone(self.bearing));
+        let k = self.last.tangent::<M::Rule, _>(&Layout::alone(
+            &self.bearing.constants,
+            &self.bearing.azimuths,
+        ));
         stiffness_out(&self.bearing.constants, &k)
     }
 
     /// The row of balls.
     #[inline(always)]
     pub(crate) fn view(&self) -> View<'_, T, M::Rule> {
-        self.last
-            .view::<M::Rule, _>(&Layout::alone(self.bearing), 0)
+        self.last.view::<M::Rule, _>(
+            &Layout::alone(&self.bearing.constants, &self.bearing.azimuths),
+            0,
+        )
     }
 
     /// States of the balls, in the order of their azimuths.
@@ -102,7 +108,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// let mut solver = Solver::new(&bearing);
     /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
     /// let solution = solver.solve(load, speed, &Settings::default())?;
-    /// for ball in solution.motions() {
+    /// for ball in solution.kinematics() {
     ///     println!("{:.2} GPa, {:.0} rad/s", ball.inner.peak_pressure / 1e9, ball.rotation);
     /// }
     /// let frequencies = solution.frequencies();
@@ -110,11 +116,11 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// assert!((frequencies.outer_race + frequencies.inner_race - 16.0 * 200.0).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn motions(&self) -> impl ExactSizeIterator<Item = BallMotion<T>> + '_ {
-        self.view().motions()
+    pub fn kinematics(&self) -> impl ExactSizeIterator<Item = BallKinematics<T>> + '_ {
+        self.view().kinematics()
     }
 
-    /// Frequencies at which damaged parts of the bearing are heard: see [`Solution::motions`].
+    /// Frequencies at which damaged parts of the bearing are heard: see [`Solution::kinematics`].
     pub fn frequencies(&self) -> Frequencies<T> {
         self.view().frequencies()
     }
@@ -125,7 +131,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
         RatingLife::of_weight(weight, self.speed.as_rad_per_s())
     }
 
-    /// How near this equilibrium is to its limits, and which are passed: the given ones, and those of the grooves.
+    /// How near this equilibrium is to its limits, and which limits are passed: the given ones, and the grooves' own.
     ///
     /// ```
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
@@ -147,17 +153,34 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
         self.view().margins(limits)
     }
 
+    /// The row at a glance: largest contact forces and pressures, contact angles, margins and life.
+    ///
+    /// ```
+    /// use spindle_bearing::{Bearing, Design, LifeRating, Limits, Settings, Solver, Speed};
+    /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// let (bearing, rating) = (Bearing::<f64, 16>::new(&DESIGN)?, LifeRating::<f64>::new(&DESIGN, 16, 13_700.0));
+    /// let mut solver = Solver::new(&bearing);
+    /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
+    /// let summary = solver.solve(load, speed, &Settings::default())?.summary(&Limits::default(), &rating);
+    /// println!("{:.0} to {:.0} N on the inner race", summary.inner_force[0], summary.inner_force[1]);
+    /// assert!((summary.force[0] - 300.0).abs() < 1e-6 && summary.margins.unloaded == 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn summary(&self, limits: &Limits<T>, rating: &LifeRating<T>) -> RowSummary<T> {
+        RowSummary::of(&self.view(), limits, rating)
+    }
+
     /// A copy that borrows nothing.
     pub fn snapshot(&self) -> Snapshot<T, N, D> {
         let bearing = self.bearing;
         let omega = self.speed.as_rad_per_s();
         let mut balls = [BallState::default(); N];
         let mut cage_speeds = [T::ZERO; N];
-        let poses = self.view().poses().zip(&bearing.azimuths);
+        let kinetics_of_balls = self.view().kinetics_of_balls().zip(&bearing.azimuths);
         let of_ball = balls.iter_mut().zip(&mut cage_speeds);
-        for ((pose, at), (ball, cage_speed)) in poses.zip(of_ball) {
-            *ball = pose.state(&bearing.constants, at);
-            *cage_speed = pose.mu * omega;
+        for ((kinetics, at), (ball, cage_speed)) in kinetics_of_balls.zip(of_ball) {
+            *ball = kinetics.state(&bearing.constants, at);
+            *cage_speed = kinetics.mu * omega;
         }
         Snapshot {
             status: self.status,

@@ -1,22 +1,21 @@
 //! Where a solve starts that has no solution next to it.
 
-use crate::ball::contact::to_grid;
+use crate::ball::contact::{Point, to_grid};
 use crate::ball::kinematics::Rule;
-use crate::ball::point::Point;
 use crate::bearing::{Constants, L0};
-use crate::frame::moved;
+use crate::linalg::moved;
 use crate::real::Real;
-use crate::shaft::{Shaft, Stance};
-use crate::solver::problem::Task;
+use crate::shaft::{GroupRow, Shaft};
+use crate::solver::problem::Problem;
 use crate::solver::state::State;
 use core::array::from_fn;
 
 /// Halvings of the range of an angle, to 2e-5 of it.
 const BISECTIONS: u8 = 16;
 
-/// What a spring presses the sliding rows with.
-fn spring<T: Real, const D: usize>(task: &Task<T, D>) -> T {
-    if D == 6 { task.load[5] } else { T::ZERO }
+/// Force of the spring on the sliding rows.
+fn spring<T: Real, const D: usize>(problem: &Problem<T, D>) -> T {
+    if D == 6 { problem.load[5] } else { T::ZERO }
 }
 
 /// The axial load that holds some rows in a start, in their own frame, and its side.
@@ -31,13 +30,13 @@ impl<T: Real> Pressing<T> {
     #[inline(never)]
     fn of<const R: usize, const SET: bool, const D: usize>(
         shaft: &Shaft<'_, T, R, SET>,
-        fixed: &Stance<'_, T>,
-        task: &Task<T, D>,
+        fixed: &GroupRow<'_, T>,
+        problem: &Problem<T, D>,
     ) -> Self {
-        let load = &task.load;
+        let load = &problem.load;
         let mut own = fixed.mount.facing * load[0];
-        if let Some(sliding) = shaft.stance(shaft.layout.sliding) {
-            own -= fixed.mount.facing * sliding.mount.facing * spring(task);
+        if let Some(sliding) = shaft.group(shaft.layout.sliding) {
+            own -= fixed.mount.facing * sliding.mount.facing * spring(problem);
         }
         let side = if own < T::ZERO { -T::ONE } else { T::ONE };
         let mut force = own.abs();
@@ -54,7 +53,7 @@ impl<T: Real> Pressing<T> {
     }
 
     /// Axial displacement of the rows that carry this at their speed, in their own frame.
-    fn displacement(&self, rows: &Stance<'_, T>) -> T {
+    fn displacement(&self, rows: &GroupRow<'_, T>) -> T {
         // Of none, the contacts have no direction.
         let q = (self.force / (rows.balls * rows.mount.force)).at_least(T::EPSILON);
         let [axial, _] = rows.c.n0.map(|n| T::of(L0) * n);
@@ -104,27 +103,27 @@ fn distance<T: Real>(c: &Constants<T>, p: &Point<T>, q: T) -> T {
 #[inline(never)]
 fn displaced<T: Real, const R: usize, const SET: bool, const D: usize>(
     shaft: &Shaft<'_, T, R, SET>,
-    task: &Task<T, D>,
+    problem: &Problem<T, D>,
 ) -> [T; D] {
     // A displacement of the shaft from one of a row.
-    let shifted = |rows: &Stance<'_, T>, pressed: Pressing<T>| {
+    let shifted = |rows: &GroupRow<'_, T>, pressed: Pressing<T>| {
         (pressed.displacement(rows) - rows.mount.closure) / rows.mount.length
     };
     let mut u = [T::ZERO; D];
     if let Some(holding) = shaft
-        .stance(Some(shaft.layout.fixed))
+        .group(Some(shaft.layout.fixed))
         .filter(|_| !shaft.layout.fixed.opposed)
     {
-        let pressed = Pressing::of(shaft, &holding, task);
+        let pressed = Pressing::of(shaft, &holding, problem);
         u[0] = holding.mount.facing * shifted(&holding, pressed);
     }
     if D == 6
-        && let Some(sliding) = shaft.stance(shaft.layout.sliding)
+        && let Some(sliding) = shaft.group(shaft.layout.sliding)
     {
-        let (force, side) = (spring(task), T::ONE);
+        let (force, side) = (spring(problem), T::ONE);
         u[5] = shifted(&sliding, Pressing { force, side }) - sliding.mount.facing * u[0];
     }
-    for (u, held) in u.iter_mut().zip(task.held) {
+    for (u, held) in u.iter_mut().zip(problem.prescribed) {
         *u = held.unwrap_or(*u);
     }
     moved(shaft.layout.plane, &u)
@@ -135,9 +134,9 @@ fn displaced<T: Real, const R: usize, const SET: bool, const D: usize>(
 pub(super) fn start<T: Real, A: Rule, const R: usize, const SET: bool, const D: usize>(
     state: &mut State<T, D>,
     shaft: &mut Shaft<'_, T, R, SET>,
-    task: &Task<T, D>,
+    problem: &Problem<T, D>,
 ) {
-    let u = displaced(shaft, task);
+    let u = displaced(shaft, problem);
     // Offsets count from the axial part.
     state.u = from_fn(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
     state.v = from_fn(|i| u[i] - state.u[i]);

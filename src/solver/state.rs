@@ -1,17 +1,16 @@
 //! Where a solver is: the shaft's position, the balls' sum there, the attempt that led there, and the errors of it.
 
 use crate::bearing::L0;
-use crate::frame::moved;
-use crate::linalg::{Factors, norm};
+use crate::linalg::{Factors, moved, norm};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::shaft::row::Sum;
-use crate::solver::problem::Task;
+use crate::solver::problem::Problem;
 use crate::status::Status;
 use crate::tuning;
 use core::array::from_fn;
 
-/// What is kept between solves besides the balls, in the units of the constants.
+/// Position of the shaft and sum of its balls, kept between solves, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<T, const D: usize> {
     /// Reference position of the groove plane, along the axis, and the offset of the ring from it.
@@ -20,14 +19,14 @@ pub struct State<T, const D: usize> {
     /// Offset where the balls were condensed last, and what they handed over, referred to the bearing centre.
     pub at: [T; D],
     pub sum: Sum<T, D>,
-    /// Factors of the tangent, and whether they are those of the undamped tangent of free loads.
+    /// Factors of the tangent; `plain` if it was undamped, and no displacement prescribed.
     pub factors: Factors<T, D>,
     pub plain: bool,
     /// The stiffness has yet to follow the last step.
-    pub correct: bool,
+    pub stale: bool,
     /// Load of the last solve, its size with reactions, and inertia `m dm omega^2 / 2`.
     pub load: [T; D],
-    pub size: T,
+    pub load_scale: T,
     pub s: T,
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     pub weak: bool,
@@ -44,9 +43,9 @@ impl<T: Real, const D: usize> State<T, D> {
         sum: Sum::NONE,
         factors: Factors::NONE,
         plain: false,
-        correct: false,
+        stale: false,
         load: [T::ZERO; D],
-        size: T::ZERO,
+        load_scale: T::ZERO,
         s: T::ZERO,
         weak: false,
         attempt: Attempt::NONE,
@@ -60,7 +59,7 @@ impl<T: Real, const D: usize> State<T, D> {
 
 /// How the loop ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum Termination {
     /// The last step changes the stiffness by less than the tolerance.
     Converged,
     /// Rounding is larger than the tolerance.
@@ -73,7 +72,7 @@ pub enum End {
     Lost,
 }
 
-impl End {
+impl Termination {
     /// There is an answer.
     pub const fn is_solved(self) -> bool {
         matches!(self, Self::Converged | Self::Rounded)
@@ -96,7 +95,7 @@ pub struct Attempt<T, const D: usize> {
     pub started: bool,
     /// Iterations so far.
     pub taken: u16,
-    pub outcome: Outcome<T>,
+    pub report: StepReport<T>,
     pub control: Control<T, D>,
     /// After the last pass, the step before it was taken back.
     pub back: bool,
@@ -107,7 +106,7 @@ impl<T: Real, const D: usize> Attempt<T, D> {
     pub const NONE: Self = Self {
         started: false,
         taken: 0,
-        outcome: Outcome::NONE,
+        report: StepReport::NONE,
         control: Control {
             radius: T::ONE,
             least: T::ONE,
@@ -119,7 +118,7 @@ impl<T: Real, const D: usize> Attempt<T, D> {
     /// Begins one.
     pub fn begin(&mut self, started: bool) {
         (self.started, self.taken, self.back) = (started, 0, false);
-        self.outcome = Outcome::NONE;
+        self.report = StepReport::NONE;
         self.control.radius = T::of(L0 * tuning::FIRST_RADIUS);
         self.control.least = T::of(tuning::DAMPING);
         self.control.last = None;
@@ -128,14 +127,14 @@ impl<T: Real, const D: usize> Attempt<T, D> {
     /// It has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near.
     pub fn is_used_up(&self) -> bool {
         self.taken >= 2 * tuning::ATTEMPT
-            || (self.taken > tuning::ATTEMPT && self.outcome.residual > T::of(tuning::ROUGH))
+            || (self.taken > tuning::ATTEMPT && self.report.residual > T::of(tuning::COARSE))
     }
 }
 
-/// What the loop hands on.
+/// Report of the last step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome<T> {
-    pub end: End,
+pub struct StepReport<T> {
+    pub termination: Termination,
     pub estimate: Estimate<T>,
     /// Unbalanced force before the last step, over the load.
     pub residual: T,
@@ -143,29 +142,32 @@ pub struct Outcome<T> {
     pub step: T,
 }
 
-impl<T: Real> Outcome<T> {
+impl<T: Real> StepReport<T> {
     /// Residual that rounding of the balls' forces at the ring's offset `v` explains, that of each force capped at `most`.
     #[cold]
     #[inline(never)]
     pub fn rounding<const R: usize, const SET: bool, const D: usize>(
         &self,
         shaft: &Shaft<'_, T, R, SET>,
-        task: &Task<T, D>,
+        problem: &Problem<T, D>,
         v: &[T; D],
         most: T,
     ) -> T {
         let largest = self.estimate.largest;
-        let size = task.size.at_least(*shaft.internal).at_least(largest);
-        let forces = shaft.layout.weight * largest / size;
+        let size = problem
+            .load_scale
+            .at_least(*shaft.preload)
+            .at_least(largest);
+        let forces = shaft.layout.ball_count * largest / size;
         rounding(largest, v).at_most(most) * forces.at_least(T::ONE)
     }
 
     /// Before the first iteration.
     pub const NONE: Self = Self {
-        end: End::Lost,
+        termination: Termination::Lost,
         estimate: Estimate {
             k: T::ONE,
-            most: T::ONE,
+            relative: T::ONE,
             force: T::ONE,
             largest: T::ONE,
             cos: T::ONE,
@@ -211,14 +213,14 @@ impl<T: Real> ErrorEstimate<T> {
     }
 }
 
-/// What the last step leaves unknown.
+/// Estimated errors after the last step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate<T> {
     /// Change of the stiffness along the step, relative to its diagonal.
     pub k: T,
     /// Largest relative change of a ball's stiffness.
-    pub most: T,
-    /// What the step leaves of the balls' forces, of second order, relative to the largest.
+    pub relative: T,
+    /// Error of the balls' forces, of second order, relative to the largest.
     pub force: T,
     /// The largest force of a ball on the ring.
     pub largest: T,
@@ -229,7 +231,7 @@ pub struct Estimate<T> {
 impl<T: Real> Estimate<T> {
     /// Error of the stiffness that its correction along the step leaves: what is of second order, and a small part of the first.
     pub fn corrected(&self) -> T {
-        self.k * (self.most + T::of(tuning::CORRECTED))
+        self.k * (self.relative + T::of(tuning::CORRECTED))
     }
 }
 
@@ -247,30 +249,30 @@ impl<T: Real, const D: usize> State<T, D> {
     /// How far the figures at the displacement `u` can be off: what the last step leaves, and what rounding does. `inertia` is
     /// that of all balls.
     pub fn errors(&self, u: &[T; D], inertia: T) -> ErrorEstimate<T> {
-        let Outcome {
-            end,
+        let StepReport {
+            termination,
             estimate,
             step,
             ..
-        } = self.attempt.outcome;
+        } = self.attempt.report;
         let margin = T::of(tuning::MARGIN);
-        let stiffness = match end {
+        let stiffness = match termination {
             // The estimate is above what a long step changes by itself.
-            End::Unfinished if self.correct => estimate.corrected(),
+            Termination::Unfinished if self.stale => estimate.corrected(),
             // A ball is out of balance, or a correction makes the stiffness no better: nothing is known of it.
-            End::Unfinished => estimate.k.at_least(T::ONE),
+            Termination::Unfinished => estimate.k.at_least(T::ONE),
             _ => margin * estimate.k,
         };
         let rounding = rounding(estimate.largest, &self.at);
-        // Where rounding ends a solve, the balance is known to that of the balls' forces, and the last step is not taken.
-        let (unbalanced, untaken) = if end == End::Rounded {
+        // Where rounding ends a solve, the balance is as good as the balls' forces, and the last step is not taken.
+        let (unbalanced, untaken) = if termination == Termination::Rounded {
             (rounding, step)
         } else {
             (T::EPSILON, T::ZERO)
         };
-        let forces = self.size + inertia;
+        let forces = self.load_scale + inertia;
         let moved = T::of(4.0) * T::EPSILON + unbalanced * forces * self.factors.compliance();
-        let step = untaken.at_least(margin * step * estimate.most);
+        let step = untaken.at_least(margin * step * estimate.relative);
         // Constants are worked out in double precision, by some thirty operations each.
         let constants = T::of(64.0 * f64::EPSILON);
         let rounding = rounding + constants;

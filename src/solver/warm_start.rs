@@ -1,20 +1,17 @@
-//! What a solver remembers: the start of its next solve, and what results are worked out from.
+//! Memory of a solver: the start of its next solve, and the source of results.
 
 use crate::ball::Ball;
+use crate::ball::contact::Point;
 use crate::ball::kinematics::{Motion, Rule, Speed};
-use crate::ball::point::Point;
-use crate::frame::{moved, refer_stiffness};
 use crate::growth::Growth;
-use crate::linalg::{Matrix, add_to, norm, product};
+use crate::linalg::{Matrix, add_to, moved, norm, product, refer_stiffness};
 use crate::real::Real;
 use crate::results::View;
-use crate::shaft::row::{Row, Sum, UNSEATED, stiffening};
+use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change};
 use crate::shaft::{Layout, Shaft};
-use crate::solver::problem::{
-    Given, Task, Time, checked_speed, given_in_units, growth_in_units, inertia,
-};
+use crate::solver::problem::{Given, Problem, Time, given_in_units, inertia, speed_and_growth};
 use crate::solver::start::start;
-use crate::solver::state::{End, State, are_finite};
+use crate::solver::state::{State, Termination, are_finite};
 use crate::status::{Quantity, Status};
 use core::array::from_fn;
 use core::marker::PhantomData;
@@ -27,7 +24,7 @@ pub struct WarmStart<T, const R: usize, const N: usize, const D: usize> {
     /// Speed, growth and references of every row.
     pub points: [Point<T>; R],
     /// Axial force by which rows of either facing hold each other.
-    internal: T,
+    preload: T,
     pub speed: Speed<T>,
 }
 
@@ -46,7 +43,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             state: State::COLD,
             balls: [[Ball::default(); N]; R],
             points: from_fn(point),
-            internal: T::ZERO,
+            preload: T::ZERO,
             speed: Speed::REST,
         }
     }
@@ -57,7 +54,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
     }
 
     /// Checks the input, and turns it into the solver's units. Loads are given where `to_centre` refers them from.
-    pub fn task<M: Motion, const SET: bool>(
+    pub fn problem<M: Motion, const SET: bool>(
         &mut self,
         layout: &Layout<'_, T, R, SET>,
         given: &[Given<T>; D],
@@ -65,50 +62,52 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         speed: Speed<T>,
         growth: &[Growth<T>; R],
         tolerance: T,
-    ) -> Result<Task<T, D>, Status<T>> {
+    ) -> Result<Problem<T, D>, Status<T>> {
         let unit = layout.bearings[0].c;
-        let mut task = Task::new(tolerance);
+        let mut problem = Problem::new(tolerance);
         for (i, given) in given.iter().enumerate() {
-            match given_in_units(unit, i, layout.weight, *given)? {
-                Given::Load(load) => task.load[i] = load,
-                Given::Displacement(u) => (task.held[i], task.is_free) = (Some(u), false),
+            match given_in_units(unit, i, layout.ball_count, *given)? {
+                Given::Load(load) => problem.load[i] = load,
+                Given::Displacement(u) => {
+                    (problem.prescribed[i], problem.is_free) = (Some(u), false)
+                }
             }
         }
-        to_centre(&mut task.load);
+        to_centre(&mut problem.load);
         let mut omega = T::ZERO;
         let mut grown = [Growth::NONE; R];
         for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&layout.bearings) {
-            omega = checked_speed(row.c, speed, M::AT_SPEED)?;
-            *grown = growth_in_units(row.c, growth)?;
+            (omega, *grown) = speed_and_growth(row.c, speed, M::AT_SPEED, growth)?;
         }
-        task.size = norm(&task.load).at_least(layout.held);
+        problem.load_scale = norm(&problem.load).at_least(layout.preload);
         // A ring that nothing presses and nothing holds floats in its clearance.
-        if task.is_free && !(task.size > T::TINY.sqrt()) {
+        if problem.is_free && !(problem.load_scale > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
         }
         let s = if M::AT_SPEED {
-            inertia(unit, omega, layout.weight, task.size)
+            inertia(unit, omega, layout.ball_count, problem.load_scale)
         } else {
             T::ZERO
         };
         let rows = layout.bearings.iter().zip(&layout.mounts);
         for ((row, mount), (point, growth)) in rows.zip(self.points.iter_mut().zip(grown)) {
             let [axial, ..] = mount.motion::<D, SET>(&self.state.u);
-            let (s, size) = (s * mount.inertia, task.size / mount.force);
+            let (s, size) = (s * mount.inertia, problem.load_scale / mount.force);
             if !point.set(row.c, s, size, growth, axial + mount.closure) {
-                self.state.size = T::ZERO;
+                self.state.load_scale = T::ZERO;
             }
         }
         self.speed = speed;
-        Ok(task)
+        Ok(problem)
     }
 
     /// Solves, and says where the shaft is, or why there is no answer.
-    pub fn solve<A: Rule, const SET: bool>(
+    pub fn run<A: Rule, const SET: bool>(
         &mut self,
         layout: &Layout<'_, T, R, SET>,
-        task: &Task<T, D>,
-        time: &mut Time<'_>,
+        problem: &Problem<T, D>,
+        max_iterations: u16,
+        more: &mut dyn FnMut() -> bool,
     ) -> Result<Reached<T, D>, Status<T>> {
         let s = self.points[0].s;
         let (mut bearings, mut balls) = (layout.bearings.iter(), self.balls.iter_mut());
@@ -128,10 +127,23 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             rows,
             layout,
             s,
-            internal: &mut self.internal,
+            preload: &mut self.preload,
         };
-        let end = self.state.solve::<A, R, SET>(&mut shaft, task, time);
-        self.state.refuse::<A, R, SET>(&shaft, task, end)?;
+        let mut time = Time {
+            max_iterations,
+            taken: 0,
+            more,
+            is_up: false,
+        };
+        let termination = self.state.find::<A, R, SET>(&mut shaft, problem, &mut time);
+        self.state
+            .refuse::<A, R, SET>(&shaft, problem, termination)?;
+        // Rounding may end a solve under a spring of next to no force, where no ball of the sleeve is pressed.
+        if D == 6 && !(self.state.sum.k[D - 1][D - 1] > T::ZERO) {
+            let (loaded_balls, free) = (shaft.loaded(), Quantity::Closure);
+            self.state = State::COLD;
+            return Err(Status::Indeterminate { loaded_balls, free });
+        }
         let reached = self.reached(layout.plane, time.taken);
         // A tangent of other than numbers makes no undamped step.
         if are_finite(&reached.u) && are_finite(&reached.load) {
@@ -157,28 +169,28 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         layout: &Layout<'_, T, R, SET>,
     ) -> Option<Reached<T, D>> {
         let attempt = &self.state.attempt;
-        if attempt.outcome.end != End::Unfinished {
+        if attempt.report.termination != Termination::Unfinished {
             return None;
         }
         let reached = self.reached(layout.plane, attempt.taken);
-        let inertia = self.points[0].s * layout.weight;
+        let inertia = self.points[0].s * layout.ball_count;
         let is_finite = self.state.errors(&reached.u, inertia).is_finite()
             && are_finite(&reached.u)
             && are_finite(&reached.load)
             && self
-                .stiffness::<A, SET>(layout)
+                .tangent::<A, SET>(layout)
                 .iter()
                 .all(|row| are_finite(row));
         is_finite.then_some(reached)
     }
 
     /// The stiffness about the shaft's centre, after the last step.
-    pub fn stiffness<A: Rule, const SET: bool>(
+    pub fn tangent<A: Rule, const SET: bool>(
         &self,
         layout: &Layout<'_, T, R, SET>,
     ) -> Matrix<T, D> {
         let mut k = self.state.sum.k;
-        if !self.state.correct {
+        if !self.state.stale {
             return k;
         }
         let mut change = Sum::NONE;
@@ -187,10 +199,10 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             let balls = balls.get(..row.azimuths.len()).unwrap_or_default();
             let v = mount.motion::<D, SET>(&self.state.v);
             if SET {
-                let mut own = stiffening::<T, A, 5>(p, balls, row.azimuths, &v);
+                let mut own = stiffness_change::<T, A, 5>(p, balls, row.azimuths, &v);
                 mount.assemble(&mut own, &mut change);
             } else {
-                change = stiffening::<T, A, D>(p, balls, row.azimuths, &v);
+                change = stiffness_change::<T, A, D>(p, balls, row.azimuths, &v);
                 refer_stiffness(layout.plane, &mut change.k);
             }
         }
@@ -220,16 +232,16 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
 
 impl<T: Real, const D: usize> State<T, D> {
     /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
-    fn solve<A: Rule, const R: usize, const SET: bool>(
+    fn find<A: Rule, const R: usize, const SET: bool>(
         &mut self,
         shaft: &mut Shaft<'_, T, R, SET>,
-        task: &Task<T, D>,
+        problem: &Problem<T, D>,
         time: &mut Time<'_>,
-    ) -> End {
+    ) -> Termination {
         let s = shaft.s;
-        let mut end = End::Lost;
-        if self.is_near(shaft, task) {
-            if self.attempt.outcome.end != End::Unfinished {
+        let mut termination = Termination::Lost;
+        if self.is_near(shaft, problem) {
+            if self.attempt.report.termination != Termination::Unfinished {
                 self.attempt.begin(false);
             }
             let ds = if s > T::ZERO {
@@ -237,29 +249,31 @@ impl<T: Real, const D: usize> State<T, D> {
             } else {
                 T::ZERO
             };
-            self.predict(shaft.layout.plane, task, ds);
-            end = self.newton::<A, R, SET>(shaft, task, ds, time);
+            self.predict(shaft.layout.plane, problem, ds);
+            termination = self.newton::<A, R, SET>(shaft, problem, ds, time);
         } else {
             self.attempt.begin(false);
         }
-        let mut is_over = end.is_solved() || end == End::Unfinished || self.attempt.started;
+        let mut is_over = termination.is_solved()
+            || termination == Termination::Unfinished
+            || self.attempt.started;
         if !is_over && !time.is_up {
             is_over = true;
             self.attempt.begin(true);
-            start::<T, A, R, SET, D>(self, shaft, task);
-            end = self.newton::<A, R, SET>(shaft, task, T::ZERO, time);
+            start::<T, A, R, SET, D>(self, shaft, problem);
+            termination = self.newton::<A, R, SET>(shaft, problem, T::ZERO, time);
         }
-        self.attempt.outcome.end = end;
-        self.load = task.load;
+        self.attempt.report.termination = termination;
+        self.load = problem.load;
         self.s = s;
         if is_over {
-            let size = task.size.at_least(norm(&self.sum.force));
-            self.size = size.at_least(*shaft.internal);
-            return end;
+            let size = problem.load_scale.at_least(norm(&self.sum.force));
+            self.load_scale = size.at_least(*shaft.preload);
+            return termination;
         }
         // There was no time for a start: the next solve has one.
-        self.size = T::ZERO;
-        End::Unfinished
+        self.load_scale = T::ZERO;
+        Termination::Unfinished
     }
 
     /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
@@ -267,40 +281,41 @@ impl<T: Real, const D: usize> State<T, D> {
     fn is_near<const R: usize, const SET: bool>(
         &self,
         shaft: &Shaft<'_, T, R, SET>,
-        task: &Task<T, D>,
+        problem: &Problem<T, D>,
     ) -> bool {
         let half = T::of(0.5);
-        let (s, balls) = (shaft.s, shaft.layout.weight);
+        let (s, balls) = (shaft.s, shaft.layout.ball_count);
         let at = self.displacement(shaft.layout.plane);
-        let change: [T; D] = from_fn(|i| match task.held[i] {
-            None => task.load[i] - self.load[i],
+        let change: [T; D] = from_fn(|i| match problem.prescribed[i] {
+            None => problem.load[i] - self.load[i],
             Some(u) => self.sum.k[i][i] * (u - at[i]),
         });
-        let smaller = if task.is_free {
-            self.size.at_most(task.size.at_least(*shaft.internal))
+        let smaller = if problem.is_free {
+            self.load_scale
+                .at_most(problem.load_scale.at_least(*shaft.preload))
         } else {
-            self.size
+            self.load_scale
         };
-        self.size > T::ZERO
+        self.load_scale > T::ZERO
             && (shaft.layout.fixed.opposed || norm(&change) <= smaller)
-            && (s - self.s).abs() * balls <= half * (self.s * balls + self.size)
+            && (s - self.s).abs() * balls <= half * (self.s * balls + self.load_scale)
             && (s > T::ZERO) == (self.s > T::ZERO)
     }
 
     /// Freedom in which the tangent resists least: the largest component after two inverse iterations.
     #[cold]
     #[inline(never)]
-    fn freest(&mut self, task: &Task<T, D>) -> Quantity {
+    fn freest(&mut self, problem: &Problem<T, D>) -> Quantity {
         let largest = self.stiffest().at_least(T::EPSILON);
-        self.factor(task, T::EPSILON.sqrt() * largest);
+        self.factor(problem, T::EPSILON.sqrt() * largest);
         let free = |motion: [T; D]| {
-            from_fn(|i| match task.held[i] {
+            from_fn(|i| match problem.prescribed[i] {
                 None => largest * motion[i],
                 Some(_) => T::ZERO,
             })
         };
-        let motion = self.factors.solve(&free([T::ONE; D]));
-        let motion = free(self.factors.solve(&free(motion)));
+        let motion = self.factors.back_substitute(&free([T::ONE; D]));
+        let motion = free(self.factors.back_substitute(&free(motion)));
         let mut freest = 0;
         for i in 1..D.min(5) {
             if motion[i].abs() > motion[freest].abs() {
@@ -314,29 +329,29 @@ impl<T: Real, const D: usize> State<T, D> {
     fn refuse<A: Rule, const R: usize, const SET: bool>(
         &mut self,
         shaft: &Shaft<'_, T, R, SET>,
-        task: &Task<T, D>,
-        end: End,
+        problem: &Problem<T, D>,
+        termination: Termination,
     ) -> Result<(), Status<T>> {
-        let outcome = self.attempt.outcome;
-        let is_solved = end.is_solved();
-        if is_solved && outcome.estimate.cos >= T::of(UNSEATED) {
+        let report = self.attempt.report;
+        let is_solved = termination.is_solved();
+        if is_solved && report.estimate.cos >= T::of(UNSEATED) {
             return Ok(());
         }
         // Contacts more than 90 degrees apart do not hold a ball: that is why. An unfinished step says nothing of it.
         let limit = if is_solved { T::of(UNSEATED) } else { T::ZERO };
         let driven_out = shaft.furthest_apart::<A>(limit);
-        let status = match (end, driven_out) {
-            (End::Singular, _) => Status::Indeterminate {
+        let status = match (termination, driven_out) {
+            (Termination::Singular, _) => Status::Indeterminate {
                 loaded_balls: shaft.loaded(),
-                free: self.freest(task),
+                free: self.freest(problem),
             },
-            (End::Unfinished, _) => Status::IterationLimit,
+            (Termination::Unfinished, _) => Status::IterationLimit,
             (_, Some((ball, apart))) => Status::Unseated { ball, apart },
             _ => Status::Diverged {
-                residual: outcome.residual,
+                residual: report.residual,
             },
         };
-        if end != End::Unfinished {
+        if termination != Termination::Unfinished {
             *self = Self::COLD;
         }
         Err(status)

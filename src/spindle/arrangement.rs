@@ -1,4 +1,4 @@
-//! How rows face, and the names of what comes of it.
+//! How rows face, and the names of their arrangements.
 
 use crate::real::Real;
 
@@ -45,7 +45,7 @@ impl Facing {
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Arrangement {
     /// DB, O: the contact lines meet the axis far apart, which resists a tilt. Rows that face `+x` are at smaller x than
-    /// those that face `-x`.
+    /// rows that face `-x`.
     BackToBack,
     /// DF, X: the contact lines meet the axis close together. Rows that face `-x` are at smaller x.
     FaceToFace,

@@ -37,7 +37,7 @@ pub enum SpindleError<T> {
     },
     /// The rows do not stand to each other as the arrangement says.
     NotArranged {
-        /// What they are said to be.
+        /// The arrangement that they claim.
         arrangement: Arrangement,
         /// The row that faces the wrong way.
         row: usize,

@@ -13,12 +13,12 @@ pub mod error;
 pub mod solution;
 pub mod solver;
 
-use crate::ball::point::Point;
+use crate::ball::contact::Point;
 use crate::bearing::{Bearing, Constants};
 use crate::growth::Growth;
 use crate::real::Real;
 use crate::shaft::axial::AxialRest;
-use crate::shaft::{Group, Layout, Mount, Numbers};
+use crate::shaft::{BearingRef, Group, Layout, Mount};
 use crate::solver::problem::check;
 use crate::spindle::arrangement::{Arrangement, Facing};
 use crate::spindle::error::SpindleError;
@@ -60,7 +60,7 @@ pub enum Preload<T> {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Mounted<'b, T, const N: usize> {
-    bearing: Numbers<'b, T>,
+    bearing: BearingRef<'b, T>,
     position: T,
     facing: Facing,
     preload: Preload<T>,
@@ -80,7 +80,7 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
             )
         };
         Self {
-            bearing: Numbers {
+            bearing: BearingRef {
                 c: &bearing.constants,
                 azimuths: &bearing.azimuths,
             },
@@ -117,11 +117,11 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
     /// Refuses what is out of range of the row with this number. `spring` is its force, if there is one.
     fn check(&self, number: usize, first: &Self, spring: Option<T>) -> Result<(), SpindleError<T>> {
         let c = self.bearing.c;
-        let position = check(
-            Quantity::RowPosition,
-            self.position - first.position,
-            T::of(64.0) * radius(first.bearing.c),
-        );
+        let (quantity, unit) = (Quantity::RowPosition, radius(first.bearing.c));
+        // Far from x = 0, the stiffness about that point is beyond all numbers.
+        let from_origin = check(quantity, self.position, T::of(4096.0) * unit);
+        let from_first = check(quantity, self.position - first.position, T::of(64.0) * unit);
+        let position = from_origin.and(from_first);
         let most = c.balls * c.force;
         let half_play = c.play.at_least(T::ZERO).sqrt();
         let (held, force) = match self.preload {
@@ -165,11 +165,14 @@ fn group<T: Real, const N: usize>(
     Some((row.facing, group))
 }
 
+/// Fixed rows and sliding ones.
+type Groups<T> = (Group<T>, Option<Group<T>>);
+
 /// The fixed rows and the sliding ones, unless they do not hold the shaft.
 fn groups<T: Real, const N: usize>(
     rows: &[Mounted<'_, T, N>],
     spring: bool,
-) -> Result<(Group<T>, Option<Group<T>>), SpindleError<T>> {
+) -> Result<Groups<T>, SpindleError<T>> {
     let Some((facing, fixed)) = group(rows, false) else {
         return Err(SpindleError::NotHeld);
     };
@@ -307,7 +310,7 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 5> {
     ///
     /// # Errors
     ///
-    /// What of the rows is out of range, or why they cannot be what they are said to be.
+    /// A figure of a row that is out of range, or why the rows are not so arranged.
     pub fn new(
         arrangement: Arrangement,
         rows: [Mounted<'b, T, N>; R],
@@ -322,7 +325,7 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
     ///
     /// # Errors
     ///
-    /// What of the rows is out of range, or why they cannot be what they are said to be.
+    /// A figure of a row that is out of range, or why the rows are not so arranged.
     pub fn sprung(
         arrangement: Arrangement,
         rows: [Mounted<'b, T, N>; R],
@@ -368,7 +371,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
         let (centre, plane) = (centre / count, plane / count);
         let mut mounts = [Mount::PLAIN; R];
-        let (mut weight, mut held) = (T::ZERO, T::ZERO);
+        let (mut ball_count, mut preload) = (T::ZERO, T::ZERO);
         for (mount, row) in mounts.iter_mut().zip(&rows) {
             let c = row.bearing.c;
             let (facing, arm, closure) = (row.facing.sign::<T>(), radius(c) / rp, row.closure());
@@ -384,9 +387,9 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 closure,
                 sliding: row.slides(),
             };
-            weight += c.balls * (mount.force * mount.inertia);
+            ball_count += c.balls * (mount.force * mount.inertia);
             let axial = c.balls * force_at(c, closure).at_least(T::ZERO);
-            held += mount.force * (axial + c.preload);
+            preload += mount.force * (axial + c.preload);
         }
         Self {
             layout: Layout {
@@ -395,8 +398,8 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 fixed,
                 sliding,
                 plane,
-                weight,
-                held,
+                ball_count,
+                preload,
             },
             positions: rows.map(|row| row.position),
             facings: rows.map(|row| row.facing),
@@ -405,7 +408,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
     }
 
-    /// Closure `e` of each clamped row (m), the given one or that of the preload force; 0 for a row that slides.
+    /// Closure `e` of each clamped row (m), given, or made by the preload force; 0 for a row that slides.
     pub fn closures(&self) -> [T; R] {
         core::array::from_fn(|i| self.layout.mounts[i].closure * self.layout.bearings[i].c.length)
     }

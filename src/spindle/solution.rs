@@ -1,15 +1,16 @@
-//! What a solve of a spindle gives.
+//! Solution of a spindle.
 
 use crate::ball::kinematics::{Motion, Speed};
-use crate::ball::report::{BallMotion, BallState};
-use crate::frame::{displacement_out, force_out, moved, refer, refer_stiffness, stiffness_out};
-use crate::linalg::{Factors, Matrix, add_to, product};
+use crate::ball::report::{BallKinematics, BallState};
+use crate::linalg::{Factors, Matrix, add_to, moved, product, refer, refer_stiffness};
 use crate::real::Real;
 use crate::results::View;
 use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limit, LimitSet, Limits, Margins};
+use crate::results::summary::RowSummary;
 use crate::shaft::row::{Sum, sum_up};
+use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::spindle::Spindle;
@@ -27,7 +28,7 @@ use core::marker::PhantomData;
 pub struct ShaftEnd<T> {
     /// Its position x, m.
     pub position: T,
-    /// What the shaft itself yields there, besides its motion as a rigid body: displacements (m, rad) per force (N) and
+    /// Flexibility of the shaft itself there, besides its motion as a rigid body: displacements (m, rad) per force (N) and
     /// moment (N m), rows are displacements.
     pub flexibility: Matrix<T, 5>,
 }
@@ -46,7 +47,8 @@ impl<T: Real> ShaftEnd<T> {
 ///
 /// See [`Spindle`](crate::Spindle) for an example.
 pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize> {
-    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of [`SpindleSolver::unfinished`].
+    /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
+    /// [`SpindleSolver::unfinished`](crate::SpindleSolver::unfinished).
     pub status: Status<T>,
     /// Iterations, those of starts included. An iteration condenses every ball once.
     pub iterations: u16,
@@ -59,7 +61,7 @@ pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motio
     /// Speed of the shaft.
     pub speed: Speed<T>,
     /// Stiffness about the spindle's centre, with the force of the spring held.
-    k: Matrix<T, 5>,
+    pub(super) k: Matrix<T, 5>,
     /// Motion of the sleeve, m.
     slide: T,
     spindle: &'s Spindle<'s, T, R, N, D>,
@@ -79,8 +81,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     ) -> Self {
         let Spindle { layout, centre, .. } = spindle;
         let unit = layout.bearings[0].c;
-        let u: [T; 5] = from_fn(|i| reached.u[i]);
-        let k = last.stiffness::<M::Rule, _>(layout);
+        let u: [T; 5] = from_fn(|i| reached.u[i] * units(unit, i).1);
+        let k = last.tangent::<M::Rule, _>(layout);
         let (k, slide) = if D == 6 {
             // The force of the spring is held.
             let k = from_fn(|i| from_fn(|j| k[i][j] - k[i][5] * k[5][j] / k[5][5]));
@@ -89,12 +91,12 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             (from_fn(|i| from_fn(|j| k[i][j])), T::ZERO)
         };
         Self {
-            status: last.state.attempt.outcome.end.status(),
+            status: last.state.attempt.report.termination.status(),
             iterations: reached.iterations,
             error: last
                 .state
-                .errors(&reached.u, last.points[0].s * layout.weight),
-            displacement: moved(-*centre, &displacement_out(unit, &u)),
+                .errors(&reached.u, last.points[0].s * layout.ball_count),
+            displacement: moved(-*centre, &u),
             load,
             speed: last.speed,
             k,
@@ -178,6 +180,33 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         RatingLife::of_weight(weight, self.speed.as_rad_per_s())
     }
 
+    /// The rows at a glance, in their order, each with its own rating: largest contact forces and pressures, contact angles,
+    /// preload, share of the load, margins and life.
+    pub fn summary(&self, limits: &Limits<T>, ratings: &[LifeRating<T>; R]) -> [RowSummary<T>; R] {
+        let mut rows: [RowSummary<T>; R] =
+            from_fn(|i| RowSummary::of(&self.view(i), limits, &ratings[i]));
+        let magnitudes = rows.each_ref().map(|row| {
+            let [axial, y, z] = row.force;
+            [axial.abs(), (y * y + z * z).sqrt()]
+        });
+        let mut all = [T::ZERO; 2];
+        for row in &magnitudes {
+            all = [all[0] + row[0], all[1] + row[1]];
+        }
+        let axial = rows.each_ref().map(|row| row.force[0]);
+        let preloads = preloads(&axial, &self.facings());
+        for (row, (preload, [axial, radial])) in
+            rows.iter_mut().zip(preloads.iter().zip(magnitudes))
+        {
+            row.preload = *preload;
+            row.load_share = [
+                axial / all[0].at_least(T::TINY),
+                radial / all[1].at_least(T::TINY),
+            ];
+        }
+        rows
+    }
+
     /// By how much the sleeve has moved the rows in it towards their balls, m: the closure that the spring makes. 0
     /// without a spring.
     pub fn spring_closure(&self) -> T {
@@ -219,16 +248,16 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         refer(c.plane, &mut force);
         RowSolution {
             position: spindle.positions[i],
-            force: force_out(c, &force),
+            force: from_fn(|i| force[i] * units(c, i).0),
             preload: T::ZERO,
             view,
             sum,
-            correct: state.correct,
+            stale: state.stale,
         }
     }
 }
 
-/// What of the axial forces of rows is preload: what one side's have in common with the other's, shared out like the forces.
+/// Preload of each row: the axial force that both sides have in common, shared out like the rows' forces.
 pub fn preloads<T: Real, const R: usize>(axial: &[T; R], facings: &[Facing; R]) -> [T; R] {
     let mut sides = [T::ZERO; 2];
     for (axial, facing) in axial.iter().zip(facings) {
@@ -248,7 +277,7 @@ pub fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
     let columns: [[T; 5]; 5] = from_fn(|j| {
         let mut unit = [T::ZERO; 5];
         unit[j] = T::ONE;
-        factors.solve(&unit)
+        factors.back_substitute(&unit)
     });
     from_fn(|i| from_fn(|j| columns[j][i]))
 }
@@ -281,11 +310,11 @@ pub struct RowSolution<'s, T: Real, M: Motion> {
     preload: T,
     view: View<'s, T, M::Rule>,
     sum: Sum<T, 5>,
-    correct: bool,
+    stale: bool,
 }
 
 impl<T: Real, M: Motion> RowSolution<'_, T, M> {
-    /// Part of its axial force that is preload, N: the rows of one facing press those of the other with so much, besides the
+    /// Part of its axial force that is preload, N: the rows of either facing press each other with so much, besides the
     /// load. 0 once one side has lifted off; of rows that all face one way, none is preloaded.
     pub fn preload(&self) -> T {
         self.preload
@@ -299,8 +328,8 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
     /// Stiffness of the row alone, about its centre: `dF/du` (rows are forces; N, N m per m, rad).
     pub fn stiffness(&self) -> Matrix<T, 5> {
         let mut sum = self.sum;
-        if self.correct {
-            add_to(&mut sum.k, &self.view.stiffening());
+        if self.stale {
+            add_to(&mut sum.k, &self.view.stiffness_change());
         }
         refer_stiffness(self.view.c.plane, &mut sum.k);
         stiffness_out(self.view.c, &sum.k)
@@ -321,9 +350,9 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         self.view.cage_speeds()
     }
 
-    /// How every ball turns, and how its contacts are pressed: see [`Solution::motions`](crate::Solution::motions).
-    pub fn motions(&self) -> impl ExactSizeIterator<Item = BallMotion<T>> + '_ {
-        self.view.motions()
+    /// How every ball turns, and how its contacts are pressed: see [`Solution::kinematics`](crate::Solution::kinematics).
+    pub fn kinematics(&self) -> impl ExactSizeIterator<Item = BallKinematics<T>> + '_ {
+        self.view.kinematics()
     }
 
     /// Frequencies at which damaged parts of the row are heard.

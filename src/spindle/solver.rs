@@ -1,10 +1,11 @@
 //! The equilibrium of a shaft in its bearings.
 
 use crate::ball::kinematics::{Full, Motion, Speed};
-use crate::frame::{force_out, refer};
 use crate::growth::Growth;
+use crate::linalg::refer;
 use crate::real::Real;
-use crate::solver::problem::{Given, Settings, Time};
+use crate::solver::problem::{Given, Settings, units};
+use crate::solver::state::are_finite;
 use crate::solver::warm_start::WarmStart;
 use crate::spindle::Spindle;
 use crate::spindle::solution::SpindleSolution;
@@ -14,7 +15,7 @@ use core::marker::PhantomData;
 
 /// A solver for one spindle: owns it, borrows the bearings' constants, and keeps the state that the next solve starts from.
 ///
-/// `M` is how the balls move, as for [`Solver`](crate::Solver). `D` is that of the spindle. See [`Spindle`] for an example.
+/// `M` is how the balls move, as for [`Solver`](crate::Solver). `D` is the spindle's. See [`Spindle`] for an example.
 #[derive(Debug, Clone, Copy)]
 pub struct SpindleSolver<
     'b,
@@ -111,11 +112,13 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         // From x = 0 to the centre.
         let to_centre = |load: &mut [T; D]| refer(-*centre * unit.tilt / unit.length, load);
         let tolerance = settings.tolerance;
-        let task = self
+        let problem = self
             .last
-            .task::<M, _>(layout, &given, to_centre, speed, growth, tolerance)?;
-        let mut time = Time::new(settings.max_iterations, &mut more_time);
-        let reached = self.last.solve::<M::Rule, _>(layout, &task, &mut time)?;
+            .problem::<M, _>(layout, &given, to_centre, speed, growth, tolerance)?;
+        let most = settings.max_iterations;
+        let reached = self
+            .last
+            .run::<M::Rule, _>(layout, &problem, most, &mut more_time)?;
         Ok(SpindleSolution::new(
             &self.spindle,
             &self.last,
@@ -129,13 +132,12 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     pub fn unfinished(&self) -> Option<SpindleSolution<'_, T, R, N, M, D>> {
         let Spindle { layout, centre, .. } = &self.spindle;
         let reached = self.last.unfinished::<M::Rule, _>(layout)?;
-        let mut load = force_out(layout.bearings[0].c, &from_fn(|i| reached.load[i]));
+        let unit = layout.bearings[0].c;
+        let mut load: [T; 5] = from_fn(|i| reached.load[i] * units(unit, i).0);
         refer(*centre, &mut load);
-        Some(SpindleSolution::new(
-            &self.spindle,
-            &self.last,
-            &reached,
-            load,
-        ))
+        let solution = SpindleSolution::new(&self.spindle, &self.last, &reached, load);
+        // A sleeve that no ball holds makes the shaft's stiffness 0 / 0.
+        let is_finite = solution.k.iter().all(|row| are_finite(row));
+        is_finite.then_some(solution)
     }
 }

@@ -5,6 +5,7 @@ mod balance;
 mod campaign;
 mod catalogue;
 mod compile_fail;
+mod corpus;
 mod cutting;
 mod cycle;
 mod designs;

@@ -5,9 +5,9 @@ use super::solves::{LIFTING, SKEW};
 use host_tests::cases::{B218, B7005C};
 use host_tests::dispatch::Attitude;
 use spindle_bearing::{
-    Arrangement, BallMotion, Bearing, Design, Frequencies, Full, HertzContact, InnerRaceControl,
-    Motion, OuterRaceControl, Preload, Race, RacewayControlFree, Settings, Solver, Speed, Spindle,
-    SpindleSolver,
+    Arrangement, BallKinematics, Bearing, Design, Frequencies, Full, HertzContact,
+    InnerRaceControl, Motion, OuterRaceControl, Preload, Race, RacewayControlFree, Settings,
+    Solver, Speed, Spindle, SpindleSolver,
 };
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -27,7 +27,7 @@ fn judge<M: Motion>(design: &Design, load: [f64; 5], omega: f64, rule: Attitude)
     let mut compared = 0;
     for ((ball, motion), cage) in solution
         .balls()
-        .zip(solution.motions())
+        .zip(solution.kinematics())
         .zip(solution.cage_speeds())
     {
         if ball.q_i <= 0.0 {
@@ -131,7 +131,7 @@ fn a_slow_bearing_has_the_frequencies_of_the_textbook() {
 }
 
 /// Frequencies are means of `all` balls that the inner race touches, so many, or of all if it touches none.
-fn assert_means(all: Vec<BallMotion<f64>>, touching: Range<usize>, found: Frequencies<f64>) {
+fn assert_means(all: Vec<BallKinematics<f64>>, touching: Range<usize>, found: Frequencies<f64>) {
     let mut meant = all.clone();
     meant.retain(|ball| ball.inner.peak_pressure > 0.0);
     assert!(touching.contains(&meant.len()), "{}", meant.len());
@@ -153,7 +153,7 @@ fn frequencies_are_means_of_the_balls_that_the_inner_race_touches_or_of_all_if_i
     let (settings, speed) = (Settings::default(), Speed::rpm(40_000.0));
     let mut solver = Solver::new(&bearing);
     let lifting = solver.solve(LIFTING, speed, &settings).unwrap();
-    assert_means(lifting.motions().collect(), 1..16, lifting.frequencies());
+    assert_means(lifting.kinematics().collect(), 1..16, lifting.frequencies());
 
     let held = Preload::Force(50.0);
     let pair = Spindle::pair(Arrangement::BackToBack, &bearing, 0.1, held).unwrap();
@@ -163,7 +163,7 @@ fn frequencies_are_means_of_the_balls_that_the_inner_race_touches_or_of_all_if_i
         .unwrap();
     let lifted_off = pushed.rows().last().unwrap();
     assert_means(
-        lifted_off.motions().collect(),
+        lifted_off.kinematics().collect(),
         0..1,
         lifted_off.frequencies(),
     );

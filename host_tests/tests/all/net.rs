@@ -85,7 +85,15 @@ impl Checksum {
             self.numbers(row.stiffness.as_flattened());
             self.word(u64::from(row.limits.bits()) << 1 | u64::from(row.lifted_off));
             self.balls(&row.balls);
-            self.text(&format!("{:?} {:?}", row.motions, row.frequencies));
+            for motion in &row.motions {
+                self.numbers(&[motion.cage_speed, motion.rotation, motion.attitude]);
+                for patch in [&motion.inner, &motion.outer] {
+                    self.numbers(&[patch.peak_pressure, patch.semi_major]);
+                    self.numbers(&[patch.semi_minor, patch.spin_to_roll]);
+                }
+            }
+            let f = &row.frequencies;
+            self.numbers(&[f.cage, f.outer_race, f.inner_race, f.ball]);
         }
     }
 

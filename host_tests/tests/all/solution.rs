@@ -1,11 +1,14 @@
-//! A solution's snapshot against the reference build.
+//! Snapshots and summaries of a solution.
 
 use super::solves::SKEW;
 use host_tests::cases::{B7005C, reference};
 use host_tests::compare::{Ball, Equilibrium};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::tolerances::allowed;
-use spindle_bearing::{Bearing, Settings, Solver, Speed};
+use spindle_bearing::{
+    Arrangement, Bearing, LifeRating, Limits, Preload, Settings, Solver, Speed, Spindle,
+    SpindleSolver,
+};
 use std::f64::consts::PI;
 
 #[test]
@@ -64,4 +67,65 @@ fn a_matrix_of_nalgebra_makes_of_a_displacement_the_forces_that_the_stiffness_ma
             assert!((force[i] - sum).abs() <= 1e-14 * size, "{i}: {force}");
         }
     }
+}
+
+/// A summary has the figures that the solution's other methods give ball by ball.
+#[test]
+fn a_summary_is_what_the_balls_of_each_row_say() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let rating = LifeRating::<f64>::new(&B7005C, 16, 13_700.0);
+    let (arrangement, preload) = (Arrangement::BackToBack, Preload::Force(200.0));
+    let pair = Spindle::pair(arrangement, &bearing, 0.1, preload).unwrap();
+    let mut solver = SpindleSolver::new(pair);
+    let (load, limits) = ([100.0, 300.0, -50.0, 0.0, 2.0], Limits::default());
+    let solution = solver.solve(load, Speed::rpm(20_000.0), &Settings::default());
+    let solution = solution.unwrap();
+    let rows = solution.summary(&limits, &[rating; 2]);
+    let near = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{a:e}, {b:e}");
+    let range = |numbers: &mut dyn Iterator<Item = f64>| {
+        numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| {
+            [x.min(least), x.max(most)]
+        })
+    };
+    let (mut life_rate, mut shares) = (0.0, [0.0; 2]);
+    for (found, row) in rows.iter().zip(solution.rows()) {
+        for i in 0..3 {
+            near(found.force[i], row.force[i]);
+        }
+        near(found.preload, row.preload());
+        let figures = [
+            (
+                found.inner_force,
+                range(&mut row.balls().map(|ball| ball.q_i)),
+            ),
+            (
+                found.outer_force,
+                range(&mut row.balls().map(|ball| ball.q_o)),
+            ),
+            (
+                found.inner_angle,
+                range(&mut row.balls().map(|ball| ball.alpha_i)),
+            ),
+            (
+                found.outer_angle,
+                range(&mut row.balls().map(|ball| ball.alpha_o)),
+            ),
+        ];
+        for (found, expected) in figures {
+            near(found[0], expected[0]);
+            near(found[1], expected[1]);
+        }
+        let [_, inner] = range(&mut row.kinematics().map(|ball| ball.inner.peak_pressure));
+        let [_, outer] = range(&mut row.kinematics().map(|ball| ball.outer.peak_pressure));
+        near(found.peak_pressure[0], inner);
+        near(found.peak_pressure[1], outer);
+        assert_eq!(found.margins, row.margins(&limits));
+        life_rate += found.life_rate;
+        shares = [0, 1].map(|i| shares[i] + found.load_share[i]);
+    }
+    near(shares[0], 1.0);
+    near(shares[1], 1.0);
+    assert!(rows[0].load_share[1] > 0.5);
+    let life = solution.rating_life(&[rating; 2]);
+    near(life_rate.powf(-0.9), life.million_revolutions);
 }

@@ -821,9 +821,13 @@ fn rows_that_are_no_such_set_are_refused() {
         ),
         (
             called([(0.0, '+'), (f64::NAN, '-')], BackToBack),
-            "row 1: position of the row from the first one (m) is NaN",
+            "row 1: position of the row, from x = 0 or from the first row (m) is NaN",
         ),
         (called([(0.0, '+'), (1e9, '-')], BackToBack), "beyond the"),
+        (
+            called([(1e9, '+'), (1e9 + 0.1, '-')], BackToBack),
+            "beyond the",
+        ),
         (held(Preload::Force(-1.0)), "row 0 is preloaded by -1 N"),
         (
             held(Preload::Closure(f64::INFINITY)),

@@ -7,7 +7,7 @@ use host_tests::loads::{LoadRow, Loads};
 use host_tests::milling_cycle::RECORD;
 use host_tests::spindle_file::SpindleFile;
 use host_tests::spindles::{AnySpindleSolver, Balls, with_solver};
-use spindle_bearing::{BallMotion, BallState, LimitSet, ShaftEnd};
+use spindle_bearing::{BallKinematics, BallState, LimitSet, ShaftEnd};
 use std::f64::consts::PI;
 use std::io::{self, Cursor, Read, Write};
 use std::path::PathBuf;
@@ -225,7 +225,7 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
 }
 
 /// State, motion and contacts of a ball in the order of their columns.
-fn ball_figures(ball: &BallState<f64>, motion: &BallMotion<f64>) -> Vec<f64> {
+fn ball_figures(ball: &BallState<f64>, motion: &BallKinematics<f64>) -> Vec<f64> {
     let (i, o) = (motion.inner, motion.outer);
     vec![
         ball.azimuth,

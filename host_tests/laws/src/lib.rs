@@ -1,0 +1,10 @@
+//! Laws of any answer and of any refusal, tried on runs that are drawn from any bits. `cargo fuzz` looks for bits that break
+//! one, and the judge's tests replay those that were kept.
+
+mod common;
+mod shaft;
+pub mod solves;
+pub mod spindles;
+mod statics;
+
+pub use common::Ends;

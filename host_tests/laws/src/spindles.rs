@@ -1,0 +1,231 @@
+//! Any rows on a shaft, any settings, any sequence of loads, speeds, growths and cut solves.
+//!
+//! No panic, every figure a number, forces in balance, a symmetric stiffness at rest, and a refusal does no harm.
+
+use crate::common::{
+    Answer, Asked, Ends, Scale, assert_finite, assert_names, growth, inspect, refused, run_of,
+    settings_in, unharmed,
+};
+use crate::shaft::{MOST_ROWS, Step};
+use crate::statics::{Place, assert_balances, assert_symmetric};
+use spindle_bearing::{
+    Arrangement, Full, Growth, Motion, Mounted, Preload, Real, Settings, ShaftEnd, Speed, Spindle,
+    SpindleError, SpindleSolution, SpindleSolver, Static, Status,
+};
+use std::array::from_fn;
+
+pub use crate::shaft::Run;
+
+/// Balls of the first bearing, and of the second one.
+const BALLS: usize = 16;
+const FEWER: usize = 9;
+
+/// Runs a kept input as its target does; how its solves ended.
+pub fn replay(input: &[u8]) -> Ends {
+    check(&run_of(input))
+}
+
+/// Runs it; how its solves ended. A law that is broken is a panic.
+pub fn check(run: &Run) -> Ends {
+    match run.scene[0] % 2 {
+        0 => in_precision::<f32>(run),
+        _ => in_precision::<f64>(run),
+    }
+}
+
+fn in_precision<T: Real>(run: &Run) -> Ends {
+    let [first, second] = &run.designs;
+    let (first, second) = match (T::bearing::<BALLS>(first), T::bearing::<FEWER>(second)) {
+        (Ok(first), Ok(second)) => (first, second),
+        (Err(error), _) | (_, Err(error)) => return refused(&error),
+    };
+    let scale = Scale::of(&run.designs[0], BALLS);
+    let mut x = 0.0;
+    let mounted = run.rows.iter().map(|row| {
+        x += row.distance * run.designs[0].pitch_diameter;
+        let mounted = match row.second {
+            false => Mounted::new(&first, T::of(x), row.facing),
+            true => Mounted::new(&second, T::of(x), row.facing),
+        };
+        mounted.with(match row.preload {
+            Preload::Closure(e) => Preload::Closure(T::of(e * scale.displacement[0])),
+            Preload::Force(force) => Preload::Force(T::of(force * scale.load[0])),
+            Preload::Spring => Preload::Spring,
+        })
+    });
+    let mounted: Vec<_> = mounted.collect();
+    match mounted.len() {
+        1 => of_rows::<T, 1>(run, &mounted),
+        2 => of_rows::<T, 2>(run, &mounted),
+        3 => of_rows::<T, 3>(run, &mounted),
+        _ => of_rows::<T, MOST_ROWS>(run, &mounted),
+    }
+}
+
+fn of_rows<T: Real, const R: usize>(run: &Run, mounted: &[Mounted<'_, T, BALLS>]) -> Ends {
+    use Arrangement::{BackToBack, ByRows, FaceToFace, Tandem};
+    let rows = from_fn(|i| mounted[i]);
+    let named = [ByRows, ByRows, ByRows, BackToBack, FaceToFace, Tandem];
+    let arrangement = named[usize::from(run.scene[2]) % named.len()];
+    let ends = match run.spring {
+        None => Spindle::<T, R, BALLS>::new(arrangement, rows).map(|spindle| moving(run, spindle)),
+        Some(force) => {
+            let force = T::of(force * Scale::of(&run.designs[0], BALLS).load[0]);
+            Spindle::sprung(arrangement, rows, force).map(|spindle| moving(run, spindle))
+        }
+    };
+    ends.unwrap_or_else(|error| {
+        if let SpindleError::Row { row, status } = error {
+            assert_names(&status);
+            assert!(row < R);
+        }
+        Ends::from(["rows"])
+    })
+}
+
+fn moving<T: Real, const R: usize, const D: usize>(
+    run: &Run,
+    spindle: Spindle<'_, T, R, BALLS, D>,
+) -> Ends {
+    match run.scene[1] % 2 {
+        0 => solve::<T, R, Static, D>(run, spindle),
+        _ => solve::<T, R, Full, D>(run, spindle),
+    }
+}
+
+type Shaft<'b, T, const R: usize, M, const D: usize> = SpindleSolver<'b, T, R, BALLS, M, D>;
+
+/// A question to a solver.
+#[derive(Debug, Clone, Copy)]
+struct Question<T, const R: usize> {
+    load: [T; 5],
+    omega: T,
+    growth: [Growth<T>; R],
+    /// Iterations after which it is cut.
+    cut: Option<u8>,
+}
+
+/// Every figure of a solution.
+fn answer<T: Real, const R: usize, M: Motion, const D: usize>(
+    s: &SpindleSolution<'_, T, R, BALLS, M, D>,
+) -> Answer<T> {
+    let nose = ShaftEnd::rigid(s.rows().next().map_or(T::ZERO, |row| row.position));
+    let matrices = [s.stiffness(), s.stiffness_at(&nose), s.compliance_at(&nose)];
+    let mut figures = Vec::new();
+    figures.extend(matrices.as_flattened().as_flattened());
+    figures.extend(s.displacement.into_iter().chain(s.load));
+    figures.push(s.spring_closure());
+    let mut balls = Vec::new();
+    for row in s.rows() {
+        figures.extend(row.stiffness().into_iter().flatten());
+        figures.extend(row.force.into_iter().chain([row.preload()]));
+        figures.extend(row.cage_speeds());
+        assert!(row.inner_forces().eq(row.balls().map(|ball| ball.q_i)));
+        balls.extend(row.balls());
+    }
+    Answer {
+        status: s.status,
+        iterations: s.iterations,
+        error: s.error,
+        figures,
+        balls,
+    }
+}
+
+/// Takes the steps of a run.
+fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
+    run: &Run,
+    spindle: Spindle<'_, T, R, BALLS, D>,
+) -> Ends {
+    let scale = Scale::of(&run.designs[0], BALLS);
+    let spring = T::of(run.spring.unwrap_or(0.0) * scale.load[0]);
+    let settings: Settings<T> = settings_in(run.settings);
+    let rows = run.rows.iter().map(|row| {
+        let pitch = run.designs[usize::from(row.second)].pitch_diameter;
+        (row.facing, row.preload == Preload::Spring, pitch)
+    });
+    let rows: Vec<Place> = rows.collect();
+    let ask = |solver: &mut Shaft<'_, T, R, M, D>, q: &Question<T, R>, settings: &Settings<T>| {
+        let mut taken = 0;
+        let more_time = || {
+            taken += 1;
+            q.cut.is_none_or(|cut| taken < u32::from(cut))
+        };
+        let speed = Speed::rad_per_s(q.omega);
+        let asked: Asked<T> = solver
+            .solve_while(q.load, speed, &q.growth, settings, more_time)
+            .map(|s| {
+                if s.status == Status::Converged {
+                    assert_balances(&rows, spring, &s);
+                }
+                if q.omega == T::ZERO {
+                    assert_symmetric(&s);
+                }
+                answer(&s)
+            });
+        asked
+    };
+    // Something near, so that a solver would start from what it remembers.
+    let probe = |mut solver: Shaft<'_, T, R, M, D>, near: &Question<T, R>| {
+        let unfinished = format!("{:?}", solver.unfinished().map(|s| answer(&s)));
+        let question = Question {
+            load: near.load.map(|load| load * T::of(0.9)),
+            cut: None,
+            ..*near
+        };
+        let asked = ask(&mut solver, &question, &Settings::default());
+        format!("{unfinished}, {asked:?}")
+    };
+    let fresh = Shaft::<T, R, M, D>::of(spindle);
+    let (mut solver, mut ends) = (fresh, Ends::new());
+    let mut question = Question {
+        load: from_fn(|i| T::of([1e-4, 1e-5, 0.0, 1e-6, 0.0][i] * scale.load[i])),
+        omega: T::ZERO,
+        growth: [Growth::NONE; R],
+        cut: None,
+    };
+    // The last question that was not refused for what it is.
+    let mut tried = question;
+    for step in &run.steps {
+        let before = solver;
+        match step {
+            Step::Reset => {
+                solver.reset();
+                assert_eq!(probe(solver, &tried), probe(fresh, &tried), "reset");
+                continue;
+            }
+            Step::Grow(rows) => {
+                let of_row = |i: usize| growth(rows[i].map(|x| x * scale.displacement[0]));
+                question.growth = from_fn(of_row);
+                continue;
+            }
+            Step::Cut(cut) => {
+                question.cut = *cut;
+                continue;
+            }
+            Step::Solve(load, omega) => {
+                question.load = from_fn(|i| T::of(load[i] * scale.load[i]));
+                question.omega = T::of(omega * scale.speed);
+            }
+            Step::Nudge(factors, factor) => {
+                question.load = from_fn(|i| question.load[i] * T::of(factors[i]));
+                question.omega = question.omega * T::of(*factor);
+            }
+        }
+        let cut = question.cut.map_or(u16::MAX, u16::from);
+        let most = settings.max_iterations.min(cut).max(1);
+        let ended = inspect(ask(&mut solver, &question, &settings), most);
+        ends.insert(ended.name());
+        match (&ended, solver.unfinished()) {
+            (Status::IterationLimit, Some(s)) => {
+                assert_eq!(s.status, ended);
+                assert_finite(&answer(&s));
+            }
+            (Status::IterationLimit, None) => {}
+            (Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded, _) => {}
+            (_, unfinished) => assert!(unfinished.is_none(), "{unfinished:?} after {ended:?}"),
+        }
+        tried = unharmed(&ended, [solver, before, fresh], tried, question, probe);
+    }
+    ends
+}

@@ -1,0 +1,104 @@
+//! A solved row at a glance.
+
+use crate::ball::kinematics::Rule;
+use crate::real::Real;
+use crate::results::View;
+use crate::results::life::LifeRating;
+use crate::results::margins::{Limits, Margins};
+
+/// Contact forces, pressures and angles of a row, its load, margins and life, SI units: one pass over the balls.
+///
+/// A row's frame is its own: x points where an axial load presses its balls. See [`Solution::summary`](crate::Solution::summary)
+/// for an example.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RowSummary<T> {
+    /// Least and largest force of the inner contacts, N; 0 of a ball off the inner race.
+    pub inner_force: [T; 2],
+    /// Least and largest force of the outer contacts, N.
+    pub outer_force: [T; 2],
+    /// Largest peak pressure on the inner and on the outer race, Pa.
+    pub peak_pressure: [T; 2],
+    /// Least and largest angle of the inner contacts that carry, rad; 0 if none does.
+    pub inner_angle: [T; 2],
+    /// Least and largest angle of the outer contacts that carry, rad; 0 if none does.
+    pub outer_angle: [T; 2],
+    /// Axial force and radial forces along y and z of the shaft on the row, N.
+    pub force: [T; 3],
+    /// Part of the axial force that is preload, N: see [`RowSolution::preload`](crate::RowSolution::preload).
+    pub preload: T,
+    /// Parts of the axial and of the radial forces of all rows, as magnitudes; 0 without any.
+    pub load_share: [T; 2],
+    /// How near the row is to its limits.
+    pub margins: Margins<T>,
+    /// `L10^(-10/9)`, `L10` in million revolutions: this figure adds up over rows. See [`LifeRating`].
+    pub life_rate: T,
+}
+
+/// Least and largest of some numbers.
+#[derive(Clone, Copy)]
+struct Range<T>([T; 2]);
+
+impl<T: Real> Range<T> {
+    fn none() -> Self {
+        Self([f64::INFINITY, f64::NEG_INFINITY].map(T::of))
+    }
+
+    fn take(&mut self, x: T) {
+        self.0 = [self.0[0].at_most(x), self.0[1].at_least(x)];
+    }
+
+    fn or_zero(self) -> [T; 2] {
+        if self.0[0] <= self.0[1] {
+            self.0
+        } else {
+            [T::ZERO; 2]
+        }
+    }
+}
+
+impl<T: Real> RowSummary<T> {
+    /// A row that is alone on its shaft.
+    pub(crate) fn of<R: Rule>(
+        row: &View<'_, T, R>,
+        limits: &Limits<T>,
+        rating: &LifeRating<T>,
+    ) -> Self {
+        let c = row.c;
+        let (mut forces, mut angles) = ([Range::none(); 2], [Range::none(); 2]);
+        let (mut peak, mut force) = ([T::ZERO; 2], [T::ZERO; 3]);
+        let margins = row.survey(limits, |ball, kinetics| {
+            let contacts = [&kinetics.inner, &kinetics.outer];
+            for (race, contact) in contacts.into_iter().enumerate() {
+                forces[race].take(contact.q * c.force);
+                if contact.q > T::ZERO {
+                    let pressure = c.grooves[race].pressure * contact.delta.sqrt();
+                    peak[race] = peak[race].at_least(pressure);
+                    angles[race].take(contact.n[0].atan2(contact.n[1]));
+                }
+            }
+            let (q, [sin, cos]) = (kinetics.inner.q, kinetics.inner.n);
+            let friction = kinetics.friction[0];
+            force[0] += c.force * (q * sin + friction * cos);
+            if let Some(at) = row.azimuths.get(usize::from(ball)) {
+                let outwards = c.force * (q * cos - friction * sin);
+                force[1] += outwards * at.cos;
+                force[2] += outwards * at.sin;
+            }
+        });
+        let [inner_force, outer_force] = forces.map(Range::or_zero);
+        let [inner_angle, outer_angle] = angles.map(Range::or_zero);
+        Self {
+            inner_force,
+            outer_force,
+            peak_pressure: peak,
+            inner_angle,
+            outer_angle,
+            force,
+            preload: T::ZERO,
+            load_share: [T::ONE; 2],
+            margins,
+            life_rate: rating.weight_of(row.contact_forces()),
+        }
+    }
+}
