@@ -1,10 +1,12 @@
 //! Bearings whose rings and balls have grown.
 
 use super::solves::{
-    BALL_COUNTS, Balls, PRECISIONS, Question, SKEW, forces, lengths, solver, vector_error,
+    BALL_COUNTS, Balls, PRECISIONS, Question, SKEW, forces, lengths, ring_solver, solver,
+    vector_error,
 };
 use super::spindles::displacement_of;
 use host_tests::cases::{B7005C, sets};
+use host_tests::compare::stiffness_error;
 use host_tests::dispatch::Precision;
 use spindle_bearing::{Expansion, FreeContact, Growth};
 
@@ -55,6 +57,29 @@ fn growth_of_nothing_changes_no_bit() {
                 ..Growth::NONE
             };
             assert_eq!(without.ask(&question), with.ask(&question.grown(none)));
+        }
+    }
+}
+
+/// The ring makes up for growth along the axis by its displacement, and nothing else changes.
+#[test]
+fn axial_growth_moves_a_ring_under_its_load_back_by_as_much() {
+    for freedoms in [1, 5] {
+        for balls in [Balls::Static, Balls::Free] {
+            let mut solver = ring_solver(&B7005C, 16, Precision::F64, balls, freedoms);
+            let question = Question::load(SKEW, 2094.0);
+            let cold = solver.solve(&question);
+            for axial in [2e-6, -5e-6] {
+                let grown = solver.solve(&question.grown(Growth {
+                    axial,
+                    ..Growth::NONE
+                }));
+                let mut u = cold.u;
+                u[0] -= axial;
+                let off = vector_error(grown.u, u, lengths(&B7005C));
+                let of_k = stiffness_error(&grown.k, &cold.k);
+                assert!(off < 1e-11 && of_k < 1e-11, "{off:e}, {of_k:e}");
+            }
         }
     }
 }

@@ -5,10 +5,12 @@ use super::solves::{LIFTING, SKEW};
 use host_tests::cases::{B218, B7005C};
 use host_tests::dispatch::Attitude;
 use spindle_bearing::{
-    Bearing, Design, Full, HertzContact, InnerRaceControl, Motion, OuterRaceControl, Race,
-    RacewayControlFree, Settings, Solver, Speed,
+    Arrangement, BallKinematics, Bearing, Design, Frequencies, Full, HertzContact,
+    InnerRaceControl, Motion, OuterRaceControl, Preload, Race, RacewayControlFree, Settings,
+    Solver, Speed, Spindle, SpindleSolver,
 };
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 const OMEGA: f64 = 1200.0;
 
@@ -126,4 +128,43 @@ fn a_slow_bearing_has_the_frequencies_of_the_textbook() {
     // The textbook's ball does not spin; this one turns about the axis that its contacts leave it.
     let ball = 0.5 * turns / (B7005C.ball_diameter / B7005C.pitch_diameter) * (1.0 - ratio * ratio);
     assert!((found.ball / ball - 1.0).abs() < 0.01, "{ball}");
+}
+
+/// Frequencies are means of `all` balls that the inner race touches, so many, or of all if it touches none.
+fn assert_means(all: Vec<BallKinematics<f64>>, touching: Range<usize>, found: Frequencies<f64>) {
+    let mut meant = all.clone();
+    meant.retain(|ball| ball.inner.peak_pressure > 0.0);
+    assert!(touching.contains(&meant.len()), "{}", meant.len());
+    if meant.is_empty() {
+        meant = all;
+    }
+    let hertz = 1.0 / (TAU * meant.len() as f64);
+    let cage: f64 = meant.iter().map(|ball| ball.cage_speed).sum();
+    let rotation: f64 = meant.iter().map(|ball| ball.rotation).sum();
+    for (found, mean) in [(found.cage, cage * hertz), (found.ball, rotation * hertz)] {
+        assert!((found / mean - 1.0).abs() < 1e-12, "{found} {mean}");
+    }
+}
+
+/// A ball that only the outer race touches turns otherwise than a loaded one.
+#[test]
+fn frequencies_are_means_of_the_balls_that_the_inner_race_touches_or_of_all_if_it_touches_none() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let (settings, speed) = (Settings::default(), Speed::rpm(40_000.0));
+    let mut solver = Solver::new(&bearing);
+    let lifting = solver.solve(LIFTING, speed, &settings).unwrap();
+    assert_means(lifting.kinematics().collect(), 1..16, lifting.frequencies());
+
+    let held = Preload::Force(50.0);
+    let pair = Spindle::pair(Arrangement::BackToBack, &bearing, 0.1, held).unwrap();
+    let mut solver = SpindleSolver::new(pair);
+    let pushed = solver
+        .solve([2000.0, 0.0, 0.0, 0.0, 0.0], speed, &settings)
+        .unwrap();
+    let lifted_off = pushed.rows().last().unwrap();
+    assert_means(
+        lifted_off.kinematics().collect(),
+        0..1,
+        lifted_off.frequencies(),
+    );
 }

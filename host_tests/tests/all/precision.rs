@@ -290,3 +290,12 @@ fn a_tolerance_below_rounding_is_not_said_to_be_met() {
     assert!(ended.len() > 20, "{}", ended.len());
     assert!(ended.iter().all(|found| found.error[2] > 5.0 * TOLERANCE));
 }
+
+/// Of a light load, the balls' forces are rounded, and the ring moves by so much over its stiffness.
+#[test]
+fn errors_stated_of_displacements_cover_how_far_rounded_forces_move_a_ring_at_speed() {
+    let size = |i: i32| 0.01 * 1.023f64.powi(i);
+    let question = |i| ([size(i), 0.1 * size(i), 0.0, 0.0, 0.0], 2000.0);
+    let questions: Vec<_> = (0..400).map(question).collect();
+    stated_over_true(Precision::F32, 2e-5, &questions);
+}

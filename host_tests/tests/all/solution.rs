@@ -45,6 +45,30 @@ fn a_snapshot_is_what_the_reference_build_says() {
     }
 }
 
+/// Forces are rows, which a symmetric stiffness would not show.
+#[test]
+fn a_matrix_of_nalgebra_makes_of_a_displacement_the_forces_that_the_stiffness_makes() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let mut solver = Solver::new(&bearing);
+    let speed = Speed::rpm(20_000.0);
+    let solution = solver.solve(SKEW, speed, &Settings::default()).unwrap();
+    let copy = solution.snapshot();
+    let (k, u) = (copy.stiffness, copy.displacement);
+    for force in [
+        solution.stiffness_matrix() * solution.displacement_vector(),
+        copy.stiffness_matrix() * copy.displacement_vector(),
+    ] {
+        for i in 0..5 {
+            let parts = [0, 1, 2, 3, 4].map(|j| k[i][j] * u[j]);
+            let (sum, size) = (
+                parts.iter().sum::<f64>(),
+                parts.map(f64::abs).iter().sum::<f64>(),
+            );
+            assert!((force[i] - sum).abs() <= 1e-14 * size, "{i}: {force}");
+        }
+    }
+}
+
 /// A summary has the figures that the solution's other methods give ball by ball.
 #[test]
 fn a_summary_is_what_the_balls_of_each_row_say() {

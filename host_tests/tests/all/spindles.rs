@@ -308,6 +308,42 @@ fn another_point_of_reference_transforms_the_result() {
     }
 }
 
+/// A shaft that yields at its nose, in bending too, adds its flexibility to the compliance there.
+#[test]
+fn the_stiffness_at_a_nose_that_yields_is_the_inverse_of_its_compliance() {
+    let mut flexibility = [[0.0; 5]; 5];
+    // A cantilever: displacement and slope of its end by force and moment.
+    let [deflection, slope, turn] = [4e-9, 6e-8, 1.2e-6];
+    flexibility[0][0] = 1e-9;
+    for (y, tilt, sign) in [(1, 4, 1.0), (2, 3, -1.0)] {
+        flexibility[y][y] = deflection;
+        flexibility[y][tilt] = sign * slope;
+        flexibility[tilt][y] = sign * slope;
+        flexibility[tilt][tilt] = turn;
+    }
+    let nose = ShaftEnd {
+        position: -0.1,
+        flexibility,
+    };
+    let solve = |end: ShaftEnd<f64>| {
+        let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(&loaded(SKEW, 9000.0), &end);
+        let asked = with_solver(&sprung(), FREE, Precision::F64, ask).unwrap();
+        asked.unwrap_or_else(|e| panic!("{e}"))
+    };
+    let (yielding, rigid) = (solve(nose), solve(ShaftEnd::rigid(-0.1)));
+    for i in 0..5 {
+        for j in 0..5 {
+            let [c, of_rigid] = [&yielding, &rigid].map(|answer| answer.compliance_at[i][j]);
+            let [ci, cj] = [i, j].map(|l| yielding.compliance_at[l][l]);
+            assert!((c - of_rigid - flexibility[i][j]).abs() < 1e-12 * (ci * cj).sqrt());
+            let product = |l: usize| yielding.stiffness_at[i][l] * yielding.compliance_at[l][j];
+            let sum: f64 = (0..5).map(product).sum();
+            let unit = f64::from(u8::from(i == j));
+            assert!((sum - unit).abs() < 1e-10 * (cj / ci).sqrt(), "{sum}");
+        }
+    }
+}
+
 /// Forces of the rows on the shaft, about x = 0.
 fn on_shaft(plan: &Plan, answer: &Answer) -> [f64; 5] {
     let mut sum = [0.0; 5];
@@ -878,6 +914,23 @@ fn of_balls_driven_out_of_several_rows_the_one_whose_contacts_are_furthest_apart
                 }
                 other => panic!("{precision:?}: {other:?}"),
             }
+        }
+    }
+}
+
+/// From nothing: without a load, the rows are where the closure has put them.
+#[test]
+fn a_pair_that_only_its_preload_presses_is_known_to_some_roundings_of_single_precision() {
+    for i in 0..50 {
+        let plan = pair(f64::from(0.2 * 1.15f32.powi(i)));
+        let [found, truth] = [Precision::F32, Precision::F64]
+            .map(|precision| ask_in(&plan, Balls::Static, precision, &loaded([0.0; 5], 0.0)))
+            .map(Result::unwrap);
+        let off = stiffness_error(&found.stiffness, &truth.stiffness);
+        assert!(off < 2e-6 && off <= found.error[2], "{i}: {off:e}");
+        for (found, truth) in found.rows.iter().zip(&truth.rows) {
+            let off = (found.preload / truth.preload - 1.0).abs();
+            assert!(off < 2e-6, "{i}: {off:e}");
         }
     }
 }
