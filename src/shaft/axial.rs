@@ -161,6 +161,6 @@ impl<T: Real> AxialRest<T> {
             T::ZERO
         };
         let change = change + self.growth.abs();
-        T::EPSILON * change / dx.abs().at_least(T::TINY)
+        T::of(4.0) * T::EPSILON * change / dx.abs().at_least(T::TINY)
     }
 }
