@@ -2,7 +2,7 @@
 """Functions and files of the library on the way of a warm solve.
 
 Counts what a second warm solve runs besides the first one, by the compiler's coverage counters, so that functions in line
-count, too. Left out: closures, numbers (float.rs, sqrt.rs), and vectors and matrices of two.
+count, too. Left out: closures, numbers (real.rs, sqrt.rs), and vectors and matrices of two.
 
     rustup component add llvm-tools
     python3 host_tests/warm_path.py            counts
@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PRIMITIVE_FILES = {"float.rs", "real.rs", "sqrt.rs"}
+PRIMITIVE_FILES = {"real.rs", "sqrt.rs"}
 PRIMITIVES = "dot dots add sub scale times times_transposed product2 turn".split()
 
 PROGRAM = """

@@ -36,21 +36,21 @@
 //! | balls | [`BallState`], [`BallKinematics`], [`Frequencies`] |
 //! | physical limits | [`Limits`], [`Margins`]; a row at a glance: [`RowSummary`] |
 //! | rating life | [`LifeRating`], [`RatingLife`] |
-//! | what a scene leaves out | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |
+//! | how the balls move: at rest, under centrifugal force, with all inertia loads | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |
 //!
 //! Inside, imports go down these layers. `CONTRIBUTING.md` draws them and says where a first change goes.
 //!
 //! | layer | has |
 //! | --- | --- |
 //! | `spindle` | bearings on a shaft, as a user builds them |
-//! | `solver` | faces, problem, Newton's loop, starts, what one solve leaves for the next |
+//! | `solver` | public solvers, problem, Newton's loop, starts, what one solve leaves for the next |
 //! | `results` | what a solved row shows: summary, margins, life, frequencies |
 //! | `shaft` | rows on their mounts: their motion, sum of forces and stiffness |
 //! | `ball` | one ball for a given ring: contacts, kinematics, linearised and condensed |
+//! | `real`, `linalg`, `growth` | numbers, vectors, matrices; growth of rings and balls |
 //! | `bearing`, `design` | the constants of a design |
-//! | `real`, `linalg` | numbers, vectors, matrices |
 //!
-//! No allocation, no panic, no NaN as a number. `f32` has the same bits on a Cortex-M4F and on a host.
+//! No allocation, no panic, no NaN in an answer. `f32` has the same bits on a Cortex-M4F and on a host.
 //!
 //! | feature | adds |
 //! | --- | --- |

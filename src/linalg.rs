@@ -106,28 +106,28 @@ pub fn moved<T: Real, const D: usize>(distance: T, u: &[T; D]) -> [T; D] {
     u
 }
 
-/// Refers a force on the groove plane to the bearing centre.
+/// Refers a force, in place, to a point that is nearer to the origin by `distance`.
 #[inline(always)]
-pub fn refer<T: Real, const D: usize>(plane: T, force: &mut [T; D]) {
+pub fn refer<T: Real, const D: usize>(distance: T, force: &mut [T; D]) {
     if D >= 5 {
-        force[4] += plane * force[1];
-        force[3] -= plane * force[2];
+        force[4] += distance * force[1];
+        force[3] -= distance * force[2];
     }
 }
 
-/// Refers a stiffness at the groove plane to the bearing centre.
+/// Refers a stiffness, in place, to a point that is nearer to the origin by `distance`.
 #[inline(always)]
-pub fn refer_stiffness<T: Real, const D: usize>(plane: T, k: &mut Matrix<T, D>) {
+pub fn refer_stiffness<T: Real, const D: usize>(distance: T, k: &mut Matrix<T, D>) {
     if D >= 5 {
         for row in k.iter_mut() {
             let (y, z) = (row[1], row[2]);
-            row[4] += plane * y;
-            row[3] -= plane * z;
+            row[4] += distance * y;
+            row[3] -= distance * z;
         }
         for j in 0..D {
             let (y, z) = (k[1][j], k[2][j]);
-            k[4][j] += plane * y;
-            k[3][j] -= plane * z;
+            k[4][j] += distance * y;
+            k[3][j] -= distance * z;
         }
     }
 }

@@ -84,7 +84,7 @@ impl fmt::Display for Quantity {
 
 /// How a solve ended.
 ///
-/// The first two come with an answer, in [`Solution::status`](crate::Solution::status). The rest are refusals, the `Err`
+/// The first two come with an answer, in [`Solution::status`](crate::Solution::status); the third with what `unfinished` returns. The rest are refusals, the `Err`
 /// of a solve.
 ///
 /// ```
@@ -113,7 +113,7 @@ pub enum Status<T> {
     IterationLimit,
     /// Centrifugal force has driven a ball out of the inner groove: the load is too small for the speed.
     ///
-    /// Either none of the starts led to an equilibrium, and a ball's contacts are more than 90 degrees apart. Or an
+    /// Either the start led to no equilibrium, and a ball's contacts are more than 90 degrees apart. Or an
     /// equilibrium has a ball's contacts more than 150 degrees apart, next to the pole of the cage speed. There the model
     /// has several equilibria or none.
     Unseated {
@@ -197,6 +197,10 @@ impl<T: fmt::Display + fmt::LowerExp> fmt::Display for Status<T> {
                 "{quantity} is {value:e}, beyond the {limit:e} that the model covers"
             ),
             Self::Unloaded => f.write_str("no load on the ring, which floats in its clearance"),
+            Self::Indeterminate {
+                free: Quantity::Closure,
+                ..
+            } => f.write_str("no ball holds the sleeve: more force of the spring"),
             Self::Indeterminate { loaded_balls, free } => write!(
                 f,
                 "{loaded_balls} loaded balls leave the ring free to move, above all in {free}: a single \

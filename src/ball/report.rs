@@ -1,6 +1,4 @@
-//! A ball that is somewhere: its contacts, and the inertia loads that follow from them.
-//!
-//! Without slopes: for settling a ball, and for reports.
+//! Contacts and inertia loads of a ball at a given position, without slopes: for settling, and for results.
 
 use crate::ball::contact::{Contact, Point};
 use crate::ball::kinematics::{Contacts, Rule};
@@ -191,7 +189,7 @@ impl<T: Real> Kinetics<T> {
     }
 
     /// How the ball turns on a shaft with the speed `omega`, rad/s, and how its contacts are pressed, in SI units.
-    pub fn motion(&self, c: &Constants<T>, omega: T) -> BallKinematics<T> {
+    pub fn turning(&self, c: &Constants<T>, omega: T) -> BallKinematics<T> {
         let ([si, ci], [so, co]) = (self.inner.n, self.outer.n);
         // The rotation across the bearing's axis, and along it so that the ball rolls on the race whose contact is
         // more radial: over the shaft speed, times tau.

@@ -1043,8 +1043,8 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         // Force of the inner ring onto the balls, in units.
         let (mut axial, mut radial) = (0.0_f32, [0.0_f32; 2]);
         *seen = NO_ROW;
-        let margins = view.survey(&limits, |ball, pose| {
-            let contacts = [&pose.inner, &pose.outer];
+        let margins = view.survey(&limits, |ball, kinetics| {
+            let contacts = [&kinetics.inner, &kinetics.outer];
             let force = contacts.map(|k| k.q.to_f32());
             let q = unit * force[0];
             if q < seen.least_force {
@@ -1053,7 +1053,10 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
             if q > seen.largest_force {
                 seen.largest_force = q;
             }
-            let ([sin, cos], friction) = (pose.inner.n.map(T::to_f32), pose.friction[0].to_f32());
+            let ([sin, cos], friction) = (
+                kinetics.inner.n.map(T::to_f32),
+                kinetics.friction[0].to_f32(),
+            );
             axial += force[0] * sin + friction * cos;
             if let Some(at) = view.azimuths.get(usize::from(ball)) {
                 let outwards = force[0] * cos - friction * sin;
@@ -1062,7 +1065,7 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
             }
             inner += force[0] * force[0] * force[0];
             // In units, an outer contact's force is the deformation to 3/2, so that the force to 10/3 is a square.
-            let root = force[1] * pose.outer.delta.to_f32();
+            let root = force[1] * kinetics.outer.delta.to_f32();
             outer += root * root;
             if let Some(to) = balls.get_mut(usize::from(ball)) {
                 let [i, o] = contacts.map(|k| k.n.map(T::to_f32));

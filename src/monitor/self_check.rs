@@ -204,8 +204,8 @@ fn add<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     }
     let limits = Limits::default();
     for i in 0..R {
-        let margins = of.view(i).survey(&limits, |_, pose| {
-            for contact in [&pose.inner, &pose.outer] {
+        let margins = of.view(i).survey(&limits, |_, kinetics| {
+            for contact in [&kinetics.inner, &kinetics.outer] {
                 let [sin, cos] = contact.n;
                 for x in [contact.q, sin, cos] {
                     add_number(sum, x);

@@ -71,7 +71,7 @@ impl<'s, T: Real, R: Rule> View<'s, T, R> {
     pub fn kinematics(self) -> impl ExactSizeIterator<Item = BallKinematics<T>> + 's {
         let omega = self.speed.as_rad_per_s();
         self.kinetics_of_balls()
-            .map(move |kinetics| kinetics.motion(self.c, omega))
+            .map(move |kinetics| kinetics.turning(self.c, omega))
     }
 
     pub fn frequencies(self) -> Frequencies<T> {

@@ -27,7 +27,7 @@ pub struct RowSummary<T> {
     pub force: [T; 3],
     /// Part of the axial force that is preload, N: see [`RowSolution::preload`](crate::RowSolution::preload).
     pub preload: T,
-    /// Parts of the axial and of the radial forces of all rows, as magnitudes; 0 without any.
+    /// Part of this row in the axial forces and in the radial forces of all rows, as magnitudes; 0 where there is no such force.
     pub load_share: [T; 2],
     /// How near the row is to its limits.
     pub margins: Margins<T>,
@@ -58,7 +58,24 @@ impl<T: Real> Range<T> {
 }
 
 impl<T: Real> RowSummary<T> {
-    /// A row that is alone on its shaft.
+    /// Takes preload and shares of the load that the rows have together.
+    pub(crate) fn share<const R: usize>(rows: &mut [Self; R], preloads: &[T; R]) {
+        let magnitudes = rows.each_ref().map(|row| {
+            let [axial, y, z] = row.force;
+            [axial.abs(), (y * y + z * z).sqrt()]
+        });
+        let mut all = [T::TINY; 2];
+        for [axial, radial] in &magnitudes {
+            all = [all[0] + *axial, all[1] + *radial];
+        }
+        let of_rows = preloads.iter().zip(magnitudes);
+        for (row, (preload, [axial, radial])) in rows.iter_mut().zip(of_rows) {
+            row.preload = *preload;
+            row.load_share = [axial / all[0], radial / all[1]];
+        }
+    }
+
+    /// A row without what it shares with other rows.
     pub(crate) fn of<R: Rule>(
         row: &View<'_, T, R>,
         limits: &Limits<T>,
@@ -67,6 +84,8 @@ impl<T: Real> RowSummary<T> {
         let c = row.c;
         let (mut forces, mut angles) = ([Range::none(); 2], [Range::none(); 2]);
         let (mut peak, mut force) = ([T::ZERO; 2], [T::ZERO; 3]);
+        // Sums of the inner forces cubed and of the outer forces to 10/3, in the row's unit of force.
+        let (mut inner, mut outer, mut balls) = (T::ZERO, T::ZERO, T::ZERO);
         let margins = row.survey(limits, |ball, kinetics| {
             let contacts = [&kinetics.inner, &kinetics.outer];
             for (race, contact) in contacts.into_iter().enumerate() {
@@ -78,6 +97,10 @@ impl<T: Real> RowSummary<T> {
                 }
             }
             let (q, [sin, cos]) = (kinetics.inner.q, kinetics.inner.n);
+            let outer_force = kinetics.outer.q;
+            inner += q * q * q;
+            outer += outer_force * outer_force * outer_force * outer_force.cbrt();
+            balls += T::ONE;
             let friction = kinetics.friction[0];
             force[0] += c.force * (q * sin + friction * cos);
             if let Some(at) = row.azimuths.get(usize::from(ball)) {
@@ -96,9 +119,9 @@ impl<T: Real> RowSummary<T> {
             outer_angle,
             force,
             preload: T::ZERO,
-            load_share: [T::ONE; 2],
+            load_share: [T::ZERO; 2],
             margins,
-            life_rate: rating.weight_of(row.contact_forces()),
+            life_rate: rating.weight(c.force, inner, outer, balls),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A shaft in its rows of balls: turns the shaft's motion into the rows' motions, and adds up the rows' forces.
 //!
-//! A bearing is a shaft with one row, in the frame and the units of that row. It is no `SET`: mounts are not there then.
+//! A bearing is a shaft with one row, in the frame and the units of that row. `SET` says whether rows have mounts of their own;
+//! a bearing alone has [`Mount::PLAIN`], and its loop leaves that arithmetic out.
 
 pub mod axial;
 pub mod row;
@@ -159,8 +160,8 @@ pub struct Layout<'b, T, const R: usize, const SET: bool> {
     pub plane: T,
     /// Number of balls, weighted with their inertia in units of the first row.
     pub ball_count: T,
-    /// About the forces by which the rows hold each other at rest.
-    pub preload: T,
+    /// Estimate of the preload at rest, in the shaft's unit of force; load scales are at least this.
+    pub preload_at_rest: T,
 }
 
 impl<'b, T: Real> Layout<'b, T, 1, false> {
@@ -178,7 +179,7 @@ impl<'b, T: Real> Layout<'b, T, 1, false> {
             sliding: None,
             plane: c.plane,
             ball_count: c.balls,
-            preload: c.preload,
+            preload_at_rest: c.preload,
         }
     }
 }
@@ -220,6 +221,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
         }
     }
 
+    /// A group of rows by its first row, if there is such a group.
     pub fn group(&self, group: Option<Group<T>>) -> Option<GroupRow<'_, T>> {
         let group = group?;
         let row = self.rows.get(group.first)?;

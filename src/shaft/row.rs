@@ -82,7 +82,7 @@ impl<T: Real, const D: usize> Sum<T, D> {
         }
     }
 
-    /// Adds their slopes.
+    /// Adds the slopes of two opposite balls' forces.
     #[inline(always)]
     pub fn add_slopes(&mut self, a: &Condensed<T>, b: &Condensed<T>, at: &Azimuth<T>) {
         let (c, s) = (at.cos, at.sin);
@@ -276,8 +276,9 @@ pub struct Changes<T, const D: usize> {
     pub k: [T; D],
     /// Largest relative change of a ball's stiffness.
     pub relative: T,
-    /// Largest square of it as it counts in the force of a ball, and the largest force of a ball.
+    /// Largest error of second order of a ball's force after the step.
     pub force_error: T,
+    /// Largest force of a ball on the ring.
     pub largest: T,
     /// Least cosine of the angle between the contacts of a ball.
     pub cos: T,

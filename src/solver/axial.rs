@@ -134,6 +134,10 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             return self.at_speed(asked, given, settings);
         }
         self.last.points[0] = Point::new(c, s, size, growth);
+        if M::AT_SPEED {
+            // Without its references, the last solution at speed is no start, however this solve ends.
+            self.last.state.s = T::ZERO;
+        }
         self.at_rest(asked, given, settings)
     }
 
@@ -184,9 +188,6 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         self.centres = centres;
         let [slope, ..] = contact.tangent();
         self.last.state.sum.k[0][0] = slope;
-        if M::AT_SPEED {
-            self.last.state.s = T::ZERO;
-        }
         let error = T::of(6.0) * (T::EPSILON + left);
         Ok(AxialSolution {
             status: Status::Converged,
@@ -230,7 +231,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             .run::<M::Rule, _>(&layout, &problem, most, &mut more)?;
         let state = &self.last.state;
         Ok(AxialSolution {
-            status: state.attempt.report.termination.status(),
+            status: state.attempt.termination.status(),
             iterations: reached.iterations,
             error: state.errors(&reached.u, self.last.points[0].s),
             displacement: asked.displacement_or(reached.u[0] * c.length),

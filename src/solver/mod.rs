@@ -162,16 +162,15 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
             .run::<M::Rule, _>(&layout, &problem, most, &mut more_time)?;
         let mut solution = Solution::new(self.bearing, &self.last, &reached);
         for (i, given) in given.iter().enumerate() {
-            match *given {
-                Given::Load(load) => solution.load[i] = load,
-                Given::Displacement(u) => solution.displacement[i] = u,
-            }
+            solution.load[i] = given.load_or(solution.load[i]);
+            solution.displacement[i] = given.displacement_or(solution.displacement[i]);
         }
         Ok(solution)
     }
 
     /// The state that a solve had reached when it ended as [`Status::IterationLimit`], marked with this status. None after any
-    /// other end, and where figures are not finite; input that is refused changes nothing.
+    /// other end, where figures are not finite, and where an attempt was given up without time for a start; the next solve begins
+    /// one. Input that is refused changes nothing.
     ///
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
     /// of the stiffness is 1 or more, nothing is known of it. The table of a cut is in `docs/firmware.md`.

@@ -186,7 +186,6 @@ impl<T: Real, const D: usize> State<T, D> {
             ds = T::ZERO;
             (time.taken, self.attempt.taken) = (time.taken + 1, self.attempt.taken + 1);
             time.is_up = time.taken >= time.max_iterations || !(time.more)();
-            let is_last = time.is_up;
 
             let r = self.unbalanced(problem, T::ZERO);
             let mut size = problem.load_scale.at_least(*shaft.preload);
@@ -211,8 +210,8 @@ impl<T: Real, const D: usize> State<T, D> {
             if let Some(back) = back {
                 let planar = moved(plane, &back);
                 self.advance(planar);
-                if is_last {
-                    self.look::<A, R, SET>(shaft, &planar, near);
+                if time.is_up {
+                    self.estimate_change::<A, R, SET>(shaft, &planar, near);
                     break;
                 }
                 continue;
@@ -223,8 +222,8 @@ impl<T: Real, const D: usize> State<T, D> {
             self.advance(planar);
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
             let far = residual > problem.far;
-            if !far || is_last {
-                self.look::<A, R, SET>(shaft, &planar, near && is_last);
+            if !far || time.is_up {
+                self.estimate_change::<A, R, SET>(shaft, &planar, near && time.is_up);
             }
             let work = product(&r, &du);
             if damped {
@@ -235,16 +234,16 @@ impl<T: Real, const D: usize> State<T, D> {
                 }
             } else if near && !far {
                 match self.verdict(shaft, problem, &before) {
-                    Termination::Unfinished => {}
-                    Termination::Rounded if !problem.is_held_by(shaft) => {
+                    None => {}
+                    Some(Termination::Rounded) if !problem.is_held_by(shaft) => {
                         return Termination::Singular;
                     }
                     _ if self.weak => return Termination::Singular,
-                    end => return end,
+                    Some(termination) => return termination,
                 }
             }
             self.attempt.control.last = Some(Step { du, work, damped });
-            if is_last {
+            if time.is_up {
                 break;
             }
         }
@@ -255,14 +254,14 @@ impl<T: Real, const D: usize> State<T, D> {
         }
     }
 
-    /// Estimates how far the step `planar` of the groove plane changes the stiffness. If it `may`, the stiffness is to follow the
-    /// step where that makes it better.
+    /// Estimates how far the step `planar` of the groove plane changes the stiffness. With `may_correct`, the stiffness is stale
+    /// where its correction along the step makes it better.
     #[inline(always)]
-    fn look<A: Rule, const R: usize, const SET: bool>(
+    fn estimate_change<A: Rule, const R: usize, const SET: bool>(
         &mut self,
         shaft: &Shaft<'_, T, R, SET>,
         planar: &[T; D],
-        may: bool,
+        may_correct: bool,
     ) {
         let changes = shaft.changes::<A, D>(planar);
         // The largest quotient, with one division.
@@ -280,7 +279,7 @@ impl<T: Real, const D: usize> State<T, D> {
             largest: changes.largest,
             cos: changes.cos,
         };
-        self.stale = may && estimate.corrected() < estimate.k;
+        self.stale = may_correct && estimate.corrected() < estimate.k;
         self.attempt.report.estimate = estimate;
     }
 
@@ -306,7 +305,7 @@ impl<T: Real, const D: usize> State<T, D> {
         shaft: &Shaft<'_, T, R, SET>,
         problem: &Problem<T, D>,
         before: &StepReport<T>,
-    ) -> Termination {
+    ) -> Option<Termination> {
         let report = self.attempt.report;
         let Estimate {
             k, relative, force, ..
@@ -320,16 +319,16 @@ impl<T: Real, const D: usize> State<T, D> {
             if self.stale {
                 self.attempt.report.estimate.k = corrected;
             }
-            Termination::Converged
+            Some(Termination::Converged)
         } else if stalled
             && relative < T::of(tuning::COARSE)
             && self.is_rounded(shaft, problem, &report)
         {
             // Such a step may lead far along a weak direction: the answer is where the balance was seen.
             (self.v, self.stale) = (self.at, false);
-            Termination::Rounded
+            Some(Termination::Rounded)
         } else {
-            Termination::Unfinished
+            None
         }
     }
 }

@@ -107,7 +107,7 @@ pub enum Given<T> {
 impl<T> Given<T> {
     /// The load that was given, or else the reaction.
     #[inline(always)]
-    pub fn load_or(self, found: T) -> T {
+    pub(super) fn load_or(self, found: T) -> T {
         match self {
             Self::Load(given) => given,
             Self::Displacement(_) => found,
@@ -116,7 +116,7 @@ impl<T> Given<T> {
 
     /// The displacement that was given, or else the one that was found.
     #[inline(always)]
-    pub fn displacement_or(self, found: T) -> T {
+    pub(super) fn displacement_or(self, found: T) -> T {
         match self {
             Self::Displacement(given) => given,
             Self::Load(_) => found,
@@ -124,12 +124,12 @@ impl<T> Given<T> {
     }
 }
 
-/// Load and prescribed displacements of a solve, in the units of the constants, referred to the bearing centre.
+/// Load and prescribed displacements of a solve, in the units of the constants, referred to the shaft's centre.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<T, const D: usize> {
     /// Load; 0 of a freedom whose displacement is given.
     pub load: [T; D],
-    /// Its size.
+    /// Size of the load, or of the preload if that is larger.
     pub load_scale: T,
     /// The displacement that is given of some freedoms.
     pub prescribed: [Option<T>; D],
@@ -182,10 +182,11 @@ impl<T: Real, const D: usize> Problem<T, D> {
 pub struct Time<'a> {
     /// Most iterations; at least one is taken.
     pub max_iterations: u16,
+    /// Iterations taken in this call.
     pub taken: u16,
     /// Asked after every pass over the balls.
     pub more: &'a mut dyn FnMut() -> bool,
-    /// There is no more.
+    /// The time is used up.
     pub is_up: bool,
 }
 
@@ -257,10 +258,10 @@ pub fn speed_and_growth<T: Real>(
     Ok((speed.0, growth))
 }
 
-/// Inertia `m dm omega^2 / 2`; 0 where the inertia of `weight` balls is below rounding of loads of the size `size`.
-pub fn inertia<T: Real>(c: &Constants<T>, omega: T, weight: T, size: T) -> T {
+/// Inertia `m dm omega^2 / 2`; 0 where the inertia of `ball_count` balls is below rounding of loads of the size `size`.
+pub fn inertia<T: Real>(c: &Constants<T>, omega: T, ball_count: T, size: T) -> T {
     let s = c.inertia * omega * omega;
-    if size > T::ZERO && s * weight < T::EPSILON * size {
+    if size > T::ZERO && s * ball_count < T::EPSILON * size {
         T::ZERO
     } else {
         s

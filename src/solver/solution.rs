@@ -43,7 +43,7 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
 }
 
 impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, M, D> {
-    /// Of a solver that has reached this.
+    /// The solution where `last` stands, which is at `reached` in the solver's units.
     pub(super) fn new(
         bearing: &'s Bearing<T, N>,
         last: &'s WarmStart<T, 1, N, D>,
@@ -51,7 +51,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     ) -> Self {
         let c = &bearing.constants;
         Self {
-            status: last.state.attempt.report.termination.status(),
+            status: last.state.attempt.termination.status(),
             iterations: reached.iterations,
             error: last.state.errors(&reached.u, last.points[0].s * c.balls),
             displacement: from_fn(|i| reached.u[i] * units(c, i).1),
@@ -167,7 +167,10 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn summary(&self, limits: &Limits<T>, rating: &LifeRating<T>) -> RowSummary<T> {
-        RowSummary::of(&self.view(), limits, rating)
+        let mut row = [RowSummary::of(&self.view(), limits, rating)];
+        RowSummary::share(&mut row, &[T::ZERO]);
+        let [row] = row;
+        row
     }
 
     /// A copy that borrows nothing.

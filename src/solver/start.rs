@@ -18,15 +18,15 @@ fn spring<T: Real, const D: usize>(problem: &Problem<T, D>) -> T {
     if D == 6 { problem.load[5] } else { T::ZERO }
 }
 
-/// The axial load that holds some rows in a start, in their own frame, and its side.
+/// Axial load that presses a group of rows in a start: magnitude, and side in the rows' own frame.
 struct Pressing<T> {
     force: T,
     side: T,
 }
 
 impl<T: Real> Pressing<T> {
-    /// Of fixed rows: the axial load less what the sliding ones carry. Rows that do not hold each other have so
-    /// much more that radial load and moment do not unload balls at first sight.
+    /// Of fixed rows: the axial load less the sliding rows' part. Where fixed rows all face one way, half the radial load and the
+    /// moment are added, so that no ball is unloaded at first.
     #[inline(never)]
     fn of<const R: usize, const SET: bool, const D: usize>(
         shaft: &Shaft<'_, T, R, SET>,

@@ -16,7 +16,7 @@ pub struct State<T, const D: usize> {
     /// Reference position of the groove plane, along the axis, and the offset of the ring from it.
     pub u: [T; D],
     pub v: [T; D],
-    /// Offset where the balls were condensed last, and what they handed over, referred to the bearing centre.
+    /// Offset where the balls were condensed last, and what they handed over, referred to the shaft's centre.
     pub at: [T; D],
     pub sum: Sum<T, D>,
     /// Factors of the tangent; `plain` if it was undamped, and no displacement prescribed.
@@ -95,6 +95,8 @@ pub struct Attempt<T, const D: usize> {
     pub started: bool,
     /// Iterations so far.
     pub taken: u16,
+    /// How it ended.
+    pub termination: Termination,
     pub report: StepReport<T>,
     pub control: Control<T, D>,
     /// After the last pass, the step before it was taken back.
@@ -102,10 +104,11 @@ pub struct Attempt<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Attempt<T, D> {
-    /// None.
+    /// No attempt yet.
     pub const NONE: Self = Self {
         started: false,
         taken: 0,
+        termination: Termination::Lost,
         report: StepReport::NONE,
         control: Control {
             radius: T::ONE,
@@ -115,16 +118,17 @@ impl<T: Real, const D: usize> Attempt<T, D> {
         back: false,
     };
 
-    /// Begins one.
+    /// Begins an attempt.
     pub fn begin(&mut self, started: bool) {
         (self.started, self.taken, self.back) = (started, 0, false);
+        self.termination = Termination::Lost;
         self.report = StepReport::NONE;
         self.control.radius = T::of(L0 * tuning::FIRST_RADIUS);
         self.control.least = T::of(tuning::DAMPING);
         self.control.last = None;
     }
 
-    /// It has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near.
+    /// The attempt has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near.
     pub fn is_used_up(&self) -> bool {
         self.taken >= 2 * tuning::ATTEMPT
             || (self.taken > tuning::ATTEMPT && self.report.residual > T::of(tuning::COARSE))
@@ -134,7 +138,6 @@ impl<T: Real, const D: usize> Attempt<T, D> {
 /// Report of the last step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport<T> {
-    pub termination: Termination,
     pub estimate: Estimate<T>,
     /// Unbalanced force before the last step, over the load.
     pub residual: T,
@@ -164,7 +167,6 @@ impl<T: Real> StepReport<T> {
 
     /// Before the first iteration.
     pub const NONE: Self = Self {
-        termination: Termination::Lost,
         estimate: Estimate {
             k: T::ONE,
             relative: T::ONE,
@@ -177,7 +179,7 @@ impl<T: Real> StepReport<T> {
     };
 }
 
-/// A step of the ring, referred to the bearing centre, and the work that the unbalanced force before it was to do.
+/// A step of the ring, referred to the shaft's centre, and the work that the unbalanced force before it was to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<T, const D: usize> {
     pub du: [T; D],
@@ -208,7 +210,7 @@ pub struct ErrorEstimate<T> {
 
 impl<T: Real> ErrorEstimate<T> {
     /// Every figure is a number.
-    pub fn is_finite(&self) -> bool {
+    pub(super) fn is_finite(&self) -> bool {
         are_finite(&[self.displacement, self.force, self.stiffness])
     }
 }
@@ -249,12 +251,12 @@ impl<T: Real, const D: usize> State<T, D> {
     /// How far the figures at the displacement `u` can be off: what the last step leaves, and what rounding does. `inertia` is
     /// that of all balls.
     pub fn errors(&self, u: &[T; D], inertia: T) -> ErrorEstimate<T> {
-        let StepReport {
+        let Attempt {
             termination,
-            estimate,
-            step,
+            report,
             ..
-        } = self.attempt.report;
+        } = &self.attempt;
+        let (termination, estimate, step) = (*termination, report.estimate, report.step);
         let margin = T::of(tuning::MARGIN);
         let stiffness = match termination {
             // The estimate is above what a long step changes by itself.

@@ -53,7 +53,10 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         self.state = State::COLD;
     }
 
-    /// Checks the input, and turns it into the solver's units. Loads are given where `to_centre` refers them from.
+    /// Checks the input, turns it into the solver's units, and sets speed, growth and points of the rows.
+    ///
+    /// `to_centre` refers a load from the point where it is given to the shaft's centre. Refused input changes nothing: all
+    /// checks come before the first write.
     pub fn problem<M: Motion, const SET: bool>(
         &mut self,
         layout: &Layout<'_, T, R, SET>,
@@ -79,7 +82,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&layout.bearings) {
             (omega, *grown) = speed_and_growth(row.c, speed, M::AT_SPEED, growth)?;
         }
-        problem.load_scale = norm(&problem.load).at_least(layout.preload);
+        problem.load_scale = norm(&problem.load).at_least(layout.preload_at_rest);
         // A ring that nothing presses and nothing holds floats in its clearance.
         if problem.is_free && !(problem.load_scale > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
@@ -169,7 +172,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         layout: &Layout<'_, T, R, SET>,
     ) -> Option<Reached<T, D>> {
         let attempt = &self.state.attempt;
-        if attempt.report.termination != Termination::Unfinished {
+        if attempt.termination != Termination::Unfinished {
             return None;
         }
         let reached = self.reached(layout.plane, attempt.taken);
@@ -241,7 +244,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let s = shaft.s;
         let mut termination = Termination::Lost;
         if self.is_near(shaft, problem) {
-            if self.attempt.report.termination != Termination::Unfinished {
+            if self.attempt.termination != Termination::Unfinished {
                 self.attempt.begin(false);
             }
             let ds = if s > T::ZERO {
@@ -263,7 +266,7 @@ impl<T: Real, const D: usize> State<T, D> {
             start::<T, A, R, SET, D>(self, shaft, problem);
             termination = self.newton::<A, R, SET>(shaft, problem, T::ZERO, time);
         }
-        self.attempt.report.termination = termination;
+        self.attempt.termination = termination;
         self.load = problem.load;
         self.s = s;
         if is_over {
@@ -317,7 +320,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let motion = self.factors.back_substitute(&free([T::ONE; D]));
         let motion = free(self.factors.back_substitute(&free(motion)));
         let mut freest = 0;
-        for i in 1..D.min(5) {
+        for i in 1..D {
             if motion[i].abs() > motion[freest].abs() {
                 freest = i;
             }

@@ -280,7 +280,7 @@ impl<'b, T: Real, const N: usize> Spindle<'b, T, 1, N, 5> {
             balls: row.bearing.c.balls,
             opposed: false,
         };
-        Self::seated([row], group, None, T::ZERO)
+        Self::mounted([row], group, None, T::ZERO)
     }
 }
 
@@ -351,11 +351,11 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
         check_arranged(arrangement, &rows)?;
         let (fixed, sliding) = groups(&rows, D == 6)?;
-        Ok(Self::seated(rows, fixed, sliding, spring))
+        Ok(Self::mounted(rows, fixed, sliding, spring))
     }
 
-    /// Rows that hold the shaft, seated.
-    fn seated(
+    /// Rows that hold the shaft, on their mounts.
+    fn mounted(
         rows: [Mounted<'b, T, N>; R],
         fixed: Group<T>,
         sliding: Option<Group<T>>,
@@ -371,7 +371,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
         let (centre, plane) = (centre / count, plane / count);
         let mut mounts = [Mount::PLAIN; R];
-        let (mut ball_count, mut preload) = (T::ZERO, T::ZERO);
+        let (mut ball_count, mut preload_at_rest) = (T::ZERO, T::ZERO);
         for (mount, row) in mounts.iter_mut().zip(&rows) {
             let c = row.bearing.c;
             let (facing, arm, closure) = (row.facing.sign::<T>(), radius(c) / rp, row.closure());
@@ -389,7 +389,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             };
             ball_count += c.balls * (mount.force * mount.inertia);
             let axial = c.balls * force_at(c, closure).at_least(T::ZERO);
-            preload += mount.force * (axial + c.preload);
+            preload_at_rest += mount.force * (axial + c.preload);
         }
         Self {
             layout: Layout {
@@ -399,7 +399,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 sliding,
                 plane,
                 ball_count,
-                preload,
+                preload_at_rest,
             },
             positions: rows.map(|row| row.position),
             facings: rows.map(|row| row.facing),

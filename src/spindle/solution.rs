@@ -72,7 +72,7 @@ pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motio
 impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     SpindleSolution<'s, T, R, N, M, D>
 {
-    /// Of a solver that has reached this under the `load`.
+    /// The solution where `last` stands, which is at `reached` in the solver's units, under the `load`.
     pub(super) fn new(
         spindle: &'s Spindle<'s, T, R, N, D>,
         last: &'s WarmStart<T, R, N, D>,
@@ -91,7 +91,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             (from_fn(|i| from_fn(|j| k[i][j])), T::ZERO)
         };
         Self {
-            status: last.state.attempt.report.termination.status(),
+            status: last.state.attempt.termination.status(),
             iterations: reached.iterations,
             error: last
                 .state
@@ -185,25 +185,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     pub fn summary(&self, limits: &Limits<T>, ratings: &[LifeRating<T>; R]) -> [RowSummary<T>; R] {
         let mut rows: [RowSummary<T>; R] =
             from_fn(|i| RowSummary::of(&self.view(i), limits, &ratings[i]));
-        let magnitudes = rows.each_ref().map(|row| {
-            let [axial, y, z] = row.force;
-            [axial.abs(), (y * y + z * z).sqrt()]
-        });
-        let mut all = [T::ZERO; 2];
-        for row in &magnitudes {
-            all = [all[0] + row[0], all[1] + row[1]];
-        }
         let axial = rows.each_ref().map(|row| row.force[0]);
-        let preloads = preloads(&axial, &self.facings());
-        for (row, (preload, [axial, radial])) in
-            rows.iter_mut().zip(preloads.iter().zip(magnitudes))
-        {
-            row.preload = *preload;
-            row.load_share = [
-                axial / all[0].at_least(T::TINY),
-                radial / all[1].at_least(T::TINY),
-            ];
-        }
+        RowSummary::share(&mut rows, &preloads(&axial, &self.facings()));
         rows
     }
 

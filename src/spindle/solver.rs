@@ -107,6 +107,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             centre,
             ..
         } = &self.spindle;
+        // The sixth freedom is the sleeve's.
         let given = from_fn(|i| Given::Load(load.get(i).copied().unwrap_or(*spring)));
         let unit = layout.bearings[0].c;
         // From x = 0 to the centre.

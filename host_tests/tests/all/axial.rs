@@ -6,7 +6,9 @@ use super::solves::{
 use host_tests::cases::{self, B218, B7005C, SKF6205, SolvedCase, rad_per_s};
 use host_tests::dispatch::Precision;
 use host_tests::tolerances::allowed_at;
-use spindle_bearing::{Design, FreeContact, Given, Growth, Status};
+use spindle_bearing::{
+    AxialSolver, Bearing, Design, FreeContact, Given, Growth, Settings, Speed, Status,
+};
 
 #[test]
 fn solved_cases_that_are_purely_axial_are_solved_with_one_ball() {
@@ -203,4 +205,22 @@ fn errors_stated_at_rest_cover_what_rounding_of_growth_adds_to_a_small_displacem
         let larger = larger.count();
         assert!(larger <= 4, "{growth:?}: {larger}");
     }
+}
+
+/// A solve at rest that ends without an answer leaves no start for the next one at speed: its references are gone.
+#[test]
+fn a_solve_at_speed_after_a_failed_one_at_rest_is_a_cold_one() {
+    let bearing = Bearing::<f32, 16>::new(&B7005C).unwrap();
+    let speed = Speed::rpm(20_000.0);
+    let (mut solver, mut cold) = (AxialSolver::new(&bearing), AxialSolver::new(&bearing));
+    solver.solve(300.0, speed, &Settings::default()).unwrap();
+    let one = Settings {
+        max_iterations: 1,
+        ..Settings::default()
+    };
+    assert!(solver.solve(250.0, Speed::REST, &one).is_err());
+    let found = solver.solve(300.0, speed, &Settings::default()).unwrap();
+    let (iterations, k) = (found.iterations, found.stiffness());
+    let truth = cold.solve(300.0, speed, &Settings::default()).unwrap();
+    assert_eq!((iterations, k), (truth.iterations, truth.stiffness()));
 }

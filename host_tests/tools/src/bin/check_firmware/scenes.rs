@@ -316,13 +316,6 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shared_is_not_guarded() {
-        let text = "fn shift<T>(\n) {\n    if D == 5 {\n        a();\n    }\n}\n";
-        assert!(Guarded::blocks(text).is_empty());
-        assert!(!Guarded::blocks(&text.replace("shift", "other")).is_empty());
-    }
-
-    #[test]
     fn a_negated_condition_guards_the_opposite() {
         let text = "    if !M::AT_SPEED {\n        a();\n    }\n";
         let guarded = Guarded {
