@@ -27,7 +27,8 @@ pub struct RowSummary<T> {
     pub force: [T; 3],
     /// Part of the axial force that is preload, N: see [`RowSolution::preload`](crate::RowSolution::preload).
     pub preload: T,
-    /// Part of this row in the axial forces and in the radial forces of all rows, as magnitudes; 0 where there is no such force.
+    /// Part of this row in the axial forces and in the radial forces of all rows, as magnitudes. Without such forces it means
+    /// nothing: rounding or 0.
     pub load_share: [T; 2],
     /// How near the row is to its limits.
     pub margins: Margins<T>,
