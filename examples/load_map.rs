@@ -11,7 +11,7 @@ mod bearings;
 use bearings::{BALLS, S6014C};
 use spindle_bearing::{Bearing, Limit, Limits, Settings, Solver, Speed};
 
-static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&S6014C);
+static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::const_new(&S6014C);
 
 /// N: of a light cut.
 const RADIAL: f64 = 800.0;

@@ -9,7 +9,7 @@ mod bearings;
 use bearings::{BALLS, S6014C};
 use spindle_bearing::{Bearing, Settings, Solver, Speed, Status};
 
-static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&S6014C);
+static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::const_new(&S6014C);
 
 /// N: the medium preload of the catalogue.
 const AXIAL: f64 = 700.0;

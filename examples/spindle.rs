@@ -11,7 +11,7 @@ use spindle_bearing::{Arrangement, Bearing, Growth, Preload, Settings, ShaftEnd,
 use spindle_bearing::{Spindle, SpindleSolver};
 use std::error::Error;
 
-static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&S6014C);
+static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::const_new(&S6014C);
 
 /// Distance between the centres of the two bearings, m.
 const DISTANCE: f64 = 0.1;

@@ -10,7 +10,7 @@ use bearings::{BALLS, S6014C};
 use spindle_bearing::{Bearing, LifeRating, Limits, Settings, Solver, Speed, Status};
 
 /// Its constants, worked out by the compiler.
-static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&S6014C);
+static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::const_new(&S6014C);
 /// The catalogue's load rating is better, where there is one.
 const RATING: LifeRating<f64> =
     LifeRating::<f64>::new(&S6014C, BALLS, S6014C.dynamic_load_rating(BALLS));

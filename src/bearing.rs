@@ -125,7 +125,7 @@ pub struct Azimuth<T> {
 ///
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// // By the compiler, in single precision: a design that cannot be built does not compile.
-/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
 /// // When the program runs, in double precision.
 /// let bearing = Bearing::<f64, 15>::new(&DESIGN)?;
 /// # Ok::<(), spindle_bearing::DesignError>(())
@@ -329,7 +329,7 @@ macro_rules! bearing {
             /// # Panics
             ///
             /// For a design that cannot be built, with [`DesignError::reason`].
-            pub const fn checked(design: &Design) -> Self {
+            pub const fn const_new(design: &Design) -> Self {
                 match Self::new(design) {
                     Ok(bearing) => bearing,
                     Err(error) => panic!("{}", error.reason()),

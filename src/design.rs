@@ -1,7 +1,7 @@
 //! Design of a bearing, in SI units, and its possible errors.
 //!
 //! [`Bearing::new`](crate::Bearing::new) checks a [`Design`] and turns it into solver constants. It is a `const fn`: a
-//! design written into firmware costs no code. With [`Bearing::checked`](crate::Bearing::checked), one that cannot be
+//! design written into firmware costs no code. With [`Bearing::const_new`](crate::Bearing::const_new), one that cannot be
 //! built does not compile.
 
 use crate::const_math::{sin_cos, sin_cos_turns};

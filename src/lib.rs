@@ -10,7 +10,7 @@
 //!
 //! // 15 steel balls of 6.35 mm on 36 mm, 15 degrees. Groove factors are assumed.
 //! const S6005C: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
-//! static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&S6005C);
+//! static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&S6005C);
 //! let (speed, settings) = (Speed::rpm(20_000.0), Settings::default());
 //!
 //! let mut solver = Solver::new(&BEARING);

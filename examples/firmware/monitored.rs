@@ -37,7 +37,7 @@ pub const DESIGN: Design = Design {
 };
 
 /// Its constants, worked out by the compiler.
-pub static BEARING: Bearing<Precision, BALLS> = Bearing::<Precision, BALLS>::checked(&DESIGN);
+pub static BEARING: Bearing<Precision, BALLS> = Bearing::<Precision, BALLS>::const_new(&DESIGN);
 
 /// Positions of the rows on the shaft, m: the nose is at 0. A single bearing is at 0, where its loads act.
 pub const POSITIONS: [f64; ROWS] = if ROWS == 1 {

@@ -553,7 +553,7 @@ mod tests {
     use crate::growth::Growth;
     use crate::{Design, FreeContact, Material};
 
-    const SPINDLE: Bearing<f64, 16> = Bearing::<f64, 16>::checked(&Design {
+    const SPINDLE: Bearing<f64, 16> = Bearing::<f64, 16>::const_new(&Design {
         ball_diameter: 6.35e-3,
         pitch_diameter: 36e-3,
         inner_groove_factor: 0.515,

@@ -28,7 +28,7 @@ use core::f64::consts::PI;
 /// use spindle_bearing::{Bearing, Design, LifeRating, Settings, Solver, Speed};
 ///
 /// const B7005C: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
-/// static BEARING: Bearing<f64, 16> = Bearing::<f64, 16>::checked(&B7005C);
+/// static BEARING: Bearing<f64, 16> = Bearing::<f64, 16>::const_new(&B7005C);
 /// // The catalogue's C, say 13,700 N. Without one: `B7005C.dynamic_load_rating(16)`.
 /// const RATING: LifeRating<f64> = LifeRating::<f64>::new(&B7005C, 16, 13_700.0);
 ///

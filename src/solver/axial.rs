@@ -21,7 +21,7 @@ use core::marker::PhantomData;
 ///
 /// ```
 /// use spindle_bearing::{AxialSolver, Bearing, Design, Settings, Speed, Static};
-/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()));
+/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::const_new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()));
 /// let settings = Settings::default();
 /// let mut at_rest = AxialSolver::<f32, 16, Static>::of(&BEARING);
 /// let k_rest = at_rest.solve(300.0, Speed::REST, &settings)?.stiffness();

@@ -32,7 +32,7 @@ use core::marker::PhantomData;
 ///
 /// ```
 /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
-/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()));
+/// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::const_new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()));
 /// let mut solver = Solver::new(&BEARING);
 /// let load = [1000.0, 200.0, 0.0, 0.0, 3.0];
 /// let solution = solver.solve(load, Speed::rpm(20_000.0), &Settings::default())?;
@@ -122,7 +122,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     /// use spindle_bearing::{Bearing, Design, Given, Growth, Settings, Solver, Speed, Status};
     ///
     /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
-    /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+    /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
     /// let (mut solver, speed) = (Solver::new(&BEARING), Speed::rpm(20_000.0));
     /// let given = [500.0, 100.0, 0.0, 0.0, 1.0].map(Given::Load);
     /// // On a board: a timer that runs out.

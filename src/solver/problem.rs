@@ -39,7 +39,7 @@ impl<T: Real> Settings<T> {
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
     ///
     /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
-    /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+    /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
     /// let (mut solver, speed) = (Solver::new(&BEARING), Speed::rpm(20_000.0));
     /// solver.solve([500.0, 100.0, 0.0, 0.0, 1.0], speed, &Settings::default())?;
     /// // A tick later.
@@ -80,7 +80,7 @@ impl<T: Real> RingVector for [T; 5] {}
 /// use spindle_bearing::{Bearing, Design, Given, Growth, Settings, Solver, Speed};
 ///
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
-/// static BEARING: Bearing<f64, 15> = Bearing::<f64, 15>::checked(&DESIGN);
+/// static BEARING: Bearing<f64, 15> = Bearing::<f64, 15>::const_new(&DESIGN);
 /// let mut solver = Solver::new(&BEARING);
 /// // Pressed together by 10 um, without tilt; a radial load of 50 N.
 /// let given = [

@@ -49,7 +49,7 @@ pub enum Preload<T> {
 /// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Preload, Spindle};
 ///
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
-/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
 /// // Two rows in tandem against a third, at 0, 20 and 120 mm.
 /// let preload = Preload::Force(200.0);
 /// let row = |at, facing| Mounted::<f32, 15>::new(&BEARING, at, facing).with(preload);
@@ -247,7 +247,7 @@ fn check_arranged<T: Real, const N: usize>(
 /// use spindle_bearing::{Arrangement, Bearing, Design};
 /// use spindle_bearing::{Preload, Settings, ShaftEnd, Speed, Spindle, SpindleSolver};
 /// const DESIGN: Design = Design::angular_contact(11.906e-3, 90e-3, 15_f64.to_radians());
-/// const BEARING: Bearing<f64, 20> = Bearing::<f64, 20>::checked(&DESIGN);
+/// const BEARING: Bearing<f64, 20> = Bearing::<f64, 20>::const_new(&DESIGN);
 /// let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.027, Preload::Force(294.0))?;
 /// let mut solver = SpindleSolver::new(pair);
 /// let load = [0.0, 200.0, 0.0, 0.0, 0.0];

@@ -73,7 +73,7 @@ fn items() -> impl Iterator<Item = ([String; 2], String)> {
     let designs = DESIGNS.into_iter().map(|(balls, change, said)| {
         let item = |balls: usize, change| {
             format!(
-                "pub static BEARING: Bearing<f32, {balls}> = Bearing::<f32, {balls}>::checked(&Design \
+                "pub static BEARING: Bearing<f32, {balls}> = Bearing::<f32, {balls}>::const_new(&Design \
                  {{ {change}, ..Design::angular_contact(6.35e-3, 36e-3, 0.26) }});"
             )
         };

@@ -9,7 +9,7 @@ mod monitored;
 use monitored::{BALLS, BEARING, DESIGN, ROWS, spindle};
 
 /// The bearing of the other board.
-static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&DESIGN);
+static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::const_new(&DESIGN);
 
 /// The spindle's preload, N.
 const PRELOAD: f32 = monitored::PRELOAD as f32;

@@ -24,7 +24,7 @@ mod spindle {
 use spindle::monitored::{self, BALLS, BEARING, DESIGN};
 
 /// Its bearing in the precision of the STM32H743.
-static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::checked(&DESIGN);
+static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::const_new(&DESIGN);
 
 /// The symbol of the seal.
 const SYMBOL: &str = "IMAGE_SEAL";

@@ -32,7 +32,7 @@ mod bare {
 
     /// Its constants, worked out by the compiler.
     static BEARING: Bearing<f32, { monitored::BALLS }> =
-        Bearing::<f32, { monitored::BALLS }>::checked(&monitored::DESIGN);
+        Bearing::<f32, { monitored::BALLS }>::const_new(&monitored::DESIGN);
 
     pub fn run() {
         // The check builds all of these, the last one to see itself fail.
