@@ -6,7 +6,7 @@
 
 use crate::bearing::{Constants, L0, Squared};
 use crate::growth::Growth;
-use crate::linalg::{Pair, add, dot, dots, scale, sub};
+use crate::linalg::{Pair, add, dot, scale, sub};
 use crate::real::Real;
 
 /// Reference of the vector along a contact.
@@ -86,46 +86,6 @@ impl<T: Real> Contact<T> {
             across: q * per_r,
             per_r,
         }
-    }
-
-    /// Two contacts of these undeformed lengths and load-deflection constants, at offsets from their references: one
-    /// division for both, and the one's results while the other's wait.
-    #[inline(always)]
-    pub fn both_at(
-        [i, o]: [&Reference<T>; 2],
-        [a, b]: [Pair<T>; 2],
-        lengths: Pair<T>,
-        [ki, ko]: Pair<T>,
-    ) -> [Self; 2] {
-        let (v, w) = (add(i.vector, a), add(o.vector, b));
-        let [ri, ro] = dots([v, v], [w, w]);
-        let [ei, eo] = dots([add(v, i.vector), a], [add(w, o.vector), b]);
-        let (ri, ro) = (ri.at_least(T::TINY), ro.at_least(T::TINY));
-        let (ri, ro) = (ri.sqrt(), ro.sqrt());
-        let (ei, eo) = (i.excess + ei, o.excess + eo);
-        let (si, so) = (ri + lengths[0], ro + lengths[1]);
-        let (ii, oo) = (ri * si, ro * so);
-        let (ei, eo) = (ri * ei, ro * eo);
-        let inverse = T::ONE / (ii * oo);
-        let (per_i, per_o) = (inverse * oo, inverse * ii);
-        let (delta_i, delta_o) = (per_i * ei, per_o * eo);
-        let (per_ri, per_ro) = (per_i * si, per_o * so);
-        let (di, do_) = (delta_i.at_least(T::ZERO), delta_o.at_least(T::ZERO));
-        let (zi, zo) = (di.sqrt(), do_.sqrt());
-        let (zi, zo) = (ki * zi, ko * zo);
-        let (qi, qo) = (zi * di, zo * do_);
-        let contact = |v, delta, root, q, per_r| Self {
-            n: scale(per_r, v),
-            delta,
-            q,
-            slope: T::of(1.5) * root,
-            across: q * per_r,
-            per_r,
-        };
-        [
-            contact(v, delta_i, zi, qi, per_ri),
-            contact(w, delta_o, zo, qo, per_ro),
-        ]
     }
 
     /// Slope of the force vector by the motion of its end, axial and radial: elements `aa`, `ar`, `rr`.

@@ -130,20 +130,6 @@ impl<T: Real> Ball<T> {
         Contact::at(&p.centres, a, p.lo + p.li, c.kn)
     }
 
-    /// The ball at speed, where it follows the groove's centre to `a`.
-    #[inline(always)]
-    pub fn kinetics_for<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Kinetics<T> {
-        let step = add(self.z, times(&self.d, sub(a, self.a)));
-        let x = add(self.x, turn(self.n, step));
-        let [inner, outer] = Contact::both_at(
-            [&p.inner, &p.outer],
-            [sub(a, x), x],
-            [p.li, p.lo],
-            [c.ki, T::ONE],
-        );
-        Kinetics::at_speed::<R>(inner, outer, c, p)
-    }
-
     /// Condenses the ball at rest, in closed form.
     #[inline(always)]
     fn condense_at_rest<R: Rule>(&mut self, c: &Constants<T>, p: &Point<T>) {
@@ -220,7 +206,9 @@ impl<T: Real> Ball<T> {
     #[inline(always)]
     pub fn kinetics<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Kinetics<T> {
         if R::INERTIA && p.is_at_speed() {
-            self.kinetics_for::<R>(c, p, a)
+            let step = add(self.z, times(&self.d, sub(a, self.a)));
+            let x = add(self.x, turn(self.n, step));
+            Kinetics::at_speed::<R>(c, p, a, x)
         } else {
             Kinetics::at_rest(c, &Self::in_series(c, p, a))
         }

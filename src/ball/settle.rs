@@ -70,9 +70,9 @@ pub fn settle<T: Real, R: Rule>(
     // Without the ball's own position, which may be lost to it.
     let a = add(p.centres.vector, groove);
     let x = chain(c, p, a, fc);
-    let here = Kinetics::of::<R>(c, p, groove, kept);
+    let here = Kinetics::by_call::<R>(c, p, groove, kept);
     let mut at = sub(x, p.outer.vector);
-    let mut kinetics = Kinetics::of::<R>(c, p, groove, at);
+    let mut kinetics = Kinetics::by_call::<R>(c, p, groove, at);
     let energy_here = here.energy() - fc * (p.outer.vector[1] + kept[1]);
     let energy = kinetics.energy() - fc * x[1];
     if energy_here < energy && here.loads().iter().all(|x| x.is_finite()) {
@@ -95,7 +95,7 @@ pub fn settle<T: Real, R: Rule>(
         let (from, before) = (at, dot(r, step));
         for _ in 0..4 {
             at = add(from, step);
-            kinetics = Kinetics::of::<R>(c, p, groove, at);
+            kinetics = Kinetics::by_call::<R>(c, p, groove, at);
             *left = left.saturating_sub(1);
             if dot(add(kinetics.forces().0, loads), step) >= -before {
                 break;
