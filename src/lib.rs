@@ -76,7 +76,14 @@ mod const_math;
 mod design;
 mod growth;
 mod hertz;
+#[allow(
+    unsafe_code,
+    reason = "no safe way to make a value where it is to live"
+)]
+mod in_place;
 mod linalg;
+#[cfg(feature = "nalgebra")]
+mod matrices;
 mod real;
 mod results;
 mod shaft;
@@ -115,7 +122,71 @@ pub use solver::solution::{Snapshot, Solution};
 pub use solver::state::ErrorEstimate;
 pub use spindle::arrangement::{Arrangement, Facing};
 pub use spindle::error::SpindleError;
-pub use spindle::solution::{RowSolution, ShaftEnd, SpindleSolution};
-pub use spindle::solver::SpindleSolver;
-pub use spindle::{Mounted, Preload, Spindle};
+pub use spindle::solution::{RowSnapshot, RowSolution, ShaftEnd, SpindleSnapshot, SpindleSolution};
+pub use spindle::solver::{SpindleSolver, SprungSolver};
+pub use spindle::{Mounted, Preload, Spindle, SprungSpindle};
 pub use status::{Quantity, Status};
+
+// Both are in signatures.
+#[cfg(feature = "record")]
+pub use heapless;
+#[cfg(feature = "nalgebra")]
+pub use {matrices::matrix, nalgebra};
+
+/// Every public data type is `Format` and `Serialize`, as Cargo.toml promises: that compiles.
+#[cfg(all(test, feature = "defmt", feature = "serde"))]
+mod data {
+    use crate::*;
+
+    fn both<T: defmt::Format + serde::Serialize>() {}
+    fn format<T: defmt::Format>() {}
+
+    #[test]
+    fn every_public_data_type_is_printed_and_serialized() {
+        both::<(Design, DesignError, FreeContact, Material)>();
+        both::<(
+            Growth<f32>,
+            Expansion,
+            Speed<f32>,
+            Settings<f32>,
+            Given<f32>,
+        )>();
+        both::<(HertzContact, Quantity, Status<f32>, ErrorEstimate<f32>)>();
+        both::<(
+            BallState<f32>,
+            BallKinematics<f32>,
+            ContactPatch<f32>,
+            Frequencies<f32>,
+        )>();
+        both::<(
+            Limits<f32>,
+            Limit,
+            LimitSet,
+            Margin<f32>,
+            Margins<f32>,
+            Race,
+        )>();
+        both::<(LifeRating<f32>, RatingLife<f32>, RowSummary<f32>)>();
+        both::<(
+            Arrangement,
+            Facing,
+            Preload<f32>,
+            SpindleError<f32>,
+            ShaftEnd<f32>,
+        )>();
+        both::<(
+            Snapshot<f32, 40, 5>,
+            SpindleSnapshot<f32, 2, 40>,
+            RowSnapshot<f32, 40>,
+        )>();
+        both::<AxialSolution<'_, f32, 16, Full>>();
+        format::<(
+            Bearing<f32, 16>,
+            Mounted<'_, f32, 16>,
+            Spindle<'_, f32, 2, 16>,
+        )>();
+        format::<(Solution<'_, f32, 16, Full, 5>, RowSolution<'_, f32, Full>)>();
+        format::<SpindleSolution<'_, f32, 2, 16, Full, 5>>();
+        format::<(RacewayControlFree, OuterRaceControl, InnerRaceControl)>();
+    }
+}

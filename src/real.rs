@@ -5,12 +5,6 @@ use crate::design::{Design, DesignError};
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for f32 {}
-    impl Sealed for f64 {}
-}
-
 /// `defmt::Format` where the feature is on, nothing where it is off.
 #[cfg(feature = "defmt")]
 pub trait Print: defmt::Format {}
@@ -22,13 +16,18 @@ pub trait Print {}
 #[cfg(not(feature = "defmt"))]
 impl<T> Print for T {}
 
-/// The working precision: `f32` or `f64`. Sealed.
+/// The working precision: `f32` or `f64`. Sealed, and without a method, so that `use spindle_bearing::*` changes no number's own.
+pub trait Real: Float {}
+
+impl Real for f32 {}
+impl Real for f64 {}
+
+/// Arithmetic of the working precision.
 ///
 /// Everything that depends on the hardware is behind this trait. Sums and products are never fused,
 /// so that a host and a target give the same bits.
-pub trait Real:
-    sealed::Sealed
-    + Copy
+pub trait Float:
+    Copy
     + Debug
     + Display
     + LowerExp
@@ -55,10 +54,18 @@ pub trait Real:
     const ROUNDING: Self;
     /// Smallest normal number.
     const TINY: Self;
+    /// One over [`Float::TINY`].
+    const HUGE: Self;
     /// Default of [`Settings::tolerance`](crate::Settings::tolerance).
     const TOLERANCE: Self;
     /// Tolerance of [`Settings::TICK`](crate::Settings::TICK).
     const TICK: Self;
+    /// One revolution per minute, rad/s.
+    const RPM: Self;
+    /// Constants of [`Limits`](crate::Limits).
+    const STATIC_PRESSURE: Self;
+    const FATIGUE_PRESSURE: Self;
+    const LUBRICATED_FRICTION: Self;
     /// Added and subtracted again, it rounds to multiples of 1/256.
     const GRID: Self;
     /// Deformation of an inner contact that is next to nothing, in the solver's unit of length.
@@ -106,24 +113,36 @@ pub trait Real:
         if other < self { other } else { self }
     }
 
-    /// A bearing of this design in this precision: `Bearing::new` for code that is generic over it, no `const fn`.
+    /// `Bearing::new` in this precision.
+    fn bearing<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError>;
+}
+
+impl<T: Real, const N: usize> Bearing<T, N> {
+    /// [`Bearing::new`] for code that is generic over the precision; no `const fn`.
     ///
     /// # Errors
     ///
     /// The first quantity of the design that is out of its range.
-    fn bearing<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError>;
+    pub fn of(design: &Design) -> Result<Self, DesignError> {
+        T::bearing(design)
+    }
 }
 
 macro_rules! real {
     ($t:ident, $tolerance:expr, $sqrt:path, $third:expr, $halley:expr, $atan2:path, $pow:path, $grid:expr, $nothing:expr, $least:expr) => {
-        impl Real for $t {
+        impl Float for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $t::EPSILON;
             const ROUNDING: Self = 10.0 * $t::EPSILON;
             const TINY: Self = $t::MIN_POSITIVE;
+            const HUGE: Self = 1.0 / $t::MIN_POSITIVE;
             const TOLERANCE: Self = $tolerance;
             const TICK: Self = 1e-3;
+            const RPM: Self = (core::f64::consts::PI / 30.0) as $t;
+            const STATIC_PRESSURE: Self = 4.2e9;
+            const FATIGUE_PRESSURE: Self = 1.5e9;
+            const LUBRICATED_FRICTION: Self = 0.06;
             const GRID: Self = $grid;
             const NOTHING: Self = $nothing;
             const LEAST: Self = $least;

@@ -69,7 +69,7 @@ impl<T: Real, const N: usize> Mount<T> for Bearing<T, N> {
 macro_rules! mounts {
     ($t:ident, $design:expr, $balls:expr, $($n:literal)*) => {
         match $balls {
-            $($n => Ok(Box::new($t::bearing::<$n>($design)?) as Box<dyn Mount<$t>>),)*
+            $($n => Ok(Box::new(Bearing::<$t, $n>::of($design)?) as Box<dyn Mount<$t>>),)*
             balls => Err(DesignError {
                 quantity: Quantity::BallCount,
                 value: balls as f64,
@@ -133,44 +133,36 @@ pub fn wide<T: Real>(m: &[[T; 5]; 5]) -> [[f64; 5]; 5] {
     m.map(|row| row.map(T::to_f64))
 }
 
+/// Copies figures in doubles: answers of the library may grow, and are not made elsewhere.
+macro_rules! widened {
+    ($from:expr, $to:expr, $($field:ident)*) => {{
+        let (from, mut to) = ($from, $to);
+        $(to.$field = from.$field.to_f64();)*
+        to
+    }};
+}
+
 /// A ball's state in doubles.
 pub fn widened<T: Real>(ball: &BallState<T>) -> BallState<f64> {
-    BallState {
-        azimuth: ball.azimuth.to_f64(),
-        alpha_i: ball.alpha_i.to_f64(),
-        alpha_o: ball.alpha_o.to_f64(),
-        q_i: ball.q_i.to_f64(),
-        q_o: ball.q_o.to_f64(),
-        delta_i: ball.delta_i.to_f64(),
-        delta_o: ball.delta_o.to_f64(),
-        centrifugal_force: ball.centrifugal_force.to_f64(),
-        gyroscopic_moment: ball.gyroscopic_moment.to_f64(),
-    }
+    widened!(
+        ball, BallState::default(), azimuth alpha_i alpha_o q_i q_o delta_i delta_o
+        centrifugal_force gyroscopic_moment
+    )
 }
 
 /// A ball's motion in doubles.
 pub fn widened_motion<T: Real>(motion: &BallKinematics<T>) -> BallKinematics<f64> {
-    let patch = |patch: &ContactPatch<T>| ContactPatch {
-        peak_pressure: patch.peak_pressure.to_f64(),
-        semi_major: patch.semi_major.to_f64(),
-        semi_minor: patch.semi_minor.to_f64(),
-        spin_to_roll: patch.spin_to_roll.to_f64(),
+    let patch = |patch: &ContactPatch<T>| {
+        widened!(
+            patch, ContactPatch::default(), peak_pressure semi_major semi_minor spin_to_roll
+        )
     };
-    BallKinematics {
-        cage_speed: motion.cage_speed.to_f64(),
-        rotation: motion.rotation.to_f64(),
-        attitude: motion.attitude.to_f64(),
-        inner: patch(&motion.inner),
-        outer: patch(&motion.outer),
-    }
+    let mut wide = widened!(motion, BallKinematics::default(), cage_speed rotation attitude);
+    (wide.inner, wide.outer) = (patch(&motion.inner), patch(&motion.outer));
+    wide
 }
 
 /// Frequencies in doubles.
 pub fn widened_frequencies<T: Real>(frequencies: &Frequencies<T>) -> Frequencies<f64> {
-    Frequencies {
-        cage: frequencies.cage.to_f64(),
-        outer_race: frequencies.outer_race.to_f64(),
-        inner_race: frequencies.inner_race.to_f64(),
-        ball: frequencies.ball.to_f64(),
-    }
+    widened!(frequencies, Frequencies::default(), cage outer_race inner_race ball)
 }

@@ -211,7 +211,7 @@ fn with<T: Real>(plan: &Plan, balls: Balls, hand: Hand<'_>) -> Result<(), BuildE
         let preload = match row.preload {
             Preload::Closure(e) => Preload::Closure(T::of(e)),
             Preload::Force(force) => Preload::Force(T::of(force)),
-            Preload::Spring => Preload::Spring,
+            _ => Preload::Spring,
         };
         bearing.mounted(row.position, row.facing).with(preload)
     });

@@ -5,7 +5,7 @@ use crate::linalg::{Matrix2, Pair};
 use crate::real::Real;
 
 /// A condensed ball: its force on the ring, and the slopes of that force.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condensed<T> {
     /// Axial and radial force, and moment over `Rp`.
     pub force: Pair<T>,

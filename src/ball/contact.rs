@@ -157,6 +157,20 @@ pub struct Point<T> {
 }
 
 impl<T: Real> Point<T> {
+    /// Before the first solve.
+    pub const NONE: Self = Self {
+        s: T::ZERO,
+        negligible: T::ZERO,
+        rounding: T::ZERO,
+        lo: T::ZERO,
+        li: T::ZERO,
+        growth: Growth::NONE,
+        outer: Reference::NONE,
+        inner: Reference::NONE,
+        centres: Reference::NONE,
+        low: [T::ZERO; 2],
+    };
+
     /// The point of `s = m dm omega^2 / 2` and a growth, in units of length, for a ring under a load of the size `size`,
     /// without references.
     pub fn new(c: &Constants<T>, s: T, size: T, growth: Growth<T>) -> Self {
@@ -168,10 +182,7 @@ impl<T: Real> Point<T> {
             lo: c.lo - half,
             li: c.li - half,
             growth,
-            outer: Reference::NONE,
-            inner: Reference::NONE,
-            centres: Reference::NONE,
-            low: [T::ZERO; 2],
+            ..Self::NONE
         }
     }
 

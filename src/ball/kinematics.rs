@@ -246,33 +246,70 @@ impl<A: Rule> Motion for Full<A> {
 ///
 /// ```
 /// use spindle_bearing::Speed;
-/// let speed = Speed::rpm(20_000.0_f64);
-/// assert!((speed.as_rad_per_s() - 2094.395).abs() < 1e-3);
+/// const SPEED: Speed<f64> = Speed::rpm(20_000.0);
+/// assert!((SPEED.as_rad_per_s() - 2094.395).abs() < 1e-3);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Speed<T>(pub(crate) T);
+#[derive(Debug, Clone, Copy)]
+pub struct Speed<T> {
+    /// As it was given, and its unit in rad/s: only constants multiply in a `const`.
+    value: T,
+    unit: T,
+}
 
 impl<T: Real> Speed<T> {
     /// At rest.
-    pub const REST: Self = Self(T::ZERO);
+    pub const REST: Self = Self::rad_per_s(T::ZERO);
 
     /// Revolutions per minute.
     #[inline]
-    pub fn rpm(rpm: T) -> Self {
-        Self(rpm * T::of(core::f64::consts::PI / 30.0))
+    pub const fn rpm(rpm: T) -> Self {
+        Self {
+            value: rpm,
+            unit: T::RPM,
+        }
     }
 
     /// Angular speed `omega`, rad/s.
     #[inline]
     pub const fn rad_per_s(omega: T) -> Self {
-        Self(omega)
+        Self {
+            value: omega,
+            unit: T::ONE,
+        }
     }
 
     /// Angular speed `omega`, rad/s.
     #[inline]
-    pub const fn as_rad_per_s(self) -> T {
-        self.0
+    pub fn as_rad_per_s(self) -> T {
+        self.value * self.unit
+    }
+}
+
+impl<T: Real> PartialEq for Speed<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.as_rad_per_s() == other.as_rad_per_s()
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<T: Real> defmt::Format for Speed<T> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{} rad/s", self.as_rad_per_s());
+    }
+}
+
+/// A number, rad/s.
+#[cfg(feature = "serde")]
+impl<T: Real + serde::Serialize> serde::Serialize for Speed<T> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.as_rad_per_s().serialize(serializer)
+    }
+}
+
+/// A number, rad/s.
+#[cfg(feature = "serde")]
+impl<'de, T: Real + serde::Deserialize<'de>> serde::Deserialize<'de> for Speed<T> {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        T::deserialize(deserializer).map(Self::rad_per_s)
     }
 }

@@ -37,7 +37,7 @@ use crate::tuning;
 const OWN: u16 = 2;
 
 /// A ball where it was linearised last.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball<T> {
     /// Offset from the row's reference along the outer contact, and offset of the groove's centre.
     pub x: Pair<T>,
@@ -55,7 +55,7 @@ pub struct Ball<T> {
 }
 
 /// The contacts where the ball was linearised.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Local<T> {
     /// Deformation of the inner contact, negative across a gap; of both in series, at rest.
     pub delta: T,
@@ -73,6 +73,24 @@ pub struct Local<T> {
     pub kap: T,
     pub kap_o: T,
     pub th: T,
+}
+
+impl<T: Real> Local<T> {
+    /// No contact.
+    const NONE: Self = Self {
+        delta: T::ZERO,
+        per_di: T::ZERO,
+        per_do: T::ZERO,
+        per_ri: T::ZERO,
+        per_ro: T::ZERO,
+        sd: T::ZERO,
+        cd: T::ZERO,
+        hn: T::ZERO,
+        ho: T::ZERO,
+        kap: T::ZERO,
+        kap_o: T::ZERO,
+        th: T::ZERO,
+    };
 }
 
 /// Balance of a linearised ball: squares of the unbalanced force and of the contact forces.
@@ -99,6 +117,18 @@ impl<T: Real> Balance<T> {
 }
 
 impl<T: Real> Ball<T> {
+    /// Before the first solve.
+    pub const NONE: Self = Self {
+        x: [T::ZERO; 2],
+        a: [T::ZERO; 2],
+        n: [T::ZERO; 2],
+        z: [T::ZERO; 2],
+        d: [[T::ZERO; 2]; 2],
+        xs: [T::ZERO; 2],
+        local: Local::NONE,
+        condensed: Condensed::NONE,
+    };
+
     /// Has the ball follow the groove's centre to `a`, and a relative change `ds` of `omega^2`.
     #[inline(always)]
     pub fn advance(&mut self, a: Pair<T>, ds: T) {
@@ -147,7 +177,7 @@ impl<T: Real> Ball<T> {
             cd: T::ONE,
             hn: contact.slope,
             kap: contact.across,
-            ..Local::default()
+            ..Local::NONE
         };
     }
 
@@ -560,7 +590,7 @@ mod tests {
         let mut p = Point::new(c, c.inertia * 523.6 * 523.6, 0.0, Growth::NONE);
         p.start(c, 1.0);
         assert!(p.is_at_speed());
-        let mut ball = Ball::default();
+        let mut ball = Ball::NONE;
         ball.start(p.low);
         ball.x = settle::<f64, RacewayControlFree>(c, &p, ball.a, ball.x, &mut 48);
         at(&mut ball, &p, p.low);

@@ -12,6 +12,7 @@ use crate::real::Real;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct BallState<T> {
     /// Azimuth `phi`, rad from +y towards +z.
     pub azimuth: T,
@@ -37,6 +38,7 @@ pub struct BallState<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct ContactPatch<T> {
     /// Peak pressure, Pa.
     pub peak_pressure: T,
@@ -55,6 +57,7 @@ pub struct ContactPatch<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct BallKinematics<T> {
     /// Speed `omega_m` about the bearing's axis, rad/s: the cage speed.
     pub cage_speed: T,

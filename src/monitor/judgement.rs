@@ -22,7 +22,7 @@
 use super::baseline::{Baseline, BaselineSettings};
 use super::learning::{Learning, LearningReport};
 use super::plausibility::seconds;
-use crate::real::Real;
+use crate::real::Float;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 

@@ -20,7 +20,7 @@
 //! An increment is some 1e-13, and there are 86 million of them in a day: in single precision the sum would
 //! stop growing. [`ExactSum`] adds them up as whole numbers, without any rounding.
 
-use crate::real::Real;
+use crate::real::Float;
 
 /// Sum of non-negative numbers that rounds nothing down to `2^-FRACTION`. It stops at its largest value,
 /// `2^(128 - FRACTION)`.

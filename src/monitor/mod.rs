@@ -134,7 +134,7 @@ pub use settings::{MonitorSettings, RowSettings, SettingsError, ShaftSettings};
 pub use temperature::{TemperatureSettings, TemperatureSource};
 
 use crate::growth::Growth;
-use crate::real::Real;
+use crate::real::{Float, Real};
 use crate::results::life::damage_of_weight;
 use crate::results::margins::{Limit, Limits};
 use crate::spindle::solution::{inverse, preloads};
@@ -297,8 +297,8 @@ fn ball_report([[q_i, sin_i, cos_i], [q_o, sin_o, cos_o]]: &[[f32; 3]; 2]) -> Ba
     BallReport {
         q_i: *q_i,
         q_o: *q_o,
-        alpha_i: Real::atan2(*sin_i, *cos_i),
-        alpha_o: Real::atan2(*sin_o, *cos_o),
+        alpha_i: Float::atan2(*sin_i, *cos_i),
+        alpha_o: Float::atan2(*sin_o, *cos_o),
     }
 }
 

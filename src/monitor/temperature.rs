@@ -14,7 +14,7 @@
 //! last good one. [`Alarm::Temperature`](super::Alarm::Temperature) tells how long a side has had none.
 
 use super::plausibility::seconds;
-use crate::real::Real;
+use crate::real::Float;
 use serde::{Deserialize, Serialize};
 
 /// Bounds of plausible temperatures, and their substitutes.

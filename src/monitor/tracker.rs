@@ -17,12 +17,12 @@ use super::settings::MonitorSettings;
 use super::telemetry::StatusCode;
 use crate::growth::Growth;
 use crate::linalg::refer;
-use crate::real::Real;
+use crate::real::{Float, Real};
 use crate::status::Status;
 use crate::{Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver};
 
 /// A solver, and where it stands.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Follower<T: Real + 'static, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
 {
     solver: SpindleSolver<'static, T, R, N, M, D>,
@@ -107,7 +107,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
             idle: 0,
         };
         Self {
-            followers: [follower; 2],
+            followers: [follower.clone(), follower],
             scale: Scale::of(&settings.plausibility),
             failed: 0,
             pause: 0,
@@ -164,7 +164,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         self.iterations = iterations;
         // A copy takes some thousand cycles: in a tick that has them.
         if other.idle >= LONGEST_IDLE && iterations <= 1 {
-            *other = *near;
+            other.clone_from(near);
             other.idle = 0;
         }
         match &seen {
@@ -200,7 +200,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         let (seen, iterations) = first.solve(load, speed, growth, settings, limit, see);
         self.iterations = iterations;
         if seen.is_ok() {
-            *second = *first;
+            second.clone_from(first);
             (self.failed, self.pauses) = (0, 0);
         } else {
             first.at = None;

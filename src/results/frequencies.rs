@@ -10,6 +10,7 @@ use crate::real::Real;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Frequencies<T> {
     /// Turns of the cage (FTF).
     pub cage: T,

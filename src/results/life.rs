@@ -41,6 +41,7 @@ use core::f64::consts::PI;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LifeRating<T = f32> {
     /// `Qci`, N: the inner contact's dynamic load rating.
     pub inner: T,
@@ -52,6 +53,7 @@ pub struct LifeRating<T = f32> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct RatingLife<T> {
     /// `L10`, million revolutions; infinite without forces.
     pub million_revolutions: T,

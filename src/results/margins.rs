@@ -25,32 +25,36 @@ pub struct Limits<T> {
 }
 
 impl<T: Real> Limits<T> {
-    /// Peak pressure, Pa, that makes up the static load rating of ball bearings (ISO 76:2006).
+    /// Peak pressure that makes up the static load rating of ball bearings: 4.2 GPa (ISO 76:2006).
     ///
-    /// 4200 MPa dent ball and raceway together by a ten-thousandth of the ball diameter.
-    pub const STATIC_PRESSURE: f64 = 4.2e9;
-    /// Peak pressure, Pa, below which bearing steel does not tire: 1500 MPa (ISO 281:2007, fatigue load limit).
-    pub const FATIGUE_PRESSURE: f64 = 1.5e9;
-    /// Friction that a lubricated contact can be trusted to have.
+    /// It dents ball and raceway together by a ten-thousandth of the ball diameter.
+    pub const STATIC_PRESSURE: T = T::STATIC_PRESSURE;
+    /// Peak pressure below which bearing steel does not tire: 1.5 GPa (ISO 281:2007, fatigue load limit).
+    pub const FATIGUE_PRESSURE: T = T::FATIGUE_PRESSURE;
+    /// Friction that a lubricated contact can be trusted to have: 0.06.
     ///
     /// 0.06 to 0.07 suffice to prevent gyroscopic sliding in most ball bearings (Jones 1959, after Harris, Rolling
     /// Bearing Analysis).
-    pub const LUBRICATED_FRICTION: f64 = 0.06;
+    pub const LUBRICATED_FRICTION: T = T::LUBRICATED_FRICTION;
+    /// [`Limits::STATIC_PRESSURE`] and [`Limits::LUBRICATED_FRICTION`].
+    pub const DEFAULT: Self = Self {
+        peak_pressure: Self::STATIC_PRESSURE,
+        friction: Self::LUBRICATED_FRICTION,
+    };
 }
 
 impl<T: Real> Default for Limits<T> {
-    /// [`Limits::STATIC_PRESSURE`] and [`Limits::LUBRICATED_FRICTION`].
+    /// [`Limits::DEFAULT`].
     fn default() -> Self {
-        Self {
-            peak_pressure: T::of(Self::STATIC_PRESSURE),
-            friction: T::of(Self::LUBRICATED_FRICTION),
-        }
+        Self::DEFAULT
     }
 }
 
 /// One of the two rings' raceways.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Race {
     /// Raceway of the inner ring.
     Inner,
@@ -71,6 +75,8 @@ impl Race {
 /// Limits that an equilibrium may pass, the most serious first: a contact's value, and its bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Limit {
     /// Peak contact pressure, Pa, against [`Limits::peak_pressure`].
@@ -190,6 +196,8 @@ impl defmt::Format for LimitSet {
 /// The worst contact in view of one [`Limit`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Margin<T> {
     /// Its value, SI units: see [`Limit`].
     pub value: T,

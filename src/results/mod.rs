@@ -3,6 +3,8 @@
 pub mod frequencies;
 pub mod life;
 pub mod margins;
+#[cfg(feature = "serde")]
+pub mod serialize;
 pub mod summary;
 
 use crate::ball::Ball;
@@ -53,6 +55,18 @@ impl<'s, T: Real, R: Rule> View<'s, T, R> {
         self.kinetics_of_balls()
             .zip(self.azimuths)
             .map(move |(kinetics, at)| kinetics.state(self.c, at))
+    }
+
+    /// States and cage speeds of the first `K` balls.
+    pub fn copy<const K: usize>(self) -> ([BallState<T>; K], [T; K]) {
+        let (mut states, mut cage_speeds) = ([BallState::default(); K], [T::ZERO; K]);
+        let copies = states.iter_mut().zip(&mut cage_speeds);
+        let balls = self.kinetics_of_balls().zip(self.azimuths);
+        for ((state, cage_speed), (kinetics, at)) in copies.zip(balls) {
+            *state = kinetics.state(self.c, at);
+            *cage_speed = kinetics.mu * self.speed.as_rad_per_s();
+        }
+        (states, cage_speeds)
     }
 
     /// Forces on the inner and the outer contact of every ball, N.

@@ -12,6 +12,9 @@ use crate::results::margins::{Limits, Margins};
 /// for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(bound = "T: Real + serde::Serialize"))]
+#[non_exhaustive]
 pub struct RowSummary<T> {
     /// Least and largest force of the inner contacts, N; 0 of a ball off the inner race.
     pub inner_force: [T; 2],

@@ -13,8 +13,9 @@
 //! Neither sum cancels, and the force grows with `w` at first with the power 3, 4 or 1, so that Newton's method from
 //! above comes down on the solution.
 
-use crate::ball::contact::{Contact, Point, excess};
+use crate::ball::contact::{Contact, excess};
 use crate::bearing::{Constants, L0};
+use crate::growth::Growth;
 use crate::real::Real;
 
 /// From the outer to the inner groove's centre.
@@ -58,15 +59,16 @@ pub struct AxialRest<T> {
 }
 
 impl<T: Real> AxialRest<T> {
-    /// At the growth of `p`.
+    /// With rings and balls that have grown, in units of length.
     #[inline(always)]
-    pub fn new(c: &Constants<T>, p: &Point<T>) -> Self {
+    pub fn new(c: &Constants<T>, growth: &Growth<T>) -> Self {
         let [axial, radial] = c.n0.map(|n| T::of(L0) * n);
-        let (gx, gr) = (p.growth.axial, p.growth.radial);
-        let change = excess(T::of(L0), p.growth.ball) + gr * (radial + radial + gr) - c.play;
+        let (gx, gr) = (growth.axial, growth.radial);
+        let change = excess(T::of(L0), growth.ball) + gr * (radial + radial + gr) - c.play;
+        let half = T::of(0.5) * growth.ball;
         let e = axial * axial - change;
         Self {
-            length: p.lo + p.li,
+            length: (c.lo - half) + (c.li - half),
             kn: c.kn,
             radial: radial + gr,
             gap: e.at_least(T::ZERO),

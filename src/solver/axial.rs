@@ -30,7 +30,7 @@ use core::marker::PhantomData;
 /// assert!(k_speed < k_rest);
 /// # Ok::<(), spindle_bearing::Status<f32>>(())
 /// ```
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
     bearing: &'b Bearing<T, N>,
     /// Of a bearing with one ball, which carries its share of the load.
@@ -43,19 +43,19 @@ pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
 
 impl<'b, T: Real, const N: usize> AxialSolver<'b, T, N> {
     /// A solver for the bearing at speed, with all inertia loads and no race in control.
-    pub fn new(bearing: &'b Bearing<T, N>) -> Self {
+    pub const fn new(bearing: &'b Bearing<T, N>) -> Self {
         Self::of(bearing)
     }
 }
 
 impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     /// A solver for the motion that its type names.
-    pub fn of(bearing: &'b Bearing<T, N>) -> Self {
+    pub const fn of(bearing: &'b Bearing<T, N>) -> Self {
         Self {
             bearing,
-            last: WarmStart::new(&Layout::alone(&bearing.constants, &[])),
+            last: WarmStart::COLD,
             motion: PhantomData,
-            root: T::ONE / T::TINY,
+            root: T::HUGE,
             centres: Centres {
                 axial: T::ZERO,
                 excess: T::ZERO,
@@ -66,7 +66,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     /// Has the next solve start from nothing.
     pub fn reset(&mut self) {
         self.last.reset();
-        self.root = T::ONE / T::TINY;
+        self.root = T::HUGE;
     }
 
     /// The equilibrium under the axial load `Fx`, N, at a speed, from the last solution if that is near.
@@ -150,7 +150,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
-        let balls = AxialRest::new(c, &self.last.points[0]);
+        let balls = AxialRest::new(c, &self.last.points[0].growth);
         let (mut iterations, mut left) = (0, T::ZERO);
         let (centres, contact, dx) = match given {
             Given::Displacement(dx) => {
@@ -248,6 +248,8 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
 
 /// An equilibrium under a purely axial load, SI units.
 #[derive(Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(bound = "T: serde::Serialize"))]
 pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
@@ -259,7 +261,23 @@ pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion> {
     pub displacement: T,
     /// Axial force `Fx` on the inner ring, N; the reaction where the displacement was given.
     pub load: T,
+    #[cfg_attr(feature = "serde", serde(skip))]
     solver: &'s AxialSolver<'s, T, N, M>,
+}
+
+#[cfg(feature = "defmt")]
+impl<T: Real, const N: usize, M: Motion> defmt::Format for AxialSolution<'_, T, N, M> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "{} after {} iterations, errors {}; displacement {}, load {}",
+            self.status,
+            self.iterations,
+            self.error,
+            self.displacement,
+            self.load
+        );
+    }
 }
 
 impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
@@ -283,7 +301,7 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
             let a = add(p.low, [solver.last.state.v[0], T::ZERO]);
             solver.last.balls[0][0].kinetics::<M::Rule>(c, p, a)
         } else {
-            Kinetics::at_rest(c, &AxialRest::new(c, p).contact(&solver.centres))
+            Kinetics::at_rest(c, &AxialRest::new(c, &p.growth).contact(&solver.centres))
         };
         match solver.bearing.azimuths.first() {
             Some(first) => kinetics.state(c, first),

@@ -40,29 +40,29 @@ use core::marker::PhantomData;
 /// assert!(k[1][1] > k[2][2] && k[2][2] > k[0][0]);
 /// # Ok::<(), spindle_bearing::Status<f32>>(())
 /// ```
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
-    bearing: &'b Bearing<T, N>,
-    last: WarmStart<T, 1, N, D>,
+    pub(crate) bearing: &'b Bearing<T, N>,
+    pub(crate) last: WarmStart<T, 1, N, D>,
     motion: PhantomData<M>,
 }
 
 impl<'b, T: Real, const N: usize> Solver<'b, T, N> {
     /// A solver for the bearing at speed, with all inertia loads, five freedoms and no race in control.
-    pub fn new(bearing: &'b Bearing<T, N>) -> Self {
+    pub const fn new(bearing: &'b Bearing<T, N>) -> Self {
         Self::of(bearing)
     }
 }
 
 impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M, D> {
     /// A solver for the motion and the number of freedoms that its types name.
-    pub fn of(bearing: &'b Bearing<T, N>) -> Self
+    pub const fn of(bearing: &'b Bearing<T, N>) -> Self
     where
         [T; D]: RingVector,
     {
         Self {
             bearing,
-            last: WarmStart::new(&Layout::alone(&bearing.constants, &bearing.azimuths)),
+            last: WarmStart::COLD,
             motion: PhantomData,
         }
     }

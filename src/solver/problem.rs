@@ -51,16 +51,18 @@ impl<T: Real> Settings<T> {
         max_iterations: 3,
         tolerance: T::TICK,
     };
+
+    /// 100 iterations; a tolerance of 2e-5 in single and 3e-13 in double precision.
+    pub const DEFAULT: Self = Self {
+        max_iterations: 2 * tuning::ATTEMPT,
+        tolerance: T::TOLERANCE,
+    };
 }
 
 impl<T: Real> Default for Settings<T> {
-    /// 100 iterations; a tolerance of 2e-5 in single and 3e-13 in double
-    /// precision.
+    /// [`Settings::DEFAULT`].
     fn default() -> Self {
-        Self {
-            max_iterations: 2 * tuning::ATTEMPT,
-            tolerance: T::TOLERANCE,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -244,7 +246,8 @@ pub fn speed_and_growth<T: Real>(
     } else {
         T::ZERO
     };
-    check(Quantity::Speed, speed.0, limit)?;
+    let omega = speed.as_rad_per_s();
+    check(Quantity::Speed, omega, limit)?;
     let lengths = [growth.axial, growth.radial, growth.ball];
     for (length, quantity) in lengths.into_iter().zip(Quantity::OF_GROWTH) {
         check(quantity, length, c.length * T::of(16.0))?;
@@ -255,7 +258,7 @@ pub fn speed_and_growth<T: Real>(
         radial: growth.radial * per,
         ball: growth.ball * per,
     };
-    Ok((speed.0, growth))
+    Ok((omega, growth))
 }
 
 /// Inertia `m dm omega^2 / 2`; 0 where the inertia of `ball_count` balls is below rounding of loads of the size `size`.

@@ -3,7 +3,6 @@
 use crate::ball::kinematics::{Motion, Speed};
 use crate::ball::report::{BallKinematics, BallState};
 use crate::bearing::Bearing;
-use crate::linalg::Matrix;
 use crate::real::Real;
 use crate::results::View;
 use crate::results::frequencies::Frequencies;
@@ -65,7 +64,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
 
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) at constant speed: the exact
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
-    pub fn stiffness(&self) -> Matrix<T, D> {
+    pub fn stiffness(&self) -> [[T; D]; D] {
         let k = self.last.tangent::<M::Rule, _>(&Layout::alone(
             &self.bearing.constants,
             &self.bearing.azimuths,
@@ -175,16 +174,12 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
 
     /// A copy that borrows nothing.
     pub fn snapshot(&self) -> Snapshot<T, N, D> {
-        let bearing = self.bearing;
-        let omega = self.speed.as_rad_per_s();
-        let mut balls = [BallState::default(); N];
-        let mut cage_speeds = [T::ZERO; N];
-        let kinetics_of_balls = self.view().kinetics_of_balls().zip(&bearing.azimuths);
-        let of_ball = balls.iter_mut().zip(&mut cage_speeds);
-        for ((kinetics, at), (ball, cage_speed)) in kinetics_of_balls.zip(of_ball) {
-            *ball = kinetics.state(&bearing.constants, at);
-            *cage_speed = kinetics.mu * omega;
-        }
+        self.copy()
+    }
+
+    /// A copy with the first `K` balls.
+    fn copy<const K: usize>(&self) -> Snapshot<T, K, D> {
+        let (balls, cage_speeds) = self.view().copy();
         Snapshot {
             status: self.status,
             iterations: self.iterations,
@@ -201,15 +196,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
 
 impl<T: Real, const N: usize, M: Motion, const D: usize> fmt::Debug for Solution<'_, T, N, M, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Solution")
-            .field("status", &self.status)
-            .field("iterations", &self.iterations)
-            .field("error", &self.error)
-            .field("displacement", &self.displacement)
-            .field("load", &self.load)
-            .field("speed", &self.speed)
-            .field("stiffness", &self.stiffness())
-            .finish_non_exhaustive()
+        self.snapshot().fmt(f)
     }
 }
 
@@ -219,24 +206,17 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> defmt::Format
     for Solution<'_, T, N, M, D>
 {
     fn format(&self, f: defmt::Formatter<'_>) {
-        defmt::write!(
-            f,
-            "{} after {} iterations, errors {}; displacement {}, load {}, speed {}, stiffness {}",
-            self.status,
-            self.iterations,
-            self.error,
-            self.displacement,
-            self.load,
-            self.speed,
-            self.stiffness()
-        );
+        defmt::write!(f, "{}", self.copy::<0>());
     }
 }
 
 /// A [`Solution`] that borrows nothing, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Snapshot<T, const N: usize, const D: usize> {
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(bound = "T: serde::Serialize"))]
+#[non_exhaustive]
+pub struct Snapshot<T: Real, const N: usize, const D: usize> {
     /// How the solve ended.
     pub status: Status<T>,
     /// Iterations, those of starts included.
@@ -244,66 +224,35 @@ pub struct Snapshot<T, const N: usize, const D: usize> {
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::results::serialize::array")
+    )]
     pub displacement: [T; D],
     /// Forces (N) and moments (N m) on the inner ring.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::results::serialize::array")
+    )]
     pub load: [T; D],
     /// Speed of the shaft.
     pub speed: Speed<T>,
     /// Stiffness `dF/du`, rows are forces.
-    pub stiffness: Matrix<T, D>,
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::results::serialize::rows")
+    )]
+    pub stiffness: [[T; D]; D],
     /// States of the balls, in the order of their azimuths.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::results::serialize::array")
+    )]
     pub balls: [BallState<T>; N],
     /// Cage speed `omega_m` of every ball, rad/s: see [`Solution::cage_speeds`].
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::results::serialize::array")
+    )]
     pub cage_speeds: [T; N],
-}
-
-#[cfg(feature = "nalgebra")]
-impl<T, const N: usize, M: Motion, const D: usize> Solution<'_, T, N, M, D>
-where
-    T: Real + nalgebra::Scalar,
-{
-    /// The displacement as a vector of `nalgebra`.
-    pub fn displacement_vector(&self) -> nalgebra::SVector<T, D> {
-        nalgebra::SVector::from(self.displacement)
-    }
-
-    /// [`Solution::stiffness`] as a matrix of `nalgebra`, rows are forces.
-    ///
-    /// ```
-    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
-    /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
-    /// let mut solver = Solver::new(&bearing);
-    /// let (load, speed) = ([1000.0, 200.0, 0.0, 0.0, 3.0], Speed::rpm(20_000.0));
-    /// let solution = solver.solve(load, speed, &Settings::default())?;
-    /// let k = solution.stiffness_matrix();
-    /// assert_eq!(k[(0, 1)], solution.stiffness()[0][1]);
-    /// assert_eq!(k * solution.displacement_vector(), {
-    ///     let s = solution.snapshot();
-    ///     s.stiffness_matrix() * s.displacement_vector()
-    /// });
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn stiffness_matrix(&self) -> nalgebra::SMatrix<T, D, D> {
-        matrix(&self.stiffness())
-    }
-}
-
-#[cfg(feature = "nalgebra")]
-impl<T: nalgebra::Scalar + Copy, const N: usize, const D: usize> Snapshot<T, N, D> {
-    /// The displacement as a vector of `nalgebra`.
-    pub fn displacement_vector(&self) -> nalgebra::SVector<T, D> {
-        nalgebra::SVector::from(self.displacement)
-    }
-
-    /// The stiffness as a matrix of `nalgebra`, rows are forces.
-    pub fn stiffness_matrix(&self) -> nalgebra::SMatrix<T, D, D> {
-        matrix(&self.stiffness)
-    }
-}
-
-#[cfg(feature = "nalgebra")]
-fn matrix<T: nalgebra::Scalar + Copy, const D: usize>(
-    rows: &Matrix<T, D>,
-) -> nalgebra::SMatrix<T, D, D> {
-    nalgebra::SMatrix::from_fn(|i, j| rows[i][j])
 }

@@ -199,6 +199,7 @@ pub struct Control<T, const D: usize> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct ErrorEstimate<T> {
     /// Of displacements: of the largest component, tilts taken at the pitch radius.
     pub displacement: T,

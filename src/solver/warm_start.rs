@@ -24,7 +24,7 @@ pub struct WarmStart<T, const R: usize, const N: usize, const D: usize> {
     /// Speed, growth and references of every row.
     pub points: [Point<T>; R],
     /// Axial force by which rows of either facing hold each other.
-    preload: T,
+    pub preload: T,
     pub speed: Speed<T>,
 }
 
@@ -37,16 +37,13 @@ pub struct Reached<T, const D: usize> {
 
 impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N, D> {
     /// Of a solver that has not solved yet.
-    pub fn new<const SET: bool>(layout: &Layout<'_, T, R, SET>) -> Self {
-        let point = |i: usize| Point::new(layout.bearings[i].c, T::ZERO, T::ZERO, Growth::NONE);
-        Self {
-            state: State::COLD,
-            balls: [[Ball::default(); N]; R],
-            points: from_fn(point),
-            preload: T::ZERO,
-            speed: Speed::REST,
-        }
-    }
+    pub const COLD: Self = Self {
+        state: State::COLD,
+        balls: [[Ball::NONE; N]; R],
+        points: [Point::NONE; R],
+        preload: T::ZERO,
+        speed: Speed::REST,
+    };
 
     /// Has the next solve start from nothing.
     pub fn reset(&mut self) {

@@ -43,6 +43,7 @@ impl Facing {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Arrangement {
     /// DB, O: the contact lines meet the axis far apart, which resists a tilt. Rows that face `+x` are at smaller x than
     /// rows that face `-x`.

@@ -13,7 +13,6 @@ pub mod error;
 pub mod solution;
 pub mod solver;
 
-use crate::ball::contact::Point;
 use crate::bearing::{Bearing, Constants};
 use crate::growth::Growth;
 use crate::real::Real;
@@ -30,6 +29,7 @@ use crate::status::Quantity;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Preload<T> {
     /// Clamped: spacers and ring faces leave a closure `e` (m), by which the row's rings are moved into each other. 0 if
     /// they just touch, negative for a play. For a bearing that is given by its clearance, it counts from the middle of the
@@ -59,6 +59,7 @@ pub enum Preload<T> {
 /// assert!(Spindle::new(Arrangement::FaceToFace, rows).is_err());
 /// ```
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mounted<'b, T, const N: usize> {
     bearing: BearingRef<'b, T>,
     position: T,
@@ -241,7 +242,8 @@ fn check_arranged<T: Real, const N: usize>(
 
 /// Bearings on one rigid shaft, ready to be solved: immutable, made once.
 ///
-/// `R` rows of at most `N` balls. `D` is 5, the shaft's freedoms, or 6 where a sleeve slides under a spring.
+/// `R` rows of at most `N` balls. `D` is 5, the shaft's freedoms, or 6 where a sleeve slides under a spring: a
+/// [`SprungSpindle`].
 ///
 /// ```
 /// use spindle_bearing::{Arrangement, Bearing, Design};
@@ -261,6 +263,7 @@ fn check_arranged<T: Real, const N: usize>(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5> {
     layout: Layout<'b, T, R, true>,
     positions: [T; R],
@@ -271,6 +274,9 @@ pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5> {
     centre: T,
 }
 
+/// A spindle of which some rows sit in a sleeve that slides under a spring: [`Spindle::sprung`].
+pub type SprungSpindle<'b, T, const R: usize, const N: usize> = Spindle<'b, T, R, N, 6>;
+
 impl<'b, T: Real, const N: usize> Spindle<'b, T, 1, N, 5> {
     /// A single bearing at `x = 0`, pressed by a load in `+x`: what a [`Solver`](crate::Solver) solves, with the same bits.
     pub fn single(bearing: &'b Bearing<T, N>) -> Self {
@@ -280,7 +286,7 @@ impl<'b, T: Real, const N: usize> Spindle<'b, T, 1, N, 5> {
             balls: row.bearing.c.balls,
             opposed: false,
         };
-        Self::mounted([row], group, None, T::ZERO)
+        Self::mounted(&[row], &row, group, None, T::ZERO)
     }
 }
 
@@ -315,13 +321,28 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 5> {
         arrangement: Arrangement,
         rows: [Mounted<'b, T, N>; R],
     ) -> Result<Self, SpindleError<T>> {
-        Self::of(arrangement, rows, T::ZERO)
+        Self::of(arrangement, &rows, T::ZERO)
     }
 }
 
 impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
     /// Rows of which some sit in a sleeve that slides along the shaft under a spring of this force (N), in an arrangement that
     /// is checked.
+    ///
+    /// ```
+    /// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Preload, Settings, Speed};
+    /// use spindle_bearing::{SpindleSolver, SprungSolver, Spindle};
+    ///
+    /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
+    /// let front = Mounted::new(&BEARING, 0.0, Facing::PlusX);
+    /// let rear = Mounted::new(&BEARING, 0.1, Facing::MinusX).with(Preload::Spring);
+    /// let set = Spindle::sprung(Arrangement::BackToBack, [front, rear], 200.0)?;
+    /// let mut solver: SprungSolver<'static, f32, 2, 15> = SpindleSolver::new(set);
+    /// let solution = solver.solve([0.0, 150.0, 0.0, 0.0, 0.0], Speed::rpm(20_000.0), &Settings::default())?;
+    /// assert!(solution.spring_closure() > 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -331,14 +352,14 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
         rows: [Mounted<'b, T, N>; R],
         force: T,
     ) -> Result<Self, SpindleError<T>> {
-        Self::of(arrangement, rows, force)
+        Self::of(arrangement, &rows, force)
     }
 }
 
 impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T, R, N, D> {
     fn of(
         arrangement: Arrangement,
-        rows: [Mounted<'b, T, N>; R],
+        rows: &[Mounted<'b, T, N>; R],
         spring: T,
     ) -> Result<Self, SpindleError<T>> {
         let Some(first) = rows.first() else {
@@ -349,63 +370,63 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             let spring = (D == 6).then_some(spring);
             row.check(number, first, spring)?;
         }
-        check_arranged(arrangement, &rows)?;
-        let (fixed, sliding) = groups(&rows, D == 6)?;
-        Ok(Self::mounted(rows, fixed, sliding, spring))
+        check_arranged(arrangement, rows)?;
+        let (fixed, sliding) = groups(rows, D == 6)?;
+        Ok(Self::mounted(rows, first, fixed, sliding, spring))
     }
 
-    /// Rows that hold the shaft, on their mounts.
+    /// Rows that hold the shaft, on their mounts; the `first` one has the units.
+    #[inline]
     fn mounted(
-        rows: [Mounted<'b, T, N>; R],
+        rows: &[Mounted<'b, T, N>; R],
+        first: &Mounted<'b, T, N>,
         fixed: Group<T>,
         sliding: Option<Group<T>>,
         spring: T,
     ) -> Self {
-        let unit = rows[0].bearing.c;
+        let unit = first.bearing.c;
         let rp = radius(unit);
         let (mut centre, mut plane, mut count) = (T::ZERO, T::ZERO, T::ZERO);
-        for row in &rows {
+        for row in rows {
             centre += row.position;
             plane += row.plane(rp);
             count += T::ONE;
         }
-        let (centre, plane) = (centre / count, plane / count);
-        let mut mounts = [Mount::PLAIN; R];
-        let (mut ball_count, mut preload_at_rest) = (T::ZERO, T::ZERO);
-        for (mount, row) in mounts.iter_mut().zip(&rows) {
+        let mut set = Self {
+            layout: Layout {
+                bearings: rows.each_ref().map(|row| row.bearing),
+                mounts: [Mount::PLAIN; R],
+                fixed,
+                sliding,
+                plane: plane / count,
+                ball_count: T::ZERO,
+                preload_at_rest: T::ZERO,
+            },
+            positions: rows.each_ref().map(|row| row.position),
+            facings: rows.each_ref().map(|row| row.facing),
+            spring,
+            centre: centre / count,
+        };
+        let layout = &mut set.layout;
+        for (mount, row) in layout.mounts.iter_mut().zip(rows) {
             let c = row.bearing.c;
-            let (facing, arm, closure) = (row.facing.sign::<T>(), radius(c) / rp, row.closure());
-            let off = row.position - centre;
+            let (facing, off) = (row.facing.sign::<T>(), row.position - set.centre);
             *mount = Mount {
                 facing,
                 length: unit.length / c.length,
                 force: c.force / unit.force,
-                lever: (off / rp + row.plane(rp)) - plane,
+                lever: (off / rp + row.plane(rp)) - layout.plane,
                 reach: facing * (off / radius(c)) + c.plane,
-                arm,
+                arm: radius(c) / rp,
                 inertia: c.inertia / unit.inertia,
-                closure,
+                closure: row.closure(),
                 sliding: row.slides(),
             };
-            ball_count += c.balls * (mount.force * mount.inertia);
-            let axial = c.balls * force_at(c, closure).at_least(T::ZERO);
-            preload_at_rest += mount.force * (axial + c.preload);
+            layout.ball_count += c.balls * (mount.force * mount.inertia);
+            let axial = c.balls * force_at(c, mount.closure).at_least(T::ZERO);
+            layout.preload_at_rest += mount.force * (axial + c.preload);
         }
-        Self {
-            layout: Layout {
-                bearings: rows.map(|row| row.bearing),
-                mounts,
-                fixed,
-                sliding,
-                plane,
-                ball_count,
-                preload_at_rest,
-            },
-            positions: rows.map(|row| row.position),
-            facings: rows.map(|row| row.facing),
-            spring,
-            centre,
-        }
+        set
     }
 
     /// Closure `e` of each clamped row (m), given, or made by the preload force; 0 for a row that slides.
@@ -431,19 +452,14 @@ fn radius<T: Real>(c: &Constants<T>) -> T {
 
 /// Axial displacement of a bearing at rest, cold, under an axial load, both in its units.
 fn closure<T: Real>(c: &Constants<T>, load: T) -> T {
-    let balls = AxialRest::new(c, &Point::new(c, T::ZERO, load, Growth::NONE));
-    let loaded = balls.root(
-        T::ONE / T::TINY,
-        load / c.balls,
-        T::EPSILON * T::EPSILON,
-        64,
-    );
+    let balls = AxialRest::new(c, &Growth::NONE);
+    let loaded = balls.root(T::HUGE, load / c.balls, T::EPSILON * T::EPSILON, 64);
     balls.displacement(&loaded.centres, false)
 }
 
 /// Axial force on a ball of a bearing at rest, cold, at an axial displacement, both in its units.
 fn force_at<T: Real>(c: &Constants<T>, dx: T) -> T {
-    let balls = AxialRest::new(c, &Point::new(c, T::ZERO, T::ZERO, Growth::NONE));
+    let balls = AxialRest::new(c, &Growth::NONE);
     let contact = balls.contact(&balls.centres_at(dx));
     contact.q * contact.n[0]
 }

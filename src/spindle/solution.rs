@@ -25,12 +25,13 @@ use core::marker::PhantomData;
 /// See [`Spindle`](crate::Spindle) for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShaftEnd<T> {
     /// Its position x, m.
     pub position: T,
     /// Flexibility of the shaft itself there, besides its motion as a rigid body: displacements (m, rad) per force (N) and
     /// moment (N m), rows are displacements.
-    pub flexibility: Matrix<T, 5>,
+    pub flexibility: [[T; 5]; 5],
 }
 
 impl<T: Real> ShaftEnd<T> {
@@ -109,7 +110,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) of the shaft at `x = 0` and at
     /// constant speed: the exact tangent, which is not symmetric at speed. A spring keeps its force.
-    pub fn stiffness(&self) -> Matrix<T, 5> {
+    pub fn stiffness(&self) -> [[T; 5]; 5] {
         self.rigid_stiffness(T::ZERO)
     }
 
@@ -123,7 +124,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
     /// are displacements. One over its diagonal is the stiffness that a force alone meets.
-    pub fn compliance_at(&self, end: &ShaftEnd<T>) -> Matrix<T, 5> {
+    pub fn compliance_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
         let unit = self.spindle.layout.bearings[0].c;
         let inverse = inverse(&self.k);
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
@@ -147,7 +148,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     }
 
     /// Stiffness at a point of the shaft, as [`SpindleSolution::stiffness`] is at `x = 0`.
-    pub fn stiffness_at(&self, end: &ShaftEnd<T>) -> Matrix<T, 5> {
+    pub fn stiffness_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
         if end.flexibility == [[T::ZERO; 5]; 5] {
             return self.rigid_stiffness(end.position);
         }
@@ -198,12 +199,36 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// The rows, in their order.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = RowSolution<'_, T, M>> + '_ {
+        self.solved_rows().into_iter()
+    }
+
+    fn solved_rows(&self) -> [RowSolution<'_, T, M>; R] {
         let mut rows: [RowSolution<'_, T, M>; R] = from_fn(|i| self.row(i));
         let axial = rows.each_ref().map(|row| row.force[0]);
         for (row, preload) in rows.iter_mut().zip(preloads(&axial, &self.facings())) {
             row.preload = preload;
         }
-        rows.into_iter()
+        rows
+    }
+
+    /// A copy that borrows nothing.
+    pub fn snapshot(&self) -> SpindleSnapshot<T, R, N> {
+        self.copy()
+    }
+
+    /// A copy with the first `K` balls of every row.
+    fn copy<const K: usize>(&self) -> SpindleSnapshot<T, R, K> {
+        SpindleSnapshot {
+            status: self.status,
+            iterations: self.iterations,
+            error: self.error,
+            displacement: self.displacement,
+            load: self.load,
+            speed: self.speed,
+            stiffness: self.stiffness(),
+            spring_closure: self.slide,
+            rows: self.solved_rows().map(|row| row.copy()),
+        }
     }
 
     /// How the rows face.
@@ -269,22 +294,85 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> fmt::De
     for SpindleSolution<'_, T, R, N, M, D>
 {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SpindleSolution")
-            .field("status", &self.status)
-            .field("iterations", &self.iterations)
-            .field("error", &self.error)
-            .field("displacement", &self.displacement)
-            .field("load", &self.load)
-            .field("speed", &self.speed)
-            .field("stiffness", &self.stiffness())
-            .finish_non_exhaustive()
+        self.snapshot().fmt(f)
     }
+}
+
+/// Without the balls.
+#[cfg(feature = "defmt")]
+impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> defmt::Format
+    for SpindleSolution<'_, T, R, N, M, D>
+{
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{}", self.copy::<0>());
+    }
+}
+
+/// A [`SpindleSolution`] that borrows nothing, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(bound = "T: serde::Serialize"))]
+#[non_exhaustive]
+pub struct SpindleSnapshot<T: Real, const R: usize, const N: usize> {
+    /// How the solve ended.
+    pub status: Status<T>,
+    /// Iterations, those of starts included.
+    pub iterations: u16,
+    /// How far the figures below can be off.
+    pub error: ErrorEstimate<T>,
+    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the shaft at `x = 0`.
+    pub displacement: [T; 5],
+    /// Forces (N) and moments (N m) on the shaft at `x = 0`.
+    pub load: [T; 5],
+    /// Speed of the shaft.
+    pub speed: Speed<T>,
+    /// Stiffness `dF/du` at `x = 0`, rows are forces.
+    pub stiffness: [[T; 5]; 5],
+    /// [`SpindleSolution::spring_closure`], m.
+    pub spring_closure: T,
+    /// The rows, in their order.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::results::serialize::array")
+    )]
+    pub rows: [RowSnapshot<T, N>; R],
+}
+
+/// A [`RowSolution`] that borrows nothing, SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(bound = "T: serde::Serialize"))]
+#[non_exhaustive]
+pub struct RowSnapshot<T: Real, const N: usize> {
+    /// Position of its centre on the shaft, m.
+    pub position: T,
+    /// Forces (N) and moments (N m) of the shaft on its inner ring, about its centre.
+    pub force: [T; 5],
+    /// [`RowSolution::preload`], N.
+    pub preload: T,
+    /// [`RowSolution::stiffness`], rows are forces.
+    pub stiffness: [[T; 5]; 5],
+    /// Number of its balls: beyond them, the arrays below are 0.
+    pub ball_count: usize,
+    /// States of the balls, in the order of their azimuths.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::results::serialize::array")
+    )]
+    pub balls: [BallState<T>; N],
+    /// Cage speed `omega_m` of every ball, rad/s.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "crate::results::serialize::array")
+    )]
+    pub cage_speeds: [T; N],
 }
 
 /// A row of a solved spindle, in its own frame: x points where an axial load presses its balls. SI units.
 ///
 /// See [`Spindle`](crate::Spindle) for an example.
-#[derive(Debug)]
 pub struct RowSolution<'s, T: Real, M: Motion> {
     /// Position of its centre on the shaft, m.
     pub position: T,
@@ -309,13 +397,27 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
     }
 
     /// Stiffness of the row alone, about its centre: `dF/du` (rows are forces; N, N m per m, rad).
-    pub fn stiffness(&self) -> Matrix<T, 5> {
+    pub fn stiffness(&self) -> [[T; 5]; 5] {
         let mut sum = self.sum;
         if self.stale {
             add_to(&mut sum.k, &self.view.stiffness_change());
         }
         refer_stiffness(self.view.c.plane, &mut sum.k);
         stiffness_out(self.view.c, &sum.k)
+    }
+
+    /// A copy with the first `K` balls.
+    fn copy<const K: usize>(&self) -> RowSnapshot<T, K> {
+        let (balls, cage_speeds) = self.view.copy();
+        RowSnapshot {
+            position: self.position,
+            force: self.force,
+            preload: self.preload,
+            stiffness: self.stiffness(),
+            ball_count: self.view.balls.len(),
+            balls,
+            cage_speeds,
+        }
     }
 
     /// States of the balls, in the order of their azimuths.
@@ -362,5 +464,20 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         } else {
             passed
         }
+    }
+}
+
+/// Without the balls.
+impl<T: Real, M: Motion> fmt::Debug for RowSolution<'_, T, M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.copy::<0>().fmt(f)
+    }
+}
+
+/// Without the balls.
+#[cfg(feature = "defmt")]
+impl<T: Real, M: Motion> defmt::Format for RowSolution<'_, T, M> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{}", self.copy::<0>());
     }
 }

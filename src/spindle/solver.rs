@@ -15,8 +15,9 @@ use core::marker::PhantomData;
 
 /// A solver for one spindle: owns it, borrows the bearings' constants, and keeps the state that the next solve starts from.
 ///
-/// `M` is how the balls move, as for [`Solver`](crate::Solver). `D` is the spindle's. See [`Spindle`] for an example.
-#[derive(Debug, Clone, Copy)]
+/// `M` is how the balls move, as for [`Solver`](crate::Solver). `D` is the spindle's: 6 for a sprung one, whose solver is a
+/// [`SprungSolver`]. See [`Spindle`] for an example.
+#[derive(Debug, Clone)]
 pub struct SpindleSolver<
     'b,
     T: Real,
@@ -25,16 +26,20 @@ pub struct SpindleSolver<
     M: Motion = Full,
     const D: usize = 5,
 > {
-    spindle: Spindle<'b, T, R, N, D>,
-    last: WarmStart<T, R, N, D>,
+    pub(crate) spindle: Spindle<'b, T, R, N, D>,
+    pub(crate) last: WarmStart<T, R, N, D>,
     motion: PhantomData<M>,
 }
+
+/// Solver of a [`SprungSpindle`], of which some rows sit in a sleeve that slides under a spring.
+pub type SprungSolver<'b, T, const R: usize, const N: usize, M = Full> =
+    SpindleSolver<'b, T, R, N, M, 6>;
 
 impl<'b, T: Real, const R: usize, const N: usize, const D: usize>
     SpindleSolver<'b, T, R, N, Full, D>
 {
     /// A solver for the spindle at speed, with all inertia loads and no race in control.
-    pub fn new(spindle: Spindle<'b, T, R, N, D>) -> Self {
+    pub const fn new(spindle: Spindle<'b, T, R, N, D>) -> Self {
         Self::of(spindle)
     }
 }
@@ -43,10 +48,10 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     SpindleSolver<'b, T, R, N, M, D>
 {
     /// A solver for the motion that its type names.
-    pub fn of(spindle: Spindle<'b, T, R, N, D>) -> Self {
+    pub const fn of(spindle: Spindle<'b, T, R, N, D>) -> Self {
         Self {
             spindle,
-            last: WarmStart::new(&spindle.layout),
+            last: WarmStart::COLD,
             motion: PhantomData,
         }
     }
@@ -56,7 +61,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         self.last.reset();
     }
 
-    /// The equilibrium under the load `[Fx, Fy, Fz, My, Mz]` (N, N m) on the shaft at `x = 0`, at a speed, cold.
+    /// The equilibrium under the load `[Fx, Fy, Fz, My, Mz]` (N, N m) on the shaft at `x = 0`, at a speed, without growth.
     ///
     /// The solve starts from the last solution if that is near. After [`Status::IterationLimit`] it goes on from where the
     /// last one ended, if load and speed are near.

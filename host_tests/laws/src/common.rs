@@ -207,10 +207,10 @@ pub fn assert_finite<T: Real>(answer: &Answer<T>) {
 /// Solvers are that after the solve, that before it, and a fresh one. The last question that was not refused.
 pub fn unharmed<T: Real, S, Q>(
     ended: &Status<T>,
-    [after, before, fresh]: [S; 3],
+    [after, before, fresh]: [&S; 3],
     tried: Q,
     question: Q,
-    probe: impl Fn(S, &Q) -> String,
+    probe: impl Fn(&S, &Q) -> String,
 ) -> Q {
     match ended {
         Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded => {

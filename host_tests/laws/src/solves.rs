@@ -94,7 +94,7 @@ fn with_balls<const N: usize>(run: &Run) -> Ends {
 }
 
 fn in_precision<T: Real, const N: usize>(run: &Run) -> Ends {
-    match T::bearing::<N>(&run.design) {
+    match Bearing::<T, N>::of(&run.design) {
         Err(error) => refused(&error),
         Ok(bearing) => match run.scene[2] % 5 {
             0 => with_ring::<T, N, Static>(run, &bearing),
@@ -190,7 +190,7 @@ fn times<T: Real>(given: Given<T>, factor: f64) -> Given<T> {
     }
 }
 
-fn solve<T: Real, S: Copy>(
+fn solve<T: Real, S: Clone>(
     run: &Run,
     balls: usize,
     fresh: impl Fn() -> S,
@@ -200,12 +200,15 @@ fn solve<T: Real, S: Copy>(
     let scale = Scale::of(&run.design, balls);
     let settings = settings_in(run.settings);
     // Something near, so that a solver would start from what it remembers.
-    let probe = |mut solver: S, near: &Question<T>| {
+    let probe = |solver: &S, near: &Question<T>| {
         let question = Question {
             given: near.given.map(|given| times(given, 0.9)),
             ..*near
         };
-        format!("{:?}", ask(&mut solver, &question, &Settings::default()))
+        format!(
+            "{:?}",
+            ask(&mut solver.clone(), &question, &Settings::default())
+        )
     };
     let (mut solver, mut ends) = (fresh(), Ends::new());
     let light = [1e-4, 1e-5, 0.0, 1e-6, 0.0];
@@ -217,7 +220,7 @@ fn solve<T: Real, S: Copy>(
     // The last question that was not refused for what it is.
     let mut tried = question;
     for step in &run.steps {
-        let before = solver;
+        let before = solver.clone();
         match step {
             Step::Reset => {
                 reset(&mut solver);
@@ -239,8 +242,7 @@ fn solve<T: Real, S: Copy>(
         let most = settings.max_iterations.max(1);
         let ended = inspect(ask(&mut solver, &question, &settings), most);
         ends.insert(ended.name());
-        let solvers = [solver, before, fresh()];
-        tried = unharmed(&ended, solvers, tried, question, probe);
+        tried = unharmed(&ended, [&solver, &before, &fresh()], tried, question, probe);
     }
     ends
 }

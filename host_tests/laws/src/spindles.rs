@@ -9,8 +9,8 @@ use crate::common::{
 use crate::shaft::{MOST_ROWS, Step};
 use crate::statics::{Place, assert_balances, assert_symmetric};
 use spindle_bearing::{
-    Arrangement, Full, Growth, Motion, Mounted, Preload, Real, Settings, ShaftEnd, Speed, Spindle,
-    SpindleError, SpindleSolution, SpindleSolver, Static, Status,
+    Arrangement, Bearing, Full, Growth, Motion, Mounted, Preload, Real, Settings, ShaftEnd, Speed,
+    Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status,
 };
 use std::array::from_fn;
 
@@ -35,7 +35,10 @@ pub fn check(run: &Run) -> Ends {
 
 fn in_precision<T: Real>(run: &Run) -> Ends {
     let [first, second] = &run.designs;
-    let (first, second) = match (T::bearing::<BALLS>(first), T::bearing::<FEWER>(second)) {
+    let (first, second) = match (
+        Bearing::<T, BALLS>::of(first),
+        Bearing::<T, FEWER>::of(second),
+    ) {
         (Ok(first), Ok(second)) => (first, second),
         (Err(error), _) | (_, Err(error)) => return refused(&error),
     };
@@ -50,7 +53,7 @@ fn in_precision<T: Real>(run: &Run) -> Ends {
         mounted.with(match row.preload {
             Preload::Closure(e) => Preload::Closure(T::of(e * scale.displacement[0])),
             Preload::Force(force) => Preload::Force(T::of(force * scale.load[0])),
-            Preload::Spring => Preload::Spring,
+            _ => Preload::Spring,
         })
     });
     let mounted: Vec<_> = mounted.collect();
@@ -166,18 +169,18 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
         asked
     };
     // Something near, so that a solver would start from what it remembers.
-    let probe = |mut solver: Shaft<'_, T, R, M, D>, near: &Question<T, R>| {
+    let probe = |solver: &Shaft<'_, T, R, M, D>, near: &Question<T, R>| {
         let unfinished = format!("{:?}", solver.unfinished().map(|s| answer(&s)));
         let question = Question {
             load: near.load.map(|load| load * T::of(0.9)),
             cut: None,
             ..*near
         };
-        let asked = ask(&mut solver, &question, &Settings::default());
+        let asked = ask(&mut solver.clone(), &question, &Settings::default());
         format!("{unfinished}, {asked:?}")
     };
     let fresh = Shaft::<T, R, M, D>::of(spindle);
-    let (mut solver, mut ends) = (fresh, Ends::new());
+    let (mut solver, mut ends) = (fresh.clone(), Ends::new());
     let mut question = Question {
         load: from_fn(|i| T::of([1e-4, 1e-5, 0.0, 1e-6, 0.0][i] * scale.load[i])),
         omega: T::ZERO,
@@ -187,11 +190,11 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
     // The last question that was not refused for what it is.
     let mut tried = question;
     for step in &run.steps {
-        let before = solver;
+        let before = solver.clone();
         match step {
             Step::Reset => {
                 solver.reset();
-                assert_eq!(probe(solver, &tried), probe(fresh, &tried), "reset");
+                assert_eq!(probe(&solver, &tried), probe(&fresh, &tried), "reset");
                 continue;
             }
             Step::Grow(rows) => {
@@ -225,7 +228,7 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
             (Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded, _) => {}
             (_, unfinished) => assert!(unfinished.is_none(), "{unfinished:?} after {ended:?}"),
         }
-        tried = unharmed(&ended, [solver, before, fresh], tried, question, probe);
+        tried = unharmed(&ended, [&solver, &before, &fresh], tried, question, probe);
     }
     ends
 }

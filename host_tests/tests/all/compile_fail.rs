@@ -80,7 +80,13 @@ fn items() -> impl Iterator<Item = ([String; 2], String)> {
         let good = item(balls.max(3), "first_ball: 0.0");
         ([good, item(balls, change)], said.to_owned())
     });
-    solvers.chain(designs)
+    // The library adds no method to a number.
+    let number = [
+        "pub fn number(x: f32) -> f32 { x.max(1.0) }",
+        "pub fn number(x: f32) -> f32 { x.at_least(1.0) }",
+    ];
+    let number = (number.map(str::to_owned), "no method named".to_owned());
+    solvers.chain(designs).chain([number])
 }
 
 /// The library, compiled for programs to link.

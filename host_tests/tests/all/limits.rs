@@ -4,8 +4,8 @@ use host_tests::campaign::balance::friction;
 use host_tests::cases::{B218, B7005C, Random, SKF6205, rad_per_s};
 use host_tests::dispatch::Attitude;
 use spindle_bearing::{
-    BallState, Design, FreeContact, HertzContact, InnerRaceControl, Limit, Limits, Margins,
-    Material, OuterRaceControl, Race, Real,
+    BallState, Bearing, Design, FreeContact, HertzContact, InnerRaceControl, Limit, Limits,
+    Margins, Material, OuterRaceControl, Race, Real,
 };
 use spindle_bearing::{Centrifugal, Full, Motion, Settings, Solver, Speed, Static};
 use std::cell::Cell;
@@ -34,7 +34,7 @@ pub fn solve<T: Real, M: Motion>(
     (load, omega): Scene,
     limits: &Limits<f64>,
 ) -> Option<(Margins<T>, Vec<BallState<T>>)> {
-    let bearing = T::bearing::<16>(design).unwrap();
+    let bearing = Bearing::<T, 16>::of(design).unwrap();
     let mut solver = Solver::<T, 16, M>::of(&bearing);
     let limits = Limits {
         peak_pressure: T::of(limits.peak_pressure),

@@ -265,9 +265,10 @@ impl<T: Real, const N: usize, M: Motion> AnySolver for AxialSolver<'static, T, N
         let mut k = identity();
         k[0][0] = s.stiffness().to_f64();
         let first = widened(&s.ball());
-        let ball = |j| BallState {
-            azimuth: first.azimuth + TAU * j as f64 / N as f64,
-            ..first
+        let ball = |j| {
+            let mut ball = first;
+            ball.azimuth += TAU * j as f64 / N as f64;
+            ball
         };
         Ok(Found {
             status: narrowed(s.status),
@@ -303,7 +304,7 @@ fn of_count<T: Real, const N: usize>(
     balls: Balls,
     freedoms: usize,
 ) -> Box<dyn AnySolver> {
-    let bearing = Box::leak(Box::new(T::bearing::<N>(design).unwrap()));
+    let bearing = Box::leak(Box::new(Bearing::<T, N>::of(design).unwrap()));
     match balls {
         Balls::Static => of_motion::<T, N, Static>(bearing, freedoms),
         Balls::Centrifugal => of_motion::<T, N, Centrifugal>(bearing, freedoms),

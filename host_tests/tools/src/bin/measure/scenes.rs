@@ -10,7 +10,7 @@ use host_tests::campaign::report::{Spread, name};
 use host_tests::dispatch::Precision;
 use probes::{Axial, Clamped, Question, Ring, Sprung};
 use rayon::prelude::*;
-use spindle_bearing::{Centrifugal, Full, Real, Settings, Static};
+use spindle_bearing::{Bearing, Centrifugal, Full, Real, Settings, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -56,7 +56,7 @@ fn answers<T: Real, S: probes::Scene<T, BALLS, D>, const D: usize>(
     work: &Work,
     tolerances: &[f64],
 ) -> Result<Answers> {
-    let bearing = T::bearing::<BALLS>(&work.design)?;
+    let bearing = Bearing::<T, BALLS>::of(&work.design)?;
     let question = |start: usize, tolerance: f64| {
         let (load, omega) = work.state(start, S::AT_SPEED);
         Question {
@@ -158,8 +158,8 @@ impl Program {
     /// A program at the default tolerance, and at a tick's.
     pub fn new(core: Core, precision: Precision, scene: &'static Scene) -> Self {
         let tolerance = match precision {
-            Precision::F32 => f32::TOLERANCE.into(),
-            Precision::F64 => f64::TOLERANCE,
+            Precision::F32 => Settings::<f32>::DEFAULT.tolerance.into(),
+            Precision::F64 => Settings::<f64>::DEFAULT.tolerance,
         };
         Self {
             core,
