@@ -1,0 +1,118 @@
+//! Two bearings back to back, followed in an application for RTIC 2.
+//!
+//! The solver lives in a static: `init` makes it there, a tick borrows it. A constant load is in the place of a measured one.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("for a board: cargo build --release --target thumbv7em-none-eabihf -p rtic_pair");
+}
+
+#[cfg(target_os = "none")]
+#[rtic::app(device = stm32f4::stm32f405)]
+mod app {
+    use core::mem::MaybeUninit;
+    use cortex_m::peripheral::syst::SystClkSource;
+    use defmt_rtt as _;
+    use spindle_bearing::nalgebra::SMatrix;
+    use spindle_bearing::{Arrangement, Bearing, Design, Limit, Limits, Preload, Settings};
+    use spindle_bearing::{Full, Speed, Spindle, SpindleSolution, SpindleSolver, Status};
+
+    const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
+    const SPEED: Speed<f32> = Speed::rpm(20_000.0);
+    const LIMITS: Limits<f32> = Limits {
+        peak_pressure: 2e9,
+        ..Limits::DEFAULT
+    };
+    type Pair = SpindleSolver<'static, f32, 2, 15>;
+
+    #[shared]
+    struct Shared {}
+
+    #[local]
+    struct Local {
+        pair: &'static mut Pair,
+        ticks_without: u32,
+    }
+
+    #[init(local = [place: MaybeUninit<Pair> = MaybeUninit::uninit()])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let rows = Spindle::pair(
+            Arrangement::BackToBack,
+            &BEARING,
+            0.1,
+            Preload::Force(200.0),
+        );
+        let Ok(rows) = rows else {
+            panic!("these rows hold no shaft")
+        };
+        let pair = Pair::new_in(rows, cx.local.place);
+        let mut timer = cx.core.SYST;
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(168_000 - 1);
+        timer.enable_counter();
+        timer.enable_interrupt();
+        let ticks_without = 0;
+        (
+            Shared {},
+            Local {
+                pair,
+                ticks_without,
+            },
+        )
+    }
+
+    /// Stiffness, how far it can be off, and whether a contact is pressed too hard.
+    fn estimate(
+        solution: &SpindleSolution<'_, f32, 2, 15, Full, 5>,
+    ) -> (SMatrix<f32, 5, 5>, f32, bool) {
+        let mut rows = solution.rows();
+        let pressed = rows.any(|row| row.margins(&LIMITS).passed().contains(Limit::PeakPressure));
+        (
+            solution.stiffness_matrix(),
+            solution.error.stiffness,
+            pressed,
+        )
+    }
+
+    #[task(binds = SysTick, local = [pair, ticks_without])]
+    fn tick(cx: tick::Context) {
+        let tick::LocalResources {
+            pair,
+            ticks_without,
+            ..
+        } = cx.local;
+        let load = [0.0, 150.0, 0.0, 0.0, 0.0];
+        let found = match pair
+            .solve(load, SPEED, &Settings::TICK)
+            .map(|s| estimate(&s))
+        {
+            // The state that this tick has reached; the next one goes on from there.
+            Err(Status::IterationLimit) => pair.unfinished().map(|s| estimate(&s)),
+            found => found.inspect_err(|status| defmt::warn!("{}", status)).ok(),
+        };
+        *ticks_without += 1;
+        if let Some((stiffness, error, pressed)) = found {
+            if error < 1e-2 {
+                *ticks_without = 0;
+                defmt::info!("{} N/m, good to {}", stiffness[(1, 1)], error);
+            }
+            if pressed {
+                defmt::error!("a contact is above 2 GPa");
+            }
+        }
+        if *ticks_without == 100 {
+            defmt::error!("the stiffness is 100 ticks old");
+        }
+    }
+}
+
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {
+        cortex_m::asm::bkpt();
+    }
+}
