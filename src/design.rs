@@ -228,6 +228,12 @@ impl Design {
     ///     ..Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians())
     /// };
     /// ```
+    ///
+    /// A catalogue with bore, outside diameter, width and `C` alone leaves the balls to a guess. In GMN's series S 60 with bores
+    /// of 10 to 100 mm, `dm` is the mean of bore and outside diameter. `D` is 0.27 to 0.30 of their difference, by steps of 1/32
+    /// inch. The count is `0.84 pi dm / D`, within one. Of several guesses, take the one whose
+    /// [`Design::dynamic_load_rating`] is nearest to `C`, or up to 8 % above. A ball diameter that is off by 3 % puts the
+    /// stiffness off by about 1 %.
     pub const fn angular_contact(ball_diameter: f64, pitch_diameter: f64, angle: f64) -> Self {
         Self {
             ball_diameter,

@@ -88,7 +88,7 @@ impl fmt::Display for Quantity {
 /// of a solve.
 ///
 /// ```
-/// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed, Status};
+/// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
 ///
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
