@@ -15,6 +15,28 @@ pub type Matrix2<T> = [Pair<T>; 2];
 /// Matrix over the freedoms, by rows (force) and columns (displacement).
 pub type Matrix<T, const D: usize> = [[T; D]; D];
 
+/// A vector by its elements. In `core::array::from_fn`, a profile that inlines less checks every index.
+#[inline(always)]
+pub fn vector<T: Real, const D: usize>(element: impl Fn(usize) -> T) -> [T; D] {
+    let mut v = [T::ZERO; D];
+    for i in 0..D {
+        v[i] = element(i);
+    }
+    v
+}
+
+/// A matrix by its elements, row and column.
+#[inline(always)]
+pub fn matrix<T: Real, const D: usize>(element: impl Fn(usize, usize) -> T) -> Matrix<T, D> {
+    let mut m = [[T::ZERO; D]; D];
+    for i in 0..D {
+        for j in 0..D {
+            m[i][j] = element(i, j);
+        }
+    }
+    m
+}
+
 #[inline(always)]
 pub fn dot<T: Real>(a: Pair<T>, b: Pair<T>) -> T {
     a[0] * b[0] + a[1] * b[1]
@@ -62,7 +84,8 @@ pub fn times_transposed<T: Real>(m: &Matrix2<T>, v: Pair<T>) -> Pair<T> {
 /// `a b`, a column after the other.
 #[inline(always)]
 pub fn product2<T: Real>(a: &Matrix2<T>, b: &Matrix2<T>) -> Matrix2<T> {
-    let [p, q] = [0, 1].map(|i| times(a, [b[0][i], b[1][i]]));
+    let p = times(a, [b[0][0], b[1][0]]);
+    let q = times(a, [b[0][1], b[1][1]]);
     [[p[0], q[0]], [p[1], q[1]]]
 }
 

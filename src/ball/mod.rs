@@ -444,7 +444,10 @@ impl<T: Real> Ball<T> {
         let t_by = turn(n, t_by);
 
         // M, its inverse, and the ball's steps.
-        let outer = [0, 1].map(|i| turn([cd, sd], [along[i], across[i]]));
+        let outer = [
+            turn([cd, sd], [along[0], across[0]]),
+            turn([cd, sd], [along[1], across[1]]),
+        ];
         let m = [
             [b[0][0] + outer[0][0], b[0][1] - outer[0][1]],
             [b[1][0] + outer[1][0], b[1][1] - outer[1][1]],

@@ -89,8 +89,7 @@ impl<'s, T: Real, R: Rule> View<'s, T, R> {
     }
 
     pub fn frequencies(self) -> Frequencies<T> {
-        let count = T::of(self.balls.len() as f64);
-        Frequencies::of(self.kinematics(), count, self.speed.as_rad_per_s())
+        Frequencies::of(self.kinematics(), self.c.balls, self.speed.as_rad_per_s())
     }
 
     /// Looks at every ball once, and hands each on with its number.

@@ -45,7 +45,7 @@ struct Range<T>([T; 2]);
 
 impl<T: Real> Range<T> {
     fn none() -> Self {
-        Self([f64::INFINITY, f64::NEG_INFINITY].map(T::of))
+        Self([T::of(f64::INFINITY), T::of(f64::NEG_INFINITY)])
     }
 
     fn take(&mut self, x: T) {

@@ -9,7 +9,7 @@ pub mod row;
 use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
 use crate::bearing::{Azimuth, Constants};
-use crate::linalg::{refer, refer_stiffness};
+use crate::linalg::{refer, refer_stiffness, vector};
 use crate::real::Real;
 use crate::shaft::row::{Changes, Row, Sum, sum_up};
 
@@ -280,9 +280,8 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
         };
         if !SET {
             let own = self.rows[0].changes::<A>(&self.layout.mounts[0].motion::<D, SET>(du));
-            all.k.copy_from_slice(&own.k[..D]);
             return Changes {
-                k: all.k,
+                k: vector(|i| own.k[i]),
                 relative: own.relative,
                 force_error: own.force_error,
                 largest: own.largest,

@@ -2,7 +2,7 @@
 
 use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
-use crate::linalg::{moved, norm, product};
+use crate::linalg::{moved, norm, product, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::solver::problem::{Problem, Time};
@@ -65,7 +65,7 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Residual at the predicted speed: load minus the balls' forces, extrapolated by the relative change `ds` of `omega^2`. A
     /// freedom whose displacement is prescribed has none, since its support takes it.
     fn unbalanced(&self, problem: &Problem<T, D>, ds: T) -> [T; D] {
-        core::array::from_fn(|i| match problem.prescribed[i] {
+        vector(|i| match problem.prescribed[i] {
             None => problem.load[i] - self.sum.force[i] - ds * self.sum.by_speed[i],
             Some(_) => T::ZERO,
         })

@@ -4,12 +4,11 @@
 use crate::ball::kinematics::Speed;
 use crate::bearing::Constants;
 use crate::growth::Growth;
-use crate::linalg::Matrix;
+use crate::linalg::{Matrix, matrix};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::status::{Quantity, Status};
 use crate::tuning;
-use core::array::from_fn;
 
 /// Iteration limit and convergence tolerance.
 ///
@@ -283,8 +282,5 @@ pub fn units<T: Real>(c: &Constants<T>, freedom: usize) -> (T, T) {
 /// A stiffness in SI units.
 pub fn stiffness_out<T: Real, const D: usize>(c: &Constants<T>, k: &Matrix<T, D>) -> Matrix<T, D> {
     let per = [T::ONE / c.length, T::ONE / c.tilt];
-    from_fn(|i| {
-        let force = units(c, i).0;
-        from_fn(|j| k[i][j] * (force * per[usize::from(matches!(j, 3 | 4))]))
-    })
+    matrix(|i, j| k[i][j] * (units(c, i).0 * per[usize::from(matches!(j, 3 | 4))]))
 }

@@ -3,6 +3,7 @@
 use crate::ball::kinematics::{Motion, Speed};
 use crate::ball::report::{BallKinematics, BallState};
 use crate::bearing::Bearing;
+use crate::linalg::vector;
 use crate::real::Real;
 use crate::results::View;
 use crate::results::frequencies::Frequencies;
@@ -14,7 +15,6 @@ use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::status::Status;
-use core::array::from_fn;
 use core::fmt;
 use core::marker::PhantomData;
 
@@ -53,8 +53,8 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
             status: last.state.attempt.termination.status(),
             iterations: reached.iterations,
             error: last.state.errors(&reached.u, last.points[0].s * c.balls),
-            displacement: from_fn(|i| reached.u[i] * units(c, i).1),
-            load: from_fn(|i| reached.load[i] * units(c, i).0),
+            displacement: vector(|i| reached.u[i] * units(c, i).1),
+            load: vector(|i| reached.load[i] * units(c, i).0),
             speed: last.speed,
             bearing,
             last,

@@ -3,12 +3,11 @@
 use crate::ball::contact::{Point, to_grid};
 use crate::ball::kinematics::Rule;
 use crate::bearing::{Constants, L0};
-use crate::linalg::moved;
+use crate::linalg::{moved, vector};
 use crate::real::Real;
 use crate::shaft::{GroupRow, Shaft};
 use crate::solver::problem::Problem;
 use crate::solver::state::State;
-use core::array::from_fn;
 
 /// Halvings of the range of an angle, to 2e-5 of it.
 const BISECTIONS: u8 = 16;
@@ -138,8 +137,8 @@ pub(super) fn start<T: Real, A: Rule, const R: usize, const SET: bool, const D: 
 ) {
     let u = displaced(shaft, problem);
     // Offsets count from the axial part.
-    state.u = from_fn(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
-    state.v = from_fn(|i| u[i] - state.u[i]);
+    state.u = vector(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
+    state.v = vector(|i| u[i] - state.u[i]);
     shaft.each(&state.u, |row, mount, u| {
         row.p.start(row.c, u[0] + mount.closure)
     });

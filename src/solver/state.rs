@@ -1,14 +1,13 @@
 //! Where a solver is: the shaft's position, the balls' sum there, the attempt that led there, and the errors of it.
 
 use crate::bearing::L0;
-use crate::linalg::{Factors, moved, norm};
+use crate::linalg::{Factors, moved, norm, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::shaft::row::Sum;
 use crate::solver::problem::Problem;
 use crate::status::Status;
 use crate::tuning;
-use core::array::from_fn;
 
 /// Position of the shaft and sum of its balls, kept between solves, in the units of the constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +52,7 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Displacement of the centre.
     pub fn displacement(&self, plane: T) -> [T; D] {
-        moved(-plane, &from_fn(|i| self.u[i] + self.v[i]))
+        moved(-plane, &vector(|i| self.u[i] + self.v[i]))
     }
 }
 

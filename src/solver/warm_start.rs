@@ -4,7 +4,7 @@ use crate::ball::Ball;
 use crate::ball::contact::Point;
 use crate::ball::kinematics::{Motion, Rule, Speed};
 use crate::growth::Growth;
-use crate::linalg::{Matrix, add_to, moved, norm, product, refer_stiffness};
+use crate::linalg::{Matrix, add_to, moved, norm, product, refer_stiffness, vector};
 use crate::real::Real;
 use crate::results::View;
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change};
@@ -13,7 +13,6 @@ use crate::solver::problem::{Given, Problem, Time, given_in_units, inertia, spee
 use crate::solver::start::start;
 use crate::solver::state::{State, Termination, are_finite};
 use crate::status::{Quantity, Status};
-use core::array::from_fn;
 use core::marker::PhantomData;
 
 /// Position and balls after the last solve of a shaft in `R` rows of at most `N` balls, with `D` freedoms.
@@ -155,10 +154,10 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
 
     fn reached(&self, plane: T, iterations: u16) -> Reached<T, D> {
         let State { v, at, sum, .. } = &self.state;
-        let du = moved(-plane, &from_fn(|i| v[i] - at[i]));
+        let du = moved(-plane, &vector(|i| v[i] - at[i]));
         Reached {
             u: self.state.displacement(plane),
-            load: from_fn(|i| sum.force[i] + product(&sum.k[i], &du)),
+            load: vector(|i| sum.force[i] + product(&sum.k[i], &du)),
             iterations,
         }
     }
@@ -217,6 +216,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         layout: &Layout<'s, T, R, SET>,
         i: usize,
     ) -> View<'s, T, A> {
+        // Seen to be in range even where this is not inlined.
+        let i = i.min(R - 1);
         let row = &layout.bearings[i];
         View {
             c: row.c,
@@ -286,7 +287,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let half = T::of(0.5);
         let (s, balls) = (shaft.s, shaft.layout.ball_count);
         let at = self.displacement(shaft.layout.plane);
-        let change: [T; D] = from_fn(|i| match problem.prescribed[i] {
+        let change: [T; D] = vector(|i| match problem.prescribed[i] {
             None => problem.load[i] - self.load[i],
             Some(u) => self.sum.k[i][i] * (u - at[i]),
         });
@@ -309,7 +310,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let largest = self.stiffest().at_least(T::EPSILON);
         self.factor(problem, T::EPSILON.sqrt() * largest);
         let free = |motion: [T; D]| {
-            from_fn(|i| match problem.prescribed[i] {
+            vector(|i| match problem.prescribed[i] {
                 None => largest * motion[i],
                 Some(_) => T::ZERO,
             })

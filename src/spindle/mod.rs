@@ -15,6 +15,7 @@ pub mod solver;
 
 use crate::bearing::{Bearing, Constants};
 use crate::growth::Growth;
+use crate::linalg::vector;
 use crate::real::Real;
 use crate::shaft::axial::AxialRest;
 use crate::shaft::{BearingRef, Group, Layout, Mount};
@@ -431,7 +432,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
 
     /// Closure `e` of each clamped row (m), given, or made by the preload force; 0 for a row that slides.
     pub fn closures(&self) -> [T; R] {
-        core::array::from_fn(|i| self.layout.mounts[i].closure * self.layout.bearings[i].c.length)
+        vector(|i| self.layout.mounts[i].closure * self.layout.bearings[i].c.length)
     }
 
     /// Positions of the rows on the shaft, m.

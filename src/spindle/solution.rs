@@ -2,7 +2,9 @@
 
 use crate::ball::kinematics::{Motion, Speed};
 use crate::ball::report::{BallKinematics, BallState};
-use crate::linalg::{Factors, Matrix, add_to, moved, product, refer, refer_stiffness};
+use crate::linalg::{
+    Factors, Matrix, add_to, matrix, moved, product, refer, refer_stiffness, vector,
+};
 use crate::real::Real;
 use crate::results::View;
 use crate::results::frequencies::Frequencies;
@@ -82,14 +84,14 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     ) -> Self {
         let Spindle { layout, centre, .. } = spindle;
         let unit = layout.bearings[0].c;
-        let u: [T; 5] = from_fn(|i| reached.u[i] * units(unit, i).1);
+        let u = vector(|i| reached.u[i] * units(unit, i).1);
         let k = last.tangent::<M::Rule, _>(layout);
         let (k, slide) = if D == 6 {
             // The force of the spring is held.
-            let k = from_fn(|i| from_fn(|j| k[i][j] - k[i][5] * k[5][j] / k[5][5]));
+            let k = matrix(|i, j| k[i][j] - k[i][5] * k[5][j] / k[5][5]);
             (k, reached.u[5] * unit.length)
         } else {
-            (from_fn(|i| from_fn(|j| k[i][j])), T::ZERO)
+            (matrix(|i, j| k[i][j]), T::ZERO)
         };
         Self {
             status: last.state.attempt.termination.status(),
@@ -127,11 +129,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     pub fn compliance_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
         let unit = self.spindle.layout.bearings[0].c;
         let inverse = inverse(&self.k);
+        let of = [unit.length, unit.tilt];
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
-        let mut c: Matrix<T, 5> = from_fn(|i| {
-            let length = [unit.length, unit.tilt][usize::from(i >= 3)];
-            from_fn(|j| inverse[i][j] * (length * per[usize::from(j >= 3)]))
-        });
+        let mut c: Matrix<T, 5> =
+            matrix(|i, j| inverse[i][j] * (of[usize::from(i >= 3)] * per[usize::from(j >= 3)]));
         // Displacements at the point, of forces at the point.
         let d = end.position - self.spindle.centre;
         for row in &mut c {
@@ -162,7 +163,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             }
         };
         let scaled = |m: &Matrix<T, 5>| {
-            from_fn(|i| from_fn(|j| m[i][j] * (unit.force / unit.length) * scale(i) * scale(j)))
+            matrix(|i, j| m[i][j] * (unit.force / unit.length) * scale(i) * scale(j))
         };
         scaled(&inverse(&scaled(&self.compliance_at(end))))
     }
@@ -185,7 +186,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// preload, share of the load, margins and life.
     pub fn summary(&self, limits: &Limits<T>, ratings: &[LifeRating<T>; R]) -> [RowSummary<T>; R] {
         let mut rows: [RowSummary<T>; R] =
-            from_fn(|i| RowSummary::of(&self.view(i), limits, &ratings[i]));
+            from_fn(|i| RowSummary::of(&self.view(i), limits, &ratings[i.min(R - 1)]));
         let axial = rows.each_ref().map(|row| row.force[0]);
         RowSummary::share(&mut rows, &preloads(&axial, &self.facings()));
         rows
@@ -244,6 +245,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// A row, its preload left out.
     fn row(&self, i: usize) -> RowSolution<'_, T, M> {
+        // As in `view`.
+        let i = i.min(R - 1);
         let (spindle, state) = (self.spindle, &self.last.state);
         let mount = &spindle.layout.mounts[i];
         let c = spindle.layout.bearings[i].c;
@@ -251,12 +254,12 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let mut sum = Sum::NONE;
         sum_up::<T, M::Rule, 5>(view.balls, view.azimuths, &mut sum);
         // What the tangent says of the force after the last step.
-        let du = mount.motion::<D, true>(&from_fn(|i| state.v[i] - state.at[i]));
-        let mut force: [T; 5] = from_fn(|i| sum.force[i] + product(&sum.k[i], &du));
+        let du = mount.motion::<D, true>(&vector(|i| state.v[i] - state.at[i]));
+        let mut force: [T; 5] = vector(|i| sum.force[i] + product(&sum.k[i], &du));
         refer(c.plane, &mut force);
         RowSolution {
             position: spindle.positions[i],
-            force: from_fn(|i| force[i] * units(c, i).0),
+            force: vector(|i| force[i] * units(c, i).0),
             preload: T::ZERO,
             view,
             sum,
@@ -272,7 +275,7 @@ pub fn preloads<T: Real, const R: usize>(axial: &[T; R], facings: &[Facing; R]) 
         sides[usize::from(*facing == Facing::MinusX)] += *axial;
     }
     let common = sides[0].at_most(sides[1]).at_least(T::ZERO);
-    from_fn(|i| {
+    vector(|i| {
         let side = sides[usize::from(facings[i] == Facing::MinusX)];
         axial[i] * (common / side.at_least(common).at_least(T::TINY))
     })
@@ -282,12 +285,9 @@ pub fn preloads<T: Real, const R: usize>(axial: &[T; R], facings: &[Facing; R]) 
 pub fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
     let mut factors = Factors::NONE;
     factors.factor(k, T::ZERO);
-    let columns: [[T; 5]; 5] = from_fn(|j| {
-        let mut unit = [T::ZERO; 5];
-        unit[j] = T::ONE;
-        factors.back_substitute(&unit)
-    });
-    from_fn(|i| from_fn(|j| columns[j][i]))
+    let units: Matrix<T, 5> = matrix(|i, j| if i == j { T::ONE } else { T::ZERO });
+    let columns = units.map(|unit| factors.back_substitute(&unit));
+    matrix(|i, j| columns[j][i])
 }
 
 impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> fmt::Debug

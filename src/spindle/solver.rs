@@ -2,7 +2,7 @@
 
 use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::growth::Growth;
-use crate::linalg::refer;
+use crate::linalg::{refer, vector};
 use crate::real::Real;
 use crate::solver::problem::{Given, Settings, units};
 use crate::solver::state::are_finite;
@@ -139,7 +139,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let Spindle { layout, centre, .. } = &self.spindle;
         let reached = self.last.unfinished::<M::Rule, _>(layout)?;
         let unit = layout.bearings[0].c;
-        let mut load: [T; 5] = from_fn(|i| reached.load[i] * units(unit, i).0);
+        let mut load = vector(|i| reached.load[i] * units(unit, i).0);
         refer(*centre, &mut load);
         let solution = SpindleSolution::new(&self.spindle, &self.last, &reached, load);
         // A sleeve that no ball holds makes the shaft's stiffness 0 / 0.
