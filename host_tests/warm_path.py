@@ -25,7 +25,7 @@ PRIMITIVES = "dot dots add sub scale times times_transposed product2 turn".split
 PROGRAM = """
 use spindle_bearing::*;
 const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
-static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::checked(&DESIGN);
+static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let (set, ticks) = (arguments.next().unwrap() == "pair", arguments.next().unwrap().parse().unwrap());
