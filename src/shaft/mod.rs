@@ -8,7 +8,7 @@ pub mod row;
 
 use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
-use crate::bearing::{Azimuth, Constants};
+use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::linalg::{refer, refer_stiffness, vector};
 use crate::real::Real;
 use crate::shaft::row::{Changes, Row, Sum, sum_up};
@@ -185,6 +185,14 @@ impl<'b, T: Real> Layout<'b, T, 1, false> {
             ball_count: c.balls,
             preload_at_rest: c.preload,
         }
+    }
+}
+
+impl<T: Real, const N: usize> Bearing<T, N> {
+    /// The bearing alone.
+    #[inline(always)]
+    pub(crate) fn layout(&self) -> Layout<'_, T, 1, false> {
+        Layout::alone(&self.constants, &self.azimuths)
     }
 }
 

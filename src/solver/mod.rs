@@ -19,7 +19,6 @@ use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::bearing::Bearing;
 use crate::growth::Growth;
 use crate::real::Real;
-use crate::shaft::Layout;
 use crate::solver::problem::{Given, RingVector, Settings};
 use crate::solver::solution::Solution;
 use crate::solver::warm_start::WarmStart;
@@ -150,7 +149,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
         settings: &Settings<T>,
         mut more_time: impl FnMut() -> bool,
     ) -> Result<Solution<'_, T, N, M, D>, Status<T>> {
-        let layout = Layout::alone(&self.bearing.constants, &self.bearing.azimuths);
+        let layout = self.bearing.layout();
         let growth = core::array::from_ref(growth);
         let tolerance = settings.tolerance;
         let problem =
@@ -175,10 +174,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
     /// of the stiffness is 1 or more, nothing is known of it. The table of a cut is in `docs/firmware.md`.
     pub fn unfinished(&self) -> Option<Solution<'_, T, N, M, D>> {
-        let reached = self.last.unfinished::<M::Rule, _>(&Layout::alone(
-            &self.bearing.constants,
-            &self.bearing.azimuths,
-        ))?;
+        let reached = self.last.unfinished::<M::Rule, _>(&self.bearing.layout())?;
         Some(Solution::new(self.bearing, &self.last, &reached))
     }
 }

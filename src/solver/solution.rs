@@ -10,7 +10,6 @@ use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limits, Margins};
 use crate::results::summary::RowSummary;
-use crate::shaft::Layout;
 use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
@@ -65,20 +64,14 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) at constant speed: the exact
     /// tangent, which is not symmetric at speed. That of some freedoms with the others held is a part of it.
     pub fn stiffness(&self) -> [[T; D]; D] {
-        let k = self.last.tangent::<M::Rule, _>(&Layout::alone(
-            &self.bearing.constants,
-            &self.bearing.azimuths,
-        ));
+        let k = self.last.tangent::<M::Rule, _>(&self.bearing.layout());
         stiffness_out(&self.bearing.constants, &k)
     }
 
     /// The row of balls.
     #[inline(always)]
     pub(crate) fn view(&self) -> View<'_, T, M::Rule> {
-        self.last.view::<M::Rule, _>(
-            &Layout::alone(&self.bearing.constants, &self.bearing.azimuths),
-            0,
-        )
+        self.last.view::<M::Rule, _>(&self.bearing.layout(), 0)
     }
 
     /// States of the balls, in the order of their azimuths.
