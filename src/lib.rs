@@ -2,27 +2,7 @@
 //!
 #![doc = include_str!("../docs/frame.svg")]
 //!
-//! SI units, angles in radians. A load is `[Fx, Fy, Fz, My, Mz]` on the inner ring, or on the shaft at `x = 0`. The answer has
-//! displacements, the exact 5x5 stiffness, and each ball's contact angles, forces, pressures and speeds.
-//!
-//! ```
-//! use spindle_bearing::{Arrangement, Bearing, Design, Preload, Settings, Solver, Speed, Spindle, SpindleSolver};
-//!
-//! // 15 steel balls of 6.35 mm on 36 mm, 15 degrees. Groove factors are assumed.
-//! const S6005C: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
-//! static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&S6005C);
-//! let (speed, settings) = (Speed::rpm(20_000.0), Settings::default());
-//!
-//! let mut solver = Solver::new(&BEARING);
-//! let one = solver.solve([500.0, 100.0, 0.0, 0.0, 1.0], speed, &settings)?;
-//! println!("axially {:.1} N/um", 1e-6 * one.stiffness()[0][0]);
-//!
-//! let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.1, Preload::Force(200.0))?;
-//! let mut solver = SpindleSolver::new(pair);
-//! let two = solver.solve([0.0, 150.0, 0.0, 0.0, 0.0], speed, &settings)?;
-//! println!("radially {:.1} N/um", 1e-6 * two.stiffness()[1][1]);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = include_str!("../docs/crate.md")]
 //!
 //! | what | item |
 //! | --- | --- |
@@ -49,26 +29,11 @@
 //! | `ball` | one ball for a given ring: contacts, kinematics, linearised and condensed |
 //! | `real`, `linalg`, `growth` | numbers, vectors, matrices; growth of rings and balls |
 //! | `bearing`, `design` | the constants of a design |
-//!
-//! No allocation, no panic, no NaN in an answer. `f32` has the same bits on a Cortex-M4F and on a host.
-//!
-//! | feature | adds |
-//! | --- | --- |
-//! | `defmt` | `Format` on public data |
-//! | `nalgebra` | displacements and stiffness as its vectors and matrices |
-//! | `serde` | designs, settings and results |
-//! | `record` | framed load records |
-//! | `monitor` | from sensors to alarms, rating life, telemetry and what is kept without power |
 
 #![no_std]
 
 #[cfg(test)]
 extern crate std;
-
-/// The README's programs, as tests.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
 
 mod ball;
 mod bearing;

@@ -10,10 +10,15 @@
 // SAFETY: the C standard defines both functions for every bit pattern, without side effects that
 // Rust can see (errno is not read); every Rust target has them, from its C library or from
 // `compiler_builtins`.
+#[cfg(not(miri))]
 unsafe extern "C" {
     safe fn sqrtf(x: f32) -> f32;
     safe fn sqrt(x: f64) -> f64;
 }
+
+// Miri cannot call them. It takes `-p spindle-bearing`: other packages switch on assembly in `libm`.
+#[cfg(miri)]
+use libm::{sqrt, sqrtf};
 
 /// Square root of a single's magnitude.
 #[inline(always)]

@@ -23,10 +23,10 @@ struct MessageTarget {
 /// Where a program for a microcontroller is from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Origin {
-    /// The firmware of the STM32F405, an example of the library.
+    /// The firmware of the STM32F405, in `examples/firmware`.
     #[default]
     F405,
-    /// The firmware of the STM32H743, a package beside the examples.
+    /// The firmware of the STM32H743, outside the workspace.
     H743,
     /// The images in `host_tests/probes`, for the core of the STM32F405.
     Probes,
@@ -55,18 +55,14 @@ impl Build<'_> {
         let mut command = cargo();
         command.args(["rustc", "--release"]);
         match self.origin {
-            Origin::F405 => command
-                .args(["-p", "spindle-bearing", "--features", "defmt,monitor"])
-                .args(["--target", TARGET, "--example", self.program]),
+            Origin::F405 => command.args(["-p", "spindle_monitor", "--target", TARGET]),
             Origin::H743 => command
                 .args(["--manifest-path", "examples/firmware_h743/Cargo.toml"])
-                .args(["--config", "examples/firmware_h743/.cargo/config.toml"])
-                .args(["--bin", self.program]),
-            Origin::Probes => command
-                .args(["-p", "probes", "--target", TARGET])
-                .args(["--bin", self.program]),
+                .args(["--config", "examples/firmware_h743/.cargo/config.toml"]),
+            Origin::Probes => command.args(["-p", "probes", "--target", TARGET]),
         };
         command
+            .args(["--bin", self.program])
             .arg("--message-format=json-render-diagnostics")
             .arg("--");
         for argument in self.link {
