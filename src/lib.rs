@@ -22,6 +22,7 @@
 //!
 //! | layer | has |
 //! | --- | --- |
+//! | `in_place`, `matrices` | solvers made in a static, solutions for `nalgebra` |
 //! | `spindle` | bearings on a shaft, as a user builds them |
 //! | `solver` | public solvers, problem, Newton's loop, starts, what one solve leaves for the next |
 //! | `results` | what a solved row shows: summary, margins, life, frequencies |

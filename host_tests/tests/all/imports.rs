@@ -38,7 +38,8 @@ fn read(folder: &Path, root: &str, parent: &str, modules: &mut BTreeMap<String, 
 }
 
 /// Layers of the library, from the top: CONTRIBUTING.md draws them.
-const LAYERS: [&[&str]; 7] = [
+const LAYERS: [&[&str]; 8] = [
+    &["in_place", "matrices"],
     &["spindle"],
     &["solver"],
     &["results"],
