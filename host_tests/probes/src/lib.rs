@@ -3,11 +3,12 @@
 
 #![no_std]
 
+use core::fmt::{self, Write};
 use core::hint::black_box;
 use core::marker::PhantomData;
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Facing, Full, Limits, Motion, Mounted, Preload,
-    Real, RingVector, Settings, Solver, Speed, Spindle, SpindleSolver,
+    Arrangement, AxialSolver, Bearing, Design, Facing, Full, Given, Growth, Limit, Limits, Motion,
+    Mounted, Preload, Real, RingVector, Settings, Solver, Speed, Spindle, SpindleSolver,
 };
 
 /// Hands the table to a macro: `for_every_scene!(of_mine)`.
@@ -73,7 +74,7 @@ macro_rules! for_every_scene {
 macro_rules! image {
     ($run:path, proved: $proved:expr) => {
         // For the interrupt vectors, which the linker script asks for.
-        #[cfg(target_os = "none")]
+        #[cfg(all(target_os = "none", feature = "monitor"))]
         use stm32f4 as _;
 
         #[cfg(target_os = "none")]
@@ -355,5 +356,63 @@ impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Sprung<R> {
     #[inline(always)]
     fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 5>) -> Option<Answer<T, 5>> {
         solve_shaft(solver, question)
+    }
+}
+
+/// Code that must not be there: the check has to find it.
+pub fn spoiled() {
+    struct Unread;
+    impl Write for Unread {
+        fn write_str(&mut self, text: &str) -> fmt::Result {
+            black_box(text);
+            Ok(())
+        }
+    }
+    let numbers = black_box([1.0_f64; 4]);
+    black_box(numbers[black_box(3)] * 3.0);
+    black_box(write!(Unread, "{}", black_box(1_u32)).is_ok());
+}
+
+/// Whatever a firmware calls of a bearing, on input that the compiler does not know.
+pub fn ring<T: Real, const N: usize, M: Motion, const D: usize>(bearing: &Bearing<T, N>)
+where
+    [T; D]: RingVector,
+{
+    let mut solver = Solver::<T, N, M, D>::of(bearing);
+    while black_box(true) {
+        let (load, speed) = black_box(([T::ONE; D], Speed::rad_per_s(T::ONE)));
+        let settings = black_box(Settings::default());
+        let solution = if black_box(true) {
+            solver.solve(load, speed, &settings)
+        } else {
+            let given = black_box([Given::Displacement(T::ONE); D]);
+            solver.solve_at(&given, speed, &black_box(Growth::NONE), &settings)
+        };
+        match solution {
+            Ok(solution) => {
+                for (ball, force) in solution.balls().zip(solution.inner_forces()) {
+                    black_box((ball, force));
+                }
+                for speed in solution.cage_speeds() {
+                    black_box(speed);
+                }
+                let margins = solution.margins(&Limits::default());
+                black_box(margins.passed().iter().count());
+                black_box(margins.get(Limit::Shoulder));
+                black_box(solution.stiffness());
+                black_box(solution.snapshot());
+                for ball in solution.kinematics() {
+                    black_box(ball);
+                }
+                black_box(solution.frequencies());
+                black_box(solution);
+            }
+            Err(status) => {
+                black_box(status);
+            }
+        }
+        if black_box(true) {
+            solver.reset();
+        }
     }
 }

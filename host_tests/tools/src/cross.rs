@@ -30,6 +30,8 @@ pub enum Origin {
     H743,
     /// The images in `host_tests/probes`, for the core of the STM32F405.
     Probes,
+    /// Those of them that need neither a chip nor a log: built without.
+    Bare,
 }
 
 /// How a program is built.
@@ -41,6 +43,8 @@ pub struct Build<'b> {
     pub program: &'b str,
     /// Arguments for the linker.
     pub link: &'b [&'b str],
+    /// Settings of the profile, in the place of the project's.
+    pub profile: &'b [&'b str],
     /// Processor to compile for, where it is not the one of the project's configuration.
     pub processor: Option<&'b str>,
     /// Environment variables; one with `None` must not be set.
@@ -60,7 +64,13 @@ impl Build<'_> {
                 .args(["--manifest-path", "examples/firmware_h743/Cargo.toml"])
                 .args(["--config", "examples/firmware_h743/.cargo/config.toml"]),
             Origin::Probes => command.args(["-p", "probes", "--target", TARGET]),
+            Origin::Bare => command
+                .args(["-p", "probes", "--no-default-features"])
+                .args(["--target", TARGET]),
         };
+        for setting in self.profile {
+            command.args(["--config", &format!("profile.release.{setting}")]);
+        }
         command
             .args(["--bin", self.program])
             .arg("--message-format=json-render-diagnostics")
@@ -75,13 +85,15 @@ impl Build<'_> {
             // Host programs speak to the firmware as it is shipped.
             .env_remove("SPINDLE_SENSORS")
             .env("DEFMT_LOG", "info");
-        if let Some(processor) = self.processor {
+        let bare = self.origin == Origin::Bare;
+        if let Some(processor) = self.processor.or(bare.then_some("cortex-m4")) {
             // Takes the place of the configuration's flags, so that the linker scripts are named again.
             let flags = [
+                &format!("-Ctarget-cpu={processor}"),
                 "-Clink-arg=-Tlink.x",
                 "-Clink-arg=-Tdefmt.x",
-                &format!("-Ctarget-cpu={processor}"),
             ];
+            let flags = &flags[..if bare { 2 } else { 3 }];
             command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
         }
         for (name, value) in self.environment {

@@ -20,14 +20,14 @@ type Precision = f32;
 mod bare {
     use super::monitored;
     use core::hint::black_box;
+    use probes::{ring, spoiled};
     use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH, encode};
     use spindle_bearing::{
         AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, RingVector, Settings,
         Solver, Speed, Static,
     };
     use spindle_bearing::{
-        InnerRaceControl, Limit, Limits, OuterRaceControl, RacewayControlFree, Real,
-        elliptic_integrals,
+        InnerRaceControl, Limits, OuterRaceControl, RacewayControlFree, Real, elliptic_integrals,
     };
 
     /// Its constants, worked out by the compiler.
@@ -61,12 +61,6 @@ mod bare {
         black_box(elliptic_integrals(black_box(0.5)));
     }
 
-    /// Code that must not be there: the check has to find it.
-    fn spoiled() {
-        let numbers = black_box([1.0_f64; 4]);
-        black_box(numbers[black_box(3)] * 3.0);
-    }
-
     fn every_scene<T: Real, const N: usize>(bearing: &Bearing<T, N>)
     where
         [T; 3]: RingVector,
@@ -87,45 +81,6 @@ mod bare {
         ring::<T, N, M, 5>(bearing);
         ring::<T, N, M, 3>(bearing);
         axial::<T, N, M>(bearing);
-    }
-
-    fn ring<T: Real, const N: usize, M: Motion, const D: usize>(bearing: &Bearing<T, N>)
-    where
-        [T; D]: RingVector,
-    {
-        let mut solver = Solver::<T, N, M, D>::of(bearing);
-        while black_box(true) {
-            let (load, speed) = black_box(([T::ONE; D], Speed::rad_per_s(T::ONE)));
-            let settings = black_box(Settings::default());
-            let solution = if black_box(true) {
-                solver.solve(load, speed, &settings)
-            } else {
-                let given = black_box([Given::Displacement(T::ONE); D]);
-                solver.solve_at(&given, speed, &black_box(Growth::NONE), &settings)
-            };
-            match solution {
-                Ok(solution) => {
-                    for (ball, force) in solution.balls().zip(solution.inner_forces()) {
-                        black_box((ball, force));
-                    }
-                    for speed in solution.cage_speeds() {
-                        black_box(speed);
-                    }
-                    let margins = solution.margins(&Limits::default());
-                    black_box(margins.passed().iter().count());
-                    black_box(margins.get(Limit::Shoulder));
-                    black_box(solution.stiffness());
-                    black_box(solution.snapshot());
-                    black_box(solution);
-                }
-                Err(status) => {
-                    black_box(status);
-                }
-            }
-            if black_box(true) {
-                solver.reset();
-            }
-        }
     }
 
     fn axial<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>) {

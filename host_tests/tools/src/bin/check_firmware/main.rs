@@ -1,9 +1,10 @@
 //! `cargo check-firmware`: proof on linked programs for a microcontroller. Solver and monitor have no
-//! panic, no double precision and no allocation, and the solver no square root in software.
+//! panic, no double precision, no formatting and no allocation, and the solver no square root in software.
 //!
 //! - `bare_solver` and `bare_monitor` have a panic handler that does not link. They must link, the solver
 //!   in single precision and in double.
-//! - In it, and in the firmware as shipped, the solver's calls are followed through the
+//! - `any_profile` is the same with a bearing and a spindle, under profiles that other firmware has.
+//! - In all of them, and in the firmware as shipped, the solver's calls are followed through the
 //!   relocations. For code that must not be there, the way to it is printed.
 //! - `measured` is built for every scene without a panic handler that links. It must have none of the
 //!   code that the scene leaves out.
@@ -48,10 +49,14 @@ fn check() -> Result<()> {
             boards(root, Origin::H743, "spindle_monitor_h743", kinds)
         },
         || {
-            be_seen_to_fail(root)?;
-            bare(root, SOLVER, None, &Unwanted::ALL)?;
-            bare(root, SOLVER, Some("double"), &Unwanted::IN_DOUBLE)?;
-            bare(root, MONITOR, None, &Unwanted::BUT_ROOTS)?;
+            be_seen_to_fail(root, &SOLVER)?;
+            bare(root, &SOLVER, None, &Unwanted::ALL)?;
+            bare(root, &SOLVER, Some("double"), &Unwanted::IN_DOUBLE)?;
+            bare(root, &MONITOR, None, &Unwanted::BUT_ROOTS)?;
+            for image in &ANY_PROFILE {
+                be_seen_to_fail(root, image)?;
+                bare(root, image, None, &Unwanted::BUT_ROOTS)?;
+            }
             let kinds = &Unwanted::BUT_ROOTS;
             boards(root, Origin::F405, "spindle_monitor", kinds)?;
             scenes::check(root)
@@ -66,9 +71,41 @@ fn boards(root: &Path, origin: Origin, name: &str, kinds: &[Unwanted]) -> Result
     shipped(root, origin, name, Some("bridges"), kinds)
 }
 
-/// The programs without a panic handler.
-const SOLVER: &str = "bare_solver";
-const MONITOR: &str = "bare_monitor";
+/// A program without a panic handler.
+struct Image {
+    origin: Origin,
+    program: &'static str,
+    /// Settings of its profile, if it is not the project's.
+    profile: &'static [&'static str],
+}
+
+impl Image {
+    const fn new(program: &'static str) -> Self {
+        Self {
+            origin: Origin::Probes,
+            program,
+            profile: &[],
+        }
+    }
+
+    const fn under(profile: &'static [&'static str]) -> Self {
+        Self {
+            origin: Origin::Bare,
+            program: "any_profile",
+            profile,
+        }
+    }
+}
+
+const SOLVER: Image = Image::new("bare_solver");
+const MONITOR: Image = Image::new("bare_monitor");
+/// Under cargo's own profile, with less optimisation, and as small programs, the last one as templates of RTIC have it.
+const ANY_PROFILE: [Image; 4] = [
+    Image::under(&["lto=false", "codegen-units=16"]),
+    Image::under(&["opt-level=2", "lto=false", "codegen-units=16"]),
+    Image::under(&["opt-level='s'", "lto=false", "codegen-units=16"]),
+    Image::under(&["opt-level='s'"]),
+];
 
 /// A linked program.
 struct Program {
@@ -105,12 +142,13 @@ impl Program {
 }
 
 /// Builds a bare program; where `lenient`, with a definition of the function that must not be called.
-fn build_bare(root: &Path, program: &str, variant: Option<&str>, lenient: bool) -> Result<Program> {
+fn build_bare(root: &Path, image: &Image, variant: Option<&str>, lenient: bool) -> Result<Program> {
     let definition = format!("--defsym={MISSING}=0");
     let link = [RELOCATIONS, &definition];
     let build = Build {
-        origin: Origin::Probes,
-        program,
+        origin: image.origin,
+        program: image.program,
+        profile: image.profile,
         link: if lenient { &link } else { &link[..1] },
         environment: &[("BARE_SOLVER", variant)],
         quiet: true,
@@ -136,16 +174,16 @@ fn build_scene(root: &Path, scene: &str) -> Result<Program> {
     Program::build(&build, root).with_context(|| format!("the scene {scene}"))
 }
 
-/// Fails unless a program with a panic and a double in it fails to link, and both are found.
-fn be_seen_to_fail(root: &Path) -> Result<()> {
+/// Fails unless a program with a panic, a double and a formatted number in it fails to link, and all are found.
+fn be_seen_to_fail(root: &Path, image: &Image) -> Result<()> {
     let spoiled = Some("spoiled");
-    match build_bare(root, SOLVER, spoiled, false) {
+    match build_bare(root, image, spoiled, false) {
         Ok(_) => bail!("this check is blind: a program that can panic links"),
         Err(error) if is_missing(&error) => {}
-        Err(error) => return Err(error.context("bare_solver does not build")),
+        Err(error) => return Err(error.context(format!("{} does not build", image.program))),
     }
-    let program = build_bare(root, SOLVER, spoiled, true)?;
-    for kind in [Unwanted::Panic, Unwanted::Double] {
+    let program = build_bare(root, image, spoiled, true)?;
+    for kind in [Unwanted::Panic, Unwanted::Double, Unwanted::Formatting] {
         if find(&program.reach_from_main(), kind).is_none() {
             bail!(
                 "this check is blind: it does not see that a program {}",
@@ -153,7 +191,7 @@ fn be_seen_to_fail(root: &Path) -> Result<()> {
             );
         }
     }
-    println!("a program with a panic and a double in it: refused");
+    println!("a program with a panic, a double and a formatted number in it: refused");
     Ok(())
 }
 
@@ -164,11 +202,16 @@ fn is_missing(error: &anyhow::Error) -> bool {
 }
 
 /// Checks the solver, or the monitor, by itself.
-fn bare(root: &Path, name: &str, variant: Option<&str>, kinds: &[Unwanted]) -> Result<()> {
-    let what = format!("{name} in {} precision", variant.unwrap_or("single"));
-    let (program, links) = match build_bare(root, name, variant, false) {
+fn bare(root: &Path, image: &Image, variant: Option<&str>, kinds: &[Unwanted]) -> Result<()> {
+    let name = image.program;
+    let precision = variant.unwrap_or("single");
+    let mut what = format!("{name} in {precision} precision");
+    if !image.profile.is_empty() {
+        what += &format!(" with {}", image.profile.join(", "));
+    }
+    let (program, links) = match build_bare(root, image, variant, false) {
         Ok(program) => (program, true),
-        Err(error) if is_missing(&error) => (build_bare(root, name, variant, true)?, false),
+        Err(error) if is_missing(&error) => (build_bare(root, image, variant, true)?, false),
         Err(error) => return Err(error.context(format!("{name} does not build"))),
     };
     refuse(&what, &program, &program.reach_from_main(), kinds)?;

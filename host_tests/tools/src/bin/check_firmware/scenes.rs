@@ -284,7 +284,7 @@ pub fn check(root: &Path) -> Result<()> {
         println!("{scene}: {flash} bytes of flash, nothing of {without:?}");
     }
     // A firmware that asks for everything.
-    let whole = crate::build_bare(root, crate::SOLVER, Some("double"), true)?;
+    let whole = crate::build_bare(root, &crate::SOLVER, Some("double"), true)?;
     let whole = Origins::of(&whole, &whole.reach_from_main())?;
     if whole.find(Part::Design, &guarded).is_some() {
         seen.insert(Part::Design);

@@ -7,6 +7,8 @@ pub enum Unwanted {
     Panic,
     /// Double precision, which this core works out in software.
     Double,
+    /// Numbers written as text.
+    Formatting,
     /// Memory from a heap.
     Allocation,
     /// The routine for square roots, beside the FPU's instruction.
@@ -15,17 +17,29 @@ pub enum Unwanted {
 
 impl Unwanted {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Panic, Self::Double, Self::Allocation, Self::Root];
-    /// Kinds unwanted in the monitor, in which a power takes a root in software.
-    pub const BUT_ROOTS: [Self; 3] = [Self::Panic, Self::Double, Self::Allocation];
+    pub const ALL: [Self; 5] = [
+        Self::Panic,
+        Self::Double,
+        Self::Formatting,
+        Self::Allocation,
+        Self::Root,
+    ];
+    /// Kinds unwanted in the monitor and in a rating life, in which a power takes a root in software.
+    pub const BUT_ROOTS: [Self; 4] = [
+        Self::Panic,
+        Self::Double,
+        Self::Formatting,
+        Self::Allocation,
+    ];
     /// Kinds unwanted on a core that computes in double precision.
-    pub const IN_DOUBLE: [Self; 2] = [Self::Panic, Self::Allocation];
+    pub const IN_DOUBLE: [Self; 3] = [Self::Panic, Self::Formatting, Self::Allocation];
 
     /// Verb for code that contains this kind.
     pub fn verb(self) -> &'static str {
         match self {
             Self::Panic => "can panic",
             Self::Double => "computes in double precision",
+            Self::Formatting => "formats text",
             Self::Allocation => "allocates memory",
             Self::Root => "takes square roots in software",
         }
@@ -44,6 +58,7 @@ impl Unwanted {
                  converted at run time; `T::of` of a literal is worked out by the compiler only \
                  where it is inlined."
             }
+            Self::Formatting => "Look in the last function of the library for a `write!`.",
             Self::Allocation => "Use arrays whose length is known, or `heapless`.",
             Self::Root => {
                 "Look in the last function of the library for a root behind a branch for positive \
@@ -72,6 +87,7 @@ impl Unwanted {
                     || last.starts_with("__") && last.contains("df")
                     || (last == name || name.contains("libm")) && C_DOUBLE.contains(&last)
             }
+            Self::Formatting => name.contains("core::fmt::"),
             Self::Root => (last == name || name.contains("libm")) && last == "sqrtf",
             Self::Allocation => {
                 name.starts_with("alloc::")
@@ -103,7 +119,7 @@ mod tests {
     /// A name for each way to be known.
     #[test]
     fn unwanted_symbols_are_known_by_their_names() {
-        use Unwanted::{Allocation, Double, Panic, Root};
+        use Unwanted::{Allocation, Double, Formatting, Panic, Root};
         for (expected, names) in [
             (
                 Panic,
@@ -114,6 +130,10 @@ mod tests {
                 Double,
                 "__aeabi_dadd __aeabi_cdcmple __aeabi_f2d __adddf3 sqrt libm::math::atan2::atan2 \
                  compiler_builtins::float::mul::__muldf3",
+            ),
+            (
+                Formatting,
+                "core::fmt::write core::fmt::Formatter::pad_integral",
             ),
             (
                 Allocation,

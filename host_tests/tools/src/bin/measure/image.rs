@@ -41,6 +41,7 @@ impl Image {
                 ("PROVED", None),
             ],
             quiet: true,
+            ..Build::default()
         };
         let path = build.run(root).with_context(|| {
             let scene = scene.unwrap_or_default();

@@ -1,0 +1,69 @@
+//! A bearing and a spindle, as `cargo check-firmware` wants them under profiles that inline less than the project's own:
+//! see `bare_solver.rs`.
+
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(target_os = "none", no_main)]
+
+probes::image!(scenes::run, proved: true);
+
+#[cfg(target_os = "none")]
+mod scenes {
+    use core::hint::black_box;
+    use spindle_bearing::{
+        Arrangement, Bearing, Design, Facing, Full, Growth, LifeRating, Limits, Mounted, Preload,
+        Settings, ShaftEnd, Speed, Spindle, SpindleSolver,
+    };
+
+    const DESIGN: Design = Design::angular_contact(6.35e-3, 50e-3, 15_f64.to_radians());
+    /// Rows of a spindle, and balls of a row.
+    const ROWS: usize = 5;
+    const BALLS: usize = 22;
+    static SINGLE: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&DESIGN);
+    static ROW: Bearing<f32, BALLS> = Bearing::<f32, BALLS>::checked(&DESIGN);
+    const RATING: LifeRating<f32> = LifeRating::<f32>::new(&DESIGN, BALLS, 13_700.0);
+
+    pub fn run() {
+        if option_env!("BARE_SOLVER").is_some() {
+            return probes::spoiled();
+        }
+        probes::ring::<f32, 16, Full, 5>(&SINGLE);
+        spindle();
+    }
+
+    fn spindle() {
+        let rows = black_box([0.0_f32, 0.02, 0.04, 0.12, 0.14]).map(|position| {
+            let (facing, preload) = black_box((Facing::PlusX, Preload::Closure(0.0)));
+            Mounted::<f32, BALLS>::new(&ROW, position, facing).with(preload)
+        });
+        let Ok(spindle) = Spindle::sprung(Arrangement::BackToBack, rows, black_box(1.0)) else {
+            return;
+        };
+        black_box((spindle.closures(), spindle.positions()));
+        let mut solver = SpindleSolver::<f32, ROWS, BALLS, Full, 6>::of(spindle);
+        while black_box(true) {
+            let (load, speed) = black_box(([1.0; 5], Speed::rpm(1.0)));
+            let growth = black_box([Growth::NONE; ROWS]);
+            let solved = solver.solve_at(load, speed, &growth, &black_box(Settings::TICK));
+            let status = solved.map_or_else(|status| status, |solution| solution.status);
+            black_box(status);
+            let Some(solution) = solver.unfinished() else {
+                continue;
+            };
+            let end = black_box(ShaftEnd::rigid(0.0));
+            black_box((solution.stiffness(), solution.compliance_at(&end)));
+            black_box((solution.stiffness_at(&end), solution.displacement_at(0.0)));
+            let (limits, ratings) = (Limits::default(), black_box([RATING; ROWS]));
+            black_box((
+                solution.summary(&limits, &ratings),
+                solution.rating_life(&ratings),
+            ));
+            for row in solution.rows() {
+                black_box((row.preload(), row.force, row.stiffness()));
+                black_box((row.limits(&limits).bits(), row.frequencies()));
+                row.inner_forces().for_each(|force| {
+                    black_box(force);
+                });
+            }
+        }
+    }
+}
