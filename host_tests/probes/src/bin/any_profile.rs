@@ -18,8 +18,8 @@ mod scenes {
     /// Rows of a spindle, and balls of a row.
     const ROWS: usize = 5;
     const BALLS: usize = 22;
-    static SINGLE: Bearing<f32, 16> = Bearing::<f32, 16>::checked(&DESIGN);
-    static ROW: Bearing<f32, BALLS> = Bearing::<f32, BALLS>::checked(&DESIGN);
+    static SINGLE: Bearing<f32, 16> = Bearing::<f32, 16>::const_new(&DESIGN);
+    static ROW: Bearing<f32, BALLS> = Bearing::<f32, BALLS>::const_new(&DESIGN);
     const RATING: LifeRating<f32> = LifeRating::<f32>::new(&DESIGN, BALLS, 13_700.0);
 
     pub fn run() {
