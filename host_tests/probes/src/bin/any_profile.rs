@@ -9,9 +9,10 @@ probes::image!(scenes::run, proved: true);
 #[cfg(target_os = "none")]
 mod scenes {
     use core::hint::black_box;
+    use core::mem::MaybeUninit;
     use spindle_bearing::{
         Arrangement, Bearing, Design, Facing, Full, Growth, LifeRating, Limits, Mounted, Preload,
-        Settings, ShaftEnd, Speed, Spindle, SpindleSolver,
+        Settings, ShaftEnd, Speed, Spindle, SpindleSolver, SprungSolver,
     };
 
     const DESIGN: Design = Design::angular_contact(6.35e-3, 50e-3, 15_f64.to_radians());
@@ -39,7 +40,10 @@ mod scenes {
             return;
         };
         black_box((spindle.closures(), spindle.positions()));
-        let mut solver = SpindleSolver::<f32, ROWS, BALLS, Full, 6>::of(spindle);
+        let preload = black_box(Preload::Force(200.0));
+        black_box(Spindle::pair(Arrangement::BackToBack, &ROW, 0.1, preload).is_ok());
+        let mut place = MaybeUninit::<SprungSolver<'static, f32, ROWS, BALLS>>::uninit();
+        let solver = SpindleSolver::new_in(spindle, &mut place);
         while black_box(true) {
             let (load, speed) = black_box(([1.0; 5], Speed::rpm(1.0)));
             let growth = black_box([Growth::NONE; ROWS]);
@@ -50,7 +54,7 @@ mod scenes {
                 continue;
             };
             let end = black_box(ShaftEnd::rigid(0.0));
-            black_box((solution.stiffness(), solution.compliance_at(&end)));
+            black_box((solution.snapshot(), solution.compliance_at(&end)));
             black_box((solution.stiffness_at(&end), solution.displacement_at(0.0)));
             let (limits, ratings) = (Limits::default(), black_box([RATING; ROWS]));
             black_box((
