@@ -326,6 +326,9 @@ macro_rules! bearing {
             /// [`Self::new`] for a design that the compiler knows: one that cannot be built is a compile error that names
             /// the quantity.
             ///
+            /// The precision is written at the call, too, since there is one such function for each:
+            /// `Bearing::<f32, 15>::const_new(&DESIGN)`.
+            ///
             /// # Panics
             ///
             /// For a design that cannot be built, with [`DesignError::reason`].

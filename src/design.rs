@@ -231,8 +231,8 @@ impl Design {
     ///
     /// A catalogue with bore, outside diameter, width and `C` alone leaves the balls to a guess. In GMN's series S 60 with bores
     /// of 10 to 100 mm, `dm` is the mean of bore and outside diameter. `D` is 0.27 to 0.30 of their difference, by steps of 1/32
-    /// inch. The count is `0.84 pi dm / D`, within one. Of several guesses, take the one whose
-    /// [`Design::dynamic_load_rating`] is nearest to `C`, or up to 8 % above. A ball diameter that is off by 3 % puts the
+    /// inch. The count is `0.84 pi dm / D`, within one. Of several guesses, take one whose
+    /// [`Design::dynamic_load_rating`] is `C` to `1.08 C`. A ball diameter that is off by 3 % puts the
     /// stiffness off by about 1 %.
     pub const fn angular_contact(ball_diameter: f64, pitch_diameter: f64, angle: f64) -> Self {
         Self {

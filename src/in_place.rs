@@ -19,16 +19,29 @@ use core::mem::MaybeUninit;
 impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M, D> {
     /// [`Solver::of`] in a place that is given, such as a static: no copy of the solver is on the stack.
     ///
+    /// The place needs its type. In firmware it is a static's, of one of these crates:
+    ///
+    /// ```ignore
+    /// type One = Solver<'static, f32, 15>;
+    /// // static_cell, as in Embassy
+    /// static PLACE: StaticCell<One> = StaticCell::new();
+    /// let solver = One::new_in(&BEARING, PLACE.uninit());
+    /// // cortex-m
+    /// let place = singleton!(: MaybeUninit<One> = MaybeUninit::uninit());
+    /// // RTIC 2
+    /// #[init(local = [place: MaybeUninit<One> = MaybeUninit::uninit()])]
+    /// ```
+    ///
     /// ```
     /// use core::mem::MaybeUninit;
     /// use spindle_bearing::{Bearing, Design, Solver};
     ///
     /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
     /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
-    /// // In firmware, a static's: see `docs/firmware.md`.
-    /// let mut place = MaybeUninit::<Solver<'static, f32, 15>>::uninit();
-    /// let solver: &mut Solver<'static, f32, 15> = Solver::new_in(&BEARING, &mut place);
-    /// # let _ = solver;
+    /// type One = Solver<'static, f32, 15>;
+    /// let mut place = MaybeUninit::<One>::uninit();
+    /// let solver = One::new_in(&BEARING, &mut place);
+    /// # assert!(solver.unfinished().is_none());
     /// ```
     pub fn new_in<'m>(bearing: &'b Bearing<T, N>, place: &'m mut MaybeUninit<Self>) -> &'m mut Self
     where
@@ -36,11 +49,18 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     {
         let solver = place.as_mut_ptr();
         // SAFETY: the place is writable and aligned; every field but the motion, which has no size, is written.
-        unsafe {
+        let solver = unsafe {
             (&raw mut (*solver).bearing).write(bearing);
             write_cold(&raw mut (*solver).last);
             place.assume_init_mut()
-        }
+        };
+        // A new field does not compile until it is written above.
+        let Self {
+            bearing: _,
+            last: _,
+            motion: _,
+        } = solver;
+        solver
     }
 }
 
@@ -56,11 +76,18 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     ) -> &'m mut Self {
         let solver = place.as_mut_ptr();
         // SAFETY: the place is writable and aligned; every field but the motion, which has no size, is written.
-        unsafe {
+        let solver = unsafe {
             (&raw mut (*solver).spindle).write(spindle);
             write_cold(&raw mut (*solver).last);
             place.assume_init_mut()
-        }
+        };
+        // A new field does not compile until it is written above.
+        let Self {
+            spindle: _,
+            last: _,
+            motion: _,
+        } = solver;
+        solver
     }
 }
 
@@ -72,16 +99,6 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 unsafe fn write_cold<T: Real, const R: usize, const N: usize, const D: usize>(
     to: *mut WarmStart<T, R, N, D>,
 ) {
-    // Never called: a new field does not compile until it is written below.
-    let _fields = |last: &WarmStart<T, R, N, D>| {
-        let WarmStart {
-            state: _,
-            balls: _,
-            points: _,
-            preload: _,
-            speed: _,
-        } = last;
-    };
     // SAFETY: arrays are their elements, one after the other.
     unsafe {
         (&raw mut (*to).state).write(State::COLD);
@@ -95,5 +112,13 @@ unsafe fn write_cold<T: Real, const R: usize, const N: usize, const D: usize>(
         }
         (&raw mut (*to).preload).write(T::ZERO);
         (&raw mut (*to).speed).write(Speed::REST);
+        // A new field does not compile until it is written above.
+        let WarmStart {
+            state: _,
+            balls: _,
+            points: _,
+            preload: _,
+            speed: _,
+        } = &*to;
     }
 }

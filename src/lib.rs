@@ -18,7 +18,7 @@
 //! | rating life | [`LifeRating`], [`RatingLife`] |
 //! | how the balls move: at rest, under centrifugal force, with all inertia loads | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |
 //!
-//! Inside, imports go down these layers. `CONTRIBUTING.md` draws them and says where a first change goes.
+//! Inside, imports go down these layers. `CONTRIBUTING.md` of the repository draws them and says where a first change goes.
 //!
 //! | layer | has |
 //! | --- | --- |
@@ -99,7 +99,7 @@ pub use heapless;
 #[cfg(feature = "nalgebra")]
 pub use {matrices::matrix, nalgebra};
 
-/// Every public data type is `Format` and `Serialize`, as Cargo.toml promises: that compiles.
+/// Public data is `Format`; designs, settings and results are `Serialize`, as Cargo.toml promises: that compiles.
 #[cfg(all(test, feature = "defmt", feature = "serde"))]
 mod data {
     use crate::*;

@@ -3,9 +3,7 @@
 use crate::ball::kinematics::Motion;
 use crate::real::Real;
 use crate::solver::solution::{Snapshot, Solution};
-use crate::spindle::solution::{
-    RowSnapshot, RowSolution, ShaftEnd, SpindleSnapshot, SpindleSolution,
-};
+use crate::spindle::solution::{RowSolution, ShaftEnd, SpindleSnapshot, SpindleSolution};
 use nalgebra::{SMatrix, SVector, Scalar};
 
 /// The matrix of `nalgebra` with these rows.
@@ -38,7 +36,6 @@ impl<T: Real + Scalar, const N: usize, M: Motion, const D: usize> Solution<'_, T
     /// let solution = solver.solve(load, speed, &Settings::default())?;
     /// let k = solution.stiffness_matrix();
     /// assert_eq!(k[(0, 1)], solution.stiffness()[0][1]);
-    /// println!("force of the last step: {}", k * solution.displacement_vector());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn stiffness_matrix(&self) -> SMatrix<T, D, D> {
@@ -98,12 +95,5 @@ impl<T: Real + Scalar, M: Motion> RowSolution<'_, T, M> {
     /// [`RowSolution::stiffness`] as a matrix of `nalgebra`, rows are forces.
     pub fn stiffness_matrix(&self) -> SMatrix<T, 5, 5> {
         matrix(&self.stiffness())
-    }
-}
-
-impl<T: Real + Scalar, const N: usize> RowSnapshot<T, N> {
-    /// The stiffness as a matrix of `nalgebra`, rows are forces.
-    pub fn stiffness_matrix(&self) -> SMatrix<T, 5, 5> {
-        matrix(&self.stiffness)
     }
 }

@@ -16,7 +16,7 @@ pub trait Print {}
 #[cfg(not(feature = "defmt"))]
 impl<T> Print for T {}
 
-/// The working precision: `f32` or `f64`. Sealed, and without a method, so that `use spindle_bearing::*` changes no number's own.
+/// The working precision: `f32` or `f64`. Sealed, and without a method: `use spindle_bearing::*` adds none to numbers.
 pub trait Real: Float {}
 
 impl Real for f32 {}

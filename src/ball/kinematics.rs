@@ -17,6 +17,7 @@
 
 use crate::linalg::{Pair, scale};
 use crate::real::Real;
+use core::fmt;
 use core::marker::PhantomData;
 
 /// Directions of the contacts, and how they share.
@@ -249,9 +250,9 @@ impl<A: Rule> Motion for Full<A> {
 /// const SPEED: Speed<f64> = Speed::rpm(20_000.0);
 /// assert!((SPEED.as_rad_per_s() - 2094.395).abs() < 1e-3);
 /// ```
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Speed<T> {
-    /// As it was given, and its unit in rad/s: only constants multiply in a `const`.
+    /// As it was given, and its unit in rad/s: a generic `const fn` cannot multiply.
     value: T,
     unit: T,
 }
@@ -288,6 +289,12 @@ impl<T: Real> Speed<T> {
 impl<T: Real> PartialEq for Speed<T> {
     fn eq(&self, other: &Self) -> bool {
         self.as_rad_per_s() == other.as_rad_per_s()
+    }
+}
+
+impl<T: Real> fmt::Debug for Speed<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} rad/s", self.as_rad_per_s())
     }
 }
 

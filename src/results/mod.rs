@@ -21,7 +21,7 @@ use core::marker::PhantomData;
 
 /// The balls of a row where a solve has left them.
 #[derive(Debug, Clone, Copy)]
-pub struct View<'s, T, R> {
+pub struct View<'s, T: Real, R> {
     pub c: &'s Constants<T>,
     pub p: &'s Point<T>,
     pub azimuths: &'s [Azimuth<T>],

@@ -1,10 +1,11 @@
-//! Results as `serde` data, where a derived form is none: long arrays, and margins, which are kept as the balls' pass needs them.
+//! Results as `serde` data: arrays of any length, of which `serde` derives nothing, and margins by the names of limits.
 
 use crate::real::Real;
-use crate::results::margins::{Limit, LimitSet, Margin, Margins};
+use crate::results::margins::{Limit, LimitSet, Margins};
+use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-/// A sequence of the array's elements: arrays of any length are none of `serde`'s own.
+/// A sequence of the array's elements.
 pub fn array<S: Serializer, T: Serialize, const N: usize>(
     array: &[T; N],
     serializer: S,
@@ -27,21 +28,22 @@ impl Serialize for LimitSet {
     }
 }
 
-/// Limits that are passed, worst contacts in the order of [`Limit::ALL`], and the number of unloaded balls.
+/// The limits that are passed, and a map from limits to their worst contacts.
 impl<T: Real + Serialize> Serialize for Margins<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        #[serde(rename = "Margins")]
-        struct Shown<T> {
-            passed: LimitSet,
-            worst: [Option<Margin<T>>; Limit::ALL.len()],
-            unloaded: u16,
-        }
-        let shown = Shown {
-            passed: self.passed(),
-            worst: Limit::ALL.map(|limit| self.get(limit)),
-            unloaded: self.unloaded,
-        };
-        shown.serialize(serializer)
+        let mut shown = serializer.serialize_struct("Margins", 3)?;
+        shown.serialize_field("passed", &self.passed())?;
+        shown.serialize_field("worst", &Worst(self))?;
+        shown.serialize_field("unloaded", &self.unloaded)?;
+        shown.end()
+    }
+}
+
+struct Worst<'a, T>(&'a Margins<T>);
+
+impl<T: Real + Serialize> Serialize for Worst<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let worst = Limit::ALL.into_iter();
+        serializer.collect_map(worst.filter_map(|limit| Some((limit, self.0.get(limit)?))))
     }
 }

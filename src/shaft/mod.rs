@@ -23,7 +23,6 @@ use crate::shaft::row::{Changes, Row, Sum, sum_up};
 ///
 /// with the motion `e` of the row's sleeve towards its balls, if that slides.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mount<T> {
     /// `s`: 1, or -1 for a row that faces against the axis.
     pub facing: T,
@@ -133,7 +132,6 @@ fn in_full<T: Real, const D: usize>(v: &[T; D]) -> [T; 5] {
 
 /// Rows that hold the shaft together, or slide together.
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Group<T> {
     /// The first of its rows.
     pub first: usize,
@@ -145,7 +143,6 @@ pub struct Group<T> {
 
 /// A bearing of any ball count.
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BearingRef<'b, T> {
     pub c: &'b Constants<T>,
     pub azimuths: &'b [Azimuth<T>],
@@ -153,7 +150,6 @@ pub struct BearingRef<'b, T> {
 
 /// Bearings and how they sit on the shaft: all that no solve changes.
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Layout<'b, T, const R: usize, const SET: bool> {
     pub bearings: [BearingRef<'b, T>; R],
     pub mounts: [Mount<T>; R],

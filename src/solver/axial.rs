@@ -13,6 +13,7 @@ use crate::solver::problem::{Given, Problem, Settings, given_in_units, inertia, 
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
+use core::fmt;
 use core::marker::PhantomData;
 
 /// A solver for one bearing under a purely axial load, tilts and radial displacements being zero.
@@ -49,7 +50,7 @@ impl<'b, T: Real, const N: usize> AxialSolver<'b, T, N> {
 }
 
 impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
-    /// A solver for the motion that its type names.
+    /// A solver for the motion that its type names. It is small: a static holds it as it is made.
     pub const fn of(bearing: &'b Bearing<T, N>) -> Self {
         Self {
             bearing,
@@ -247,10 +248,12 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
 }
 
 /// An equilibrium under a purely axial load, SI units.
-#[derive(Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(bound = "T: serde::Serialize"))]
-pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion> {
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound = "T: serde::Serialize")
+)]
+pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion = Full> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
     /// Iterations, those of starts included. An iteration condenses one ball.
@@ -265,17 +268,31 @@ pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion> {
     solver: &'s AxialSolver<'s, T, N, M>,
 }
 
+impl<T: Real, const N: usize, M: Motion> fmt::Debug for AxialSolution<'_, T, N, M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AxialSolution")
+            .field("status", &self.status)
+            .field("iterations", &self.iterations)
+            .field("error", &self.error)
+            .field("displacement", &self.displacement)
+            .field("load", &self.load)
+            .field("stiffness", &self.stiffness())
+            .finish_non_exhaustive()
+    }
+}
+
 #[cfg(feature = "defmt")]
 impl<T: Real, const N: usize, M: Motion> defmt::Format for AxialSolution<'_, T, N, M> {
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(
             f,
-            "{} after {} iterations, errors {}; displacement {}, load {}",
+            "{} after {} iterations, errors {}; displacement {}, load {}, stiffness {}",
             self.status,
             self.iterations,
             self.error,
             self.displacement,
-            self.load
+            self.load,
+            self.stiffness()
         );
     }
 }

@@ -43,7 +43,7 @@ use core::marker::PhantomData;
 pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
     pub(crate) bearing: &'b Bearing<T, N>,
     pub(crate) last: WarmStart<T, 1, N, D>,
-    motion: PhantomData<M>,
+    pub(crate) motion: PhantomData<M>,
 }
 
 impl<'b, T: Real, const N: usize> Solver<'b, T, N> {
@@ -172,7 +172,7 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     /// one. Input that is refused changes nothing.
     ///
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
-    /// of the stiffness is 1 or more, nothing is known of it. The table of a cut is in `docs/firmware.md`.
+    /// of the stiffness is 1 or more, nothing is known of it.
     pub fn unfinished(&self) -> Option<Solution<'_, T, N, M, D>> {
         let reached = self.last.unfinished::<M::Rule, _>(&self.bearing.layout())?;
         Some(Solution::new(self.bearing, &self.last, &reached))

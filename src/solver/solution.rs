@@ -1,6 +1,6 @@
 //! Solution of a bearing.
 
-use crate::ball::kinematics::{Motion, Speed};
+use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::ball::report::{BallKinematics, BallState};
 use crate::bearing::Bearing;
 use crate::linalg::vector;
@@ -9,6 +9,8 @@ use crate::results::View;
 use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limits, Margins};
+#[cfg(feature = "serde")]
+use crate::results::serialize;
 use crate::results::summary::RowSummary;
 use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
@@ -20,7 +22,7 @@ use core::marker::PhantomData;
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 ///
 /// See [`Solver`](crate::Solver) for an example, and [`Solution::kinematics`] for the balls.
-pub struct Solution<'s, T: Real, const N: usize, M: Motion, const D: usize> {
+pub struct Solution<'s, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
     /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
     /// [`Solver::unfinished`](crate::Solver::unfinished).
     pub status: Status<T>,
@@ -193,7 +195,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> fmt::Debug for Solution
     }
 }
 
-/// Without the balls.
+/// Without the balls, whose arrays are empty.
 #[cfg(feature = "defmt")]
 impl<T: Real, const N: usize, M: Motion, const D: usize> defmt::Format
     for Solution<'_, T, N, M, D>
@@ -206,8 +208,11 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> defmt::Format
 /// A [`Solution`] that borrows nothing, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(bound = "T: serde::Serialize"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound = "T: serde::Serialize")
+)]
 #[non_exhaustive]
 pub struct Snapshot<T: Real, const N: usize, const D: usize> {
     /// How the solve ended.
@@ -217,35 +222,20 @@ pub struct Snapshot<T: Real, const N: usize, const D: usize> {
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
-    #[cfg_attr(
-        feature = "serde",
-        serde(serialize_with = "crate::results::serialize::array")
-    )]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub displacement: [T; D],
     /// Forces (N) and moments (N m) on the inner ring.
-    #[cfg_attr(
-        feature = "serde",
-        serde(serialize_with = "crate::results::serialize::array")
-    )]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub load: [T; D],
     /// Speed of the shaft.
     pub speed: Speed<T>,
     /// Stiffness `dF/du`, rows are forces.
-    #[cfg_attr(
-        feature = "serde",
-        serde(serialize_with = "crate::results::serialize::rows")
-    )]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::rows"))]
     pub stiffness: [[T; D]; D],
     /// States of the balls, in the order of their azimuths.
-    #[cfg_attr(
-        feature = "serde",
-        serde(serialize_with = "crate::results::serialize::array")
-    )]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub balls: [BallState<T>; N],
     /// Cage speed `omega_m` of every ball, rad/s: see [`Solution::cage_speeds`].
-    #[cfg_attr(
-        feature = "serde",
-        serde(serialize_with = "crate::results::serialize::array")
-    )]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub cage_speeds: [T; N],
 }

@@ -17,7 +17,7 @@ use core::marker::PhantomData;
 
 /// Position and balls after the last solve of a shaft in `R` rows of at most `N` balls, with `D` freedoms.
 #[derive(Debug, Clone, Copy)]
-pub struct WarmStart<T, const R: usize, const N: usize, const D: usize> {
+pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize> {
     pub state: State<T, D>,
     pub balls: [[Ball<T>; N]; R],
     /// Speed, growth and references of every row.
@@ -216,7 +216,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         layout: &Layout<'s, T, R, SET>,
         i: usize,
     ) -> View<'s, T, A> {
-        // Seen to be in range even where this is not inlined.
+        // The compiler sees the range, even where it does not inline this.
         let i = i.min(R - 1);
         let row = &layout.bearings[i];
         View {

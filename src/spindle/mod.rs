@@ -60,7 +60,6 @@ pub enum Preload<T> {
 /// assert!(Spindle::new(Arrangement::FaceToFace, rows).is_err());
 /// ```
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mounted<'b, T, const N: usize> {
     bearing: BearingRef<'b, T>,
     position: T,
@@ -264,7 +263,6 @@ fn check_arranged<T: Real, const N: usize>(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5> {
     layout: Layout<'b, T, R, true>,
     positions: [T; R],
@@ -328,7 +326,7 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 5> {
 
 impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
     /// Rows of which some sit in a sleeve that slides along the shaft under a spring of this force (N), in an arrangement that
-    /// is checked.
+    /// is checked. Its solver is a [`SprungSolver`](crate::SprungSolver).
     ///
     /// ```
     /// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Preload, Settings, Speed};
@@ -443,6 +441,34 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
     /// How the rows face.
     pub fn facings(&self) -> [Facing; R] {
         self.facings
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<T: Real, const N: usize> defmt::Format for Mounted<'_, T, N> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "{} facing {}, {}",
+            self.position,
+            self.facing,
+            self.preload
+        );
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl<T: Real, const R: usize, const N: usize, const D: usize> defmt::Format
+    for Spindle<'_, T, R, N, D>
+{
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(
+            f,
+            "{} facing {}, closures {}",
+            self.positions,
+            self.facings,
+            self.closures()
+        );
     }
 }
 

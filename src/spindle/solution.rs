@@ -1,6 +1,6 @@
 //! Solution of a spindle.
 
-use crate::ball::kinematics::{Motion, Speed};
+use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::ball::report::{BallKinematics, BallState};
 use crate::linalg::{
     Factors, Matrix, add_to, matrix, moved, product, refer, refer_stiffness, vector,
@@ -10,6 +10,8 @@ use crate::results::View;
 use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limit, LimitSet, Limits, Margins};
+#[cfg(feature = "serde")]
+use crate::results::serialize;
 use crate::results::summary::RowSummary;
 use crate::shaft::row::{Sum, sum_up};
 use crate::solver::problem::{stiffness_out, units};
@@ -49,7 +51,14 @@ impl<T: Real> ShaftEnd<T> {
 /// An equilibrium of a spindle, SI units; loads and displacements refer to the shaft at `x = 0`.
 ///
 /// See [`Spindle`](crate::Spindle) for an example.
-pub struct SpindleSolution<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize> {
+pub struct SpindleSolution<
+    's,
+    T: Real,
+    const R: usize,
+    const N: usize,
+    M: Motion = Full,
+    const D: usize = 5,
+> {
     /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
     /// [`SpindleSolver::unfinished`](crate::SpindleSolver::unfinished).
     pub status: Status<T>,
@@ -260,6 +269,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         RowSolution {
             position: spindle.positions[i],
             force: vector(|i| force[i] * units(c, i).0),
+            facing: spindle.facings[i],
             preload: T::ZERO,
             view,
             sum,
@@ -298,7 +308,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> fmt::De
     }
 }
 
-/// Without the balls.
+/// Without the balls, whose arrays are empty.
 #[cfg(feature = "defmt")]
 impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> defmt::Format
     for SpindleSolution<'_, T, R, N, M, D>
@@ -311,8 +321,11 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> defmt::
 /// A [`SpindleSolution`] that borrows nothing, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(bound = "T: serde::Serialize"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound = "T: serde::Serialize")
+)]
 #[non_exhaustive]
 pub struct SpindleSnapshot<T: Real, const R: usize, const N: usize> {
     /// How the solve ended.
@@ -332,22 +345,24 @@ pub struct SpindleSnapshot<T: Real, const R: usize, const N: usize> {
     /// [`SpindleSolution::spring_closure`], m.
     pub spring_closure: T,
     /// The rows, in their order.
-    #[cfg_attr(
-        feature = "serde",
-        serde(serialize_with = "crate::results::serialize::array")
-    )]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub rows: [RowSnapshot<T, N>; R],
 }
 
-/// A [`RowSolution`] that borrows nothing, SI units.
+/// A [`RowSolution`] that borrows nothing, in the row's own frame, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(bound = "T: serde::Serialize"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound = "T: serde::Serialize")
+)]
 #[non_exhaustive]
 pub struct RowSnapshot<T: Real, const N: usize> {
     /// Position of its centre on the shaft, m.
     pub position: T,
+    /// How it faces: its x is the shaft's or against it.
+    pub facing: Facing,
     /// Forces (N) and moments (N m) of the shaft on its inner ring, about its centre.
     pub force: [T; 5],
     /// [`RowSolution::preload`], N.
@@ -357,27 +372,22 @@ pub struct RowSnapshot<T: Real, const N: usize> {
     /// Number of its balls: beyond them, the arrays below are 0.
     pub ball_count: usize,
     /// States of the balls, in the order of their azimuths.
-    #[cfg_attr(
-        feature = "serde",
-        serde(serialize_with = "crate::results::serialize::array")
-    )]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub balls: [BallState<T>; N],
     /// Cage speed `omega_m` of every ball, rad/s.
-    #[cfg_attr(
-        feature = "serde",
-        serde(serialize_with = "crate::results::serialize::array")
-    )]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub cage_speeds: [T; N],
 }
 
 /// A row of a solved spindle, in its own frame: x points where an axial load presses its balls. SI units.
 ///
 /// See [`Spindle`](crate::Spindle) for an example.
-pub struct RowSolution<'s, T: Real, M: Motion> {
+pub struct RowSolution<'s, T: Real, M: Motion = Full> {
     /// Position of its centre on the shaft, m.
     pub position: T,
     /// Forces (N) and moments (N m) of the shaft on its inner ring, about its centre.
     pub force: [T; 5],
+    facing: Facing,
     preload: T,
     view: View<'s, T, M::Rule>,
     sum: Sum<T, 5>,
@@ -411,6 +421,7 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         let (balls, cage_speeds) = self.view.copy();
         RowSnapshot {
             position: self.position,
+            facing: self.facing,
             force: self.force,
             preload: self.preload,
             stiffness: self.stiffness(),
@@ -467,14 +478,14 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
     }
 }
 
-/// Without the balls.
+/// Without the balls, whose arrays are empty.
 impl<T: Real, M: Motion> fmt::Debug for RowSolution<'_, T, M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.copy::<0>().fmt(f)
     }
 }
 
-/// Without the balls.
+/// Without the balls, whose arrays are empty.
 #[cfg(feature = "defmt")]
 impl<T: Real, M: Motion> defmt::Format for RowSolution<'_, T, M> {
     fn format(&self, f: defmt::Formatter<'_>) {

@@ -28,7 +28,7 @@ pub struct SpindleSolver<
 > {
     pub(crate) spindle: Spindle<'b, T, R, N, D>,
     pub(crate) last: WarmStart<T, R, N, D>,
-    motion: PhantomData<M>,
+    pub(crate) motion: PhantomData<M>,
 }
 
 /// Solver of a [`SprungSpindle`], of which some rows sit in a sleeve that slides under a spring.

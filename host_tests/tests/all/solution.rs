@@ -10,6 +10,7 @@ use spindle_bearing::{
     SpindleSolver,
 };
 use std::f64::consts::PI;
+use std::mem::MaybeUninit;
 
 #[test]
 fn a_snapshot_is_what_the_reference_build_says() {
@@ -128,4 +129,23 @@ fn a_summary_is_what_the_balls_of_each_row_say() {
     assert!(rows[0].load_share[1] > 0.5);
     let life = solution.rating_life(&[rating; 2]);
     near(life_rate.powf(-0.9), life.million_revolutions);
+}
+
+/// A solver that is made in its place is the one that `new` makes.
+#[test]
+fn a_solver_made_in_its_place_solves_like_any_other() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let (arrangement, preload) = (Arrangement::BackToBack, Preload::Force(200.0));
+    let pair = Spindle::pair(arrangement, &bearing, 0.1, preload).unwrap();
+    let (speed, settings) = (Speed::rpm(20_000.0), Settings::default());
+    let mut place = MaybeUninit::<SpindleSolver<'_, f64, 2, 16>>::uninit();
+    let made = SpindleSolver::new_in(pair, &mut place);
+    let mut other = SpindleSolver::new(pair);
+    for load in [SKEW, [100.0, 300.0, -50.0, 0.0, 2.0]] {
+        let [a, b] = [&mut *made, &mut other].map(|solver| {
+            let solution = solver.solve(load, speed, &settings).unwrap();
+            solution.snapshot()
+        });
+        assert_eq!(a, b);
+    }
 }
