@@ -31,7 +31,7 @@ pub struct SpindleSolver<
     pub(crate) motion: PhantomData<M>,
 }
 
-/// Solver of a [`SprungSpindle`], of which some rows sit in a sleeve that slides under a spring.
+/// Solver of a [`SprungSpindle`](crate::SprungSpindle), of which some rows sit in a sleeve that slides under a spring.
 pub type SprungSolver<'b, T, const R: usize, const N: usize, M = Full> =
     SpindleSolver<'b, T, R, N, M, 6>;
 
