@@ -77,6 +77,7 @@ pub use design::{Design, DesignError, FreeContact, Material};
 pub use growth::{Expansion, Growth};
 pub use hertz::{HertzContact, elliptic_integrals};
 pub use real::Real;
+pub use results::Balls;
 pub use results::frequencies::Frequencies;
 pub use results::life::{LifeRating, RatingLife};
 pub use results::margins::{Limit, LimitSet, Limits, Margin, Margins, Race};

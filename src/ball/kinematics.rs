@@ -210,7 +210,7 @@ impl<R: Rule> Rule for Frictionless<R> {
     label = "not a motion",
     note = "a motion is `Static`, `Centrifugal<A>` or `Full<A>`, with an attitude rule `A`"
 )]
-pub trait Motion: 'static {
+pub trait Motion: Copy + 'static {
     /// The rule of their attitude.
     type Rule: Rule;
     /// The shaft turns.

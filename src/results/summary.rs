@@ -1,8 +1,8 @@
 //! A solved row at a glance.
 
-use crate::ball::kinematics::Rule;
+use crate::ball::kinematics::Motion;
 use crate::real::Real;
-use crate::results::View;
+use crate::results::Balls;
 use crate::results::life::LifeRating;
 use crate::results::margins::{Limits, Margins};
 
@@ -80,8 +80,8 @@ impl<T: Real> RowSummary<T> {
     }
 
     /// A row without what it shares with other rows.
-    pub(crate) fn of<R: Rule>(
-        row: &View<'_, T, R>,
+    pub(crate) fn of<M: Motion>(
+        row: &Balls<'_, T, M>,
         limits: &Limits<T>,
         rating: &LifeRating<T>,
     ) -> Self {

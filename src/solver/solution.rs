@@ -1,14 +1,13 @@
 //! Solution of a bearing.
 
 use crate::ball::kinematics::{Full, Motion, Speed};
-use crate::ball::report::{BallKinematics, BallState};
+use crate::ball::report::BallState;
 use crate::bearing::Bearing;
 use crate::linalg::vector;
 use crate::real::Real;
-use crate::results::View;
-use crate::results::frequencies::Frequencies;
-use crate::results::life::{LifeRating, RatingLife};
-use crate::results::margins::{Limits, Margins};
+use crate::results::Balls;
+use crate::results::life::LifeRating;
+use crate::results::margins::Limits;
 #[cfg(feature = "serde")]
 use crate::results::serialize;
 use crate::results::summary::RowSummary;
@@ -17,11 +16,11 @@ use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::status::Status;
 use core::fmt;
-use core::marker::PhantomData;
+use core::ops::Deref;
 
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 ///
-/// See [`Solver`](crate::Solver) for an example, and [`Solution::kinematics`] for the balls.
+/// See [`Solver`](crate::Solver) for an example, and [`Balls::kinematics`] for the balls.
 pub struct Solution<'s, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
     /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
     /// [`Solver::unfinished`](crate::Solver::unfinished).
@@ -39,7 +38,7 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion = Full, const D: usiz
     pub speed: Speed<T>,
     bearing: &'s Bearing<T, N>,
     last: &'s WarmStart<T, 1, N, D>,
-    motion: PhantomData<M>,
+    row: Balls<'s, T, M>,
 }
 
 impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, M, D> {
@@ -59,7 +58,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
             speed: last.speed,
             bearing,
             last,
-            motion: PhantomData,
+            row: last.row(&bearing.layout(), 0),
         }
     }
 
@@ -68,83 +67,6 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     pub fn stiffness(&self) -> [[T; D]; D] {
         let k = self.last.tangent::<M::Rule, _>(&self.bearing.layout());
         stiffness_out(&self.bearing.constants, &k)
-    }
-
-    /// The row of balls.
-    #[inline(always)]
-    pub(crate) fn view(&self) -> View<'_, T, M::Rule> {
-        self.last.view::<M::Rule, _>(&self.bearing.layout(), 0)
-    }
-
-    /// States of the balls, in the order of their azimuths.
-    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_ {
-        self.view().states()
-    }
-
-    /// Forces on the inner race alone, N, in the order of the balls: without the cost of contact angles.
-    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_ {
-        self.view().contact_forces().map(|(inner, _)| inner)
-    }
-
-    /// Cage speed `omega_m` of every ball about the bearing's axis, rad/s, in the order of the balls.
-    ///
-    /// The contact angles of a loaded bearing differ, and with them the speeds: the cage turns at about their mean. A
-    /// ball without contact has the speed that its contact angles would give it.
-    pub fn cage_speeds(&self) -> impl ExactSizeIterator<Item = T> + '_ {
-        self.view().cage_speeds()
-    }
-
-    /// How every ball turns, and how its contacts are pressed, in the order of the balls.
-    ///
-    /// ```
-    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
-    /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
-    /// let mut solver = Solver::new(&bearing);
-    /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
-    /// let solution = solver.solve(load, speed, &Settings::default())?;
-    /// for ball in solution.kinematics() {
-    ///     println!("{:.2} GPa, {:.0} rad/s", ball.inner.peak_pressure / 1e9, ball.rotation);
-    /// }
-    /// let frequencies = solution.frequencies();
-    /// println!("a damaged outer race hums at {:.0} Hz", frequencies.outer_race);
-    /// assert!((frequencies.outer_race + frequencies.inner_race - 16.0 * 200.0).abs() < 1e-9);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn kinematics(&self) -> impl ExactSizeIterator<Item = BallKinematics<T>> + '_ {
-        self.view().kinematics()
-    }
-
-    /// Frequencies at which damaged parts of the bearing are heard: see [`Solution::kinematics`].
-    pub fn frequencies(&self) -> Frequencies<T> {
-        self.view().frequencies()
-    }
-
-    /// Rating life under this load at this speed: see [`LifeRating`].
-    pub fn rating_life(&self, rating: &LifeRating<T>) -> RatingLife<T> {
-        let weight = rating.weight_of(self.view().contact_forces());
-        RatingLife::of_weight(weight, self.speed.as_rad_per_s())
-    }
-
-    /// How near this equilibrium is to its limits, and which limits are passed: the given ones, and the grooves' own.
-    ///
-    /// ```
-    /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
-    /// use spindle_bearing::{Limit, Limits};
-    /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
-    /// let mut solver = Solver::new(&bearing);
-    /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
-    /// let solution = solver.solve(load, speed, &Settings::default())?;
-    /// let limits = Limits { peak_pressure: 2e9, ..Limits::default() };
-    /// let margins = solution.margins(&limits);
-    /// // For the worst contact of each limit that is passed, a sentence.
-    /// println!("{margins}");
-    /// assert!(margins.passed().contains(Limit::PeakPressure) && margins.unloaded == 0);
-    /// assert!(margins.get(Limit::PeakPressure).is_some_and(|worst| worst.value > 2e9));
-    /// assert!(margins.get(Limit::Shoulder).is_some_and(|worst| worst.value < 0.0));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn margins(&self, limits: &Limits<T>) -> Margins<T> {
-        self.view().margins(limits)
     }
 
     /// The row at a glance: largest contact forces and pressures, contact angles, margins and life.
@@ -161,7 +83,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn summary(&self, limits: &Limits<T>, rating: &LifeRating<T>) -> RowSummary<T> {
-        let mut row = [RowSummary::of(&self.view(), limits, rating)];
+        let mut row = [RowSummary::of(self, limits, rating)];
         RowSummary::share(&mut row, &[T::ZERO]);
         let [row] = row;
         row
@@ -174,7 +96,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
 
     /// A copy with the first `K` balls.
     fn copy<const K: usize>(&self) -> Snapshot<T, K, D> {
-        let (balls, cage_speeds) = self.view().copy();
+        let (balls, cage_speeds) = self.row.copy();
         Snapshot {
             status: self.status,
             iterations: self.iterations,
@@ -186,6 +108,15 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
             balls,
             cage_speeds,
         }
+    }
+}
+
+/// A bearing is a row of balls.
+impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Deref for Solution<'s, T, N, M, D> {
+    type Target = Balls<'s, T, M>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.row
     }
 }
 

@@ -6,7 +6,7 @@ use crate::ball::kinematics::{Motion, Rule, Speed};
 use crate::growth::Growth;
 use crate::linalg::{Matrix, add_to, moved, norm, product, refer_stiffness, vector};
 use crate::real::Real;
-use crate::results::View;
+use crate::results::Balls;
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change};
 use crate::shaft::{Layout, Shaft};
 use crate::solver::problem::{Given, Problem, Time, given_in_units, inertia, speed_and_growth};
@@ -211,22 +211,22 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
 
     /// The balls of a row.
     #[inline(always)]
-    pub fn view<'s, A: Rule, const SET: bool>(
+    pub fn row<'s, M: Motion, const SET: bool>(
         &'s self,
         layout: &Layout<'s, T, R, SET>,
         i: usize,
-    ) -> View<'s, T, A> {
+    ) -> Balls<'s, T, M> {
         // The compiler sees the range, even where it does not inline this.
         let i = i.min(R - 1);
         let row = &layout.bearings[i];
-        View {
+        Balls {
             c: row.c,
             p: &self.points[i],
             azimuths: row.azimuths,
             balls: self.balls[i].get(..row.azimuths.len()).unwrap_or_default(),
             v: layout.mounts[i].motion::<D, SET>(&self.state.v),
             speed: self.speed,
-            rule: PhantomData,
+            motion: PhantomData,
         }
     }
 }

@@ -1,15 +1,14 @@
 //! Solution of a spindle.
 
 use crate::ball::kinematics::{Full, Motion, Speed};
-use crate::ball::report::{BallKinematics, BallState};
+use crate::ball::report::BallState;
 use crate::linalg::{
     Factors, Matrix, add_to, matrix, moved, product, refer, refer_stiffness, vector,
 };
 use crate::real::Real;
-use crate::results::View;
-use crate::results::frequencies::Frequencies;
+use crate::results::Balls;
 use crate::results::life::{LifeRating, RatingLife};
-use crate::results::margins::{Limit, LimitSet, Limits, Margins};
+use crate::results::margins::{Limit, LimitSet, Limits};
 #[cfg(feature = "serde")]
 use crate::results::serialize;
 use crate::results::summary::RowSummary;
@@ -23,6 +22,7 @@ use crate::status::Status;
 use core::array::from_fn;
 use core::fmt;
 use core::marker::PhantomData;
+use core::ops::Deref;
 
 /// A point on the shaft where the stiffness is wanted, like the nose.
 ///
@@ -248,13 +248,13 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// The balls of a row.
     #[inline(always)]
-    pub(crate) fn view(&self, i: usize) -> View<'_, T, M::Rule> {
-        self.last.view::<M::Rule, _>(&self.spindle.layout, i)
+    pub(crate) fn view(&self, i: usize) -> Balls<'_, T, M> {
+        self.last.row(&self.spindle.layout, i)
     }
 
     /// A row, its preload left out.
     fn row(&self, i: usize) -> RowSolution<'_, T, M> {
-        // As in `view`.
+        // As in `WarmStart::row`.
         let i = i.min(R - 1);
         let (spindle, state) = (self.spindle, &self.last.state);
         let mount = &spindle.layout.mounts[i];
@@ -389,7 +389,7 @@ pub struct RowSolution<'s, T: Real, M: Motion = Full> {
     pub force: [T; 5],
     facing: Facing,
     preload: T,
-    view: View<'s, T, M::Rule>,
+    view: Balls<'s, T, M>,
     sum: Sum<T, 5>,
     stale: bool,
 }
@@ -431,42 +431,6 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         }
     }
 
-    /// States of the balls, in the order of their azimuths.
-    pub fn balls(&self) -> impl ExactSizeIterator<Item = BallState<T>> + '_ {
-        self.view.states()
-    }
-
-    /// Forces on the inner race alone, N, in the order of the balls: without the cost of contact angles.
-    pub fn inner_forces(&self) -> impl ExactSizeIterator<Item = T> + '_ {
-        self.view.contact_forces().map(|(inner, _)| inner)
-    }
-
-    /// Cage speed `omega_m` of every ball, rad/s: see [`Solution::cage_speeds`](crate::Solution::cage_speeds).
-    pub fn cage_speeds(&self) -> impl ExactSizeIterator<Item = T> + '_ {
-        self.view.cage_speeds()
-    }
-
-    /// How every ball turns, and how its contacts are pressed: see [`Solution::kinematics`](crate::Solution::kinematics).
-    pub fn kinematics(&self) -> impl ExactSizeIterator<Item = BallKinematics<T>> + '_ {
-        self.view.kinematics()
-    }
-
-    /// Frequencies at which damaged parts of the row are heard.
-    pub fn frequencies(&self) -> Frequencies<T> {
-        self.view.frequencies()
-    }
-
-    /// Rating life of the row under its load at this speed: see [`LifeRating`].
-    pub fn rating_life(&self, rating: &LifeRating<T>) -> RatingLife<T> {
-        let weight = rating.weight_of(self.view.contact_forces());
-        RatingLife::of_weight(weight, self.view.speed.as_rad_per_s())
-    }
-
-    /// How near the row is to its limits, and which it has passed: see [`Solution::margins`](crate::Solution::margins).
-    pub fn margins(&self, limits: &Limits<T>) -> Margins<T> {
-        self.view.margins(limits)
-    }
-
     /// The limits that it has passed, and [`Limit::LiftOff`] where the row has lifted off.
     pub fn limits(&self, limits: &Limits<T>) -> LimitSet {
         let passed = self.margins(limits).passed();
@@ -475,6 +439,15 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         } else {
             passed
         }
+    }
+}
+
+/// A row has balls.
+impl<'s, T: Real, M: Motion> Deref for RowSolution<'s, T, M> {
+    type Target = Balls<'s, T, M>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.view
     }
 }
 
