@@ -102,7 +102,7 @@ pub struct Design {
     /// The shoulder is that on the side of the free contact angle. A groove is an arc of the radius `f D`. A shoulder of
     /// the height `h` above its bottom begins at `cos theta = 1 - h / (f D)`. [`Design::HIGHEST_SHOULDER`] stands for
     /// one that is not known. The angle has no part in the equilibrium, only in
-    /// [`Solution::margins`](crate::Solution::margins).
+    /// [`Balls::margins`](crate::Balls::margins).
     pub inner_shoulder_angle: f64,
     /// Outer shoulder's angle `theta_o`, rad, likewise.
     pub outer_shoulder_angle: f64,

@@ -13,7 +13,7 @@
 //! | speed, growth by heat, rotation and fits | [`Speed`], [`Growth`] |
 //! | iterations and tolerance | [`Settings`]; in a tick of firmware [`Settings::TICK`] |
 //! | how a solve ends | [`Status`] |
-//! | balls | [`BallState`], [`BallKinematics`], [`Frequencies`] |
+//! | balls | [`Balls`] of a solution: [`BallState`], [`BallKinematics`], [`Frequencies`] |
 //! | physical limits | [`Limits`], [`Margins`]; a row at a glance: [`RowSummary`] |
 //! | rating life | [`LifeRating`], [`RatingLife`] |
 //! | how the balls move: at rest, under centrifugal force, with all inertia loads | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |

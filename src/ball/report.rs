@@ -8,7 +8,7 @@ use crate::real::Real;
 
 /// State of one ball, SI units.
 ///
-/// See [`Solution::kinematics`](crate::Solution::kinematics) for an example; [`Solution::balls`](crate::Solution::balls) gives these.
+/// See [`Balls::kinematics`](crate::Balls::kinematics) for an example; [`Balls::balls`](crate::Balls::balls) gives these.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -53,7 +53,7 @@ pub struct ContactPatch<T> {
 
 /// How a ball turns, and how its contacts are pressed, SI units.
 ///
-/// See [`Solution::kinematics`](crate::Solution::kinematics) for an example.
+/// See [`Balls::kinematics`](crate::Balls::kinematics) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

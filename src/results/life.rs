@@ -5,7 +5,7 @@ use crate::design::{Design, FreeContact};
 use crate::real::Real;
 use core::f64::consts::PI;
 
-/// Dynamic load ratings of the contacts of a bearing, N: what [`Solution::rating_life`](crate::Solution::rating_life) takes.
+/// Dynamic load ratings of the contacts of a bearing, N: what [`Balls::rating_life`](crate::Balls::rating_life) takes.
 ///
 /// ISO/TS 16281:2008, point contact, inner ring turning, with `S` as for [`Design::dynamic_load_rating`]:
 ///

@@ -12,7 +12,7 @@ use core::fmt;
 
 /// Limits that the design does not give. One that is infinite, or not a number, is never passed.
 ///
-/// See [`Solution::margins`](crate::Solution::margins) for an example.
+/// See [`Balls::margins`](crate::Balls::margins) for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -207,13 +207,13 @@ impl defmt::Format for LimitSet {
 pub struct Margin<T> {
     /// Its value, SI units: see [`Limit`].
     pub value: T,
-    /// Its ball, in the order of [`Solution::balls`](crate::Solution::balls).
+    /// Its ball, in the order of [`Balls::balls`](crate::Balls::balls).
     pub ball: u16,
     /// Its race.
     pub race: Race,
 }
 
-/// How near an equilibrium is to its limits, and which are passed: see [`Solution::margins`](crate::Solution::margins).
+/// How near an equilibrium is to its limits, and which are passed: see [`Balls::margins`](crate::Balls::margins).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Margins<T> {

@@ -166,7 +166,7 @@ pub struct Snapshot<T: Real, const N: usize, const D: usize> {
     /// States of the balls, in the order of their azimuths.
     #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub balls: [BallState<T>; N],
-    /// Cage speed `omega_m` of every ball, rad/s: see [`Solution::cage_speeds`].
+    /// Cage speed `omega_m` of every ball, rad/s: see [`Balls::cage_speeds`](crate::Balls::cage_speeds).
     #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
     pub cage_speeds: [T; N],
 }
