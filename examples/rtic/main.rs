@@ -84,7 +84,7 @@ mod app {
             Err(Status::IterationLimit) => pair.unfinished().map(|s| estimate(&s)),
             found => found.inspect_err(|status| defmt::warn!("{}", status)).ok(),
         };
-        *age += 1;
+        *age = age.saturating_add(1);
         // An unfinished state may say no more than that.
         if let Some((stiffness, _, pressed)) = found.filter(|(_, error, _)| *error < 1e-2) {
             *age = 0;
