@@ -3,7 +3,7 @@
 use crate::compare::Equilibrium;
 use crate::dispatch::Attitude;
 use crate::reference::{self, Reference};
-use crate::spindles::{self, Plan, Question};
+use files::plan::{self, Plan, Question};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use spindle_bearing::{Arrangement, Design, Facing, FreeContact, Growth, Material, Preload};
@@ -231,8 +231,8 @@ fn arrangement(layout: &str) -> Arrangement {
 }
 
 impl MountedRow {
-    fn row(&self) -> spindles::Row {
-        spindles::Row {
+    fn row(&self) -> plan::Row {
+        plan::Row {
             balls: self.bearing.balls,
             design: self.bearing.design(),
             position: self.position,

@@ -4,18 +4,12 @@
 //! The solver is generic over the ball count and owns no memory. A host program that reads the bearing from a file has
 //! one bearing compiled for every count. Solvers are for the largest alone: a row may have fewer balls than its spindle.
 
+use files::plan::{BALL_COUNTS, MOST_BALLS};
 use serde::Deserialize;
 use spindle_bearing::{
     BallKinematics, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies,
     Mounted, Quantity, Real, Status,
 };
-use std::ops::RangeInclusive;
-
-/// Largest number of balls of a row.
-pub const MOST_BALLS: usize = 64;
-
-/// Ball counts that there is a bearing for.
-pub const BALL_COUNTS: RangeInclusive<usize> = 3..=MOST_BALLS;
 
 /// The working precision of a solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

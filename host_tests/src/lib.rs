@@ -3,17 +3,13 @@
 
 pub mod campaign;
 pub mod cases;
-pub mod catalogue;
 pub mod compare;
-pub mod design_file;
 pub mod dispatch;
 pub mod double_double;
-pub mod loads;
 pub mod milling_cycle;
 pub mod progress;
 pub mod reference;
 pub mod replay;
-pub mod spindle_file;
 pub mod spindles;
 pub mod telemetry;
 pub mod tolerances;

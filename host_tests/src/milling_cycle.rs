@@ -8,7 +8,7 @@
 //! `libm` rather than from the platform.
 
 use crate::cases::Random;
-use crate::loads::LoadRow;
+use files::recordings::LoadRow;
 use std::f64::consts::{PI, TAU};
 
 /// Where the recording is kept.

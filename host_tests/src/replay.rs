@@ -1,9 +1,9 @@
 //! Recorded loads and speed in, displacements and stiffness out, as tables. `cargo replay` is around it.
 
 use crate::dispatch::Precision;
-use crate::loads::{Fault, LoadRow, LoadsError};
-use crate::spindle_file::SpindleFile;
 use crate::spindles::{Answer, AnySpindleSolver, RowAnswer};
+use files::recordings::{Fault, LoadRow, LoadsError};
+use files::spindles::SpindleFile;
 use spindle_bearing::{LifeRating, LimitSet, RatingLife, ShaftEnd, Speed};
 use std::collections::BTreeMap;
 use std::fmt;

@@ -1,63 +1,15 @@
 //! Spindles whose rows, ball counts and precision are known at run time only. A bearing is a spindle with one row.
 
 use crate::dispatch::{
-    Attitude, MOST_BALLS, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies,
-    widened_motion,
+    Attitude, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
+use files::plan::{BuildError, MOST_BALLS, Plan, Question};
 use spindle_bearing::{
-    Arrangement, BallKinematics, BallState, Design, DesignError, Facing, Frequencies, Full, Growth,
-    InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
-    RacewayControlFree, Real, Settings, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver,
-    Static, Status,
+    BallKinematics, BallState, Frequencies, Full, Growth, InnerRaceControl, LimitSet, Limits,
+    Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real, Settings, ShaftEnd,
+    Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
 };
 use std::array::from_fn;
-use std::fmt;
-
-/// Largest number of rows.
-pub const MOST_ROWS: usize = 8;
-
-/// A row of a spindle.
-#[derive(Debug, Clone)]
-pub struct Row {
-    /// Ball count.
-    pub balls: usize,
-    /// The bearing.
-    pub design: Design,
-    /// Position on the shaft, m.
-    pub position: f64,
-    /// How it faces.
-    pub facing: Facing,
-    /// How it is held.
-    pub preload: Preload<f64>,
-}
-
-/// A spindle.
-#[derive(Debug, Clone)]
-pub struct Plan {
-    /// The rows.
-    pub rows: Vec<Row>,
-    /// Arrangement that the rows claim to be.
-    pub arrangement: Arrangement,
-    /// Force of the spring, N.
-    pub spring: Option<f64>,
-}
-
-impl Plan {
-    /// A bearing as the only row, which has the bits of a plain solver.
-    pub fn alone(design: &Design, balls: usize) -> Self {
-        Self {
-            rows: vec![Row {
-                balls,
-                design: *design,
-                position: 0.0,
-                facing: Facing::PlusX,
-                preload: Preload::Closure(0.0),
-            }],
-            arrangement: Arrangement::ByRows,
-            spring: None,
-        }
-    }
-}
 
 /// How the balls move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,17 +18,6 @@ pub enum Balls {
     Static,
     /// At speed.
     Moving(Attitude),
-}
-
-/// Load, speed and growth that a spindle is solved for.
-#[derive(Debug, Clone)]
-pub struct Question {
-    /// `Fx, Fy, Fz, My, Mz` on the shaft at `x = 0`, N and N m.
-    pub load: [f64; 5],
-    /// Shaft speed, rad/s.
-    pub omega: f64,
-    /// Growth of each row; none if there are fewer than rows.
-    pub growth: Vec<Growth<f64>>,
 }
 
 /// An equilibrium, widened to double.
@@ -155,29 +96,6 @@ pub trait AnySpindleSolver {
         self.solve(&question, &ShaftEnd::rigid(0.0))
     }
 }
-
-/// Why a spindle cannot be built.
-#[derive(Debug, Clone, PartialEq)]
-pub enum BuildError {
-    /// The design of a row, counted from 0.
-    Design(usize, DesignError),
-    /// The rows, as the solver says it.
-    Spindle(String),
-    /// Too many rows, or none.
-    Rows(usize),
-}
-
-impl fmt::Display for BuildError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Design(row, error) => write!(f, "row {row}: {error}"),
-            Self::Spindle(error) => f.write_str(error),
-            Self::Rows(rows) => write!(f, "{rows} rows: a spindle has 1 to {MOST_ROWS} here"),
-        }
-    }
-}
-
-impl std::error::Error for BuildError {}
 
 /// Builds a spindle, and hands a cold solver for it to `f`.
 ///

@@ -4,7 +4,7 @@
 //! as much and more slowly; both cool when the spindle stands. A cutter 60 mm in front of the first row loads the shaft.
 //! `records/README.md` tells what happens when.
 
-use crate::loads::LoadRow;
+use files::recordings::LoadRow;
 use std::f64::consts::TAU;
 
 /// Where the recording is kept.

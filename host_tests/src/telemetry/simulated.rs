@@ -3,8 +3,8 @@
 //! It is the monitor of the STM32F405 with its settings, tick by tick. What takes a board is left at zero: cycles and
 //! overruns. The link takes all there is.
 
-use crate::loads::LoadRow;
 use anyhow::Result;
+use files::recordings::LoadRow;
 use monitor_settings::{IDLE, MONITOR};
 use monitored::{BALLS, BEARING, ROWS, spindle};
 use spindle_bearing::monitor::Marks;

@@ -2,12 +2,13 @@
 
 use super::book::{Chapter, Program, Run, Table};
 use crate::cases::{rad_per_s, reference};
-use crate::catalogue;
-use crate::design_file::DesignFile;
 use crate::dispatch::Precision;
 use crate::reference::Reference;
-use crate::spindles::{Balls, Plan, Question, Row, with_solver};
+use crate::spindles::{Balls, with_solver};
 use anyhow::{Context, anyhow};
+use files::catalogue;
+use files::designs::DesignFile;
+use files::plan::{Plan, Question, Row};
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload,

@@ -2,10 +2,11 @@
 
 use super::solves::{Balls, Found, LIFTING, SKEW, apart, cold, forces, solver, vector_error};
 use super::textbook::{carried, unbalanced};
+use files::plan::Plan;
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::cases::{B218, B7005C, SKF6205, rad_per_s};
 use host_tests::dispatch::Precision;
-use host_tests::spindles::{self, Plan, with_solver};
+use host_tests::spindles::{self, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::Design;
 

@@ -1,8 +1,8 @@
 //! Bearings by name.
 
-use host_tests::catalogue::{find, gmn_s60, list};
-use host_tests::design_file::DesignFile;
-use host_tests::spindle_file::SpindleFile;
+use files::catalogue::{find, gmn_s60, list};
+use files::designs::DesignFile;
+use files::spindles::SpindleFile;
 use std::path::Path;
 
 fn named(name: &str) -> DesignFile {

@@ -2,7 +2,7 @@
 
 use super::cutting::shares;
 use super::monitor::Rig;
-use host_tests::loads::LoadRow;
+use files::recordings::LoadRow;
 use host_tests::milling_cycle::{CRASH, DRILLING, Place, recorded};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use host_tests::telemetry::simulated::monitored::ROWS;

@@ -1,10 +1,11 @@
 //! Loads that people type: round, alone, symmetric; and bearings that know no left from right.
 
 use super::solves::{PRECISIONS, lengths, vector_error};
+use files::plan::Plan;
 use host_tests::cases::{B218, SKF6205, rad_per_s};
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, with_solver};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::{Bearing, Design, FreeContact, Given, Growth, Settings, Solver, Speed};
 use std::array::from_fn;

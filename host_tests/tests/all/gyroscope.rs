@@ -5,10 +5,11 @@
 //! points of mass. Differences of their places in time give the angular momentum, and its differences the couple on the
 //! ball. Axes: x along the shaft, y and z radial, at rest in space; the ball starts at +y.
 
+use files::plan::Plan;
 use host_tests::cases::{B218, rad_per_s};
 use host_tests::compare::worse;
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Balls, Plan, with_solver};
+use host_tests::spindles::{Balls, with_solver};
 use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 

@@ -69,6 +69,7 @@ fn imports_do_not_go_round() {
     let mut modules = BTreeMap::new();
     read(&here.join("../src"), "library", "library", &mut modules);
     read(&here.join("src"), "judge", "judge", &mut modules);
+    read(&here.join("files/src"), "files", "files", &mut modules);
     read(&here.join("tools/src"), "tools", "tools", &mut modules);
     let mut imports = BTreeSet::new();
     for (from, paths) in &modules {

@@ -4,9 +4,10 @@
 //! answers differ.
 
 use super::solves::{self, BALL_COUNTS, Found, GROWN, PRECISIONS, SKEW, ring_solver};
+use files::plan::Plan;
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::cases::{B7005C, Case, Random, public, sets};
-use host_tests::spindles::{Answer, Balls, Plan, with_solver};
+use host_tests::spindles::{Answer, Balls, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Bearing, Given, Growth, Preload, Settings, Solver, Speed, Spindle, SpindleSolver,

@@ -3,10 +3,11 @@
 use super::solves::{
     Balls, PRECISIONS, Question, SKEW, epsilon, lengths, rounded, solver, vector_error,
 };
+use files::plan::Plan;
 use host_tests::cases::{B7005C, Random, SKF6205, reference};
 use host_tests::compare::{Ball, Equilibrium, stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{self, Answer, AnySpindleSolver, Plan, with_solver};
+use host_tests::spindles::{self, Answer, AnySpindleSolver, with_solver};
 use host_tests::tolerances::allowed;
 use spindle_bearing::{Design, FreeContact, Status};
 use std::f64::consts::PI;

@@ -1,13 +1,15 @@
 //! From a recording to results: formats of files, what is refused and how, and that nothing is lost between the
 //! solver and the table.
 
+use files::designs::{DesignFile, SHIPPED};
+use files::plan::BALL_COUNTS;
+use files::plan::{Plan, Question};
+use files::recordings::{LoadRow, Loads, LoadsError};
+use files::spindles::SpindleFile;
 use host_tests::cases::Random;
-use host_tests::design_file::{DesignFile, SHIPPED};
-use host_tests::dispatch::{self, Attitude, BALL_COUNTS, Precision};
-use host_tests::loads::{LoadRow, Loads, LoadsError};
+use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::replay::{Outputs, Summary, Table, replay};
-use host_tests::spindle_file::SpindleFile;
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, Question, with_solver};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, with_solver};
 use spindle_bearing::{Design, FreeContact, Limits, Material, ShaftEnd, Status};
 use std::io::Cursor;
 

@@ -2,10 +2,11 @@
 
 use super::solves::{self, vector_error};
 use super::textbook::{unbalanced, unclosed};
+use files::plan::{Plan, Question, Row};
 use host_tests::cases::{B218, B7005C, Case, Random, SKF6205, SolvedSet, rad_per_s, sets};
 use host_tests::compare::{Errors, stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Plan, Question, Row, with_solver};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::{Arrangement, Design, Facing, Growth, Preload, ShaftEnd, Status};
 use std::array::from_fn;

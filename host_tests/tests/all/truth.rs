@@ -1,11 +1,12 @@
 //! The solver and the reference build against solved cases and against each other.
 
 use super::solves::PRECISIONS;
+use files::plan::Plan;
 use host_tests::campaign::balance::centres;
 use host_tests::cases::{Case, SolvedCase, public};
 use host_tests::compare::{Ball, Equilibrium, Errors, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Balls, Plan, with_solver};
+use host_tests::spindles::{Balls, with_solver};
 use host_tests::tolerances::{OF_REFERENCE, allowed, allowed_at};
 use rayon::prelude::*;
 use spindle_bearing::BallState;

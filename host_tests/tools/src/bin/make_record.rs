@@ -1,7 +1,7 @@
 //! Writes a synthetic recording of `host_tests/records`, or the file named by the last argument.
 
 use anyhow::{Context, bail};
-use host_tests::loads::write_csv;
+use files::recordings::write_csv;
 use host_tests::milling_cycle::{self, Place};
 use host_tests::warm_up;
 

@@ -2,8 +2,8 @@
 
 use crate::malformed::HEADER;
 use crate::replay::{ran, replayed, scratch};
+use files::designs::SHIPPED;
 use host_tests::cases::Random;
-use host_tests::design_file::SHIPPED;
 
 /// Exit status, standard output and standard error of `cargo plot` with these arguments.
 fn plotted(args: &[&str], stdin: &[u8]) -> (i32, String, String) {

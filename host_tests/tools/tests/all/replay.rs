@@ -1,11 +1,11 @@
 //! `cargo replay`: arguments, messages, exit status, and that the results are the solver's.
 
 use crate::malformed::{self, HEADER};
-use host_tests::design_file::SHIPPED;
+use files::designs::SHIPPED;
+use files::recordings::{LoadRow, Loads};
+use files::spindles::SpindleFile;
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::loads::{LoadRow, Loads};
 use host_tests::milling_cycle::RECORD;
-use host_tests::spindle_file::SpindleFile;
 use host_tests::spindles::{AnySpindleSolver, Balls, with_solver};
 use spindle_bearing::{BallKinematics, BallState, LimitSet, ShaftEnd};
 use std::f64::consts::PI;

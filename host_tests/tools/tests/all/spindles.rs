@@ -1,7 +1,7 @@
 //! `cargo replay` of spindles: files and messages.
 
 use crate::replay::{replayed, scratch};
-use host_tests::spindle_file::SpindleFile;
+use files::spindles::SpindleFile;
 use host_tests::warm_up;
 
 const SPINDLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../spindles");

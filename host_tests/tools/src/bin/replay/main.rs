@@ -4,11 +4,11 @@ mod table;
 
 use anyhow::{Result, bail};
 use clap::{Parser, ValueEnum};
-use host_tests::catalogue;
+use files::catalogue;
+use files::recordings::{self, LoadRow, LoadsError};
+use files::spindles::SpindleFile;
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::loads::{self, LoadRow, LoadsError};
 use host_tests::replay::{Outputs, ReplayError, Summary, Table, replay};
-use host_tests::spindle_file::SpindleFile;
 use host_tests::spindles::{Balls, with_solver};
 use indicatif::{ProgressBar, ProgressFinish, ProgressIterator, ProgressStyle};
 use spindle_bearing::Limits;
@@ -273,7 +273,7 @@ impl Args {
             let bar = progress_bar(Some(rows.len() as u64), "{pos} of {len} rows");
             return Ok(Box::new(rows.progress_with(bar).map(Ok)));
         };
-        let mut loads = loads::read(path)?;
+        let mut loads = recordings::read(path)?;
         let file = loads.file();
         let ignored = loads.ignored_columns();
         if !ignored.is_empty() {

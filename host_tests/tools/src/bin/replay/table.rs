@@ -1,7 +1,7 @@
 //! Loads and speeds of a table of stiffness: every combination of the values that its axes have.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use host_tests::loads::LoadRow;
+use files::recordings::LoadRow;
 
 /// Most rows of a table.
 const MOST_ROWS: usize = 1_000_000;

@@ -1,6 +1,6 @@
 //! Designs that one can name: makers' bearings with published ball data, and the files in `bearings`.
 
-use crate::design_file::{DesignFile, DesignFileError, SHIPPED};
+use crate::designs::{DesignFile, DesignFileError, SHIPPED};
 use serde::Deserialize;
 use spindle_bearing::FreeContact;
 use std::fmt::Write;
@@ -11,7 +11,7 @@ const GMN: &str = "gmn:";
 /// Before the name of a design that comes with the project.
 const PROJECT: &str = "project:";
 
-const GMN_S60: &str = include_str!("../makers/gmn_s60.csv");
+const GMN_S60: &str = include_str!("../../makers/gmn_s60.csv");
 
 /// A bearing of a maker's table, with the preloads of a pair of it.
 #[derive(Debug, Clone, Deserialize)]

@@ -23,7 +23,7 @@
 //! density_kg_m3 = 3200
 //! ```
 
-use crate::dispatch::BALL_COUNTS;
+use crate::plan::BALL_COUNTS;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use spindle_bearing::{Design, DesignError, FreeContact, LifeRating, Quantity};
@@ -33,7 +33,7 @@ use std::path::Path;
 use toml::Spanned;
 
 /// The folder of the design files that come with the project.
-pub const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/bearings");
+pub const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../bearings");
 
 /// A bearing read from a design file.
 #[derive(Debug, Clone, PartialEq)]

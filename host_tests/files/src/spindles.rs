@@ -37,11 +37,11 @@
 //! ```
 
 use crate::catalogue;
-use crate::design_file::{
+use crate::designs::{
     DesignFile, DesignFileError, Key, Keys, Reading, micrometres, millimetres, read_text,
 };
-use crate::loads::LoadRow;
-use crate::spindles::{BuildError, MOST_ROWS, Plan, Question, Row};
+use crate::plan::{BuildError, MOST_ROWS, Plan, Question, Row};
+use crate::recordings::LoadRow;
 use serde::Deserialize;
 use spindle_bearing::{
     Arrangement, Design, Expansion, Facing, Growth, LifeRating, Preload, ShaftEnd,

@@ -1,0 +1,91 @@
+//! Rows of a spindle, its question, and why it is no spindle. A bearing is a spindle with one row.
+
+use spindle_bearing::{Arrangement, Design, DesignError, Facing, Growth, Preload};
+use std::fmt;
+use std::ops::RangeInclusive;
+
+/// Largest number of balls of a row.
+pub const MOST_BALLS: usize = 64;
+
+/// Ball counts that there is a bearing for.
+pub const BALL_COUNTS: RangeInclusive<usize> = 3..=MOST_BALLS;
+
+/// Largest number of rows.
+pub const MOST_ROWS: usize = 8;
+
+/// A row of a spindle.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Ball count.
+    pub balls: usize,
+    /// The bearing.
+    pub design: Design,
+    /// Position on the shaft, m.
+    pub position: f64,
+    /// How it faces.
+    pub facing: Facing,
+    /// How it is held.
+    pub preload: Preload<f64>,
+}
+
+/// A spindle.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The rows.
+    pub rows: Vec<Row>,
+    /// Arrangement that the rows claim to be.
+    pub arrangement: Arrangement,
+    /// Force of the spring, N.
+    pub spring: Option<f64>,
+}
+
+impl Plan {
+    /// A bearing as the only row, which has the bits of a plain solver.
+    pub fn alone(design: &Design, balls: usize) -> Self {
+        Self {
+            rows: vec![Row {
+                balls,
+                design: *design,
+                position: 0.0,
+                facing: Facing::PlusX,
+                preload: Preload::Closure(0.0),
+            }],
+            arrangement: Arrangement::ByRows,
+            spring: None,
+        }
+    }
+}
+
+/// Load, speed and growth that a spindle is solved for.
+#[derive(Debug, Clone)]
+pub struct Question {
+    /// `Fx, Fy, Fz, My, Mz` on the shaft at `x = 0`, N and N m.
+    pub load: [f64; 5],
+    /// Shaft speed, rad/s.
+    pub omega: f64,
+    /// Growth of each row; none if there are fewer than rows.
+    pub growth: Vec<Growth<f64>>,
+}
+
+/// Why a spindle cannot be built.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BuildError {
+    /// The design of a row, counted from 0.
+    Design(usize, DesignError),
+    /// The rows, as the solver says it.
+    Spindle(String),
+    /// Too many rows, or none.
+    Rows(usize),
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Design(row, error) => write!(f, "row {row}: {error}"),
+            Self::Spindle(error) => f.write_str(error),
+            Self::Rows(rows) => write!(f, "{rows} rows: a spindle has 1 to {MOST_ROWS} here"),
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}
