@@ -10,6 +10,7 @@ use spindle_bearing::{
     BallKinematics, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies,
     Mounted, Quantity, Real, Status,
 };
+use std::fmt::{self, Write};
 
 /// The working precision of a solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,16 +22,16 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// `value`, a number of this precision, with as few digits as read back to exactly that number.
-    pub fn show(self, value: f64) -> String {
+    /// Writes `value`, a number of this precision, with as few digits as read back to exactly that number.
+    pub fn write(self, text: &mut String, value: f64) -> fmt::Result {
         // Rust's own formatting of floats is the shortest that reads back. An exponent starts where zeros would fill the text.
         let size = value.abs();
         let plain = value == 0.0 || !size.is_finite() || (1e-4..1e16).contains(&size);
         match (self, plain) {
-            (Self::F32, true) => (value as f32).to_string(),
-            (Self::F32, false) => format!("{:e}", value as f32),
-            (Self::F64, true) => value.to_string(),
-            (Self::F64, false) => format!("{value:e}"),
+            (Self::F32, true) => write!(text, "{}", value as f32),
+            (Self::F32, false) => write!(text, "{:e}", value as f32),
+            (Self::F64, true) => write!(text, "{value}"),
+            (Self::F64, false) => write!(text, "{value:e}"),
         }
     }
 }

@@ -6,6 +6,7 @@ pub mod cases;
 pub mod compare;
 pub mod dispatch;
 pub mod double_double;
+pub mod lifetime;
 pub mod milling_cycle;
 pub mod progress;
 pub mod reference;

@@ -1,12 +1,14 @@
 //! Recorded loads and speed in, displacements and stiffness out, as tables. `cargo replay` is around it.
 
 use crate::dispatch::Precision;
-use crate::spindles::{Answer, AnySpindleSolver, RowAnswer};
+use crate::lifetime::Lifetime;
+use crate::spindles::{Answer, AnySpindleSolver, Choices, Parts, RowAnswer};
 use files::recordings::{Fault, LoadRow, LoadsError};
 use files::spindles::SpindleFile;
-use spindle_bearing::{LifeRating, LimitSet, RatingLife, ShaftEnd, Speed};
+use spindle_bearing::{Design, Frequencies, LifeRating, LimitSet, RatingLife, ShaftEnd, Speed};
 use std::collections::BTreeMap;
-use std::fmt;
+use std::f64::consts::TAU;
+use std::fmt::{self, Write as _};
 use std::io::{self, Write};
 
 /// Names of the five freedoms in column names.
@@ -14,6 +16,9 @@ const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
 
 /// Status of a row of the recording that cannot be read.
 pub const REFUSED_INPUT: &str = "refused-input";
+
+/// Bytes after which whole lines are handed on.
+const BLOCK: usize = 1 << 16;
 
 /// A table that a replay writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,80 +43,272 @@ impl Table {
         }
     }
 
-    fn header(self, file: &SpindleFile) -> String {
-        let row = if file.is_bearing { "" } else { "row," };
-        match self {
-            Self::Results => {
-                let mut text = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_rad,".to_owned();
-                let nose = file.nose.map(|_| "k_nose");
-                for place in ["k"].into_iter().chain(nose) {
-                    for row in FREEDOMS {
-                        text += &FREEDOMS.map(|to| format!("{place}_{row}_{to},")).concat();
-                    }
-                }
-                text + "limits,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,l10_mrev,l10_h"
-            }
-            Self::Rows => {
-                format!("time_s,{row}fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n")
-            }
-            Self::Balls => format!(
-                "time_s,{row}ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,\
-                 p_i_pa,p_o_pa,a_i_m,b_i_m,a_o_m,b_o_m,cage_rad_s,attitude_rad,spin_roll_i,spin_roll_o"
-            ),
-            Self::Frequencies => {
-                format!("time_s,{row}cage_hz,outer_race_hz,inner_race_hz,ball_hz")
-            }
+    /// Its columns.
+    fn columns(self, file: &SpindleFile) -> Vec<Column> {
+        let mut columns = vec![Column::new("time_s", |line| Figure::Copy(line.given[0]))];
+        if self != Self::Results && !file.is_bearing {
+            columns.push(Column::new("row", |line| Figure::Count(line.row)));
         }
-    }
-
-    /// Figures of a row of balls, or of one of its balls.
-    fn figures(self, row: &RowAnswer, ball: usize) -> Vec<f64> {
         match self {
-            Self::Results => Vec::new(),
+            Self::Results => results(file, &mut columns),
             Self::Rows => {
-                let forces = row.balls.iter().map(|ball| ball.q_i);
-                let least = forces.fold(f64::INFINITY, f64::min);
-                [&row.force[..], &[row.preload, least]].concat()
+                let names = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm"];
+                columns.extend(
+                    names
+                        .into_iter()
+                        .enumerate()
+                        .map(|(i, name)| Column::of_row(name, move |row, _| row.force[i])),
+                );
+                columns.push(Column::of_row("preload_n", |row, _| row.preload));
+                columns.push(Column::of_row("least_q_i_n", |row, _| {
+                    let forces = row.balls.iter().map(|ball| ball.q_i);
+                    forces.fold(f64::INFINITY, f64::min)
+                }));
             }
             Self::Balls => {
-                let (ball, motion) = (&row.balls[ball], &row.motions[ball]);
-                let (inner, outer) = (&motion.inner, &motion.outer);
-                vec![
-                    ball.azimuth,
-                    ball.alpha_i,
-                    ball.alpha_o,
-                    ball.q_i,
-                    ball.q_o,
-                    ball.centrifugal_force,
-                    ball.gyroscopic_moment,
-                    inner.peak_pressure,
-                    outer.peak_pressure,
-                    inner.semi_major,
-                    inner.semi_minor,
-                    outer.semi_major,
-                    outer.semi_minor,
-                    motion.cage_speed,
-                    motion.attitude,
-                    inner.spin_to_roll,
-                    outer.spin_to_roll,
-                ]
+                columns.push(Column::new("ball", |line| Figure::Count(line.ball)));
+                for (name, of) in BALLS {
+                    columns.push(Column::of_row(name, of));
+                }
             }
             Self::Frequencies => {
-                let found = &row.frequencies;
-                vec![found.cage, found.outer_race, found.inner_race, found.ball]
+                type Named = (&'static str, fn(&Frequencies<f64>) -> f64);
+                const ALL: [Named; 4] = [
+                    ("cage_hz", |found| found.cage),
+                    ("outer_race_hz", |found| found.outer_race),
+                    ("inner_race_hz", |found| found.inner_race),
+                    ("ball_hz", |found| found.ball),
+                ];
+                for (name, of) in ALL {
+                    columns.push(Column::of_row(name, move |row, _| of(&row.frequencies)));
+                }
             }
+        }
+        columns
+    }
+
+    /// Parts of an answer that it shows.
+    fn parts(self) -> Parts {
+        Parts {
+            at: false,
+            limits: false,
+            balls: self != Self::Frequencies,
+            motions: self == Self::Balls,
+            frequencies: self == Self::Frequencies,
         }
     }
 }
 
-/// Tables that are wanted, and where they go.
-pub type Outputs<'o> = Vec<(Table, Box<dyn Write + 'o>)>;
+/// A figure of a ball, by its row and number.
+type OfBall = fn(&RowAnswer, usize) -> f64;
+
+/// Figures of a ball.
+#[rustfmt::skip]
+const BALLS: [(&str, OfBall); 17] = [
+    ("azimuth_rad", |row, ball| row.balls[ball].azimuth),
+    ("alpha_i_rad", |row, ball| row.balls[ball].alpha_i),
+    ("alpha_o_rad", |row, ball| row.balls[ball].alpha_o),
+    ("q_i_n", |row, ball| row.balls[ball].q_i),
+    ("q_o_n", |row, ball| row.balls[ball].q_o),
+    ("fc_n", |row, ball| row.balls[ball].centrifugal_force),
+    ("mg_nm", |row, ball| row.balls[ball].gyroscopic_moment),
+    ("p_i_pa", |row, ball| row.motions[ball].inner.peak_pressure),
+    ("p_o_pa", |row, ball| row.motions[ball].outer.peak_pressure),
+    ("a_i_m", |row, ball| row.motions[ball].inner.semi_major),
+    ("b_i_m", |row, ball| row.motions[ball].inner.semi_minor),
+    ("a_o_m", |row, ball| row.motions[ball].outer.semi_major),
+    ("b_o_m", |row, ball| row.motions[ball].outer.semi_minor),
+    ("cage_rad_s", |row, ball| row.motions[ball].cage_speed),
+    ("attitude_rad", |row, ball| row.motions[ball].attitude),
+    ("spin_roll_i", |row, ball| row.motions[ball].inner.spin_to_roll),
+    ("spin_roll_o", |row, ball| row.motions[ball].outer.spin_to_roll),
+];
+
+/// The columns of the results behind the time.
+fn results(file: &SpindleFile, columns: &mut Vec<Column>) {
+    columns.push(Column::new("status", |line| match line.answer {
+        Ok(answer) => Figure::Word(answer.status),
+        Err(status) => Figure::Word(status),
+    }));
+    columns.push(Column::new("iterations", |line| match line.answer {
+        Ok(answer) => Figure::Count(usize::from(answer.iterations)),
+        Err(_) => Figure::None,
+    }));
+    for (i, name) in ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"]
+        .into_iter()
+        .enumerate()
+    {
+        columns.push(Column::of_answer(name, move |answer| {
+            answer.displacement[i]
+        }));
+    }
+    for (at, place) in [(false, "k"), (true, "k_nose")] {
+        for (i, j) in (0..25)
+            .map(|k| (k / 5, k % 5))
+            .filter(|_| !at || file.nose.is_some())
+        {
+            let name = format!("{place}_{}_{}", FREEDOMS[i], FREEDOMS[j]);
+            let column = Column::of_answer(name, move |answer| match at {
+                true => answer.stiffness_at[i][j],
+                false => answer.stiffness[i][j],
+            });
+            columns.push(Column {
+                needs: Parts { at, ..Parts::NONE },
+                ..column
+            });
+        }
+    }
+    columns.push(Column {
+        needs: Parts {
+            limits: true,
+            ..Parts::NONE
+        },
+        ..Column::new("limits", |line| match line.answer {
+            Ok(answer) => Figure::Limits(answer.limits()),
+            Err(_) => Figure::None,
+        })
+    });
+    let given = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
+    for (i, name) in (1..).zip(given) {
+        columns.push(Column::new(name, move |line| Figure::Copy(line.given[i])));
+    }
+    for (i, name) in ["l10_mrev", "l10_h"].into_iter().enumerate() {
+        columns.push(Column {
+            needs: Parts {
+                balls: true,
+                ..Parts::NONE
+            },
+            ..Column::new(name, move |line| {
+                Figure::Single(line.life.map(|life| life[i]))
+            })
+        });
+    }
+    for (i, name) in (7..)
+        .zip(["t_inner_c", "t_outer_c"])
+        .filter(|_| file.heat.is_some())
+    {
+        columns.push(Column::new(name, move |line| Figure::Copy(line.given[i])));
+    }
+}
+
+/// A field of a table.
+enum Figure {
+    None,
+    Word(&'static str),
+    Limits(LimitSet),
+    Count(usize),
+    /// In the precision of the solve.
+    Number(f64),
+    /// A number of the recording, never rounded to the solver's precision: time identifies the row.
+    Copy(Option<f64>),
+    /// In single precision; empty if there is none, or no end of it.
+    Single(Option<f64>),
+}
+
+/// What a line of a table is about.
+struct Line<'l> {
+    given: &'l [Option<f64>; 9],
+    answer: Result<&'l Answer, &'static str>,
+    life: Option<[f64; 2]>,
+    row: usize,
+    ball: usize,
+}
+
+/// A column of a table.
+struct Column {
+    name: String,
+    needs: Parts,
+    figure: Box<dyn Fn(&Line<'_>) -> Figure>,
+}
+
+impl Column {
+    fn new(name: impl Into<String>, figure: impl Fn(&Line<'_>) -> Figure + 'static) -> Self {
+        Self {
+            name: name.into(),
+            needs: Parts::NONE,
+            figure: Box::new(figure),
+        }
+    }
+
+    fn of_answer(name: impl Into<String>, figure: impl Fn(&Answer) -> f64 + 'static) -> Self {
+        Self::new(name, move |line| match line.answer {
+            Ok(answer) => Figure::Number(figure(answer)),
+            Err(_) => Figure::None,
+        })
+    }
+
+    fn of_row(name: &str, figure: impl Fn(&RowAnswer, usize) -> f64 + 'static) -> Self {
+        Self::new(name, move |line| match line.answer {
+            Ok(answer) => Figure::Number(figure(&answer.rows[line.row], line.ball)),
+            Err(_) => Figure::None,
+        })
+    }
+}
+
+/// The columns of these names: in full, or without marks and unit where that is one column, such as `kxx` and `dx`.
+fn select(columns: Vec<Column>, names: &[String]) -> Result<Vec<Column>, String> {
+    let plain = |name: &str| name.replace('_', "");
+    let mut columns: Vec<Option<Column>> = columns.into_iter().map(Some).collect();
+    let all: Vec<String> = columns
+        .iter()
+        .flatten()
+        .map(|column| column.name.clone())
+        .collect();
+    let mut selected = Vec::new();
+    for name in names {
+        let short = |one: &String| {
+            one.rsplit_once('_')
+                .map_or("", |(short, _)| short)
+                .to_owned()
+        };
+        let ways: [&dyn Fn(&String) -> bool; 3] = [
+            &|one| one == name,
+            &|one| plain(one) == plain(name),
+            &|one| plain(&short(one)) == plain(name),
+        ];
+        let found = ways.iter().find_map(|is| {
+            let mut found = (0..all.len()).filter(|i| is(&all[*i]));
+            found.next().filter(|_| found.next().is_none())
+        });
+        let column =
+            found.ok_or_else(|| format!("no column {name}: there are {}", all.join(", ")))?;
+        selected.push(
+            columns[column]
+                .take()
+                .ok_or_else(|| format!("{name} is given twice"))?,
+        );
+    }
+    Ok(selected)
+}
+
+/// A table that is wanted, and where it goes.
+pub type Output<'o> = (Table, Box<dyn Write + 'o>);
+
+/// How a recording is replayed.
+pub struct Job<'j> {
+    /// The spindle.
+    pub file: &'j SpindleFile,
+    /// The solver's precision.
+    pub precision: Precision,
+    /// Solve every row from scratch.
+    pub cold: bool,
+    /// The balls are at rest.
+    pub at_rest: bool,
+    /// Columns of the results; all if there are none.
+    pub select: Vec<String>,
+    /// Limits, tolerance and iterations.
+    pub choices: Choices,
+    /// What a whole recording amounts to.
+    pub lifetime: Option<&'j mut Lifetime>,
+}
 
 /// Reason why a replay stopped.
 #[derive(Debug)]
 pub enum ReplayError {
     /// The recording is at fault.
     Loads(LoadsError),
+    /// The selected columns are.
+    Select(String),
     /// A table cannot be written.
     Output(Table, io::Error),
 }
@@ -120,6 +317,7 @@ impl fmt::Display for ReplayError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Loads(error) => error.fmt(f),
+            Self::Select(error) => write!(f, "--select: {error}"),
             Self::Output(table, error) => {
                 write!(f, "the {} cannot be written: {error}", table.name())
             }
@@ -170,40 +368,104 @@ impl fmt::Display for Summary {
     }
 }
 
-/// Solves row after row and writes the tables as CSV. With `cold` every row is solved from scratch.
+/// A table on its way out: lines are handed on whole.
+struct Sheet<'o> {
+    table: Table,
+    columns: Vec<Column>,
+    text: String,
+    out: Box<dyn Write + 'o>,
+}
+
+impl Sheet<'_> {
+    /// Adds a line of these fields.
+    fn add(&mut self, line: &Line<'_>, precision: Precision) {
+        for (i, column) in self.columns.iter().enumerate() {
+            self.text.push_str(if i == 0 { "" } else { "," });
+            let text = &mut self.text;
+            // Writing to a string does not fail.
+            let _ = match (column.figure)(line) {
+                Figure::None | Figure::Copy(None) | Figure::Single(None) => Ok(()),
+                Figure::Word(word) => text.write_str(word),
+                Figure::Limits(limits) => write!(text, "{limits}"),
+                Figure::Count(count) => write!(text, "{count}"),
+                Figure::Number(x) => precision.write(text, x),
+                Figure::Copy(Some(x)) => Precision::F64.write(text, x),
+                Figure::Single(Some(x)) if x.is_finite() => Precision::F32.write(text, x),
+                Figure::Single(Some(_)) => Ok(()),
+            };
+        }
+        self.text.push('\n');
+    }
+
+    /// Hands on whole lines, if there are at least so many bytes.
+    fn hand_on(&mut self, least: usize) -> Result<(), ReplayError> {
+        if self.text.len() >= least {
+            let written = self.out.write_all(self.text.as_bytes());
+            written.map_err(|error| ReplayError::Output(self.table, error))?;
+            self.text.clear();
+        }
+        Ok(())
+    }
+}
+
+/// Solves row after row and writes the tables as CSV.
 ///
 /// Rows are written as they are solved: after an error, those before it have been. A row of the recording that cannot
 /// be read has the status [`REFUSED_INPUT`].
 ///
 /// # Errors
 ///
-/// A recording that ends in a fault, or an output that fails.
+/// A recording that ends in a fault, columns that there are not, or an output that fails.
 pub fn replay(
-    file: &SpindleFile,
+    mut job: Job<'_>,
     solver: &mut dyn AnySpindleSolver,
-    precision: Precision,
     rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
-    cold: bool,
-    mut outputs: Outputs<'_>,
+    outputs: Vec<Output<'_>>,
 ) -> Result<Summary, ReplayError> {
-    let mut summary = Summary::default();
-    let text = Text {
-        file,
-        precision,
-        ratings: file.ratings(),
-    };
-    let write = |(table, out): &mut (Table, Box<dyn Write + '_>), line: String| {
-        writeln!(out, "{line}").map_err(|error| ReplayError::Output(*table, error))
-    };
-    for output in &mut outputs {
-        write(output, output.0.header(file))?;
+    let (file, precision) = (job.file, job.precision);
+    let (mut sheets, mut parts) = (Vec::new(), Parts::NONE);
+    if job.lifetime.is_some() {
+        parts = Parts {
+            limits: true,
+            balls: true,
+            motions: true,
+            ..parts
+        };
     }
+    for (table, out) in outputs {
+        let mut columns = table.columns(file);
+        if table == Table::Results {
+            if !job.select.is_empty() {
+                columns = select(columns, &job.select).map_err(ReplayError::Select)?;
+            }
+            parts = columns
+                .iter()
+                .fold(parts, |parts, column| parts.and(column.needs));
+        } else {
+            parts = parts.and(table.parts());
+        }
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        let text = names.join(",") + "\n";
+        sheets.push(Sheet {
+            table,
+            columns,
+            text,
+            out,
+        });
+    }
+    parts.balls |= parts.frequencies && job.at_rest;
+    solver.choose(&Choices {
+        parts,
+        ..job.choices
+    });
+    let ratings = file.ratings();
     let end = file.nose.unwrap_or(ShaftEnd::rigid(0.0));
-    for row in rows {
+    let mut summary = Summary::default();
+    let outcome = rows.into_iter().try_for_each(|row| {
         summary.rows += 1;
-        let (given, answer) = match row {
+        let (given, mut answer) = match row {
             Ok(row) => {
-                if cold {
+                if job.cold {
                     solver.reset();
                 }
                 let answer = solver.solve(&file.question(&row), &end);
@@ -213,8 +475,10 @@ pub fn replay(
                     status.name()
                 });
                 let [fx, fy, fz, my, mz] = row.load;
-                let given = [row.time_s, fx, fy, fz, my, mz, row.speed_rpm];
-                (given.map(Some), answer)
+                let [inner, outer] = row.temperatures.map_or([None; 2], |both| both.map(Some));
+                let given = [row.time_s, fx, fy, fz, my, mz, row.speed_rpm].map(Some);
+                let [time, fx, fy, fz, my, mz, speed] = given;
+                ([time, fx, fy, fz, my, mz, speed, inner, outer], answer)
             }
             Err(LoadsError::Row(row)) => {
                 summary.first_fault.get_or_insert(row.fault);
@@ -225,96 +489,83 @@ pub fn replay(
         if let Err(status) = &answer {
             *summary.refused.entry(status).or_default() += 1;
         }
-        for output in &mut outputs {
-            let lines = match output.0 {
-                Table::Results => vec![text.result(&given, &answer)],
-                table => text.details(table, &given, answer.as_ref().ok()),
+        let omega = Speed::rpm(given[6].unwrap_or(0.0)).as_rad_per_s();
+        if let (Ok(answer), true, true) = (&mut answer, job.at_rest, parts.frequencies) {
+            for (row, of) in answer.rows.iter_mut().zip(&file.plan.rows) {
+                row.frequencies = at_rest(&of.design, row, omega);
+            }
+        }
+        let weights = |answer: &Answer| weights(answer, &ratings);
+        if let Some(lifetime) = job.lifetime.as_deref_mut() {
+            let answer = answer.as_ref().ok().map(|answer| (answer, weights(answer)));
+            lifetime.add(given[0], omega, answer);
+        }
+        let life = answer.as_ref().ok().filter(|_| parts.balls).map(|answer| {
+            let life = RatingLife::of_weight(weights(answer).iter().sum(), omega);
+            [life.million_revolutions, life.hours]
+        });
+        let answer = answer.as_ref().map_err(|status| *status);
+        for sheet in &mut sheets {
+            let mut line = Line {
+                given: &given,
+                answer,
+                life,
+                row: 0,
+                ball: 0,
             };
-            for line in lines {
-                write(output, line.join(","))?;
-            }
-        }
-    }
-    for (table, out) in &mut outputs {
-        let flushed = out.flush();
-        flushed.map_err(|error| ReplayError::Output(*table, error))?;
-    }
-    Ok(summary)
-}
-
-/// A number of the recording, never rounded to the solver's precision: time identifies the row.
-fn copied(number: &Option<f64>) -> String {
-    number.map_or(String::new(), |number| Precision::F64.show(number))
-}
-
-/// Answers as lines of the tables.
-struct Text<'t> {
-    file: &'t SpindleFile,
-    precision: Precision,
-    ratings: Vec<LifeRating<f64>>,
-}
-
-impl Text<'_> {
-    /// The line of the results for time, loads and speed of a row of the recording.
-    fn result(&self, given: &[Option<f64>; 7], answer: &Result<Answer, &str>) -> Vec<String> {
-        let mut line = vec![copied(&given[0])];
-        let mut life = [String::new(), String::new()];
-        match answer {
-            Ok(answer) => {
-                line.extend([answer.status.to_owned(), answer.iterations.to_string()]);
-                line.extend(self.figures(&answer.displacement));
-                line.extend(self.figures(answer.stiffness.as_flattened()));
-                if self.file.nose.is_some() {
-                    line.extend(self.figures(answer.stiffness_at.as_flattened()));
+            if sheet.table == Table::Results {
+                sheet.add(&line, precision);
+            } else {
+                for (row, of) in file.plan.rows.iter().enumerate() {
+                    for ball in 0..if sheet.table == Table::Balls {
+                        of.balls
+                    } else {
+                        1
+                    } {
+                        (line.row, line.ball) = (row, ball);
+                        sheet.add(&line, precision);
+                    }
                 }
-                let limits = answer.rows.iter().map(|row| row.limits);
-                let limits = limits.fold(LimitSet::default(), LimitSet::union);
-                line.push(limits.to_string());
-                let weights = answer.rows.iter().zip(&self.ratings).map(|(row, rating)| {
-                    rating.weight_of(row.balls.iter().map(|ball| (ball.q_i, ball.q_o)))
-                });
-                let omega = Speed::rpm(given[6].unwrap_or(0.0)).as_rad_per_s();
-                let found = RatingLife::of_weight(weights.sum(), omega);
-                life = [found.million_revolutions, found.hours].map(|x| Precision::F32.show(x));
             }
-            Err(status) => {
-                line.push((*status).to_owned());
-                let figures = if self.file.nose.is_some() { 57 } else { 32 };
-                line.resize(line.len() + figures, String::new());
-            }
+            sheet.hand_on(BLOCK)?;
         }
-        line.extend(given[1..].iter().map(copied));
-        line.extend(life);
-        line
+        Ok(())
+    });
+    for sheet in &mut sheets {
+        sheet.hand_on(1)?;
+        sheet
+            .out
+            .flush()
+            .map_err(|error| ReplayError::Output(sheet.table, error))?;
     }
+    outcome.map(|()| summary)
+}
 
-    /// The lines of a table besides the results, for a row of the recording.
-    fn details(
-        &self,
-        table: Table,
-        given: &[Option<f64>; 7],
-        answer: Option<&Answer>,
-    ) -> Vec<Vec<String>> {
-        let columns = table.header(self.file).split(',').count();
-        let mut lines = Vec::new();
-        for (number, row) in self.file.plan.rows.iter().enumerate() {
-            let is_of_balls = table == Table::Balls;
-            for ball in 0..if is_of_balls { row.balls } else { 1 } {
-                let mut line = vec![copied(&given[0])];
-                line.extend((!self.file.is_bearing).then(|| number.to_string()));
-                line.extend(is_of_balls.then(|| ball.to_string()));
-                if let Some(answer) = answer {
-                    line.extend(self.figures(&table.figures(&answer.rows[number], ball)));
-                }
-                line.resize(columns, String::new());
-                lines.push(line);
-            }
-        }
-        lines
-    }
+/// Weights of the rows for the rating life of the set.
+fn weights(answer: &Answer, ratings: &[LifeRating<f64>]) -> Vec<f64> {
+    let rows = answer.rows.iter().zip(ratings);
+    let weights = rows
+        .map(|(row, rating)| rating.weight_of(row.balls.iter().map(|ball| (ball.q_i, ball.q_o))));
+    weights.collect()
+}
 
-    fn figures(&self, figures: &[f64]) -> Vec<String> {
-        let figures = figures.iter();
-        figures.map(|figure| self.precision.show(*figure)).collect()
-    }
+/// Frequencies of a row whose balls were solved at rest: the balls roll with their contact angles, inner and outer ones being
+/// equal without inertia.
+fn at_rest(design: &Design, row: &RowAnswer, omega: f64) -> Frequencies<f64> {
+    let held: Vec<_> = row.balls.iter().filter(|ball| ball.q_i > 0.0).collect();
+    let mean = |of: &dyn Fn(f64) -> f64| {
+        let sum: f64 = held.iter().map(|ball| of(ball.alpha_i.cos())).sum();
+        sum / held.len().max(1) as f64
+    };
+    let (tau, count) = (
+        design.ball_diameter / design.pitch_diameter,
+        row.balls.len() as f64,
+    );
+    let turns = omega / TAU;
+    let mut found = Frequencies::default();
+    found.cage = turns * mean(&|cos| 0.5 * (1.0 - tau * cos));
+    found.ball = turns * mean(&|cos| 0.5 / tau * (1.0 - (tau * cos).powi(2)));
+    found.outer_race = count * found.cage.abs();
+    found.inner_race = count * (turns - found.cage).abs();
+    found
 }

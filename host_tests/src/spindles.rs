@@ -5,17 +5,19 @@ use crate::dispatch::{
 };
 use files::plan::{BuildError, MOST_BALLS, Plan, Question};
 use spindle_bearing::{
-    BallKinematics, BallState, Frequencies, Full, Growth, InnerRaceControl, LimitSet, Limits,
-    Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real, Settings, ShaftEnd,
-    Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
+    BallKinematics, BallState, Centrifugal, Frequencies, Full, Growth, InnerRaceControl, LimitSet,
+    Limits, Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real, Settings,
+    ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
 };
 use std::array::from_fn;
 
 /// How the balls move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Balls {
-    /// At rest, in closed form.
+    /// Balls at rest: the speed counts for frequencies alone.
     Static,
+    /// At speed under centrifugal force alone.
+    Centrifugal,
     /// At speed.
     Moving(Attitude),
 }
@@ -43,6 +45,14 @@ pub struct Answer {
     pub error: [f64; 3],
 }
 
+impl Answer {
+    /// Limits that any row has passed.
+    pub fn limits(&self) -> LimitSet {
+        let limits = self.rows.iter().map(|row| row.limits);
+        limits.fold(LimitSet::default(), LimitSet::union)
+    }
+}
+
 /// Load, stiffness and balls of a row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowAnswer {
@@ -64,6 +74,76 @@ pub struct RowAnswer {
     pub frequencies: Frequencies<f64>,
 }
 
+/// Parts of an answer that take time, and that not everybody wants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Parts {
+    /// Stiffness and compliance at the point that is asked for.
+    pub at: bool,
+    /// Limits of the rows.
+    pub limits: bool,
+    /// States of the balls.
+    pub balls: bool,
+    /// How they turn, and how their contacts are pressed.
+    pub motions: bool,
+    /// Frequencies of the rows.
+    pub frequencies: bool,
+}
+
+impl Parts {
+    /// None of them.
+    pub const NONE: Self = Self {
+        at: false,
+        limits: false,
+        balls: false,
+        motions: false,
+        frequencies: false,
+    };
+
+    /// All of them.
+    pub const ALL: Self = Self {
+        at: true,
+        limits: true,
+        balls: true,
+        motions: true,
+        frequencies: true,
+    };
+
+    /// Those of either.
+    pub const fn and(self, other: Self) -> Self {
+        Self {
+            at: self.at || other.at,
+            limits: self.limits || other.limits,
+            balls: self.balls || other.balls,
+            motions: self.motions || other.motions,
+            frequencies: self.frequencies || other.frequencies,
+        }
+    }
+}
+
+/// What a solver does besides solving, and how well.
+#[derive(Debug, Clone, Copy)]
+pub struct Choices {
+    /// Limits of the rows.
+    pub limits: Limits<f64>,
+    /// Largest change of the stiffness along the last step; none for the library's default.
+    pub tolerance: Option<f64>,
+    /// Most iterations.
+    pub max_iterations: u16,
+    /// Parts of an answer that are worked out.
+    pub parts: Parts,
+}
+
+impl Default for Choices {
+    fn default() -> Self {
+        Self {
+            limits: Limits::DEFAULT,
+            tolerance: None,
+            max_iterations: Settings::<f64>::DEFAULT.max_iterations,
+            parts: Parts::ALL,
+        }
+    }
+}
+
 /// A solver for a spindle.
 pub trait AnySpindleSolver {
     /// Solves; `end` is the point at which stiffness and compliance are wanted besides `x = 0`.
@@ -73,11 +153,8 @@ pub trait AnySpindleSolver {
     /// Why there is no answer.
     fn solve(&mut self, question: &Question, end: &ShaftEnd<f64>) -> Result<Answer, Status<f32>>;
 
-    /// Holds the next solves against these limits instead of the default ones.
-    fn set_limits(&mut self, limits: &Limits<f64>);
-
-    /// Makes the next solves stop at this tolerance, or after this many iterations.
-    fn set_settings(&mut self, tolerance: f64, max_iterations: u16);
+    /// Makes the next solves so.
+    fn choose(&mut self, choices: &Choices);
 
     /// Makes the next solve a cold one.
     fn reset(&mut self);
@@ -169,6 +246,7 @@ fn of_motion<T: Real, const R: usize, const D: usize>(
 ) {
     match balls {
         Balls::Static => hand_over::<T, R, Static, D>(spindle, hand),
+        Balls::Centrifugal => hand_over::<T, R, Centrifugal, D>(spindle, hand),
         Balls::Moving(Attitude::Raceless) => {
             hand_over::<T, R, Full<RacewayControlFree>, D>(spindle, hand);
         }
@@ -185,22 +263,20 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize>(
     spindle: Spindle<'_, T, R, MOST_BALLS, D>,
     hand: Hand<'_>,
 ) {
-    let mut solver = Box::new(Counted {
+    let mut solver = Box::new(Chosen {
         solver: SpindleSolver::<T, R, MOST_BALLS, M, D>::of(spindle),
-        settings: Settings::default(),
-        limits: Limits::default(),
+        choices: Choices::default(),
     });
     hand(&mut *solver);
 }
 
-struct Counted<'s, T: Real, const R: usize, M: Motion, const D: usize> {
+struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize> {
     solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D>,
-    settings: Settings<T>,
-    limits: Limits<T>,
+    choices: Choices,
 }
 
 impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
-    for Counted<'_, T, R, M, D>
+    for Chosen<'_, T, R, M, D>
 {
     fn solve(&mut self, question: &Question, end: &ShaftEnd<f64>) -> Result<Answer, Status<f32>> {
         let growth = from_fn(|i| match question.growth.get(i) {
@@ -211,30 +287,28 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
             },
             None => Growth::NONE,
         });
-        let speed = Speed::rad_per_s(T::of(question.omega));
+        let omega = if M::AT_SPEED { question.omega } else { 0.0 };
         let end = ShaftEnd {
             position: T::of(end.position),
             flexibility: end.flexibility.map(|row| row.map(T::of)),
         };
-        let limits = &self.limits;
-        self.solver
-            .solve_at(question.load.map(T::of), speed, &growth, &self.settings)
-            .map(|solution| answer(&solution, &end, limits))
-            .map_err(narrowed)
+        let settings = Settings {
+            tolerance: self
+                .choices
+                .tolerance
+                .map_or(Settings::<T>::DEFAULT.tolerance, T::of),
+            max_iterations: self.choices.max_iterations,
+        };
+        let speed = Speed::rad_per_s(T::of(omega));
+        let solved = self
+            .solver
+            .solve_at(question.load.map(T::of), speed, &growth, &settings);
+        let solution = solved.map_err(narrowed)?;
+        Ok(answer(&solution, &end, &self.choices))
     }
 
-    fn set_settings(&mut self, tolerance: f64, max_iterations: u16) {
-        self.settings = Settings {
-            tolerance: T::of(tolerance),
-            max_iterations,
-        };
-    }
-
-    fn set_limits(&mut self, limits: &Limits<f64>) {
-        self.limits = Limits {
-            peak_pressure: T::of(limits.peak_pressure),
-            friction: T::of(limits.friction),
-        };
+    fn choose(&mut self, choices: &Choices) {
+        self.choices = *choices;
     }
 
     fn reset(&mut self) {
@@ -245,33 +319,52 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
 fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     solution: &SpindleSolution<'_, T, R, N, M, D>,
     end: &ShaftEnd<T>,
-    limits: &Limits<T>,
+    choices: &Choices,
 ) -> Answer {
-    let error = &solution.error;
+    let (error, parts) = (&solution.error, choices.parts);
+    let limits = Limits {
+        peak_pressure: T::of(choices.limits.peak_pressure),
+        friction: T::of(choices.limits.friction),
+    };
+    let nowhere = [[T::ZERO; 5]; 5];
+    let [compliance_at, stiffness_at] = match parts.at {
+        true => [solution.compliance_at(end), solution.stiffness_at(end)],
+        false => [nowhere; 2],
+    };
+    let rows = solution.rows().map(|row| RowAnswer {
+        force: row.force.map(T::to_f64),
+        preload: row.preload().to_f64(),
+        limits: if parts.limits {
+            row.limits(&limits)
+        } else {
+            LimitSet::default()
+        },
+        lifted_off: row.is_lifted_off(),
+        stiffness: wide(&row.stiffness()),
+        balls: row
+            .balls()
+            .take(if parts.balls { N } else { 0 })
+            .map(|ball| widened(&ball))
+            .collect(),
+        motions: row
+            .kinematics()
+            .take(if parts.motions { N } else { 0 })
+            .map(|motion| widened_motion(&motion))
+            .collect(),
+        frequencies: match parts.frequencies {
+            true => widened_frequencies(&row.frequencies()),
+            false => Frequencies::default(),
+        },
+    });
     Answer {
         status: solution.status.name(),
         iterations: solution.iterations,
         displacement: solution.displacement.map(T::to_f64),
         stiffness: wide(&solution.stiffness()),
-        compliance_at: wide(&solution.compliance_at(end)),
-        stiffness_at: wide(&solution.stiffness_at(end)),
+        compliance_at: wide(&compliance_at),
+        stiffness_at: wide(&stiffness_at),
         spring_closure: solution.spring_closure().to_f64(),
-        rows: solution
-            .rows()
-            .map(|row| RowAnswer {
-                force: row.force.map(T::to_f64),
-                preload: row.preload().to_f64(),
-                limits: row.limits(limits),
-                lifted_off: row.is_lifted_off(),
-                stiffness: wide(&row.stiffness()),
-                balls: row.balls().map(|ball| widened(&ball)).collect(),
-                motions: row
-                    .kinematics()
-                    .map(|motion| widened_motion(&motion))
-                    .collect(),
-                frequencies: widened_frequencies(&row.frequencies()),
-            })
-            .collect(),
+        rows: rows.collect(),
         error: [error.displacement, error.force, error.stiffness].map(T::to_f64),
     }
 }

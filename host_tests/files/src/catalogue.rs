@@ -26,6 +26,8 @@ pub struct Listed {
     pub pitch_mm: f64,
     /// Contact angle, degrees.
     pub contact_angle_deg: f64,
+    bore_mm: f64,
+    outside_mm: f64,
     preload_light_n: f64,
     preload_medium_n: f64,
     preload_strong_n: f64,
@@ -45,8 +47,15 @@ impl Listed {
     pub fn design(&self) -> Result<DesignFile, DesignFileError> {
         let text = format!(
             "name = \"GMN {}\"\nballs = {}\nball_diameter_mm = {}\npitch_diameter_mm = {}\n\
-             inner_groove_factor = 0.515\nouter_groove_factor = 0.525\ncontact_angle_deg = {}\n",
-            self.designation, self.balls, self.ball_mm, self.pitch_mm, self.contact_angle_deg
+             inner_groove_factor = 0.515\nouter_groove_factor = 0.525\ncontact_angle_deg = {}\n\
+             bore_mm = {}\noutside_mm = {}\n",
+            self.designation,
+            self.balls,
+            self.ball_mm,
+            self.pitch_mm,
+            self.contact_angle_deg,
+            self.bore_mm,
+            self.outside_mm
         );
         DesignFile::parse(&self.name(), &text)
     }
@@ -81,22 +90,45 @@ fn plain(name: &str) -> String {
     name.split_whitespace().collect::<String>().to_lowercase()
 }
 
-/// A bearing by its name, such as `gmn:S6014C` or `project:b7005c`; `None` if that is no name of a catalogue. Capital letters
-/// and blanks make no difference.
+/// Pairs of characters that two names share.
+fn alike(one: &str, other: &str) -> usize {
+    let pairs = |name: &str| {
+        name.as_bytes()
+            .windows(2)
+            .map(<[u8]>::to_vec)
+            .collect::<Vec<_>>()
+    };
+    let others = pairs(other);
+    pairs(one)
+        .iter()
+        .filter(|pair| others.contains(pair))
+        .count()
+}
+
+/// A bearing by its name, such as `gmn:S6014C` or `project:b7005c`; without the catalogue's name where the rest is
+/// unique. Capital letters and blanks make no difference. `None` if that is no such name.
 ///
 /// # Errors
 ///
 /// A catalogue has no such bearing; the message has names that are alike.
 pub fn find(name: &str) -> Option<Result<DesignFile, DesignFileError>> {
     let wanted = plain(name);
-    if !wanted.starts_with(GMN) && !wanted.starts_with(PROJECT) {
-        return None;
-    }
     let listed = gmn_s60();
     let names = listed.iter().map(Listed::name).chain(shipped());
     let mut names: Vec<String> = names.collect();
-    let Some(found) = names.iter().position(|one| plain(one) == wanted) else {
-        names.sort_by_key(|one| strsim::damerau_levenshtein(&plain(one), &wanted));
+    let is = |one: &String| {
+        let one = plain(one);
+        one == wanted
+            || one
+                .split_once(':')
+                .is_some_and(|(_, short)| short == wanted)
+    };
+    let found: Vec<usize> = (0..names.len()).filter(|i| is(&names[*i])).collect();
+    let [found] = found[..] else {
+        if !wanted.starts_with(GMN) && !wanted.starts_with(PROJECT) {
+            return None;
+        }
+        names.sort_by_key(|one| (usize::MAX - alike(&plain(one), &wanted), one.len()));
         return Some(Err(DesignFileError {
             file: name.to_owned(),
             place: None,
@@ -115,43 +147,49 @@ pub fn find(name: &str) -> Option<Result<DesignFile, DesignFileError>> {
 /// The catalogue as a table to read.
 pub fn list() -> String {
     let mut text = String::from(
-        "name                    balls   ball  pitch  angle        preload of a pair, N\n\
-         \x20                                mm     mm    deg    light  medium  strong\n",
+        "name                     bore outside balls   ball  pitch  angle       preload of a pair, N\n\
+         \x20                          mm      mm           mm     mm    deg   light  medium  strong\n",
     );
-    for one in gmn_s60() {
-        let _ = writeln!(
-            text,
-            "{:<24}{:5} {:6.3} {:6.1} {:6.0} {:8.0} {:7.0} {:7.0}",
-            one.name(),
-            one.balls,
-            one.ball_mm,
-            one.pitch_mm,
-            one.contact_angle_deg,
+    let gmn = gmn_s60().into_iter().map(|one| {
+        let preloads = [
             one.preload_light_n,
             one.preload_medium_n,
-            one.preload_strong_n
-        );
-    }
-    for name in shipped() {
-        let Some(Ok(file)) = find(&name) else {
+            one.preload_strong_n,
+        ];
+        (one.name(), preloads.map(|n| format!("{n:8.0}")).concat())
+    });
+    for (name, preloads) in gmn.chain(shipped().into_iter().map(|name| (name, String::new()))) {
+        let Some(Ok(DesignFile {
+            balls,
+            design,
+            size_mm,
+            ..
+        })) = find(&name)
+        else {
             continue;
         };
-        let design = &file.design;
-        let angle = match design.free_contact {
-            FreeContact::Angle(angle) => format!("{:6.0}", angle.to_degrees()),
-            FreeContact::DiametralClearance(_) => "     -".to_owned(),
+        let or_none = |x: Option<f64>, width| {
+            x.map_or(format!("{:>width$}", "-"), |x| format!("{x:width$.0}"))
         };
+        let angle = match design.free_contact {
+            FreeContact::Angle(angle) => Some(angle.to_degrees()),
+            FreeContact::DiametralClearance(_) => None,
+        };
+        let [bore, outside] = [0, 1].map(|i| size_mm.map(|size| size[i]));
         let _ = writeln!(
             text,
-            "{name:<24}{:5} {:6.3} {:6.1} {angle}",
-            file.balls,
+            "{name:<24}{} {} {balls:5} {:6.3} {:6.1} {}{preloads}",
+            or_none(bore, 5),
+            or_none(outside, 7),
             1e3 * design.ball_diameter,
-            1e3 * design.pitch_diameter
+            1e3 * design.pitch_diameter,
+            or_none(angle, 6),
         );
     }
     text.push_str(
         "\ngmn: series S 60 of GMN's catalogue 4000 0813 EN. Groove factors of 0.515 and 0.525 are assumed, shoulders are not\n\
-         known. project: files of host_tests/bearings, each of which says where its figures come from.\n",
+         known. project: files of host_tests/bearings, each of which says where its figures come from. The name before the colon\n\
+         may be left out where the rest is unique.\n",
     );
     text
 }

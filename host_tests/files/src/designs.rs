@@ -5,13 +5,15 @@
 //! balls = 16
 //! ball_diameter_mm = 6.35
 //! pitch_diameter_mm = 36
-//! inner_groove_factor = 0.515    # groove radius over ball diameter
+//! inner_groove_factor = 0.515    # groove radius over ball diameter; or inner_groove_radius_mm
 //! outer_groove_factor = 0.525
 //! contact_angle_deg = 15         # of the unloaded bearing; or diametral_clearance_um
 //! dynamic_load_rating_n = 14000  # the maker's C; may be left out: ISO 281's formula, which is 5 % to 8 % high
 //! inner_shoulder_deg = 48        # contact angle at the shoulder's edge; may be left out
 //! outer_shoulder_deg = 47.5
 //! first_ball_deg = 0             # may be left out
+//! bore_mm = 25                   # for people; may be left out
+//! outside_mm = 47
 //!
 //! [ring]                         # what is left out is bearing steel's
 //! youngs_modulus_gpa = 206
@@ -21,6 +23,13 @@
 //! youngs_modulus_gpa = 310
 //! poissons_ratio = 0.26
 //! density_kg_m3 = 3200
+//!
+//! [load]                         # where recorded loads act; may be left out: the bearing's centre
+//! position_mm = -60
+//!
+//! [[constant_load]]              # besides recorded loads: belt, gear, weight
+//! position_mm = 40
+//! fy_n = -300                    # and fx_n, fz_n
 //! ```
 
 use crate::plan::BALL_COUNTS;
@@ -46,8 +55,65 @@ pub struct DesignFile {
     pub design: Design,
     /// Basic dynamic load rating `C`, N, if the file has it.
     pub dynamic_load_rating: Option<f64>,
+    /// Bore and outside diameter, mm, if the file has them.
+    pub size_mm: Option<[f64; 2]>,
+    /// Where loads act.
+    pub loading: Loading,
     file: String,
-    places: Vec<(Quantity, Place)>,
+    said: Vec<Said>,
+}
+
+/// A number of a design as the file says it.
+#[derive(Debug, Clone, PartialEq)]
+struct Said {
+    quantity: Quantity,
+    key: &'static str,
+    value: f64,
+    place: Place,
+}
+
+/// Where recorded loads act on the shaft, and constant forces besides.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Loading {
+    /// Where recorded loads act, m.
+    position: f64,
+    /// Positions (m) and forces (N).
+    constant: Vec<(f64, [f64; 3])>,
+}
+
+impl Loading {
+    pub(crate) fn of(load: Option<LoadKeys>, constant: Vec<ConstantLoadKeys>) -> Self {
+        let or = |key: Key<f64>| key.map_or(0.0, Spanned::into_inner);
+        let constant = constant.into_iter().map(|keys| {
+            let force = [keys.fx_n, keys.fy_n, keys.fz_n].map(or);
+            (millimetres(*keys.position_mm.get_ref()), force)
+        });
+        Self {
+            position: millimetres(load.map_or(0.0, |keys| *keys.position_mm.get_ref())),
+            constant: constant.collect(),
+        }
+    }
+
+    /// All loads about `x = 0`, when `load` is recorded.
+    pub fn about_origin(&self, load: [f64; 5]) -> [f64; 5] {
+        let mut all = load;
+        let mut lever = |position: f64, [fy, fz]: [f64; 2]| {
+            if position != 0.0 {
+                all[3] -= position * fz;
+                all[4] += position * fy;
+            }
+        };
+        lever(self.position, [load[1], load[2]]);
+        for (position, [_, fy, fz]) in &self.constant {
+            lever(*position, [*fy, *fz]);
+        }
+        for (_, force) in &self.constant {
+            for (sum, force) in all.iter_mut().zip(force) {
+                *sum += force;
+            }
+        }
+        all
+    }
 }
 
 /// A design file that cannot be read or understood, or whose bearing cannot be built.
@@ -115,10 +181,32 @@ pub(crate) struct Keys {
     outer_shoulder_deg: Key<f64>,
     first_ball_deg: Key<f64>,
     dynamic_load_rating_n: Key<f64>,
+    inner_groove_radius_mm: Key<f64>,
+    outer_groove_radius_mm: Key<f64>,
+    bore_mm: Key<f64>,
+    outside_mm: Key<f64>,
     #[serde(default)]
     ring: RingKeys,
     #[serde(default)]
     ball: BallKeys,
+    load: Option<LoadKeys>,
+    #[serde(default)]
+    constant_load: Vec<ConstantLoadKeys>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LoadKeys {
+    pub position_mm: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ConstantLoadKeys {
+    position_mm: Spanned<f64>,
+    fx_n: Key<f64>,
+    fy_n: Key<f64>,
+    fz_n: Key<f64>,
 }
 
 #[derive(Deserialize, Default)]
@@ -147,12 +235,16 @@ type Number = (
 
 /// The numbers of a design. The number of balls is no part of [`Design`].
 #[rustfmt::skip]
-const NUMBERS: [Number; 15] = [
+const NUMBERS: [Number; 17] = [
     (Quantity::BallCount, "balls", "16", |k| &k.balls, |_, _| {}),
     (Quantity::BallDiameter, "ball_diameter_mm", "6.35", |k| &k.ball_diameter_mm, |d, x| d.ball_diameter = millimetres(x)),
     (Quantity::PitchDiameter, "pitch_diameter_mm", "36", |k| &k.pitch_diameter_mm, |d, x| d.pitch_diameter = millimetres(x)),
     (Quantity::InnerGrooveFactor, "inner_groove_factor", "0.515", |k| &k.inner_groove_factor, |d, x| d.inner_groove_factor = x),
     (Quantity::OuterGrooveFactor, "outer_groove_factor", "0.525", |k| &k.outer_groove_factor, |d, x| d.outer_groove_factor = x),
+    (Quantity::InnerGrooveFactor, "inner_groove_radius_mm", "", |k| &k.inner_groove_radius_mm,
+        |d, x| d.inner_groove_factor = millimetres(x) / d.ball_diameter),
+    (Quantity::OuterGrooveFactor, "outer_groove_radius_mm", "", |k| &k.outer_groove_radius_mm,
+        |d, x| d.outer_groove_factor = millimetres(x) / d.ball_diameter),
     (Quantity::ContactAngle, "contact_angle_deg", "", |k| &k.contact_angle_deg,
         |d, x| d.free_contact = FreeContact::Angle(x.to_radians())),
     (Quantity::DiametralClearance, "diametral_clearance_um", "", |k| &k.diametral_clearance_um,
@@ -170,6 +262,24 @@ const NUMBERS: [Number; 15] = [
     (Quantity::BallPoissonsRatio, "ball.poissons_ratio", "", |k| &k.ball.poissons_ratio, |d, x| d.ball.poissons_ratio = x),
     (Quantity::BallDensity, "ball.density_kg_m3", "", |k| &k.ball.density_kg_m3, |d, x| d.ball.density = x),
 ];
+
+/// Keys that say the same thing.
+const OTHERS: [(&str, &str); 3] = [
+    ("inner_groove_factor", "inner_groove_radius_mm"),
+    ("outer_groove_factor", "outer_groove_radius_mm"),
+    ("contact_angle_deg", "diametral_clearance_um"),
+];
+
+/// Whether there is a number of this key.
+fn said_by(keys: &Keys, key: &str) -> bool {
+    let number = NUMBERS.iter().find(|number| number.1 == key);
+    number.is_some_and(|number| number.3(keys).is_some())
+}
+
+/// A number in six digits.
+fn short(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
 
 /// The text being read, for messages.
 #[derive(Clone, Copy)]
@@ -265,34 +375,45 @@ impl DesignFile {
     /// The design of these keys.
     pub(crate) fn of(r: Reading<'_>, keys: Keys) -> Result<Self, DesignFileError> {
         let mut design = Design::angular_contact(0.0, 0.0, 0.0);
-        let mut places = Vec::new();
+        let mut said: Vec<Said> = Vec::new();
         for (quantity, key, example, number, set) in NUMBERS {
-            match number(&keys) {
-                Some(number) => {
-                    places.push((quantity, r.place(number.span())));
-                    set(&mut design, *number.get_ref());
+            let Some(number) = number(&keys) else {
+                let other = OTHERS.iter().find(|(one, _)| *one == key);
+                let is_said = other.is_some_and(|(_, other)| said_by(&keys, other));
+                if !example.is_empty() && !is_said {
+                    return Err(r.missing(key, example));
                 }
-                None if example.is_empty() => {}
-                None => return Err(r.missing(key, example)),
-            }
-        }
-        match (keys.contact_angle_deg, keys.diametral_clearance_um) {
-            (Some(angle), Some(clearance)) => {
-                let mut said = [angle, clearance].map(|number| r.place(number.span()));
-                said.sort_by_key(|place| place.line);
+                continue;
+            };
+            let (value, place) = (*number.get_ref(), r.place(number.span()));
+            let pair = |one: &Said| {
+                let is_pair = |(a, b): &(&str, &str)| (*a, *b) == (one.key, key);
+                OTHERS.iter().any(is_pair)
+            };
+            if let Some(other) = said.iter().find(|one| pair(one)) {
+                let mut places = [place, other.place];
+                places.sort_by_key(|place| place.line);
                 let message = format!(
-                    "`contact_angle_deg` and `diametral_clearance_um` say the same thing, and \
-                     line {} already says it; remove one of them",
-                    said[0].line
+                    "`{}` and `{key}` say the same thing, and line {} already says it; remove one of them",
+                    other.key, places[0].line
                 );
-                return Err(r.error(said[1], message));
+                return Err(r.error(places[1], message));
             }
-            (None, None) => {
-                let message = "the contact angle is missing; add a line such as `contact_angle_deg = 15` or \
-                     `diametral_clearance_um = 10` above the first [table]";
-                return Err(r.error(Place::TOP, message));
-            }
-            _ => {}
+            said.push(Said {
+                quantity,
+                key,
+                value,
+                place,
+            });
+            set(&mut design, value);
+        }
+        if !said
+            .iter()
+            .any(|one| OTHERS[2].0 == one.key || OTHERS[2].1 == one.key)
+        {
+            let message = "the contact angle is missing; add a line such as `contact_angle_deg = 15` or \
+                 `diametral_clearance_um = 10` above the first [table]";
+            return Err(r.error(Place::TOP, message));
         }
         let name = keys.name.ok_or_else(|| r.missing("name", "\"B7005C\""))?;
         let wanted = keys.balls.map_or(0.0, Spanned::into_inner);
@@ -300,8 +421,9 @@ impl DesignFile {
         let Some(balls) = BALL_COUNTS.into_iter().find(|&n| n as f64 == wanted) else {
             let message =
                 format!("`balls` is {wanted}, but must be a whole number from {least} to {most}");
-            return Err(r.error(places[0].1, message));
+            return Err(r.error(said[0].place, message));
         };
+        let size = keys.bore_mm.zip(keys.outside_mm);
         let rating = keys.dynamic_load_rating_n;
         if let Some(rating) = &rating
             && !(1.0..=1e9).contains(rating.get_ref())
@@ -314,8 +436,10 @@ impl DesignFile {
             balls,
             design,
             dynamic_load_rating: rating.map(Spanned::into_inner),
+            size_mm: size.map(|(bore, outside)| [*bore.get_ref(), *outside.get_ref()]),
+            loading: Loading::of(keys.load, keys.constant_load),
             file: r.file.to_owned(),
-            places,
+            said,
         })
     }
 
@@ -326,16 +450,19 @@ impl DesignFile {
         LifeRating::<f64>::new(&self.design, self.balls, rating)
     }
 
-    /// The message for a design that the solver refuses: the key and the place it came from.
+    /// The message for a design that the solver refuses: the key and the place it came from, in the file's unit.
     pub fn explain(&self, error: &DesignError) -> DesignFileError {
-        let key = NUMBERS.iter().find(|number| number.0 == error.quantity);
-        let key = key.map_or("", |(_, key, ..)| key);
-        let source = self.places.iter().find(|(one, _)| *one == error.quantity);
+        let said = self.said.iter().find(|one| one.quantity == error.quantity);
         DesignFileError {
             file: self.file.clone(),
-            place: source.map(|(_, place)| *place),
-            message: match source {
-                Some(_) => format!("`{key}`: in SI units, {error}"),
+            place: said.map(|one| one.place),
+            message: match said {
+                Some(Said { key, value, .. }) if (value / error.value).is_finite() => {
+                    let unit = value / error.value;
+                    let [least, most] = [error.least, error.most].map(|limit| short(unit * limit));
+                    format!("`{key}` is {value}, but must lie between {least} and {most}")
+                }
+                Some(Said { key, .. }) => format!("`{key}`: in SI units, {error}"),
                 None => error.to_string(),
             },
         }

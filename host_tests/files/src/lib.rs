@@ -3,5 +3,8 @@
 pub mod catalogue;
 pub mod designs;
 pub mod plan;
+mod preamble;
 pub mod recordings;
 pub mod spindles;
+pub mod told;
+pub mod units;

@@ -1,53 +1,52 @@
-//! Recorded loads: the CSV file of measured forces, moments and speed.
+//! Recorded loads: forces, moments and speed as tables of measuring programs, data loggers and spreadsheets have them.
 //!
-//! Header `time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm`, columns in any order, one row an instant; `t_inner_c,t_outer_c`
-//! besides, for spindles. Other columns are ignored. The header may be separated by commas, semicolons or tabs; with
-//! semicolons and tabs, decimal commas are understood. Blank lines and lines that begin with `#` are skipped.
-//! The file is read as a stream, so that a pipe of any length works. Every number is passed on as it
-//! stands, `nan` and `inf` too: whether a row can be solved is for the solver to say. A row that cannot be read is an
-//! error of that row: the rows after it are still there to be read.
+//! The project's own recordings begin with the header `time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm`, columns in any order;
+//! `t_inner_c,t_outer_c` besides, for spindles. Of others, a preamble is skipped, names and units are understood by the
+//! tables of [`told`](crate::told) and [`units`](crate::units), and a user says the rest. Fields are separated by commas,
+//! semicolons or tabs; decimal commas are understood where they do not separate fields. Blank lines and lines that begin with
+//! `#`, `%` or `;` are skipped.
 //!
-//! The file is taken line by line, each line one CSV record. That gives up line breaks inside quoted
-//! fields, which no number needs, and keeps the line number in messages right under all
-//! circumstances.
+//! The file is read as a stream, so that a pipe of any length works. Every number is passed on as it stands, `nan` and `inf`
+//! too: whether a row can be solved is for the solver to say. A row that cannot be read is an error of that row: the rows
+//! after it are still there to be read.
+//!
+//! Each line is one record, so that a quotation mark left open costs one row, not the rest of the file. The csv crate reads
+//! lines with quotation marks; a reader of its own for every line would take two fifths of a replay.
 
-use csv::ByteRecord;
-use std::fmt;
+use crate::preamble::{self, Line, is_empty, number, split};
+use crate::told::{Heading, Quantity, Told};
+use crate::units::{Dimension, Unit, celsius};
+use std::collections::VecDeque;
+use std::fmt::{self, Write as _};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
+use std::path::Path;
 
-/// The columns of the file, in the order in which it is written. The last two are temperatures of the inner and of the outer
-/// side, which the file may lack.
-const NAMES: [&str; MOST] = [
-    "time_s",
-    "fx_n",
-    "fy_n",
-    "fz_n",
-    "my_nm",
-    "mz_nm",
-    "speed_rpm",
-    "t_inner_c",
-    "t_outer_c",
+/// The columns of the project's own files, in the order in which they are written. Temperatures may lack.
+const OWN: [Quantity; 9] = [
+    Quantity::Time,
+    Quantity::Fx,
+    Quantity::Fy,
+    Quantity::Fz,
+    Quantity::My,
+    Quantity::Mz,
+    Quantity::Speed,
+    Quantity::TInner,
+    Quantity::TOuter,
 ];
 
-/// Columns that the file must have.
+/// Columns without temperatures.
 const COLUMNS: usize = 7;
-
-/// Most columns.
-const MOST: usize = 9;
-
-/// Their units.
-const UNITS: [&str; MOST] = ["s", "N", "N", "N", "N m", "N m", "rpm", "deg C", "deg C"];
-
-/// Separators of a line's fields; decimal commas go with semicolons and tabs.
-const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
 const DECIMAL_COMMAS: &str = "decimals take a point where commas separate the fields; for decimal commas, \
      separate fields by semicolons, in the header too";
 
-/// Length beyond which a line is no row of seven numbers. Without a bound, a stray binary file would
-/// be read into memory before the complaint.
+/// Length beyond which a line is no row of numbers. Without a bound, a stray binary file would be read into memory before
+/// the complaint.
 const LONGEST_LINE: u64 = 16 * 1024;
+
+/// Lines in which the first row of numbers is looked for.
+const LONGEST_PREAMBLE: usize = 200;
 
 /// Measured values of one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,8 +75,9 @@ impl LoadRow {
 /// Errors of the output.
 pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     let warm = rows.iter().any(|row| row.temperatures.is_some());
-    let columns = if warm { MOST } else { COLUMNS };
-    writeln!(out, "{}", NAMES[..columns].join(","))?;
+    let columns = if warm { OWN.len() } else { COLUMNS };
+    let names = OWN[..columns].iter().map(|quantity| quantity.column());
+    writeln!(out, "{}", names.collect::<Vec<_>>().join(","))?;
     for row in rows {
         let [fx, fy, fz, my, mz] = row.load;
         write!(
@@ -109,7 +109,7 @@ pub struct BadRow {
     /// Why not.
     pub fault: Fault,
     /// Its readable numbers, in the order of the columns; none where the line has another number of fields.
-    pub numbers: [Option<f64>; COLUMNS],
+    pub numbers: [Option<f64>; OWN.len()],
 }
 
 /// Error of a file of recorded loads.
@@ -124,6 +124,8 @@ pub enum LoadsError {
     },
     /// The file is no recording of loads.
     Malformed(Fault),
+    /// Quantities have no column; the options that would say where they are.
+    Unknown(Fault, String),
     /// One row is at fault; the rows after it can be read.
     Row(Box<BadRow>),
 }
@@ -133,6 +135,7 @@ impl fmt::Display for LoadsError {
         match self {
             Self::Unreadable { file, source } => write!(f, "{file}: cannot be read: {source}"),
             Self::Malformed(fault) => fault.fmt(f),
+            Self::Unknown(fault, options) => write!(f, "{fault}{options}"),
             Self::Row(row) => row.fault.fmt(f),
         }
     }
@@ -142,49 +145,71 @@ impl std::error::Error for LoadsError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Unreadable { source, .. } => Some(source),
-            Self::Malformed(_) | Self::Row(_) => None,
+            _ => None,
         }
     }
 }
 
-/// Opens a file of recorded loads, `-` being standard input, and checks its header.
+/// Opens a file of recorded loads, `-` being standard input, and finds its columns.
 ///
 /// # Errors
 ///
-/// A file that cannot be opened, or a header that lacks one of the seven columns.
-pub fn read(path_or_dash: &str) -> Result<Loads, LoadsError> {
-    if path_or_dash == "-" {
-        return Loads::from_reader("standard input", Box::new(io::stdin()));
+/// A file that cannot be opened, or without a column of a quantity that is needed.
+pub fn read(path_or_dash: impl AsRef<Path>, told: Told) -> Result<Loads, LoadsError> {
+    let path = path_or_dash.as_ref();
+    if path.as_os_str() == "-" {
+        return Loads::from_reader("standard input", Box::new(io::stdin()), told);
     }
+    let name = path.display().to_string();
     let unreadable = |source| LoadsError::Unreadable {
-        file: path_or_dash.to_owned(),
+        file: name.clone(),
         source,
     };
-    let file = File::open(path_or_dash).map_err(unreadable)?;
+    let file = File::open(path).map_err(unreadable)?;
     let metadata = file.metadata().map_err(unreadable)?;
-    let mut loads = Loads::from_reader(path_or_dash, Box::new(file))?;
+    let mut loads = Loads::from_reader(&name, Box::new(file), told)?;
     loads.total_bytes = metadata.is_file().then_some(metadata.len());
     Ok(loads)
 }
+
+/// Where the numbers of a quantity come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    /// Nowhere: a temperature that nobody needs.
+    None,
+    /// The same for all rows.
+    Given(f64),
+    /// Rows are counted.
+    Count,
+    /// A field, its unit, whether the file says the unit, and its sign.
+    Field(usize, Unit, bool, f64),
+}
+
+/// A quantity of the recording that is not known, the bearing's, and fields that may be it.
+type Unknown = (Quantity, Quantity, Vec<(usize, f64)>);
 
 /// The rows of a file of recorded loads, read one at a time. Ends after the first error that is not one of a row.
 pub struct Loads {
     file: String,
     input: BufReader<Box<dyn Read>>,
-    /// The field that holds each column; temperatures may be missing.
-    field_of: [Option<usize>; MOST],
-    /// Number of columns, ignored ones included.
-    columns: usize,
-    /// Names of the columns that are not ours.
-    ignored: Vec<String>,
+    told: Told,
+    /// Lines that were read in search of the header.
+    ahead: VecDeque<Line>,
+    line: Line,
+    headings: Vec<Heading>,
+    sources: [Source; OWN.len()],
+    /// The quantity in each field.
+    of_field: Vec<Option<usize>>,
     separator: u8,
     /// The mark before decimals that the file has had first, where commas do not separate fields.
     decimal: Option<char>,
     lines: u64,
+    rows: u64,
     bytes: u64,
     total_bytes: Option<u64>,
     ended: bool,
-    line: Vec<u8>,
+    /// Least and largest number of each quantity.
+    ranges: [(f64, f64); OWN.len()],
 }
 
 impl fmt::Debug for Loads {
@@ -196,57 +221,32 @@ impl fmt::Debug for Loads {
     }
 }
 
-/// Splits a line; the error is the column at fault and its fault.
-fn split(line: &[u8], separator: u8) -> Result<ByteRecord, (usize, &'static str)> {
-    let mut records = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(separator)
-        .buffer_capacity(line.len())
-        .from_reader(line)
-        .into_byte_records()
-        .map_while(Result::ok);
-    let mut record = records.next().unwrap_or_default();
-    let count = record.len();
-    if record
-        .iter()
-        .next_back()
-        .is_some_and(|last| last.ends_with(b"\n"))
-    {
-        let message = "a quotation mark is opened but not closed on this line";
-        return Err((count, message));
-    }
-    let is_blank = |record: ByteRecord| record.iter().all(|field| field.trim_ascii().is_empty());
-    if !records.all(is_blank) {
-        let message = "a carriage return in the middle of the line; end lines with LF or CR LF";
-        return Err((count, message));
-    }
-    record.trim();
-    Ok(record)
-}
-
 impl Loads {
     /// Reads from `input`; messages call it `name`.
     ///
     /// # Errors
     ///
-    /// A header that lacks one of the seven columns, or an input that fails.
-    pub fn from_reader(name: &str, input: Box<dyn Read>) -> Result<Self, LoadsError> {
+    /// No column of a quantity that is needed, or an input that fails.
+    pub fn from_reader(name: &str, input: Box<dyn Read>, told: Told) -> Result<Self, LoadsError> {
         let mut loads = Self {
             file: name.to_owned(),
             input: BufReader::with_capacity(64 * 1024, input),
-            field_of: [None; MOST],
-            columns: 0,
-            ignored: Vec::new(),
+            told,
+            ahead: VecDeque::new(),
+            line: Line::default(),
+            headings: Vec::new(),
+            sources: [Source::None; OWN.len()],
+            of_field: Vec::new(),
             separator: b',',
             decimal: None,
             lines: 0,
+            rows: 0,
             bytes: 0,
             total_bytes: None,
             ended: false,
-            line: Vec::new(),
+            ranges: [(f64::INFINITY, f64::NEG_INFINITY); OWN.len()],
         };
-        loads.header()?;
+        loads.open()?;
         Ok(loads)
     }
 
@@ -257,7 +257,9 @@ impl Loads {
 
     /// Whether there are columns of temperatures.
     pub fn has_temperatures(&self) -> bool {
-        self.field_of[MOST - 1].is_some()
+        self.sources[COLUMNS..]
+            .iter()
+            .all(|source| *source != Source::None)
     }
 
     /// The name of the file, as messages give it.
@@ -266,8 +268,12 @@ impl Loads {
     }
 
     /// Names of the columns that are not read.
-    pub fn ignored_columns(&self) -> &[String] {
-        &self.ignored
+    pub fn ignored_columns(&self) -> Vec<String> {
+        let headings = self.headings.iter().zip(&self.of_field);
+        let ignored = headings.filter(|(heading, of)| of.is_none() && !heading.text.is_empty());
+        ignored
+            .map(|(heading, _)| shortened(heading.text.as_bytes()))
+            .collect()
     }
 
     /// Size of the input, if it is a plain file.
@@ -275,219 +281,422 @@ impl Loads {
         self.total_bytes
     }
 
-    /// A complaint of a field of the line, counted from 1; `column` is the one that it holds, if it is one of ours.
-    fn fault(&self, field: usize, column: Option<usize>, message: impl fmt::Display) -> Fault {
-        let (file, line) = (&self.file, self.lines.max(1));
-        let name = column.map_or(String::new(), |column| format!(" ({})", NAMES[column]));
+    /// How the rows so far were understood, with the range of each quantity; none for a file with the project's own names.
+    /// A question mark is behind a unit that the file does not say.
+    pub fn assumed(&self) -> Option<String> {
+        let is_own = |(quantity, source): (&Quantity, &Source)| match source {
+            Source::None => true,
+            Source::Field(i, ..) => self.headings[*i]
+                .text
+                .eq_ignore_ascii_case(quantity.column()),
+            _ => false,
+        };
+        if OWN.iter().zip(&self.sources).all(is_own) {
+            return None;
+        }
+        let mut parts = Vec::new();
+        for (i, quantity) in OWN.into_iter().enumerate() {
+            let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
+            let (least, most) = self.ranges[i];
+            parts.push(match self.sources[i] {
+                Source::None => continue,
+                Source::Given(x) => format!("{name} {x} {unit}"),
+                Source::Count => format!("{name} counts the rows"),
+                Source::Field(field, _, is_said, sign) => {
+                    let doubt = if is_said { "" } else { "?" };
+                    let sign = if sign < 0.0 { "-" } else { "" };
+                    let from = shortened(self.headings[field].text.as_bytes());
+                    let range = if least < most {
+                        format!("{least} to {most}")
+                    } else {
+                        format!("{most}")
+                    };
+                    format!("{name} {range} {unit}{doubt} ({sign}{from:?})")
+                }
+            });
+        }
+        Some(format!("{}: read as {}", self.file, parts.join(", ")))
+    }
+
+    /// A complaint of a field of the line, counted from 1; `quantity` is the one that it holds, if it is one of ours.
+    fn fault(&self, field: usize, quantity: Option<usize>, message: impl fmt::Display) -> Fault {
+        let (file, line) = (&self.file, self.line.number.max(1));
+        let name = quantity.map_or(String::new(), |i| format!(" ({})", OWN[i].column()));
         Fault(format!(
             "{file}: line {line}, column {field}{name}: {message}"
         ))
     }
 
-    fn malformed(
-        &self,
-        field: usize,
-        column: Option<usize>,
-        message: impl fmt::Display,
-    ) -> LoadsError {
-        LoadsError::Malformed(self.fault(field, column, message))
+    fn malformed(&self, message: impl fmt::Display) -> LoadsError {
+        LoadsError::Malformed(self.fault(1, None, message))
+    }
+
+    /// Brings the next line of the file into `self.line`; `false` at its end.
+    fn take_line(&mut self) -> Result<bool, LoadsError> {
+        let line = &mut self.line.text;
+        line.clear();
+        let input = &mut self.input;
+        let taken = input.take(LONGEST_LINE).read_until(b'\n', line);
+        let taken = taken.map_err(|source| LoadsError::Unreadable {
+            file: self.file.clone(),
+            source,
+        })?;
+        if taken == 0 {
+            return Ok(false);
+        }
+        self.lines += 1;
+        self.line.number = self.lines;
+        self.bytes += taken as u64;
+        if self.lines == 1 {
+            let zeros = line.iter().filter(|byte| **byte == 0).count();
+            let is_wide = line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF");
+            if is_wide || line.len() > 3 && 3 * zeros > line.len() {
+                return Err(self.malformed("the file is UTF-16 text; save it as CSV in UTF-8"));
+            }
+            if line.starts_with(b"\xEF\xBB\xBF") {
+                line.drain(..3);
+            }
+        }
+        if taken as u64 == LONGEST_LINE && line.last() != Some(&b'\n') {
+            return Err(self.malformed(format!(
+                "the line is longer than {LONGEST_LINE} bytes; is this a CSV file of loads?"
+            )));
+        }
+        if line.last() != Some(&b'\n') {
+            line.push(b'\n');
+        }
+        Ok(true)
     }
 
     /// Brings the next line that is neither blank nor a comment into `self.line`; `false` at the end of the file.
     fn next_line(&mut self) -> Result<bool, LoadsError> {
         loop {
-            let line = &mut self.line;
-            line.clear();
-            let taken = (&mut self.input)
-                .take(LONGEST_LINE)
-                .read_until(b'\n', line)
-                .map_err(|source| LoadsError::Unreadable {
-                    file: self.file.clone(),
-                    source,
-                })?;
-            if taken == 0 {
+            if let Some(line) = self.ahead.pop_front() {
+                self.line = line;
+            } else if !self.take_line()? {
                 return Ok(false);
             }
-            self.lines += 1;
-            self.bytes += taken as u64;
-            if self.lines == 1 {
-                if line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF") {
-                    let message = "the file is UTF-16 text; save it as CSV in UTF-8";
-                    return Err(self.malformed(1, None, message));
-                }
-                if line.starts_with(b"\xEF\xBB\xBF") {
-                    line.drain(..3);
-                }
-            }
-            if taken as u64 == LONGEST_LINE && line.last() != Some(&b'\n') {
-                let message = format!(
-                    "the line is longer than {LONGEST_LINE} bytes; is this a CSV file of loads?"
-                );
-                return Err(self.malformed(1, None, message));
-            }
-            if line.last() != Some(&b'\n') {
-                line.push(b'\n');
-            }
-            let text = line.trim_ascii_start();
-            if !text.is_empty() && text[0] != b'#' {
+            if !is_empty(&self.line.text, self.separator) {
                 return Ok(true);
             }
         }
     }
 
-    fn header(&mut self) -> Result<(), LoadsError> {
-        let wanted = NAMES[..COLUMNS].join(",");
-        if !self.next_line()? {
-            return Err(self.malformed(
-                1,
-                None,
-                format!("the file is empty; it must begin with the header {wanted}"),
-            ));
+    /// Finds the header, and where each quantity is.
+    fn open(&mut self) -> Result<(), LoadsError> {
+        let mut is_row = false;
+        while !is_row && self.ahead.len() < LONGEST_PREAMBLE && self.take_line()? {
+            let line = std::mem::take(&mut self.line);
+            is_row = line.of_row().is_some();
+            self.ahead.push_back(line);
         }
-        // The separator that shows most of the columns; a comma if none shows any.
-        let ours = |separator: &u8| {
-            let fields = split(&self.line, *separator);
-            fields.map_or(0, |fields| fields.iter().filter_map(column_of).count())
+        let Some(header) = preamble::find(self.ahead.make_contiguous(), &self.told) else {
+            self.line.number = self.lines;
+            let own = OWN.map(Quantity::column)[..COLUMNS].join(",");
+            return Err(self.malformed(format!(
+                "the file is empty; it must begin with the header {own}"
+            )));
         };
-        let separators = SEPARATORS.into_iter().rev();
-        self.separator = separators.max_by_key(ours).unwrap_or(b',');
-        let fields = split(&self.line, self.separator);
-        let fields = fields.map_err(|(column, message)| self.malformed(column, None, message))?;
-        if fields.iter().all(|field| column_of(field).is_none()) {
-            let message = format!(
-                "{} is none of the columns of the header {wanted}, with which the file must begin",
-                quoted(&fields[0])
-            );
-            return Err(self.malformed(1, None, message));
+        self.line = self
+            .ahead
+            .drain(..header.length)
+            .next_back()
+            .unwrap_or_default();
+        self.line.number = header.line;
+        self.separator = header.separator;
+        self.headings = header.headings;
+        if let Err((field, fault)) = split(&self.line.text, self.separator, |_, _| ()) {
+            return Err(LoadsError::Malformed(self.fault(field, None, fault)));
         }
-        for (i, field) in fields.iter().enumerate() {
-            if let Some(column) = column_of(field)
-                && let Some(first) = self.field_of[column].replace(i)
-            {
-                let message = format!("the header has this column already as column {}", first + 1);
-                return Err(self.malformed(i + 1, Some(column), message));
-            }
-        }
-        let others = fields.iter().enumerate();
-        let others: Vec<_> = others
-            .filter(|(_, name)| column_of(name).is_none())
-            .collect();
-        let temperatures = COLUMNS..MOST;
-        let warm = self.field_of[temperatures.clone()]
-            .iter()
-            .any(Option::is_some);
-        for column in (0..MOST).filter(|column| self.field_of[*column].is_none()) {
-            if temperatures.contains(&column) && !warm {
-                continue;
-            }
-            if let Some((i, other)) = others.iter().find(|(_, other)| means(other, column)) {
-                let message = format!(
-                    "{} is not the column {}, which is missing; rename it, and convert its numbers \
-                     if they have another unit than {}",
-                    quoted(other),
-                    NAMES[column],
-                    UNITS[column],
-                );
-                return Err(self.malformed(i + 1, None, message));
-            }
-            let message = if temperatures.contains(&column) {
-                "the header lacks this column; temperatures are those of both sides".to_owned()
-            } else {
-                format!("the header lacks this column; it must hold {wanted}, in any order")
-            };
-            return Err(self.malformed(fields.len() + 1, Some(column), message));
-        }
-        let named = others.iter().filter(|(_, name)| !name.is_empty());
-        self.ignored = named.map(|(_, name)| shortened(name)).collect();
-        self.columns = fields.len();
-        Ok(())
+        self.find_sources()
     }
 
-    /// The column in field `i`.
-    fn column_in(&self, i: usize) -> Option<usize> {
-        self.field_of.iter().position(|&field| field == Some(i))
+    /// The field of a quantity, or the fields that may be.
+    fn fields_of(&self, quantity: Quantity) -> Result<Vec<(usize, f64)>, LoadsError> {
+        let places = |is: &dyn Fn(&Heading) -> bool| -> Vec<(usize, f64)> {
+            let headings = self.headings.iter().enumerate();
+            headings
+                .filter(|(_, heading)| is(heading))
+                .map(|(i, _)| (i, 1.0))
+                .collect()
+        };
+        let named = |name: &str| places(&|heading| heading.text.eq_ignore_ascii_case(name));
+        let mut told = self.told.columns.iter();
+        let Some((_, name)) = told.find(|(one, _)| *one == quantity) else {
+            let own = named(quantity.column());
+            return Ok(if own.is_empty() {
+                places(&|heading| heading.means(quantity))
+            } else {
+                own
+            });
+        };
+        if name == "-" {
+            return Ok(Vec::new());
+        }
+        let found = named(name);
+        if !found.is_empty() {
+            return Ok(found);
+        }
+        let (sign, bare) = match name.strip_prefix('-') {
+            Some(bare) => (-1.0, bare),
+            None => (1.0, &**name),
+        };
+        let mut found = named(bare);
+        let numbered = bare
+            .parse()
+            .ok()
+            .filter(|i| (1..=self.headings.len()).contains(i));
+        found.extend(numbered.filter(|_| found.is_empty()).map(|i| (i - 1, 1.0)));
+        if found.is_empty() {
+            let all: Vec<_> = self
+                .headings
+                .iter()
+                .map(|heading| heading.text.clone())
+                .collect();
+            return Err(self.malformed(format!(
+                "no column is called {bare:?}: there are {}",
+                listed(&all)
+            )));
+        }
+        Ok(found.into_iter().map(|(i, _)| (i, sign)).collect())
+    }
+
+    /// Finds where each quantity comes from; what is not known is asked for at once.
+    fn find_sources(&mut self) -> Result<(), LoadsError> {
+        let (mut unknown, mut faults) = (Vec::new(), Vec::new());
+        for (i, quantity) in OWN.into_iter().enumerate() {
+            if let Some(value) = self.told.given[quantity as usize] {
+                self.sources[i] = Source::Given(value);
+                continue;
+            }
+            let (recorded, turn) = self.told.recorded(quantity);
+            let fields = self.fields_of(recorded)?;
+            let is_needed = i < COLUMNS || self.told.heat;
+            self.sources[i] = match fields[..] {
+                [(field, sign)] => {
+                    let heading = &self.headings[field];
+                    let dimension = quantity.dimension();
+                    let unit = heading.unit.unwrap_or(Unit::of(dimension));
+                    if heading.strange_unit().is_some() || unit.dimension != dimension {
+                        let strange = heading.strange_unit().unwrap_or(unit.name());
+                        let units = Unit::names(dimension);
+                        faults.push(format!(
+                            "{:?} has the unit {strange}, which is none of {units}",
+                            heading.text
+                        ));
+                    }
+                    if dimension == Dimension::Moment && self.told.is_mirrored() {
+                        faults.push(format!(
+                            "the axes are mirrored, which leaves the sign of {} open: turn one of them, or give the moments",
+                            quantity.name()
+                        ));
+                    }
+                    Source::Field(field, unit, heading.unit.is_some(), sign * turn)
+                }
+                [] if quantity == Quantity::Time && !self.may_have_time() => Source::Count,
+                [] if !is_needed => Source::None,
+                _ => {
+                    unknown.push((recorded, quantity, fields));
+                    Source::None
+                }
+            };
+        }
+        let missing = |i: usize| self.sources[i] == Source::None;
+        let [inner, outer] = [COLUMNS, COLUMNS + 1];
+        if !self.told.heat && missing(inner) != missing(outer) {
+            // Temperatures are those of both sides.
+            let other = OWN[if missing(inner) { inner } else { outer }];
+            unknown.push((other, other, Vec::new()));
+        }
+        self.of_field = vec![None; self.headings.len()];
+        for (i, source) in self.sources.iter().enumerate() {
+            if let Source::Field(field, ..) = source
+                && let Some(other) = self.of_field[*field].replace(i)
+            {
+                let [one, other] = [OWN[other], OWN[i]].map(Quantity::name);
+                faults.push(format!(
+                    "{:?} is {one} and {other}",
+                    self.headings[*field].text
+                ));
+            }
+        }
+        if !faults.is_empty() {
+            return Err(self.malformed(faults.join("; ")));
+        }
+        if unknown.is_empty() {
+            Ok(())
+        } else {
+            Err(self.ask(&unknown))
+        }
+    }
+
+    /// Whether a column without a name that is known has a time's unit.
+    fn may_have_time(&self) -> bool {
+        let told = self.told.columns.iter();
+        let is_time = |heading: &Heading| {
+            heading
+                .unit
+                .is_some_and(|unit| unit.dimension == Dimension::Time)
+        };
+        told.clone()
+            .all(|(quantity, _)| *quantity != Quantity::Time)
+            && self.headings.iter().any(is_time)
+    }
+
+    /// Asks for quantities: none or several columns may be theirs.
+    fn ask(&self, unknown: &[Unknown]) -> LoadsError {
+        let text = |i: usize| self.headings[i].text.as_str();
+        let is_known = |heading: &Heading| Quantity::ALL.iter().any(|one| heading.means(*one));
+        let others = (0..self.headings.len()).filter(|i| {
+            !self.told.names(text(*i)) && !text(*i).is_empty() && !is_known(&self.headings[*i])
+        });
+        let others: Vec<usize> = others.collect();
+        let (mut next, mut columns, mut values, mut parts) =
+            (others.iter(), Vec::new(), Vec::new(), Vec::new());
+        for (quantity, own, fields) in unknown {
+            let may_be: Vec<String> = fields
+                .iter()
+                .map(|(i, _)| format!("{:?}", text(*i)))
+                .collect();
+            parts.push(match may_be[..] {
+                [] => format!("{} is in no column", quantity.name()),
+                _ => format!("{} may be {}", quantity.name(), may_be.join(" or ")),
+            });
+            let likely = |i: &&usize| {
+                self.headings[**i]
+                    .unit
+                    .is_none_or(|unit| unit.dimension == quantity.dimension())
+            };
+            let column = fields
+                .first()
+                .map(|(i, _)| *i)
+                .or_else(|| next.find(likely).copied());
+            match column {
+                Some(i) => columns.push((*quantity, text(i))),
+                None => values.push(*own),
+            }
+        }
+        let mut message = parts.join(", ");
+        if !others.is_empty() {
+            let others: Vec<_> = others.iter().map(|i| text(*i).to_owned()).collect();
+            let _ = write!(message, "; columns that say nothing: {}", listed(&others));
+        }
+        message += ". Say where each is, or its value, such as";
+        let fault = self.fault(1, None, message);
+        LoadsError::Unknown(fault, Told::options(&columns, &values))
     }
 
     /// The number in a field, or the field's fault.
-    fn number(&mut self, field: &[u8]) -> Result<f64, String> {
+    fn number(&mut self, field: &[u8], unit: &Unit) -> Result<f64, String> {
         if field.is_empty() {
             return Err("the field is empty; a number is needed".to_owned());
         }
         let text = std::str::from_utf8(field).unwrap_or_default();
-        let mark = text.chars().find(|c| [',', '.'].contains(c));
-        let by_commas = self.separator == b',';
-        let value = match mark {
-            Some(',') if !by_commas => text.replacen(',', ".", 1).parse(),
-            _ => text.parse(),
+        let Some((value, mark)) = number(text) else {
+            let marks = text
+                .matches([',', '.', '\'', '\u{a0}', '\u{202f}', ' '])
+                .count();
+            let hint = match text
+                .chars()
+                .all(|c| c.is_ascii_digit() || "+-,.' \u{a0}\u{202f}".contains(c))
+            {
+                true if marks > 0 => ": it has thousands separators; write it without",
+                _ if text.contains(':') => {
+                    "; a clock's time is left out by --columns time=-, and rows are counted"
+                }
+                _ => "",
+            };
+            return Err(format!("{} is not a number{hint}", quoted(field)));
         };
-        let Ok(value) = value else {
-            let message = format!("{} is not a number", quoted(field));
-            let hint = by_commas && text.contains(',');
-            return Err(match hint {
-                true => format!("{message}; {DECIMAL_COMMAS}"),
-                false => message,
-            });
-        };
-        let Some(mark) = mark.filter(|_| !by_commas) else {
-            return Ok(value);
-        };
-        if mark == *self.decimal.get_or_insert(mark) {
-            return Ok(value);
+        if let Some(mark) = mark
+            && (mark != '.' || self.separator != b',' || self.decimal.is_some())
+            && mark != *self.decimal.get_or_insert(mark)
+        {
+            // A comma may then be one of thousands.
+            let [has, above] = match mark {
+                ',' => ["a comma", "points"],
+                _ => ["a point", "commas"],
+            };
+            let field = quoted(field);
+            return Err(format!(
+                "{field} has {has} where numbers above have decimal {above}; write all decimals one way"
+            ));
         }
-        // A comma may then be one of thousands.
-        let [has, above] = match mark {
-            ',' => ["a comma", "points"],
-            _ => ["a point", "commas"],
-        };
-        Err(format!(
-            "{} has {has} where numbers above have decimal {above}; write all decimals one way",
-            quoted(field)
-        ))
+        let value = unit.read(value);
+        if unit.dimension == Dimension::Temperature {
+            celsius(value)
+        } else {
+            Ok(value)
+        }
     }
 
     fn row(&mut self) -> Result<Option<LoadRow>, LoadsError> {
         if !self.next_line()? {
             return Ok(None);
         }
-        let mut numbers = [None; MOST];
-        let mut bad = None;
-        let fields = split(&self.line, self.separator).unwrap_or_else(|(column, message)| {
-            bad = Some((column, None, message.to_owned()));
-            ByteRecord::new()
+        let mut numbers = self.sources.map(|source| match source {
+            Source::Given(value) => Some(value),
+            Source::Count => Some(self.rows as f64),
+            _ => None,
         });
-        // Where numbers are readable, the first bad one says more than a wrong count.
-        let (count, wanted) = (fields.len(), self.columns);
-        for (i, field) in fields.iter().enumerate().take(wanted) {
-            let Some(column) = self.column_in(i) else {
-                continue;
+        self.rows += 1;
+        let line = std::mem::take(&mut self.line.text);
+        let (mut bad, mut more) = (None, None);
+        let wanted = self.headings.len();
+        let count = split(&line, self.separator, |i, field| {
+            if i >= wanted && !field.is_empty() {
+                more.get_or_insert(i);
+            }
+            let Some(Some(column)) = self.of_field.get(i).copied() else {
+                return;
             };
-            match self.number(field) {
-                Ok(number) => numbers[column] = Some(number),
+            let Source::Field(_, unit, _, sign) = self.sources[column] else {
+                return;
+            };
+            match self.number(field, &unit) {
+                Ok(number) => numbers[column] = Some(sign * number),
                 Err(message) => drop(bad.get_or_insert((i + 1, Some(column), message))),
             }
-        }
-        if count != wanted {
-            numbers = [None; MOST];
-            bad.get_or_insert_with(|| {
-                if count < wanted {
-                    let message = format!("the line ends after {count} of {wanted} fields");
-                    return (count + 1, self.column_in(count), message);
-                }
-                let message = format!("the line has {count} fields where the header has {wanted}");
-                let message = match self.separator {
-                    b',' => format!("{message}; {DECIMAL_COMMAS}"),
-                    _ => message,
+        });
+        let needed = self
+            .of_field
+            .iter()
+            .rposition(Option::is_some)
+            .map_or(0, |last| last + 1);
+        let lost = match count {
+            Err((field, message)) => Some((field, None, message.to_owned())),
+            // Where numbers are readable, the first bad one says more than a wrong count.
+            Ok(count) if count < needed => {
+                let message = format!("the line ends after {count} of {wanted} fields");
+                Some((count + 1, self.of_field[count], message))
+            }
+            Ok(count) => more.map(|_| {
+                let hint = if self.separator == b',' {
+                    DECIMAL_COMMAS
+                } else {
+                    ""
                 };
+                let semicolon = if hint.is_empty() { "" } else { "; " };
+                let message = format!(
+                    "the line has {count} fields where the header has {wanted}{semicolon}{hint}"
+                );
                 (wanted + 1, None, message)
-            });
-        }
-        let [time, fx, fy, fz, my, mz, speed, inner, outer] = numbers;
-        if let Some((column, name, message)) = bad {
+            }),
+        };
+        self.line.text = line;
+        let is_lost = lost.is_some();
+        if let Some((field, column, message)) = bad.or(lost) {
+            let kept = |i: usize| numbers[i].filter(|_| !is_lost);
             return Err(LoadsError::Row(Box::new(BadRow {
-                fault: self.fault(column, name, message),
-                numbers: [time, fx, fy, fz, my, mz, speed],
+                fault: self.fault(field, column, message),
+                numbers: std::array::from_fn(kept),
             })));
         }
+        for ((least, most), number) in self.ranges.iter_mut().zip(numbers) {
+            let number = number.unwrap_or(f64::NAN);
+            (*least, *most) = (least.min(number), most.max(number));
+        }
+        let [time, fx, fy, fz, my, mz, speed, inner, outer] = numbers;
         let is = Option::unwrap_or_default;
         Ok(Some(LoadRow {
             time_s: is(time),
@@ -505,7 +714,13 @@ impl Iterator for Loads {
         if self.ended {
             return None;
         }
-        let row = self.row().transpose();
+        let passed = if self.rows == 0 { 1 } else { self.told.every };
+        let mut row = self.row().transpose();
+        for _ in 1..passed {
+            if let Some(Ok(_) | Err(LoadsError::Row(_))) = row {
+                row = self.row().transpose();
+            }
+        }
         self.ended = !matches!(row, Some(Ok(_) | Err(LoadsError::Row(_))));
         row
     }
@@ -528,20 +743,16 @@ fn shortened(field: &[u8]) -> String {
     shown
 }
 
-/// The column of this name, in capitals or not.
-fn column_of(field: &[u8]) -> Option<usize> {
-    let named = |name: &&str| name.as_bytes().eq_ignore_ascii_case(field);
-    NAMES.iter().position(named)
-}
-
-/// Whether a name that is not `column`'s seems to be meant for it. It has another unit, none, or one
-/// letter wrong, or is the unit alone.
-fn means(field: &[u8], column: usize) -> bool {
-    let letters = shortened(field).to_lowercase();
-    let letters = letters.replace(|c: char| !c.is_alphanumeric(), "");
-    let (stem, unit) = NAMES[column].rsplit_once('_').unwrap_or_default();
-    let stem = stem.replace('_', "");
-    letters.starts_with(&stem)
-        || letters.len() > 2 && letters == unit
-        || strsim::damerau_levenshtein(&letters, &(stem + unit)) <= 1
+/// The first of these names, and the number of the others.
+pub fn listed(names: &[String]) -> String {
+    const MOST: usize = 12;
+    let quoted = names
+        .iter()
+        .take(MOST)
+        .map(|name| self::quoted(name.as_bytes()));
+    let mut list = quoted.collect::<Vec<_>>().join(", ");
+    if names.len() > MOST {
+        let _ = write!(list, " and {} more", names.len() - MOST);
+    }
+    list
 }

@@ -30,6 +30,13 @@
 //! ring_per_k = 11.5e-6           # may be left out: bearing steel
 //! ball_per_k = 11.5e-6
 //!
+//! [load]                         # where recorded loads act; may be left out: x = 0
+//! position_mm = -60
+//!
+//! [[constant_load]]              # besides recorded loads: belt, gear, weight
+//! position_mm = 120
+//! fy_n = -300                    # and fx_n, fz_n
+//!
 //! [nose]                         # stiffness there, too
 //! position_mm = -60
 //! radial_um_per_kn = 2           # what the shaft's end yields itself; may be left out
@@ -38,10 +45,12 @@
 
 use crate::catalogue;
 use crate::designs::{
-    DesignFile, DesignFileError, Key, Keys, Reading, micrometres, millimetres, read_text,
+    ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Reading,
+    micrometres, millimetres, read_text,
 };
 use crate::plan::{BuildError, MOST_ROWS, Plan, Question, Row};
 use crate::recordings::LoadRow;
+use crate::units::celsius;
 use serde::Deserialize;
 use spindle_bearing::{
     Arrangement, Design, Expansion, Facing, Growth, LifeRating, Preload, ShaftEnd,
@@ -64,6 +73,8 @@ pub struct SpindleFile {
     bore: Option<f64>,
     /// Thermal expansion: how temperatures make rings and balls grow.
     pub heat: Option<Heat>,
+    /// Where loads act.
+    loading: Loading,
     file: String,
     designs: Vec<DesignFile>,
 }
@@ -89,6 +100,9 @@ struct SpindleKeys {
     shaft: Option<ShaftKeys>,
     heat: Option<HeatKeys>,
     nose: Option<NoseKeys>,
+    load: Option<LoadKeys>,
+    #[serde(default)]
+    constant_load: Vec<ConstantLoadKeys>,
 }
 
 #[derive(Deserialize)]
@@ -189,6 +203,7 @@ impl From<DesignFile> for SpindleFile {
             growth: vec![Growth::NONE],
             bore: None,
             heat: None,
+            loading: file.loading.clone(),
             file: String::new(),
             designs: vec![file],
         }
@@ -209,7 +224,10 @@ impl SpindleFile {
     /// A file that cannot be read, or is no spindle and no design; the place in it where it goes wrong.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, DesignFileError> {
         let path = path.as_ref();
-        if let Some(found) = path.to_str().and_then(catalogue::find) {
+        // A file is what it is; a name of the catalogue needs no maker where it is unique.
+        if !path.exists()
+            && let Some(found) = path.to_str().and_then(catalogue::find)
+        {
             return found.map(Self::from);
         }
         let (file, text) = read_text(path)?;
@@ -250,15 +268,25 @@ impl SpindleFile {
             let design = match (row.bearing, row.design) {
                 (Some(bearing), None) => {
                     let name = bearing.get_ref();
-                    let read = || DesignFile::read(folder.join(name));
-                    let design = catalogue::find(name).unwrap_or_else(read);
+                    let path = folder.join(name);
+                    let found = catalogue::find(name).filter(|_| !path.exists());
+                    let design = found.unwrap_or_else(|| DesignFile::read(path));
                     design.map_err(|error| match error.place {
                         // It is this file's line that names it.
                         None => r.error(r.place(bearing.span()), error.to_string()),
                         Some(_) => error,
                     })?
                 }
-                (None, Some(keys)) => DesignFile::of(r, keys.into_inner())?,
+                (None, Some(keys)) => {
+                    let span = keys.span();
+                    let design = DesignFile::of(r, keys.into_inner())?;
+                    if design.loading != Loading::default() {
+                        let message =
+                            "a row has no loads; [load] and [[constant_load]] are the spindle's";
+                        return Err(r.error(r.place(span), message));
+                    }
+                    design
+                }
                 (Some(bearing), Some(_)) => {
                     let message = "the row has `bearing` and [row.design]; remove one of them";
                     return Err(r.error(r.place(bearing.span()), message));
@@ -309,8 +337,13 @@ impl SpindleFile {
         let bore = keys.shaft;
         let bore = bore.map(|keys| needed(&r, "shaft", "bore_mm", "40", keys.bore_mm));
         let heat = keys.heat.map(|keys| {
+            let place = keys.reference_c.as_ref().map(|value| r.place(value.span()));
+            let reference = needed(&r, "heat", "reference_c", "20", keys.reference_c)?;
+            if let (Err(message), Some(place)) = (celsius(reference), place) {
+                return Err(r.error(place, format!("reference_c: {message}")));
+            }
             Ok(Heat {
-                reference: needed(&r, "heat", "reference_c", "20", keys.reference_c)?,
+                reference,
                 expansion: Expansion {
                     ring: or(keys.ring_per_k, Expansion::STEEL.ring),
                     ball: or(keys.ball_per_k, Expansion::STEEL.ball),
@@ -337,6 +370,7 @@ impl SpindleFile {
             growth,
             bore: bore.transpose()?.map(millimetres),
             heat: heat.transpose()?,
+            loading: Loading::of(keys.load, keys.constant_load),
             file: file.to_owned(),
             designs,
         })
@@ -361,7 +395,7 @@ impl SpindleFile {
             growth
         });
         Question {
-            load: row.load,
+            load: self.loading.about_origin(row.load),
             omega,
             growth: growth.collect(),
         }

@@ -27,6 +27,7 @@ mod refusals;
 mod retained;
 mod scenes;
 mod self_check;
+mod shapes;
 mod solution;
 mod solves;
 mod spindles;

@@ -7,7 +7,7 @@ use files::plan::Plan;
 use host_tests::cases::{B7005C, Random, SKF6205, reference};
 use host_tests::compare::{Ball, Equilibrium, stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{self, Answer, AnySpindleSolver, with_solver};
+use host_tests::spindles::{self, Answer, AnySpindleSolver, Choices, with_solver};
 use host_tests::tolerances::allowed;
 use spindle_bearing::{Design, FreeContact, Status};
 use std::f64::consts::PI;
@@ -211,7 +211,10 @@ fn stated_over_true(
         (load.map(single), single(*omega))
     });
     let ask = |solver: &mut dyn AnySpindleSolver| -> Vec<Answer> {
-        solver.set_settings(tolerance, 100);
+        solver.choose(&Choices {
+            tolerance: Some(tolerance),
+            ..Choices::default()
+        });
         let answers = questions
             .clone()
             .map(|(load, omega)| solver.load(load, omega));

@@ -6,11 +6,12 @@ use files::plan::BALL_COUNTS;
 use files::plan::{Plan, Question};
 use files::recordings::{LoadRow, Loads, LoadsError};
 use files::spindles::SpindleFile;
+use files::told::Told;
 use host_tests::cases::Random;
 use host_tests::dispatch::{self, Attitude, Precision};
-use host_tests::replay::{Outputs, Summary, Table, replay};
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, with_solver};
-use spindle_bearing::{Design, FreeContact, Limits, Material, ShaftEnd, Status};
+use host_tests::replay::{Job, Output, Summary, Table, replay};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
+use spindle_bearing::{Design, FreeContact, Material, ShaftEnd, Status};
 use std::io::Cursor;
 
 const HEADER: &str = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n";
@@ -20,7 +21,18 @@ fn shipped(name: &str) -> String {
 }
 
 fn parsed(csv: &str) -> Result<Vec<LoadRow>, LoadsError> {
-    Loads::from_reader("loads.csv", Box::new(Cursor::new(csv.as_bytes().to_vec())))?.collect()
+    Loads::from_reader(
+        "loads.csv",
+        Box::new(Cursor::new(csv.as_bytes().to_vec())),
+        Told::default(),
+    )?
+    .collect()
+}
+
+fn shown(precision: Precision, x: f64) -> String {
+    let mut text = String::new();
+    precision.write(&mut text, x).unwrap();
+    text
 }
 
 #[test]
@@ -30,13 +42,13 @@ fn a_printed_number_reads_back_exactly_in_its_precision() {
     let patterns: Vec<u64> = (0..20_000).map(|_| random.bits()).collect();
     let wide = patterns.iter().map(|bits| f64::from_bits(*bits));
     for x in wide.chain(edges).filter(|x| x.is_finite()) {
-        let text = Precision::F64.show(x);
+        let text = shown(Precision::F64, x);
         let read = text.parse::<f64>().unwrap();
         assert!(read.to_bits() == x.to_bits() && text.len() <= 24, "{text}");
     }
     let narrow = patterns.iter().map(|bits| f32::from_bits(*bits as u32));
     for x in narrow.filter(|x| x.is_finite()) {
-        let text = Precision::F32.show(f64::from(x));
+        let text = shown(Precision::F32, f64::from(x));
         let read = text.parse::<f32>().unwrap();
         assert_eq!(read.to_bits(), x.to_bits(), "{text}");
         let digits = text.split('e').next().unwrap();
@@ -44,7 +56,7 @@ fn a_printed_number_reads_back_exactly_in_its_precision() {
         let digits = digits.trim_end_matches('0');
         assert!(digits.len() <= 10, "more digits than f32 has: {text}");
     }
-    assert_eq!(Precision::F32.show(f64::from(0.1_f32)), "0.1");
+    assert_eq!(shown(Precision::F32, f64::from(0.1_f32)), "0.1");
 }
 
 #[test]
@@ -56,11 +68,21 @@ fn what_can_be_read_of_a_refused_row_is_kept() {
     let [a, b] = [Some(1.0), Some(7.0)];
     assert_eq!(
         numbers("1,,three,4,5,6,7"),
-        [a, None, None, Some(4.0), Some(5.0), Some(6.0), b]
+        [
+            a,
+            None,
+            None,
+            Some(4.0),
+            Some(5.0),
+            Some(6.0),
+            b,
+            None,
+            None
+        ]
     );
     // Which column a number belongs to is not known in a row with a field too many or too few.
-    assert_eq!(numbers("1,5,2,3,4,5,6,7"), [None; 7]);
-    assert_eq!(numbers("1,,3"), [None; 7]);
+    assert_eq!(numbers("1,5,2,3,4,5,6,7"), [None; 9]);
+    assert_eq!(numbers("1,,3"), [None; 9]);
 }
 
 #[test]
@@ -105,7 +127,7 @@ fn columns_of_others_are_ignored_and_named() {
     let text = "no,time_s,\"remark; long\",fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,fx_kn,\n\
                 a,1,\"so, so\",2,3,4,5,6,7,,\n";
     let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    let mut loads = Loads::from_reader("loads.csv", input).unwrap();
+    let mut loads = Loads::from_reader("loads.csv", input, Told::default()).unwrap();
     assert_eq!(loads.ignored_columns(), ["no", "remark; long", "fx_kn"]);
     assert!(!loads.has_temperatures());
     let plain = parsed(&format!("{HEADER}1,2,3,4,5,6,7\n")).unwrap();
@@ -127,7 +149,11 @@ fn any_bytes_are_refused_or_read() {
         let length = text.len();
         // Characters of one byte each, most of which are no UTF-8 beyond 127.
         let bytes = text.chars().map(|c| c as u32 as u8).collect();
-        if let Ok(loads) = Loads::from_reader("x", Box::new(Cursor::<Vec<u8>>::new(bytes))) {
+        if let Ok(loads) = Loads::from_reader(
+            "x",
+            Box::new(Cursor::<Vec<u8>>::new(bytes)),
+            Told::default(),
+        ) {
             assert!(loads.count() <= length);
         }
     }
@@ -137,7 +163,7 @@ fn any_bytes_are_refused_or_read() {
 fn bytes_that_are_no_text_are_refused_with_line_and_column() {
     let mut bytes = format!("{HEADER}1,2,3,4,5,6,7\n").into_bytes();
     bytes.extend(b"1,2,\xFF\xFE,4,5,6,7\n");
-    let mut loads = Loads::from_reader("x", Box::new(Cursor::new(bytes))).unwrap();
+    let mut loads = Loads::from_reader("x", Box::new(Cursor::new(bytes)), Told::default()).unwrap();
     let error = loads.find_map(Result::err).unwrap().to_string();
     assert!(error.starts_with("x: line 3, column 3 (fy_n): "), "{error}");
 }
@@ -152,22 +178,30 @@ impl AnySpindleSolver for Parrot {
 
     fn reset(&mut self) {}
 
-    fn set_limits(&mut self, _: &Limits<f64>) {}
-
-    fn set_settings(&mut self, _: f64, _: u16) {}
+    fn choose(&mut self, _: &Choices) {}
 }
 
 /// Summary and results of a replay of a row by the B7005C.
 fn replayed(
     solver: &mut dyn AnySpindleSolver,
     precision: Precision,
+    choices: Choices,
     row: LoadRow,
 ) -> (Summary, String) {
     let file = SpindleFile::read(shipped("b7005c")).unwrap();
     let mut results = Vec::new();
-    let out: Outputs = vec![(Table::Results, Box::new(&mut results))];
+    let out: Vec<Output<'_>> = vec![(Table::Results, Box::new(&mut results))];
     let rows = [Ok(row)].into_iter();
-    let summary = replay(&file, solver, precision, rows, false, out).unwrap();
+    let job = Job {
+        file: &file,
+        precision,
+        cold: false,
+        at_rest: false,
+        select: Vec::new(),
+        choices,
+        lifetime: None,
+    };
+    let summary = replay(job, solver, rows, out).unwrap();
     let text = String::from_utf8(results).unwrap();
     (summary, text.lines().nth(1).unwrap().to_owned())
 }
@@ -188,12 +222,12 @@ fn figures_are_printed_as_the_solver_gave_them() {
     });
     // A load is copied, though it is none of single precision.
     let row = parsed(&format!("{HEADER}0.1,0.1,0,0,0,-2e-5,6000\n")).unwrap();
-    let (summary, line) = replayed(&mut solver, Precision::F32, row[0]);
+    let (summary, line) = replayed(&mut solver, Precision::F32, Choices::default(), row[0]);
     assert_eq!((summary.rows, summary.refused.len()), (1, 0));
     assert_eq!(
         line,
         format!(
-            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},,0.1,0,0,0,-2e-5,6000,inf,inf",
+            "0.1,precision-limit,40,1e-7,0,-2.5,0,-3e-9{},,0.1,0,0,0,-2e-5,6000,,",
             ",100000000,0,0,0,0.3".repeat(5)
         )
     );
@@ -206,8 +240,11 @@ fn a_solve_that_ran_out_of_iterations_has_no_figures() {
     let row = parsed(&format!("{HEADER}0.5,1000,200,0,0,3,20000\n")).unwrap();
     for precision in [Precision::F32, Precision::F64] {
         let run = |solver: &mut dyn AnySpindleSolver| {
-            solver.set_settings(1e-6, 1);
-            replayed(solver, precision, row[0])
+            let choices = Choices {
+                max_iterations: 1,
+                ..Choices::default()
+            };
+            replayed(solver, precision, choices, row[0])
         };
         let balls = Balls::Moving(Attitude::Raceless);
         let (summary, line) = with_solver(&plan, balls, precision, run).unwrap();
@@ -358,10 +395,10 @@ fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
     assert_starts(
         explained,
         "\
-4, column 21: `pitch_diameter_mm`:
-3, column 20: `ball_diameter_mm`:
-5, column 23: `inner_groove_factor`:
-7, column 21: `contact_angle_deg`:
+4, column 21: `pitch_diameter_mm` is 36, but must lie between 60.6 and 600000
+3, column 20: `ball_diameter_mm` is 8, but must lie between 0.1 and 7.02325
+5, column 23: `inner_groove_factor` is 0.5, but must lie between 0.501 and
+7, column 21: `contact_angle_deg`: in SI units, free contact angle alpha0 (rad) is NaN
 9, column 17: `ball.density_kg_m3`: ",
     );
 }

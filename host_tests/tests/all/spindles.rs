@@ -6,7 +6,7 @@ use files::plan::{Plan, Question, Row};
 use host_tests::cases::{B218, B7005C, Case, Random, SKF6205, SolvedSet, rad_per_s, sets};
 use host_tests::compare::{Errors, stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, with_solver};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::{Arrangement, Design, Facing, Growth, Preload, ShaftEnd, Status};
 use std::array::from_fn;
@@ -410,7 +410,10 @@ fn a_set_that_tilts_states_true_errors_of_its_stiffness_the_same_about_any_axis(
         };
         let tilted = |axis: usize| {
             let ask = |solver: &mut dyn AnySpindleSolver, tolerance| -> Vec<Answer> {
-                solver.set_settings(tolerance, 100);
+                solver.choose(&Choices {
+                    tolerance: Some(tolerance),
+                    ..Choices::default()
+                });
                 let load = |i| {
                     let mut load = [0.0; 5];
                     load[axis] = 2.5 * f64::from(i * (i % 2));

@@ -5,6 +5,7 @@ pub mod bar;
 pub mod chart;
 pub mod cross;
 pub mod graph;
+pub mod output;
 pub mod report;
 pub mod seal;
 pub mod stream;

@@ -5,9 +5,10 @@ use clap::{Parser, ValueEnum};
 use std::cmp::Ordering;
 use std::fs::File;
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use tools::chart::{self, Axis, Chart, Curve, Panel, Style};
+use tools::output::NewFile;
 
 /// Most points of a curve: of a longer recording, each point is the mean of many rows.
 const MOST_POINTS: usize = 120;
@@ -26,7 +27,7 @@ const MOST_DOTS: usize = 400;
 struct Args {
     /// Results of `cargo replay`, or its file of --balls; `-` reads standard input
     #[arg(value_name = "FILE.csv")]
-    file: String,
+    file: PathBuf,
 
     /// Picture to write; `-` is standard output
     ///
@@ -60,6 +61,22 @@ enum Over {
     Time,
     /// Shaft speed, a curve for each load
     Speed,
+    /// Axial load
+    Fx,
+    /// Radial load
+    Fy,
+    /// Radial load
+    Fz,
+    /// Tilting moment
+    My,
+    /// Tilting moment
+    Mz,
+    /// Temperature of the inner side
+    #[value(name = "t_inner")]
+    TInner,
+    /// Temperature of the outer side
+    #[value(name = "t_outer")]
+    TOuter,
 }
 
 fn main() -> ExitCode {
@@ -67,6 +84,8 @@ fn main() -> ExitCode {
     let drawn = draw(&args).map_err(|error| (2, error));
     match drawn.and_then(|svg| write(&args, &svg).map_err(|error| (1, error))) {
         Ok(()) => ExitCode::SUCCESS,
+        // A reader that has seen enough is no failure.
+        Err((_, error)) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err((status, error)) => {
             eprintln!("plot: {error:#}");
             ExitCode::from(status)
@@ -74,14 +93,20 @@ fn main() -> ExitCode {
     }
 }
 
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    let reason = error.downcast_ref::<io::Error>();
+    reason.is_some_and(|reason| reason.kind() == io::ErrorKind::BrokenPipe)
+}
+
 /// The picture as SVG.
 fn draw(args: &Args) -> Result<String> {
-    let (file, input): (_, Box<dyn Read>) = if args.file == "-" {
+    let name = args.file.display().to_string();
+    let (file, input): (_, Box<dyn Read>) = if name == "-" {
         ("standard input", Box::new(io::stdin()))
     } else {
         let file = File::open(&args.file);
-        let file = file.with_context(|| format!("{}: cannot be read", args.file))?;
-        (&args.file, Box::new(file))
+        let file = file.with_context(|| format!("{name}: cannot be read"))?;
+        (&*name, Box::new(file))
     };
     chart(args, input)
         .and_then(|chart| chart::svg(&chart))
@@ -97,13 +122,13 @@ fn chart(args: &Args, input: Box<dyn Read>) -> Result<Chart> {
         );
         match args.over {
             Over::Time => over_time(&results(&mut table, args.nose)?)?,
-            Over::Speed => over_speed(&results(&mut table, args.nose)?)?,
+            over => over_given(&results(&mut table, args.nose)?, over as usize - 1)?,
         }
     } else if table.has("azimuth_rad") {
-        let for_results = args.over == Over::Speed || args.nose;
+        let for_results = args.over != Over::Time || args.nose;
         ensure!(
             !for_results,
-            "--over speed and --nose are for results, and this is a file of balls"
+            "--over and --nose are for results, and this is a file of balls"
         );
         around(&mut table, args.time)?
     } else {
@@ -112,7 +137,7 @@ fn chart(args: &Args, input: Box<dyn Read>) -> Result<Chart> {
              of --rows and --frequencies are not drawn"
         )
     };
-    let name = Path::new(&args.file).file_name().unwrap_or_default();
+    let name = args.file.file_name().unwrap_or_default();
     let title = format!("{}: {}", name.to_string_lossy(), chart.title);
     chart.title = args.title.clone().unwrap_or(title);
     Ok(chart)
@@ -140,7 +165,7 @@ impl Table {
 
     /// The numbers of all rows in the columns of these names: not a number where there is nothing to draw.
     fn read<const N: usize>(&mut self, names: &str) -> Result<Vec<[f64; N]>> {
-        let columns = names.split(' ').map(|name| {
+        let columns = names.split_whitespace().map(|name| {
             let column = self.header.iter().position(|field| field == name);
             let column = column.with_context(|| {
                 format!(
@@ -173,30 +198,59 @@ impl Table {
     }
 }
 
+/// Quantities over which stiffness is drawn, their units, and names along an axis.
+const GIVEN: [(&str, &str, &str); 8] = [
+    ("n", "1000 rpm", "shaft speed"),
+    ("Fx", "N", "axial load"),
+    ("Fy", "N", "radial load Fy"),
+    ("Fz", "N", "radial load Fz"),
+    ("My", "N m", "moment My"),
+    ("Mz", "N m", "moment Mz"),
+    ("Ti", "°C", "inner temperature"),
+    ("To", "°C", "outer temperature"),
+];
+
 /// A row of results.
 struct Row {
     time: f64,
-    /// Fx, Fy, Fz, My, Mz.
-    load: [f64; 5],
-    /// 1000 rpm.
-    speed: f64,
+    /// Speed in 1000 rpm, Fx, Fy, Fz, My, Mz, temperatures: as in [`GIVEN`].
+    given: [f64; GIVEN.len()],
     /// Diagonal: N/µm, then kN m/rad.
     stiffness: [f64; 5],
 }
 
 fn results(table: &mut Table, nose: bool) -> Result<Vec<Row>> {
     let k = if nose { "k_nose" } else { "k" };
+    let warm = if table.has("t_inner_c") {
+        "t_inner_c t_outer_c"
+    } else {
+        ""
+    };
     let rows = table.read(&format!(
-        "time_s speed_rpm fx_n fy_n fz_n my_nm mz_nm {k}_x_x {k}_y_y {k}_z_z {k}_ty_ty {k}_tz_tz"
+        "time_s speed_rpm fx_n fy_n fz_n my_nm mz_nm {k}_x_x {k}_y_y {k}_z_z {k}_ty_ty {k}_tz_tz {warm}"
     ))?;
-    let rows = rows
-        .into_iter()
-        .map(|[time, speed, fx, fy, fz, my, mz, x, y, z, ty, tz]| Row {
+    let rows = rows.into_iter().map(
+        |[
             time,
-            load: [fx, fy, fz, my, mz],
-            speed: speed / 1e3,
+            speed,
+            fx,
+            fy,
+            fz,
+            my,
+            mz,
+            x,
+            y,
+            z,
+            ty,
+            tz,
+            inner,
+            outer,
+        ]| Row {
+            time,
+            given: [speed / 1e3, fx, fy, fz, my, mz, inner, outer],
             stiffness: [x / 1e6, y / 1e6, z / 1e6, ty / 1e3, tz / 1e3],
-        });
+        },
+    );
     let rows: Vec<_> = rows.filter(|row| row.time.is_finite()).collect();
     let answers = rows
         .iter()
@@ -214,11 +268,11 @@ fn over_time(rows: &[Row]) -> Result<Chart> {
     const RADIAL: [Named; 2] = [("y", |row| row.stiffness[1]), ("z", |row| row.stiffness[2])];
     const TILT: [Named; 2] = [("y", |row| row.stiffness[3]), ("z", |row| row.stiffness[4])];
     const LOAD: [Named; 2] = [
-        ("axial", |row| row.load[0]),
-        ("radial", |row| row.load[1].hypot(row.load[2])),
+        ("axial", |row| row.given[1]),
+        ("radial", |row| row.given[2].hypot(row.given[3])),
     ];
     const PANELS: [(&str, &str, &[Named]); 5] = [
-        ("Shaft speed", "1000 rpm", &[("", |row| row.speed)]),
+        ("Shaft speed", "1000 rpm", &[("", |row| row.given[0])]),
         ("Load", "N", &LOAD),
         ("Radial stiffness", "N/µm", &RADIAL),
         (
@@ -275,7 +329,8 @@ fn means(name: &str, points: &[(f64, f64)]) -> Vec<Curve> {
     bands.chain([Curve::new(name, Style::Line, line)]).collect()
 }
 
-fn over_speed(rows: &[Row]) -> Result<Chart> {
+/// Stiffness over one of the quantities that are [`GIVEN`], a curve for each combination of the others.
+fn over_given(rows: &[Row], over: usize) -> Result<Chart> {
     const PANELS: [(&str, &str, usize); 5] = [
         ("Radial stiffness K_yy", "N/µm", 1),
         ("Radial stiffness K_zz", "N/µm", 2),
@@ -283,27 +338,45 @@ fn over_speed(rows: &[Row]) -> Result<Chart> {
         ("Tilt stiffness K_tz,tz", "kN m/rad", 4),
         ("Axial stiffness K_xx", "N/µm", 0),
     ];
-    const LOADS: [&str; 5] = ["Fx", "Fy", "Fz", "My", "Mz"];
+    let (_, unit, axis) = GIVEN[over];
+    let is_there = |row: &Row| row.given[over].is_finite();
+    ensure!(
+        rows.iter().any(is_there),
+        "there is no {axis} in the file: temperatures are those of a spindle with [heat]"
+    );
+    // What all rows lack is no reason to leave one out.
     let complete = |row: &&Row| {
-        let mut numbers = row.load.iter().chain(&row.stiffness).chain([&row.speed]);
-        numbers.all(|number| number.is_finite())
+        let numbers = row.given[..6].iter().chain(&row.stiffness);
+        is_there(row) && numbers.copied().all(f64::is_finite)
     };
     let mut rows: Vec<_> = rows.iter().filter(complete).collect();
-    let order = |row: &Row| (row.load, row.speed);
+    let others = |row: &Row| {
+        let mut others = row.given.map(|x| if x.is_finite() { x } else { 0.0 });
+        others[over] = 0.0;
+        others
+    };
+    let order = |row: &Row| (others(row), row.given[over]);
     rows.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(Ordering::Equal));
     ensure!(
-        rows.iter().any(|row| row.speed != rows[0].speed),
-        "fewer than two speeds have an answer, nothing to draw over speed"
+        rows.iter()
+            .any(|row| row.given[over] != rows[0].given[over]),
+        "fewer than two values of the {axis} have an answer, nothing to draw over it"
     );
-    let varies = [0, 1, 2, 3, 4].map(|i| rows.iter().any(|row| row.load[i] != rows[0].load[i]));
+    let varies: [bool; GIVEN.len()] =
+        std::array::from_fn(|i| rows.iter().any(|row| others(row)[i] != others(rows[0])[i]));
     let name = |row: &Row, varying: bool| {
-        let loads = (0..5).filter(|i| varies[*i] == varying && (varying || row.load[*i] != 0.0));
-        let unit = |i| if i < 3 { "N" } else { "N m" };
-        let loads = loads.map(|i| format!("{} = {} {}", LOADS[i], row.load[i], unit(i)));
-        loads.collect::<Vec<_>>().join(", ")
+        let others = others(row);
+        let said =
+            (0..GIVEN.len()).filter(|i| varies[*i] == varying && (varying || others[*i] != 0.0));
+        let said = said.map(|i| format!("{} = {} {}", GIVEN[i].0, others[i], GIVEN[i].1));
+        said.collect::<Vec<_>>().join(", ")
     };
-    let title = format!("stiffness over speed, {}", name(rows[0], false));
-    let groups = rows.chunk_by(|a, b| a.load == b.load);
+    let title = format!(
+        "stiffness over {}, {}",
+        if over == 0 { "speed" } else { axis },
+        name(rows[0], false)
+    );
+    let groups = rows.chunk_by(|a, b| others(a) == others(b));
     let groups = groups.map(|rows| (name(rows[0], true), rows.to_vec()));
     let (mut groups, mut style) = (groups.collect::<Vec<_>>(), Style::Line);
     if groups.len() > MOST_CURVES {
@@ -311,12 +384,13 @@ fn over_speed(rows: &[Row]) -> Result<Chart> {
         let some = rows.into_iter().step_by(step).collect();
         (groups, style) = (vec![(format!("one row of {step}"), some)], Style::Dots);
     }
+    let along = format!("{axis} / {unit}");
     let panels = PANELS.iter().map(|&(title, unit, i)| {
         let curves = groups.iter().map(|(name, rows)| {
-            let points = rows.iter().map(|row| (row.speed, row.stiffness[i]));
+            let points = rows.iter().map(|row| (row.given[over], row.stiffness[i]));
             Curve::new(name, style, points.collect())
         });
-        Panel::new(title, "shaft speed / 1000 rpm", unit, curves.collect())
+        Panel::new(title, &along, unit, curves.collect())
     });
     let title = title.trim_end_matches(", ");
     Ok(Chart::new(title, 2, panels.collect()))
@@ -365,19 +439,19 @@ fn around(table: &mut Table, wanted: Option<f64>) -> Result<Chart> {
 fn write(args: &Args, svg: &str) -> Result<()> {
     let path = match &args.output {
         Some(path) => path.clone(),
-        None if args.file == "-" => PathBuf::from("-"),
-        None => Path::new(&args.file).with_extension("svg"),
+        None if args.file.as_os_str() == "-" => PathBuf::from("-"),
+        None => args.file.with_extension("svg"),
     };
-    if path == Path::new(&args.file) && path.as_os_str() != "-" {
-        bail!(
-            "{}: the table itself; name the picture with -o",
-            path.display()
-        );
+    if path.as_os_str() == "-" {
+        return Ok(io::stdout().write_all(svg.as_bytes())?);
     }
-    let written: Result<()> = match path.extension().and_then(|ending| ending.to_str()) {
-        _ if path.as_os_str() == "-" => io::stdout().write_all(svg.as_bytes()).map_err(Into::into),
-        Some("svg") => std::fs::write(&path, svg).map_err(Into::into),
-        _ => bail!("{}: pictures are .svg; name one so", path.display()),
-    };
-    written.with_context(|| format!("{}: cannot be written", path.display()))
+    let name = path.display();
+    ensure!(
+        path != args.file,
+        "{name}: the table itself; name the picture with -o"
+    );
+    let is_svg = path.extension().is_some_and(|ending| ending == "svg");
+    ensure!(is_svg, "{name}: pictures are .svg; name one so");
+    let written = NewFile::write_whole(&path, svg.as_bytes());
+    written.with_context(|| format!("{name}: cannot be written"))
 }

@@ -4,6 +4,7 @@
 use anyhow::{Context, Result};
 use clap::{ArgGroup, Parser};
 use files::recordings;
+use files::told::Told;
 use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::simulated;
 use host_tests::telemetry::simulated::monitored::ROWS;
@@ -168,7 +169,7 @@ fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
         return Ok((source::recorded(path)?, None));
     }
     let end = arguments.seconds.unwrap_or(f64::INFINITY);
-    let rows = recordings::read(record_of(ROWS))?
+    let rows = recordings::read(record_of(ROWS), Told::default())?
         .take_while(|row| row.as_ref().map_or(true, |row| row.time_s < end));
     let bytes = simulated::stream(&rows.collect::<Result<Vec<_>, _>>()?)?;
     Ok((source::stream(Cursor::new(bytes)), None))

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail};
 use files::recordings::{self, LoadRow};
+use files::told::Told;
 use spindle_bearing::record::LoadRecord;
 
 /// Input of a run.
@@ -20,7 +21,7 @@ const LONGEST: f64 = 3600.0;
 /// `period_us`, on the straight line between the rows around it.
 pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Recording> {
     let mut rows: Vec<LoadRow> = Vec::new();
-    for row in recordings::read(path)? {
+    for row in recordings::read(path, Told::default())? {
         let row = row?;
         let start = rows.first().map_or(row.time_s, |first| first.time_s);
         let time = row.time_s - start;
@@ -96,7 +97,10 @@ mod tests {
         // Two ticks a row.
         let records = read(RECORD, Some(0.5), 500).unwrap().records;
         assert_eq!(records.len(), 1000);
-        let rows: Vec<_> = recordings::read(RECORD).unwrap().take(500).collect();
+        let rows: Vec<_> = recordings::read(RECORD, Told::default())
+            .unwrap()
+            .take(500)
+            .collect();
         for (i, row) in rows.into_iter().enumerate() {
             let (row, record) = (row.unwrap(), &records[2 * i]);
             assert_eq!(record.load(), row.load.map(|x| x as f32));

@@ -11,12 +11,10 @@ pub fn recordings() -> impl Iterator<Item = (String, &'static str)> {
     let texts = [
         String::new(),
         "\n\n".to_owned(),
-        "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,rpm\n".to_owned(),
-        with("fx_n", "Fx_kN"),
-        with("fx_n", "fx"),
-        with("my_nm", "My [N m]"),
+        with("fx_n", "Fx [V]"),
+        with("my_nm", "My [N]"),
         with("time_s", "tme_s"),
-        format!("{header},t_inner_c,T_outer_K"),
+        format!("{header},t_inner_c,T_oil_K"),
         with("fx_n", "remark"),
         "# 1\n# 2\n".to_owned(),
         "\u{feff}\n\0\u{1}\n".to_owned(),
@@ -29,18 +27,16 @@ pub fn recordings() -> impl Iterator<Item = (String, &'static str)> {
     let starts = "\
 line 1, column 1: the file is empty
 line 2, column 1: the file is empty
-line 1, column 7: \"rpm\" is not the column speed_rpm, which is missing; rename it
-line 1, column 2: \"Fx_kN\" is not the column fx_n, which is missing; rename it, and convert its numbers if they have another unit than N
-line 1, column 2: \"fx\" is not the column fx_n, which is missing
-line 1, column 5: \"My [N m]\" is not the column my_nm, which is missing
-line 1, column 1: \"tme_s\" is not the column time_s, which is missing
-line 1, column 9: \"T_outer_K\" is not the column t_outer_c, which is missing
-line 1, column 8 (fx_n): the header lacks this column
+line 1, column 1: \"Fx [V]\" has the unit V, which is none of N, kN, daN, lbf, kgf
+line 1, column 1: my is in no column; columns that say nothing: \"My [N]\"
+line 1, column 1: time is in no column; columns that say nothing: \"tme_s\"
+line 1, column 1: t_outer is in no column; columns that say nothing: \"T_oil_K\"
+line 1, column 1: fx is in no column; columns that say nothing: \"remark\"
 line 2, column 1: the file is empty
-line 2, column 1: \"\\0\\u{1}\" is none of the columns
-line 1, column 8 (time_s): the header has this column already as column 1
-line 1, column 7 (fy_n): the header lacks this column
-line 1, column 1: \"1\" is none of the columns
+line 2, column 1: fx is in no column, fy is in no column,
+line 1, column 1: time may be \"time_s\" or \"time_s\"
+line 1, column 1: fy is in no column. Say where each is, or its value, such as: cargo replay
+line 1, column 1: fx is in no column, fy is in no column,
 line 1, column 7: a carriage return in the middle of the line
 line 2, column 1: the line is longer than";
     paired(texts, starts)
@@ -60,7 +56,7 @@ pub fn rows() -> impl Iterator<Item = (String, &'static str)> {
         format!("{header}\n0,5,2,3,4,5,6,7\n"),
         format!("{header}\n1,2,3,\"4,5,6,7\n{row}\n"),
         format!("# of a machine\n{header}\n# more\n\n{row}\n,2,3,4,5,6,7\n"),
-        format!("{header}\n1,\"2,5\",3,4,5,6,7\n"),
+        format!("{header}\n1,\"2'500,5\",3,4,5,6,7\n"),
         format!("{semicolons}1,5;2;3;4;5;6;7\n1.5;2;3;4;5;6;7\n"),
         format!("{semicolons}1.5;2;3;4;5;6;7\n1;2,500;3;4;5;6;7\n"),
         format!("{semicolons}1;2.500,5;3;4;5;6;7\n"),
@@ -76,10 +72,10 @@ line 2, column 8: the line has 8 fields where the header has 7
 line 2, column 8: the line has 8 fields where the header has 7
 line 2, column 4: a quotation mark is opened but not closed
 line 6, column 1 (time_s): the field is empty
-line 2, column 2 (fx_n): \"2,5\" is not a number; decimals take a point where commas separate the fields; for decimal commas, separate fields by semicolons
+line 2, column 2 (fx_n): \"2'500,5\" is not a number: it has thousands separators; write it without
 line 3, column 1 (time_s): \"1.5\" has a point where numbers above have decimal commas
 line 3, column 2 (fx_n): \"2,500\" has a comma where numbers above have decimal points
-line 2, column 2 (fx_n): \"2.500,5\" is not a number
+line 2, column 2 (fx_n): \"2.500,5\" is not a number: it has thousands separators
 line 2, column 2 (fx_n): \"2,5,5\" is not a number
 line 2, column 5: a carriage return in the middle of the line";
     paired(texts, starts)

@@ -125,7 +125,11 @@ fn what_cannot_be_drawn_is_said_with_its_place() {
     }
     refused(&["--nose"], &good, "the column k_nose_x_x is missing");
     let speed = ["--over", "speed"];
-    refused(&speed, &good, "fewer than two speeds have an answer");
+    refused(
+        &speed,
+        &good,
+        "fewer than two values of the shaft speed have an answer",
+    );
     refused(&["--time", "3"], &good, "--time is for a file of balls");
     let words = good.replace("\n1,", "\none,");
     refused(&[], &words, "line 3 (time_s): \"one\" is not a number");

@@ -4,6 +4,7 @@ use crate::malformed::{self, HEADER};
 use files::designs::SHIPPED;
 use files::recordings::{LoadRow, Loads};
 use files::spindles::SpindleFile;
+use files::told::Told;
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::milling_cycle::RECORD;
 use host_tests::spindles::{AnySpindleSolver, Balls, with_solver};
@@ -103,7 +104,7 @@ pub fn numbers(fields: &[&str], precision: Precision) -> Vec<f64> {
 
 pub fn parsed(csv: &str) -> Vec<LoadRow> {
     let input = Cursor::new(csv.as_bytes().to_vec());
-    let loads = Loads::from_reader("loads.csv", Box::new(input)).unwrap();
+    let loads = Loads::from_reader("loads.csv", Box::new(input), Told::default()).unwrap();
     loads.map(Result::unwrap).collect()
 }
 
@@ -167,11 +168,14 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
                     let marks = answer.rows.iter().map(|row| row.limits);
                     let marks = marks.fold(LimitSet::default(), LimitSet::union);
                     assert_eq!(line[limits], marks.to_string());
-                    let life = numbers(&line[limits + 7..], Precision::F64);
-                    let (revolutions, hours, speed) = (life[0], life[1], row.speed_rpm);
-                    assert!(revolutions > 0.0 && (speed > 0.0 || hours.is_infinite()));
-                    let turned = hours * 60.0 * speed / 1e6;
-                    assert!(speed == 0.0 || (turned / revolutions - 1.0).abs() < 1e-6);
+                    let [revolutions, hours] = [line[limits + 7], line[limits + 8]];
+                    let speed = row.speed_rpm;
+                    assert_eq!(hours.is_empty(), speed == 0.0);
+                    if speed > 0.0 {
+                        let life = numbers(&[revolutions, hours], Precision::F64);
+                        let turned = life[1] * 60.0 * speed / 1e6;
+                        assert!((turned / life[0] - 1.0).abs() < 1e-6);
+                    }
                 }
                 Err(status) => {
                     assert_eq!(line[1], status.name());
@@ -495,4 +499,187 @@ fn bearings_of_the_catalogue_are_replayed_by_name_and_listed() {
     assert!(status == 2 && told.contains("gmn:S6005C"), "{told}");
     let (status, list, _) = replayed(&["--list"], "");
     assert!(status == 0 && list.contains("gmn:S6014C"), "{list}");
+}
+
+#[test]
+fn a_column_that_is_not_known_is_asked_for_by_the_whole_command_line() {
+    let text = "time_s,F 1,fy_n,fz_n,my_nm,mz_nm\n0,400,0,0,0,0\n";
+    let bearing = shipped("b7005c");
+    let (status, out, err) = replayed(&[&bearing, "-", "--select", "dx,fx"], text);
+    assert_eq!((status, &*out), (2, ""));
+    assert_eq!(
+        err,
+        format!(
+            "replay: standard input: line 1, column 1: fx is in no column, speed is in no column; columns that say nothing: \
+             \"F 1\". Say where each is, or its value, such as: cargo replay {bearing} - --select dx,fx \
+             --columns fx=\"F 1\" --speed 12000\n"
+        )
+    );
+    let options = [
+        "--select",
+        "fx,speed",
+        "--columns",
+        "fx=\"F 1\"",
+        "--speed",
+        "12000",
+    ];
+    let (status, out, err) = replayed(&[&[&*bearing, "-"], &options[..]].concat(), text);
+    assert_eq!((status, &*out), (0, "fx_n,speed_rpm\n400,12000\n"));
+    assert!(
+        err.contains("fx 400 N? (\"F 1\"), fy 0 N (\"fy_n\")"),
+        "{err}"
+    );
+}
+
+#[test]
+fn columns_are_selected_by_their_names() {
+    let input = format!("{HEADER}{ROWS}");
+    let bearing = shipped("b7005c");
+    let (_, all, _) = replayed(&[&bearing, "-"], &input);
+    let all = table(&all, RESULT_HEADER);
+    let (status, out, _) = replayed(
+        &[&bearing, "-", "--select", "kxx,time_s,k_ty_z,dx,l10_h"],
+        &input,
+    );
+    assert_eq!(status, 0);
+    let picked = table(&out, "k_x_x,time_s,k_ty_z,dx_m,l10_h");
+    let names: Vec<&str> = RESULT_HEADER.split(',').collect();
+    let place = |name: &str| names.iter().position(|one| *one == name).unwrap();
+    let places = ["k_x_x", "time_s", "k_ty_z", "dx_m", "l10_h"].map(place);
+    for (line, all) in picked.iter().zip(&all) {
+        assert_eq!(line[..], places.map(|i| all[i]));
+    }
+    for (names, wanted) in [
+        ("kxq", "no column kxq: there are time_s,"),
+        ("l10", "no column l10"),
+        ("dx,dx_m", "given twice"),
+    ] {
+        let (status, _, err) = replayed(&[&bearing, "-", "--select", names], &input);
+        assert!(status == 2 && err.contains(wanted), "{err}");
+    }
+}
+
+#[test]
+fn balls_move_as_they_are_told() {
+    let input = format!("{HEADER}0,500,100,0,0,0,0\n1,500,100,0,0,0,15000\n");
+    let bearing = shipped("b7005c");
+    let solved = |motion: &str| {
+        let args = [&bearing, "-", "--cold", "--motion", motion];
+        let (out, files) = with_files(&args, &["--frequencies"], &input);
+        let lines = out
+            .lines()
+            .map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+        let frequencies = files[0]
+            .lines()
+            .nth(2)
+            .unwrap()
+            .split(',')
+            .map(|x| x.parse::<f64>().unwrap_or(0.0));
+        (
+            lines.skip(1).collect::<Vec<_>>(),
+            frequencies.collect::<Vec<f64>>(),
+        )
+    };
+    let (still, by_angles) = solved("static");
+    // The same displacement and stiffness, whatever the speed; the life in hours is at that speed.
+    assert_eq!(still[0][3..34], still[1][3..34]);
+    assert!(still[0][41].is_empty() && !still[1][41].is_empty());
+    let (full, turning) = solved("full");
+    let (centrifugal, _) = solved("centrifugal");
+    assert_ne!(full[1], centrifugal[1]);
+    for i in 1..5 {
+        assert!(
+            (by_angles[i] / turning[i] - 1.0).abs() < 0.05,
+            "{by_angles:?} {turning:?}"
+        );
+    }
+    assert!((by_angles[2] + by_angles[3] - 16.0 * 250.0).abs() < 1e-9);
+    let (status, _, err) = replayed(
+        &[&bearing, "-", "--motion", "static", "--attitude", "outer"],
+        &input,
+    );
+    assert!(
+        status == 2 && err.contains("--attitude makes no difference"),
+        "{err}"
+    );
+}
+
+/// Two loads, each for half of the time: the shares of life that they use up add up.
+#[test]
+fn a_recording_has_one_life() {
+    let bearing = shipped("b7005c");
+    let hours = |rows: &str| -> f64 {
+        let args = [&bearing, "-", "--summary=json"];
+        let (status, out, err) = replayed(&args, &format!("{HEADER}{rows}"));
+        assert_eq!((status, &*err), (0, ""));
+        serde_json::from_str::<serde_json::Value>(&out).unwrap()["l10_h"]
+            .as_f64()
+            .unwrap()
+    };
+    let heavy = hours("0,900,300,0,0,0,9000\n1,900,300,0,0,0,9000\n");
+    let light = hours("0,500,100,0,0,0,12000\n1,500,100,0,0,0,12000\n");
+    let both = hours("0,900,300,0,0,0,9000\n1,500,100,0,0,0,12000\n");
+    assert!((2.0 / (1.0 / heavy + 1.0 / light) / both - 1.0).abs() < 1e-9);
+    let input = format!(
+        "{HEADER}0,900,300,0,0,0,9000\n3,x,0,0,0,0,0\n4,6000,300,0,0,0,9000\n3,6000,0,0,0,0,0\n"
+    );
+    let args = [&bearing, "-", "--summary", "--peak-pressure", "2500"];
+    let (status, out, _) = replayed(&args, &input);
+    assert_eq!(status, 0);
+    for line in [
+        "records            4",
+        "without an answer  1 (25.00 %)",
+        "time with answers  5.000000 s",
+        "time goes back     1 times",
+        "peak-pressure    2.000000 s (40.00 %)",
+    ] {
+        assert!(out.contains(line), "{out}\nwithout {line}");
+    }
+}
+
+/// A disk that is full, or a recording that is none, leaves the file of yesterday.
+#[test]
+fn an_old_file_stays_until_the_new_one_is_complete() {
+    let path = scratch("kept.csv");
+    std::fs::write(&path, "of yesterday").unwrap();
+    let name = path.to_str().unwrap();
+    let (status, _, _) = replayed(&[&shipped("b7005c"), "nowhere.csv", "--balls", name], "");
+    assert_eq!(status, 2);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "of yesterday");
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    if let Ok(full) = full {
+        let mut replay = Command::new(REPLAY);
+        let replay = replay.args([&*shipped("b7005c"), RECORD, "--balls", name]);
+        let ended = replay.stdout(full).stderr(Stdio::piped()).output().unwrap();
+        assert_eq!(ended.status.code(), Some(1));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "of yesterday");
+    }
+    let (status, _, _) = replayed(
+        &[&shipped("b7005c"), "-", "--balls", name],
+        &format!("{HEADER}{ROWS}"),
+    );
+    assert_eq!(status, 0);
+    assert!(
+        std::fs::read_to_string(&path)
+            .unwrap()
+            .starts_with(BALL_HEADER)
+    );
+    std::fs::remove_file(&path).unwrap();
+    assert!(!scratch("kept.csv.part").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn paths_need_not_be_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let path = scratch("x").with_file_name(std::ffi::OsStr::from_bytes(b"loads-\xFF.csv"));
+    std::fs::write(&path, format!("{HEADER}{ROWS}")).unwrap();
+    let ended = Command::new(REPLAY)
+        .arg(shipped("b7005c"))
+        .arg(&path)
+        .output()
+        .unwrap();
+    std::fs::remove_file(&path).unwrap();
+    assert!(ended.status.success());
+    assert_eq!(ended.stdout.split(|byte| *byte == b'\n').count(), 6);
 }

@@ -89,7 +89,7 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     changed(bearing, "", "this row lacks `bearing`");
     let reason = "row 0 is preloaded by -1 N: give a positive force";
     changed("preload_n = 294", "preload_n = -1", reason);
-    let reason = "the columns t_inner_c and t_outer_c are missing, which [heat] needs";
+    let reason = "t_inner is in no column, t_outer is in no column";
     changed("[nose]", "[heat]\nreference_c = 20\n[nose]", reason);
     assert!(
         complaint("row = []\nname = \"none\"".to_owned(), &[])
@@ -114,8 +114,5 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     );
     let half = LOADS.replace("speed_rpm", "speed_rpm,t_inner_c");
     let (_, _, err) = replayed(&[&shipped("7014c_qbc"), "-"], &half);
-    assert!(
-        err.contains("line 1, column 9 (t_outer_c): the header lacks this column"),
-        "{err}"
-    );
+    assert!(err.contains("t_outer is in no column"), "{err}");
 }

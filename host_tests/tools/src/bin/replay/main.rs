@@ -2,21 +2,26 @@
 
 mod table;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail, ensure};
 use clap::{Parser, ValueEnum};
 use files::catalogue;
-use files::recordings::{self, LoadRow, LoadsError};
+use files::recordings::{self, LoadRow, LoadsError, listed};
 use files::spindles::SpindleFile;
+use files::told::{Quantity, Told};
+use files::units::{Dimension, celsius};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::replay::{Outputs, ReplayError, Summary, Table, replay};
-use host_tests::spindles::{Balls, with_solver};
+use host_tests::lifetime::Lifetime;
+use host_tests::replay::{Job, Output, ReplayError, Summary, Table, replay};
+use host_tests::spindles::{Balls, Choices, with_solver};
 use indicatif::{ProgressBar, ProgressFinish, ProgressIterator, ProgressStyle};
 use spindle_bearing::Limits;
-use std::fs::File;
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::cell::RefCell;
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::rc::Rc;
 use table::Axes;
+use tools::output::NewFile;
 
 /// Replays recorded bearing loads through the solver
 ///
@@ -37,7 +42,7 @@ struct Args {
     ///
     /// An example, a synthetic milling cycle, is host_tests/records/milling_cycle.csv.
     #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list"])]
-    loads: Option<String>,
+    loads: Option<PathBuf>,
 
     /// Print the catalogue: bearings that can be named in the place of DESIGN.toml
     #[arg(long)]
@@ -52,6 +57,19 @@ struct Args {
     #[arg(long, value_name = "AXIS=RANGE", num_args = 1.., conflicts_with = "loads")]
     table: Vec<String>,
 
+    #[command(flatten)]
+    recording: Recording,
+
+    /// Columns of the results, in this order, such as time_s,kxx,kyy,dx
+    #[arg(long, value_name = "COLUMN,..", value_delimiter = ',')]
+    select: Vec<String>,
+
+    /// In the place of the results: rating life of the whole recording, worst pressure, least preload, time beyond limits
+    ///
+    /// A record lasts until the next one. Without times, all records last equally long.
+    #[arg(long, value_enum, value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
+    summary: Option<Form>,
+
     /// Precision to compute in
     ///
     /// Loads and speed are rounded to it first. Results have as many digits as it takes to read
@@ -62,6 +80,16 @@ struct Args {
     /// Rule for the axis about which a ball turns, and with it the gyroscopic moment
     #[arg(long, value_enum, default_value_t = Rule::Raceless)]
     attitude: Rule,
+
+    /// How the balls move
+    #[arg(long, value_enum, default_value_t = Motion::Full)]
+    motion: Motion,
+
+    /// Largest change of the stiffness along the last step, relative to its diagonal: 1e-3 is that of a tick of firmware
+    ///
+    /// The default is 2e-5 in single and 3e-13 in double precision.
+    #[arg(long, value_name = "PART")]
+    tolerance: Option<f64>,
 
     /// Solve every row from scratch, as after a reset
     ///
@@ -92,6 +120,77 @@ struct Args {
     /// Write the frequencies at which damaged parts of every row of balls are heard to this CSV file
     #[arg(long, value_name = "FREQUENCIES.csv")]
     frequencies: Option<PathBuf>,
+}
+
+/// What the columns of a recording do not say
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Recording")]
+struct Recording {
+    /// Columns by their names or numbers, such as `time="Zeit [s]",fx=-"Fy"`; time=- has none
+    ///
+    /// Quantities are time, fx, fy, fz, mx, my, mz, speed, t_inner, t_outer.
+    #[arg(long, value_name = "QUANTITY=NAME,..", allow_hyphen_values = true)]
+    columns: Vec<String>,
+
+    /// Axes of the bearing's frame by the forces of the recording, such as x=Fz,y=Fx,z=Fy; moments follow
+    #[arg(long, value_name = "x=F,y=F,z=F")]
+    axes: Option<String>,
+
+    /// Solve one record of so many
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
+
+    #[command(flatten)]
+    given: Given,
+}
+
+/// Quantities that are constant, in the bearing's frame.
+#[derive(Debug, clap::Args)]
+struct Given {
+    /// Axial force that is constant, N
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    fx: Option<f64>,
+    /// Radial force that is constant, N
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    fy: Option<f64>,
+    /// Radial force that is constant, N
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    fz: Option<f64>,
+    /// Tilting moment that is constant, N m
+    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
+    my: Option<f64>,
+    /// Tilting moment that is constant, N m
+    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
+    mz: Option<f64>,
+    /// Shaft speed that is constant, rpm
+    #[arg(long, value_name = "RPM", allow_negative_numbers = true)]
+    speed: Option<f64>,
+    /// Temperature of the inner side that is constant, deg C
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    t_inner: Option<f64>,
+    /// Temperature of the outer side that is constant, deg C
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    t_outer: Option<f64>,
+}
+
+/// How the balls move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Motion {
+    /// At rest: the speed counts for life and frequencies alone
+    Static,
+    /// Under centrifugal force alone
+    Centrifugal,
+    /// With all inertia loads
+    Full,
+}
+
+/// How the summary is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Form {
+    /// To read
+    Text,
+    /// As JSON, SI units
+    Json,
 }
 
 /// The working precision.
@@ -213,48 +312,128 @@ fn main() -> ExitCode {
         Err(error) => {
             let status = match error.downcast_ref() {
                 // A reader that has seen enough (`| head`) is no failure.
-                Some(ReplayError::Output(Table::Results, reason))
-                    if reason.kind() == ErrorKind::BrokenPipe =>
-                {
+                Some(ReplayError::Output(_, reason)) if reason.kind() == ErrorKind::BrokenPipe => {
                     return ExitCode::SUCCESS;
                 }
                 Some(ReplayError::Output(..)) => 1,
                 _ => 2,
             };
-            eprintln!("replay: {error}");
+            match error.downcast_ref() {
+                Some(LoadsError::Unknown(fault, options)) => {
+                    eprintln!("replay: {fault}: {}{options}", command_line());
+                }
+                _ => eprintln!("replay: {error}"),
+            }
             ExitCode::from(status)
         }
     }
 }
 
+/// The command line, as a shell would take it.
+fn command_line() -> String {
+    let args = std::env::args_os().skip(1).map(|arg| {
+        let arg = arg.to_string_lossy().into_owned();
+        let is_plain = |c: char| c.is_alphanumeric() || "_-./:=,+@%".contains(c);
+        match !arg.is_empty() && arg.chars().all(is_plain) {
+            true => arg,
+            false => format!("'{}'", arg.replace('\'', "'\\''")),
+        }
+    });
+    let args: Vec<String> = ["cargo replay".to_owned()]
+        .into_iter()
+        .chain(args)
+        .collect();
+    args.join(" ")
+}
+
 fn run(args: &Args) -> Result<Summary> {
     let file = SpindleFile::read(args.design())?;
-    if args.rows.is_some() && file.is_bearing {
-        bail!(
-            "--rows is for spindles, and {} is one bearing: it has no [[row]]",
-            args.design().display()
-        );
-    }
-    let balls = Balls::Moving(match args.attitude {
+    ensure!(
+        args.rows.is_none() || !file.is_bearing,
+        "--rows is for spindles, and {} is one bearing: it has no [[row]]",
+        args.design().display()
+    );
+    let attitude = match args.attitude {
         Rule::Raceless => Attitude::Raceless,
         Rule::Outer => Attitude::Outer,
         Rule::Inner => Attitude::Inner,
-    });
+    };
+    let balls = match args.motion {
+        Motion::Full => Balls::Moving(attitude),
+        _ if attitude != Attitude::Raceless => bail!(
+            "--attitude makes no difference without gyroscopic moments; leave out it or --motion"
+        ),
+        Motion::Static => Balls::Static,
+        Motion::Centrifugal => Balls::Centrifugal,
+    };
     let precision = match args.precision {
         Digits::F32 => Precision::F32,
         Digits::F64 => Precision::F64,
     };
+    if let Some(tolerance) = args.tolerance {
+        ensure!(
+            tolerance > 0.0 && tolerance < 1.0,
+            "--tolerance {tolerance}: it is 0 to 1"
+        );
+    }
+    let mut lifetime = args.summary.map(|_| Lifetime::default());
     let solved = with_solver(&file.plan, balls, precision, |solver| {
-        solver.set_limits(&Limits {
-            peak_pressure: args.peak_pressure * 1e6,
-            friction: args.friction,
-        });
-        let rows = args.input(file.heat.map(|heat| heat.reference))?;
-        let outputs = args.outputs()?;
-        Ok(replay(&file, solver, precision, rows, args.cold, outputs)?)
+        let (rows, recording) = args.input(&file)?;
+        let mut files = args.files()?;
+        let mut outputs: Vec<Output<'_>> = Vec::new();
+        if args.summary.is_none() {
+            outputs.push((Table::Results, Box::new(io::stdout())));
+        }
+        outputs.extend(files.iter_mut().map(|(table, file)| {
+            let out: Box<dyn Write> = Box::new(file);
+            (*table, out)
+        }));
+        let job = Job {
+            file: &file,
+            precision,
+            cold: args.cold,
+            at_rest: args.motion == Motion::Static,
+            select: args.select.clone(),
+            choices: Choices {
+                limits: Limits {
+                    peak_pressure: args.peak_pressure * 1e6,
+                    friction: args.friction,
+                },
+                tolerance: args.tolerance,
+                ..Choices::default()
+            },
+            lifetime: lifetime.as_mut(),
+        };
+        let replayed = replay(job, solver, rows, outputs);
+        if let Some(assumed) = recording.and_then(|recording| recording.borrow().assumed()) {
+            eprintln!("replay: {assumed}");
+        }
+        if !matches!(replayed, Err(ReplayError::Output(..))) {
+            for (table, file) in files {
+                file.finish()
+                    .map_err(|error| ReplayError::Output(table, error))?;
+            }
+        }
+        anyhow::Ok(replayed?)
     });
-    solved.map_err(|error| file.explain(&error))?
+    let summary = solved.map_err(|error| file.explain(&error))??;
+    if let (Some(mut lifetime), Some(form)) = (lifetime, args.summary) {
+        lifetime.finish();
+        let text = match form {
+            Form::Text => lifetime.to_string(),
+            Form::Json => serde_json::to_string_pretty(&lifetime)? + "\n",
+        };
+        let written = io::stdout().write_all(text.as_bytes());
+        written.map_err(|error| ReplayError::Output(Table::Results, error))?;
+    }
+    Ok(summary)
 }
+
+/// Rows to solve, and the recording that they come from.
+type Input = (
+    Box<dyn Iterator<Item = Result<LoadRow, LoadsError>>>,
+    Option<Rc<RefCell<recordings::Loads>>>,
+);
 
 impl Args {
     /// clap demands one, except with `--list`.
@@ -262,8 +441,9 @@ impl Args {
         self.design.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// Rows of the recording or of the table; `reference` is the temperature of a spindle with `[heat]`.
-    fn input(&self, reference: Option<f64>) -> Result<Rows> {
+    /// Rows of the recording or of the table.
+    fn input(&self, file: &SpindleFile) -> Result<Input> {
+        let reference = file.heat.map(|heat| heat.reference);
         let Some(path) = &self.loads else {
             let axes = Axes::parse(&self.table)?;
             if axes.has_temperatures() && reference.is_none() {
@@ -271,69 +451,97 @@ impl Args {
             }
             let rows = axes.rows(reference);
             let bar = progress_bar(Some(rows.len() as u64), "{pos} of {len} rows");
-            return Ok(Box::new(rows.progress_with(bar).map(Ok)));
+            return Ok((Box::new(rows.progress_with(bar).map(Ok)), None));
         };
-        let mut loads = recordings::read(path)?;
+        let loads = recordings::read(path, self.recording.told(reference.is_some())?)?;
         let file = loads.file();
         let ignored = loads.ignored_columns();
         if !ignored.is_empty() {
-            eprintln!("replay: {file}: columns ignored: {}", listed(ignored));
+            eprintln!("replay: {file}: columns ignored: {}", listed(&ignored));
         }
-        match (reference.is_some(), loads.has_temperatures()) {
-            (true, false) => {
-                bail!("{file}: the columns t_inner_c and t_outer_c are missing, which [heat] needs")
-            }
-            (false, true) => bail!(
+        if reference.is_none() && loads.has_temperatures() {
+            bail!(
                 "{file}: t_inner_c and t_outer_c are for spindles with [heat]: add that to the spindle with \
                  reference_c, or remove these columns"
-            ),
-            _ => {}
+            );
         }
         let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
-        Ok(Box::new(std::iter::from_fn(move || {
+        let loads = Rc::new(RefCell::new(loads));
+        let read = Rc::clone(&loads);
+        let rows = std::iter::from_fn(move || {
+            let mut loads = read.borrow_mut();
             let row = loads.next();
             bar.set_position(loads.bytes_read());
             row
-        })))
+        });
+        Ok((Box::new(rows), Some(loads)))
     }
 
-    /// Standard output, and the files that options name.
-    fn outputs(&self) -> Result<Outputs<'static>> {
-        let loads = self.loads.as_ref().map(Path::new);
-        let inputs: Vec<&Path> = [Some(self.design()), loads].into_iter().flatten().collect();
-        let mut outputs: Outputs<'_> = vec![(
-            Table::Results,
-            Box::new(BufWriter::with_capacity(1 << 16, io::stdout())),
-        )];
+    /// The files that options name.
+    fn files(&self) -> Result<Vec<(Table, NewFile)>> {
+        let inputs = [Some(self.design()), self.loads.as_deref()];
+        let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
+        let mut files = Vec::new();
         for (table, option, path) in [
             (Table::Balls, "--balls", &self.balls),
             (Table::Rows, "--rows", &self.rows),
             (Table::Frequencies, "--frequencies", &self.frequencies),
         ] {
             if let Some(path) = path {
-                outputs.push((table, Box::new(create(option, path, &inputs)?)));
+                files.push((table, create(option, path, &inputs)?));
             }
         }
-        Ok(outputs)
+        Ok(files)
     }
 }
 
-/// Rows to solve.
-type Rows = Box<dyn Iterator<Item = Result<LoadRow, LoadsError>>>;
-
-/// The first of these names, and the number of the others.
-fn listed(names: &[String]) -> String {
-    const SHOWN: usize = 12;
-    let quoted = names.iter().take(SHOWN).map(|name| format!("{name:?}"));
-    let mut list = quoted.collect::<Vec<_>>().join(", ");
-    if names.len() > SHOWN {
-        list.push_str(&format!(" and {} more", names.len() - SHOWN));
+impl Recording {
+    /// What the options say, and whether temperatures are needed.
+    fn told(&self, heat: bool) -> Result<Told> {
+        let mut told = Told {
+            every: self.every as usize,
+            heat,
+            ..Told::default()
+        };
+        for columns in &self.columns {
+            let added = told.add_columns(columns);
+            added.map_err(|error| anyhow!("--columns {columns}: {error}"))?;
+        }
+        if let Some(axes) = &self.axes {
+            told.set_axes(axes)
+                .map_err(|error| anyhow!("--axes {axes}: {error}"))?;
+        }
+        let Given {
+            fx,
+            fy,
+            fz,
+            my,
+            mz,
+            speed,
+            t_inner,
+            t_outer,
+        } = self.given;
+        for (quantity, value) in [
+            (Quantity::Fx, fx),
+            (Quantity::Fy, fy),
+            (Quantity::Fz, fz),
+            (Quantity::My, my),
+            (Quantity::Mz, mz),
+            (Quantity::Speed, speed),
+            (Quantity::TInner, t_inner),
+            (Quantity::TOuter, t_outer),
+        ] {
+            if let (Some(value), Dimension::Temperature) = (value, quantity.dimension()) {
+                celsius(value).map_err(|error| anyhow!("--{}: {error}", quantity.name()))?;
+            }
+            told.given[quantity as usize] = value;
+        }
+        Ok(told)
     }
-    list
 }
 
 /// Creates the file that an option names, unless that would destroy one of the `inputs`.
-fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>> {
+fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<NewFile> {
     let name = path.display();
     if path.as_os_str() == "-" {
         bail!("{option} needs a file; standard output carries the results");
@@ -345,10 +553,7 @@ fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<BufWriter<File>
     if inputs.iter().any(same) {
         bail!("{option} would overwrite its own input {name}; name another file");
     }
-    match File::create(path) {
-        Ok(file) => Ok(BufWriter::new(file)),
-        Err(error) => bail!("{name}: cannot be written: {error}"),
-    }
+    NewFile::create(path).map_err(|error| anyhow!("{name}: cannot be written: {error}"))
 }
 
 /// A bar on the terminal over the bytes of the recording or the rows of a table, with `position` beside

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use files::recordings::LoadRow;
+use files::units::celsius;
 
 /// Most rows of a table.
 const MOST_ROWS: usize = 1_000_000;
@@ -67,6 +68,9 @@ impl Axes {
             axis.with_context(|| format!("{name:?} is none of the axes {}", AXES.join(", ")))?;
         ensure!(self.0[axis].is_empty(), "{name} is given twice");
         self.0[axis] = values(range)?;
+        for temperature in self.0[..2].iter().flatten() {
+            celsius(*temperature).map_err(|error| anyhow!(error))?;
+        }
         Ok(())
     }
 

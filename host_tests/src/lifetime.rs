@@ -1,0 +1,203 @@
+//! What a whole recording amounts to: rating life, worst pressure, least preload, time beyond each limit.
+
+use crate::spindles::Answer;
+use serde::Serialize;
+use spindle_bearing::{Limit, LimitSet, RatingLife};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::fmt;
+
+/// The sum over a recording. A record holds until the next one; the last, and one after which the time goes back, as long as the
+/// one before it.
+#[derive(Debug, Default, Serialize)]
+pub struct Lifetime {
+    /// Records.
+    pub records: u64,
+    /// How many of them have no answer.
+    pub without_answer: u64,
+    /// Time of the records with an answer, s.
+    pub duration_s: f64,
+    /// Records with a time before that of the record above.
+    pub back_in_time: u64,
+    /// Basic rating life of the set by ISO 281's sum over the records; none if it has no end.
+    pub l10_mrev: Option<f64>,
+    /// The same in hours.
+    pub l10_h: Option<f64>,
+    /// The rows.
+    pub rows: Vec<RowLifetime>,
+    /// Time beyond each limit, s.
+    pub beyond_s: BTreeMap<&'static str, f64>,
+    #[serde(skip)]
+    damage: Damage,
+    #[serde(skip)]
+    last: Option<Record>,
+    #[serde(skip)]
+    step: f64,
+}
+
+/// What a recording amounts to for one row.
+#[derive(Debug, Default, Serialize)]
+pub struct RowLifetime {
+    /// Its basic rating life; none if it has no end.
+    pub l10_mrev: Option<f64>,
+    /// The same in hours.
+    pub l10_h: Option<f64>,
+    /// The largest peak pressure, Pa.
+    pub worst_pressure_pa: f64,
+    /// Its time, s.
+    pub worst_pressure_at_s: f64,
+    /// The least preload, N; none of a bearing alone.
+    pub least_preload_n: Option<f64>,
+    /// Its time, s.
+    pub least_preload_at_s: Option<f64>,
+    #[serde(skip)]
+    damage: Damage,
+}
+
+/// Revolutions in all, and the share of the life that they use up.
+#[derive(Debug, Clone, Copy, Default)]
+struct Damage {
+    revolutions: f64,
+    used: f64,
+}
+
+impl Damage {
+    fn add(&mut self, weight: f64, revolutions: f64) {
+        let life = RatingLife::of_weight(weight, 1.0).million_revolutions;
+        self.revolutions += revolutions;
+        self.used += revolutions / (1e6 * life);
+    }
+
+    /// Million revolutions, and hours if so many revolutions take `duration` seconds.
+    fn life(&self, duration: f64) -> [Option<f64>; 2] {
+        let both = [1e-6 * self.revolutions, duration / 3600.0];
+        both.map(|of| Some(of / self.used).filter(|life| life.is_finite()))
+    }
+}
+
+/// A record whose duration is not known yet.
+#[derive(Debug)]
+struct Record {
+    time: f64,
+    turns_per_s: f64,
+    /// Weights of its rows and limits that are passed, if it has an answer.
+    answer: Option<(Vec<f64>, LimitSet)>,
+}
+
+impl Lifetime {
+    /// Adds a record: its time if it could be read, its speed, its answer and the weights of the rows for the life.
+    pub fn add(&mut self, time: Option<f64>, omega: f64, answer: Option<(&Answer, Vec<f64>)>) {
+        self.records += 1;
+        self.without_answer += u64::from(answer.is_none());
+        let Some(time) = time.filter(|time| time.is_finite()) else {
+            return;
+        };
+        self.close(Some(time));
+        if let Some((answer, weights)) = &answer {
+            self.rows.resize_with(weights.len(), RowLifetime::default);
+            for (sum, row) in self.rows.iter_mut().zip(&answer.rows) {
+                let pressures = row.motions.iter().flat_map(|ball| [ball.inner, ball.outer]);
+                let pressure = pressures.fold(0.0, |most: f64, at| most.max(at.peak_pressure));
+                if pressure > sum.worst_pressure_pa {
+                    (sum.worst_pressure_pa, sum.worst_pressure_at_s) = (pressure, time);
+                }
+                let is_less = sum.least_preload_n.is_none_or(|least| row.preload < least);
+                if is_less && answer.rows.len() > 1 {
+                    (sum.least_preload_n, sum.least_preload_at_s) = (Some(row.preload), Some(time));
+                }
+            }
+        }
+        self.last = Some(Record {
+            time,
+            turns_per_s: omega.abs() / TAU,
+            answer: answer.map(|(answer, weights)| (weights, answer.limits())),
+        });
+    }
+
+    /// Counts the last record up to the time of the next one.
+    fn close(&mut self, next: Option<f64>) {
+        let Some(record) = self.last.take() else {
+            return;
+        };
+        let step = next.map_or(self.step, |next| next - record.time);
+        self.back_in_time += u64::from(step < 0.0);
+        self.step = if step < 0.0 { self.step } else { step };
+        let step = self.step;
+        let Some((weights, limits)) = record.answer else {
+            return;
+        };
+        let revolutions = record.turns_per_s * step;
+        self.duration_s += step;
+        self.damage.add(weights.iter().sum(), revolutions);
+        for (row, weight) in self.rows.iter_mut().zip(weights) {
+            row.damage.add(weight, revolutions);
+        }
+        for limit in limits.iter() {
+            *self.beyond_s.entry(limit.name()).or_default() += step;
+        }
+    }
+
+    /// Ends the recording.
+    pub fn finish(&mut self) {
+        self.close(None);
+        [self.l10_mrev, self.l10_h] = self.damage.life(self.duration_s);
+        for row in &mut self.rows {
+            [row.l10_mrev, row.l10_h] = row.damage.life(self.duration_s);
+        }
+        for limit in Limit::ALL {
+            self.beyond_s.entry(limit.name()).or_default();
+        }
+    }
+}
+
+impl fmt::Display for Lifetime {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent = |part: f64, whole: f64| {
+            if whole > 0.0 {
+                100.0 * part / whole
+            } else {
+                0.0
+            }
+        };
+        let life = |life: [Option<f64>; 2]| match life {
+            [Some(revolutions), Some(hours)] => {
+                format!("{hours:.0} h, {revolutions:.1} million revolutions")
+            }
+            _ => "without end".to_owned(),
+        };
+        let share = percent(self.without_answer as f64, self.records as f64);
+        writeln!(f, "records            {}", self.records)?;
+        writeln!(
+            f,
+            "without an answer  {} ({share:.2} %)",
+            self.without_answer
+        )?;
+        writeln!(f, "time with answers  {:.6} s", self.duration_s)?;
+        if self.back_in_time > 0 {
+            writeln!(f, "time goes back     {} times", self.back_in_time)?;
+        }
+        writeln!(
+            f,
+            "L10 of all rows    {}",
+            life([self.l10_mrev, self.l10_h])
+        )?;
+        for (i, row) in self.rows.iter().enumerate() {
+            writeln!(f, "row {i}")?;
+            writeln!(f, "  L10              {}", life([row.l10_mrev, row.l10_h]))?;
+            let (pressure, at) = (1e-6 * row.worst_pressure_pa, row.worst_pressure_at_s);
+            writeln!(f, "  worst pressure   {pressure:.0} MPa at {at} s")?;
+            if let (Some(preload), Some(at)) = (row.least_preload_n, row.least_preload_at_s) {
+                writeln!(f, "  least preload    {preload:.1} N at {at} s")?;
+            }
+        }
+        writeln!(f, "time beyond limits")?;
+        for (limit, time) in &self.beyond_s {
+            writeln!(
+                f,
+                "  {limit:16} {time:.6} s ({:.2} %)",
+                percent(*time, self.duration_s)
+            )?;
+        }
+        Ok(())
+    }
+}
