@@ -191,6 +191,19 @@ fn results(file: &SpindleFile, columns: &mut Vec<Column>) {
     }
 }
 
+/// What holds the shaft at `x = 0`, where displacements are given.
+fn reactions() -> impl Iterator<Item = Column> {
+    let names = [
+        "reaction_fx_n",
+        "reaction_fy_n",
+        "reaction_fz_n",
+        "reaction_my_nm",
+        "reaction_mz_nm",
+    ];
+    let columns = names.into_iter().enumerate();
+    columns.map(|(i, name)| Column::of_answer(name, move |answer| answer.load[i]))
+}
+
 /// A field of a table.
 enum Figure {
     None,
@@ -435,6 +448,9 @@ pub fn replay(
     for (table, out) in outputs {
         let mut columns = table.columns(file);
         if table == Table::Results {
+            if job.choices.held != [None; 5] {
+                columns.extend(reactions());
+            }
             if !job.select.is_empty() {
                 columns = select(columns, &job.select).map_err(ReplayError::Select)?;
             }

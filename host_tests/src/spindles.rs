@@ -5,9 +5,9 @@ use crate::dispatch::{
 };
 use files::plan::{BuildError, MOST_BALLS, Plan, Question};
 use spindle_bearing::{
-    BallKinematics, BallState, Centrifugal, Frequencies, Full, Growth, InnerRaceControl, LimitSet,
-    Limits, Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real, Settings,
-    ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
+    BallKinematics, BallState, Centrifugal, Frequencies, Full, Given, Growth, InnerRaceControl,
+    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real,
+    Settings, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
 };
 use std::array::from_fn;
 
@@ -31,6 +31,8 @@ pub struct Answer {
     pub iterations: u16,
     /// Displacement of the shaft at `x = 0`.
     pub displacement: [f64; 5],
+    /// Load there: reactions where displacements are given.
+    pub load: [f64; 5],
     /// Stiffness there.
     pub stiffness: [[f64; 5]; 5],
     /// Compliance at the point that was asked for.
@@ -129,6 +131,8 @@ pub struct Choices {
     pub tolerance: Option<f64>,
     /// Most iterations.
     pub max_iterations: u16,
+    /// Displacements of the shaft at `x = 0` that are given in the place of loads, m and rad.
+    pub held: [Option<f64>; 5],
     /// Parts of an answer that are worked out.
     pub parts: Parts,
 }
@@ -139,6 +143,7 @@ impl Default for Choices {
             limits: Limits::DEFAULT,
             tolerance: None,
             max_iterations: Settings::<f64>::DEFAULT.max_iterations,
+            held: [None; 5],
             parts: Parts::ALL,
         }
     }
@@ -300,9 +305,16 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
             max_iterations: self.choices.max_iterations,
         };
         let speed = Speed::rad_per_s(T::of(omega));
-        let solved = self
-            .solver
-            .solve_at(question.load.map(T::of), speed, &growth, &settings);
+        let (load, held) = (question.load.map(T::of), self.choices.held);
+        let given = from_fn(|i| match held[i] {
+            Some(u) => Given::Displacement(T::of(u)),
+            None => Given::Load(load[i]),
+        });
+        let solver = &mut self.solver;
+        let solved = match held {
+            [None, None, None, None, None] => solver.solve_at(load, speed, &growth, &settings),
+            _ => solver.solve_given(&given, speed, &growth, &settings),
+        };
         let solution = solved.map_err(narrowed)?;
         Ok(answer(&solution, &end, &self.choices))
     }
@@ -360,6 +372,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         status: solution.status.name(),
         iterations: solution.iterations,
         displacement: solution.displacement.map(T::to_f64),
+        load: solution.load.map(T::to_f64),
         stiffness: wide(&solution.stiffness()),
         compliance_at: wide(&compliance_at),
         stiffness_at: wide(&stiffness_at),

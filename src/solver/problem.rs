@@ -108,7 +108,7 @@ pub enum Given<T> {
 impl<T> Given<T> {
     /// The load that was given, or else the reaction.
     #[inline(always)]
-    pub(super) fn load_or(self, found: T) -> T {
+    pub(crate) fn load_or(self, found: T) -> T {
         match self {
             Self::Load(given) => given,
             Self::Displacement(_) => found,
@@ -117,7 +117,7 @@ impl<T> Given<T> {
 
     /// The displacement that was given, or else the one that was found.
     #[inline(always)]
-    pub(super) fn displacement_or(self, found: T) -> T {
+    pub(crate) fn displacement_or(self, found: T) -> T {
         match self {
             Self::Displacement(given) => given,
             Self::Load(_) => found,

@@ -4,7 +4,7 @@ use crate::ball::Ball;
 use crate::ball::contact::Point;
 use crate::ball::kinematics::{Motion, Rule, Speed};
 use crate::growth::Growth;
-use crate::linalg::{Matrix, add_to, moved, norm, product, refer_stiffness, vector};
+use crate::linalg::{Matrix, add_to, moved, norm, product, refer, refer_stiffness, vector};
 use crate::real::Real;
 use crate::results::Balls;
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change};
@@ -47,6 +47,16 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
     /// Has the next solve start from nothing.
     pub fn reset(&mut self) {
         self.state = State::COLD;
+    }
+
+    /// Refers what the balls handed over to a point that is nearer to the origin by `distance`, over `Rp`.
+    pub fn refer(&mut self, distance: T) {
+        let State { sum, load, .. } = &mut self.state;
+        for force in [&mut sum.force, &mut sum.by_speed, load] {
+            refer(distance, force);
+        }
+        refer_stiffness(distance, &mut sum.k);
+        self.state.attempt.control.last = None;
     }
 
     /// Checks the input, turns it into the solver's units, and sets speed, growth and points of the rows.

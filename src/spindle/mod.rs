@@ -473,7 +473,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> defmt::Format
 }
 
 /// `Rp`, m.
-fn radius<T: Real>(c: &Constants<T>) -> T {
+pub(crate) fn radius<T: Real>(c: &Constants<T>) -> T {
     c.length / c.tilt
 }
 

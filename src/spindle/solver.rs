@@ -2,13 +2,13 @@
 
 use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::growth::Growth;
-use crate::linalg::{refer, vector};
+use crate::linalg::{moved, refer, vector};
 use crate::real::Real;
 use crate::solver::problem::{Given, Settings, units};
 use crate::solver::state::are_finite;
 use crate::solver::warm_start::WarmStart;
-use crate::spindle::Spindle;
 use crate::spindle::solution::SpindleSolution;
+use crate::spindle::{Spindle, radius};
 use crate::status::Status;
 use core::array::from_fn;
 use core::marker::PhantomData;
@@ -131,6 +131,71 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             &reached,
             load,
         ))
+    }
+
+    /// The equilibrium where some displacements of the shaft at `x = 0` are given in the place of loads: locked tilts are
+    /// displacements of 0. [`SpindleSolution::load`] has the reactions.
+    ///
+    /// ```
+    /// use spindle_bearing::{Arrangement, Bearing, Design, Given, Growth, Preload, Settings, Speed, Spindle, SpindleSolver};
+    ///
+    /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// static BEARING: Bearing<f64, 15> = Bearing::<f64, 15>::const_new(&DESIGN);
+    /// let spindle = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.1, Preload::Force(240.0))?;
+    /// let mut solver = SpindleSolver::new(spindle);
+    /// // Pushed in by 5 um without tilt, under a radial load of 50 N.
+    /// let given = [
+    ///     Given::Displacement(5e-6),
+    ///     Given::Load(50.0),
+    ///     Given::Load(0.0),
+    ///     Given::Displacement(0.0),
+    ///     Given::Displacement(0.0),
+    /// ];
+    /// let speed = Speed::rpm(10_000.0);
+    /// let solution = solver.solve_given(&given, speed, &[Growth::NONE; 2], &Settings::default())?;
+    /// assert!(solution.load[0] > 100.0 && solution.displacement[4] == 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`SpindleSolver::solve`].
+    pub fn solve_given(
+        &mut self,
+        given: &[Given<T>; 5],
+        speed: Speed<T>,
+        growth: &[Growth<T>; R],
+        settings: &Settings<T>,
+    ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
+        // With x = 0 in the place of the shaft's centre.
+        let mut layout = self.spindle.layout;
+        let (unit, centre) = (layout.bearings[0].c, self.spindle.centre);
+        let shift = centre / radius(unit);
+        layout.plane += shift;
+        for (mount, row) in layout.mounts.iter_mut().zip(&layout.bearings) {
+            mount.reach += mount.facing * (centre / radius(row.c));
+        }
+        let spring = Given::Load(self.spindle.spring);
+        let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
+        self.last.refer(shift);
+        let tolerance = settings.tolerance;
+        let problem = self
+            .last
+            .problem::<M, _>(&layout, &all, |_| (), speed, growth, tolerance);
+        let most = settings.max_iterations;
+        let solved = problem.and_then(|problem| {
+            self.last
+                .run::<M::Rule, _>(&layout, &problem, most, &mut || true)
+        });
+        self.last.refer(-shift);
+        let mut reached = solved?;
+        let load = vector(|i| given[i].load_or(reached.load[i] * units(unit, i).0));
+        reached.u = moved(shift, &reached.u);
+        let mut solution = SpindleSolution::new(&self.spindle, &self.last, &reached, load);
+        for (u, given) in solution.displacement.iter_mut().zip(given) {
+            *u = given.displacement_or(*u);
+        }
+        Ok(solution)
     }
 
     /// The state that a solve had reached when it ended as [`Status::IterationLimit`]: as

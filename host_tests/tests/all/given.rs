@@ -6,7 +6,10 @@ use super::solves::{
 use host_tests::cases::{B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
 use proptest::prelude::*;
-use spindle_bearing::{Quantity, Status};
+use spindle_bearing::{
+    Arrangement, Bearing, Facing, Given, Growth, Mounted, Preload, Quantity, Real, Settings, Speed,
+    Spindle, SpindleSolver, Status,
+};
 use std::array::from_fn;
 
 #[test]
@@ -26,6 +29,72 @@ fn given_displacements_are_met_and_their_reactions_hold_the_ring() {
             assert!(u < of_u && load < of_load, "{held:?}: {u:e}, {load:e}");
         }
     }
+}
+
+/// Of a set whose rows are away from `x = 0`, clamped and under a spring: before and after solves of loads alone.
+#[test]
+fn given_displacements_of_a_set_are_met_and_their_reactions_hold_it() {
+    fn check<T: Real, const D: usize>(spindle: Spindle<'_, T, 2, 16, D>, tolerance: [f64; 3]) {
+        let mut solver = SpindleSolver::new(spindle);
+        let (speed, growth) = (Speed::rpm(T::of(12_000.0)), [Growth::NONE; 2]);
+        let load = [60.0, 80.0, -30.0, 2.0, 5.0].map(T::of);
+        let settings = Settings::default();
+        let free = solver.solve(load, speed, &settings).unwrap();
+        let (u, k) = (free.displacement, free.stiffness());
+        for bits in 1..32_u8 {
+            let is_held = |i: usize| bits >> i & 1 == 1;
+            let given = from_fn(|i| match is_held(i) {
+                true => Given::Displacement(u[i]),
+                false => Given::Load(load[i]),
+            });
+            let off = |a: T, b: T, size: f64| (a.to_f64() - b.to_f64()).abs() / size;
+            let far = [load.map(|x| T::of(1.3) * x), load][usize::from(bits % 2)];
+            solver.solve(far, speed, &settings).unwrap();
+            let found = solver
+                .solve_given(&given, speed, &growth, &settings)
+                .unwrap();
+            for i in 0..5 {
+                let (length, force) = if i < 3 { (1e-5, 100.0) } else { (1e-4, 10.0) };
+                assert!(
+                    off(found.displacement[i], u[i], length) < tolerance[0],
+                    "{bits:b} {i}"
+                );
+                assert!(
+                    off(found.load[i], load[i], force) < tolerance[1],
+                    "{bits:b} {i}"
+                );
+                for j in 0..5 {
+                    let size = (k[i][i] * k[j][j]).to_f64().abs().sqrt();
+                    assert!(off(found.stiffness()[i][j], k[i][j], size) < tolerance[2]);
+                }
+            }
+            // Nothing of another point of reference stays behind.
+            let again = solver.solve(load, speed, &settings).unwrap();
+            assert!((0..5).all(|i| off(again.displacement[i], u[i], 1e-4) < tolerance[0]));
+        }
+    }
+    fn both<T: Real>(bearing: &Bearing<T, 16>, tolerance: [f64; 3]) {
+        let row = |x, facing| Mounted::new(bearing, T::of(x), facing);
+        let rows = [row(0.15, Facing::PlusX), row(0.25, Facing::MinusX)];
+        let clamped = rows.map(|row| row.with(Preload::Force(T::of(200.0))));
+        check(
+            Spindle::new(Arrangement::ByRows, clamped).unwrap(),
+            tolerance,
+        );
+        let rows = [rows[0], rows[1].with(Preload::Spring)];
+        check(
+            Spindle::sprung(Arrangement::ByRows, rows, T::of(200.0)).unwrap(),
+            tolerance,
+        );
+    }
+    both(
+        &Bearing::<f64, 16>::new(&B7005C).unwrap(),
+        [1e-9, 1e-9, 1e-8],
+    );
+    both(
+        &Bearing::<f32, 16>::new(&B7005C).unwrap(),
+        [2e-3, 2e-3, 2e-3],
+    );
 }
 
 #[test]

@@ -213,6 +213,7 @@ fn figures_are_printed_as_the_solver_gave_them() {
         status: "precision-limit",
         iterations: 40,
         displacement: [f64::from(1e-7_f32), 0.0, -2.5, 0.0, f64::from(-3e-9_f32)],
+        load: [0.0; 5],
         stiffness,
         compliance_at: stiffness,
         stiffness_at: stiffness,

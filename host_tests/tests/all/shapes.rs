@@ -5,6 +5,7 @@ use files::plan::Question;
 use files::recordings::{LoadRow, Loads, LoadsError};
 use files::spindles::SpindleFile;
 use files::told::{Quantity, Told};
+use host_tests::cases::Random;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -287,6 +288,59 @@ fn what_was_assumed_is_told_with_ranges() {
     let own = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,note\n1,2,3,4,5,6,7,a\n";
     let mut loads = opened(own.as_bytes(), Told::default()).unwrap();
     assert!(loads.by_ref().count() == 1 && loads.assumed().is_none());
+}
+
+/// Bytes flipped, cut and doubled: below the header every line is a row, a fault, or says nothing.
+#[test]
+fn no_record_is_lost_without_a_word() {
+    let headers = [
+        "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,note\n",
+        "of a program\nDate;1\nZeit [s];Fx [kN];Fy;Fz;My;Mz;n [1/min]\n",
+        "Y_Unit_Label\tkN\tN\tN\tNm\tNm\nX_Value\tFx\tFy\tFz\tMy\tMz\trpm\ns\tkN\tN\tN\tNm\tNm\t1/min\n",
+    ];
+    for seed in 0..1500 {
+        let mut random = Random::seeded(seed);
+        let (which, whole) = (random.below(3), random.below(4) == 0);
+        let separator = [",", ";", "\t"][which];
+        let rows = "0.5,1.5,-2,\"3\",4,+ 5,6,\n7,6,5,4,3,2,1\n"
+            .replace(',', separator)
+            .repeat(4);
+        // A first row that can be read, so that the header stays where it is.
+        let first = ["1"; 7].join(separator) + "\n";
+        let header = format!("{}{first}", headers[which]).into_bytes();
+        let mut bytes = [&header[..], rows.as_bytes()].concat();
+        let start = if whole { 0 } else { header.len() };
+        for _ in 0..1 + random.below(4) {
+            let at = start + random.below((bytes.len() - start).max(1));
+            if at == bytes.len() {
+                break;
+            }
+            match random.below(4) {
+                0 => bytes[at] ^= 1 << random.below(8),
+                1 => bytes.truncate(at.max(header.len()) + 1),
+                2 => drop(bytes.remove(at)),
+                _ => {
+                    let end = (at + random.below(30)).min(bytes.len());
+                    let doubled = bytes[at..end].to_vec();
+                    bytes.splice(at..at, doubled);
+                }
+            }
+        }
+        let Ok(loads) = opened(&bytes, Told::default()) else {
+            assert!(whole, "{seed}");
+            continue;
+        };
+        let found = loads.count();
+        if !whole {
+            let says_something = |line: &&[u8]| match line.trim_ascii_start() {
+                [] | [b'#' | b'%', ..] => false,
+                [b';', ..] => which == 1,
+                _ => true,
+            };
+            let lines = bytes[header.len()..].split(|byte| *byte == b'\n');
+            assert_eq!(found, 1 + lines.filter(says_something).count(), "{seed}");
+        }
+    }
 }
 
 #[test]

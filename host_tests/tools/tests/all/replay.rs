@@ -683,3 +683,37 @@ fn paths_need_not_be_text() {
     assert!(ended.status.success());
     assert_eq!(ended.stdout.split(|byte| *byte == b'\n').count(), 6);
 }
+
+#[test]
+fn displacements_may_be_given() {
+    let spindle = shipped("../spindles/7014c_back_to_back");
+    let input = format!("{HEADER}0,300,100,0,0,2,6000\n");
+    let select = |args: &[&str]| -> Vec<f64> {
+        let (status, out, err) = replayed(&[&[&*spindle, "-"], args].concat(), &input);
+        assert_eq!((status, &*err), (0, ""));
+        numbers(
+            &out.lines().nth(1).unwrap().split(',').collect::<Vec<_>>(),
+            Precision::F64,
+        )
+    };
+    let free = select(&["--select", "dx,dy,dz,ty,tz"]);
+    let given = format!("dx={},tz={}", free[0], free[4]);
+    let names = "dx,dy,dz,ty,tz,reaction_fx_n,reaction_mz_nm,fx_n";
+    let held = select(&["--given", &given, "--select", names]);
+    for (held, wanted) in held.iter().zip(free.iter().chain(&[300.0, 2.0, 300.0])) {
+        assert!(
+            (held - wanted).abs() <= 1e-9 * wanted.abs().max(1e-3),
+            "{held} {wanted}"
+        );
+    }
+    let locked = select(&["--freedoms", "3", "--select", "ty,tz,dx"]);
+    assert!(locked[..2] == [0.0, 0.0] && locked[2] > 0.0);
+    for wrong in [
+        &["--given", "fx=0"][..],
+        &["--freedoms", "4"],
+        &["--freedoms", "3", "--given", "tz=1"],
+    ] {
+        let (status, _, err) = replayed(&[&[&*spindle, "-"], wrong].concat(), &input);
+        assert!(status == 2 && err.starts_with("replay: --"), "{err}");
+    }
+}

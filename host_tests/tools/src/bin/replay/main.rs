@@ -2,7 +2,7 @@
 
 mod table;
 
-use anyhow::{Result, anyhow, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::{Parser, ValueEnum};
 use files::catalogue;
 use files::recordings::{self, LoadRow, LoadsError, listed};
@@ -84,6 +84,16 @@ struct Args {
     /// How the balls move
     #[arg(long, value_enum, default_value_t = Motion::Full)]
     motion: Motion,
+
+    /// Freedoms of the shaft: 5, or 3 with the tilts locked
+    #[arg(long, value_name = "COUNT", default_value_t = 5, value_parser = clap::value_parser!(u8).range(3..=5))]
+    freedoms: u8,
+
+    /// Displacements of the shaft at x = 0 in the place of loads, such as tz=0,dx=10e-6; the reactions are more columns
+    ///
+    /// They are dx, dy, dz in m and ty, tz in rad.
+    #[arg(long, value_name = "FREEDOM=VALUE,..", value_delimiter = ',')]
+    given: Vec<String>,
 
     /// Largest change of the stiffness along the last step, relative to its diagonal: 1e-3 is that of a tick of firmware
     ///
@@ -376,6 +386,7 @@ fn run(args: &Args) -> Result<Summary> {
             "--tolerance {tolerance}: it is 0 to 1"
         );
     }
+    let held = args.held()?;
     let mut lifetime = args.summary.map(|_| Lifetime::default());
     let solved = with_solver(&file.plan, balls, precision, |solver| {
         let (rows, recording) = args.input(&file)?;
@@ -400,6 +411,7 @@ fn run(args: &Args) -> Result<Summary> {
                     friction: args.friction,
                 },
                 tolerance: args.tolerance,
+                held,
                 ..Choices::default()
             },
             lifetime: lifetime.as_mut(),
@@ -439,6 +451,32 @@ impl Args {
     /// clap demands one, except with `--list`.
     fn design(&self) -> &Path {
         self.design.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// Displacements that are given.
+    fn held(&self) -> Result<[Option<f64>; 5]> {
+        ensure!(self.freedoms != 4, "--freedoms 4: they are 3 or 5");
+        let mut held = [None; 5];
+        if self.freedoms == 3 {
+            (held[3], held[4]) = (Some(0.0), Some(0.0));
+        }
+        for text in &self.given {
+            let pair = text.split_once('=').and_then(|(name, value)| {
+                let names = ["dx", "dy", "dz", "ty", "tz"];
+                let freedom = names.iter().position(|one| *one == name.trim())?;
+                Some((freedom, value.trim().parse().ok()?))
+            });
+            let (freedom, value) = pair.with_context(|| {
+                format!(
+                    "--given {text}: give dx, dy, dz (m), ty or tz (rad) a number, such as tz=0"
+                )
+            })?;
+            ensure!(
+                held[freedom].replace(value).is_none(),
+                "--given {text}: it is given already"
+            );
+        }
+        Ok(held)
     }
 
     /// Rows of the recording or of the table.
