@@ -46,47 +46,35 @@ impl Quantity {
         Self::TOuter,
     ];
 
+    /// Its name on a command line, its column in the project's own recordings, what it measures.
+    const fn facts(self) -> (&'static str, &'static str, Dimension) {
+        match self {
+            Self::Time => ("time", "time_s", Dimension::Time),
+            Self::Fx => ("fx", "fx_n", Dimension::Force),
+            Self::Fy => ("fy", "fy_n", Dimension::Force),
+            Self::Fz => ("fz", "fz_n", Dimension::Force),
+            Self::Mx => ("mx", "mx_nm", Dimension::Moment),
+            Self::My => ("my", "my_nm", Dimension::Moment),
+            Self::Mz => ("mz", "mz_nm", Dimension::Moment),
+            Self::Speed => ("speed", "speed_rpm", Dimension::Speed),
+            Self::TInner => ("t_inner", "t_inner_c", Dimension::Temperature),
+            Self::TOuter => ("t_outer", "t_outer_c", Dimension::Temperature),
+        }
+    }
+
     /// As a command line has it.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::Fx => "fx",
-            Self::Fy => "fy",
-            Self::Fz => "fz",
-            Self::Mx => "mx",
-            Self::My => "my",
-            Self::Mz => "mz",
-            Self::Speed => "speed",
-            Self::TInner => "t_inner",
-            Self::TOuter => "t_outer",
-        }
+        self.facts().0
     }
 
     /// The column of the project's own recordings.
     pub const fn column(self) -> &'static str {
-        match self {
-            Self::Time => "time_s",
-            Self::Fx => "fx_n",
-            Self::Fy => "fy_n",
-            Self::Fz => "fz_n",
-            Self::Mx => "mx_nm",
-            Self::My => "my_nm",
-            Self::Mz => "mz_nm",
-            Self::Speed => "speed_rpm",
-            Self::TInner => "t_inner_c",
-            Self::TOuter => "t_outer_c",
-        }
+        self.facts().1
     }
 
     /// What it measures.
     pub const fn dimension(self) -> Dimension {
-        match self {
-            Self::Time => Dimension::Time,
-            Self::Fx | Self::Fy | Self::Fz => Dimension::Force,
-            Self::Mx | Self::My | Self::Mz => Dimension::Moment,
-            Self::Speed => Dimension::Speed,
-            Self::TInner | Self::TOuter => Dimension::Temperature,
-        }
+        self.facts().2
     }
 
     /// The one of this name on a command line.
@@ -103,14 +91,14 @@ impl Quantity {
     }
 }
 
-/// Names without unit, marks and blanks, `?` being an axis or a side. Of the last ones the unit must tell what they are.
+/// Names without unit, marks and blanks, by dimension, `?` being an axis or a side. Of the last ones the unit must tell what they are.
 #[rustfmt::skip]
-const NAMES: [(Dimension, &str, &str); 5] = [
-    (Dimension::Time, "time abstime abstimes reltime relativetime elapsedtime timestamp xvalue zeit messzeit temps tempo tiempo", "t"),
-    (Dimension::Force, "f? force? ?force forcef? kraft? kraftf?", ""),
-    (Dimension::Moment, "m? moment? ?moment momentm? torque? ?torque drehmoment?", "t?"),
-    (Dimension::Speed, "speed rpm spindlespeed shaftspeed rotationalspeed drehzahl spindeldrehzahl", "n"),
-    (Dimension::Temperature, "t?", ""),
+const NAMES: [(&str, &str); 5] = [
+    ("time abstime abstimes reltime relativetime elapsedtime timestamp xvalue zeit messzeit temps tempo tiempo", "t"),
+    ("f? force? ?force forcef? kraft? kraftf?", ""),
+    ("m? moment? ?moment momentm? torque? ?torque drehmoment?", "t?"),
+    ("speed rpm spindlespeed shaftspeed rotationalspeed drehzahl spindeldrehzahl", "n"),
+    ("t?", ""),
 ];
 
 /// A column's name, split into quantity and unit.
@@ -178,7 +166,7 @@ impl Heading {
     /// Whether it means a quantity, by its name and its unit.
     pub fn means(&self, quantity: Quantity) -> bool {
         let dimension = quantity.dimension();
-        let (_, names, by_unit) = NAMES[dimension as usize];
+        let (names, by_unit) = NAMES[dimension as usize];
         let fits = self.unit.map(|unit| unit.dimension == dimension);
         let axis = match dimension {
             Dimension::Force | Dimension::Moment => &quantity.name()[1..],

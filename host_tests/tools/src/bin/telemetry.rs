@@ -13,6 +13,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use tools::output::NewFile;
 use tools::telemetry::session::Session;
 use tools::telemetry::source::{self, Chunks, PortOperator};
 use tools::telemetry::{picture, view};
@@ -151,7 +152,8 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.picture {
         let (width, height) = SCREEN;
         let svg = picture::svg(&view::screen(&session.state, width, height));
-        std::fs::write(path, svg).with_context(|| format!("cannot write {}", path.display()))?;
+        NewFile::write_whole(path, svg.as_bytes())
+            .with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(())
 }

@@ -247,12 +247,21 @@ DESIGN.toml is a spindle if it has [[row]]s:
   [nose]                        # stiffness there, too: position_mm = -60, radial_um_per_kn,
                                 # axial_um_per_kn
 
-LOADS.csv must have the header
+DESIGN.toml of either kind may say where recorded loads act, and what acts besides:
+  [load]
+  position_mm = -60
+  [[constant_load]]             # belt, gear, weight: fx_n, fy_n, fz_n at
+  position_mm = 120
+
+LOADS.csv has the header
   time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm
-with the columns in any order, in capitals or not. For a spindle with [heat] it has
-t_inner_c,t_outer_c as well. Other columns are ignored, and named once on standard error. Fields are
-separated as those of the header are: by commas, semicolons or tabs. With the latter two, numbers
-may have decimal commas. Blank lines and lines that begin with # are skipped.
+with the columns in any order; for a spindle with [heat] t_inner_c,t_outer_c as well. Other columns are
+ignored, and named once on standard error. Fields are separated by commas, semicolons or tabs;
+decimal commas are understood where they do not separate fields. Blank lines and lines that begin
+with #, % or ; are skipped. Files of other programs are read, too: a preamble is skipped, names and units such as
+Force X (kN), Zeit [s], n [1/min] and a line of units below are understood, and a line on standard
+error says how. Where that is not enough, the message has the options that are wanted: --columns,
+--axes, or a constant such as --my 0. Without times, rows are counted.
 
 A table, in place of LOADS.csv:
   cargo replay DESIGN.toml --table speed=0:20000:500 fx=500 fy=0:1000:250 >TABLE.csv
@@ -275,6 +284,7 @@ Results, one row for each row of LOADS.csv, SI units:
                   (of a contact ellipse by the shoulder); reversal (of a contact angle); friction
                   (more is called for, gross slip suspected); inner-contact (lost by a ball)
   fx_n .. speed_rpm  loads and speed, copied
+  t_inner_c, t_outer_c  at the end, of a spindle with [heat]; reaction_fx_n .. with --given
   l10_mrev, l10_h    basic rating life by ISO/TS 16281 under this load, million revolutions and hours;
                   with dynamic_load_rating_n of DESIGN.toml, else with ISO 281's C, 5 % to 8 % high
 
@@ -296,6 +306,8 @@ ROWS.csv, one row for each row of balls, numbered from 0 as in DESIGN.toml, in t
 whose x points where an axial load presses its balls:
   time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n
   load on its inner ring about its centre; what of the axial one is preload; least force of a ball
+
+Files are written beside their places and moved there when they are complete.
 
 Exit status: 0, also if rows have no answer (a line on standard error counts them);
 2 if the arguments, the design or the recording are at fault, or no row of it can be read;
