@@ -3,7 +3,7 @@
 use crate::dispatch::Precision;
 use crate::lifetime::Lifetime;
 use crate::spindles::{Answer, AnySpindleSolver, Choices, Parts, RowAnswer};
-use files::recordings::{Fault, LoadRow, LoadsError};
+use files::recordings::{LoadRow, LoadsError};
 use files::spindles::SpindleFile;
 use spindle_bearing::{Design, Frequencies, LifeRating, LimitSet, RatingLife, ShaftEnd, Speed};
 use std::collections::BTreeMap;
@@ -350,7 +350,7 @@ pub struct Summary {
     /// Time of the first row that the solver has no answer to, and why.
     pub first_refusal: Option<(f64, String)>,
     /// Fault of the first row that cannot be read.
-    pub first_fault: Option<Fault>,
+    pub first_fault: Option<String>,
 }
 
 impl Summary {

@@ -93,21 +93,11 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// A place in a file that is not as it must be, its fault, and the remedy.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fault(String);
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
 /// A row that cannot be read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BadRow {
-    /// Why not.
-    pub fault: Fault,
+    /// The place, why not, and the remedy.
+    pub fault: String,
     /// Its readable numbers, in the order of the columns; none where the line has another number of fields.
     pub numbers: [Option<f64>; OWN.len()],
 }
@@ -122,10 +112,10 @@ pub enum LoadsError {
         /// Its reason.
         source: io::Error,
     },
-    /// The file is no recording of loads.
-    Malformed(Fault),
+    /// The file is no recording of loads: the place, why not, and the remedy.
+    Malformed(String),
     /// Quantities have no column; the options that would say where they are.
-    Unknown(Fault, String),
+    Unknown(String, String),
     /// One row is at fault; the rows after it can be read.
     Row(Box<BadRow>),
 }
@@ -134,9 +124,9 @@ impl fmt::Display for LoadsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable { file, source } => write!(f, "{file}: cannot be read: {source}"),
-            Self::Malformed(fault) => fault.fmt(f),
+            Self::Malformed(fault) => f.write_str(fault),
             Self::Unknown(fault, options) => write!(f, "{fault}{options}"),
-            Self::Row(row) => row.fault.fmt(f),
+            Self::Row(row) => f.write_str(&row.fault),
         }
     }
 }
@@ -210,15 +200,6 @@ pub struct Loads {
     ended: bool,
     /// Least and largest number of each quantity.
     ranges: [(f64, f64); OWN.len()],
-}
-
-impl fmt::Debug for Loads {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Loads")
-            .field("file", &self.file)
-            .field("lines", &self.lines)
-            .finish_non_exhaustive()
-    }
 }
 
 impl Loads {
@@ -319,12 +300,10 @@ impl Loads {
     }
 
     /// A complaint of a field of the line, counted from 1; `quantity` is the one that it holds, if it is one of ours.
-    fn fault(&self, field: usize, quantity: Option<usize>, message: impl fmt::Display) -> Fault {
+    fn fault(&self, field: usize, quantity: Option<usize>, message: impl fmt::Display) -> String {
         let (file, line) = (&self.file, self.line.number.max(1));
         let name = quantity.map_or(String::new(), |i| format!(" ({})", OWN[i].column()));
-        Fault(format!(
-            "{file}: line {line}, column {field}{name}: {message}"
-        ))
+        format!("{file}: line {line}, column {field}{name}: {message}")
     }
 
     fn malformed(&self, message: impl fmt::Display) -> LoadsError {

@@ -312,7 +312,7 @@ impl Told {
                 Dimension::Temperature => "25",
                 _ => "0",
             };
-            let _ = write!(text, " --{} {value}", quantity.name().replace('_', "-"));
+            let _ = write!(text, " --{} {value}", quantity.name());
         }
         text
     }

@@ -1,12 +1,25 @@
 //! Options whose values are chosen by name.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use host_tests::campaign::families::Family;
+
+/// A value by its name: names, what is said of them, and values.
+pub fn by_name<T: Copy + Send + Sync + 'static>(
+    all: impl IntoIterator<Item = (&'static str, &'static str, T)>,
+) -> impl TypedValueParser<Value = T> {
+    let all: Vec<_> = all.into_iter().collect();
+    let names = all.iter().map(|(name, help, _)| match *help {
+        "" => PossibleValue::new(*name),
+        help => PossibleValue::new(*name).help(help),
+    });
+    let parser = PossibleValuesParser::new(names.collect::<Vec<_>>());
+    parser.try_map(move |given| {
+        let found = all.iter().find(|one| one.0 == given);
+        found.map(|one| one.2).ok_or("unknown")
+    })
+}
 
 /// A family of the campaign's cases.
 pub fn family() -> impl TypedValueParser<Value = Family> {
-    PossibleValuesParser::new(Family::ALL.map(Family::name)).try_map(|given| {
-        let mut all = Family::ALL.into_iter();
-        all.find(|family| family.name() == given).ok_or("unknown")
-    })
+    by_name(Family::ALL.map(|family| (family.name(), "", family)))
 }

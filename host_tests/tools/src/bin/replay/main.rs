@@ -3,12 +3,12 @@
 mod table;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use clap::{Parser, ValueEnum};
+use clap::{ArgMatches, Parser};
 use files::catalogue;
 use files::recordings::{self, LoadRow, LoadsError, listed};
 use files::spindles::SpindleFile;
-use files::told::{Quantity, Told};
-use files::units::{Dimension, celsius};
+use files::told::{QUANTITIES, Quantity, Told};
+use files::units::{Unit, celsius};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::lifetime::Lifetime;
 use host_tests::replay::{Job, Output, ReplayError, Summary, Table, replay};
@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::rc::Rc;
 use table::Axes;
+use tools::arguments::by_name;
 use tools::output::NewFile;
 
 /// Replays recorded bearing loads through the solver
@@ -57,9 +58,6 @@ struct Args {
     #[arg(long, value_name = "AXIS=RANGE", num_args = 1.., conflicts_with = "loads")]
     table: Vec<String>,
 
-    #[command(flatten)]
-    recording: Recording,
-
     /// Columns of the results, in this order, such as time_s,kxx,kyy,dx
     #[arg(long, value_name = "COLUMN,..", value_delimiter = ',')]
     select: Vec<String>,
@@ -67,22 +65,22 @@ struct Args {
     /// In the place of the results: rating life of the whole recording, worst pressure, least preload, time beyond limits
     ///
     /// A record lasts until the next one. Without times, all records last equally long.
-    #[arg(long, value_enum, value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
+    #[arg(long, value_parser = by_name(FORMS), value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
     summary: Option<Form>,
 
     /// Precision to compute in
     ///
     /// Loads and speed are rounded to it first. Results have as many digits as it takes to read
     /// back the same number of this precision.
-    #[arg(long, value_enum, default_value_t = Digits::F64)]
-    precision: Digits,
+    #[arg(long, value_parser = by_name(PRECISIONS), default_value = "f64")]
+    precision: Precision,
 
     /// Rule for the axis about which a ball turns, and with it the gyroscopic moment
-    #[arg(long, value_enum, default_value_t = Rule::Raceless)]
-    attitude: Rule,
+    #[arg(long, value_parser = by_name(ATTITUDES), default_value = "raceless")]
+    attitude: Attitude,
 
     /// How the balls move
-    #[arg(long, value_enum, default_value_t = Motion::Full)]
+    #[arg(long, value_parser = by_name(MOTIONS), default_value = "full")]
     motion: Motion,
 
     /// Freedoms of the shaft: 5, or 3 with the tilts locked
@@ -130,6 +128,9 @@ struct Args {
     /// Write the frequencies at which damaged parts of every row of balls are heard to this CSV file
     #[arg(long, value_name = "FREQUENCIES.csv")]
     frequencies: Option<PathBuf>,
+
+    #[command(flatten)]
+    recording: Recording,
 }
 
 /// What the columns of a recording do not say
@@ -154,73 +155,109 @@ struct Recording {
     given: Given,
 }
 
-/// Quantities that are constant, in the bearing's frame.
-#[derive(Debug, clap::Args)]
-struct Given {
-    /// Axial force that is constant, N
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    fx: Option<f64>,
-    /// Radial force that is constant, N
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    fy: Option<f64>,
-    /// Radial force that is constant, N
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    fz: Option<f64>,
-    /// Tilting moment that is constant, N m
-    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
-    my: Option<f64>,
-    /// Tilting moment that is constant, N m
-    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
-    mz: Option<f64>,
-    /// Shaft speed that is constant, rpm
-    #[arg(long, value_name = "RPM", allow_negative_numbers = true)]
-    speed: Option<f64>,
-    /// Temperature of the inner side that is constant, deg C
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
-    t_inner: Option<f64>,
-    /// Temperature of the outer side that is constant, deg C
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
-    t_outer: Option<f64>,
+/// Quantities that are constant, in the bearing's frame: an option for each.
+#[derive(Debug)]
+struct Given([Option<f64>; QUANTITIES]);
+
+impl Given {
+    /// The quantities; options have their names.
+    fn all() -> impl Iterator<Item = Quantity> {
+        let all = Quantity::ALL.into_iter();
+        all.filter(|one| !matches!(one, Quantity::Time | Quantity::Mx))
+    }
 }
 
-/// How the balls move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+impl clap::FromArgMatches for Given {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut given = [None; QUANTITIES];
+        for quantity in Self::all() {
+            given[quantity as usize] = matches.get_one(quantity.name()).copied();
+        }
+        Ok(Self(given))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl clap::Args for Given {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        command.args(Self::all().map(|quantity| {
+            let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
+            let arg = clap::Arg::new(name).long(name).value_name(unit);
+            let arg = arg
+                .value_parser(clap::value_parser!(f64))
+                .allow_negative_numbers(true);
+            arg.help(format!("{name} that is constant, {unit}"))
+        }))
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+const PRECISIONS: [(&str, &str, Precision); 2] = [
+    (
+        "f32",
+        "Single precision, as the firmware computes",
+        Precision::F32,
+    ),
+    ("f64", "Double precision", Precision::F64),
+];
+
+const ATTITUDES: [(&str, &str, Attitude); 3] = [
+    (
+        "raceless",
+        "Raceway-control-free: from d'Alembert's principle, no race presumed to be in control",
+        Attitude::Raceless,
+    ),
+    (
+        "outer",
+        "Outer race control: no spin at the outer race",
+        Attitude::Outer,
+    ),
+    (
+        "inner",
+        "Inner race control: no spin at the inner race; not for loads that lift balls off it",
+        Attitude::Inner,
+    ),
+];
+
+/// How the balls move, but for the rule of their attitude.
+const MOTIONS: [(&str, &str, Motion); 3] = [
+    (
+        "static",
+        "At rest: the speed counts for life and frequencies alone",
+        Motion::Static,
+    ),
+    (
+        "centrifugal",
+        "Under centrifugal force alone",
+        Motion::Centrifugal,
+    ),
+    ("full", "With all inertia loads", Motion::Full),
+];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Motion {
-    /// At rest: the speed counts for life and frequencies alone
     Static,
-    /// Under centrifugal force alone
     Centrifugal,
-    /// With all inertia loads
     Full,
 }
 
 /// How the summary is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+const FORMS: [(&str, &str, Form); 2] = [
+    ("text", "To read", Form::Text),
+    ("json", "As JSON, SI units", Form::Json),
+];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Form {
-    /// To read
     Text,
-    /// As JSON, SI units
     Json,
-}
-
-/// The working precision.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Digits {
-    /// Single precision, as the firmware computes
-    F32,
-    /// Double precision
-    F64,
-}
-
-/// The rule for the axis about which a ball turns.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Rule {
-    /// Raceway-control-free: from d'Alembert's principle, no race presumed to be in control
-    Raceless,
-    /// Outer race control: no spin at the outer race
-    Outer,
-    /// Inner race control: no spin at the inner race; not for loads that lift balls off it
-    Inner,
 }
 
 const FORMATS: &str = "\
@@ -375,23 +412,15 @@ fn run(args: &Args) -> Result<Summary> {
         "--rows is for spindles, and {} is one bearing: it has no [[row]]",
         args.design().display()
     );
-    let attitude = match args.attitude {
-        Rule::Raceless => Attitude::Raceless,
-        Rule::Outer => Attitude::Outer,
-        Rule::Inner => Attitude::Inner,
-    };
     let balls = match args.motion {
-        Motion::Full => Balls::Moving(attitude),
-        _ if attitude != Attitude::Raceless => bail!(
+        Motion::Full => Balls::Moving(args.attitude),
+        _ if args.attitude != Attitude::Raceless => bail!(
             "--attitude makes no difference without gyroscopic moments; leave out it or --motion"
         ),
         Motion::Static => Balls::Static,
         Motion::Centrifugal => Balls::Centrifugal,
     };
-    let precision = match args.precision {
-        Digits::F32 => Precision::F32,
-        Digits::F64 => Precision::F64,
-    };
+    let precision = args.precision;
     if let Some(tolerance) = args.tolerance {
         ensure!(
             tolerance > 0.0 && tolerance < 1.0,
@@ -561,30 +590,11 @@ impl Recording {
             told.set_axes(axes)
                 .map_err(|error| anyhow!("--axes {axes}: {error}"))?;
         }
-        let Given {
-            fx,
-            fy,
-            fz,
-            my,
-            mz,
-            speed,
-            t_inner,
-            t_outer,
-        } = self.given;
-        for (quantity, value) in [
-            (Quantity::Fx, fx),
-            (Quantity::Fy, fy),
-            (Quantity::Fz, fz),
-            (Quantity::My, my),
-            (Quantity::Mz, mz),
-            (Quantity::Speed, speed),
-            (Quantity::TInner, t_inner),
-            (Quantity::TOuter, t_outer),
-        ] {
-            if let (Some(value), Dimension::Temperature) = (value, quantity.dimension()) {
+        told.given = self.given.0;
+        for quantity in [Quantity::TInner, Quantity::TOuter] {
+            if let Some(value) = told.given[quantity as usize] {
                 celsius(value).map_err(|error| anyhow!("--{}: {error}", quantity.name()))?;
             }
-            told.given[quantity as usize] = value;
         }
         Ok(told)
     }
