@@ -368,7 +368,10 @@ fn over_given(rows: &[Row], over: usize) -> Result<Chart> {
         let others = others(row);
         let said =
             (0..GIVEN.len()).filter(|i| varies[*i] == varying && (varying || others[*i] != 0.0));
-        let said = said.map(|i| format!("{} = {} {}", GIVEN[i].0, others[i], GIVEN[i].1));
+        let said = said.map(|i| match (GIVEN[i], others[i]) {
+            ((name, "1000 rpm", _), thousands) => format!("{name} = {} rpm", 1e3 * thousands),
+            ((name, unit, _), value) => format!("{name} = {value} {unit}"),
+        });
         said.collect::<Vec<_>>().join(", ")
     };
     let title = format!(

@@ -88,6 +88,28 @@ fn tables_are_drawn_over_speed_with_a_curve_for_each_load() {
 }
 
 #[test]
+fn tables_are_drawn_over_a_temperature() {
+    let spindle = format!("{SHIPPED}/../spindles/milling_spindle.toml");
+    let axes = ["speed=3000", "t_inner=20:40:10", "t_outer=20:30:10"];
+    let (_, table, _) = replayed(&[&[&*spindle, "--table"], &axes[..]].concat(), "");
+    let svg = drawn(&["--over", "t_inner"], &table);
+    for text in [
+        "inner temperature",
+        "n = 3000 rpm",
+        "To = 20 °C",
+        "To = 30 °C",
+    ] {
+        assert!(svg.contains(text), "{text} is missing in\n{svg}");
+    }
+    let without = results("0,400,0,0,0,0,9000\n1,500,0,0,0,0,9000\n");
+    refused(
+        &["--over", "t_outer"],
+        &without,
+        "there is no outer temperature in the file",
+    );
+}
+
+#[test]
 fn balls_are_drawn_at_the_time_of_the_largest_force_or_the_one_that_is_wanted() {
     let path = scratch("plot-balls.csv");
     let rows = "0,400,0,0,0,0,0\n1,400,900,0,0,0,0\n2,nan,0,0,0,0,0\n3,400,0,100,0,0,0\n";
@@ -138,7 +160,7 @@ fn what_cannot_be_drawn_is_said_with_its_place() {
     let at_once = results("5,400,0,0,0,0,0\n5,400,0,0,0,0,0\n");
     refused(&[], &at_once, "all rows have the time 5 s");
     let balls = "time_s,azimuth_rad,q_i_n,q_o_n\n0,0,1,1\n";
-    refused(&speed, balls, "--over speed and --nose are for results");
+    refused(&speed, balls, "--over and --nose are for results");
     let empty = balls.replace("0,0,1,1", ",,,");
     refused(&[], &empty, "no ball has forces, nothing to draw");
     let idle = balls.replace("1,1", "0,0");
