@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// The sum over a recording. A record holds until the next one; the last, and one after which the time goes back, as long as the
+/// The sum over a recording. Where no time passes, all records hold equally long. Else a record holds until the next one; the last, and one after which the time goes back, as long as the
 /// one before it.
 #[derive(Debug, Default, Serialize)]
 pub struct Lifetime {
@@ -29,6 +29,9 @@ pub struct Lifetime {
     pub beyond_s: BTreeMap<&'static str, f64>,
     #[serde(skip)]
     damage: Damage,
+    /// The sum of records that all last a second: of use where times are all the same.
+    #[serde(skip)]
+    even: Damage,
     #[serde(skip)]
     last: Option<Record>,
     #[serde(skip)]
@@ -52,6 +55,8 @@ pub struct RowLifetime {
     pub least_preload_at_s: Option<f64>,
     #[serde(skip)]
     damage: Damage,
+    #[serde(skip)]
+    even: Damage,
 }
 
 /// Revolutions in all, and the share of the life that they use up.
@@ -126,11 +131,14 @@ impl Lifetime {
         let Some((weights, limits)) = record.answer else {
             return;
         };
-        let revolutions = record.turns_per_s * step;
+        let turns = record.turns_per_s;
         self.duration_s += step;
-        self.damage.add(weights.iter().sum(), revolutions);
+        let all = weights.iter().sum();
+        self.damage.add(all, turns * step);
+        self.even.add(all, turns);
         for (row, weight) in self.rows.iter_mut().zip(weights) {
-            row.damage.add(weight, revolutions);
+            row.damage.add(weight, turns * step);
+            row.even.add(weight, turns);
         }
         for limit in limits.iter() {
             *self.beyond_s.entry(limit.name()).or_default() += step;
@@ -140,9 +148,15 @@ impl Lifetime {
     /// Ends the recording.
     pub fn finish(&mut self) {
         self.close(None);
-        [self.l10_mrev, self.l10_h] = self.damage.life(self.duration_s);
+        let answers = (self.records - self.without_answer) as f64;
+        let duration = self.duration_s;
+        let life = |damage: Damage, even: Damage| match duration > 0.0 {
+            true => damage.life(duration),
+            false => even.life(answers),
+        };
+        [self.l10_mrev, self.l10_h] = life(self.damage, self.even);
         for row in &mut self.rows {
-            [row.l10_mrev, row.l10_h] = row.damage.life(self.duration_s);
+            [row.l10_mrev, row.l10_h] = life(row.damage, row.even);
         }
         for limit in Limit::ALL {
             self.beyond_s.entry(limit.name()).or_default();

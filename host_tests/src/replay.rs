@@ -260,7 +260,7 @@ impl Column {
 
 /// The columns of these names: in full, or without marks and unit where that is one column, such as `kxx` and `dx`.
 fn select(columns: Vec<Column>, names: &[String]) -> Result<Vec<Column>, String> {
-    let plain = |name: &str| name.replace('_', "");
+    let plain = |name: &str| name.trim().replace('_', "").to_lowercase();
     let mut columns: Vec<Option<Column>> = columns.into_iter().map(Some).collect();
     let all: Vec<String> = columns
         .iter()

@@ -1,6 +1,7 @@
 //! What reads files: bearings and spindles as people type them, recordings as programs write them.
 
 pub mod catalogue;
+mod columns;
 pub mod designs;
 pub mod plan;
 mod preamble;

@@ -3,8 +3,29 @@
 use crate::told::{Heading, Quantity, Told};
 use crate::units::{Dimension, Unit};
 
-/// Separators of a line's fields: those that stand in numbers and sentences, too, last.
-const SEPARATORS: [u8; 3] = [b'\t', b';', b','];
+/// Separators of a line's fields: those that stand in numbers and sentences, too, last. Blanks separate by any number.
+const SEPARATORS: [u8; 4] = [b'\t', b';', b',', b' '];
+
+/// Units of quantities that are not read, in a line of units.
+const OTHER_UNITS: [&str; 16] = [
+    "v", "mv", "a", "ma", "w", "kw", "bar", "deg", "mm", "um", "m", "g", "mps2", "%", "-", "1",
+];
+
+/// First words of lines about the columns that stand below the names.
+const LABELS: [&str; 12] = [
+    "blocksize",
+    "vunit",
+    "samplerate",
+    "hresolution",
+    "hoffset",
+    "hunit",
+    "phaseshift",
+    "date",
+    "displayblocksize",
+    "displaypointno",
+    "float64",
+    "double",
+];
 
 /// A line of the file, and its number.
 #[derive(Debug, Default)]
@@ -25,7 +46,7 @@ pub struct Header {
     pub length: usize,
 }
 
-/// Hands the fields of a line to `take`, and returns their number; the error is the field at fault, and its fault.
+/// Hands the fields of a line, with their numbers, to `take`. Returns how many there are, or the field at fault and its fault.
 pub fn split(
     line: &[u8],
     separator: u8,
@@ -36,7 +57,11 @@ pub fn split(
         let line = line.strip_suffix(b"\n").unwrap_or(line);
         let line = line.strip_suffix(b"\r").unwrap_or(line);
         let mut count = 0;
-        for field in line.split(|byte| *byte == separator) {
+        let by_blanks = separator == b' ';
+        for field in line.split(|byte| *byte == separator || by_blanks && *byte == b'\t') {
+            if by_blanks && field.trim_ascii().is_empty() {
+                continue;
+            }
             count += 1;
             if field.contains(&b'\r') {
                 return Err((count, MIDDLE));
@@ -85,12 +110,20 @@ pub fn number(text: &str) -> Option<(f64, Option<char>)> {
     Some((plain.parse().ok()?, mark))
 }
 
-/// A line that says nothing: blank, or a comment.
+/// A line that says nothing: nothing but separators, or a comment.
 pub fn is_empty(line: &[u8], separator: u8) -> bool {
     match line.trim_ascii_start() {
-        [] | [b'#' | b'%', ..] => true,
-        [b';', ..] => separator != b';',
-        _ => false,
+        [b'#' | b'%', ..] => true,
+        [b';', ..] if separator != b';' => true,
+        line => line.iter().all(|byte| b",;\" \t\r\n\x1a".contains(byte)),
+    }
+}
+
+/// Text of a field: UTF-8, or what Windows writes in the west.
+pub fn text(field: &[u8]) -> String {
+    match std::str::from_utf8(field) {
+        Ok(text) => text.to_owned(),
+        Err(_) => field.iter().map(|byte| char::from(*byte)).collect(),
     }
 }
 
@@ -98,139 +131,222 @@ impl Line {
     /// Its fields as text; none where they cannot be told apart.
     fn fields(&self, separator: u8) -> Vec<String> {
         let mut fields = Vec::new();
-        let text = |field: &[u8]| String::from_utf8_lossy(field).into_owned();
         let _ = split(&self.text, separator, |_, field| fields.push(text(field)));
         fields
     }
 
-    /// The separator that shows most of what `counts` counts, and how much that is.
-    fn best(&self, counts: impl Fn(&[String]) -> usize) -> (usize, u8) {
+    /// The largest count over all separators, and the separator.
+    fn most(&self, count: impl Fn(&[String]) -> usize) -> (usize, u8) {
         let all = SEPARATORS.into_iter().rev();
-        let all = all.map(|separator| (counts(&self.fields(separator)), separator));
+        let all = all.map(|separator| (count(&self.fields(separator)), separator));
         all.max_by_key(|(count, _)| *count).unwrap_or_default()
     }
 
     /// The separator of a row of numbers, if this is one: it begins with a number, and half of it are numbers.
     pub fn of_row(&self) -> Option<u8> {
-        let (count, separator) = self.best(|fields| {
+        let (count, separator) = self.most(|fields| {
             let filled = fields.iter().filter(|field| !field.is_empty());
             let are: Vec<bool> = filled.map(|field| number(field).is_some()).collect();
             let count = are.iter().filter(|is| **is).count();
             let is_row = are.first() == Some(&true) && 2 * count >= are.len();
             if is_row { count } else { 0 }
         });
-        (count > 1 && !is_empty(&self.text, separator)).then_some(separator)
+        (count > 1 && !self.is_empty()).then_some(separator)
     }
-}
 
-/// Whether fields are units: half of those that are filled, and none is a number.
-fn are_units(fields: &[String]) -> bool {
-    let filled: Vec<_> = fields.iter().filter(|field| !field.is_empty()).collect();
-    let units = filled.iter().filter(|field| Unit::named(field).is_some());
-    let units = units.count();
-    units > 0 && 2 * units >= filled.len() && filled.iter().all(|field| number(field).is_none())
-}
+    /// It says nothing, whatever separates its fields: several semicolons are no comment.
+    fn is_empty(&self) -> bool {
+        let semicolons = self.text.iter().filter(|byte| **byte == b';').count();
+        is_empty(&self.text, if semicolons > 1 { b';' } else { b',' })
+    }
 
-/// Number of fields that name a quantity.
-fn named(fields: &[String], told: &Told) -> usize {
-    let is_named = |text: &&String| {
-        told.names(text)
-            || Quantity::ALL
-                .iter()
-                .any(|one| Heading::new(text).means(*one))
-    };
-    fields.iter().filter(is_named).count()
+    /// The comment without its mark.
+    fn uncommented(&self) -> Self {
+        let is_mark = |byte: &u8| b"#%; \t".contains(byte);
+        let text = self.text.iter().copied().skip_while(is_mark);
+        Self {
+            number: self.number,
+            text: text.collect(),
+        }
+    }
+
+    /// Number of fields that name a quantity, and the separator that shows most of them.
+    pub fn named(&self, told: &Told) -> (usize, u8) {
+        self.most(|fields| {
+            let is_named = |text: &&String| {
+                let heading = Heading::new(text);
+                told.names(text) || Quantity::ALL.iter().any(|one| heading.means(*one))
+            };
+            fields.iter().filter(is_named).count()
+        })
+    }
+
+    /// It has units: half of the fields at least, and none is a number.
+    fn has_units(&self, separator: u8) -> bool {
+        let fields = self.fields(separator);
+        let filled: Vec<&String> = fields.iter().filter(|field| !field.is_empty()).collect();
+        let is_other = |field: &str| OTHER_UNITS.contains(&field.to_lowercase().as_str());
+        let known = filled
+            .iter()
+            .filter(|field| Unit::named(field).is_some())
+            .count();
+        let other = filled.iter().filter(|field| is_other(field)).count();
+        let are_words = filled
+            .iter()
+            .all(|field| is_other(field) || number(field).is_none());
+        known > 0 && 2 * (known + other) >= filled.len() && are_words
+    }
+
+    /// Its first word is one of these, letters alone.
+    fn begins_with(&self, labels: &[&str]) -> bool {
+        let letters = self.text.iter().skip_while(|byte| **byte == b'"');
+        let letters = letters.take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_');
+        let word: Vec<u8> = letters
+            .filter(|byte| **byte != b'_')
+            .map(u8::to_ascii_lowercase)
+            .collect();
+        labels.iter().any(|label| label.as_bytes() == word)
+    }
 }
 
 /// Finds the header among the lines up to the first row of numbers, which is the last line if there is one.
 ///
-/// It stands above the numbers, or above a line of units; else it is the line that names most quantities: the rows below are
-/// then no numbers. None if there are no lines but comments.
+/// It is the line that names most quantities, the last of them; where none does, the line above the numbers, or above a line
+/// of units. None if there are no lines but comments.
 pub fn find(lines: &[Line], told: &Told) -> Option<Header> {
     let row = lines.last().and_then(Line::of_row);
-    let (data, by_row) = (
-        lines.len() - usize::from(row.is_some()),
-        row.unwrap_or(b','),
-    );
-    let above = || (0..data).rev().filter(|i| !is_empty(&lines[*i].text, 0));
-    let Some(last) = above().next() else {
+    let data = lines.len() - usize::from(row.is_some());
+    let by_row = row.unwrap_or(b',');
+    let mut above: Vec<usize> = (0..data).filter(|i| !lines[*i].is_empty()).collect();
+    let named = |i: &usize| lines[*i].named(told).0;
+    let most = above
+        .iter()
+        .copied()
+        .max_by_key(named)
+        .filter(|i| named(i) > 0);
+    let commented = |i: &usize| lines[*i].uncommented().named(told).0 > 1;
+    let comment = (0..data).rev().find(|i| most.is_none() && commented(i));
+    let is_units = |i: &usize| lines[*i].has_units(by_row);
+    let header = most.or(comment).or_else(|| match above.pop()? {
+        last if is_units(&last) => above.pop().or(Some(last)),
+        last => Some(last),
+    });
+    let Some(header) = header else {
+        // No names: columns are called by their numbers.
         let line = lines.last().filter(|_| row.is_some())?;
-        let fields = line.fields(by_row).len();
+        let numbers = 1..=line.fields(by_row).len();
         return Some(Header {
             line: line.number,
             separator: by_row,
-            headings: (1..=fields).map(|i| Heading::new(&i.to_string())).collect(),
+            headings: numbers.map(|i| Heading::new(&i.to_string())).collect(),
             length: data,
         });
     };
-    let count = |i: usize| lines[i].best(|fields| named(fields, told));
-    let units = |i: usize, separator| are_units(&lines[i].fields(separator));
-    let before = above().nth(1).filter(|_| units(last, by_row));
-    let nearest = before.unwrap_or(last);
-    let header = match above().max_by_key(|i| count(*i).0) {
-        Some(most) if count(nearest).0 == 0 && count(most).0 > 0 => most,
-        _ => nearest,
+    let line = lines[header].uncommented();
+    let line = if comment.is_some() {
+        &line
+    } else {
+        &lines[header]
     };
-    let separator = match count(header) {
+    let separator = match line.named(told) {
         (0, _) => by_row,
         (_, separator) => separator,
     };
-    let mut headings: Vec<Heading> = lines[header]
-        .fields(separator)
+    let mut header_of = Header {
+        line: line.number,
+        separator,
+        headings: line
+            .fields(separator)
+            .iter()
+            .map(|text| Heading::new(text))
+            .collect(),
+        length: header + 1,
+    };
+    // Lines about the columns; units stand below the names, just above, or in the preamble of LabVIEW.
+    let is_about = |i: &usize| {
+        lines[*i].has_units(separator) || lines[*i].begins_with(&LABELS) || lines[*i].is_empty()
+    };
+    let about: Vec<usize> = (header + 1..data).take_while(is_about).collect();
+    let units = |i: &usize| lines[*i].has_units(separator) || lines[*i].begins_with(&["vunit"]);
+    let before = (0..header).rev().find(|i| !lines[*i].is_empty());
+    let labels = (0..header).find(|i| lines[*i].begins_with(&["yunitlabel"]));
+    let units = about
         .iter()
-        .map(|text| Heading::new(text))
-        .collect();
-    let below = (header + 1..data).find(|i| !is_empty(&lines[*i].text, 0));
-    let below = below.filter(|i| units(*i, separator));
-    // LabVIEW has the units in the preamble.
-    let labels = (0..header).find(|i| lines[*i].text.starts_with(b"Y_Unit_Label"));
-    if let Some(units) = below.or(labels) {
-        for (heading, unit) in headings.iter_mut().zip(lines[units].fields(separator)) {
-            let is_unit = unit != "Y_Unit_Label" && !unit.is_empty();
-            heading.add_unit(is_unit.then_some(unit));
+        .copied()
+        .find(units)
+        .or(before.filter(units))
+        .or(labels);
+    if let Some(units) = units {
+        let is_label = lines[units].begins_with(&["yunitlabel", "vunit"]);
+        let fields = lines[units].fields(separator).into_iter();
+        for (heading, unit) in header_of
+            .headings
+            .iter_mut()
+            .zip(fields)
+            .skip(usize::from(is_label))
+        {
+            heading.add_unit(&unit);
         }
     }
+    header_of.length = about.last().copied().unwrap_or(header) + 1;
+    let first = lines[header_of.length..]
+        .iter()
+        .find(|line| !line.is_empty());
+    let first = first.map_or(Vec::new(), |line| line.fields(separator));
     for dimension in [Dimension::Force, Dimension::Moment] {
-        if let Some(unit) = counted(&lines[..header], dimension) {
-            for heading in &mut headings {
-                heading.count(unit);
+        let (unit, counts) = said_above(&lines[..header], dimension);
+        for (i, heading) in header_of.headings.iter_mut().enumerate() {
+            // Counts are whole; numbers with decimals are in the unit already.
+            let is_whole = first
+                .get(i)
+                .is_some_and(|field| !field.contains(['.', ',']));
+            let counted = unit
+                .unwrap_or(Unit::of(dimension))
+                .counted(counts.unwrap_or(1.0));
+            match counts {
+                Some(_) if is_whole => heading.assume(counted),
+                _ => unit.into_iter().for_each(|unit| heading.assume(unit)),
             }
         }
     }
-    Some(Header {
-        line: lines[header].number,
-        separator,
-        headings,
-        length: below.unwrap_or(header) + 1,
-    })
+    Some(header_of)
 }
 
-/// The unit of counts, as ATI's sensors write it: `Force Units: N, Counts per Unit Force: 1000000`.
-fn counted(preamble: &[Line], dimension: Dimension) -> Option<Unit> {
-    let [name, other] = match dimension {
-        Dimension::Force => ["force", "force"],
-        _ => ["torque", "moment"],
+/// The unit of a dimension that the preamble says, and the counts of that, as ATI's sensors write it: `Force Units: N, Counts
+/// per Unit Force: 1000000`.
+fn said_above(preamble: &[Line], dimension: Dimension) -> (Option<Unit>, Option<f64>) {
+    let name = if dimension == Dimension::Force {
+        "force"
+    } else {
+        "torque"
     };
-    let (mut unit, mut counts) = (Unit::of(dimension), None);
+    let (mut unit, mut counts) = (None, None);
     for line in preamble {
-        let text = String::from_utf8_lossy(&line.text).to_lowercase();
-        let parts: Vec<&str> = text
-            .split([',', ';', '\t', ':', '='])
-            .map(str::trim)
-            .collect();
-        for pair in parts.windows(2) {
-            let [key, value] = [pair[0], pair[1]].map(|text| text.trim_matches('"'));
-            if !(key.contains(name) || key.contains(other)) {
-                continue;
-            }
-            if key.contains("counts") {
-                counts = value.parse().ok().filter(|count| *count > 0.0).or(counts);
-            } else if key.contains("unit") {
-                unit = Unit::named(value)
-                    .filter(|unit| unit.dimension == dimension)
-                    .unwrap_or(unit);
-            }
+        let line = text(&line.text).to_lowercase();
+        let behind = |phrase: &str| {
+            let (before, value) = line.split_once(phrase)?;
+            let is_start = !before.ends_with(char::is_alphanumeric);
+            let value = value.trim_start_matches(['s', '"', ':', '=', ',', ';', '\t', ' ']);
+            is_start.then(|| value.to_owned())
+        };
+        if let Some(value) = behind(&format!("{name} unit")) {
+            let end = value
+                .find([',', ';', '\t', '"', '\r', '\n'])
+                .unwrap_or(value.len());
+            let found = Unit::named(&value[..end]);
+            unit = found.filter(|unit| unit.dimension == dimension).or(unit);
+        }
+        let phrases = [
+            format!("counts per unit {name}"),
+            format!("counts per {name}"),
+        ];
+        if let Some(value) = phrases.iter().find_map(|phrase| behind(phrase)) {
+            let digits = value
+                .chars()
+                .take_while(|c| c.is_ascii_digit() || ",.".contains(*c));
+            let digits: String = digits.filter(|c| *c != ',').collect();
+            counts = digits.parse().ok().filter(|count| *count > 0.0).or(counts);
         }
     }
-    counts.map(|count: f64| unit.counted(count))
+    (unit, counts)
 }

@@ -13,7 +13,8 @@
 //! Each line is one record, so that a quotation mark left open costs one row, not the rest of the file. The csv crate reads
 //! lines with quotation marks; a reader of its own for every line would take two fifths of a replay.
 
-use crate::preamble::{self, Line, is_empty, number, split};
+use crate::columns::{self, Field, LOADS, OWN, Source};
+use crate::preamble::{self, Line, is_empty, number, split, text};
 use crate::told::{Heading, Quantity, Told};
 use crate::units::{Dimension, Unit, celsius};
 use std::collections::VecDeque;
@@ -22,23 +23,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::Path;
 
-/// The columns of the project's own files, in the order in which they are written. Temperatures may lack.
-const OWN: [Quantity; 9] = [
-    Quantity::Time,
-    Quantity::Fx,
-    Quantity::Fy,
-    Quantity::Fz,
-    Quantity::My,
-    Quantity::Mz,
-    Quantity::Speed,
-    Quantity::TInner,
-    Quantity::TOuter,
-];
-
-/// Columns without temperatures.
-const COLUMNS: usize = 7;
-
-const DECIMAL_COMMAS: &str = "decimals take a point where commas separate the fields; for decimal commas, \
+const DECIMAL_COMMAS: &str = "; decimals take a point where commas separate the fields; for decimal commas, \
      separate fields by semicolons, in the header too";
 
 /// Length beyond which a line is no row of numbers. Without a bound, a stray binary file would be read into memory before
@@ -75,7 +60,7 @@ impl LoadRow {
 /// Errors of the output.
 pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     let warm = rows.iter().any(|row| row.temperatures.is_some());
-    let columns = if warm { OWN.len() } else { COLUMNS };
+    let columns = if warm { OWN.len() } else { LOADS };
     let names = OWN[..columns].iter().map(|quantity| quantity.column());
     writeln!(out, "{}", names.collect::<Vec<_>>().join(","))?;
     for row in rows {
@@ -162,22 +147,6 @@ pub fn read(path_or_dash: impl AsRef<Path>, told: Told) -> Result<Loads, LoadsEr
     Ok(loads)
 }
 
-/// Where the numbers of a quantity come from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Source {
-    /// Nowhere: a temperature that nobody needs.
-    None,
-    /// The same for all rows.
-    Given(f64),
-    /// Rows are counted.
-    Count,
-    /// A field, its unit, whether the file says the unit, and its sign.
-    Field(usize, Unit, bool, f64),
-}
-
-/// A quantity of the recording that is not known, the bearing's, and fields that may be it.
-type Unknown = (Quantity, Quantity, Vec<(usize, f64)>);
-
 /// The rows of a file of recorded loads, read one at a time. Ends after the first error that is not one of a row.
 pub struct Loads {
     file: String,
@@ -188,11 +157,13 @@ pub struct Loads {
     line: Line,
     headings: Vec<Heading>,
     sources: [Source; OWN.len()],
-    /// The quantity in each field.
-    of_field: Vec<Option<usize>>,
+    /// The quantity in each field, by its number in [`OWN`].
+    of_field: Vec<Option<(usize, Field)>>,
     separator: u8,
-    /// The mark before decimals that the file has had first, where commas do not separate fields.
+    /// The mark before decimals that the file has had first.
     decimal: Option<char>,
+    /// All numbers with that mark have three digits behind it and at most three before: it may be one of thousands.
+    may_be_thousands: bool,
     lines: u64,
     rows: u64,
     bytes: u64,
@@ -220,6 +191,7 @@ impl Loads {
             of_field: Vec::new(),
             separator: b',',
             decimal: None,
+            may_be_thousands: false,
             lines: 0,
             rows: 0,
             bytes: 0,
@@ -238,7 +210,7 @@ impl Loads {
 
     /// Whether there are columns of temperatures.
     pub fn has_temperatures(&self) -> bool {
-        self.sources[COLUMNS..]
+        self.sources[LOADS..]
             .iter()
             .all(|source| *source != Source::None)
     }
@@ -262,40 +234,47 @@ impl Loads {
         self.total_bytes
     }
 
-    /// How the rows so far were understood, with the range of each quantity; none for a file with the project's own names.
-    /// A question mark is behind a unit that the file does not say.
+    /// How the rows so far were understood, with the range of each quantity; none for a file with the project's own names whose
+    /// marks before three digits are clear. A question mark is behind a unit that the file does not say.
     pub fn assumed(&self) -> Option<String> {
         let is_own = |(quantity, source): (&Quantity, &Source)| match source {
             Source::None => true,
-            Source::Field(i, ..) => self.headings[*i]
-                .text
-                .eq_ignore_ascii_case(quantity.column()),
+            Source::Field(field) => {
+                let text = &self.headings[field.number].text;
+                text.eq_ignore_ascii_case(quantity.column())
+            }
             _ => false,
         };
-        if OWN.iter().zip(&self.sources).all(is_own) {
+        let is_clear = OWN.iter().zip(&self.sources).all(is_own) && !self.may_be_thousands;
+        let is_read = self.ranges.iter().any(|(least, _)| least.is_finite());
+        if is_clear || !is_read {
             return None;
         }
-        let mut parts = Vec::new();
-        for (i, quantity) in OWN.into_iter().enumerate() {
+        let parts = OWN.into_iter().zip(self.sources).zip(self.ranges);
+        let parts = parts.filter_map(|((quantity, source), (least, most))| {
             let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
-            let (least, most) = self.ranges[i];
-            parts.push(match self.sources[i] {
-                Source::None => continue,
-                Source::Given(x) => format!("{name} {x} {unit}"),
-                Source::Count => format!("{name} counts the rows"),
-                Source::Field(field, _, is_said, sign) => {
-                    let doubt = if is_said { "" } else { "?" };
-                    let sign = if sign < 0.0 { "-" } else { "" };
-                    let from = shortened(self.headings[field].text.as_bytes());
+            match source {
+                Source::None => None,
+                Source::Given(x) => Some(format!("{name} {x} {unit}")),
+                Source::Count => Some(format!("{name} counts the rows")),
+                Source::Field(field) => {
+                    let doubt = if field.is_said { "" } else { "?" };
+                    let from = shortened(self.headings[field.number].text.as_bytes());
                     let range = if least < most {
                         format!("{least} to {most}")
                     } else {
                         format!("{most}")
                     };
-                    format!("{name} {range} {unit}{doubt} ({sign}{from:?})")
+                    let factor = match field.factor {
+                        1.0 => String::new(),
+                        -1.0 => "-".to_owned(),
+                        factor => format!("{factor} * "),
+                    };
+                    Some(format!("{name} {range} {unit}{doubt} ({factor}{from:?})"))
                 }
-            });
-        }
+            }
+        });
+        let parts: Vec<String> = parts.collect();
         Some(format!("{}: read as {}", self.file, parts.join(", ")))
     }
 
@@ -326,7 +305,7 @@ impl Loads {
         self.lines += 1;
         self.line.number = self.lines;
         self.bytes += taken as u64;
-        if self.lines == 1 {
+        if self.lines == 1 || line.len() > 3 && self.rows == 0 {
             let zeros = line.iter().filter(|byte| **byte == 0).count();
             let is_wide = line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF");
             if is_wide || line.len() > 3 && 3 * zeros > line.len() {
@@ -363,15 +342,29 @@ impl Loads {
 
     /// Finds the header, and where each quantity is.
     fn open(&mut self) -> Result<(), LoadsError> {
-        let mut is_row = false;
-        while !is_row && self.ahead.len() < LONGEST_PREAMBLE && self.take_line()? {
+        // A row of numbers may be one of the preamble: names are above the first of the recording.
+        let (mut first, mut is_named) = (None, false);
+        while self.ahead.len() < LONGEST_PREAMBLE && self.take_line()? {
             let line = std::mem::take(&mut self.line);
-            is_row = line.of_row().is_some();
+            let is_row = line.of_row().is_some();
+            is_named |= !is_row && line.named(&self.told).0 > 0;
             self.ahead.push_back(line);
+            if is_row && (is_named || first.is_none()) {
+                first = Some(self.ahead.len());
+            }
+            if is_row && is_named {
+                break;
+            }
         }
-        let Some(header) = preamble::find(self.ahead.make_contiguous(), &self.told) else {
+        if first.is_none() && self.ahead.len() == LONGEST_PREAMBLE {
+            return Err(self.malformed(format!(
+                "there is no row of numbers in {LONGEST_PREAMBLE} lines"
+            )));
+        }
+        let above = &self.ahead.make_contiguous()[..first.unwrap_or(self.lines as usize)];
+        let Some(header) = preamble::find(above, &self.told) else {
             self.line.number = self.lines;
-            let own = OWN.map(Quantity::column)[..COLUMNS].join(",");
+            let own = OWN.map(Quantity::column)[..LOADS].join(",");
             return Err(self.malformed(format!(
                 "the file is empty; it must begin with the header {own}"
             )));
@@ -387,222 +380,74 @@ impl Loads {
         if let Err((field, fault)) = split(&self.line.text, self.separator, |_, _| ()) {
             return Err(LoadsError::Malformed(self.fault(field, None, fault)));
         }
-        self.find_sources()
-    }
-
-    /// The field of a quantity, or the fields that may be.
-    fn fields_of(&self, quantity: Quantity) -> Result<Vec<(usize, f64)>, LoadsError> {
-        let places = |is: &dyn Fn(&Heading) -> bool| -> Vec<(usize, f64)> {
-            let headings = self.headings.iter().enumerate();
-            headings
-                .filter(|(_, heading)| is(heading))
-                .map(|(i, _)| (i, 1.0))
-                .collect()
-        };
-        let named = |name: &str| places(&|heading| heading.text.eq_ignore_ascii_case(name));
-        let mut told = self.told.columns.iter();
-        let Some((_, name)) = told.find(|(one, _)| *one == quantity) else {
-            let own = named(quantity.column());
-            return Ok(if own.is_empty() {
-                places(&|heading| heading.means(quantity))
-            } else {
-                own
-            });
-        };
-        if name == "-" {
-            return Ok(Vec::new());
-        }
-        let found = named(name);
-        if !found.is_empty() {
-            return Ok(found);
-        }
-        let (sign, bare) = match name.strip_prefix('-') {
-            Some(bare) => (-1.0, bare),
-            None => (1.0, &**name),
-        };
-        let mut found = named(bare);
-        let numbered = bare
-            .parse()
-            .ok()
-            .filter(|i| (1..=self.headings.len()).contains(i));
-        found.extend(numbered.filter(|_| found.is_empty()).map(|i| (i - 1, 1.0)));
-        if found.is_empty() {
-            let all: Vec<_> = self
-                .headings
-                .iter()
-                .map(|heading| heading.text.clone())
-                .collect();
-            return Err(self.malformed(format!(
-                "no column is called {bare:?}: there are {}",
-                listed(&all)
-            )));
-        }
-        Ok(found.into_iter().map(|(i, _)| (i, sign)).collect())
-    }
-
-    /// Finds where each quantity comes from; what is not known is asked for at once.
-    fn find_sources(&mut self) -> Result<(), LoadsError> {
-        let (mut unknown, mut faults) = (Vec::new(), Vec::new());
-        for (i, quantity) in OWN.into_iter().enumerate() {
-            if let Some(value) = self.told.given[quantity as usize] {
-                self.sources[i] = Source::Given(value);
-                continue;
+        let found = columns::find(&self.headings, &self.told);
+        self.sources = found.map_err(|unclear| {
+            let fault = self.fault(1, None, unclear.message);
+            match unclear.options.is_empty() {
+                true => LoadsError::Malformed(fault),
+                false => LoadsError::Unknown(fault, unclear.options),
             }
-            let (recorded, turn) = self.told.recorded(quantity);
-            let fields = self.fields_of(recorded)?;
-            let is_needed = i < COLUMNS || self.told.heat;
-            self.sources[i] = match fields[..] {
-                [(field, sign)] => {
-                    let heading = &self.headings[field];
-                    let dimension = quantity.dimension();
-                    let unit = heading.unit.unwrap_or(Unit::of(dimension));
-                    if heading.strange_unit().is_some() || unit.dimension != dimension {
-                        let strange = heading.strange_unit().unwrap_or(unit.name());
-                        let units = Unit::names(dimension);
-                        faults.push(format!(
-                            "{:?} has the unit {strange}, which is none of {units}",
-                            heading.text
-                        ));
-                    }
-                    if dimension == Dimension::Moment && self.told.is_mirrored() {
-                        faults.push(format!(
-                            "the axes are mirrored, which leaves the sign of {} open: turn one of them, or give the moments",
-                            quantity.name()
-                        ));
-                    }
-                    Source::Field(field, unit, heading.unit.is_some(), sign * turn)
-                }
-                [] if quantity == Quantity::Time && !self.may_have_time() => Source::Count,
-                [] if !is_needed => Source::None,
-                _ => {
-                    unknown.push((recorded, quantity, fields));
-                    Source::None
-                }
-            };
-        }
-        let missing = |i: usize| self.sources[i] == Source::None;
-        let [inner, outer] = [COLUMNS, COLUMNS + 1];
-        if !self.told.heat && missing(inner) != missing(outer) {
-            // Temperatures are those of both sides.
-            let other = OWN[if missing(inner) { inner } else { outer }];
-            unknown.push((other, other, Vec::new()));
-        }
+        })?;
         self.of_field = vec![None; self.headings.len()];
         for (i, source) in self.sources.iter().enumerate() {
-            if let Source::Field(field, ..) = source
-                && let Some(other) = self.of_field[*field].replace(i)
-            {
-                let [one, other] = [OWN[other], OWN[i]].map(Quantity::name);
-                faults.push(format!(
-                    "{:?} is {one} and {other}",
-                    self.headings[*field].text
-                ));
+            if let Source::Field(field) = source {
+                self.of_field[field.number] = Some((i, *field));
             }
         }
-        if !faults.is_empty() {
-            return Err(self.malformed(faults.join("; ")));
-        }
-        if unknown.is_empty() {
-            Ok(())
-        } else {
-            Err(self.ask(&unknown))
-        }
-    }
-
-    /// Whether a column without a name that is known has a time's unit.
-    fn may_have_time(&self) -> bool {
-        let told = self.told.columns.iter();
-        let is_time = |heading: &Heading| {
-            heading
-                .unit
-                .is_some_and(|unit| unit.dimension == Dimension::Time)
-        };
-        told.clone()
-            .all(|(quantity, _)| *quantity != Quantity::Time)
-            && self.headings.iter().any(is_time)
-    }
-
-    /// Asks for quantities: none or several columns may be theirs.
-    fn ask(&self, unknown: &[Unknown]) -> LoadsError {
-        let text = |i: usize| self.headings[i].text.as_str();
-        let is_known = |heading: &Heading| Quantity::ALL.iter().any(|one| heading.means(*one));
-        let others = (0..self.headings.len()).filter(|i| {
-            !self.told.names(text(*i)) && !text(*i).is_empty() && !is_known(&self.headings[*i])
-        });
-        let others: Vec<usize> = others.collect();
-        let (mut next, mut columns, mut values, mut parts) =
-            (others.iter(), Vec::new(), Vec::new(), Vec::new());
-        for (quantity, own, fields) in unknown {
-            let may_be: Vec<String> = fields
-                .iter()
-                .map(|(i, _)| format!("{:?}", text(*i)))
-                .collect();
-            parts.push(match may_be[..] {
-                [] => format!("{} is in no column", quantity.name()),
-                _ => format!("{} may be {}", quantity.name(), may_be.join(" or ")),
-            });
-            let likely = |i: &&usize| {
-                self.headings[**i]
-                    .unit
-                    .is_none_or(|unit| unit.dimension == quantity.dimension())
-            };
-            let column = fields
-                .first()
-                .map(|(i, _)| *i)
-                .or_else(|| next.find(likely).copied());
-            match column {
-                Some(i) => columns.push((*quantity, text(i))),
-                None => values.push(*own),
-            }
-        }
-        let mut message = parts.join(", ");
-        if !others.is_empty() {
-            let others: Vec<_> = others.iter().map(|i| text(*i).to_owned()).collect();
-            let _ = write!(message, "; columns that say nothing: {}", listed(&others));
-        }
-        message += ". Say where each is, or its value, such as";
-        let fault = self.fault(1, None, message);
-        LoadsError::Unknown(fault, Told::options(&columns, &values))
+        Ok(())
     }
 
     /// The number in a field, or the field's fault.
-    fn number(&mut self, field: &[u8], unit: &Unit) -> Result<f64, String> {
-        if field.is_empty() {
-            return Err("the field is empty; a number is needed".to_owned());
-        }
-        let text = std::str::from_utf8(field).unwrap_or_default();
-        let Some((value, mark)) = number(text) else {
-            let marks = text
-                .matches([',', '.', '\'', '\u{a0}', '\u{202f}', ' '])
-                .count();
-            let hint = match text
-                .chars()
-                .all(|c| c.is_ascii_digit() || "+-,.' \u{a0}\u{202f}".contains(c))
-            {
-                true if marks > 0 => ": it has thousands separators; write it without",
-                _ if text.contains(':') => {
-                    "; a clock's time is left out by --columns time=-, and rows are counted"
-                }
-                _ => "",
-            };
-            return Err(format!("{} is not a number{hint}", quoted(field)));
+    fn number(&mut self, bytes: &[u8], column: usize, field: &Field) -> Result<f64, String> {
+        let remedy = match OWN[column] {
+            Quantity::Time => "; --columns time=- leaves the time out, and counts the rows",
+            _ => "",
         };
-        if let Some(mark) = mark
-            && (mark != '.' || self.separator != b',' || self.decimal.is_some())
-            && mark != *self.decimal.get_or_insert(mark)
-        {
-            // A comma may then be one of thousands.
-            let [has, above] = match mark {
-                ',' => ["a comma", "points"],
-                _ => ["a point", "commas"],
-            };
-            let field = quoted(field);
-            return Err(format!(
-                "{field} has {has} where numbers above have decimal {above}; write all decimals one way"
-            ));
+        if bytes.is_empty() {
+            return Err(format!("the field is empty; a number is needed{remedy}"));
         }
-        let value = unit.read(value);
-        if unit.dimension == Dimension::Temperature {
+        let written;
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => text,
+            Err(_) => {
+                written = text(bytes);
+                &written
+            }
+        };
+        let Some((value, mark)) = number(text) else {
+            let marks = [',', '.', '\'', '’', '\u{a0}', '\u{202f}', ' '];
+            let are_digits = text
+                .chars()
+                .all(|c| c.is_ascii_digit() || "+-".contains(c) || marks.contains(&c));
+            let hint = match remedy {
+                "" if are_digits && text.contains(marks) => {
+                    ": it has thousands separators; write it without"
+                }
+                remedy => remedy,
+            };
+            return Err(format!("{} is not a number{hint}", quoted(bytes)));
+        };
+        if let Some(mark) = mark {
+            let is_first = self.decimal.is_none();
+            if mark != *self.decimal.get_or_insert(mark) {
+                // A comma may then be one of thousands.
+                let [has, above] = match mark {
+                    ',' => ["a comma", "points"],
+                    _ => ["a point", "commas"],
+                };
+                let field = quoted(bytes);
+                return Err(format!(
+                    "{field} has {has} where numbers above have decimal {above}; write all decimals one way"
+                ));
+            }
+            // A point between commas is no mark of thousands.
+            if is_first {
+                self.may_be_thousands = mark == ',' || self.separator != b',';
+            }
+            self.may_be_thousands &= has_thousands(text);
+        }
+        let value = field.factor * field.unit.read(value);
+        if field.unit.dimension == Dimension::Temperature {
             celsius(value)
         } else {
             Ok(value)
@@ -622,21 +467,18 @@ impl Loads {
         let line = std::mem::take(&mut self.line.text);
         let (mut bad, mut more) = (None, None);
         let wanted = self.headings.len();
-        let count = split(&line, self.separator, |i, field| {
-            if i >= wanted && !field.is_empty() {
+        let count = split(&line, self.separator, |i, bytes| {
+            if i >= wanted && !bytes.is_empty() {
                 more.get_or_insert(i);
             }
-            let Some(Some(column)) = self.of_field.get(i).copied() else {
-                return;
-            };
-            let Source::Field(_, unit, _, sign) = self.sources[column] else {
-                return;
-            };
-            match self.number(field, &unit) {
-                Ok(number) => numbers[column] = Some(sign * number),
-                Err(message) => drop(bad.get_or_insert((i + 1, Some(column), message))),
+            if let Some(Some((column, field))) = self.of_field.get(i).copied() {
+                match self.number(bytes, column, &field) {
+                    Ok(number) => numbers[column] = Some(number),
+                    Err(message) => drop(bad.get_or_insert((i + 1, Some(column), message))),
+                }
             }
         });
+        self.line.text = line;
         let needed = self
             .of_field
             .iter()
@@ -644,10 +486,13 @@ impl Loads {
             .map_or(0, |last| last + 1);
         let lost = match count {
             Err((field, message)) => Some((field, None, message.to_owned())),
-            // Where numbers are readable, the first bad one says more than a wrong count.
             Ok(count) if count < needed => {
                 let message = format!("the line ends after {count} of {wanted} fields");
-                Some((count + 1, self.of_field[count], message))
+                Some((
+                    count + 1,
+                    self.of_field[count].map(|(column, _)| column),
+                    message,
+                ))
             }
             Ok(count) => more.map(|_| {
                 let hint = if self.separator == b',' {
@@ -655,15 +500,13 @@ impl Loads {
                 } else {
                     ""
                 };
-                let semicolon = if hint.is_empty() { "" } else { "; " };
-                let message = format!(
-                    "the line has {count} fields where the header has {wanted}{semicolon}{hint}"
-                );
+                let message =
+                    format!("the line has {count} fields where the header has {wanted}{hint}");
                 (wanted + 1, None, message)
             }),
         };
-        self.line.text = line;
         let is_lost = lost.is_some();
+        // Where numbers are readable, the first bad one says more than a wrong count.
         if let Some((field, column, message)) = bad.or(lost) {
             let kept = |i: usize| numbers[i].filter(|_| !is_lost);
             return Err(LoadsError::Row(Box::new(BadRow {
@@ -684,6 +527,20 @@ impl Loads {
             temperatures: inner.zip(outer).map(<[f64; 2]>::from),
         }))
     }
+}
+
+/// Whether the mark of a number may be one of thousands: one to three digits before it, three behind.
+fn has_thousands(text: &str) -> bool {
+    let digits = text.trim_start_matches(['+', '-', '\u{2212}', ' ']);
+    let parts = digits.split_once([',', '.']);
+    let are_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+    parts.is_some_and(|(before, behind)| {
+        (1..=3).contains(&before.len())
+            && before != "0"
+            && behind.len() == 3
+            && are_digits(before)
+            && are_digits(behind)
+    })
 }
 
 impl Iterator for Loads {

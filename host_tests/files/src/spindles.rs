@@ -230,7 +230,12 @@ impl SpindleFile {
         {
             return found.map(Self::from);
         }
-        let (file, text) = read_text(path)?;
+        let (file, text) = read_text(path).map_err(|mut error| {
+            if !path.exists() && path.extension().is_none() {
+                error.message += "; nor is it in the catalogue, which `cargo replay --list` has";
+            }
+            error
+        })?;
         if is_spindle(&text) {
             let folder = path.parent().unwrap_or_else(|| Path::new(""));
             Self::parse(&file, &text, folder)
@@ -277,22 +282,17 @@ impl SpindleFile {
                         Some(_) => error,
                     })?
                 }
-                (None, Some(keys)) => {
-                    let span = keys.span();
-                    let design = DesignFile::of(r, keys.into_inner())?;
-                    if design.loading != Loading::default() {
-                        let message =
-                            "a row has no loads; [load] and [[constant_load]] are the spindle's";
-                        return Err(r.error(r.place(span), message));
-                    }
-                    design
-                }
+                (None, Some(keys)) => DesignFile::of(r, keys.into_inner())?,
                 (Some(bearing), Some(_)) => {
                     let message = "the row has `bearing` and [row.design]; remove one of them";
                     return Err(r.error(r.place(bearing.span()), message));
                 }
                 (None, None) => return Err(missing("bearing", "\"7014c.toml\"")),
             };
+            if design.loading != Loading::default() {
+                let message = "a row has no loads: [load] and [[constant_load]] are the spindle's";
+                return Err(r.error(place, message));
+            }
             let spring = row.spring.is_some_and(Spanned::into_inner);
             let offset = row.preload_offset_um;
             let closure = micrometres(offset.as_ref().map_or(0.0, |offset| *offset.get_ref()));

@@ -1,7 +1,6 @@
 //! Quantities of a recording: their names in people's files, and what a user says of them.
 
 use crate::units::{Dimension, Unit};
-use std::fmt::Write;
 
 /// A quantity of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,7 +80,7 @@ impl Quantity {
     ///
     /// # Errors
     ///
-    /// There is none.
+    /// No quantity has this name.
     pub fn named(name: &str) -> Result<Self, String> {
         let found = Self::ALL.into_iter().find(|one| one.name() == name.trim());
         found.ok_or_else(|| {
@@ -91,15 +90,25 @@ impl Quantity {
     }
 }
 
-/// Names without unit, marks and blanks, by dimension, `?` being an axis or a side. Of the last ones the unit must tell what they are.
-#[rustfmt::skip]
-const NAMES: [(&str, &str); 5] = [
-    ("time abstime abstimes reltime relativetime elapsedtime timestamp xvalue zeit messzeit temps tempo tiempo", "t"),
-    ("f? force? ?force forcef? kraft? kraftf?", ""),
-    ("m? moment? ?moment momentm? torque? ?torque drehmoment?", "t?"),
-    ("speed rpm spindlespeed shaftspeed rotationalspeed drehzahl spindeldrehzahl", "n"),
-    ("t?", ""),
-];
+/// Names without unit, marks and blanks, `?` being an axis or a side; and one that needs a unit to be understood.
+const fn names(dimension: Dimension) -> (&'static str, &'static str) {
+    match dimension {
+        Dimension::Time => (
+            "time abstime abstimes reltime relativetime elapsedtime timestamp xvalue zeit messzeit temps tempo tiempo",
+            "t",
+        ),
+        Dimension::Force => ("f? force? ?force forcef? kraft? kraftf?", ""),
+        Dimension::Moment => (
+            "m? moment? ?moment momentm? torque? ?torque drehmoment?",
+            "t?",
+        ),
+        Dimension::Speed => (
+            "speed rpm spindlespeed shaftspeed rotationalspeed drehzahl spindeldrehzahl",
+            "n",
+        ),
+        Dimension::Temperature => ("t?", ""),
+    }
+}
 
 /// A column's name, split into quantity and unit.
 #[derive(Debug, Clone)]
@@ -114,17 +123,26 @@ pub struct Heading {
 }
 
 impl Heading {
-    /// `Fx [N]`, `Force X (kN)`, `t / s`, `Zeit in s`, `fx_n`.
+    /// `Fx [N]`, `Force X (kN)`, `t / s`, `Zeit in s`, `n 1/min`, `fx_n`.
     pub fn new(text: &str) -> Self {
         let mut brackets = [('[', ']'), ('(', ')')].into_iter();
-        let brackets =
-            brackets.find_map(|(open, close)| text.strip_suffix(close)?.rsplit_once(open));
-        let split = brackets.or_else(|| {
-            let marks = [" in ", "/", ",", "_", " "].into_iter();
-            let mut parts = marks.filter_map(|mark| text.rsplit_once(mark));
-            parts.find(|(stem, unit)| !stem.is_empty() && Unit::named(unit).is_some())
+        let brackets = brackets.find_map(|(open, close)| {
+            let (before, rest) = text.split_once(open)?;
+            let (unit, after) = rest.split_once(close)?;
+            Some((format!("{before}{after}"), unit))
         });
-        let (stem, unit) = split.unwrap_or((text, ""));
+        let split = brackets.or_else(|| {
+            if let Some((stem, unit)) = text.rsplit_once(" in ") {
+                return Some((stem.to_owned(), unit));
+            }
+            // The longest unit at the end.
+            let marks = text.match_indices([' ', '/', ',', '_']);
+            let mut parts = marks.map(|(at, mark)| (&text[..at], &text[at + mark.len()..]));
+            let (stem, unit) =
+                parts.find(|(stem, unit)| !stem.is_empty() && Unit::named(unit).is_some())?;
+            Some((stem.to_owned(), unit))
+        });
+        let (stem, unit) = split.unwrap_or((text.to_owned(), ""));
         let letters = stem.chars().filter(|c| c.is_alphanumeric());
         let mut heading = Self {
             text: text.to_owned(),
@@ -132,29 +150,29 @@ impl Heading {
             unit_name: None,
             unit: None,
         };
-        heading.add_unit(Some(unit.trim().to_owned()).filter(|unit| !unit.is_empty()));
+        heading.add_unit(unit.trim());
         heading
     }
 
-    /// Takes the unit that another line has, if its own name has none.
-    pub fn add_unit(&mut self, name: Option<String>) {
-        if self.unit_name.is_none() {
-            self.unit = name.as_deref().and_then(Unit::named);
-            self.unit_name = name;
+    /// Takes the unit that another line has, if there is none in the name.
+    pub fn add_unit(&mut self, name: &str) {
+        if self.unit_name.is_none() && !name.is_empty() {
+            self.unit = Unit::named(name);
+            self.unit_name = Some(name.to_owned());
         }
     }
 
-    /// Takes the unit of counts, if it has counts or a quantity without a unit.
-    pub fn count(&mut self, unit: Unit) {
+    /// Takes a unit that the preamble has, if it has none, or counts, and is a quantity of that dimension.
+    pub fn assume(&mut self, unit: Unit) {
         let name = self.unit_name.as_deref().unwrap_or("counts");
-        let counts = Self {
+        let assumed = Self {
             unit: Some(unit),
             unit_name: None,
             ..self.clone()
         };
-        if name.eq_ignore_ascii_case("counts") && Quantity::ALL.iter().any(|one| counts.means(*one))
-        {
-            *self = counts;
+        let is_meant = Quantity::ALL.iter().any(|one| assumed.means(*one));
+        if name.eq_ignore_ascii_case("counts") && is_meant {
+            *self = assumed;
         }
     }
 
@@ -165,23 +183,47 @@ impl Heading {
 
     /// Whether it means a quantity, by its name and its unit.
     pub fn means(&self, quantity: Quantity) -> bool {
-        let dimension = quantity.dimension();
-        let (names, by_unit) = NAMES[dimension as usize];
-        let fits = self.unit.map(|unit| unit.dimension == dimension);
-        let axis = match dimension {
+        let fits = self.unit.map(|unit| unit.dimension == quantity.dimension());
+        fits != Some(false)
+            && (self.is_called(quantity, false) || fits.is_some() && self.is_called(quantity, true))
+    }
+
+    /// Whether its name is one of a quantity's; with `short`, the one that needs a unit to be understood.
+    pub fn is_called(&self, quantity: Quantity, short: bool) -> bool {
+        let axis = match quantity.dimension() {
             Dimension::Force | Dimension::Moment => &quantity.name()[1..],
             Dimension::Temperature => &quantity.name()[2..],
             _ => "",
         };
-        let is = |name: &str| name.replace('?', axis) == self.stem;
-        fits != Some(false) && (names.split(' ').any(is) || fits.is_some() && is(by_unit))
+        let (names, by_unit) = names(quantity.dimension());
+        let mut names = if short { by_unit } else { names }.split(' ');
+        !self.stem.is_empty()
+            && names.any(|name| match name.split_once('?') {
+                None => name == self.stem,
+                Some((before, after)) => {
+                    let middle = self
+                        .stem
+                        .strip_prefix(before)
+                        .and_then(|rest| rest.strip_suffix(after));
+                    middle.is_some_and(|middle| middle == axis.replace('_', ""))
+                }
+            })
+    }
+
+    /// Whether its unit is one of the quantity's, or its name, which alone says too little.
+    pub fn may_be(&self, quantity: Quantity) -> bool {
+        match self.unit {
+            Some(unit) => unit.dimension == quantity.dimension(),
+            None => self.strange_unit().is_none() && self.is_called(quantity, true),
+        }
     }
 }
 
 /// What a user says of a recording besides what its columns do.
 #[derive(Debug, Clone)]
 pub struct Told {
-    /// The columns of quantities, by name or by number; `-` is no column. A minus before the name turns the sign.
+    /// The columns of quantities, by name or by number; `-` is no column. A minus before the name turns the sign, a factor may
+    /// stand behind it.
     pub columns: Vec<(Quantity, String)>,
     /// The recording's axis and its sign for each axis of the bearing.
     pub axes: [(usize, f64); 3],
@@ -247,12 +289,9 @@ impl Told {
                     Some(name) => (-1.0, name),
                     None => (1.0, other.strip_prefix('+').unwrap_or(&other)),
                 };
-                let axis = ["x", "y", "z"].into_iter();
-                let own = axis
-                    .clone()
-                    .position(|axis| axis == own.trim().to_lowercase())?;
-                let name = name.strip_prefix('f').unwrap_or(name);
-                Some((own, (axis.clone().position(|axis| axis == name)?, sign)))
+                let axis = |name: &str| ["x", "y", "z"].iter().position(|axis| *axis == name);
+                let own = axis(&own.trim().to_lowercase())?;
+                Some((own, (axis(name.strip_prefix('f').unwrap_or(name))?, sign)))
             };
             let (own, other) = read().ok_or("axes are x=Fz,y=-Fx,z=Fy: each axis of the bearing's frame, and the recording's force along it")?;
             if found[own].replace(other).is_some() {
@@ -267,10 +306,27 @@ impl Told {
         Ok(())
     }
 
+    /// A column's name without sign and factor, and these: `-Fy*1000`.
+    pub fn split<'n>(&self, name: &'n str) -> (&'n str, f64) {
+        let (sign, name) = match name.strip_prefix('-') {
+            Some(name) => (-1.0, name),
+            None => (1.0, name),
+        };
+        let times = name.rsplit_once('*').and_then(|(name, factor)| {
+            let factor: f64 = factor.trim().parse().ok()?;
+            Some((name.trim_end(), sign * factor))
+        });
+        times.unwrap_or((name, sign))
+    }
+
     /// Whether a column of this name is told of.
     pub fn names(&self, text: &str) -> bool {
         let mut columns = self.columns.iter();
-        columns.any(|(_, name)| name.trim_start_matches('-').eq_ignore_ascii_case(text))
+        columns.any(|(_, name)| {
+            [name, self.split(name).0]
+                .iter()
+                .any(|one| one.eq_ignore_ascii_case(text))
+        })
     }
 
     /// The recorded quantity that a bearing's is, and its sign.
@@ -295,25 +351,5 @@ impl Told {
         let [(x, a), (y, b), (_, c)] = self.axes;
         let cyclic = (x + 1) % 3 == y;
         a * b * c * if cyclic { 1.0 } else { -1.0 } < 0.0
-    }
-
-    /// The options that a quantity's column, or its value, is given by.
-    pub fn options(columns: &[(Quantity, &str)], values: &[Quantity]) -> String {
-        let mut text = String::new();
-        for (i, (quantity, name)) in columns.iter().enumerate() {
-            let start = if i == 0 { " --columns " } else { "," };
-            let name = name.replace('\\', "\\\\").replace('"', "\\\"");
-            let name = name.replace('$', "\\$").replace('`', "\\`");
-            let _ = write!(text, "{start}{}=\"{name}\"", quantity.name());
-        }
-        for quantity in values {
-            let value = match quantity.dimension() {
-                Dimension::Speed => "12000",
-                Dimension::Temperature => "25",
-                _ => "0",
-            };
-            let _ = write!(text, " --{} {value}", quantity.name());
-        }
-        text
     }
 }

@@ -1,5 +1,7 @@
 //! Units as programs write them.
 
+use Dimension::{Force, Moment, Speed, Temperature, Time};
+
 /// What a number measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
@@ -14,8 +16,6 @@ pub enum Dimension {
     /// Degrees Celsius.
     Temperature,
 }
-
-use Dimension::{Force, Moment, Speed, Temperature, Time};
 
 /// A unit. Its numbers times `times`, over `over`, plus `plus`, are numbers of the first unit of the dimension: powers of ten
 /// are divided by, which rounds once.
@@ -69,16 +69,25 @@ const UNITS: [Unit; 21] = [
     Unit { dimension: Temperature, names: "K kelvin", times: 1.0, over: 1.0, plus: -273.15 },
 ];
 
-/// A unit's name without marks, blanks and capitals: `N*m`, `[N m]` and `Nm` are one.
-fn plain(name: &str) -> String {
-    let kept = name.chars().filter(|c| c.is_alphanumeric() || *c == '/');
-    kept.collect::<String>().to_lowercase()
+/// A unit's name without blanks, capitals, and the marks of products and powers: `N*m`, `[N m]` and `Nm` are one. None of a
+/// name with other marks.
+fn plain(name: &str) -> Option<String> {
+    let mut plain = String::new();
+    for c in name.trim_matches(['[', ']', '(', ')', '"']).chars() {
+        match c {
+            '¹' => plain.push('1'),
+            ' ' | '*' | '·' | '⋅' | '.' | '^' | '-' | '_' | '°' | '⁻' => {}
+            c if c.is_alphanumeric() || c == '/' => plain.extend(c.to_lowercase()),
+            _ => return None,
+        }
+    }
+    Some(plain)
 }
 
 impl Unit {
     /// The unit of this name. `mN` and `MN` are none: small letters and capitals are one here.
     pub fn named(name: &str) -> Option<Self> {
-        let name = plain(name);
+        let name = plain(name)?;
         let is = |one: &&str| one.to_lowercase() == name;
         let has = |unit: &&Self| unit.names.split(' ').any(|one| is(&one));
         UNITS.iter().find(has).copied()

@@ -33,10 +33,10 @@ line 1, column 1: time is in no column; columns that say nothing: \"tme_s\"
 line 1, column 1: t_outer is in no column; columns that say nothing: \"T_oil_K\"
 line 1, column 1: fx is in no column; columns that say nothing: \"remark\"
 line 2, column 1: the file is empty
-line 2, column 1: fx is in no column, fy is in no column,
+line 2, column 1: fx is in no column; fy is in no column;
 line 1, column 1: time may be \"time_s\" or \"time_s\"
 line 1, column 1: fy is in no column. Say where each is, or its value, such as: cargo replay
-line 1, column 1: fx is in no column, fy is in no column,
+line 1, column 1: fx is in no column; fy is in no column;
 line 1, column 7: a carriage return in the middle of the line
 line 2, column 1: the line is longer than";
     paired(texts, starts)

@@ -510,9 +510,9 @@ fn a_column_that_is_not_known_is_asked_for_by_the_whole_command_line() {
     assert_eq!(
         err,
         format!(
-            "replay: standard input: line 1, column 1: fx is in no column, speed is in no column; columns that say nothing: \
+            "replay: standard input: line 1, column 1: fx is in no column; speed is in no column; columns that say nothing: \
              \"F 1\". Say where each is, or its value, such as: cargo replay {bearing} - --select dx,fx \
-             --columns fx=\"F 1\" --speed 12000\n"
+             --columns fx=\"?\" --speed 12000\n"
         )
     );
     let options = [

@@ -89,7 +89,7 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     changed(bearing, "", "this row lacks `bearing`");
     let reason = "row 0 is preloaded by -1 N: give a positive force";
     changed("preload_n = 294", "preload_n = -1", reason);
-    let reason = "t_inner is in no column, t_outer is in no column";
+    let reason = "t_inner is in no column; t_outer is in no column";
     changed("[nose]", "[heat]\nreference_c = 20\n[nose]", reason);
     assert!(
         complaint("row = []\nname = \"none\"".to_owned(), &[])

@@ -139,16 +139,21 @@ struct Args {
 struct Recording {
     /// Columns by their names or numbers, such as `time="Zeit [s]",fx=-"Fy"`; time=- has none
     ///
-    /// Quantities are time, fx, fy, fz, mx, my, mz, speed, t_inner, t_outer.
-    #[arg(long, value_name = "QUANTITY=NAME,..", allow_hyphen_values = true)]
+    /// A factor may stand behind the name: `fx="Fx [V]*250"`. Quantities are time, fx, fy, fz, mx, my, mz, speed, t_inner, t_outer.
+    #[arg(
+        long,
+        value_name = "QUANTITY=NAME,..",
+        allow_hyphen_values = true,
+        conflicts_with = "table"
+    )]
     columns: Vec<String>,
 
     /// Axes of the bearing's frame by the forces of the recording, such as x=Fz,y=Fx,z=Fy; moments follow
-    #[arg(long, value_name = "x=F,y=F,z=F")]
+    #[arg(long, value_name = "x=F,y=F,z=F", conflicts_with = "table")]
     axes: Option<String>,
 
     /// Solve one record of so many
-    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "COUNT", default_value_t = 1, conflicts_with = "table", value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
 
     #[command(flatten)]
@@ -186,7 +191,10 @@ impl clap::Args for Given {
     fn augment_args(command: clap::Command) -> clap::Command {
         command.args(Self::all().map(|quantity| {
             let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
-            let arg = clap::Arg::new(name).long(name).value_name(unit);
+            let arg = clap::Arg::new(name)
+                .long(name)
+                .value_name(unit)
+                .conflicts_with("table");
             let arg = arg
                 .value_parser(clap::value_parser!(f64))
                 .allow_negative_numbers(true);
@@ -514,7 +522,7 @@ impl Args {
             })?;
             ensure!(
                 held[freedom].replace(value).is_none(),
-                "--given {text}: it is given already"
+                "--given {text}: it is held already, by --given or --freedoms 3"
             );
         }
         Ok(held)
