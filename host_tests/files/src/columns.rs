@@ -26,7 +26,7 @@ pub const LOADS: usize = 7;
 pub enum Source {
     /// Nowhere: a temperature that nobody needs.
     None,
-    /// The same for all rows.
+    /// A constant.
     Given(f64),
     /// Rows are counted.
     Count,

@@ -12,7 +12,7 @@
 //! inner_shoulder_deg = 48        # contact angle at the shoulder's edge; may be left out
 //! outer_shoulder_deg = 47.5
 //! first_ball_deg = 0             # may be left out
-//! bore_mm = 25                   # for people; may be left out
+//! bore_mm = 25                   # for the catalogue; may be left out
 //! outside_mm = 47
 //!
 //! [ring]                         # what is left out is bearing steel's

@@ -71,7 +71,7 @@ impl Quantity {
         self.facts().1
     }
 
-    /// What it measures.
+    /// Its dimension.
     pub const fn dimension(self) -> Dimension {
         self.facts().2
     }
@@ -219,7 +219,7 @@ impl Heading {
     }
 }
 
-/// What a user says of a recording besides what its columns do.
+/// Options of a user about a recording, besides the names of its columns.
 #[derive(Debug, Clone)]
 pub struct Told {
     /// The columns of quantities, by name or by number; `-` is no column. A minus before the name turns the sign, a factor may

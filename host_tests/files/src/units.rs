@@ -2,7 +2,7 @@
 
 use Dimension::{Force, Moment, Speed, Temperature, Time};
 
-/// What a number measures.
+/// Dimension of a number, with the unit that the library has for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// Seconds.
@@ -21,7 +21,7 @@ pub enum Dimension {
 /// are divided by, which rounds once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// What it measures.
+    /// Its dimension.
     pub dimension: Dimension,
     /// Its names, the first as messages have it; compared by [`plain`].
     names: &'static str,

@@ -134,31 +134,6 @@ fn columns_of_others_are_ignored_and_named() {
     assert_eq!(loads.next().unwrap().unwrap(), plain[0]);
 }
 
-/// Bytes that nobody meant to be a recording end in an error or in rows, never in a panic or without end.
-#[test]
-fn any_bytes_are_refused_or_read() {
-    let pieces = "1,2,3,4,5,6,7\n|;|\t|,|\"|\n|\r|#|\u{ff}|\0|1e999|nan|\u{feff}";
-    let pieces: Vec<&str> = pieces.split('|').chain([HEADER]).collect();
-    for seed in 0..4000 {
-        let mut random = Random::seeded(seed);
-        let separator = [",", ";", "\t"][random.below(3)];
-        let mut text = HEADER.replace(',', separator).repeat(random.below(2));
-        for _ in 0..40 {
-            text += pieces[random.below(pieces.len())];
-        }
-        let length = text.len();
-        // Characters of one byte each, most of which are no UTF-8 beyond 127.
-        let bytes = text.chars().map(|c| c as u32 as u8).collect();
-        if let Ok(loads) = Loads::from_reader(
-            "x",
-            Box::new(Cursor::<Vec<u8>>::new(bytes)),
-            Told::default(),
-        ) {
-            assert!(loads.count() <= length);
-        }
-    }
-}
-
 #[test]
 fn bytes_that_are_no_text_are_refused_with_line_and_column() {
     let mut bytes = format!("{HEADER}1,2,3,4,5,6,7\n").into_bytes();
