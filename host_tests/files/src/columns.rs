@@ -72,32 +72,35 @@ pub fn find(headings: &[Heading], told: &Told) -> Result<[Source; OWN.len()], Un
     let (mut missing, mut faults) = (Vec::new(), Vec::new());
     let mut sources = [Source::None; OWN.len()];
     for (i, own) in OWN.into_iter().enumerate() {
+        if let Some(value) = told.given[own as usize] {
+            sources[i] = Source::Given(value);
+            continue;
+        }
         let (recorded, turn) = told.recorded(own);
-        let is_needed = i < LOADS || told.heat;
-        sources[i] = if let Some(value) = told.given[own as usize] {
-            Source::Given(value)
-        } else {
-            let (fields, factor) = fields_of(headings, told, recorded).unwrap_or_else(|fault| {
+        let (fields, factor) = match fields_of(headings, told, recorded) {
+            Ok(found) => found,
+            Err(fault) => {
                 faults.push(fault);
-                (vec![0], None)
-            });
-            match fields[..] {
-                [number] => Source::Field(Field {
-                    factor: turn * factor.unwrap_or(1.0),
-                    ..field(&headings[number], number, own, factor, &mut faults)
-                }),
-                [] if own == Quantity::Time && !may_have_time(headings, told) => Source::Count,
-                [] if !is_needed => Source::None,
-                _ => {
-                    missing.push(Missing {
-                        recorded,
-                        own,
-                        fields,
-                    });
-                    Source::None
-                }
+                continue;
             }
         };
+        let is_needed = i < LOADS || told.heat;
+        match fields[..] {
+            [number] => {
+                let field = field(&headings[number], number, own, factor, &mut faults);
+                let factor = turn * factor.unwrap_or(1.0);
+                sources[i] = Source::Field(Field { factor, ..field });
+            }
+            [] if own == Quantity::Time && !may_have_time(headings, told) => {
+                sources[i] = Source::Count;
+            }
+            [] if !is_needed => {}
+            _ => missing.push(Missing {
+                recorded,
+                own,
+                fields,
+            }),
+        }
     }
     let has = |i: usize| sources[i] != Source::None;
     if !told.heat && has(LOADS) != has(LOADS + 1) {
