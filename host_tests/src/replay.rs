@@ -2,7 +2,7 @@
 
 use crate::dispatch::Precision;
 use crate::lifetime::Lifetime;
-use crate::spindles::{Answer, AnySpindleSolver, Choices, Parts, RowAnswer};
+use crate::spindles::{Answer, AnySpindleSolver, Choices, RowAnswer, parts};
 use files::recordings::{LoadRow, LoadsError};
 use files::spindles::SpindleFile;
 use spindle_bearing::{Design, Frequencies, LifeRating, LimitSet, RatingLife, ShaftEnd, Speed};
@@ -87,14 +87,13 @@ impl Table {
         columns
     }
 
-    /// Parts of an answer that it shows.
-    fn parts(self) -> Parts {
-        Parts {
-            at: false,
-            limits: false,
-            balls: self != Self::Frequencies,
-            motions: self == Self::Balls,
-            frequencies: self == Self::Frequencies,
+    /// [`parts`] of an answer that it shows; columns of the results name theirs.
+    const fn parts(self) -> u8 {
+        match self {
+            Self::Results => 0,
+            Self::Rows => parts::BALLS,
+            Self::Balls => parts::BALLS | parts::MOTIONS,
+            Self::Frequencies => parts::FREQUENCIES,
         }
     }
 }
@@ -153,16 +152,13 @@ fn results(file: &SpindleFile, columns: &mut Vec<Column>) {
                 false => answer.stiffness[i][j],
             });
             columns.push(Column {
-                needs: Parts { at, ..Parts::NONE },
+                needs: if at { parts::AT } else { 0 },
                 ..column
             });
         }
     }
     columns.push(Column {
-        needs: Parts {
-            limits: true,
-            ..Parts::NONE
-        },
+        needs: parts::LIMITS,
         ..Column::new("limits", |line| match line.answer {
             Ok(answer) => Figure::Limits(answer.limits()),
             Err(_) => Figure::None,
@@ -174,10 +170,7 @@ fn results(file: &SpindleFile, columns: &mut Vec<Column>) {
     }
     for (i, name) in ["l10_mrev", "l10_h"].into_iter().enumerate() {
         columns.push(Column {
-            needs: Parts {
-                balls: true,
-                ..Parts::NONE
-            },
+            needs: parts::BALLS,
             ..Column::new(name, move |line| {
                 Figure::Single(line.life.map(|life| life[i]))
             })
@@ -230,7 +223,7 @@ struct Line<'l> {
 /// A column of a table.
 struct Column {
     name: String,
-    needs: Parts,
+    needs: u8,
     figure: Box<dyn Fn(&Line<'_>) -> Figure>,
 }
 
@@ -238,7 +231,7 @@ impl Column {
     fn new(name: impl Into<String>, figure: impl Fn(&Line<'_>) -> Figure + 'static) -> Self {
         Self {
             name: name.into(),
-            needs: Parts::NONE,
+            needs: 0,
             figure: Box::new(figure),
         }
     }
@@ -436,14 +429,9 @@ pub fn replay(
     outputs: Vec<Output<'_>>,
 ) -> Result<Summary, ReplayError> {
     let (file, precision) = (job.file, job.precision);
-    let (mut sheets, mut parts) = (Vec::new(), Parts::NONE);
+    let (mut sheets, mut wanted) = (Vec::new(), 0);
     if job.lifetime.is_some() {
-        parts = Parts {
-            limits: true,
-            balls: true,
-            motions: true,
-            ..parts
-        };
+        wanted = parts::LIMITS | parts::BALLS | parts::MOTIONS;
     }
     for (table, out) in outputs {
         let mut columns = table.columns(file);
@@ -454,12 +442,9 @@ pub fn replay(
             if !job.select.is_empty() {
                 columns = select(columns, &job.select).map_err(ReplayError::Select)?;
             }
-            parts = columns
-                .iter()
-                .fold(parts, |parts, column| parts.and(column.needs));
-        } else {
-            parts = parts.and(table.parts());
         }
+        let needs = columns.iter().map(|column| column.needs);
+        wanted |= needs.fold(table.parts(), |all, needs| all | needs);
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         let text = names.join(",") + "\n";
         sheets.push(Sheet {
@@ -469,9 +454,10 @@ pub fn replay(
             out,
         });
     }
-    parts.balls |= parts.frequencies && job.at_rest;
+    let by_angles = job.at_rest && wanted & parts::FREQUENCIES != 0;
+    wanted |= if by_angles { parts::BALLS } else { 0 };
     solver.choose(&Choices {
-        parts,
+        parts: wanted,
         ..job.choices
     });
     let ratings = file.ratings();
@@ -506,7 +492,7 @@ pub fn replay(
             *summary.refused.entry(status).or_default() += 1;
         }
         let omega = Speed::rpm(given[6].unwrap_or(0.0)).as_rad_per_s();
-        if let (Ok(answer), true, true) = (&mut answer, job.at_rest, parts.frequencies) {
+        if let (Ok(answer), true) = (&mut answer, by_angles) {
             for (row, of) in answer.rows.iter_mut().zip(&file.plan.rows) {
                 row.frequencies = at_rest(&of.design, row, omega);
             }
@@ -516,10 +502,14 @@ pub fn replay(
             let answer = answer.as_ref().ok().map(|answer| (answer, weights(answer)));
             lifetime.add(given[0], omega, answer);
         }
-        let life = answer.as_ref().ok().filter(|_| parts.balls).map(|answer| {
-            let life = RatingLife::of_weight(weights(answer).iter().sum(), omega);
-            [life.million_revolutions, life.hours]
-        });
+        let life = answer
+            .as_ref()
+            .ok()
+            .filter(|_| wanted & parts::BALLS != 0)
+            .map(|answer| {
+                let life = RatingLife::of_weight(weights(answer).iter().sum(), omega);
+                [life.million_revolutions, life.hours]
+            });
         let answer = answer.as_ref().map_err(|status| *status);
         for sheet in &mut sheets {
             let mut line = Line {

@@ -76,53 +76,23 @@ pub struct RowAnswer {
     pub frequencies: Frequencies<f64>,
 }
 
-/// Parts of an answer that take time, and that not everybody wants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Parts {
+/// Parts of an answer that take time, and that not everybody wants: bits of a sum.
+pub mod parts {
     /// Stiffness and compliance at the point that is asked for.
-    pub at: bool,
+    pub const AT: u8 = 1;
     /// Limits of the rows.
-    pub limits: bool,
+    pub const LIMITS: u8 = 2;
     /// States of the balls.
-    pub balls: bool,
+    pub const BALLS: u8 = 4;
     /// How they turn, and how their contacts are pressed.
-    pub motions: bool,
+    pub const MOTIONS: u8 = 8;
     /// Frequencies of the rows.
-    pub frequencies: bool,
-}
-
-impl Parts {
-    /// None of them.
-    pub const NONE: Self = Self {
-        at: false,
-        limits: false,
-        balls: false,
-        motions: false,
-        frequencies: false,
-    };
-
+    pub const FREQUENCIES: u8 = 16;
     /// All of them.
-    pub const ALL: Self = Self {
-        at: true,
-        limits: true,
-        balls: true,
-        motions: true,
-        frequencies: true,
-    };
-
-    /// Those of either.
-    pub const fn and(self, other: Self) -> Self {
-        Self {
-            at: self.at || other.at,
-            limits: self.limits || other.limits,
-            balls: self.balls || other.balls,
-            motions: self.motions || other.motions,
-            frequencies: self.frequencies || other.frequencies,
-        }
-    }
+    pub const ALL: u8 = AT | LIMITS | BALLS | MOTIONS | FREQUENCIES;
 }
 
-/// What a solver does besides solving, and how well.
+/// Settings of a solver, and what it works out.
 #[derive(Debug, Clone, Copy)]
 pub struct Choices {
     /// Limits of the rows.
@@ -133,8 +103,8 @@ pub struct Choices {
     pub max_iterations: u16,
     /// Displacements of the shaft at `x = 0` that are given in the place of loads, m and rad.
     pub held: [Option<f64>; 5],
-    /// Parts of an answer that are worked out.
-    pub parts: Parts,
+    /// Parts of an answer that are worked out: a sum of [`parts`].
+    pub parts: u8,
 }
 
 impl Default for Choices {
@@ -144,7 +114,7 @@ impl Default for Choices {
             tolerance: None,
             max_iterations: Settings::<f64>::DEFAULT.max_iterations,
             held: [None; 5],
-            parts: Parts::ALL,
+            parts: parts::ALL,
         }
     }
 }
@@ -333,20 +303,21 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     end: &ShaftEnd<T>,
     choices: &Choices,
 ) -> Answer {
-    let (error, parts) = (&solution.error, choices.parts);
+    let error = &solution.error;
+    let wants = |part: u8| choices.parts & part != 0;
     let limits = Limits {
         peak_pressure: T::of(choices.limits.peak_pressure),
         friction: T::of(choices.limits.friction),
     };
     let nowhere = [[T::ZERO; 5]; 5];
-    let [compliance_at, stiffness_at] = match parts.at {
+    let [compliance_at, stiffness_at] = match wants(parts::AT) {
         true => [solution.compliance_at(end), solution.stiffness_at(end)],
         false => [nowhere; 2],
     };
     let rows = solution.rows().map(|row| RowAnswer {
         force: row.force.map(T::to_f64),
         preload: row.preload().to_f64(),
-        limits: if parts.limits {
+        limits: if wants(parts::LIMITS) {
             row.limits(&limits)
         } else {
             LimitSet::default()
@@ -355,15 +326,15 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         stiffness: wide(&row.stiffness()),
         balls: row
             .balls()
-            .take(if parts.balls { N } else { 0 })
+            .take(if wants(parts::BALLS) { N } else { 0 })
             .map(|ball| widened(&ball))
             .collect(),
         motions: row
             .kinematics()
-            .take(if parts.motions { N } else { 0 })
+            .take(if wants(parts::MOTIONS) { N } else { 0 })
             .map(|motion| widened_motion(&motion))
             .collect(),
-        frequencies: match parts.frequencies {
+        frequencies: match wants(parts::FREQUENCIES) {
             true => widened_frequencies(&row.frequencies()),
             false => Frequencies::default(),
         },

@@ -1,6 +1,6 @@
 //! Where each quantity of a recording is: found by the columns' names and by what a user says, or asked for.
 
-use crate::recordings::listed;
+use crate::preamble::listed;
 use crate::told::{Heading, Quantity, Told};
 use crate::units::{Dimension, Unit};
 use std::fmt::Write;

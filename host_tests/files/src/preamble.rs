@@ -2,6 +2,7 @@
 
 use crate::told::{Heading, Quantity, Told};
 use crate::units::{Dimension, Unit};
+use std::fmt::Write;
 
 /// Separators of a line's fields: those that stand in numbers and sentences, too, last. Blanks separate by any number.
 const SEPARATORS: [u8; 4] = [b'\t', b';', b',', b' '];
@@ -349,4 +350,33 @@ fn said_above(preamble: &[Line], dimension: Dimension) -> (Option<Unit>, Option<
         }
     }
     (unit, counts)
+}
+
+/// Characters of a field that messages show.
+const SHOWN: usize = 40;
+
+/// A field as messages show it: between quotation marks, readable, and short even if the field is not.
+pub fn shown(field: &[u8]) -> String {
+    format!("{:?}", shortened(field))
+}
+
+/// The first characters of a field.
+pub fn shortened(field: &[u8]) -> String {
+    let text = String::from_utf8_lossy(field);
+    let mut shown: String = text.chars().take(SHOWN).collect();
+    if text.chars().count() > SHOWN {
+        shown.push_str("...");
+    }
+    shown
+}
+
+/// The first of these names, and the number of the others.
+pub fn listed(names: &[String]) -> String {
+    const MOST: usize = 12;
+    let quoted = names.iter().take(MOST).map(|name| shown(name.as_bytes()));
+    let mut list = quoted.collect::<Vec<_>>().join(", ");
+    if names.len() > MOST {
+        let _ = write!(list, " and {} more", names.len() - MOST);
+    }
+    list
 }

@@ -14,11 +14,11 @@
 //! lines with quotation marks; a reader of its own for every line would take two fifths of a replay.
 
 use crate::columns::{self, Field, LOADS, OWN, Source};
-use crate::preamble::{self, Line, is_empty, number, split, text};
+use crate::preamble::{self, Line, is_empty, listed, number, shortened, shown, split, text};
 use crate::told::{Heading, Quantity, Told};
 use crate::units::{Dimension, Unit, celsius};
 use std::collections::VecDeque;
-use std::fmt::{self, Write as _};
+use std::fmt;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::Path;
@@ -220,13 +220,12 @@ impl Loads {
         &self.file
     }
 
-    /// Names of the columns that are not read.
-    pub fn ignored_columns(&self) -> Vec<String> {
+    /// Names of the columns that are not read; none if there are none.
+    pub fn ignored_columns(&self) -> Option<String> {
         let headings = self.headings.iter().zip(&self.of_field);
         let ignored = headings.filter(|(heading, of)| of.is_none() && !heading.text.is_empty());
-        ignored
-            .map(|(heading, _)| shortened(heading.text.as_bytes()))
-            .collect()
+        let names: Vec<String> = ignored.map(|(heading, _)| heading.text.clone()).collect();
+        (!names.is_empty()).then(|| listed(&names))
     }
 
     /// Size of the input, if it is a plain file.
@@ -425,7 +424,7 @@ impl Loads {
                 }
                 remedy => remedy,
             };
-            return Err(format!("{} is not a number{hint}", quoted(bytes)));
+            return Err(format!("{} is not a number{hint}", shown(bytes)));
         };
         if let Some(mark) = mark {
             let is_first = self.decimal.is_none();
@@ -435,7 +434,7 @@ impl Loads {
                     ',' => ["a comma", "points"],
                     _ => ["a point", "commas"],
                 };
-                let field = quoted(bytes);
+                let field = shown(bytes);
                 return Err(format!(
                     "{field} has {has} where numbers above have decimal {above}; write all decimals one way"
                 ));
@@ -560,35 +559,4 @@ impl Iterator for Loads {
         self.ended = !matches!(row, Some(Ok(_) | Err(LoadsError::Row(_))));
         row
     }
-}
-
-/// Characters of a field that messages show.
-const SHOWN: usize = 40;
-
-/// A field as messages show it: readable, and short even if the field is not.
-fn quoted(field: &[u8]) -> String {
-    format!("{:?}", shortened(field))
-}
-
-fn shortened(field: &[u8]) -> String {
-    let text = String::from_utf8_lossy(field);
-    let mut shown: String = text.chars().take(SHOWN).collect();
-    if text.chars().count() > SHOWN {
-        shown.push_str("...");
-    }
-    shown
-}
-
-/// The first of these names, and the number of the others.
-pub fn listed(names: &[String]) -> String {
-    const MOST: usize = 12;
-    let quoted = names
-        .iter()
-        .take(MOST)
-        .map(|name| self::quoted(name.as_bytes()));
-    let mut list = quoted.collect::<Vec<_>>().join(", ");
-    if names.len() > MOST {
-        let _ = write!(list, " and {} more", names.len() - MOST);
-    }
-    list
 }

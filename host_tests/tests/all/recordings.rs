@@ -128,7 +128,8 @@ fn columns_of_others_are_ignored_and_named() {
                 a,1,\"so, so\",2,3,4,5,6,7,,\n";
     let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
     let mut loads = Loads::from_reader("loads.csv", input, Told::default()).unwrap();
-    assert_eq!(loads.ignored_columns(), ["no", "remark; long", "fx_kn"]);
+    let ignored = "\"no\", \"remark; long\", \"fx_kn\"";
+    assert_eq!(loads.ignored_columns().unwrap(), ignored);
     assert!(!loads.has_temperatures());
     let plain = parsed(&format!("{HEADER}1,2,3,4,5,6,7\n")).unwrap();
     assert_eq!(loads.next().unwrap().unwrap(), plain[0]);

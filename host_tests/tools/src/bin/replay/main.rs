@@ -5,7 +5,7 @@ mod table;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::{ArgMatches, Parser};
 use files::catalogue;
-use files::recordings::{self, LoadRow, LoadsError, listed};
+use files::recordings::{self, LoadRow, LoadsError};
 use files::spindles::SpindleFile;
 use files::told::{QUANTITIES, Quantity, Told};
 use files::units::{Unit, celsius};
@@ -543,8 +543,8 @@ impl Args {
         let loads = recordings::read(path, self.recording.told(reference.is_some())?)?;
         let file = loads.file();
         let ignored = loads.ignored_columns();
-        if !ignored.is_empty() {
-            eprintln!("replay: {file}: columns ignored: {}", listed(&ignored));
+        if let Some(ignored) = ignored {
+            eprintln!("replay: {file}: columns ignored: {ignored}");
         }
         if reference.is_none() && loads.has_temperatures() {
             bail!(
