@@ -5,7 +5,7 @@ use crate::lifetime::Lifetime;
 use crate::spindles::{Answer, AnySpindleSolver, Choices, RowAnswer, parts};
 use files::recordings::{LoadRow, LoadsError};
 use files::spindles::SpindleFile;
-use spindle_bearing::{Design, Frequencies, LifeRating, LimitSet, RatingLife, ShaftEnd, Speed};
+use spindle_bearing::{Design, Frequencies, LifeRating, RatingLife, ShaftEnd, Speed};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::{self, Write as _};
@@ -43,212 +43,155 @@ impl Table {
         }
     }
 
-    /// Its columns.
-    fn columns(self, file: &SpindleFile) -> Vec<Column> {
-        let mut columns = vec![Column::new("time_s", |line| Figure::Copy(line.given[0]))];
+    /// Its columns; with reactions where displacements are `held`.
+    fn columns(self, file: &SpindleFile, held: bool) -> Vec<Column> {
+        let mut columns = Vec::new();
+        let mut add = |names: &[&str], figure: Figure, needs: u8| {
+            columns.extend(names.iter().enumerate().map(|(index, name)| Column {
+                name: (*name).to_owned(),
+                figure,
+                index,
+                needs,
+            }));
+        };
+        add(&["time_s"], Figure::Copy(0), 0);
         if self != Self::Results && !file.is_bearing {
-            columns.push(Column::new("row", |line| Figure::Count(line.row)));
+            add(&["row"], Figure::Row, 0);
         }
         match self {
-            Self::Results => results(file, &mut columns),
+            Self::Results => {
+                add(&["status"], Figure::Status, 0);
+                add(&["iterations"], Figure::Iterations, 0);
+                let names = ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"];
+                add(
+                    &names,
+                    Figure::Answer(|answer, i| answer.displacement[i]),
+                    0,
+                );
+                let stiffness = |place: &str| {
+                    let names =
+                        (0..25).map(|i| format!("{place}_{}_{}", FREEDOMS[i / 5], FREEDOMS[i % 5]));
+                    names.collect::<Vec<String>>()
+                };
+                let names = stiffness("k");
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                add(
+                    &names,
+                    Figure::Answer(|answer, i| answer.stiffness[i / 5][i % 5]),
+                    0,
+                );
+                if file.nose.is_some() {
+                    let names = stiffness("k_nose");
+                    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                    let at_nose = Figure::Answer(|answer, i| answer.stiffness_at[i / 5][i % 5]);
+                    add(&names, at_nose, parts::AT);
+                }
+                add(&["limits"], Figure::Limits, parts::LIMITS);
+                let names = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
+                add(&names, Figure::Copy(1), 0);
+                add(&["l10_mrev", "l10_h"], Figure::Life, parts::BALLS);
+                if file.heat.is_some() {
+                    add(&["t_inner_c", "t_outer_c"], Figure::Copy(7), 0);
+                }
+                if held {
+                    let names = [
+                        "reaction_fx_n",
+                        "reaction_fy_n",
+                        "reaction_fz_n",
+                        "reaction_my_nm",
+                        "reaction_mz_nm",
+                    ];
+                    add(&names, Figure::Answer(|answer, i| answer.load[i]), 0);
+                }
+            }
             Self::Rows => {
                 let names = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm"];
-                columns.extend(
-                    names
-                        .into_iter()
-                        .enumerate()
-                        .map(|(i, name)| Column::of_row(name, move |row, _| row.force[i])),
-                );
-                columns.push(Column::of_row("preload_n", |row, _| row.preload));
-                columns.push(Column::of_row("least_q_i_n", |row, _| {
+                add(&names, Figure::OfRow(|row, i, _| row.force[i]), 0);
+                add(&["preload_n"], Figure::OfRow(|row, _, _| row.preload), 0);
+                let least = |row: &RowAnswer, _, _| {
                     let forces = row.balls.iter().map(|ball| ball.q_i);
                     forces.fold(f64::INFINITY, f64::min)
-                }));
+                };
+                add(&["least_q_i_n"], Figure::OfRow(least), parts::BALLS);
             }
             Self::Balls => {
-                columns.push(Column::new("ball", |line| Figure::Count(line.ball)));
+                add(&["ball"], Figure::Ball, 0);
                 for (name, of) in BALLS {
-                    columns.push(Column::of_row(name, of));
+                    add(&[name], Figure::OfRow(of), parts::BALLS | parts::MOTIONS);
                 }
             }
             Self::Frequencies => {
-                type Named = (&'static str, fn(&Frequencies<f64>) -> f64);
-                const ALL: [Named; 4] = [
-                    ("cage_hz", |found| found.cage),
-                    ("outer_race_hz", |found| found.outer_race),
-                    ("inner_race_hz", |found| found.inner_race),
-                    ("ball_hz", |found| found.ball),
-                ];
-                for (name, of) in ALL {
-                    columns.push(Column::of_row(name, move |row, _| of(&row.frequencies)));
-                }
+                let all = |row: &RowAnswer, i: usize, _| {
+                    let found = &row.frequencies;
+                    [found.cage, found.outer_race, found.inner_race, found.ball][i]
+                };
+                let names = ["cage_hz", "outer_race_hz", "inner_race_hz", "ball_hz"];
+                add(&names, Figure::OfRow(all), parts::FREQUENCIES);
             }
         }
         columns
     }
-
-    /// [`parts`] of an answer that it shows; columns of the results name theirs.
-    const fn parts(self) -> u8 {
-        match self {
-            Self::Results => 0,
-            Self::Rows => parts::BALLS,
-            Self::Balls => parts::BALLS | parts::MOTIONS,
-            Self::Frequencies => parts::FREQUENCIES,
-        }
-    }
 }
 
-/// A figure of a ball, by its row and number.
-type OfBall = fn(&RowAnswer, usize) -> f64;
+/// A figure of a ball.
+type OfRow = fn(&RowAnswer, usize, usize) -> f64;
 
-/// Figures of a ball.
+/// Figures of a ball, by its row and its number.
 #[rustfmt::skip]
-const BALLS: [(&str, OfBall); 17] = [
-    ("azimuth_rad", |row, ball| row.balls[ball].azimuth),
-    ("alpha_i_rad", |row, ball| row.balls[ball].alpha_i),
-    ("alpha_o_rad", |row, ball| row.balls[ball].alpha_o),
-    ("q_i_n", |row, ball| row.balls[ball].q_i),
-    ("q_o_n", |row, ball| row.balls[ball].q_o),
-    ("fc_n", |row, ball| row.balls[ball].centrifugal_force),
-    ("mg_nm", |row, ball| row.balls[ball].gyroscopic_moment),
-    ("p_i_pa", |row, ball| row.motions[ball].inner.peak_pressure),
-    ("p_o_pa", |row, ball| row.motions[ball].outer.peak_pressure),
-    ("a_i_m", |row, ball| row.motions[ball].inner.semi_major),
-    ("b_i_m", |row, ball| row.motions[ball].inner.semi_minor),
-    ("a_o_m", |row, ball| row.motions[ball].outer.semi_major),
-    ("b_o_m", |row, ball| row.motions[ball].outer.semi_minor),
-    ("cage_rad_s", |row, ball| row.motions[ball].cage_speed),
-    ("attitude_rad", |row, ball| row.motions[ball].attitude),
-    ("spin_roll_i", |row, ball| row.motions[ball].inner.spin_to_roll),
-    ("spin_roll_o", |row, ball| row.motions[ball].outer.spin_to_roll),
+const BALLS: [(&str, OfRow); 17] = [
+    ("azimuth_rad", |row, _, ball| row.balls[ball].azimuth),
+    ("alpha_i_rad", |row, _, ball| row.balls[ball].alpha_i),
+    ("alpha_o_rad", |row, _, ball| row.balls[ball].alpha_o),
+    ("q_i_n", |row, _, ball| row.balls[ball].q_i),
+    ("q_o_n", |row, _, ball| row.balls[ball].q_o),
+    ("fc_n", |row, _, ball| row.balls[ball].centrifugal_force),
+    ("mg_nm", |row, _, ball| row.balls[ball].gyroscopic_moment),
+    ("p_i_pa", |row, _, ball| row.motions[ball].inner.peak_pressure),
+    ("p_o_pa", |row, _, ball| row.motions[ball].outer.peak_pressure),
+    ("a_i_m", |row, _, ball| row.motions[ball].inner.semi_major),
+    ("b_i_m", |row, _, ball| row.motions[ball].inner.semi_minor),
+    ("a_o_m", |row, _, ball| row.motions[ball].outer.semi_major),
+    ("b_o_m", |row, _, ball| row.motions[ball].outer.semi_minor),
+    ("cage_rad_s", |row, _, ball| row.motions[ball].cage_speed),
+    ("attitude_rad", |row, _, ball| row.motions[ball].attitude),
+    ("spin_roll_i", |row, _, ball| row.motions[ball].inner.spin_to_roll),
+    ("spin_roll_o", |row, _, ball| row.motions[ball].outer.spin_to_roll),
 ];
 
-/// The columns of the results behind the time.
-fn results(file: &SpindleFile, columns: &mut Vec<Column>) {
-    columns.push(Column::new("status", |line| match line.answer {
-        Ok(answer) => Figure::Word(answer.status),
-        Err(status) => Figure::Word(status),
-    }));
-    columns.push(Column::new("iterations", |line| match line.answer {
-        Ok(answer) => Figure::Count(usize::from(answer.iterations)),
-        Err(_) => Figure::None,
-    }));
-    for (i, name) in ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"]
-        .into_iter()
-        .enumerate()
-    {
-        columns.push(Column::of_answer(name, move |answer| {
-            answer.displacement[i]
-        }));
-    }
-    for (at, place) in [(false, "k"), (true, "k_nose")] {
-        for (i, j) in (0..25)
-            .map(|k| (k / 5, k % 5))
-            .filter(|_| !at || file.nose.is_some())
-        {
-            let name = format!("{place}_{}_{}", FREEDOMS[i], FREEDOMS[j]);
-            let column = Column::of_answer(name, move |answer| match at {
-                true => answer.stiffness_at[i][j],
-                false => answer.stiffness[i][j],
-            });
-            columns.push(Column {
-                needs: if at { parts::AT } else { 0 },
-                ..column
-            });
-        }
-    }
-    columns.push(Column {
-        needs: parts::LIMITS,
-        ..Column::new("limits", |line| match line.answer {
-            Ok(answer) => Figure::Limits(answer.limits()),
-            Err(_) => Figure::None,
-        })
-    });
-    let given = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
-    for (i, name) in (1..).zip(given) {
-        columns.push(Column::new(name, move |line| Figure::Copy(line.given[i])));
-    }
-    for (i, name) in ["l10_mrev", "l10_h"].into_iter().enumerate() {
-        columns.push(Column {
-            needs: parts::BALLS,
-            ..Column::new(name, move |line| {
-                Figure::Single(line.life.map(|life| life[i]))
-            })
-        });
-    }
-    for (i, name) in (7..)
-        .zip(["t_inner_c", "t_outer_c"])
-        .filter(|_| file.heat.is_some())
-    {
-        columns.push(Column::new(name, move |line| Figure::Copy(line.given[i])));
-    }
-}
-
-/// What holds the shaft at `x = 0`, where displacements are given.
-fn reactions() -> impl Iterator<Item = Column> {
-    let names = [
-        "reaction_fx_n",
-        "reaction_fy_n",
-        "reaction_fz_n",
-        "reaction_my_nm",
-        "reaction_mz_nm",
-    ];
-    let columns = names.into_iter().enumerate();
-    columns.map(|(i, name)| Column::of_answer(name, move |answer| answer.load[i]))
-}
-
-/// A field of a table.
+/// The figures of a column.
+#[derive(Clone, Copy)]
 enum Figure {
-    None,
-    Word(&'static str),
-    Limits(LimitSet),
-    Count(usize),
-    /// In the precision of the solve.
-    Number(f64),
-    /// A number of the recording, never rounded to the solver's precision: time identifies the row.
-    Copy(Option<f64>),
-    /// In single precision; empty if there is none, or no end of it.
-    Single(Option<f64>),
+    Status,
+    Iterations,
+    Limits,
+    Row,
+    Ball,
+    /// A number of the recording from this one on, never rounded to the solver's precision: time identifies the row.
+    Copy(usize),
+    /// Million revolutions or hours, in single precision; empty if there is no end of it.
+    Life,
+    /// A number of the answer, in the precision of the solve, by the column's index.
+    Answer(fn(&Answer, usize) -> f64),
+    /// A number of a row, by the column's index and the ball.
+    OfRow(OfRow),
 }
 
-/// What a line of a table is about.
+/// A column of a table, with its index among those of the same figure.
+struct Column {
+    name: String,
+    figure: Figure,
+    index: usize,
+    /// The [`parts`] of an answer that it shows.
+    needs: u8,
+}
+
+/// The record, the row and the ball of a line.
 struct Line<'l> {
     given: &'l [Option<f64>; 9],
     answer: Result<&'l Answer, &'static str>,
     life: Option<[f64; 2]>,
     row: usize,
     ball: usize,
-}
-
-/// A column of a table.
-struct Column {
-    name: String,
-    needs: u8,
-    figure: Box<dyn Fn(&Line<'_>) -> Figure>,
-}
-
-impl Column {
-    fn new(name: impl Into<String>, figure: impl Fn(&Line<'_>) -> Figure + 'static) -> Self {
-        Self {
-            name: name.into(),
-            needs: 0,
-            figure: Box::new(figure),
-        }
-    }
-
-    fn of_answer(name: impl Into<String>, figure: impl Fn(&Answer) -> f64 + 'static) -> Self {
-        Self::new(name, move |line| match line.answer {
-            Ok(answer) => Figure::Number(figure(answer)),
-            Err(_) => Figure::None,
-        })
-    }
-
-    fn of_row(name: &str, figure: impl Fn(&RowAnswer, usize) -> f64 + 'static) -> Self {
-        Self::new(name, move |line| match line.answer {
-            Ok(answer) => Figure::Number(figure(&answer.rows[line.row], line.ball)),
-            Err(_) => Figure::None,
-        })
-    }
 }
 
 /// The columns of these names: in full, or without marks and unit where that is one column, such as `kxx` and `dx`.
@@ -383,24 +326,36 @@ struct Sheet<'o> {
 }
 
 impl Sheet<'_> {
-    /// Adds a line of these fields.
+    /// Adds a line.
     fn add(&mut self, line: &Line<'_>, precision: Precision) {
+        let text = &mut self.text;
         for (i, column) in self.columns.iter().enumerate() {
-            self.text.push_str(if i == 0 { "" } else { "," });
-            let text = &mut self.text;
+            text.push_str(if i == 0 { "" } else { "," });
+            let index = column.index;
             // Writing to a string does not fail.
-            let _ = match (column.figure)(line) {
-                Figure::None | Figure::Copy(None) | Figure::Single(None) => Ok(()),
-                Figure::Word(word) => text.write_str(word),
-                Figure::Limits(limits) => write!(text, "{limits}"),
-                Figure::Count(count) => write!(text, "{count}"),
-                Figure::Number(x) => precision.write(text, x),
-                Figure::Copy(Some(x)) => Precision::F64.write(text, x),
-                Figure::Single(Some(x)) if x.is_finite() => Precision::F32.write(text, x),
-                Figure::Single(Some(_)) => Ok(()),
+            let _ = match (column.figure, line.answer) {
+                (Figure::Row, _) => write!(text, "{}", line.row),
+                (Figure::Ball, _) => write!(text, "{}", line.ball),
+                (Figure::Copy(first), _) => match line.given[first + index] {
+                    Some(x) => Precision::F64.write(text, x),
+                    None => Ok(()),
+                },
+                (Figure::Status, Err(status)) => text.write_str(status),
+                (_, Err(_)) => Ok(()),
+                (Figure::Status, Ok(answer)) => text.write_str(answer.status),
+                (Figure::Iterations, Ok(answer)) => write!(text, "{}", answer.iterations),
+                (Figure::Limits, Ok(answer)) => write!(text, "{}", answer.limits()),
+                (Figure::Life, Ok(_)) => match line.life.map(|life| life[index]) {
+                    Some(life) if life.is_finite() => Precision::F32.write(text, life),
+                    _ => Ok(()),
+                },
+                (Figure::Answer(of), Ok(answer)) => precision.write(text, of(answer, index)),
+                (Figure::OfRow(of), Ok(answer)) => {
+                    precision.write(text, of(&answer.rows[line.row], index, line.ball))
+                }
             };
         }
-        self.text.push('\n');
+        text.push('\n');
     }
 
     /// Hands on whole lines, if there are at least so many bytes.
@@ -434,17 +389,12 @@ pub fn replay(
         wanted = parts::LIMITS | parts::BALLS | parts::MOTIONS;
     }
     for (table, out) in outputs {
-        let mut columns = table.columns(file);
-        if table == Table::Results {
-            if job.choices.held != [None; 5] {
-                columns.extend(reactions());
-            }
-            if !job.select.is_empty() {
-                columns = select(columns, &job.select).map_err(ReplayError::Select)?;
-            }
+        let mut columns = table.columns(file, job.choices.held != [None; 5]);
+        if table == Table::Results && !job.select.is_empty() {
+            columns = select(columns, &job.select).map_err(ReplayError::Select)?;
         }
         let needs = columns.iter().map(|column| column.needs);
-        wanted |= needs.fold(table.parts(), |all, needs| all | needs);
+        wanted |= needs.fold(0, |all, needs| all | needs);
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         let text = names.join(",") + "\n";
         sheets.push(Sheet {
