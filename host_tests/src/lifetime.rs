@@ -1,4 +1,4 @@
-//! What a whole recording amounts to: rating life, worst pressure, least preload, time beyond each limit.
+//! Sums over a whole recording: rating life, worst pressure, least preload, time beyond each limit.
 
 use crate::spindles::Answer;
 use serde::Serialize;
@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// The sum over a recording. Where no time passes, all records hold equally long. Else a record holds until the next one; the last, and one after which the time goes back, as long as the
-/// one before it.
+/// Sums over a recording. A record holds until the next one; the last, and one after which the time goes back, as long as the one
+/// before it. Where no time passes at all, every record holds for a second.
 #[derive(Debug, Default, Serialize)]
 pub struct Lifetime {
     /// Records.
@@ -29,16 +29,20 @@ pub struct Lifetime {
     pub beyond_s: BTreeMap<&'static str, f64>,
     #[serde(skip)]
     damage: Damage,
-    /// The sum of records that all last a second: of use where times are all the same.
+    /// As if every record held for a second: duration, damage, time beyond limits.
+    #[serde(skip)]
+    even_s: f64,
     #[serde(skip)]
     even: Damage,
+    #[serde(skip)]
+    even_beyond_s: BTreeMap<&'static str, f64>,
     #[serde(skip)]
     last: Option<Record>,
     #[serde(skip)]
     step: f64,
 }
 
-/// What a recording amounts to for one row.
+/// Sums over a recording, of one row.
 #[derive(Debug, Default, Serialize)]
 pub struct RowLifetime {
     /// Its basic rating life; none if it has no end.
@@ -133,6 +137,7 @@ impl Lifetime {
         };
         let turns = record.turns_per_s;
         self.duration_s += step;
+        self.even_s += 1.0;
         let all = weights.iter().sum();
         self.damage.add(all, turns * step);
         self.even.add(all, turns);
@@ -142,21 +147,24 @@ impl Lifetime {
         }
         for limit in limits.iter() {
             *self.beyond_s.entry(limit.name()).or_default() += step;
+            *self.even_beyond_s.entry(limit.name()).or_default() += 1.0;
         }
     }
 
     /// Ends the recording.
     pub fn finish(&mut self) {
         self.close(None);
-        let answers = (self.records - self.without_answer) as f64;
-        let duration = self.duration_s;
-        let life = |damage: Damage, even: Damage| match duration > 0.0 {
-            true => damage.life(duration),
-            false => even.life(answers),
-        };
-        [self.l10_mrev, self.l10_h] = life(self.damage, self.even);
+        if self.duration_s == 0.0 {
+            self.duration_s = self.even_s;
+            self.damage = self.even;
+            self.beyond_s = std::mem::take(&mut self.even_beyond_s);
+            for row in &mut self.rows {
+                row.damage = row.even;
+            }
+        }
+        [self.l10_mrev, self.l10_h] = self.damage.life(self.duration_s);
         for row in &mut self.rows {
-            [row.l10_mrev, row.l10_h] = life(row.damage, row.even);
+            [row.l10_mrev, row.l10_h] = row.damage.life(self.duration_s);
         }
         for limit in Limit::ALL {
             self.beyond_s.entry(limit.name()).or_default();

@@ -247,7 +247,7 @@ pub struct Job<'j> {
     pub select: Vec<String>,
     /// Limits, tolerance and iterations.
     pub choices: Choices,
-    /// What a whole recording amounts to.
+    /// Sums over the whole recording.
     pub lifetime: Option<&'j mut Lifetime>,
 }
 
@@ -410,6 +410,9 @@ pub fn replay(
         parts: wanted,
         ..job.choices
     });
+    let mut columns = sheets.iter().flat_map(|sheet: &Sheet<'_>| &sheet.columns);
+    let is_life = |column: &Column| matches!(column.figure, Figure::Life);
+    let is_weighed = job.lifetime.is_some() || columns.any(is_life);
     let ratings = file.ratings();
     let end = file.nose.unwrap_or(ShaftEnd::rigid(0.0));
     let mut summary = Summary::default();
@@ -447,20 +450,16 @@ pub fn replay(
                 row.frequencies = at_rest(&of.design, row, omega);
             }
         }
-        let weights = |answer: &Answer| weights(answer, &ratings);
-        if let Some(lifetime) = job.lifetime.as_deref_mut() {
-            let answer = answer.as_ref().ok().map(|answer| (answer, weights(answer)));
-            lifetime.add(given[0], omega, answer);
-        }
-        let life = answer
-            .as_ref()
-            .ok()
-            .filter(|_| wanted & parts::BALLS != 0)
-            .map(|answer| {
-                let life = RatingLife::of_weight(weights(answer).iter().sum(), omega);
-                [life.million_revolutions, life.hours]
-            });
         let answer = answer.as_ref().map_err(|status| *status);
+        let weighed = answer.ok().filter(|_| is_weighed);
+        let weighed = weighed.map(|answer| (answer, weights(answer, &ratings)));
+        let life = weighed.as_ref().map(|(_, weights)| {
+            let life = RatingLife::of_weight(weights.iter().sum(), omega);
+            [life.million_revolutions, life.hours]
+        });
+        if let Some(lifetime) = job.lifetime.as_deref_mut() {
+            lifetime.add(given[0], omega, weighed);
+        }
         for sheet in &mut sheets {
             let mut line = Line {
                 given: &given,

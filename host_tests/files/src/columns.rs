@@ -87,7 +87,7 @@ pub fn find(headings: &[Heading], told: &Told) -> Result<[Source; OWN.len()], Un
         let is_needed = i < LOADS || told.heat;
         match fields[..] {
             [number] => {
-                let field = field(&headings[number], number, own, factor, &mut faults);
+                let field = field(&headings[number], number, recorded, factor, &mut faults);
                 let factor = turn * factor.unwrap_or(1.0);
                 sources[i] = Source::Field(Field { factor, ..field });
             }
@@ -141,11 +141,11 @@ pub fn find(headings: &[Heading], told: &Told) -> Result<[Source; OWN.len()], Un
 fn field(
     heading: &Heading,
     number: usize,
-    own: Quantity,
+    recorded: Quantity,
     factor: Option<f64>,
     faults: &mut Vec<String>,
 ) -> Field {
-    let dimension = own.dimension();
+    let dimension = recorded.dimension();
     // Who gives a factor has thought of the unit.
     let said = heading
         .unit
@@ -156,8 +156,8 @@ fn field(
         .or((unit.dimension != dimension).then_some(unit.name()));
     let by_factor = factor.is_some_and(|factor| factor.abs() != 1.0);
     if let Some(strange) = strange.filter(|_| !by_factor) {
-        let (text, units, name) = (&heading.text, Unit::names(dimension), own.name());
-        let remedy = match own {
+        let (text, units, name) = (&heading.text, Unit::names(dimension), recorded.name());
+        let remedy = match recorded {
             Quantity::Time => "leave it out by --columns time=-, and rows are counted".to_owned(),
             _ => format!(
                 "turn it into {} by --columns {name}={:?}",
@@ -200,7 +200,7 @@ fn fields_of(
     if name == "-" {
         return Ok((Vec::new(), None));
     }
-    let (bare, factor) = told.split(name);
+    let (bare, factor) = Told::split(name);
     for (name, factor) in [(&**name, None), (bare, Some(factor))] {
         let found = named(name);
         if !found.is_empty() {

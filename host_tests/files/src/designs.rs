@@ -264,7 +264,7 @@ const NUMBERS: [Number; 17] = [
 ];
 
 /// Keys that say the same thing.
-const OTHERS: [(&str, &str); 3] = [
+const EITHER: [(&str, &str); 3] = [
     ("inner_groove_factor", "inner_groove_radius_mm"),
     ("outer_groove_factor", "outer_groove_radius_mm"),
     ("contact_angle_deg", "diametral_clearance_um"),
@@ -378,7 +378,7 @@ impl DesignFile {
         let mut said: Vec<Said> = Vec::new();
         for (quantity, key, example, number, set) in NUMBERS {
             let Some(number) = number(&keys) else {
-                let other = OTHERS.iter().find(|(one, _)| *one == key);
+                let other = EITHER.iter().find(|(one, _)| *one == key);
                 let is_said = other.is_some_and(|(_, other)| said_by(&keys, other));
                 if !example.is_empty() && !is_said {
                     return Err(r.missing(key, example));
@@ -388,7 +388,7 @@ impl DesignFile {
             let (value, place) = (*number.get_ref(), r.place(number.span()));
             let pair = |one: &Said| {
                 let is_pair = |(a, b): &(&str, &str)| (*a, *b) == (one.key, key);
-                OTHERS.iter().any(is_pair)
+                EITHER.iter().any(is_pair)
             };
             if let Some(other) = said.iter().find(|one| pair(one)) {
                 let mut places = [place, other.place];
@@ -409,7 +409,7 @@ impl DesignFile {
         }
         if !said
             .iter()
-            .any(|one| OTHERS[2].0 == one.key || OTHERS[2].1 == one.key)
+            .any(|one| EITHER[2].0 == one.key || EITHER[2].1 == one.key)
         {
             let message = "the contact angle is missing; add a line such as `contact_angle_deg = 15` or \
                  `diametral_clearance_um = 10` above the first [table]";

@@ -304,7 +304,7 @@ impl Loads {
         self.lines += 1;
         self.line.number = self.lines;
         self.bytes += taken as u64;
-        if self.lines == 1 || line.len() > 3 && self.rows == 0 {
+        if self.rows == 0 {
             let zeros = line.iter().filter(|byte| **byte == 0).count();
             let is_wide = line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF");
             if is_wide || line.len() > 3 && 3 * zeros > line.len() {

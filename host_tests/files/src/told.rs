@@ -307,7 +307,7 @@ impl Told {
     }
 
     /// A column's name without sign and factor, and these: `-Fy*1000`.
-    pub fn split<'n>(&self, name: &'n str) -> (&'n str, f64) {
+    pub fn split(name: &str) -> (&str, f64) {
         let (sign, name) = match name.strip_prefix('-') {
             Some(name) => (-1.0, name),
             None => (1.0, name),
@@ -323,7 +323,7 @@ impl Told {
     pub fn names(&self, text: &str) -> bool {
         let mut columns = self.columns.iter();
         columns.any(|(_, name)| {
-            [name, self.split(name).0]
+            [name, Self::split(name).0]
                 .iter()
                 .any(|one| one.eq_ignore_ascii_case(text))
         })

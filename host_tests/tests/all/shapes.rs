@@ -291,6 +291,16 @@ fn what_is_not_known_is_asked_for_at_once() {
             told("", "", &[]),
             "--columns fx=1",
         ),
+        // Of turned axes, the recording's quantity.
+        (
+            "time_s,Fx,Fy,Fz (V),rpm\n",
+            told(
+                "",
+                "x=Fz,y=Fx,z=Fy",
+                &[(Quantity::My, 0.0), (Quantity::Mz, 0.0)],
+            ),
+            "by --columns fz=\"Fz (V)*0.001\"",
+        ),
         (
             "Fx (V),Fy [N],Fz,Mz [Nm]\n",
             told("", "", &[]),

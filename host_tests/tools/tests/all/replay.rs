@@ -620,6 +620,9 @@ fn a_recording_has_one_life() {
     let light = hours("0,500,100,0,0,0,12000\n1,500,100,0,0,0,12000\n");
     let both = hours("0,900,300,0,0,0,9000\n1,500,100,0,0,0,12000\n");
     assert!((2.0 / (1.0 / heavy + 1.0 / light) / both - 1.0).abs() < 1e-9);
+    // Where no time passes, records hold equally long.
+    let still = hours("5,900,300,0,0,0,9000\n5,500,100,0,0,0,12000\n");
+    assert!((still / both - 1.0).abs() < 1e-9);
     let input = format!(
         "{HEADER}0,900,300,0,0,0,9000\n3,x,0,0,0,0,0\n4,6000,300,0,0,0,9000\n3,6000,0,0,0,0,0\n"
     );

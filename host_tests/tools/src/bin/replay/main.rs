@@ -133,7 +133,7 @@ struct Args {
     recording: Recording,
 }
 
-/// What the columns of a recording do not say
+/// Statements about a recording, besides the names of its columns
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Recording")]
 struct Recording {
