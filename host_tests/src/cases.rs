@@ -163,7 +163,7 @@ pub const SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/sets.json");
 
 /// A solved set of bearings on one shaft.
 #[derive(Debug, Clone)]
-pub struct SolvedSet {
+pub struct SolvedSet<R = SolvedRow> {
     /// Its name in failure messages.
     pub name: String,
     /// Rows, arrangement and spring.
@@ -179,7 +179,7 @@ pub struct SolvedSet {
     /// Closure that a spring makes, m.
     pub spring_closure: Option<f64>,
     /// The rows.
-    pub rows: Vec<SolvedRow>,
+    pub rows: Vec<R>,
 }
 
 /// Load and ball forces of a row of a solved set.
@@ -193,14 +193,14 @@ pub struct SolvedRow {
 }
 
 #[derive(Deserialize)]
-struct SetRow {
+struct SetRow<R> {
     layout: String,
     attitude: Attitude,
     rows: Vec<MountedRow>,
     load: [f64; 5],
     speed_rpm: f64,
     spring_force: Option<f64>,
-    expect: SetExpect,
+    expect: SetExpect<R>,
 }
 
 #[derive(Deserialize)]
@@ -210,15 +210,18 @@ struct MountedRow {
     facing: f64,
     growth: [f64; 3],
     preload_offset: Option<f64>,
+    #[serde(default)]
+    support: Support,
 }
 
 #[derive(Deserialize)]
-struct SetExpect {
+struct SetExpect<R> {
     u: [f64; 5],
     #[serde(rename = "K")]
     stiffness: [[f64; 5]; 5],
-    rows: Vec<SolvedRow>,
+    rows: Vec<R>,
     spring_offset: Option<f64>,
+    nose: Option<SolvedNose>,
 }
 
 /// Arrangement of a layout of the file.
@@ -258,31 +261,124 @@ impl MountedRow {
     }
 }
 
+impl<R> SetRow<R> {
+    fn solved(self, name: String) -> SolvedSet<R> {
+        SolvedSet {
+            name,
+            plan: Plan {
+                rows: self.rows.iter().map(MountedRow::row).collect(),
+                arrangement: arrangement(&self.layout),
+                spring: self.spring_force,
+            },
+            attitude: self.attitude,
+            question: Question {
+                load: self.load,
+                omega: rad_per_s(self.speed_rpm),
+                growth: self.rows.iter().map(MountedRow::growth).collect(),
+            },
+            displacement: self.expect.u,
+            stiffness: self.expect.stiffness,
+            spring_closure: self.expect.spring_offset,
+            rows: self.expect.rows,
+        }
+    }
+}
+
 /// The solved sets.
 ///
 /// # Panics
 ///
 /// If the file is not there or is not what it should be.
 pub fn sets() -> Vec<SolvedSet> {
-    let solved = |(number, set): (usize, SetRow)| SolvedSet {
-        name: format!("set {number} ({})", set.layout),
-        plan: Plan {
-            rows: set.rows.iter().map(MountedRow::row).collect(),
-            arrangement: arrangement(&set.layout),
-            spring: set.spring_force,
+    let numbered = read::<SetRow<SolvedRow>>(SETS).into_iter().enumerate();
+    let solved = numbered.map(|(number, set)| {
+        let name = format!("set {number} ({})", set.layout);
+        set.solved(name)
+    });
+    solved.collect()
+}
+
+/// The file of solved sets on elastic shafts; `README.md` beside it says what is in it.
+pub const ELASTIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/elastic.json");
+
+/// Axial, radial (N/m) and tilting (N m/rad) stiffness that holds an outer ring; none is rigid.
+pub type Support = [Option<f64>; 3];
+
+/// An elastic shaft, rigid outside its sections.
+#[derive(Debug, Clone, Deserialize)]
+pub struct ElasticShaft {
+    /// Young's modulus, Pa.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio.
+    pub poissons_ratio: f64,
+    /// Start, end, outer and inner diameter of each section, m.
+    pub sections: Vec<[f64; 4]>,
+}
+
+/// A solved set on an elastic shaft with elastic supports.
+#[derive(Debug, Clone)]
+pub struct SolvedElastic {
+    /// Bearings, load, and the shaft's answer at `x = 0`.
+    pub set: SolvedSet<SolvedElasticRow>,
+    /// The shaft.
+    pub shaft: ElasticShaft,
+    /// What holds the outer ring of each row.
+    pub supports: Vec<Support>,
+    /// Position of the nose, m.
+    pub nose: f64,
+    /// The shaft's answer there.
+    pub at_nose: SolvedNose,
+}
+
+/// Displacement and flexibility of the shaft at a nose.
+#[derive(Debug, Clone, Deserialize)]
+pub struct SolvedNose {
+    /// Displacement, m and rad.
+    #[serde(rename = "u")]
+    pub displacement: [f64; 5],
+    /// Displacement by force and moment.
+    #[serde(rename = "C")]
+    pub flexibility: [[f64; 5]; 5],
+}
+
+/// Load, motion and ball forces of a row on an elastic shaft.
+#[derive(Debug, Clone, Deserialize)]
+pub struct SolvedElasticRow {
+    /// Load on its inner ring, in the row's own frame.
+    #[serde(rename = "F")]
+    pub load: [f64; 5],
+    /// Displacement of the shaft at the row, in the shaft's frame, m and rad.
+    #[serde(rename = "w")]
+    pub displacement: [f64; 5],
+    /// Per ball: inner and outer contact angle, inner and outer contact force.
+    pub balls: Vec<[f64; 4]>,
+}
+
+#[derive(Deserialize)]
+struct ElasticRow {
+    #[serde(flatten)]
+    set: SetRow<SolvedElasticRow>,
+    shaft: ElasticShaft,
+    nose: f64,
+}
+
+/// The solved sets on elastic shafts.
+///
+/// # Panics
+///
+/// If the file is not there or is not what it should be.
+pub fn elastic() -> Vec<SolvedElastic> {
+    let solved = |(number, mut row): (usize, ElasticRow)| SolvedElastic {
+        supports: row.set.rows.iter().map(|row| row.support).collect(),
+        shaft: row.shaft,
+        nose: row.nose,
+        at_nose: row.set.expect.nose.take().expect("a solved nose"),
+        set: {
+            let name = format!("elastic {number} ({})", row.set.layout);
+            row.set.solved(name)
         },
-        attitude: set.attitude,
-        question: Question {
-            load: set.load,
-            omega: rad_per_s(set.speed_rpm),
-            growth: set.rows.iter().map(MountedRow::growth).collect(),
-        },
-        displacement: set.expect.u,
-        stiffness: set.expect.stiffness,
-        spring_closure: set.expect.spring_offset,
-        rows: set.expect.rows,
     };
-    read(SETS).into_iter().enumerate().map(solved).collect()
+    read(ELASTIC).into_iter().enumerate().map(solved).collect()
 }
 
 /// Pseudo-random numbers (splitmix64), the same everywhere and for ever.
@@ -433,6 +529,12 @@ impl From<Attitude> for reference::Attitude {
 ///
 /// If it refuses the design.
 pub fn reference(design: &Design, balls: usize) -> Reference {
+    let bearing = reference_bearing(design, balls);
+    Reference::new(&bearing).unwrap_or_else(|e| panic!("{bearing:?}: {e}"))
+}
+
+/// A design, as the reference build calls it.
+pub fn reference_bearing(design: &Design, balls: usize) -> reference::Bearing {
     let ((sin_alpha0, cos_alpha0), clearance) = match design.free_contact {
         FreeContact::Angle(angle) => (angle.sin_cos(), None),
         FreeContact::DiametralClearance(clearance) => {
@@ -446,7 +548,7 @@ pub fn reference(design: &Design, balls: usize) -> Reference {
         poissons_ratio: m.poissons_ratio,
         density: m.density,
     };
-    let bearing = reference::Bearing {
+    reference::Bearing {
         balls,
         ball_diameter: design.ball_diameter,
         pitch_diameter: design.pitch_diameter,
@@ -458,6 +560,5 @@ pub fn reference(design: &Design, balls: usize) -> Reference {
         first_ball: design.first_ball,
         ring: material(design.ring),
         ball: material(design.ball),
-    };
-    Reference::new(&bearing).unwrap_or_else(|e| panic!("{bearing:?}: {e}"))
+    }
 }
