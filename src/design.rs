@@ -159,6 +159,19 @@ impl DesignError {
             Q::BallYoungsModulus => "Young's modulus Eb of the balls must be 1e6 to 1e13 Pa",
             Q::BallPoissonsRatio => "Poisson's ratio nub of the balls must be 0 to 0.5",
             Q::BallDensity => "density rho of the balls must be 1 to 1e5 kg/m^3",
+            Q::SectionCount => "more sections than the shaft has room for",
+            Q::SectionStart => {
+                "a section of the shaft must begin within 100 metres, and not within another section"
+            }
+            Q::SectionEnd => {
+                "a section of the shaft must end behind its beginning, and within 100 metres"
+            }
+            Q::OuterDiameter => "outer diameter of a section must be 0.0001 to 2 metres",
+            Q::InnerDiameter => {
+                "inner diameter of a section must be 0 to 0.999 times its outer one"
+            }
+            Q::ShaftYoungsModulus => "Young's modulus E of the shaft must be 1e6 to 1e13 Pa",
+            Q::ShaftPoissonsRatio => "Poisson's ratio nu of the shaft must be 0 to 0.5",
             // No quantity of a design.
             _ => "this bearing cannot be built",
         }
@@ -173,9 +186,11 @@ impl core::fmt::Display for DesignError {
             self.quantity, self.value, self.least, self.most
         )?;
         match self.quantity {
-            Quantity::BallDiameter | Quantity::PitchDiameter => {
-                f.write_str("; lengths are in metres")
-            }
+            Quantity::BallDiameter
+            | Quantity::PitchDiameter
+            | Quantity::SectionStart
+            | Quantity::SectionEnd
+            | Quantity::OuterDiameter => f.write_str("; lengths are in metres"),
             _ => Ok(()),
         }
     }
@@ -184,7 +199,12 @@ impl core::fmt::Display for DesignError {
 impl core::error::Error for DesignError {}
 
 /// `Ok` if `least <= value <= most`; a value that is not a number is refused, too.
-const fn within(quantity: Quantity, value: f64, least: f64, most: f64) -> Result<(), DesignError> {
+pub(crate) const fn within(
+    quantity: Quantity,
+    value: f64,
+    least: f64,
+    most: f64,
+) -> Result<(), DesignError> {
     if value >= least && value <= most {
         Ok(())
     } else {

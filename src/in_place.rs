@@ -8,6 +8,7 @@ use crate::ball::contact::Point;
 use crate::ball::kinematics::{Motion, Speed};
 use crate::bearing::Bearing;
 use crate::real::Real;
+use crate::shaft::elastic::Bend;
 use crate::solver::Solver;
 use crate::solver::problem::RingVector;
 use crate::solver::state::State;
@@ -64,14 +65,14 @@ impl<'b, T: Real, const N: usize, M: Motion, const D: usize> Solver<'b, T, N, M,
     }
 }
 
-impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
-    SpindleSolver<'b, T, R, N, M, D>
+impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>
+    SpindleSolver<'b, T, R, N, M, D, E>
 {
     /// [`SpindleSolver::of`] in a place that is given, such as a static: no copy of the solver is on the stack.
     ///
     /// See [`Solver::new_in`] for an example.
     pub fn new_in<'m>(
-        spindle: Spindle<'b, T, R, N, D>,
+        spindle: Spindle<'b, T, R, N, D, E>,
         place: &'m mut MaybeUninit<Self>,
     ) -> &'m mut Self {
         let solver = place.as_mut_ptr();
@@ -96,8 +97,8 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 /// # Safety
 ///
 /// As for [`core::ptr::write`].
-unsafe fn write_cold<T: Real, const R: usize, const N: usize, const D: usize>(
-    to: *mut WarmStart<T, R, N, D>,
+unsafe fn write_cold<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>(
+    to: *mut WarmStart<T, R, N, D, E>,
 ) {
     // SAFETY: arrays are their elements, one after the other.
     unsafe {
@@ -112,6 +113,10 @@ unsafe fn write_cold<T: Real, const R: usize, const N: usize, const D: usize>(
         }
         (&raw mut (*to).preload).write(T::ZERO);
         (&raw mut (*to).speed).write(Speed::REST);
+        let bends = (&raw mut (*to).bends).cast::<Bend<T, D>>();
+        for i in 0..E {
+            bends.add(i).write(Bend::NONE);
+        }
         // A new field does not compile until it is written above.
         let WarmStart {
             state: _,
@@ -119,6 +124,7 @@ unsafe fn write_cold<T: Real, const R: usize, const N: usize, const D: usize>(
             points: _,
             preload: _,
             speed: _,
+            bends: _,
         } = &*to;
     }
 }

@@ -88,9 +88,11 @@ pub use solver::problem::{Given, RingVector, Settings};
 pub use solver::solution::{Snapshot, Solution};
 pub use solver::state::ErrorEstimate;
 pub use spindle::arrangement::{Arrangement, Facing};
+pub use spindle::elastic::ElasticSpindle;
 pub use spindle::error::SpindleError;
+pub use spindle::sections::{Section, Shaft, ShaftError, ShaftLoad, Support};
 pub use spindle::solution::{RowSnapshot, RowSolution, ShaftEnd, SpindleSnapshot, SpindleSolution};
-pub use spindle::solver::{SpindleSolver, SprungSolver};
+pub use spindle::solver::{ElasticSolver, SpindleSolver, SprungSolver};
 pub use spindle::{Mounted, Preload, Spindle, SprungSpindle};
 pub use status::{Quantity, Status};
 

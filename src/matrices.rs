@@ -55,8 +55,8 @@ impl<T: Real + Scalar, const N: usize, const D: usize> Snapshot<T, N, D> {
     }
 }
 
-impl<T: Real + Scalar, const R: usize, const N: usize, M: Motion, const D: usize>
-    SpindleSolution<'_, T, R, N, M, D>
+impl<T: Real + Scalar, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>
+    SpindleSolution<'_, T, R, N, M, D, E>
 {
     /// [`SpindleSolution::displacement`] as a vector of `nalgebra`.
     pub fn displacement_vector(&self) -> SVector<T, 5> {

@@ -56,6 +56,8 @@ pub trait Float:
     const TINY: Self;
     /// One over [`Float::TINY`].
     const HUGE: Self;
+    /// Larger than all numbers.
+    const INFINITY: Self;
     /// Default of [`Settings::tolerance`](crate::Settings::tolerance).
     const TOLERANCE: Self;
     /// Tolerance of [`Settings::TICK`](crate::Settings::TICK).
@@ -137,6 +139,7 @@ macro_rules! real {
             const ROUNDING: Self = 10.0 * $t::EPSILON;
             const TINY: Self = $t::MIN_POSITIVE;
             const HUGE: Self = 1.0 / $t::MIN_POSITIVE;
+            const INFINITY: Self = $t::INFINITY;
             const TOLERANCE: Self = $tolerance;
             const TICK: Self = 1e-3;
             const RPM: Self = (core::f64::consts::PI / 30.0) as $t;

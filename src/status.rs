@@ -58,6 +58,17 @@ quantities! {
     Closure => "closure e of the row (m)",
     PreloadForce => "preload force of the pair (N)",
     SpringForce => "force of the spring (N)",
+    SectionCount => "number of sections of the shaft",
+    SectionStart => "start of the section (m)",
+    SectionEnd => "end of the section (m)",
+    OuterDiameter => "outer diameter of the section (m)",
+    InnerDiameter => "inner diameter of the section (m)",
+    ShaftYoungsModulus => "Young's modulus of the shaft (Pa)",
+    ShaftPoissonsRatio => "Poisson's ratio of the shaft",
+    AxialSupport => "axial stiffness of the support (N/m)",
+    RadialSupport => "radial stiffness of the support (N/m)",
+    TiltingSupport => "tilting stiffness of the support (N m/rad)",
+    LoadPosition => "position of the load, from x = 0 (m)",
 }
 
 impl Quantity {

@@ -269,6 +269,7 @@ impl<R> SetRow<R> {
                 rows: self.rows.iter().map(MountedRow::row).collect(),
                 arrangement: arrangement(&self.layout),
                 spring: self.spring_force,
+                shaft: None,
             },
             attitude: self.attitude,
             question: Question {

@@ -3,11 +3,12 @@
 use crate::dispatch::{
     Attitude, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
-use files::plan::{BuildError, MOST_BALLS, Plan, Question};
+use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
     BallKinematics, BallState, Centrifugal, Frequencies, Full, Given, Growth, InnerRaceControl,
     LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real,
-    Settings, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
+    Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleSolution, SpindleSolver, Static,
+    Status, Support,
 };
 use std::array::from_fn;
 
@@ -39,6 +40,10 @@ pub struct Answer {
     pub compliance_at: [[f64; 5]; 5],
     /// Stiffness there.
     pub stiffness_at: [[f64; 5]; 5],
+    /// Displacement of the shaft at the point that was asked for.
+    pub displacement_at: [f64; 5],
+    /// Estimated relative errors of the diagonal of the compliance there.
+    pub compliance_error_at: [f64; 5],
     /// Closure that the spring makes, m.
     pub spring_closure: f64,
     /// The rows.
@@ -68,6 +73,10 @@ pub struct RowAnswer {
     pub lifted_off: bool,
     /// Stiffness of the row alone.
     pub stiffness: [[f64; 5]; 5],
+    /// Stiffness between shaft and housing at the row, in the shaft's frame.
+    pub stiffness_on_shaft: [[f64; 5]; 5],
+    /// Displacement of the shaft there.
+    pub displacement: [f64; 5],
     /// States of the balls.
     pub balls: Vec<BallState<f64>>,
     /// How they turn, and how their contacts are pressed.
@@ -206,52 +215,86 @@ fn of_rows<T: Real, const R: usize>(
     hand: Hand<'_>,
 ) -> Result<(), BuildError> {
     let rows: [Mounted<'_, T, MOST_BALLS>; R] = from_fn(|i| mounted[i]);
-    let spindle = match plan.spring {
+    let made = match plan.spring {
         Some(spring) => Spindle::sprung(plan.arrangement, rows, T::of(spring))
-            .map(|spindle| of_motion(spindle, balls, hand)),
-        None => Spindle::new(plan.arrangement, rows).map(|spindle| of_motion(spindle, balls, hand)),
+            .map(|spindle| on_shaft(spindle, plan, balls, hand)),
+        None => {
+            Spindle::new(plan.arrangement, rows).map(|spindle| on_shaft(spindle, plan, balls, hand))
+        }
     };
-    spindle.map_err(|e| BuildError::Spindle(e.to_string()))
+    made.map_err(|e| BuildError::Spindle(e.to_string()))?
 }
 
-fn of_motion<T: Real, const R: usize, const D: usize>(
+fn on_shaft<T: Real, const R: usize, const D: usize>(
     spindle: Spindle<'_, T, R, MOST_BALLS, D>,
+    plan: &Plan,
+    balls: Balls,
+    hand: Hand<'_>,
+) -> Result<(), BuildError> {
+    let Some(elastic) = &plan.shaft else {
+        of_motion(spindle, balls, hand);
+        return Ok(());
+    };
+    let shaft = Shaft::<T, MOST_SECTIONS>::new(&elastic.sections, &elastic.material)
+        .map_err(|e| BuildError::Spindle(e.to_string()))?;
+    let supports = from_fn(|i| {
+        let support = elastic.supports.get(i).unwrap_or(&Support::RIGID);
+        Support {
+            axial: T::of(support.axial),
+            radial: T::of(support.radial),
+            tilting: T::of(support.tilting),
+        }
+    });
+    let loads = elastic.loads.iter().map(|at| ShaftLoad {
+        position: T::of(at.position),
+        load: at.load.map(T::of),
+    });
+    let loads: Vec<_> = loads.collect();
+    let spindle = spindle.elastic(&shaft, supports);
+    let spindle = spindle.and_then(|spindle| spindle.with_loads(&loads));
+    spindle
+        .map(|spindle| of_motion(spindle, balls, hand))
+        .map_err(|e| BuildError::Spindle(e.to_string()))
+}
+
+fn of_motion<T: Real, const R: usize, const D: usize, const E: usize>(
+    spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
     balls: Balls,
     hand: Hand<'_>,
 ) {
     match balls {
-        Balls::Static => hand_over::<T, R, Static, D>(spindle, hand),
-        Balls::Centrifugal => hand_over::<T, R, Centrifugal, D>(spindle, hand),
+        Balls::Static => hand_over::<T, R, Static, D, E>(spindle, hand),
+        Balls::Centrifugal => hand_over::<T, R, Centrifugal, D, E>(spindle, hand),
         Balls::Moving(Attitude::Raceless) => {
-            hand_over::<T, R, Full<RacewayControlFree>, D>(spindle, hand);
+            hand_over::<T, R, Full<RacewayControlFree>, D, E>(spindle, hand);
         }
         Balls::Moving(Attitude::Outer) => {
-            hand_over::<T, R, Full<OuterRaceControl>, D>(spindle, hand);
+            hand_over::<T, R, Full<OuterRaceControl>, D, E>(spindle, hand);
         }
         Balls::Moving(Attitude::Inner) => {
-            hand_over::<T, R, Full<InnerRaceControl>, D>(spindle, hand);
+            hand_over::<T, R, Full<InnerRaceControl>, D, E>(spindle, hand);
         }
     }
 }
 
-fn hand_over<T: Real, const R: usize, M: Motion, const D: usize>(
-    spindle: Spindle<'_, T, R, MOST_BALLS, D>,
+fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>(
+    spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
     hand: Hand<'_>,
 ) {
     let mut solver = Box::new(Chosen {
-        solver: SpindleSolver::<T, R, MOST_BALLS, M, D>::of(spindle),
+        solver: SpindleSolver::<T, R, MOST_BALLS, M, D, E>::of(spindle),
         choices: Choices::default(),
     });
     hand(&mut *solver);
 }
 
-struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize> {
-    solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D>,
+struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: usize> {
+    solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D, E>,
     choices: Choices,
 }
 
-impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
-    for Chosen<'_, T, R, M, D>
+impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpindleSolver
+    for Chosen<'_, T, R, M, D, E>
 {
     fn solve(&mut self, question: &Question, end: &ShaftEnd<f64>) -> Result<Answer, Status<f32>> {
         let growth = from_fn(|i| match question.growth.get(i) {
@@ -298,8 +341,8 @@ impl<T: Real, const R: usize, M: Motion, const D: usize> AnySpindleSolver
     }
 }
 
-fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
-    solution: &SpindleSolution<'_, T, R, N, M, D>,
+fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>(
+    solution: &SpindleSolution<'_, T, R, N, M, D, E>,
     end: &ShaftEnd<T>,
     choices: &Choices,
 ) -> Answer {
@@ -310,9 +353,12 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         friction: T::of(choices.limits.friction),
     };
     let nowhere = [[T::ZERO; 5]; 5];
-    let [compliance_at, stiffness_at] = match wants(parts::AT) {
-        true => [solution.compliance_at(end), solution.stiffness_at(end)],
-        false => [nowhere; 2],
+    let ([compliance_at, stiffness_at], compliance_error_at) = match wants(parts::AT) {
+        true => (
+            [solution.compliance_at(end), solution.stiffness_at(end)],
+            solution.compliance_error_at(end),
+        ),
+        false => ([nowhere; 2], [T::ZERO; 5]),
     };
     let rows = solution.rows().map(|row| RowAnswer {
         force: row.force.map(T::to_f64),
@@ -324,6 +370,8 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         },
         lifted_off: row.is_lifted_off(),
         stiffness: wide(&row.stiffness()),
+        stiffness_on_shaft: wide(&row.stiffness_on_shaft()),
+        displacement: solution.displacement_at(row.position).map(T::to_f64),
         balls: row
             .balls()
             .take(if wants(parts::BALLS) { N } else { 0 })
@@ -347,6 +395,8 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         stiffness: wide(&solution.stiffness()),
         compliance_at: wide(&compliance_at),
         stiffness_at: wide(&stiffness_at),
+        displacement_at: solution.displacement_at(end.position).map(T::to_f64),
+        compliance_error_at: compliance_error_at.map(T::to_f64),
         spring_closure: solution.spring_closure().to_f64(),
         rows: rows.collect(),
         error: [error.displacement, error.force, error.stiffness].map(T::to_f64),

@@ -4,13 +4,15 @@
 //! a bearing alone has [`Mount::PLAIN`], and its loop leaves that arithmetic out.
 
 pub mod axial;
+pub mod elastic;
 pub mod row;
 
 use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
 use crate::bearing::{Azimuth, Bearing, Constants};
-use crate::linalg::{refer, refer_stiffness, vector};
+use crate::linalg::{moved, product, vector};
 use crate::real::Real;
+use crate::shaft::elastic::{Bend, Joint};
 use crate::shaft::row::{Changes, Row, Sum, sum_up};
 
 /// How a row sits on the shaft.
@@ -31,7 +33,8 @@ pub struct Mount<T> {
     pub force: T,
     /// `l`: the row's groove plane beyond the shaft's, over the shaft's `Rp`.
     pub lever: T,
-    /// The row's groove plane beyond the shaft's centre, in the row's own direction and over its own `Rp`.
+    /// The row's groove plane beyond the shaft's centre, on an elastic shaft beyond the row's own, in the row's own direction and
+    /// over its own `Rp`.
     pub reach: T,
     /// `m`: `Rp` of the row over the shaft's.
     pub arm: T,
@@ -65,7 +68,6 @@ impl<T: Real> Mount<T> {
 
     #[inline(never)]
     fn turned<const D: usize>(&self, v: &[T; D]) -> [T; 5] {
-        let r = self.length;
         let mut own = in_full(v);
         if D == 6 && self.sliding {
             own[0] += self.facing * v[5];
@@ -74,13 +76,25 @@ impl<T: Real> Mount<T> {
             own[1] += self.lever * own[4];
             own[2] -= self.lever * own[3];
         }
-        own[0] = r * (self.facing * own[0]);
-        own[1] = r * own[1];
-        own[2] = r * own[2];
+        self.own(own)
+    }
+
+    /// A motion of the row's groove plane in its own direction and units.
+    #[inline(always)]
+    fn own(&self, mut u: [T; 5]) -> [T; 5] {
+        let r = self.length;
+        u[0] = r * (self.facing * u[0]);
+        u[1] = r * u[1];
+        u[2] = r * u[2];
         let turn = r * (self.facing * self.arm);
-        own[3] = turn * own[3];
-        own[4] = turn * own[4];
-        own
+        u[3] = turn * u[3];
+        u[4] = turn * u[4];
+        u
+    }
+
+    /// The row's motion when its centre makes the motion `u` on an elastic shaft.
+    pub fn of_centre(&self, u: &[T; 5]) -> [T; 5] {
+        self.own(moved(self.facing * self.arm * self.reach, u))
     }
 
     /// Adds the row's forces and slopes, at its groove plane, to the shaft's about its centre.
@@ -89,12 +103,12 @@ impl<T: Real> Mount<T> {
         let turn = self.facing * self.arm;
         let mirror = [self.facing, T::ONE, T::ONE, turn, turn];
         let slides = D == 6 && self.sliding;
+        own.refer(self.reach);
         let forces = [
-            (&mut own.force, &mut sum.force),
-            (&mut own.by_speed, &mut sum.by_speed),
+            (&own.force, &mut sum.force),
+            (&own.by_speed, &mut sum.by_speed),
         ];
         for (own, sum) in forces {
-            refer(self.reach, own);
             for i in 0..5 {
                 sum[i] += self.force * (mirror[i] * own[i]);
             }
@@ -102,8 +116,7 @@ impl<T: Real> Mount<T> {
                 sum[5] += self.force * own[0];
             }
         }
-        let (own, k) = (&mut own.k, &mut sum.k);
-        refer_stiffness(self.reach, own);
+        let (own, k) = (&own.k, &mut sum.k);
         let unit = self.force * self.length;
         for i in 0..5 {
             for j in 0..5 {
@@ -130,6 +143,13 @@ fn in_full<T: Real, const D: usize>(v: &[T; D]) -> [T; 5] {
     full
 }
 
+/// Adds the deflection of an elastic shaft to a row's motion.
+pub fn add_deflection<T: Real>(own: &mut [T; 5], deflection: &[T; 5]) {
+    for (own, deflection) in own.iter_mut().zip(deflection) {
+        *own += *deflection;
+    }
+}
+
 /// Rows that hold the shaft together, or slide together.
 #[derive(Debug, Clone, Copy)]
 pub struct Group<T> {
@@ -150,7 +170,7 @@ pub struct BearingRef<'b, T> {
 
 /// Bearings and how they sit on the shaft: all that no solve changes.
 #[derive(Debug, Clone, Copy)]
-pub struct Layout<'b, T, const R: usize, const SET: bool> {
+pub struct Layout<'b, T, const R: usize, const SET: bool, const E: usize> {
     pub bearings: [BearingRef<'b, T>; R],
     pub mounts: [Mount<T>; R],
     /// Rows that are fixed, and rows that slide.
@@ -162,9 +182,11 @@ pub struct Layout<'b, T, const R: usize, const SET: bool> {
     pub ball_count: T,
     /// Estimate of the preload at rest, in the shaft's unit of force; load scales are at least this.
     pub preload_at_rest: T,
+    /// The chain of an elastic shaft, `E = R`; a rigid one has none, `E = 0`.
+    pub joints: [Joint<T>; E],
 }
 
-impl<'b, T: Real> Layout<'b, T, 1, false> {
+impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
     /// A bearing alone.
     #[inline(always)]
     pub fn alone(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
@@ -180,6 +202,33 @@ impl<'b, T: Real> Layout<'b, T, 1, false> {
             plane: c.plane,
             ball_count: c.balls,
             preload_at_rest: c.preload,
+            joints: [],
+        }
+    }
+}
+
+impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
+    /// These rows on an elastic shaft.
+    pub fn with_joints(self, joints: [Joint<T>; R]) -> Layout<'b, T, R, true, R> {
+        let Self {
+            bearings,
+            mounts,
+            fixed,
+            sliding,
+            plane,
+            ball_count,
+            preload_at_rest,
+            joints: [],
+        } = self;
+        Layout {
+            bearings,
+            mounts,
+            fixed,
+            sliding,
+            plane,
+            ball_count,
+            preload_at_rest,
+            joints,
         }
     }
 }
@@ -187,7 +236,7 @@ impl<'b, T: Real> Layout<'b, T, 1, false> {
 impl<T: Real, const N: usize> Bearing<T, N> {
     /// The bearing alone.
     #[inline(always)]
-    pub(crate) fn layout(&self) -> Layout<'_, T, 1, false> {
+    pub(crate) fn layout(&self) -> Layout<'_, T, 1, false, 0> {
         Layout::alone(&self.constants, &self.azimuths)
     }
 }
@@ -204,28 +253,32 @@ pub struct GroupRow<'a, T> {
 
 /// The rows of a shaft in one solve. Displacements and offsets are the groove plane's; forces are referred to the shaft's
 /// centre.
-pub struct Shaft<'a, T, const R: usize, const SET: bool> {
+pub struct Shaft<'a, T, const R: usize, const SET: bool, const E: usize, const D: usize> {
     pub rows: [Row<'a, T>; R],
-    pub layout: &'a Layout<'a, T, R, SET>,
+    pub layout: &'a Layout<'a, T, R, SET, E>,
     /// Inertia `m dm omega^2 / 2` of a ball of the first row.
     pub s: T,
     /// Axial force by which rows of either facing hold each other, besides the load.
     pub preload: &'a mut T,
+    /// What holds an elastic shaft bent.
+    pub bends: &'a mut [Bend<T, D>; E],
 }
 
-impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
+impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
+    Shaft<'_, T, R, SET, E, D>
+{
     /// Every row, how it sits, and its motion when the shaft has the motion `v`.
     #[inline(always)]
-    pub fn each<const D: usize>(
-        &mut self,
-        v: &[T; D],
-        mut f: impl FnMut(&mut Row<'_, T>, &Mount<T>, &[T; 5]),
-    ) {
+    pub fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T>, &Mount<T>, &[T; 5])) {
         // Not `zip`, which the compiler unrolls.
-        let mut mounts = self.layout.mounts.iter();
+        let (mut mounts, mut bends) = (self.layout.mounts.iter(), self.bends.iter());
         for row in self.rows.iter_mut() {
             let Some(mount) = mounts.next() else { return };
-            f(row, mount, &mount.motion::<D, SET>(v));
+            let mut own = mount.motion::<D, SET>(v);
+            if let Some(bend) = bends.next() {
+                add_deflection(&mut own, &mount.of_centre(&bend.deflection));
+            }
+            f(row, mount, &own);
         }
     }
 
@@ -244,7 +297,7 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
     /// Has every ball follow to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all are near
     /// their balance.
     #[inline(never)]
-    pub fn condense<A: Rule, const D: usize>(&mut self, v: &[T; D], ds: T) -> bool {
+    pub fn condense<A: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
         let mut near = true;
         self.each(v, |row, _, v| near &= row.follow::<A>(v, ds));
         near
@@ -252,29 +305,42 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
 
     /// Sums the forces and slopes that the balls hand over.
     #[inline(never)]
-    pub fn sum<A: Rule, const D: usize>(&mut self, sum: &mut Sum<T, D>) {
+    pub fn sum<A: Rule>(&mut self, sum: &mut Sum<T, D>) {
         if !SET {
             let row = &self.rows[0];
             sum_up::<T, A, D>(row.balls, row.azimuths, sum);
-            refer(row.c.plane, &mut sum.force);
-            refer(row.c.plane, &mut sum.by_speed);
-            refer_stiffness(row.c.plane, &mut sum.k);
+            sum.refer(row.c.plane);
             return;
         }
-        *sum = Sum::NONE;
         let mut sides = [T::ZERO; 2];
-        self.each(&[T::ZERO; D], |row, mount, _| {
+        let mut add = |row: &Row<'_, T>, mount: &Mount<T>, sum: &mut Sum<T, D>| {
             let mut own = Sum::<T, 5>::NONE;
             sum_up::<T, A, 5>(row.balls, row.azimuths, &mut own);
             sides[usize::from(mount.facing < T::ZERO)] += mount.force * own.force[0];
             mount.assemble(&mut own, sum);
-        });
+        };
+        let (rows, mounts) = (&self.rows, &self.layout.mounts);
+        if E > 0 {
+            let mut add_row = |joint: &Joint<T>, sum: &mut Sum<T, D>| {
+                if let (Some(row), Some(mount)) = (rows.get(joint.row), mounts.get(joint.row)) {
+                    add(row, mount, sum);
+                }
+            };
+            elastic::fold(&self.layout.joints, Some(self.bends), &mut add_row, sum);
+        } else {
+            *sum = Sum::NONE;
+            let mut mounts = mounts.iter();
+            for row in rows {
+                let Some(mount) = mounts.next() else { break };
+                add(row, mount, sum);
+            }
+        }
         *self.preload = sides[0].at_most(sides[1]).at_least(T::ZERO);
     }
 
     /// Changes of the rows along a step `du`.
     #[inline(never)]
-    pub fn changes<A: Rule, const D: usize>(&self, du: &[T; D]) -> Changes<T, D> {
+    pub fn changes<A: Rule>(&self, du: &[T; D]) -> Changes<T, D> {
         let mut all = Changes {
             k: [T::ZERO; D],
             relative: T::ZERO,
@@ -292,26 +358,64 @@ impl<T: Real, const R: usize, const SET: bool> Shaft<'_, T, R, SET> {
                 cos: own.cos,
             };
         }
-        let mut mounts = self.layout.mounts.iter();
+        let (mut mounts, mut bends) = (self.layout.mounts.iter(), self.bends.iter());
+        let mut of_rows = [[T::ZERO; D]; E];
+        let mut rows = of_rows.iter_mut();
         for row in self.rows.iter() {
             let Some(mount) = mounts.next() else { break };
-            let own = row.changes::<A>(&mount.motion::<D, SET>(du));
+            let (bend, of_row) = (bends.next(), rows.next());
+            let own = row.changes::<A>(&match bend {
+                Some(bend) => mount.of_centre(&bend.moved),
+                None => mount.motion::<D, SET>(du),
+            });
             let k = mount.force * mount.length;
-            let (arm, lever) = (mount.arm * mount.arm, mount.lever * mount.lever);
-            all.k[0] += k * own.k[0];
-            all.k[1] += k * own.k[1];
-            all.k[2] += k * own.k[2];
-            all.k[3] += k * (arm * own.k[3] + lever * own.k[2]);
-            all.k[4] += k * (arm * own.k[4] + lever * own.k[1]);
+            // From the row's groove plane to the shaft's, or to the row's centre.
+            let lever = match bend {
+                Some(_) => mount.arm * mount.reach,
+                None => mount.lever,
+            };
+            let (arm, lever) = (mount.arm * mount.arm, lever * lever);
+            let to = of_row.unwrap_or(&mut all.k);
+            to[0] += k * own.k[0];
+            to[1] += k * own.k[1];
+            to[2] += k * own.k[2];
+            to[3] += k * (arm * own.k[3] + lever * own.k[2]);
+            to[4] += k * (arm * own.k[4] + lever * own.k[1]);
             if D == 6 && mount.sliding {
-                all.k[5] += k * own.k[0];
+                to[5] += k * own.k[0];
             }
             all.relative = all.relative.at_least(own.relative);
             all.force_error = all.force_error.at_least(mount.force * own.force_error);
             all.largest = all.largest.at_least(mount.force * own.largest);
             all.cos = all.cos.at_most(own.cos);
         }
+        if E > 0 {
+            all.k = elastic::diagonal(&self.layout.joints, self.bends, &of_rows);
+        }
         all
+    }
+
+    /// Bends an elastic shaft by the step `du` of its section at `x = 0`, and a relative change `ds` of `omega^2`.
+    #[inline(always)]
+    pub fn bend(&mut self, du: &[T; D], ds: T) {
+        if E > 0 {
+            let mounts = &self.layout.mounts;
+            let slide = |row: usize| match mounts.get(row) {
+                Some(mount) if D == 6 && mount.sliding => mount.facing * du[5],
+                _ => T::ZERO,
+            };
+            elastic::unfold(&self.layout.joints, self.bends, slide, du, ds);
+        }
+    }
+
+    /// Work of the unbalanced force `r`, and of what an elastic shaft's rows miss, along the last step.
+    #[inline(always)]
+    pub fn work(&self, r: &[T; D], du: &[T; D]) -> T {
+        if E > 0 {
+            elastic::work(&self.layout.joints, self.bends, r, du)
+        } else {
+            product(r, du)
+        }
     }
 
     /// Number of balls that carry.

@@ -9,7 +9,7 @@ use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
 use crate::ball::settle::{ALONE, settle};
 use crate::bearing::{Azimuth, Constants};
-use crate::linalg::{Matrix, Pair, add};
+use crate::linalg::{Matrix, Pair, add, refer, refer_stiffness};
 use crate::real::Real;
 use crate::tuning;
 
@@ -27,6 +27,14 @@ impl<T: Real, const D: usize> Sum<T, D> {
         by_speed: [T::ZERO; D],
         k: [[T::ZERO; D]; D],
     };
+
+    /// Refers it to a point that is nearer to the origin by `distance`.
+    #[inline(always)]
+    pub fn refer(&mut self, distance: T) {
+        refer(distance, &mut self.force);
+        refer(distance, &mut self.by_speed);
+        refer_stiffness(distance, &mut self.k);
+    }
 }
 
 /// Shift of the inner groove's centre at an azimuth due to a displacement of the ring.

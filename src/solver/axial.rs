@@ -35,7 +35,7 @@ use core::marker::PhantomData;
 pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
     bearing: &'b Bearing<T, N>,
     /// Of a bearing with one ball, which carries its share of the load.
-    last: WarmStart<T, 1, 1, 1>,
+    last: WarmStart<T, 1, 1, 1, 0>,
     motion: PhantomData<M>,
     /// Root of the last solution at rest, above all without one, and the grooves' centres there.
     root: T,

@@ -42,7 +42,7 @@ use core::marker::PhantomData;
 #[derive(Debug, Clone)]
 pub struct Solver<'b, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
     pub(crate) bearing: &'b Bearing<T, N>,
-    pub(crate) last: WarmStart<T, 1, N, D>,
+    pub(crate) last: WarmStart<T, 1, N, D, 0>,
     pub(crate) motion: PhantomData<M>,
 }
 

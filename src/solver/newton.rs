@@ -2,7 +2,7 @@
 
 use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
-use crate::linalg::{moved, norm, product, vector};
+use crate::linalg::{moved, norm, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::solver::problem::{Problem, Time};
@@ -10,14 +10,20 @@ use crate::solver::state::{Control, Estimate, State, Step, StepReport, Terminati
 use crate::tuning;
 
 impl<T: Real, const D: usize> Control<T, D> {
-    /// Accepts or rejects the last step by the unbalanced force `r` it led to: the part to be taken back, if any.
+    /// Accepts or rejects the last step by the work that the unbalanced force it led to has along it: the part of it to be added, if
+    /// any, which is negative.
     ///
     /// A residual of rounding rejects no step. `rounded(part)`: rounding, capped at this part of a ball's force, explains the
     /// residual; `enough` is a part that makes no difference.
     #[inline(always)]
-    fn review(&mut self, r: &[T; D], enough: T, rounded: impl Fn(T) -> bool) -> Option<[T; D]> {
+    fn review(
+        &mut self,
+        work: impl FnOnce(&[T; D]) -> T,
+        enough: T,
+        rounded: impl Fn(T) -> bool,
+    ) -> Option<(T, [T; D])> {
         let step = self.last.as_mut().filter(|step| step.work > T::ZERO)?;
-        let work = product(r, &step.du);
+        let work = work(&step.du);
         let turned = work < -step.work;
         if step.damped && rounded(enough) {
             self.least = T::of(0.5) * T::EPSILON;
@@ -35,7 +41,8 @@ impl<T: Real, const D: usize> Control<T, D> {
             step.du = whole.map(|x| part * x);
             step.work = part * step.work;
             self.radius = norm(&step.du);
-            return Some(whole.map(|x| (part - T::ONE) * x));
+            let part = part - T::ONE;
+            return Some((part, whole.map(|x| part * x)));
         }
         if turned {
             self.radius = T::of(0.5) * norm(&step.du);
@@ -59,6 +66,17 @@ impl<T: Real, const D: usize> State<T, D> {
     fn advance(&mut self, du: [T; D]) {
         for (v, step) in self.v.iter_mut().zip(du) {
             *v += step;
+        }
+    }
+
+    /// Goes back to where the balls were condensed.
+    fn stay<const R: usize, const SET: bool, const E: usize>(
+        &mut self,
+        shaft: &mut Shaft<'_, T, R, SET, E, D>,
+    ) {
+        self.v = self.at;
+        for bend in shaft.bends.iter_mut() {
+            bend.stay();
         }
     }
 
@@ -151,11 +169,17 @@ impl<T: Real, const D: usize> State<T, D> {
     /// attempt has left it.
     ///
     /// `ds` is the relative change of `omega^2`.
-    pub fn predict(&mut self, plane: T, problem: &Problem<T, D>, ds: T) {
+    pub fn predict<const R: usize, const SET: bool, const E: usize>(
+        &mut self,
+        shaft: &mut Shaft<'_, T, R, SET, E, D>,
+        problem: &Problem<T, D>,
+        ds: T,
+    ) {
         if self.attempt.back {
             return;
         }
-        self.v = self.at;
+        let plane = shaft.layout.plane;
+        self.stay(shaft);
         let r = self.unbalanced(problem, ds);
         let Control { radius, least, .. } = self.attempt.control;
         let is_first = self.attempt.taken == 0;
@@ -165,23 +189,24 @@ impl<T: Real, const D: usize> State<T, D> {
             radius
         };
         let (du, _, damped) = self.step(plane, problem, &r, radius, least);
-        let work = product(&r, &du);
+        shaft.bend(&du, ds);
+        let work = shaft.work(&r, &du);
         self.attempt.control.last = (!is_first).then_some(Step { du, work, damped });
         self.advance(moved(plane, &du));
     }
 
     /// Newton's method from where ring and balls are, until an end, or until the time is up.
-    pub fn newton<A: Rule, const R: usize, const SET: bool>(
+    pub fn newton<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &mut Shaft<'_, T, R, SET>,
+        shaft: &mut Shaft<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         mut ds: T,
         time: &mut Time<'_>,
     ) -> Termination {
         let plane = shaft.layout.plane;
         while !self.attempt.is_used_up() {
-            let near = shaft.condense::<A, D>(&self.v, ds);
-            shaft.sum::<A, D>(&mut self.sum);
+            let near = shaft.condense::<A>(&self.v, ds);
+            shaft.sum::<A>(&mut self.sum);
             (self.at, self.stale, self.plain) = (self.v, false, false);
             ds = T::ZERO;
             (time.taken, self.attempt.taken) = (time.taken + 1, self.attempt.taken + 1);
@@ -202,34 +227,41 @@ impl<T: Real, const D: usize> State<T, D> {
             self.attempt.report.residual = residual;
             let stalled = !(residual < T::of(0.5) * before.residual);
             let at = self.at;
-            let rounded = |most| stalled && residual < before.rounding(shaft, problem, &at, most);
+            let rounded = |shaft: &Shaft<'_, T, R, SET, E, D>, most| {
+                stalled && residual < before.rounding(shaft, problem, &at, most)
+            };
             let control = &mut self.attempt.control;
-            let back = control.review(&r, problem.enough, rounded);
+            let of_last = |du: &[T; D]| shaft.work(&r, du);
+            let back = control.review(of_last, problem.enough, |most| rounded(shaft, most));
             let Control { radius, least, .. } = *control;
             self.attempt.back = back.is_some();
-            if let Some(back) = back {
+            if let Some((part, back)) = back {
+                for bend in shaft.bends.iter_mut() {
+                    bend.add_part(part);
+                }
                 let planar = moved(plane, &back);
                 self.advance(planar);
                 if time.is_up {
-                    self.estimate_change::<A, R, SET>(shaft, &planar, near);
+                    self.estimate_change::<A, R, SET, E>(shaft, &planar, near);
                     break;
                 }
                 continue;
             }
             let (du, length, damped) = self.step(plane, problem, &r, radius, least);
+            shaft.bend(&du, T::ZERO);
             let planar = moved(plane, &du);
             self.attempt.report.step = length;
             self.advance(planar);
             // A step that is to move the balance by so much changes the stiffness, too: no need to look.
             let far = residual > problem.far;
             if !far || time.is_up {
-                self.estimate_change::<A, R, SET>(shaft, &planar, near && time.is_up);
+                self.estimate_change::<A, R, SET, E>(shaft, &planar, near && time.is_up);
             }
-            let work = product(&r, &du);
+            let work = shaft.work(&r, &du);
             if damped {
                 // In balance, and no damping is too small to be followed further.
                 let stays = least < T::EPSILON || !(work > T::ZERO);
-                if stays && self.weak && rounded(problem.enough) {
+                if stays && self.weak && rounded(shaft, problem.enough) {
                     return Termination::Singular;
                 }
             } else if near && !far {
@@ -257,13 +289,13 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Estimates how far the step `planar` of the groove plane changes the stiffness. With `may_correct`, the stiffness is stale
     /// where its correction along the step makes it better.
     #[inline(always)]
-    fn estimate_change<A: Rule, const R: usize, const SET: bool>(
+    fn estimate_change<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &Shaft<'_, T, R, SET>,
+        shaft: &Shaft<'_, T, R, SET, E, D>,
         planar: &[T; D],
         may_correct: bool,
     ) {
-        let changes = shaft.changes::<A, D>(planar);
+        let changes = shaft.changes::<A>(planar);
         // The largest quotient, with one division.
         let (mut change, mut element) = (T::ZERO, T::ONE);
         for i in 0..D {
@@ -287,9 +319,9 @@ impl<T: Real, const D: usize> State<T, D> {
     /// one that touches without force the power 3/2 of that.
     #[cold]
     #[inline(never)]
-    fn is_rounded<const R: usize, const SET: bool>(
+    fn is_rounded<const R: usize, const SET: bool, const E: usize>(
         &self,
-        shaft: &Shaft<'_, T, R, SET>,
+        shaft: &Shaft<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         report: &StepReport<T>,
     ) -> bool {
@@ -300,9 +332,9 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// How the loop ends with the last step, if that was small enough.
-    fn verdict<const R: usize, const SET: bool>(
+    fn verdict<const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &Shaft<'_, T, R, SET>,
+        shaft: &mut Shaft<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         before: &StepReport<T>,
     ) -> Option<Termination> {
@@ -325,7 +357,8 @@ impl<T: Real, const D: usize> State<T, D> {
             && self.is_rounded(shaft, problem, &report)
         {
             // Such a step may lead far along a weak direction: the answer is where the balance was seen.
-            (self.v, self.stale) = (self.at, false);
+            self.stay(shaft);
+            self.stale = false;
             Some(Termination::Rounded)
         } else {
             None

@@ -167,9 +167,9 @@ impl<T: Real, const D: usize> Problem<T, D> {
     /// Whether enough balls carry: one holds the ring in two directions, and one that touches without force in none.
     #[cold]
     #[inline(never)]
-    pub fn is_held_by<const R: usize, const SET: bool>(
+    pub fn is_held_by<const R: usize, const SET: bool, const E: usize>(
         &self,
-        shaft: &Shaft<'_, T, R, SET>,
+        shaft: &Shaft<'_, T, R, SET, E, D>,
     ) -> bool {
         let mut free = 0;
         for held in &self.prescribed {
@@ -283,4 +283,9 @@ pub fn units<T: Real>(c: &Constants<T>, freedom: usize) -> (T, T) {
 pub fn stiffness_out<T: Real, const D: usize>(c: &Constants<T>, k: &Matrix<T, D>) -> Matrix<T, D> {
     let per = [T::ONE / c.length, T::ONE / c.tilt];
     matrix(|i, j| k[i][j] * (units(c, i).0 * per[usize::from(matches!(j, 3 | 4))]))
+}
+
+/// `Rp`, m.
+pub fn radius<T: Real>(c: &Constants<T>) -> T {
+    c.length / c.tilt
 }

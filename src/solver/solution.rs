@@ -37,7 +37,7 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion = Full, const D: usiz
     /// Speed of the shaft.
     pub speed: Speed<T>,
     bearing: &'s Bearing<T, N>,
-    last: &'s WarmStart<T, 1, N, D>,
+    last: &'s WarmStart<T, 1, N, D, 0>,
     row: Balls<'s, T, M>,
 }
 
@@ -45,7 +45,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// The solution where `last` stands, which is at `reached` in the solver's units.
     pub(super) fn new(
         bearing: &'s Bearing<T, N>,
-        last: &'s WarmStart<T, 1, N, D>,
+        last: &'s WarmStart<T, 1, N, D, 0>,
         reached: &Reached<T, D>,
     ) -> Self {
         let c = &bearing.constants;

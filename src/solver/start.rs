@@ -5,6 +5,7 @@ use crate::ball::kinematics::Rule;
 use crate::bearing::{Constants, L0};
 use crate::linalg::{moved, vector};
 use crate::real::Real;
+use crate::shaft::elastic::Bend;
 use crate::shaft::{GroupRow, Shaft};
 use crate::solver::problem::Problem;
 use crate::solver::state::State;
@@ -27,8 +28,8 @@ impl<T: Real> Pressing<T> {
     /// Of fixed rows: the axial load less the sliding rows' part. Where fixed rows all face one way, half the radial load and the
     /// moment are added, so that no ball is unloaded at first.
     #[inline(never)]
-    fn of<const R: usize, const SET: bool, const D: usize>(
-        shaft: &Shaft<'_, T, R, SET>,
+    fn of<const R: usize, const SET: bool, const E: usize, const D: usize>(
+        shaft: &Shaft<'_, T, R, SET, E, D>,
         fixed: &GroupRow<'_, T>,
         problem: &Problem<T, D>,
     ) -> Self {
@@ -100,8 +101,8 @@ fn distance<T: Real>(c: &Constants<T>, p: &Point<T>, q: T) -> T {
 /// Displacement of the groove plane: as given, and else such that fixed and sliding rows carry the axial load and the
 /// spring. Rows that hold each other stay where they are.
 #[inline(never)]
-fn displaced<T: Real, const R: usize, const SET: bool, const D: usize>(
-    shaft: &Shaft<'_, T, R, SET>,
+fn displaced<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>(
+    shaft: &Shaft<'_, T, R, SET, E, D>,
     problem: &Problem<T, D>,
 ) -> [T; D] {
     // A displacement of the shaft from one of a row.
@@ -130,17 +131,30 @@ fn displaced<T: Real, const R: usize, const SET: bool, const D: usize>(
 
 /// Puts rows and balls where the axial load alone would, all balls of a row alike.
 #[inline(never)]
-pub(super) fn start<T: Real, A: Rule, const R: usize, const SET: bool, const D: usize>(
+pub(super) fn start<
+    T: Real,
+    A: Rule,
+    const R: usize,
+    const SET: bool,
+    const E: usize,
+    const D: usize,
+>(
     state: &mut State<T, D>,
-    shaft: &mut Shaft<'_, T, R, SET>,
+    shaft: &mut Shaft<'_, T, R, SET, E, D>,
     problem: &Problem<T, D>,
 ) {
     let u = displaced(shaft, problem);
     // Offsets count from the axial part.
     state.u = vector(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
     state.v = vector(|i| u[i] - state.u[i]);
+    *shaft.bends = [Bend::NONE; E];
     shaft.each(&state.u, |row, mount, u| {
         row.p.start(row.c, u[0] + mount.closure)
     });
+    for joint in &shaft.layout.joints {
+        if let Some(bend) = shaft.bends.get_mut(joint.row) {
+            bend.straighten(&joint.constant);
+        }
+    }
     shaft.each(&state.v, |row, _, v| row.start::<A>(v));
 }

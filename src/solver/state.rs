@@ -148,9 +148,9 @@ impl<T: Real> StepReport<T> {
     /// Residual that rounding of the balls' forces at the ring's offset `v` explains, that of each force capped at `most`.
     #[cold]
     #[inline(never)]
-    pub fn rounding<const R: usize, const SET: bool, const D: usize>(
+    pub fn rounding<const R: usize, const SET: bool, const E: usize, const D: usize>(
         &self,
-        shaft: &Shaft<'_, T, R, SET>,
+        shaft: &Shaft<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         v: &[T; D],
         most: T,

@@ -7,8 +7,9 @@ use crate::growth::Growth;
 use crate::linalg::{Matrix, add_to, moved, norm, product, refer, refer_stiffness, vector};
 use crate::real::Real;
 use crate::results::Balls;
-use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change};
-use crate::shaft::{Layout, Shaft};
+use crate::shaft::elastic::{Bend, Joint, fold};
+use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change, sum_up};
+use crate::shaft::{Layout, Mount, Shaft, add_deflection};
 use crate::solver::problem::{Given, Problem, Time, given_in_units, inertia, speed_and_growth};
 use crate::solver::start::start;
 use crate::solver::state::{State, Termination, are_finite};
@@ -17,7 +18,7 @@ use core::marker::PhantomData;
 
 /// Position and balls after the last solve of a shaft in `R` rows of at most `N` balls, with `D` freedoms.
 #[derive(Debug, Clone, Copy)]
-pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize> {
+pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize, const E: usize> {
     pub state: State<T, D>,
     pub balls: [[Ball<T>; N]; R],
     /// Speed, growth and references of every row.
@@ -25,6 +26,8 @@ pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize> {
     /// Axial force by which rows of either facing hold each other.
     pub preload: T,
     pub speed: Speed<T>,
+    /// What holds an elastic shaft bent.
+    pub bends: [Bend<T, D>; E],
 }
 
 /// Displacement of the shaft's centre, load that the rows carry there, and iterations so far.
@@ -34,7 +37,9 @@ pub struct Reached<T, const D: usize> {
     pub iterations: u16,
 }
 
-impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N, D> {
+impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
+    WarmStart<T, R, N, D, E>
+{
     /// Of a solver that has not solved yet.
     pub const COLD: Self = Self {
         state: State::COLD,
@@ -42,6 +47,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         points: [Point::NONE; R],
         preload: T::ZERO,
         speed: Speed::REST,
+        bends: [Bend::NONE; E],
     };
 
     /// Has the next solve start from nothing.
@@ -65,7 +71,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
     /// checks come before the first write.
     pub fn problem<M: Motion, const SET: bool>(
         &mut self,
-        layout: &Layout<'_, T, R, SET>,
+        layout: &Layout<'_, T, R, SET, E>,
         given: &[Given<T>; D],
         to_centre: impl FnOnce(&mut [T; D]),
         speed: Speed<T>,
@@ -113,7 +119,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
     /// Solves, and says where the shaft is, or why there is no answer.
     pub fn run<A: Rule, const SET: bool>(
         &mut self,
-        layout: &Layout<'_, T, R, SET>,
+        layout: &Layout<'_, T, R, SET, E>,
         problem: &Problem<T, D>,
         max_iterations: u16,
         more: &mut dyn FnMut() -> bool,
@@ -137,6 +143,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             layout,
             s,
             preload: &mut self.preload,
+            bends: &mut self.bends,
         };
         let mut time = Time {
             max_iterations,
@@ -144,9 +151,11 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             more,
             is_up: false,
         };
-        let termination = self.state.find::<A, R, SET>(&mut shaft, problem, &mut time);
+        let termination = self
+            .state
+            .find::<A, R, SET, E>(&mut shaft, problem, &mut time);
         self.state
-            .refuse::<A, R, SET>(&shaft, problem, termination)?;
+            .refuse::<A, R, SET, E>(&shaft, problem, termination)?;
         // Rounding may end a solve under a spring of next to no force, where no ball of the sleeve is pressed.
         if D == 6 && !(self.state.sum.k[D - 1][D - 1] > T::ZERO) {
             let (loaded_balls, free) = (shaft.loaded(), Quantity::Closure);
@@ -175,7 +184,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
     /// Where a solve was that ended without an answer for want of time, if all figures are finite.
     pub fn unfinished<A: Rule, const SET: bool>(
         &self,
-        layout: &Layout<'_, T, R, SET>,
+        layout: &Layout<'_, T, R, SET, E>,
     ) -> Option<Reached<T, D>> {
         let attempt = &self.state.attempt;
         if attempt.termination != Termination::Unfinished {
@@ -196,11 +205,14 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
     /// The stiffness about the shaft's centre, after the last step.
     pub fn tangent<A: Rule, const SET: bool>(
         &self,
-        layout: &Layout<'_, T, R, SET>,
+        layout: &Layout<'_, T, R, SET, E>,
     ) -> Matrix<T, D> {
         let mut k = self.state.sum.k;
         if !self.state.stale {
             return k;
+        }
+        if E > 0 {
+            return self.stiffness_towards::<A, SET>(layout, &layout.joints);
         }
         let mut change = Sum::NONE;
         let rows = layout.bearings.iter().zip(&layout.mounts);
@@ -219,11 +231,63 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
         k
     }
 
+    /// Stiffness about the point of an elastic shaft that these joints lead to, after the last step.
+    #[inline(never)]
+    pub fn stiffness_towards<A: Rule, const SET: bool>(
+        &self,
+        layout: &Layout<'_, T, R, SET, E>,
+        joints: &[Joint<T>; E],
+    ) -> Matrix<T, D> {
+        let mut add_row = |joint: &Joint<T>, sum: &mut Sum<T, D>| {
+            let (row, mount) = (joint.row, layout.mounts.get(joint.row));
+            let (balls, p, bearing) = (
+                self.balls.get(row),
+                self.points.get(row),
+                layout.bearings.get(row),
+            );
+            let (Some(mount), Some(balls), Some(p), Some(bearing)) = (mount, balls, p, bearing)
+            else {
+                return;
+            };
+            let azimuths = bearing.azimuths;
+            let balls = balls.get(..azimuths.len()).unwrap_or_default();
+            let mut own = Sum::<T, 5>::NONE;
+            sum_up::<T, A, 5>(balls, azimuths, &mut own);
+            if self.state.stale {
+                let v = self.motion::<SET>(mount, row);
+                add_to(
+                    &mut own.k,
+                    &stiffness_change::<T, A, 5>(p, balls, azimuths, &v).k,
+                );
+            }
+            mount.assemble(&mut own, sum);
+        };
+        let mut sum = Sum::NONE;
+        fold(joints, None, &mut add_row, &mut sum);
+        sum.k
+    }
+
+    /// Force of a row that bends an elastic shaft, in the solver's units.
+    pub fn bending_force(&self, row: usize) -> [T; 5] {
+        let bend = self.bends.get(row);
+        vector(|i| bend.map_or(T::ZERO, |bend| bend.force(i)))
+    }
+
+    /// Offset of a row's groove plane from its reference position.
+    #[inline(always)]
+    fn motion<const SET: bool>(&self, mount: &Mount<T>, row: usize) -> [T; 5] {
+        let mut v = mount.motion::<D, SET>(&self.state.v);
+        if let Some(bend) = self.bends.get(row) {
+            add_deflection(&mut v, &mount.of_centre(&bend.deflection));
+        }
+        v
+    }
+
     /// The balls of a row.
     #[inline(always)]
     pub fn row<'s, M: Motion, const SET: bool>(
         &'s self,
-        layout: &Layout<'s, T, R, SET>,
+        layout: &Layout<'s, T, R, SET, E>,
         i: usize,
     ) -> Balls<'s, T, M> {
         // The compiler sees the range, even where it does not inline this.
@@ -234,7 +298,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
             p: &self.points[i],
             azimuths: row.azimuths,
             balls: self.balls[i].get(..row.azimuths.len()).unwrap_or_default(),
-            v: layout.mounts[i].motion::<D, SET>(&self.state.v),
+            v: self.motion::<SET>(&layout.mounts[i], i),
             speed: self.speed,
             motion: PhantomData,
         }
@@ -243,9 +307,9 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> WarmStart<T, R, N,
 
 impl<T: Real, const D: usize> State<T, D> {
     /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
-    fn find<A: Rule, const R: usize, const SET: bool>(
+    fn find<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &mut Shaft<'_, T, R, SET>,
+        shaft: &mut Shaft<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         time: &mut Time<'_>,
     ) -> Termination {
@@ -260,8 +324,8 @@ impl<T: Real, const D: usize> State<T, D> {
             } else {
                 T::ZERO
             };
-            self.predict(shaft.layout.plane, problem, ds);
-            termination = self.newton::<A, R, SET>(shaft, problem, ds, time);
+            self.predict(shaft, problem, ds);
+            termination = self.newton::<A, R, SET, E>(shaft, problem, ds, time);
         } else {
             self.attempt.begin(false);
         }
@@ -271,8 +335,8 @@ impl<T: Real, const D: usize> State<T, D> {
         if !is_over && !time.is_up {
             is_over = true;
             self.attempt.begin(true);
-            start::<T, A, R, SET, D>(self, shaft, problem);
-            termination = self.newton::<A, R, SET>(shaft, problem, T::ZERO, time);
+            start::<T, A, R, SET, E, D>(self, shaft, problem);
+            termination = self.newton::<A, R, SET, E>(shaft, problem, T::ZERO, time);
         }
         self.attempt.termination = termination;
         self.load = problem.load;
@@ -289,9 +353,9 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
     /// any load.
-    fn is_near<const R: usize, const SET: bool>(
+    fn is_near<const R: usize, const SET: bool, const E: usize>(
         &self,
-        shaft: &Shaft<'_, T, R, SET>,
+        shaft: &Shaft<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
     ) -> bool {
         let half = T::of(0.5);
@@ -337,9 +401,9 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Why there is no solution, if there is none.
-    fn refuse<A: Rule, const R: usize, const SET: bool>(
+    fn refuse<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &Shaft<'_, T, R, SET>,
+        shaft: &Shaft<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         termination: Termination,
     ) -> Result<(), Status<T>> {

@@ -2,7 +2,7 @@
 
 use crate::real::Real;
 use crate::spindle::arrangement::{Arrangement, Facing};
-use crate::status::Status;
+use crate::status::{Quantity, Status};
 use core::fmt;
 
 /// Why rows cannot be a spindle. Rows are counted from 0.
@@ -63,6 +63,24 @@ pub enum SpindleError<T> {
         /// Which row.
         row: usize,
     },
+    /// A row's support is too soft to hold it, or its stiffness is not a number.
+    Support {
+        /// Which row.
+        row: usize,
+        /// Which stiffness.
+        quantity: Quantity,
+        /// Its value.
+        value: T,
+        /// Least value.
+        least: T,
+    },
+    /// A constant load on the shaft is out of range.
+    Load {
+        /// Which load.
+        load: usize,
+        /// Which figure, and its range.
+        status: Status<T>,
+    },
 }
 
 impl<T: Real> fmt::Display for SpindleError<T> {
@@ -105,6 +123,11 @@ impl<T: Real> fmt::Display for SpindleError<T> {
                 f,
                 "row {row} slides, but there is no spring: build the spindle by `Spindle::sprung`"
             ),
+            Self::Support { row, quantity, value, least } => write!(
+                f,
+                "row {row}: {quantity} is {value:e}, but must be {least:e} at least; an infinite one is rigid"
+            ),
+            Self::Load { load, status } => write!(f, "constant load {load}: {status}"),
         }
     }
 }

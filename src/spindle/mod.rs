@@ -9,7 +9,9 @@
 //! comes of it.
 
 pub mod arrangement;
+pub mod elastic;
 pub mod error;
+pub mod sections;
 pub mod solution;
 pub mod solver;
 
@@ -19,9 +21,10 @@ use crate::linalg::vector;
 use crate::real::Real;
 use crate::shaft::axial::AxialRest;
 use crate::shaft::{BearingRef, Group, Layout, Mount};
-use crate::solver::problem::check;
+use crate::solver::problem::{check, radius};
 use crate::spindle::arrangement::{Arrangement, Facing};
 use crate::spindle::error::SpindleError;
+use crate::spindle::sections::OnShaft;
 use crate::status::Quantity;
 
 /// How a row is held against the others.
@@ -263,14 +266,16 @@ fn check_arranged<T: Real, const N: usize>(
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
-pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5> {
-    layout: Layout<'b, T, R, true>,
+pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5, const E: usize = 0> {
+    layout: Layout<'b, T, R, true, E>,
     positions: [T; R],
     facings: [Facing; R],
     /// Force of the spring, N.
     spring: T,
     /// Position of the shaft's centre, m: the mean of the rows'.
     centre: T,
+    /// The elastic shaft, at each of its rows.
+    shaft: [OnShaft<'b, T>; E],
 }
 
 /// A spindle of which some rows sit in a sleeve that slides under a spring: [`Spindle::sprung`].
@@ -400,11 +405,13 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 plane: plane / count,
                 ball_count: T::ZERO,
                 preload_at_rest: T::ZERO,
+                joints: [],
             },
             positions: rows.each_ref().map(|row| row.position),
             facings: rows.each_ref().map(|row| row.facing),
             spring,
             centre: centre / count,
+            shaft: [],
         };
         let layout = &mut set.layout;
         for (mount, row) in layout.mounts.iter_mut().zip(rows) {
@@ -426,6 +433,22 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             layout.preload_at_rest += mount.force * (axial + c.preload);
         }
         set
+    }
+}
+
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
+    Spindle<'b, T, R, N, D, E>
+{
+    /// How the rows sit, with `x = 0` in the place of the shaft's centre, which is nearer to it by the distance that is returned, over
+    /// `Rp`.
+    fn about_origin(&self) -> (Layout<'b, T, R, true, E>, T) {
+        let mut layout = self.layout;
+        let distance = self.centre / radius(layout.bearings[0].c);
+        layout.plane += distance;
+        for (mount, row) in layout.mounts.iter_mut().zip(&layout.bearings) {
+            mount.reach += mount.facing * (self.centre / radius(row.c));
+        }
+        (layout, distance)
     }
 
     /// Closure `e` of each clamped row (m), given, or made by the preload force; 0 for a row that slides.
@@ -458,8 +481,8 @@ impl<T: Real, const N: usize> defmt::Format for Mounted<'_, T, N> {
 }
 
 #[cfg(feature = "defmt")]
-impl<T: Real, const R: usize, const N: usize, const D: usize> defmt::Format
-    for Spindle<'_, T, R, N, D>
+impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize> defmt::Format
+    for Spindle<'_, T, R, N, D, E>
 {
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(
@@ -470,11 +493,6 @@ impl<T: Real, const R: usize, const N: usize, const D: usize> defmt::Format
             self.closures()
         );
     }
-}
-
-/// `Rp`, m.
-pub(crate) fn radius<T: Real>(c: &Constants<T>) -> T {
-    c.length / c.tilt
 }
 
 /// Axial displacement of a bearing at rest, cold, under an axial load, both in its units.

@@ -12,6 +12,7 @@ use crate::results::margins::{Limit, LimitSet, Limits};
 #[cfg(feature = "serde")]
 use crate::results::serialize;
 use crate::results::summary::RowSummary;
+use crate::shaft::elastic::soften;
 use crate::shaft::row::{Sum, sum_up};
 use crate::solver::problem::{stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
@@ -58,6 +59,7 @@ pub struct SpindleSolution<
     const N: usize,
     M: Motion = Full,
     const D: usize = 5,
+    const E: usize = 0,
 > {
     /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
     /// [`SpindleSolver::unfinished`](crate::SpindleSolver::unfinished).
@@ -76,31 +78,29 @@ pub struct SpindleSolution<
     pub(super) k: Matrix<T, 5>,
     /// Motion of the sleeve, m.
     slide: T,
-    spindle: &'s Spindle<'s, T, R, N, D>,
-    last: &'s WarmStart<T, R, N, D>,
+    spindle: &'s Spindle<'s, T, R, N, D, E>,
+    last: &'s WarmStart<T, R, N, D, E>,
     motion: PhantomData<M>,
 }
 
-impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
-    SpindleSolution<'s, T, R, N, M, D>
+impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>
+    SpindleSolution<'s, T, R, N, M, D, E>
 {
     /// The solution where `last` stands, which is at `reached` in the solver's units, under the `load`.
     pub(super) fn new(
-        spindle: &'s Spindle<'s, T, R, N, D>,
-        last: &'s WarmStart<T, R, N, D>,
+        spindle: &'s Spindle<'s, T, R, N, D, E>,
+        last: &'s WarmStart<T, R, N, D, E>,
         reached: &Reached<T, D>,
         load: [T; 5],
     ) -> Self {
         let Spindle { layout, centre, .. } = spindle;
         let unit = layout.bearings[0].c;
         let u = vector(|i| reached.u[i] * units(unit, i).1);
-        let k = last.tangent::<M::Rule, _>(layout);
-        let (k, slide) = if D == 6 {
-            // The force of the spring is held.
-            let k = matrix(|i, j| k[i][j] - k[i][5] * k[5][j] / k[5][5]);
-            (k, reached.u[5] * unit.length)
+        let k = held(&last.tangent::<M::Rule, _>(layout));
+        let slide = if D == 6 {
+            reached.u[5] * unit.length
         } else {
-            (matrix(|i, j| k[i][j]), T::ZERO)
+            T::ZERO
         };
         Self {
             status: last.state.attempt.termination.status(),
@@ -122,28 +122,42 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) of the shaft at `x = 0` and at
     /// constant speed: the exact tangent, which is not symmetric at speed. A spring keeps its force.
     pub fn stiffness(&self) -> [[T; 5]; 5] {
-        self.rigid_stiffness(T::ZERO)
+        self.stiffness_of_shaft(T::ZERO)
     }
 
-    /// The stiffness at the position `x` (m) of the rigid shaft.
+    /// The stiffness at the position `x` (m) of the shaft.
     #[inline(always)]
-    pub(crate) fn rigid_stiffness(&self, x: T) -> Matrix<T, 5> {
-        let mut k = stiffness_out(self.spindle.layout.bearings[0].c, &self.k);
-        refer_stiffness(self.spindle.centre - x, &mut k);
+    pub(crate) fn stiffness_of_shaft(&self, x: T) -> Matrix<T, 5> {
+        let (k, distance) = self.near(x);
+        let mut k = stiffness_out(self.spindle.layout.bearings[0].c, &k);
+        refer_stiffness(-distance, &mut k);
         k
+    }
+
+    /// The stiffness, in the solver's units, about the point of the shaft from which on it is rigid to the position `x`; and how far
+    /// beyond that point `x` is, m.
+    #[inline(always)]
+    fn near(&self, x: T) -> (Matrix<T, 5>, T) {
+        if E == 0 {
+            return (self.k, x - self.spindle.centre);
+        }
+        let joints = self.spindle.joints_towards(x);
+        let layout = &self.spindle.layout;
+        let k = self.last.stiffness_towards::<M::Rule, _>(layout, &joints);
+        (held(&k), T::ZERO)
     }
 
     /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
     /// are displacements. One over its diagonal is the stiffness that a force alone meets.
     pub fn compliance_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
         let unit = self.spindle.layout.bearings[0].c;
-        let inverse = inverse(&self.k);
+        let (k, d) = self.near(end.position);
+        let inverse = inverse(&k);
         let of = [unit.length, unit.tilt];
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
         let mut c: Matrix<T, 5> =
             matrix(|i, j| inverse[i][j] * (of[usize::from(i >= 3)] * per[usize::from(j >= 3)]));
         // Displacements at the point, of forces at the point.
-        let d = end.position - self.spindle.centre;
         for row in &mut c {
             row[1] += d * row[4];
             row[2] -= d * row[3];
@@ -160,7 +174,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
     /// Stiffness at a point of the shaft, as [`SpindleSolution::stiffness`] is at `x = 0`.
     pub fn stiffness_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
         if end.flexibility == [[T::ZERO; 5]; 5] {
-            return self.rigid_stiffness(end.position);
+            return self.stiffness_of_shaft(end.position);
         }
         // In units that make the elements alike.
         let unit = self.spindle.layout.bearings[0].c;
@@ -177,9 +191,38 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         scaled(&inverse(&scaled(&self.compliance_at(end))))
     }
 
-    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the rigid shaft at the position `x` (m).
+    /// Relative errors, estimated, of the diagonal of [`SpindleSolution::compliance_at`].
+    ///
+    /// They follow from that of the stiffness: `sum of abs(C_ij) K_jj^(1/2)`, squared, over `C_ii`.
+    pub fn compliance_error_at(&self, end: &ShaftEnd<T>) -> [T; 5] {
+        let (c, k) = (
+            self.compliance_at(end),
+            self.stiffness_of_shaft(end.position),
+        );
+        let error = self.error.stiffness + T::of(8.0) * T::EPSILON;
+        vector(|i| {
+            let mut sum = T::ZERO;
+            for j in 0..5 {
+                let bearings = c[i][j] - end.flexibility[i][j];
+                sum += bearings.abs() * k[j][j].abs().sqrt();
+            }
+            error * sum * sum / c[i][i].abs()
+        })
+    }
+
+    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the shaft at the position `x` (m).
     pub fn displacement_at(&self, x: T) -> [T; 5] {
-        moved(x, &self.displacement)
+        let mut u = moved(x, &self.displacement);
+        if E > 0 {
+            let unit = self.spindle.layout.bearings[0].c;
+            let deflection = self
+                .spindle
+                .deflection_at(x, |row| self.last.bending_force(row));
+            for i in 0..5 {
+                u[i] += deflection[i] * units(unit, i).1;
+            }
+        }
+        u
     }
 
     /// Rating life of the set under this load at this speed, each row with its own rating: see [`LifeRating`].
@@ -263,7 +306,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let mut sum = Sum::NONE;
         sum_up::<T, M::Rule, 5>(view.balls, view.azimuths, &mut sum);
         // What the tangent says of the force after the last step.
-        let du = mount.motion::<D, true>(&vector(|i| state.v[i] - state.at[i]));
+        let du = match self.last.bends.get(i) {
+            Some(bend) => mount.of_centre(&bend.moved),
+            None => mount.motion::<D, true>(&vector(|i| state.v[i] - state.at[i])),
+        };
         let mut force: [T; 5] = vector(|i| sum.force[i] + product(&sum.k[i], &du));
         refer(c.plane, &mut force);
         RowSolution {
@@ -271,10 +317,20 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
             force: vector(|i| force[i] * units(c, i).0),
             facing: spindle.facings[i],
             preload: T::ZERO,
+            support: spindle.support_of(i),
             view,
             sum,
             stale: state.stale,
         }
+    }
+}
+
+/// The stiffness of the shaft's five freedoms, with the force of a spring held.
+fn held<T: Real, const D: usize>(k: &Matrix<T, D>) -> Matrix<T, 5> {
+    if D == 6 {
+        matrix(|i, j| k[i][j] - k[i][5] * k[5][j] / k[5][5])
+    } else {
+        matrix(|i, j| k[i][j])
     }
 }
 
@@ -300,8 +356,8 @@ pub fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
     matrix(|i, j| columns[j][i])
 }
 
-impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> fmt::Debug
-    for SpindleSolution<'_, T, R, N, M, D>
+impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize> fmt::Debug
+    for SpindleSolution<'_, T, R, N, M, D, E>
 {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.snapshot().fmt(f)
@@ -310,8 +366,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> fmt::De
 
 /// Without the balls, whose arrays are empty.
 #[cfg(feature = "defmt")]
-impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize> defmt::Format
-    for SpindleSolution<'_, T, R, N, M, D>
+impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>
+    defmt::Format for SpindleSolution<'_, T, R, N, M, D, E>
 {
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(f, "{}", self.copy::<0>());
@@ -389,6 +445,8 @@ pub struct RowSolution<'s, T: Real, M: Motion = Full> {
     pub force: [T; 5],
     facing: Facing,
     preload: T,
+    /// Flexibility of its support: axial, radial, tilting, SI.
+    support: [T; 3],
     view: Balls<'s, T, M>,
     sum: Sum<T, 5>,
     stale: bool,
@@ -414,6 +472,20 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         }
         refer_stiffness(self.view.c.plane, &mut sum.k);
         stiffness_out(self.view.c, &sum.k)
+    }
+
+    /// Stiffness between the shaft and the housing at the row, in the shaft's frame and about the row's centre: that of the row, and
+    /// its support in series. A sleeve is held.
+    pub fn stiffness_on_shaft(&self) -> [[T; 5]; 5] {
+        let s = self.facing.sign::<T>();
+        let mirror = [s, T::ONE, T::ONE, s, s];
+        let k = self.stiffness();
+        let mut sum = Sum {
+            k: matrix(|i, j| mirror[i] * mirror[j] * k[i][j]),
+            ..Sum::NONE
+        };
+        soften(&mut sum, &self.support);
+        sum.k
     }
 
     /// A copy with the first `K` balls.

@@ -7,8 +7,8 @@ use crate::real::Real;
 use crate::solver::problem::{Given, Settings, units};
 use crate::solver::state::are_finite;
 use crate::solver::warm_start::WarmStart;
+use crate::spindle::Spindle;
 use crate::spindle::solution::SpindleSolution;
-use crate::spindle::{Spindle, radius};
 use crate::status::Status;
 use core::array::from_fn;
 use core::marker::PhantomData;
@@ -25,9 +25,10 @@ pub struct SpindleSolver<
     const N: usize,
     M: Motion = Full,
     const D: usize = 5,
+    const E: usize = 0,
 > {
-    pub(crate) spindle: Spindle<'b, T, R, N, D>,
-    pub(crate) last: WarmStart<T, R, N, D>,
+    pub(crate) spindle: Spindle<'b, T, R, N, D, E>,
+    pub(crate) last: WarmStart<T, R, N, D, E>,
     pub(crate) motion: PhantomData<M>,
 }
 
@@ -35,20 +36,24 @@ pub struct SpindleSolver<
 pub type SprungSolver<'b, T, const R: usize, const N: usize, M = Full> =
     SpindleSolver<'b, T, R, N, M, 6>;
 
-impl<'b, T: Real, const R: usize, const N: usize, const D: usize>
-    SpindleSolver<'b, T, R, N, Full, D>
+/// Solver of an [`ElasticSpindle`](crate::ElasticSpindle), whose shaft bends.
+pub type ElasticSolver<'b, T, const R: usize, const N: usize, M = Full, const D: usize = 5> =
+    SpindleSolver<'b, T, R, N, M, D, R>;
+
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
+    SpindleSolver<'b, T, R, N, Full, D, E>
 {
     /// A solver for the spindle at speed, with all inertia loads and no race in control.
-    pub const fn new(spindle: Spindle<'b, T, R, N, D>) -> Self {
+    pub const fn new(spindle: Spindle<'b, T, R, N, D, E>) -> Self {
         Self::of(spindle)
     }
 }
 
-impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
-    SpindleSolver<'b, T, R, N, M, D>
+impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>
+    SpindleSolver<'b, T, R, N, M, D, E>
 {
     /// A solver for the motion that its type names.
-    pub const fn of(spindle: Spindle<'b, T, R, N, D>) -> Self {
+    pub const fn of(spindle: Spindle<'b, T, R, N, D, E>) -> Self {
         Self {
             spindle,
             last: WarmStart::COLD,
@@ -74,7 +79,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         load: [T; 5],
         speed: Speed<T>,
         settings: &Settings<T>,
-    ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
+    ) -> Result<SpindleSolution<'_, T, R, N, M, D, E>, Status<T>> {
         self.solve_while(load, speed, &[Growth::NONE; R], settings, || true)
     }
 
@@ -89,7 +94,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         speed: Speed<T>,
         growth: &[Growth<T>; R],
         settings: &Settings<T>,
-    ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
+    ) -> Result<SpindleSolution<'_, T, R, N, M, D, E>, Status<T>> {
         self.solve_while(load, speed, growth, settings, || true)
     }
 
@@ -105,7 +110,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         growth: &[Growth<T>; R],
         settings: &Settings<T>,
         mut more_time: impl FnMut() -> bool,
-    ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
+    ) -> Result<SpindleSolution<'_, T, R, N, M, D, E>, Status<T>> {
         let Spindle {
             layout,
             spring,
@@ -116,7 +121,10 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         let given = from_fn(|i| Given::Load(load.get(i).copied().unwrap_or(*spring)));
         let unit = layout.bearings[0].c;
         // From x = 0 to the centre.
-        let to_centre = |load: &mut [T; D]| refer(-*centre * unit.tilt / unit.length, load);
+        let to_centre = |load: &mut [T; D]| {
+            refer(-*centre * unit.tilt / unit.length, load);
+            self.spindle.add_constant(load);
+        };
         let tolerance = settings.tolerance;
         let problem = self
             .last
@@ -166,22 +174,17 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         speed: Speed<T>,
         growth: &[Growth<T>; R],
         settings: &Settings<T>,
-    ) -> Result<SpindleSolution<'_, T, R, N, M, D>, Status<T>> {
-        // With x = 0 in the place of the shaft's centre.
-        let mut layout = self.spindle.layout;
-        let (unit, centre) = (layout.bearings[0].c, self.spindle.centre);
-        let shift = centre / radius(unit);
-        layout.plane += shift;
-        for (mount, row) in layout.mounts.iter_mut().zip(&layout.bearings) {
-            mount.reach += mount.facing * (centre / radius(row.c));
-        }
+    ) -> Result<SpindleSolution<'_, T, R, N, M, D, E>, Status<T>> {
+        let (layout, shift) = self.spindle.about_origin();
+        let unit = layout.bearings[0].c;
         let spring = Given::Load(self.spindle.spring);
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
+        let to_origin = |load: &mut [T; D]| self.spindle.add_constant(load);
         self.last.refer(shift);
         let tolerance = settings.tolerance;
         let problem = self
             .last
-            .problem::<M, _>(&layout, &all, |_| (), speed, growth, tolerance);
+            .problem::<M, _>(&layout, &all, to_origin, speed, growth, tolerance);
         let most = settings.max_iterations;
         let solved = problem.and_then(|problem| {
             self.last
@@ -189,7 +192,8 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
         });
         self.last.refer(-shift);
         let mut reached = solved?;
-        let load = vector(|i| given[i].load_or(reached.load[i] * units(unit, i).0));
+        let constant = self.spindle.constant_load();
+        let load = vector(|i| given[i].load_or(reached.load[i] * units(unit, i).0 - constant[i]));
         reached.u = moved(shift, &reached.u);
         let mut solution = SpindleSolution::new(&self.spindle, &self.last, &reached, load);
         for (u, given) in solution.displacement.iter_mut().zip(given) {
@@ -200,12 +204,14 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize>
 
     /// The state that a solve had reached when it ended as [`Status::IterationLimit`]: as
     /// [`Solver::unfinished`](crate::Solver::unfinished).
-    pub fn unfinished(&self) -> Option<SpindleSolution<'_, T, R, N, M, D>> {
+    pub fn unfinished(&self) -> Option<SpindleSolution<'_, T, R, N, M, D, E>> {
         let Spindle { layout, centre, .. } = &self.spindle;
         let reached = self.last.unfinished::<M::Rule, _>(layout)?;
         let unit = layout.bearings[0].c;
-        let mut load = vector(|i| reached.load[i] * units(unit, i).0);
+        let mut load: [T; 5] = vector(|i| reached.load[i] * units(unit, i).0);
         refer(*centre, &mut load);
+        let constant = self.spindle.constant_load();
+        let load = vector(|i| load[i] - constant[i]);
         let solution = SpindleSolution::new(&self.spindle, &self.last, &reached, load);
         // A sleeve that no ball holds makes the shaft's stiffness 0 / 0.
         let is_finite = solution.k.iter().all(|row| are_finite(row));

@@ -1,6 +1,9 @@
 //! Rows of a spindle, its question, and why it is no spindle. A bearing is a spindle with one row.
 
-use spindle_bearing::{Arrangement, Design, DesignError, Facing, Growth, Preload};
+use spindle_bearing::{
+    Arrangement, Design, DesignError, Facing, Growth, Material, Preload, Section, ShaftLoad,
+    Support,
+};
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -37,7 +40,25 @@ pub struct Plan {
     pub arrangement: Arrangement,
     /// Force of the spring, N.
     pub spring: Option<f64>,
+    /// The shaft, if it is elastic.
+    pub shaft: Option<ElasticShaft>,
 }
+
+/// An elastic shaft, and what is on it.
+#[derive(Debug, Clone)]
+pub struct ElasticShaft {
+    /// Its sections.
+    pub sections: Vec<Section>,
+    /// Its material.
+    pub material: Material,
+    /// Support of each row.
+    pub supports: Vec<Support<f64>>,
+    /// Constant loads.
+    pub loads: Vec<ShaftLoad<f64>>,
+}
+
+/// Largest number of sections of a shaft.
+pub const MOST_SECTIONS: usize = 64;
 
 impl Plan {
     /// A bearing as the only row, which has the bits of a plain solver.
@@ -52,6 +73,7 @@ impl Plan {
             }],
             arrangement: Arrangement::ByRows,
             spring: None,
+            shaft: None,
         }
     }
 }

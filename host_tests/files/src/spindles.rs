@@ -365,6 +365,7 @@ impl SpindleFile {
                 rows,
                 arrangement,
                 spring: spring.transpose()?,
+                shaft: None,
             },
             nose: nose.transpose()?,
             growth,

@@ -163,6 +163,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         rows: facings.chars().enumerate().map(row).collect(),
         arrangement: Arrangement::ByRows,
         spring: None,
+        shaft: None,
     };
     let question = Question {
         load,

@@ -10,6 +10,7 @@ mod cutting;
 mod cycle;
 mod designs;
 mod edges;
+mod elastic;
 mod elastic_reference;
 mod frames;
 mod given;

@@ -193,6 +193,8 @@ fn figures_are_printed_as_the_solver_gave_them() {
         stiffness,
         compliance_at: stiffness,
         stiffness_at: stiffness,
+        displacement_at: [0.0; 5],
+        compliance_error_at: [0.0; 5],
         spring_closure: 0.0,
         rows: Vec::new(),
         error: [0.0; 3],

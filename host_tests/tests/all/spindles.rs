@@ -114,6 +114,7 @@ fn clamped(layout: &[(f64, char)], preload: Preload<f64>) -> Plan {
         rows: rows.collect(),
         arrangement: Arrangement::ByRows,
         spring: None,
+        shaft: None,
     }
 }
 
@@ -132,6 +133,7 @@ fn sprung() -> Plan {
         ],
         arrangement: Arrangement::BackToBack,
         spring: Some(600.0),
+        shaft: None,
     }
 }
 
@@ -555,6 +557,7 @@ fn random(seed: u64) -> (Plan, Attitude, Question) {
         rows,
         arrangement: Arrangement::ByRows,
         spring: spring.then_some(preload),
+        shaft: None,
     };
     let question = Question {
         growth,

@@ -1,0 +1,317 @@
+//! An elastic shaft on elastic supports, as a chain of springs.
+//!
+//! The shaft has no mass: each side of `x = 0` is a chain of rows that hang on each other, the outermost first. A piece of
+//! shaft between two rows is three springs at its elastic centre, where a force turns nothing and a moment shifts nothing. A
+//! support is three springs at its row's centre. The rows' forces and slopes are folded along the chain towards `x = 0`: rows add
+//! up, and springs in series soften what is beyond them. The balance of the shaft is then one in the motion of its section at
+//! `x = 0`, and its stiffness there is exact. A step of that motion unfolds along the chain to a motion of each row.
+//!
+//! All in the units of the shaft: forces, stiffness and motions of a row about its centre, distances over `Rp`.
+
+use crate::linalg::{moved, product, refer};
+use crate::real::Real;
+use crate::shaft::row::Sum;
+
+/// A row on an elastic shaft, its support, and the shaft from there to the next row towards `x = 0`.
+///
+/// Flexibilities are axial, lateral and tilting.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Joint<T> {
+    /// Number of the row.
+    pub row: usize,
+    /// Position of its centre, m.
+    pub position: T,
+    /// Flexibility of the support.
+    pub support: [T; 3],
+    /// Deflection that constant loads on the shaft give the row.
+    pub constant: [T; 5],
+    /// How far the row is beyond the elastic centre of the shaft's piece, and that beyond the next row or `x = 0`, in `+x`.
+    pub beyond: [T; 2],
+    /// Flexibility of this piece of shaft.
+    pub shaft: [T; 3],
+    /// There is no row from here to `x = 0`.
+    pub is_last: bool,
+}
+
+/// A row's part of the fold, and what holds the shaft bent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend<T, const D: usize> {
+    /// Changes of force of the row behind its support, and of all rows from here outwards behind the piece of shaft, at its
+    /// elastic centre.
+    held: Sum<T, D>,
+    outer: Sum<T, D>,
+    /// Force of the row that bends the shaft, and its change by the last step.
+    force: [T; D],
+    force_step: [T; D],
+    /// These forces of all rows from here outwards, at the elastic centre.
+    bending: [T; D],
+    /// Force that the balls hand over less the one that bends the shaft.
+    missing: [T; D],
+    /// Deflection of the row, and where the balls were condensed last.
+    pub deflection: [T; 5],
+    before: [T; 5],
+    /// Motion of the row since.
+    pub moved: [T; 5],
+}
+
+impl<T: Real, const D: usize> Bend<T, D> {
+    /// Of a straight shaft without load.
+    pub const NONE: Self = Self {
+        held: Sum::NONE,
+        outer: Sum::NONE,
+        force: [T::ZERO; D],
+        force_step: [T::ZERO; D],
+        bending: [T::ZERO; D],
+        missing: [T::ZERO; D],
+        deflection: [T::ZERO; 5],
+        before: [T::ZERO; 5],
+        moved: [T::ZERO; 5],
+    };
+}
+
+/// Number of the spring that a freedom of a row has in a flexibility; the sleeve has none.
+const SPRINGS: [usize; 5] = [0, 1, 1, 2, 2];
+
+/// Forces and slopes by the motion of the springs' near end, from those by the motion of their far end.
+#[inline(never)]
+pub fn soften<T: Real, const D: usize>(sum: &mut Sum<T, D>, springs: &[T; 3]) {
+    for (i, spring) in SPRINGS.into_iter().enumerate() {
+        let flexibility = springs[spring];
+        if !(flexibility > T::ZERO) {
+            continue;
+        }
+        // A row that pushes harder the further it moves could take more than all of a spring.
+        let per = T::ONE / (T::ONE + flexibility * sum.k[i][i]).at_least(T::EPSILON);
+        let taken = flexibility * per;
+        let (k, force, by_speed) = (sum.k[i], sum.force[i], sum.by_speed[i]);
+        for j in 0..D {
+            let column = sum.k[j][i];
+            let part = taken * column;
+            for l in 0..D {
+                let product = part * k[l];
+                sum.k[j][l] -= product;
+            }
+            sum.k[j][i] = per * column;
+            sum.force[j] -= part * force;
+            sum.by_speed[j] -= part * by_speed;
+        }
+        sum.k[i] = k.map(|k| per * k);
+        (sum.force[i], sum.by_speed[i]) = (per * force, per * by_speed);
+    }
+}
+
+/// Adds a row's forces and slopes about its centre to a sum of none.
+pub type AddRow<'a, T, const D: usize> = &'a mut dyn FnMut(&Joint<T>, &mut Sum<T, D>);
+
+/// Folds the rows' forces and slopes to the point of the shaft that the chain leads to.
+///
+/// With `bends`, forces are those that the balance after the next step has, at no motion of that point.
+#[inline(never)]
+pub fn fold<T: Real, const D: usize, const E: usize>(
+    joints: &[Joint<T>; E],
+    mut bends: Option<&mut [Bend<T, D>; E]>,
+    add_row: AddRow<'_, T, D>,
+    sum: &mut Sum<T, D>,
+) {
+    *sum = Sum::NONE;
+    let (mut side, mut bending) = (Sum::NONE, [T::ZERO; D]);
+    for joint in joints {
+        let mut held = Sum::NONE;
+        add_row(joint, &mut held);
+        let mut bend = bends.as_deref_mut().and_then(|b| b.get_mut(joint.row));
+        if let Some(bend) = &mut bend {
+            for i in 0..D {
+                bend.force[i] += bend.force_step[i];
+                bend.missing[i] = held.force[i] - bend.force[i];
+                bending[i] += bend.force[i];
+            }
+            held.force = bend.missing;
+        }
+        soften(&mut held, &joint.support);
+        side.add(&held);
+        let [row, centre] = joint.beyond;
+        side.refer(row);
+        refer(row, &mut bending);
+        soften(&mut side, &joint.shaft);
+        if let Some(bend) = bend {
+            (bend.held, bend.outer, bend.bending) = (held, side, bending);
+        }
+        side.refer(centre);
+        refer(centre, &mut bending);
+        if joint.is_last {
+            sum.add(&side);
+            for i in 0..D {
+                sum.force[i] += bending[i];
+            }
+            (side, bending) = (Sum::NONE, [T::ZERO; D]);
+        }
+    }
+}
+
+/// Moves the rows along the chain by the step `du` of the section at `x = 0`, and a relative change `ds` of `omega^2`.
+#[inline(never)]
+pub fn unfold<T: Real, const D: usize, const E: usize>(
+    joints: &[Joint<T>; E],
+    bends: &mut [Bend<T, D>; E],
+    slide: impl Fn(usize) -> T,
+    du: &[T; D],
+    ds: T,
+) {
+    let (mut u, mut deflection) = (*du, [T::ZERO; 5]);
+    for joint in joints.iter().rev() {
+        let Some(bend) = bends.get_mut(joint.row) else {
+            return;
+        };
+        if joint.is_last {
+            (u, deflection) = (*du, [T::ZERO; 5]);
+        }
+        let [row, centre] = joint.beyond;
+        (u, deflection) = (moved(centre, &u), moved(centre, &deflection));
+        let change = bend.outer.after(&u, ds);
+        for (i, spring) in SPRINGS.into_iter().enumerate() {
+            u[i] -= joint.shaft[spring] * change[i];
+            deflection[i] -= joint.shaft[spring] * (bend.bending[i] + change[i]);
+        }
+        (u, deflection) = (moved(row, &u), moved(row, &deflection));
+        bend.force_step = bend.held.after(&u, ds);
+        bend.before = bend.deflection;
+        for (i, spring) in SPRINGS.into_iter().enumerate() {
+            let flexibility = joint.support[spring];
+            bend.moved[i] = u[i] - flexibility * bend.force_step[i];
+            let force = bend.force[i] + bend.force_step[i];
+            bend.deflection[i] = (joint.constant[i] + deflection[i]) - flexibility * force;
+        }
+        bend.moved[0] += slide(joint.row);
+    }
+}
+
+/// Work of the unbalanced forces along the step `du` of the section at `x = 0` and the rows' motions with it, `r` being the
+/// unbalanced force there.
+#[inline(never)]
+pub fn work<T: Real, const D: usize, const E: usize>(
+    joints: &[Joint<T>; E],
+    bends: &[Bend<T, D>; E],
+    r: &[T; D],
+    du: &[T; D],
+) -> T {
+    let mut work = product(r, du);
+    for joint in joints {
+        let Some(bend) = bends.get(joint.row) else {
+            break;
+        };
+        if joint.is_last {
+            let mut change = bend.outer.force;
+            refer(joint.beyond[1], &mut change);
+            work += product(&change, du);
+        }
+        for i in 0..5 {
+            work -= bend.missing[i] * bend.moved[i];
+        }
+    }
+    work
+}
+
+/// Change of the stiffness's diagonal at `x = 0` by changes of the rows', which are about the rows' centres.
+#[inline(never)]
+pub fn diagonal<T: Real, const D: usize, const E: usize>(
+    joints: &[Joint<T>; E],
+    bends: &[Bend<T, D>; E],
+    rows: &[[T; D]; E],
+) -> [T; D] {
+    let (mut all, mut side) = ([T::ZERO; D], [T::ZERO; D]);
+    for joint in joints {
+        let (Some(bend), Some(row)) = (bends.get(joint.row), rows.get(joint.row)) else {
+            break;
+        };
+        let mut change = *row;
+        bend.held.soften_change(&joint.support, &mut change);
+        for i in 0..D {
+            side[i] += change[i];
+        }
+        refer_diagonal(joint.beyond[0], &mut side);
+        bend.outer.soften_change(&joint.shaft, &mut side);
+        refer_diagonal(joint.beyond[1], &mut side);
+        if joint.is_last {
+            for i in 0..D {
+                all[i] += side[i];
+            }
+            side = [T::ZERO; D];
+        }
+    }
+    all
+}
+
+/// Refers a diagonal's change to a point that is nearer to the origin by `distance`.
+fn refer_diagonal<T: Real, const D: usize>(distance: T, k: &mut [T; D]) {
+    let square = distance * distance;
+    k[4] += square * k[1];
+    k[3] += square * k[2];
+}
+
+impl<T: Real, const D: usize> Sum<T, D> {
+    fn add(&mut self, other: &Self) {
+        for i in 0..D {
+            self.force[i] += other.force[i];
+            self.by_speed[i] += other.by_speed[i];
+            for j in 0..D {
+                self.k[i][j] += other.k[i][j];
+            }
+        }
+    }
+
+    /// Forces after the motion `u` and a relative change `ds` of `omega^2`.
+    fn after(&self, u: &[T; D], ds: T) -> [T; D] {
+        let mut force = self.force;
+        for i in 0..D {
+            force[i] += product(&self.k[i], u) + ds * self.by_speed[i];
+        }
+        force
+    }
+
+    /// Softens a change of the diagonal as the springs have softened these slopes.
+    fn soften_change(&self, springs: &[T; 3], change: &mut [T; D]) {
+        let far = *change;
+        for i in 0..D {
+            let mut near = T::ZERO;
+            for j in 0..D {
+                let spring = SPRINGS.get(j).map_or(T::ZERO, |s| springs[*s]);
+                let own = if i == j { T::ONE } else { T::ZERO };
+                let part = own - self.k[i][j] * spring;
+                near += part * part * far[j];
+            }
+            change[i] = near;
+        }
+    }
+}
+
+impl<T: Real, const D: usize> Bend<T, D> {
+    /// Straight again, but for constant loads.
+    pub fn straighten(&mut self, constant: &[T; 5]) {
+        *self = Self::NONE;
+        self.deflection = *constant;
+        self.before = *constant;
+    }
+
+    /// Goes back to where the balls were condensed.
+    pub fn stay(&mut self) {
+        self.deflection = self.before;
+        (self.force_step, self.moved) = ([T::ZERO; D], [T::ZERO; 5]);
+    }
+
+    /// Moves by this part of the last step besides.
+    pub fn add_part(&mut self, part: T) {
+        for i in 0..5 {
+            let step = part * (self.deflection[i] - self.before[i]);
+            self.before[i] = self.deflection[i];
+            self.deflection[i] += step;
+        }
+        self.force_step = self.force_step.map(|x| part * x);
+        self.moved = self.moved.map(|x| part * x);
+    }
+
+    /// Force of the row on the shaft after the last step.
+    pub fn force(&self, i: usize) -> T {
+        self.force[i] + self.force_step[i]
+    }
+}

@@ -1,0 +1,201 @@
+//! A spindle whose shaft bends, on supports that give way.
+
+use crate::linalg::{refer, vector};
+use crate::real::Real;
+use crate::shaft::elastic::Joint;
+use crate::solver::problem::{check, radius, units};
+use crate::spindle::Spindle;
+use crate::spindle::error::SpindleError;
+use crate::spindle::sections::{OnShaft, Piece, Shaft, ShaftLoad, Support};
+use crate::status::Quantity;
+use core::array::from_fn;
+
+/// A spindle with an elastic shaft: [`Spindle::elastic`]. Its solver is an [`ElasticSolver`](crate::ElasticSolver).
+pub type ElasticSpindle<'b, T, const R: usize, const N: usize, const D: usize = 5> =
+    Spindle<'b, T, R, N, D, R>;
+
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T, R, N, D, 0> {
+    /// These rows on an elastic shaft, each on its support.
+    ///
+    /// See [`Shaft`] for an example.
+    ///
+    /// # Errors
+    ///
+    /// A support that is too soft: [`SpindleError::Support`].
+    pub fn elastic<const K: usize>(
+        self,
+        shaft: &'b Shaft<T, K>,
+        supports: [Support<T>; R],
+    ) -> Result<ElasticSpindle<'b, T, R, N, D>, SpindleError<T>> {
+        for (row, support) in supports.iter().enumerate() {
+            support.check(row)?;
+        }
+        let (layout, _) = self.about_origin();
+        let unit = layout.bearings[0].c;
+        let (axial, tilting) = (unit.force / unit.length, unit.moment / unit.tilt);
+        let joints = from_fn(|row| {
+            let rigid = Support::RIGID;
+            let support = supports.get(row).unwrap_or(&rigid);
+            Joint {
+                row,
+                position: self.positions.get(row).copied().unwrap_or(T::ZERO),
+                support: [
+                    axial / support.axial,
+                    axial / support.radial,
+                    tilting / support.tilting,
+                ],
+                constant: [T::ZERO; 5],
+                beyond: [T::ZERO; 2],
+                shaft: [T::ZERO; 3],
+                is_last: false,
+            }
+        });
+        let on_shaft = OnShaft {
+            sections: &shaft.sections,
+            loads: &[],
+        };
+        let mut set = Spindle {
+            layout: layout.with_joints(joints),
+            positions: self.positions,
+            facings: self.facings,
+            spring: self.spring,
+            centre: T::ZERO,
+            shaft: [on_shaft; R],
+        };
+        for (mount, row) in set.layout.mounts.iter_mut().zip(&layout.bearings) {
+            mount.reach = row.c.plane;
+        }
+        set.layout.joints = set.joints_towards(T::ZERO);
+        Ok(set)
+    }
+}
+
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T, R, N, D, R> {
+    /// The spindle under loads that act on the shaft at all times, besides those of a solve.
+    ///
+    /// ```
+    /// # use spindle_bearing::{Arrangement, Bearing, Design, Material, Preload, Section, Shaft, ShaftLoad, Spindle, Support};
+    /// # const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// # static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
+    /// # static SHAFT: Shaft<f32, 0> = Shaft::<f32, 0>::const_new(&[], &Material::STEEL);
+    /// # let rigid = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.1, Preload::Force(200.0))?;
+    /// static BELT: [ShaftLoad<f32>; 1] = [ShaftLoad { position: 0.15, load: [0.0, 0.0, -80.0, 0.0, 0.0] }];
+    /// let spindle = rigid.elastic(&SHAFT, [Support::RIGID; 2])?.with_loads(&BELT)?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// [`SpindleError::Load`], for a load or a position that is out of range.
+    pub fn with_loads(mut self, loads: &'b [ShaftLoad<T>]) -> Result<Self, SpindleError<T>> {
+        let unit = self.layout.bearings[0].c;
+        for (number, load) in loads.iter().enumerate() {
+            let refused = |status| SpindleError::Load {
+                load: number,
+                status,
+            };
+            let most = T::of(4096.0) * radius(unit);
+            check(Quantity::LoadPosition, load.position, most).map_err(refused)?;
+            for (i, load) in load.load.into_iter().enumerate() {
+                let most = T::of(512.0) * self.layout.ball_count * units(unit, i).0;
+                let [quantity, _] = Quantity::OF_FREEDOM[i];
+                check(quantity, load, most).map_err(refused)?;
+            }
+        }
+        for shaft in &mut self.shaft {
+            shaft.loads = loads;
+        }
+        for (joint, shaft) in self.layout.joints.iter_mut().zip(&self.shaft) {
+            joint.constant = shaft.deflection_by_loads(unit, joint.position);
+        }
+        Ok(self)
+    }
+}
+
+impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
+    Spindle<'_, T, R, N, D, E>
+{
+    /// The chain of rows that leads to the position `x` (m) on the shaft.
+    pub(super) fn joints_towards(&self, x: T) -> [Joint<T>; E] {
+        let mut joints = self.layout.joints;
+        // The outermost first: those below x, then those above.
+        let is_before = |a: &Joint<T>, b: &Joint<T>| match (a.position < x, b.position < x) {
+            (true, true) => a.position < b.position,
+            (false, false) => a.position > b.position,
+            (a, _) => a,
+        };
+        for i in 0..E {
+            for j in 0..i {
+                let (Some(a), Some(b)) = (joints.get(j), joints.get(i)) else {
+                    continue;
+                };
+                if is_before(b, a) {
+                    let (a, b) = (*a, *b);
+                    (joints[j], joints[i]) = (b, a);
+                }
+            }
+        }
+        let Some(shaft) = self.shaft.first() else {
+            return joints;
+        };
+        let unit = self.layout.bearings[0].c;
+        let mut next = None::<T>;
+        for joint in joints.iter_mut().rev() {
+            let inner = next.filter(|inner| (*inner < x) == (joint.position < x));
+            joint.is_last = inner.is_none();
+            let near = inner.unwrap_or(x);
+            let piece = Piece::between(shaft.sections, unit, near, joint.position);
+            joint.beyond = [piece.far, -piece.near];
+            joint.shaft = piece.flexibility;
+            next = Some(joint.position);
+        }
+        joints
+    }
+
+    /// Deflection of an elastic shaft at the position `x` (m) about its section at `x = 0`, in the solver's units, under the forces of
+    /// its rows and its constant loads.
+    pub(super) fn deflection_at(&self, x: T, force_of: impl Fn(usize) -> [T; 5]) -> [T; 5] {
+        let unit = self.layout.bearings[0].c;
+        let Some(shaft) = self.shaft.first() else {
+            return [T::ZERO; 5];
+        };
+        let mut u = shaft.deflection_by_loads(unit, x);
+        for joint in &self.layout.joints {
+            let by_row = shaft.deflection(unit, x, joint.position, &force_of(joint.row));
+            u = vector(|i| u[i] - by_row[i]);
+        }
+        u
+    }
+
+    /// Flexibility of a row's support, SI.
+    pub(super) fn support_of(&self, row: usize) -> [T; 3] {
+        let unit = self.layout.bearings[0].c;
+        let (axial, tilting) = (unit.length / unit.force, unit.tilt / unit.moment);
+        let joint = self.layout.joints.iter().find(|joint| joint.row == row);
+        joint.map_or([T::ZERO; 3], |joint| {
+            let [a, r, t] = joint.support;
+            [a * axial, r * axial, t * tilting]
+        })
+    }
+
+    /// Adds the constant loads to a load in the solver's units.
+    pub(super) fn add_constant(&self, load: &mut [T; D]) {
+        if E > 0 {
+            let (unit, constant) = (self.layout.bearings[0].c, self.constant_load());
+            for i in 0..5 {
+                load[i] += constant[i] / units(unit, i).0;
+            }
+        }
+    }
+
+    /// Constant loads on an elastic shaft, about `x = 0`, SI.
+    pub(super) fn constant_load(&self) -> [T; 5] {
+        let mut sum = [T::ZERO; 5];
+        for load in self.shaft.first().map_or(&[][..], |shaft| shaft.loads) {
+            let mut about_origin = load.load;
+            refer(load.position, &mut about_origin);
+            sum = vector(|i| sum[i] + about_origin[i]);
+        }
+        sum
+    }
+}

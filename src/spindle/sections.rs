@@ -1,0 +1,388 @@
+//! An elastic shaft in its sections, the supports of rows, and constant loads.
+
+use crate::bearing::Constants;
+use crate::design::{DesignError, Material, check, within};
+use crate::linalg::{moved, refer, vector};
+use crate::real::Real;
+use crate::solver::problem::{radius, units};
+use crate::spindle::error::SpindleError;
+use crate::status::Quantity;
+use core::f64::consts::PI;
+use core::fmt;
+
+/// A hollow round piece of a shaft, m.
+///
+/// See [`Shaft`] for an example.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Section {
+    /// Position where it begins.
+    pub from: f64,
+    /// Position where it ends.
+    pub to: f64,
+    /// Outer diameter.
+    pub outer: f64,
+    /// Diameter of its bore, 0 if it is solid.
+    pub inner: f64,
+}
+
+/// A shaft that cannot be built: which section, counted from 0, and which of its figures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct ShaftError {
+    /// The section at fault; that of the material is the first.
+    pub section: usize,
+    /// Its figure, and the range it must lie in.
+    pub error: DesignError,
+}
+
+impl fmt::Display for ShaftError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "section {} of the shaft: {}", self.section, self.error)
+    }
+}
+
+impl core::error::Error for ShaftError {}
+
+/// Flexibility of a section per metre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Flexible<T> {
+    from: T,
+    to: T,
+    /// `1/EA`, `1/EI` and `1/(kappa G A)`.
+    per: [T; 3],
+}
+
+/// An elastic shaft: `K` hollow round sections of one material, ready for a [`Spindle`].
+///
+/// It bends with shear (Timoshenko) and stretches. It has no mass, and no torsion. Outside of its sections and in gaps between them
+/// it is rigid: a row, the nose or a load may stand there.
+///
+/// ```
+/// use spindle_bearing::{Arrangement, Bearing, Design, Material, Preload, Section, Settings};
+/// use spindle_bearing::{Shaft, ShaftEnd, Speed, Spindle, SpindleSolver, Support};
+///
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
+/// // Solid, 25 mm thick, from 30 mm in front of the first row to the second.
+/// const SOLID: Section = Section { from: -0.03, to: 0.1, outer: 0.025, inner: 0.0 };
+/// static SHAFT: Shaft<f32, 1> = Shaft::<f32, 1>::const_new(&[SOLID], &Material::STEEL);
+///
+/// let rigid = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.1, Preload::Force(200.0))?;
+/// let housing = Support { radial: 4e8, ..Support::RIGID };
+/// let mut solver = SpindleSolver::new(rigid.elastic(&SHAFT, [housing; 2])?);
+/// let solution = solver.solve([0.0, 100.0, 0.0, 0.0, 0.0], Speed::rpm(10_000.0), &Settings::default())?;
+/// let nose = solution.compliance_at(&ShaftEnd::rigid(-0.03));
+/// assert!(1e-6 / nose[1][1] < 60.0); // N/um
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Shaft<T, const K: usize> {
+    pub(super) sections: [Flexible<T>; K],
+}
+
+/// Largest position on a shaft, and largest diameter, m.
+const FARTHEST: f64 = 100.0;
+const THICKEST: f64 = 2.0;
+
+impl Section {
+    const fn check(&self) -> Result<(), DesignError> {
+        use Quantity as Q;
+        check!(within(Q::SectionStart, self.from, -FARTHEST, FARTHEST));
+        check!(within(Q::SectionEnd, self.to, self.from + 1e-6, FARTHEST));
+        check!(within(Q::OuterDiameter, self.outer, 1e-4, THICKEST));
+        within(Q::InnerDiameter, self.inner, 0.0, 0.999 * self.outer)
+    }
+
+    /// Refuses to overlap with a section in front of it or behind it.
+    const fn check_beside(&self, other: &Self) -> Result<(), DesignError> {
+        if self.from >= other.to || self.to <= other.from {
+            return Ok(());
+        }
+        within(Quantity::SectionStart, self.from, other.to, FARTHEST)
+    }
+
+    /// `1/EA`, `1/EI` and `1/(kappa G A)`, with the shear factor of a hollow round section: G. R. Cowper, The Shear Coefficient in
+    /// Timoshenko's Beam Theory, J. Appl. Mech. 33 (1966).
+    const fn flexibilities(&self, material: &Material) -> [f64; 3] {
+        let (e, nu) = (material.youngs_modulus, material.poissons_ratio);
+        let (outer, inner) = (self.outer * self.outer, self.inner * self.inner);
+        let area = PI / 4.0 * (outer - inner);
+        let second = area / 16.0 * (outer + inner);
+        let ratio = inner / outer;
+        let square = (1.0 + ratio) * (1.0 + ratio);
+        let kappa =
+            6.0 * (1.0 + nu) * square / ((7.0 + 6.0 * nu) * square + (20.0 + 12.0 * nu) * ratio);
+        let shear = e / (2.0 * (1.0 + nu));
+        [
+            1.0 / (e * area),
+            1.0 / (e * second),
+            1.0 / (kappa * shear * area),
+        ]
+    }
+}
+
+const fn check_shaft(sections: &[Section], material: &Material) -> Result<(), ShaftError> {
+    use Quantity as Q;
+    let error = match within(Q::ShaftYoungsModulus, material.youngs_modulus, 1e6, 1e13) {
+        Ok(()) => within(Q::ShaftPoissonsRatio, material.poissons_ratio, 0.0, 0.5),
+        Err(error) => Err(error),
+    };
+    if let Err(error) = error {
+        return Err(ShaftError { section: 0, error });
+    }
+    let mut section = 0;
+    while section < sections.len() {
+        if let Err(error) = sections[section].check() {
+            return Err(ShaftError { section, error });
+        }
+        let mut other = 0;
+        while other < section {
+            if let Err(error) = sections[section].check_beside(&sections[other]) {
+                return Err(ShaftError { section, error });
+            }
+            other += 1;
+        }
+        section += 1;
+    }
+    Ok(())
+}
+
+/// Flexibilities of sections that are checked. Those that there are not have no length, and make nothing flexible.
+const fn flexible<const K: usize>(
+    sections: &[Section],
+    material: &Material,
+) -> Result<[Flexible<f64>; K], ShaftError> {
+    let count = sections.len();
+    if let Err(error) = within(Quantity::SectionCount, count as f64, 0.0, K as f64) {
+        return Err(ShaftError { section: K, error });
+    }
+    check!(check_shaft(sections, material));
+    let none = Flexible {
+        from: 0.0,
+        to: 0.0,
+        per: [0.0; 3],
+    };
+    let mut flexible = [none; K];
+    let mut i = 0;
+    while i < count {
+        flexible[i] = Flexible {
+            from: sections[i].from,
+            to: sections[i].to,
+            per: sections[i].flexibilities(material),
+        };
+        i += 1;
+    }
+    Ok(flexible)
+}
+
+impl<T: Real, const K: usize> Shaft<T, K> {
+    /// Checks sections, at most `K` in any order, and works out their flexibilities in doubles. Of the material, Young's modulus and
+    /// Poisson's ratio count.
+    ///
+    /// # Errors
+    ///
+    /// The first figure that is out of its range. A section that begins within another one must begin where that ends.
+    pub fn new(sections: &[Section], material: &Material) -> Result<Self, ShaftError> {
+        let flexible = flexible::<K>(sections, material)?;
+        let sections = flexible.map(|section| Flexible {
+            from: T::of(section.from),
+            to: T::of(section.to),
+            per: section.per.map(T::of),
+        });
+        Ok(Self { sections })
+    }
+}
+
+macro_rules! shaft {
+    ($t:ident) => {
+        impl<const K: usize> Shaft<$t, K> {
+            /// [`Shaft::new`] for a shaft that the compiler knows: one that cannot be built is a compile error that names the
+            /// quantity.
+            ///
+            /// # Panics
+            ///
+            /// For a shaft that cannot be built, with [`DesignError::reason`].
+            pub const fn const_new(sections: &[Section; K], material: &Material) -> Self {
+                let flexible = match flexible::<K>(sections, material) {
+                    Ok(flexible) => flexible,
+                    Err(ShaftError { error, .. }) => panic!("{}", error.reason()),
+                };
+                let none = Flexible {
+                    from: 0.0,
+                    to: 0.0,
+                    per: [0.0; 3],
+                };
+                let mut sections = [none; K];
+                let mut i = 0;
+                while i < K {
+                    let [axial, bending, shear] = flexible[i].per;
+                    sections[i] = Flexible {
+                        from: flexible[i].from as $t,
+                        to: flexible[i].to as $t,
+                        per: [axial as $t, bending as $t, shear as $t],
+                    };
+                    i += 1;
+                }
+                Self { sections }
+            }
+        }
+    };
+}
+
+shaft!(f32);
+shaft!(f64);
+
+/// Stiffness of what holds a row's outer ring; that of a rigid one is infinite.
+///
+/// See [`Shaft`] for an example.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Support<T> {
+    /// Along the axis, N/m.
+    pub axial: T,
+    /// Across it, N/m.
+    pub radial: T,
+    /// Against tilting, N m/rad.
+    pub tilting: T,
+}
+
+impl<T: Real> Support<T> {
+    /// A rigid one.
+    pub const RIGID: Self = Self {
+        axial: T::INFINITY,
+        radial: T::INFINITY,
+        tilting: T::INFINITY,
+    };
+
+    /// Least stiffness, N/m and N m/rad.
+    const LEAST: f64 = 1.0;
+
+    pub(super) fn check(&self, row: usize) -> Result<(), SpindleError<T>> {
+        use Quantity as Q;
+        let least = T::of(Self::LEAST);
+        let all = [
+            (Q::AxialSupport, self.axial),
+            (Q::RadialSupport, self.radial),
+            (Q::TiltingSupport, self.tilting),
+        ];
+        for (quantity, value) in all {
+            if !(value >= least) {
+                return Err(SpindleError::Support {
+                    row,
+                    quantity,
+                    value,
+                    least,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A load that acts on the shaft at all times, like the pull of a belt.
+///
+/// See [`Spindle::with_loads`] for an example.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ShaftLoad<T> {
+    /// Where it acts, m.
+    pub position: T,
+    /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) there.
+    pub load: [T; 5],
+}
+
+/// An elastic shaft and its constant loads.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OnShaft<'b, T> {
+    pub sections: &'b [Flexible<T>],
+    pub loads: &'b [ShaftLoad<T>],
+}
+
+/// The piece of a shaft between two points as springs: distances of its ends from the elastic centre, that of the near end negative,
+/// over `Rp`, and its flexibilities.
+pub(super) struct Piece<T> {
+    pub near: T,
+    pub far: T,
+    pub flexibility: [T; 3],
+}
+
+impl<T: Real> Piece<T> {
+    /// Between the positions `near` and `far`, m.
+    pub(super) fn between(sections: &[Flexible<T>], unit: &Constants<T>, near: T, far: T) -> Self {
+        let (low, high) = (near.at_most(far), near.at_least(far));
+        let parts = || {
+            sections.iter().filter_map(|section| {
+                let (from, to) = (section.from.at_least(low), section.to.at_most(high));
+                let middle = T::of(0.5) * ((from - far) + (to - far));
+                (to > from).then_some((to - from, middle, &section.per))
+            })
+        };
+        let (mut tilting, mut first, mut axial) = (T::ZERO, T::ZERO, T::ZERO);
+        for (length, middle, [of_axial, of_bending, _]) in parts() {
+            axial += length * *of_axial;
+            tilting += length * *of_bending;
+            first += length * *of_bending * middle;
+        }
+        // From the far end.
+        let centre = if tilting > T::ZERO {
+            first / tilting
+        } else {
+            T::ZERO
+        };
+        let mut lateral = T::ZERO;
+        for (length, middle, [_, of_bending, of_shear]) in parts() {
+            let off = middle - centre;
+            let spread = off * off + length * length * T::of(1.0 / 12.0);
+            lateral += length * (*of_bending * spread + *of_shear);
+        }
+        let per = T::ONE / radius(unit);
+        let stiffness = unit.force / unit.length;
+        Self {
+            near: ((near - far) - centre) * per,
+            far: -centre * per,
+            flexibility: [
+                axial * stiffness,
+                lateral * stiffness,
+                tilting * (unit.moment / unit.tilt),
+            ],
+        }
+    }
+}
+
+impl<T: Real> OnShaft<'_, T> {
+    /// Deflection of the shaft at the position `x` (m) by `load` at the position `at`, both in the solver's units, about the section
+    /// at `x = 0`.
+    pub(super) fn deflection(&self, unit: &Constants<T>, x: T, at: T, load: &[T; 5]) -> [T; 5] {
+        if !(x * at > T::ZERO) {
+            return [T::ZERO; 5];
+        }
+        // Beyond the nearer of both, nothing bends.
+        let end = if x.abs() < at.abs() { x } else { at };
+        let piece = Piece::between(self.sections, unit, T::ZERO, end);
+        let per = T::ONE / radius(unit);
+        let mut load = *load;
+        refer((at - end) * per + piece.far, &mut load);
+        let [axial, lateral, tilting] = piece.flexibility;
+        let flexibility = [axial, lateral, lateral, tilting, tilting];
+        let u = vector(|i| flexibility[i] * load[i]);
+        moved((x - end) * per + piece.far, &u)
+    }
+
+    /// That of the constant loads.
+    pub(super) fn deflection_by_loads(&self, unit: &Constants<T>, x: T) -> [T; 5] {
+        let mut u = [T::ZERO; 5];
+        for at in self.loads {
+            let load = vector(|i| at.load[i] / units(unit, i).0);
+            let by_load = self.deflection(unit, x, at.position, &load);
+            u = vector(|i| u[i] + by_load[i]);
+        }
+        u
+    }
+}
