@@ -252,38 +252,55 @@ fn on_shaft<T: Real, const R: usize, const D: usize>(
     let loads: Vec<_> = loads.collect();
     let spindle = spindle.elastic(&shaft, supports);
     let spindle = spindle.and_then(|spindle| spindle.with_loads(&loads));
-    spindle
-        .map(|spindle| of_motion(spindle, balls, hand))
-        .map_err(|e| BuildError::Spindle(e.to_string()))
+    let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
+    // Solvers of fewer motions are compiled for elastic shafts: at rest, all are alike.
+    match balls {
+        Balls::Static => of_attitude(spindle, Attitude::Raceless, true, hand),
+        Balls::Moving(attitude) => of_attitude(spindle, attitude, false, hand),
+        Balls::Centrifugal => {
+            let refused = "centrifugal force alone is not for elastic shafts: leave --motion out";
+            return Err(BuildError::Spindle(refused.to_owned()));
+        }
+    }
+    Ok(())
 }
 
-fn of_motion<T: Real, const R: usize, const D: usize, const E: usize>(
-    spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
+fn of_motion<T: Real, const R: usize, const D: usize>(
+    spindle: Spindle<'_, T, R, MOST_BALLS, D>,
     balls: Balls,
     hand: Hand<'_>,
 ) {
     match balls {
-        Balls::Static => hand_over::<T, R, Static, D, E>(spindle, hand),
-        Balls::Centrifugal => hand_over::<T, R, Centrifugal, D, E>(spindle, hand),
-        Balls::Moving(Attitude::Raceless) => {
-            hand_over::<T, R, Full<RacewayControlFree>, D, E>(spindle, hand);
+        Balls::Static => hand_over::<T, R, Static, D, 0>(spindle, true, hand),
+        Balls::Centrifugal => hand_over::<T, R, Centrifugal, D, 0>(spindle, false, hand),
+        Balls::Moving(attitude) => of_attitude(spindle, attitude, false, hand),
+    }
+}
+
+fn of_attitude<T: Real, const R: usize, const D: usize, const E: usize>(
+    spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
+    attitude: Attitude,
+    at_rest: bool,
+    hand: Hand<'_>,
+) {
+    match attitude {
+        Attitude::Raceless => {
+            hand_over::<T, R, Full<RacewayControlFree>, D, E>(spindle, at_rest, hand);
         }
-        Balls::Moving(Attitude::Outer) => {
-            hand_over::<T, R, Full<OuterRaceControl>, D, E>(spindle, hand);
-        }
-        Balls::Moving(Attitude::Inner) => {
-            hand_over::<T, R, Full<InnerRaceControl>, D, E>(spindle, hand);
-        }
+        Attitude::Outer => hand_over::<T, R, Full<OuterRaceControl>, D, E>(spindle, at_rest, hand),
+        Attitude::Inner => hand_over::<T, R, Full<InnerRaceControl>, D, E>(spindle, at_rest, hand),
     }
 }
 
 fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>(
     spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
+    at_rest: bool,
     hand: Hand<'_>,
 ) {
     let mut solver = Box::new(Chosen {
         solver: SpindleSolver::<T, R, MOST_BALLS, M, D, E>::of(spindle),
         choices: Choices::default(),
+        at_rest,
     });
     hand(&mut *solver);
 }
@@ -291,6 +308,7 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>
 struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: usize> {
     solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D, E>,
     choices: Choices,
+    at_rest: bool,
 }
 
 impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpindleSolver
@@ -305,7 +323,7 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
             },
             None => Growth::NONE,
         });
-        let omega = if M::AT_SPEED { question.omega } else { 0.0 };
+        let omega = if self.at_rest { 0.0 } else { question.omega };
         let end = ShaftEnd {
             position: T::of(end.position),
             flexibility: end.flexibility.map(|row| row.map(T::of)),

@@ -70,6 +70,26 @@ impl<T: Real, const D: usize> Bend<T, D> {
     };
 }
 
+/// Puts the joints into the order of the chain that leads to the position `x`, m: those below it, then those above, the outermost
+/// first.
+#[inline(never)]
+pub fn order<T: Real>(joints: &mut [Joint<T>], x: T) {
+    let is_before = |a: T, b: T| match (a < x, b < x) {
+        (true, true) => a < b,
+        (false, false) => a > b,
+        (is_below, _) => is_below,
+    };
+    let mut rest = joints;
+    while let Some((first, others)) = rest.split_first_mut() {
+        for other in others.iter_mut() {
+            if is_before(other.position, first.position) {
+                core::mem::swap(first, other);
+            }
+        }
+        rest = others;
+    }
+}
+
 /// Number of the spring that a freedom of a row has in a flexibility; the sleeve has none.
 const SPRINGS: [usize; 5] = [0, 1, 1, 2, 2];
 
@@ -108,9 +128,9 @@ pub type AddRow<'a, T, const D: usize> = &'a mut dyn FnMut(&Joint<T>, &mut Sum<T
 ///
 /// With `bends`, forces are those that the balance after the next step has, at no motion of that point.
 #[inline(never)]
-pub fn fold<T: Real, const D: usize, const E: usize>(
-    joints: &[Joint<T>; E],
-    mut bends: Option<&mut [Bend<T, D>; E]>,
+pub fn fold<T: Real, const D: usize>(
+    joints: &[Joint<T>],
+    mut bends: Option<&mut [Bend<T, D>]>,
     add_row: AddRow<'_, T, D>,
     sum: &mut Sum<T, D>,
 ) {
@@ -151,10 +171,10 @@ pub fn fold<T: Real, const D: usize, const E: usize>(
 
 /// Moves the rows along the chain by the step `du` of the section at `x = 0`, and a relative change `ds` of `omega^2`.
 #[inline(never)]
-pub fn unfold<T: Real, const D: usize, const E: usize>(
-    joints: &[Joint<T>; E],
-    bends: &mut [Bend<T, D>; E],
-    slide: impl Fn(usize) -> T,
+pub fn unfold<T: Real, const D: usize>(
+    joints: &[Joint<T>],
+    bends: &mut [Bend<T, D>],
+    slide: &dyn Fn(usize) -> T,
     du: &[T; D],
     ds: T,
 ) {
@@ -189,9 +209,9 @@ pub fn unfold<T: Real, const D: usize, const E: usize>(
 /// Work of the unbalanced forces along the step `du` of the section at `x = 0` and the rows' motions with it, `r` being the
 /// unbalanced force there.
 #[inline(never)]
-pub fn work<T: Real, const D: usize, const E: usize>(
-    joints: &[Joint<T>; E],
-    bends: &[Bend<T, D>; E],
+pub fn work<T: Real, const D: usize>(
+    joints: &[Joint<T>],
+    bends: &[Bend<T, D>],
     r: &[T; D],
     du: &[T; D],
 ) -> T {
@@ -214,10 +234,10 @@ pub fn work<T: Real, const D: usize, const E: usize>(
 
 /// Change of the stiffness's diagonal at `x = 0` by changes of the rows', which are about the rows' centres.
 #[inline(never)]
-pub fn diagonal<T: Real, const D: usize, const E: usize>(
-    joints: &[Joint<T>; E],
-    bends: &[Bend<T, D>; E],
-    rows: &[[T; D]; E],
+pub fn diagonal<T: Real, const D: usize>(
+    joints: &[Joint<T>],
+    bends: &[Bend<T, D>],
+    rows: &[[T; D]],
 ) -> [T; D] {
     let (mut all, mut side) = ([T::ZERO; D], [T::ZERO; D]);
     for joint in joints {

@@ -404,7 +404,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                 Some(mount) if D == 6 && mount.sliding => mount.facing * du[5],
                 _ => T::ZERO,
             };
-            elastic::unfold(&self.layout.joints, self.bends, slide, du, ds);
+            elastic::unfold(&self.layout.joints, self.bends, &slide, du, ds);
         }
     }
 

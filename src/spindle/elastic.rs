@@ -2,7 +2,7 @@
 
 use crate::linalg::{refer, vector};
 use crate::real::Real;
-use crate::shaft::elastic::Joint;
+use crate::shaft::elastic::{Joint, order};
 use crate::solver::problem::{check, radius, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
@@ -118,23 +118,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     /// The chain of rows that leads to the position `x` (m) on the shaft.
     pub(super) fn joints_towards(&self, x: T) -> [Joint<T>; E] {
         let mut joints = self.layout.joints;
-        // The outermost first: those below x, then those above.
-        let is_before = |a: &Joint<T>, b: &Joint<T>| match (a.position < x, b.position < x) {
-            (true, true) => a.position < b.position,
-            (false, false) => a.position > b.position,
-            (a, _) => a,
-        };
-        for i in 0..E {
-            for j in 0..i {
-                let (Some(a), Some(b)) = (joints.get(j), joints.get(i)) else {
-                    continue;
-                };
-                if is_before(b, a) {
-                    let (a, b) = (*a, *b);
-                    (joints[j], joints[i]) = (b, a);
-                }
-            }
-        }
+        order(&mut joints, x);
         let Some(shaft) = self.shaft.first() else {
             return joints;
         };
