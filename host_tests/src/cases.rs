@@ -331,6 +331,56 @@ pub struct SolvedElastic {
     pub at_nose: SolvedNose,
 }
 
+impl SolvedElastic {
+    /// The spindle, as the reference build calls it.
+    pub fn reference(&self) -> reference::spindle::Spindle {
+        let growth = &self.set.question.growth;
+        reference_spindle(&self.set.plan, growth, &self.supports, Some(&self.shaft))
+    }
+}
+
+/// A spindle, as the reference build calls it. Growth and supports are none where there are fewer than rows.
+///
+/// # Panics
+///
+/// If a row is preloaded by a force.
+pub fn reference_spindle(
+    plan: &Plan,
+    growth: &[Growth<f64>],
+    supports: &[Support],
+    shaft: Option<&ElasticShaft>,
+) -> reference::spindle::Spindle {
+    let row = |(index, row): (usize, &plan::Row)| {
+        let growth = growth.get(index).unwrap_or(&Growth::NONE);
+        let closure = match row.preload {
+            Preload::Closure(closure) => Some(closure),
+            Preload::Spring => None,
+            other => panic!("{other:?} is no closure"),
+        };
+        reference::spindle::Row {
+            bearing: reference_bearing(&row.design, row.balls),
+            position: row.position,
+            facing: match row.facing {
+                Facing::PlusX => 1.0,
+                Facing::MinusX => -1.0,
+            },
+            closure: closure.unwrap_or(0.0),
+            growth: [growth.axial, growth.radial, growth.ball],
+            slides: closure.is_none(),
+            support: supports.get(index).copied().unwrap_or_default(),
+        }
+    };
+    reference::spindle::Spindle {
+        rows: plan.rows.iter().enumerate().map(row).collect(),
+        shaft: shaft.map(|shaft| reference::spindle::Shaft {
+            youngs_modulus: shaft.youngs_modulus,
+            poissons_ratio: shaft.poissons_ratio,
+            sections: shaft.sections.clone(),
+        }),
+        spring: plan.spring,
+    }
+}
+
 /// Displacement and flexibility of the shaft at a nose.
 #[derive(Debug, Clone, Deserialize)]
 pub struct SolvedNose {

@@ -63,3 +63,45 @@ pub(crate) fn masked_solve(
     let x = small_solve(a, b)?;
     Some(from_fn(|r| x[r][0] / unit[r]))
 }
+
+/// Solves `a x = b` for lines `[a | b]` of any number of columns; row-scaled partial pivoting.
+pub(super) fn dense_solve(mut lines: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+    let n = lines.len();
+    for line in &mut lines {
+        let big = line[..n].iter().fold(0.0_f64, |s, x| s.max(x.abs()));
+        line.iter_mut().for_each(|x| *x /= big);
+    }
+    for c in 0..n {
+        let size = |i: &usize| lines[*i][c].abs();
+        let p = (c..n).max_by(|i, j| size(i).total_cmp(&size(j)))?;
+        lines.swap(p, c);
+        let (above, below) = lines.split_at_mut(c + 1);
+        let pivot = &above[c][c..];
+        // Also false of what is not a number.
+        if !(pivot[0].abs() > 0.0) {
+            return None;
+        }
+        for line in below {
+            let factor = line[c] / pivot[0];
+            let rest = line[c..].iter_mut().zip(pivot);
+            rest.for_each(|(x, y)| *x -= factor * y);
+        }
+    }
+    for c in (0..n).rev() {
+        let (above, below) = lines.split_at_mut(c + 1);
+        let (a, x) = above[c].split_at_mut(n);
+        for (k, x) in x.iter_mut().enumerate() {
+            let known: f64 = (c + 1..n).map(|j| a[j] * below[j - c - 1][n + k]).sum();
+            *x = (*x - known) / a[c];
+        }
+    }
+    let finite = lines
+        .iter()
+        .all(|line| line[n..].iter().all(|x| x.is_finite()));
+    finite.then(|| {
+        lines
+            .into_iter()
+            .map(|mut line| line.split_off(n))
+            .collect()
+    })
+}

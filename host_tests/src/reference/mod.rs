@@ -18,6 +18,7 @@ mod hertz;
 mod linear;
 mod newton;
 mod number;
+pub mod spindle;
 
 use super::double_double::Dd;
 use crate::compare::{Ball, Equilibrium, Race};
