@@ -13,9 +13,9 @@
 //! The unknowns of an element are the motion of its outer node beyond the rigid continuation of its inner one, the
 //! node nearer to `x = 0`. So rigid lengths have no unknowns, and a short, stiff element costs no digits.
 
-use super::ball::{Linear, Unknowns};
+use super::ball::{Linear, Station, Unknowns};
 use super::linear::dense_solve;
-use super::{Attitude, Bearing, Failure, Reference};
+use super::{Attitude, Bearing, Failure, Reference, Task};
 use crate::double_double::Dd;
 use core::array::from_fn;
 use core::f64::consts::PI;
@@ -98,9 +98,6 @@ pub struct PointState {
     pub flexibility: [[f64; 5]; 5],
 }
 
-/// Motion (5) by each unknown.
-type Map = Vec<[f64; 5]>;
-
 impl Shaft {
     /// Stiffness of a Timoshenko beam from `from` to `to` against motion of its end at `to`: a block of the consistent
     /// stiffness matrix. None where the shaft is rigid.
@@ -132,11 +129,12 @@ impl Shaft {
     }
 }
 
-/// Motion at a distance `d` along a rigid shaft by each of its five freedoms.
-fn carried(d: f64) -> [[f64; 5]; 5] {
-    let mut columns = from_fn(|c| from_fn(|r| f64::from(u8::from(r == c))));
-    (columns[3][2], columns[4][1]) = (-d, d);
-    columns
+/// Motion (5) by unknowns, each with its index.
+type Map = Vec<(usize, [f64; 5])>;
+
+/// Motion by five unknowns of its own, the first of which is `first`.
+fn own(first: usize) -> impl Iterator<Item = (usize, [f64; 5])> {
+    (0..5).map(move |i| (first + i, from_fn(|j| f64::from(u8::from(i == j)))))
 }
 
 fn dot(a: &[f64; 5], b: &[f64; 5]) -> f64 {
@@ -144,25 +142,24 @@ fn dot(a: &[f64; 5], b: &[f64; 5]) -> f64 {
 }
 
 fn motion(map: &Map, p: &[f64]) -> [f64; 5] {
-    from_fn(|i| map.iter().zip(p).map(|(column, p)| column[i] * p).sum())
+    from_fn(|i| map.iter().map(|(k, column)| column[i] * p[*k]).sum())
 }
 
-impl Reference {
-    /// The bearing after growth: axial, radial, of the ball diameter, m.
-    fn grown(mut self, [axial, radial, ball]: [f64; 3]) -> Self {
-        let half = Dd::of(0.5 * ball);
-        (self.li, self.lo) = (self.li - half, self.lo - half);
-        self.a0 = [self.a0[0] + Dd::of(axial), self.a0[1] + Dd::of(radial)];
-        self
-    }
-}
-
+/// A row as it is solved.
 struct Mounted {
     bearing: Reference,
-    /// Motion against the outer ring in the row's own frame.
-    map: Map,
-    closure: f64,
     position: f64,
+    closure: f64,
+    /// Motion of the inner ring against the outer one, in the row's own frame.
+    map: Map,
+}
+
+impl Mounted {
+    fn displacement(&self, p: &[f64]) -> [f64; 5] {
+        let mut u = motion(&self.map, p);
+        u[0] += self.closure;
+        u
+    }
 }
 
 #[derive(Clone)]
@@ -172,38 +169,42 @@ struct State {
     balls: Vec<Vec<[f64; 2]>>,
 }
 
+/// Loads by unknown, speed and rule of attitude.
+#[derive(Clone)]
 struct Problem {
     load: Vec<f64>,
     omega: f64,
     attitude: Attitude,
 }
 
-/// Equations at a state.
-struct Equations {
-    rows: Vec<Vec<(Unknowns<f64>, Linear)>>,
+/// A ball's equations; its Newton step at a ring at rest, and the step's change by `A1, A2`.
+struct LinearBall {
+    unknowns: Unknowns<f64>,
+    linear: Linear,
+    step: [f64; 4],
+    by_centre: [[f64; 2]; 4],
+}
+
+/// All equations, with the balls condensed: `matrix dp = right`.
+struct Linearised {
+    balls: Vec<Vec<LinearBall>>,
     forces: Vec<[f64; 5]>,
-    /// `L - S p - sum G^T F`.
-    unbalanced: Vec<f64>,
-    /// Largest contact force, N.
+    matrix: Vec<Vec<f64>>,
+    right: Vec<f64>,
+    /// Norm of the residual, N.
+    residual: f64,
+    /// Largest force, N.
     largest: f64,
 }
 
-/// Equations with the balls condensed.
-struct Condensed {
-    matrix: Vec<Vec<f64>>,
-    right: Vec<f64>,
-    /// Per ball: Newton step at a ring at rest, and its change by the ring's motion.
-    balls: Vec<Vec<([f64; 4], [[f64; 2]; 4])>>,
-}
-
-/// Solver of a spindle; starts from its last solution.
+/// Solver of a spindle. It starts from its last solution.
 pub struct Solver {
     rows: Vec<Mounted>,
-    /// Every node's position and the motion of the shaft there.
+    /// Position of every node, and the motion of the shaft there.
     nodes: Vec<(f64, Map)>,
     points: Vec<f64>,
-    /// Stiffness of elements and supports.
-    springs: Vec<Vec<f64>>,
+    /// Stiffness of elements and supports: two unknowns, and an entry of `S`.
+    springs: Vec<(usize, usize, f64)>,
     /// 1 for an unknown that is a length, the pitch radius for a tilt.
     units: Vec<f64>,
     spring: Option<f64>,
@@ -221,86 +222,69 @@ impl Solver {
     pub fn new(spindle: &Spindle, points: &[f64]) -> Result<Self, Failure> {
         let first = spindle.rows.first().ok_or(Failure::Input("no rows"))?;
         let lever = 0.5 * first.bearing.pitch_diameter;
-        let sections = spindle.shaft.iter().flat_map(|shaft| &shaft.sections);
-        let positions = spindle.rows.iter().map(|row| row.position);
+        let shaft = spindle.shaft.as_ref();
+        let rows = spindle.rows.iter().map(|row| row.position);
+        let sections = shaft.iter().flat_map(|shaft| &shaft.sections);
         let ends = sections.flat_map(|section| [section[0], section[1]]);
-        let mut positions: Vec<f64> = positions
-            .chain(points.iter().copied())
-            .chain(ends)
-            .collect();
-        positions.sort_by(f64::total_cmp);
+        let mut positions: Vec<f64> = rows.chain(points.iter().copied()).chain(ends).collect();
+        positions.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         positions.dedup();
 
-        let sleeve = usize::from(spindle.spring.is_some());
-        let mut units = [1.0, 1.0, 1.0, lever, lever, 1.0][..SLEEVE + sleeve].to_vec();
-        let mut blocks = Vec::new();
-        // Every node's position, and the nodes that carry it: their position and first unknown.
-        let mut nodes = vec![(0.0, vec![(0.0, 0)])];
-        let outward = positions.iter().filter(|x| **x > 0.0);
-        let inward = positions.iter().rev().filter(|x| **x < 0.0);
-        for side in [outward.collect::<Vec<_>>(), inward.collect()] {
-            let mut from = 0.0;
-            let mut carriers = vec![(0.0, 0)];
-            for &x in side {
-                if let Some(k) = spindle.shaft.as_ref().and_then(|s| s.element(from, x)) {
-                    blocks.push((units.len(), k));
-                    carriers.push((x, units.len()));
-                    units.extend([1.0, 1.0, 1.0, lever, lever]);
+        let freedoms = [1.0, 1.0, 1.0, lever, lever];
+        let mut units = freedoms.to_vec();
+        units.extend(spindle.spring.map(|_| 1.0));
+        let mut springs = Vec::new();
+        let mut nodes: Vec<(f64, Map)> = vec![(0.0, own(0).collect())];
+        for side in [1.0, -1.0] {
+            let (mut from, mut map) = nodes[0].clone();
+            for &x in positions.iter().filter(|x| side * **x > 0.0) {
+                for (_, [_, dy, dz, ty, tz]) in &mut map {
+                    *dy += (x - from) * *tz;
+                    *dz -= (x - from) * *ty;
                 }
-                nodes.push((x, carriers.clone()));
+                if let Some(k) = shaft.and_then(|shaft| shaft.element(from, x)) {
+                    let n = units.len();
+                    let entry = |i: usize, j: usize| (n + i, n + j, k[i][j]);
+                    springs.extend((0..25).map(|ij| entry(ij / 5, ij % 5)));
+                    map.extend(own(n));
+                    units.extend(freedoms);
+                }
+                nodes.push((x, map.clone()));
                 from = x;
             }
         }
-        let mut supports = Vec::new();
-        for (index, row) in spindle.rows.iter().enumerate() {
+        let mut mounted = Vec::with_capacity(spindle.rows.len());
+        for row in &spindle.rows {
+            let mut map = at(&nodes, row.position)?.clone();
             for (i, kind) in [0, 1, 1, 2, 2].into_iter().enumerate() {
                 if let Some(stiffness) = row.support[kind] {
-                    supports.push((index, i, units.len(), stiffness));
-                    units.push(if i < 3 { 1.0 } else { lever });
+                    let n = units.len();
+                    springs.push((n, n, stiffness));
+                    map.push((n, from_fn(|j| if i == j { -1.0 } else { 0.0 })));
+                    units.push(freedoms[i]);
                 }
             }
-        }
-        let n = units.len();
-        let mut springs = vec![vec![0.0; n]; n];
-        for (first, k) in blocks {
-            for (i, row) in k.iter().enumerate() {
-                springs[first + i][first..first + 5].copy_from_slice(row);
+            for i in [0, 3, 4] {
+                map.iter_mut()
+                    .for_each(|(_, column)| column[i] *= row.facing);
             }
-        }
-        for &(_, _, unknown, stiffness) in &supports {
-            springs[unknown][unknown] = stiffness;
-        }
-        let map = |(x, carriers): (f64, Vec<(f64, usize)>)| {
-            let mut map = vec![[0.0; 5]; n];
-            for (from, first) in carriers {
-                map[first..first + 5].copy_from_slice(&carried(x - from));
+            if row.slides && spindle.spring.is_some() {
+                map.push((SLEEVE, [1.0, 0.0, 0.0, 0.0, 0.0]));
             }
-            (x, map)
-        };
-        let nodes: Vec<(f64, Map)> = nodes.into_iter().map(map).collect();
-        let mounted = |(index, row): (usize, &Row)| {
-            let mut map = at(&nodes, row.position)?.clone();
-            for &(_, i, unknown, _) in supports.iter().filter(|s| s.0 == index) {
-                map[unknown][i] = -1.0;
-            }
-            for column in &mut map {
-                for i in [0, 3, 4] {
-                    column[i] *= row.facing;
-                }
-            }
-            if sleeve == 1 && row.slides {
-                map[SLEEVE][0] = 1.0;
-            }
-            Ok(Mounted {
-                bearing: Reference::new(&row.bearing)?.grown(row.growth),
-                map,
-                closure: row.closure,
+            let mut bearing = Reference::new(&row.bearing)?;
+            let [axial, radial, ball] = row.growth.map(Dd::of);
+            let half = Dd::of(0.5) * ball;
+            (bearing.li, bearing.lo) = (bearing.li - half, bearing.lo - half);
+            bearing.a0 = [bearing.a0[0] + axial, bearing.a0[1] + radial];
+            mounted.push(Mounted {
+                bearing,
                 position: row.position,
-            })
-        };
-        let rows = spindle.rows.iter().enumerate().map(mounted);
+                closure: row.closure,
+                map,
+            });
+        }
         Ok(Self {
-            rows: rows.collect::<Result<_, _>>()?,
+            rows: mounted,
             nodes,
             points: points.to_vec(),
             springs,
@@ -308,6 +292,11 @@ impl Solver {
             spring: spindle.spring,
             state: None,
         })
+    }
+
+    /// Makes the next solve a cold one.
+    pub fn reset(&mut self) {
+        self.state = None;
     }
 
     /// Equilibrium under loads: where each acts, m, and `Fx, Fy, Fz, My, Mz`, N and N m; at `omega` rad/s.
@@ -322,10 +311,9 @@ impl Solver {
     ) -> Result<Solution, Failure> {
         let mut load = vec![0.0; self.units.len()];
         for (x, force) in loads {
-            let columns = at(&self.nodes, *x)?.iter();
-            load.iter_mut()
-                .zip(columns)
-                .for_each(|(l, column)| *l += dot(column, force));
+            let map = at(&self.nodes, *x)?;
+            map.iter()
+                .for_each(|(k, column)| load[*k] += dot(column, force));
         }
         if let Some(spring) = self.spring {
             load[SLEEVE] = spring;
@@ -335,287 +323,265 @@ impl Solver {
             omega,
             attitude,
         };
-        let warm = self.state.take().and_then(|mut state| {
-            let outcome = self.newton(&mut state, &problem, false).ok()?;
-            Some((state, outcome))
-        });
-        let (state, (equations, iterations)) = match warm {
+        let last = self.state.take();
+        let warm = last.and_then(|state| self.newton(state, &problem).ok());
+        let (state, linear, iterations) = match warm {
             Some(found) => found,
             None => self.cold(&problem)?,
         };
-        let solution = self.report(&state, &equations, iterations)?;
+        let solution = self.report(&state.p, &linear, iterations)?;
         self.state = Some(state);
         Ok(solution)
     }
 
-    /// Makes the next solve a cold one.
-    pub fn reset(&mut self) {
-        self.state = None;
+    /// Linearises everything at a state; none where a turning ball is off the outer race.
+    fn linearise(&self, state: &State, problem: &Problem) -> Option<Linearised> {
+        let n = self.units.len();
+        let mut unbalanced = problem.load.clone();
+        let mut matrix = vec![vec![0.0; n]; n];
+        for &(i, j, k) in &self.springs {
+            unbalanced[i] -= k * state.p[j];
+            matrix[i][j] += k;
+        }
+        let mut condensed = vec![0.0; n];
+        let (mut balls, mut forces) = (Vec::new(), Vec::new());
+        let (mut squares, mut largest) = (0.0, 0.0_f64);
+        for (row, centres) in self.rows.iter().zip(&state.balls) {
+            let bearing = &row.bearing;
+            let u = row.displacement(&state.p);
+            let (mut force, mut lost, mut stiffness) = ([0.0; 5], [0.0; 5], [[0.0; 5]; 5]);
+            let mut of_row = Vec::with_capacity(centres.len());
+            for (j, (x, station)) in centres.iter().zip(&bearing.stations).enumerate() {
+                let centre = bearing.inner_centre(j, &u);
+                let unknowns = bearing.unknowns(x, &centre);
+                if problem.omega != 0.0 && unknowns[3] <= 0.0 {
+                    return None;
+                }
+                let linear = bearing.linearise(&unknowns, &centre, problem.omega, problem.attitude);
+                let terms = &linear.terms;
+                let [axial, radial] = terms.balance.map(|balance| balance.v);
+                let (step, by_centre) = linear.solve([0.0, 0.0, axial, radial])?;
+                station.collect(&terms.ring.map(|ring| ring.v), &mut force);
+                station.collect(&linear.ring_change(&step), &mut lost);
+                linear.add_stiffness(&mut stiffness, &by_centre, station);
+                squares += axial * axial + radial * radial;
+                largest = largest.max(terms.q[0].v).max(terms.q[1].v);
+                of_row.push(LinearBall {
+                    unknowns,
+                    linear,
+                    step,
+                    by_centre,
+                });
+            }
+            for (i, by) in &row.map {
+                unbalanced[*i] -= dot(by, &force);
+                condensed[*i] -= dot(by, &lost);
+                for (j, u) in &row.map {
+                    matrix[*i][*j] += dot(by, &stiffness.map(|k| dot(&k, u)));
+                }
+            }
+            balls.push(of_row);
+            forces.push(force);
+        }
+        for ((r, load), unit) in unbalanced.iter().zip(&problem.load).zip(&self.units) {
+            squares += (r / unit).powi(2);
+            largest = largest.max((load / unit).abs());
+        }
+        Some(Linearised {
+            balls,
+            forces,
+            matrix,
+            right: unbalanced
+                .iter()
+                .zip(condensed)
+                .map(|(a, b)| a + b)
+                .collect(),
+            residual: squares.sqrt(),
+            largest,
+        })
     }
 
-    fn displacement(&self, row: &Mounted, p: &[f64]) -> [f64; 5] {
-        let mut u = motion(&row.map, p);
-        u[0] += row.closure;
-        u
+    /// Changes of all unknowns: a Newton step.
+    fn step(&self, at: &Linearised) -> Option<State> {
+        let lines = at.matrix.iter().zip(&at.right);
+        let lines = lines.map(|(line, right)| [&line[..], &[*right]].concat());
+        let p = dense_solve(lines.collect())?.concat();
+        let rows = self.rows.iter().zip(&at.balls).map(|(row, balls)| {
+            let du = motion(&row.map, &p);
+            let step = |(ball, station): (&LinearBall, &Station)| {
+                let da = station.shift(&du);
+                let by = |i: usize| ball.by_centre[i][0] * da[0] + ball.by_centre[i][1] * da[1];
+                let dw = from_fn(|i| ball.step[i] + by(i));
+                row.bearing.centre_change(&ball.unknowns, &dw)
+            };
+            balls.iter().zip(&row.bearing.stations).map(step).collect()
+        });
+        let balls = rows.collect();
+        Some(State { p, balls })
     }
 
-    /// Gives every ball its place, from where it was if it is `warm`.
-    fn place(&self, state: &mut State, problem: &Problem, warm: bool) -> Option<()> {
-        for (row, balls) in self.rows.iter().zip(&mut state.balls) {
-            let u = self.displacement(row, &state.p);
-            for (j, x) in balls.iter_mut().enumerate() {
+    /// Puts balls in equilibrium: they have a closed form at rest.
+    fn place(&self, state: &mut State, problem: &Problem) -> Option<()> {
+        for (row, centres) in self.rows.iter().zip(&mut state.balls) {
+            let u = row.displacement(&state.p);
+            for (j, x) in centres.iter_mut().enumerate() {
                 let centre = row.bearing.inner_centre(j, &u);
-                let from = warm.then_some(*x);
                 *x = row
                     .bearing
-                    .ball_at(&centre, problem.omega, problem.attitude, from)?;
+                    .ball_at(&centre, problem.omega, problem.attitude, None)?;
             }
         }
         Some(())
     }
 
-    /// The equations at a state; none where a turning ball is off the outer race.
-    fn equations(&self, state: &State, problem: &Problem) -> Option<Equations> {
-        let stretched = |row: &Vec<f64>| row.iter().zip(&state.p).map(|(k, p)| k * p).sum::<f64>();
-        let springs = self.springs.iter().zip(&problem.load);
-        let mut unbalanced: Vec<f64> = springs.map(|(k, load)| load - stretched(k)).collect();
-        let mut largest = 0.0_f64;
-        let (mut rows, mut forces) = (Vec::new(), Vec::new());
-        for (row, balls) in self.rows.iter().zip(&state.balls) {
-            let u = self.displacement(row, &state.p);
-            let bearing = &row.bearing;
-            let mut force = [0.0; 5];
-            let mut linear = Vec::with_capacity(balls.len());
-            for (j, x) in balls.iter().enumerate() {
-                let centre = bearing.inner_centre(j, &u);
-                let w = bearing.unknowns(x, &centre);
-                if problem.omega != 0.0 && w[3] <= 0.0 {
-                    return None;
-                }
-                let l = bearing.linearise(&w, &centre, problem.omega, problem.attitude);
-                bearing.stations[j].collect(&l.terms.ring.map(|t| t.v), &mut force);
-                largest = largest.max(l.terms.q[0].v).max(l.terms.q[1].v);
-                linear.push((w, l));
-            }
-            let columns = unbalanced.iter_mut().zip(&row.map);
-            columns.for_each(|(r, column)| *r -= dot(column, &force));
-            rows.push(linear);
-            forces.push(force);
-        }
-        Some(Equations {
-            rows,
-            forces,
-            unbalanced,
-            largest,
-        })
-    }
-
-    /// Norm of all imbalances in units of a force.
-    fn imbalance(&self, equations: &Equations, scale: f64) -> f64 {
-        let balls = equations
-            .rows
-            .iter()
-            .flatten()
-            .flat_map(|(_, l)| l.terms.balance);
-        let rest = equations
-            .unbalanced
-            .iter()
-            .zip(&self.units)
-            .map(|(r, unit)| r / unit);
-        let all = balls.map(|b| b.v).chain(rest);
-        all.map(|r| (r / scale).powi(2)).sum::<f64>().sqrt()
-    }
-
-    fn condense(&self, equations: &Equations) -> Option<Condensed> {
-        let mut matrix = self.springs.clone();
-        let mut right = equations.unbalanced.clone();
-        let mut balls = Vec::with_capacity(self.rows.len());
-        for (row, linear) in self.rows.iter().zip(&equations.rows) {
-            let (mut k, mut lost) = ([[0.0; 5]; 5], [0.0; 5]);
-            let mut parts = Vec::with_capacity(linear.len());
-            for ((_, l), station) in linear.iter().zip(&row.bearing.stations) {
-                let (step, by_centre) =
-                    l.solve([0.0, 0.0, l.terms.balance[0].v, l.terms.balance[1].v])?;
-                l.add_stiffness(&mut k, &by_centre, station);
-                station.collect(&l.ring_change(&step), &mut lost);
-                parts.push((step, by_centre));
-            }
-            balls.push(parts);
-            let pushed: Map = row.map.iter().map(|u| k.map(|k| dot(&k, u))).collect();
-            for ((line, right), column) in matrix.iter_mut().zip(&mut right).zip(&row.map) {
-                *right -= dot(column, &lost);
-                let line = line.iter_mut().zip(&pushed);
-                line.for_each(|(k, pushed)| *k += dot(column, pushed));
-            }
-        }
-        Some(Condensed {
-            matrix,
-            right,
-            balls,
-        })
-    }
-
-    /// The state after a Newton step of length `part`, damped like Levenberg's method.
-    fn stepped(
-        &self,
-        state: &State,
-        equations: &Equations,
-        system: &Condensed,
-        (part, damping): (f64, f64),
-    ) -> Option<State> {
-        let mut lines = system.matrix.clone();
-        for (i, (line, right)) in lines.iter_mut().zip(&system.right).enumerate() {
-            line[i] += damping * self.units[i].powi(2);
-            line.push(*right);
-        }
-        let dp: Vec<f64> = dense_solve(lines)?.into_iter().flatten().collect();
-        let mut next = state.clone();
-        next.p.iter_mut().zip(&dp).for_each(|(p, d)| *p += part * d);
-        for (b, row) in self.rows.iter().enumerate() {
-            let du = motion(&row.map, &dp);
-            for (j, station) in row.bearing.stations.iter().enumerate() {
-                let (step, by_centre) = system.balls[b][j];
-                let da = station.shift(&du);
-                let dw = from_fn(|i| step[i] + by_centre[i][0] * da[0] + by_centre[i][1] * da[1]);
-                let dx = row.bearing.centre_change(&equations.rows[b][j].0, &dw);
-                next.balls[b][j] = from_fn(|i| state.balls[b][j][i] + part * dx[i]);
-            }
-        }
-        Some(next)
-    }
-
-    /// Newton on everything at once, with shorter steps; or with every ball in its place throughout, to a millionth,
-    /// with damped steps. At rest a ball has its place in closed form.
+    /// Newton on everything at once, with shorter steps where the residual does not fall.
     fn newton(
         &self,
-        state: &mut State,
+        mut state: State,
         problem: &Problem,
-        placed: bool,
-    ) -> Result<(Equations, usize), Failure> {
-        let first = &self.rows[0].bearing;
-        let (length, contact) = ((first.li + first.lo).hi, first.outer.k.hi);
-        let placed_here = placed || problem.omega == 0.0;
-        if placed_here {
-            self.place(state, problem, placed).ok_or(Failure::Stalled)?;
+    ) -> Result<(State, Linearised, usize), Failure> {
+        let bearing = &self.rows[0].bearing;
+        let (length, contact) = ((bearing.li + bearing.lo).hi, bearing.outer.k.hi);
+        let at_rest = problem.omega == 0.0;
+        if at_rest {
+            self.place(&mut state, problem).ok_or(Failure::Stalled)?;
         }
-        let mut equations = self.equations(state, problem).ok_or(Failure::Stalled)?;
-        let count = equations.rows.iter().flatten().count() as f64;
+        let mut at = self.linearise(&state, problem).ok_or(Failure::Stalled)?;
+        let count = at.balls.iter().flatten().count() as f64;
         let mut last = f64::INFINITY;
-        for iteration in 0..80 {
-            let loads = problem
-                .load
-                .iter()
-                .zip(&self.units)
-                .map(|(load, unit)| (load / unit).abs());
-            let scale = loads.fold(equations.largest, f64::max);
-            let size = self.imbalance(&equations, scale);
-            let noise = 1e-15 * (1.0 + length / (scale / contact).powf(2.0 / 3.0)) * count;
-            let enough = if placed { 1e-6 } else { noise };
-            if size <= enough || size < 1e-10 && size > 0.1 * last {
-                return Ok((equations, iteration));
+        for iteration in 0..60 {
+            let size = at.residual / at.largest;
+            // Rounding of lengths, of which deformations are differences.
+            let rounding = length / (at.largest / contact).powf(2.0 / 3.0);
+            if size <= 1e-15 * (1.0 + rounding) * count || size < 1e-10 && size > 0.1 * last {
+                return Ok((state, at, iteration));
             }
             last = size;
-            let system = self.condense(&equations).ok_or(Failure::Singular)?;
-            let stiff = contact * (1e-3 * length).sqrt();
-            let better = (0..24).find_map(|attempt| {
-                let choice = match (placed, attempt) {
-                    (true, 1..) => (1.0, stiff * 1e-7 * 4_f64.powi(attempt)),
-                    _ => (0.5_f64.powi(attempt), 0.0),
-                };
-                let mut next = self.stepped(state, &equations, &system, choice)?;
-                if placed_here {
-                    self.place(&mut next, problem, true)?;
+            let step = self.step(&at).ok_or(Failure::Singular)?;
+            let better = (0..24).find_map(|halvings| {
+                let part = 0.5_f64.powi(halvings);
+                let mut next = state.clone();
+                let unknowns = next
+                    .p
+                    .iter_mut()
+                    .chain(next.balls.iter_mut().flatten().flatten());
+                let changes = step.p.iter().chain(step.balls.iter().flatten().flatten());
+                unknowns
+                    .zip(changes)
+                    .for_each(|(x, change)| *x += part * change);
+                if at_rest {
+                    self.place(&mut next, problem)?;
                 }
-                let equations = self.equations(&next, problem)?;
-                let least = 1.0 - 1e-4 * choice.0;
-                (self.imbalance(&equations, scale) < least * size).then_some((next, equations))
+                let found = self.linearise(&next, problem)?;
+                (found.residual < (1.0 - 1e-4 * part) * at.residual).then_some((next, found))
             });
             match better {
-                Some((next, found)) => (*state, equations) = (next, found),
-                None if size < 1e-10 => return Ok((equations, iteration)),
-                None => return Err(Failure::Stalled),
+                Some(found) => (state, at) = found,
+                None if size < 1e-10 => return Ok((state, at, iteration)),
+                None => break,
             }
         }
         Err(Failure::Stalled)
     }
 
-    /// A cold start from a shaft that has not moved, with the sleeve where it balances the spring.
-    fn cold(&self, problem: &Problem) -> Result<(State, (Equations, usize)), Failure> {
+    /// A cold start from a shaft that has not moved, with the sleeve where it balances the spring; along the load where
+    /// that is too far away.
+    fn cold(&self, problem: &Problem) -> Result<(State, Linearised, usize), Failure> {
         let mut state = State {
             p: vec![0.0; self.units.len()],
             balls: self
                 .rows
                 .iter()
-                .map(|r| vec![[0.0; 2]; r.bearing.balls()])
+                .map(|row| vec![[0.0; 2]; row.bearing.balls()])
                 .collect(),
         };
-        let sliding = |row: &&Mounted| row.map[SLEEVE][0] != 0.0;
-        if let Some(spring) = self.spring
-            && let Some(row) = self.rows.iter().find(sliding)
-        {
-            let share = spring / self.rows.iter().filter(sliding).count() as f64;
-            let alone = super::Task::new([0.0; 5], problem.omega, problem.attitude);
+        // The load that it starts from.
+        let mut start = vec![0.0; self.units.len()];
+        let alone = Task::new([0.0; 5], problem.omega, problem.attitude);
+        let slides = |row: &&Mounted| row.map.iter().any(|(k, _)| *k == SLEEVE);
+        if let (Some(spring), Some(row)) = (self.spring, self.rows.iter().find(slides)) {
+            let share = spring / self.rows.iter().filter(slides).count() as f64;
             state.p[SLEEVE] = row.bearing.preloaded(share, &alone)?.u[0] - row.closure;
+            start[SLEEVE] = spring;
+        } else if self.rows.iter().all(|row| row.closure <= 0.0) {
+            // Without preload, no row resists: press one.
+            let (bearing, facing) = (&self.rows[0].bearing, self.rows[0].map[0].1[0]);
+            let load = from_fn(|i| problem.load[i].abs());
+            let pressed = [1.0, 4.0].into_iter().find_map(|factor| {
+                let share = bearing.preload(&load, factor);
+                Some((share, bearing.preloaded(share, &alone).ok()?))
+            });
+            let (share, pressed) = pressed.ok_or(Failure::Stalled)?;
+            (state.p[0], start[0]) = (facing * pressed.u[0], facing * share);
         }
-        self.place(&mut state, problem, false)
-            .ok_or(Failure::Stalled)?;
-        let mut direct = state.clone();
-        if let Ok(found) = self.newton(&mut direct, problem, false) {
-            return Ok((direct, found));
+        self.place(&mut state, problem).ok_or(Failure::Stalled)?;
+        let (mut done, mut stride, mut steps) = (0.0, 1.0, 0);
+        loop {
+            let goal = f64::min(done + stride, 1.0);
+            let mut part = problem.clone();
+            let loads = part.load.iter_mut().zip(&start);
+            loads.for_each(|(load, start)| *load = goal * *load + (1.0 - goal) * start);
+            match self.newton(state.clone(), &part) {
+                Ok((found, linear, iterations)) => {
+                    steps += iterations;
+                    if goal == 1.0 {
+                        return Ok((found, linear, steps));
+                    }
+                    (state, done, stride) = (found, goal, 2.0 * stride);
+                }
+                Err(failure) if stride < 1e-3 => return Err(failure),
+                Err(_) => stride *= 0.25,
+            }
         }
-        self.newton(&mut state, problem, true)?;
-        let found = self.newton(&mut state, problem, false)?;
-        Ok((state, found))
     }
 
     fn report(
         &self,
-        state: &State,
-        equations: &Equations,
+        p: &[f64],
+        linear: &Linearised,
         iterations: usize,
     ) -> Result<Solution, Failure> {
-        let system = self.condense(equations).ok_or(Failure::Singular)?;
+        let matrix = &linear.matrix;
         // Everything but the motion at x = 0 is condensed.
-        let rest = system.matrix[5..].iter();
-        let rest = rest.map(|line| [&line[5..], &line[..5]].concat()).collect();
-        let follows = dense_solve(rest).ok_or(Failure::Singular)?;
-        let stiffness = from_fn(|i| {
-            let line = &system.matrix[i];
-            let followed = |j: usize| {
-                line[5..]
-                    .iter()
-                    .zip(&follows)
-                    .map(|(k, by)| k * by[j])
-                    .sum::<f64>()
-            };
-            from_fn(|j| line[j] - followed(j))
-        });
-        let rows = self.rows.iter().zip(&equations.rows).zip(&equations.forces);
+        let rest = matrix[5..]
+            .iter()
+            .map(|line| [&line[5..], &line[..5]].concat());
+        let follows = dense_solve(rest.collect()).ok_or(Failure::Singular)?;
+        let condensed = |i: usize, j: usize| {
+            let followed = matrix[i][5..].iter().zip(&follows);
+            matrix[i][j] - followed.map(|(k, by)| k * by[j]).sum::<f64>()
+        };
+        let rows = self.rows.iter().zip(&linear.balls).zip(&linear.forces);
         let rows = rows.map(|((row, balls), force)| {
-            let ball =
-                |(w, l): &(Unknowns<f64>, Linear)| [w[0], w[1], l.terms.q[0].v, l.terms.q[1].v];
+            let ball = |ball: &LinearBall| {
+                let ([alpha_i, alpha_o, ..], [q_i, q_o]) = (ball.unknowns, ball.linear.terms.q);
+                [alpha_i, alpha_o, q_i.v, q_o.v]
+            };
             Ok(RowState {
                 force: *force,
-                displacement: motion(at(&self.nodes, row.position)?, &state.p),
+                displacement: motion(at(&self.nodes, row.position)?, p),
                 balls: balls.iter().map(ball).collect(),
             })
         });
         let points = self.points.iter().map(|x| {
             let map = at(&self.nodes, *x)?;
-            let lines = system.matrix.iter().zip(map);
-            let lines = lines.map(|(line, by)| line.iter().chain(by).copied().collect());
-            let moved = dense_solve(lines.collect()).ok_or(Failure::Singular)?;
-            let by_force =
-                |i: usize, j: usize| map.iter().zip(&moved).map(|(a, x)| a[i] * x[j]).sum();
+            let mut lines: Vec<_> = matrix
+                .iter()
+                .map(|line| [&line[..], &[0.0; 5]].concat())
+                .collect();
+            map.iter()
+                .for_each(|(k, column)| lines[*k][matrix.len()..].copy_from_slice(column));
+            let moved = dense_solve(lines).ok_or(Failure::Singular)?;
+            let by_force = |i: usize, j: usize| map.iter().map(|(k, a)| a[i] * moved[*k][j]).sum();
             Ok(PointState {
-                displacement: motion(map, &state.p),
+                displacement: motion(map, p),
                 flexibility: from_fn(|i| from_fn(|j| by_force(i, j))),
             })
         });
         Ok(Solution {
-            displacement: from_fn(|i| state.p[i]),
-            stiffness,
-            sleeve: self.spring.map(|_| state.p[SLEEVE]),
+            displacement: from_fn(|i| p[i]),
+            stiffness: from_fn(|i| from_fn(|j| condensed(i, j))),
+            sleeve: self.spring.map(|_| p[SLEEVE]),
             rows: rows.collect::<Result<_, _>>()?,
             points: points.collect::<Result<_, _>>()?,
             iterations,
@@ -626,6 +592,5 @@ impl Solver {
 /// Motion of the shaft at a node.
 fn at(nodes: &[(f64, Map)], position: f64) -> Result<&Map, Failure> {
     let node = nodes.iter().find(|node| node.0 == position);
-    let (_, map) = node.ok_or(Failure::Input("position"))?;
-    Ok(map)
+    node.map(|(_, map)| map).ok_or(Failure::Input("position"))
 }
