@@ -77,7 +77,7 @@ fn solved_cases_are_solved() {
 /// A bearing is a spindle with one row, and a set on a rigid shaft one without a shaft.
 #[test]
 fn rigid_cases_are_solved() {
-    let mut check =
+    let check =
         |spindle: &Spindle, load, omega, attitude, u: [f64; 5], k: [[f64; 5]; 5], name: &str| {
             let found = Solver::new(spindle, &[])
                 .and_then(|mut s| s.solve(&[(0.0, load)], omega, attitude));
@@ -93,7 +93,7 @@ fn rigid_cases_are_solved() {
                 "{name}: {moved:e}, {stiffness:e}"
             );
         };
-    // Balls leave the race of number 48: its cold start takes more than a line search.
+    // The cold start does not find number 48; `Reference::solve` does.
     let singles = public().into_iter().enumerate();
     for (_, solved) in singles.filter(|(number, _)| *number != 48) {
         let (case, truth) = (&solved.case, &solved.truth);
