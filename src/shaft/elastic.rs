@@ -14,7 +14,7 @@ use crate::shaft::row::Sum;
 
 /// A row on an elastic shaft, its support, and the shaft from there to the next row towards `x = 0`.
 ///
-/// Flexibilities are axial, lateral and tilting.
+/// Flexibilities are those of the five freedoms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Joint<T> {
@@ -23,13 +23,13 @@ pub struct Joint<T> {
     /// Position of its centre, m.
     pub position: T,
     /// Flexibility of the support.
-    pub support: [T; 3],
+    pub support: [T; 5],
     /// Deflection that constant loads on the shaft give the row.
     pub constant: [T; 5],
     /// How far the row is beyond the elastic centre of the shaft's piece, and that beyond the next row or `x = 0`, in `+x`.
     pub beyond: [T; 2],
     /// Flexibility of this piece of shaft.
-    pub shaft: [T; 3],
+    pub shaft: [T; 5],
     /// There is no row from here to `x = 0`.
     pub is_last: bool,
 }
@@ -90,31 +90,28 @@ pub fn order<T: Real>(joints: &mut [Joint<T>], x: T) {
     }
 }
 
-/// Number of the spring that a freedom of a row has in a flexibility; the sleeve has none.
-const SPRINGS: [usize; 5] = [0, 1, 1, 2, 2];
-
 /// Forces and slopes by the motion of the springs' near end, from those by the motion of their far end.
 #[inline(never)]
-pub fn soften<T: Real, const D: usize>(sum: &mut Sum<T, D>, springs: &[T; 3]) {
-    for (i, spring) in SPRINGS.into_iter().enumerate() {
-        let flexibility = springs[spring];
-        if !(flexibility > T::ZERO) {
+pub fn soften<T: Real, const D: usize>(sum: &mut Sum<T, D>, springs: &[T; 5]) {
+    for (i, flexibility) in springs.iter().enumerate() {
+        if !(*flexibility > T::ZERO) {
             continue;
         }
         // A row that pushes harder the further it moves could take more than all of a spring.
-        let per = T::ONE / (T::ONE + flexibility * sum.k[i][i]).at_least(T::EPSILON);
-        let taken = flexibility * per;
+        let per = T::ONE / (T::ONE + *flexibility * sum.k[i][i]).at_least(T::EPSILON);
+        let taken = *flexibility * per;
         let (k, force, by_speed) = (sum.k[i], sum.force[i], sum.by_speed[i]);
-        for j in 0..D {
-            let column = sum.k[j][i];
+        let forces = sum.force.iter_mut().zip(&mut sum.by_speed);
+        for (row, (f, s)) in sum.k.iter_mut().zip(forces) {
+            let column = row[i];
             let part = taken * column;
-            for l in 0..D {
-                let product = part * k[l];
-                sum.k[j][l] -= product;
+            for (k, of_spring) in row.iter_mut().zip(&k) {
+                let product = part * *of_spring;
+                *k -= product;
             }
-            sum.k[j][i] = per * column;
-            sum.force[j] -= part * force;
-            sum.by_speed[j] -= part * by_speed;
+            row[i] = per * column;
+            *f -= part * force;
+            *s -= part * by_speed;
         }
         sum.k[i] = k.map(|k| per * k);
         (sum.force[i], sum.by_speed[i]) = (per * force, per * by_speed);
@@ -126,47 +123,56 @@ pub type AddRow<'a, T, const D: usize> = &'a mut dyn FnMut(&Joint<T>, &mut Sum<T
 
 /// Folds the rows' forces and slopes to the point of the shaft that the chain leads to.
 ///
-/// With `bends`, forces are those that the balance after the next step has, at no motion of that point.
+/// Forces are those that the balance after the next step has, at no motion of that point. Where there are no `bends`, slopes alone
+/// mean something.
 #[inline(never)]
 pub fn fold<T: Real, const D: usize>(
     joints: &[Joint<T>],
-    mut bends: Option<&mut [Bend<T, D>]>,
+    bends: &mut [Bend<T, D>],
     add_row: AddRow<'_, T, D>,
     sum: &mut Sum<T, D>,
 ) {
     *sum = Sum::NONE;
+    let mut scratch = Bend::NONE;
     let (mut side, mut bending) = (Sum::NONE, [T::ZERO; D]);
     for joint in joints {
-        let mut held = Sum::NONE;
-        add_row(joint, &mut held);
-        let mut bend = bends.as_deref_mut().and_then(|b| b.get_mut(joint.row));
-        if let Some(bend) = &mut bend {
-            for i in 0..D {
-                bend.force[i] += bend.force_step[i];
-                bend.missing[i] = held.force[i] - bend.force[i];
-                bending[i] += bend.force[i];
-            }
-            held.force = bend.missing;
-        }
-        soften(&mut held, &joint.support);
-        side.add(&held);
+        let bend = bends.get_mut(joint.row).unwrap_or(&mut scratch);
+        bend.held = Sum::NONE;
+        add_row(joint, &mut bend.held);
+        add(&mut bend.force, T::ONE, &bend.force_step);
+        add(&mut bend.held.force, -T::ONE, &bend.force);
+        add(&mut bending, T::ONE, &bend.force);
+        bend.missing = bend.held.force;
+        soften(&mut bend.held, &joint.support);
+        side.add(&bend.held);
         let [row, centre] = joint.beyond;
-        side.refer(row);
+        side.move_by(row);
         refer(row, &mut bending);
         soften(&mut side, &joint.shaft);
-        if let Some(bend) = bend {
-            (bend.held, bend.outer, bend.bending) = (held, side, bending);
-        }
-        side.refer(centre);
+        (bend.outer, bend.bending) = (side, bending);
+        side.move_by(centre);
         refer(centre, &mut bending);
         if joint.is_last {
             sum.add(&side);
-            for i in 0..D {
-                sum.force[i] += bending[i];
-            }
+            add(&mut sum.force, T::ONE, &bending);
             (side, bending) = (Sum::NONE, [T::ZERO; D]);
         }
     }
+}
+
+/// Adds `part` of `b` to `a`. By a call, which spares 2 kB of unrolled loops.
+#[inline(never)]
+fn add<T: Real, const D: usize>(a: &mut [T; D], part: T, b: &[T; D]) {
+    for (a, b) in a.iter_mut().zip(b) {
+        let product = part * *b;
+        *a += product;
+    }
+}
+
+/// [`product`] by a call.
+#[inline(never)]
+fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    product(a, b)
 }
 
 /// Moves the rows along the chain by the step `du` of the section at `x = 0`, and a relative change `ds` of `omega^2`.
@@ -189,18 +195,17 @@ pub fn unfold<T: Real, const D: usize>(
         let [row, centre] = joint.beyond;
         (u, deflection) = (moved(centre, &u), moved(centre, &deflection));
         let change = bend.outer.after(&u, ds);
-        for (i, spring) in SPRINGS.into_iter().enumerate() {
-            u[i] -= joint.shaft[spring] * change[i];
-            deflection[i] -= joint.shaft[spring] * (bend.bending[i] + change[i]);
+        for (i, flexibility) in joint.shaft.iter().enumerate() {
+            u[i] -= *flexibility * change[i];
+            deflection[i] -= *flexibility * (bend.bending[i] + change[i]);
         }
         (u, deflection) = (moved(row, &u), moved(row, &deflection));
         bend.force_step = bend.held.after(&u, ds);
         bend.before = bend.deflection;
-        for (i, spring) in SPRINGS.into_iter().enumerate() {
-            let flexibility = joint.support[spring];
-            bend.moved[i] = u[i] - flexibility * bend.force_step[i];
-            let force = bend.force[i] + bend.force_step[i];
-            bend.deflection[i] = (joint.constant[i] + deflection[i]) - flexibility * force;
+        for (i, flexibility) in joint.support.iter().enumerate() {
+            bend.moved[i] = u[i] - *flexibility * bend.force_step[i];
+            let given = *flexibility * bend.force(i);
+            bend.deflection[i] = (joint.constant[i] + deflection[i]) - given;
         }
         bend.moved[0] += slide(joint.row);
     }
@@ -215,7 +220,7 @@ pub fn work<T: Real, const D: usize>(
     r: &[T; D],
     du: &[T; D],
 ) -> T {
-    let mut work = product(r, du);
+    let mut work = dot(r, du);
     for joint in joints {
         let Some(bend) = bends.get(joint.row) else {
             break;
@@ -223,10 +228,10 @@ pub fn work<T: Real, const D: usize>(
         if joint.is_last {
             let mut change = bend.outer.force;
             refer(joint.beyond[1], &mut change);
-            work += product(&change, du);
+            work += dot(&change, du);
         }
-        for i in 0..5 {
-            work -= bend.missing[i] * bend.moved[i];
+        for (missing, moved) in bend.missing.iter().zip(&bend.moved) {
+            work -= *missing * *moved;
         }
     }
     work
@@ -246,16 +251,12 @@ pub fn diagonal<T: Real, const D: usize>(
         };
         let mut change = *row;
         bend.held.soften_change(&joint.support, &mut change);
-        for i in 0..D {
-            side[i] += change[i];
-        }
+        add(&mut side, T::ONE, &change);
         refer_diagonal(joint.beyond[0], &mut side);
         bend.outer.soften_change(&joint.shaft, &mut side);
         refer_diagonal(joint.beyond[1], &mut side);
         if joint.is_last {
-            for i in 0..D {
-                all[i] += side[i];
-            }
+            add(&mut all, T::ONE, &side);
             side = [T::ZERO; D];
         }
     }
@@ -263,6 +264,7 @@ pub fn diagonal<T: Real, const D: usize>(
 }
 
 /// Refers a diagonal's change to a point that is nearer to the origin by `distance`.
+#[inline(never)]
 fn refer_diagonal<T: Real, const D: usize>(distance: T, k: &mut [T; D]) {
     let square = distance * distance;
     k[4] += square * k[1];
@@ -270,62 +272,76 @@ fn refer_diagonal<T: Real, const D: usize>(distance: T, k: &mut [T; D]) {
 }
 
 impl<T: Real, const D: usize> Sum<T, D> {
-    fn add(&mut self, other: &Self) {
-        for i in 0..D {
-            self.force[i] += other.force[i];
-            self.by_speed[i] += other.by_speed[i];
-            for j in 0..D {
-                self.k[i][j] += other.k[i][j];
-            }
+    #[inline(never)]
+    pub fn add(&mut self, other: &Self) {
+        add(&mut self.force, T::ONE, &other.force);
+        add(&mut self.by_speed, T::ONE, &other.by_speed);
+        for (k, other) in self.k.iter_mut().zip(&other.k) {
+            add(k, T::ONE, other);
         }
     }
 
+    /// [`Sum::refer`] by a call.
+    #[inline(never)]
+    fn move_by(&mut self, distance: T) {
+        self.refer(distance);
+    }
+
     /// Forces after the motion `u` and a relative change `ds` of `omega^2`.
+    #[inline(never)]
     fn after(&self, u: &[T; D], ds: T) -> [T; D] {
         let mut force = self.force;
-        for i in 0..D {
-            force[i] += product(&self.k[i], u) + ds * self.by_speed[i];
+        let slopes = self.k.iter().zip(&self.by_speed);
+        for (force, (k, by_speed)) in force.iter_mut().zip(slopes) {
+            *force += dot(k, u) + ds * *by_speed;
         }
         force
     }
 
     /// Softens a change of the diagonal as the springs have softened these slopes.
-    fn soften_change(&self, springs: &[T; 3], change: &mut [T; D]) {
+    #[inline(never)]
+    fn soften_change(&self, springs: &[T; 5], change: &mut [T; D]) {
         let far = *change;
-        for i in 0..D {
-            let mut near = T::ZERO;
-            for j in 0..D {
-                let spring = SPRINGS.get(j).map_or(T::ZERO, |s| springs[*s]);
-                let own = if i == j { T::ONE } else { T::ZERO };
-                let part = own - self.k[i][j] * spring;
-                near += part * part * far[j];
-            }
-            change[i] = near;
+        for (i, (near, k)) in change.iter_mut().zip(&self.k).enumerate() {
+            *near = softened(i, k, springs, &far);
         }
     }
 }
 
+/// Change of the diagonal's element `i` behind springs, from that beyond them; `k` is the row of the slopes behind them.
+#[inline(never)]
+fn softened<T: Real, const D: usize>(i: usize, k: &[T; D], springs: &[T; 5], far: &[T; D]) -> T {
+    let mut parts = [T::ZERO; D];
+    parts[i] = -T::ONE;
+    for ((part, k), spring) in parts.iter_mut().zip(k).zip(springs) {
+        let taken = *k * *spring;
+        *part += taken;
+    }
+    dot(&parts.map(|part| part * part), far)
+}
+
 impl<T: Real, const D: usize> Bend<T, D> {
-    /// Straight again, but for constant loads.
+    /// Bends by constant loads alone, from straight.
     pub fn straighten(&mut self, constant: &[T; 5]) {
-        *self = Self::NONE;
-        self.deflection = *constant;
-        self.before = *constant;
+        add(&mut self.deflection, T::ONE, constant);
+        add(&mut self.before, T::ONE, constant);
     }
 
     /// Goes back to where the balls were condensed.
+    #[inline(never)]
     pub fn stay(&mut self) {
         self.deflection = self.before;
         (self.force_step, self.moved) = ([T::ZERO; D], [T::ZERO; 5]);
     }
 
     /// Moves by this part of the last step besides.
+    #[cold]
+    #[inline(never)]
     pub fn add_part(&mut self, part: T) {
-        for i in 0..5 {
-            let step = part * (self.deflection[i] - self.before[i]);
-            self.before[i] = self.deflection[i];
-            self.deflection[i] += step;
-        }
+        let mut step = self.deflection;
+        add(&mut step, -T::ONE, &self.before);
+        self.before = self.deflection;
+        add(&mut self.deflection, part, &step);
         self.force_step = self.force_step.map(|x| part * x);
         self.moved = self.moved.map(|x| part * x);
     }

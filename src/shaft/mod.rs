@@ -92,9 +92,13 @@ impl<T: Real> Mount<T> {
         u
     }
 
-    /// The row's motion when its centre makes the motion `u` on an elastic shaft.
-    pub fn of_centre(&self, u: &[T; 5]) -> [T; 5] {
-        self.own(moved(self.facing * self.arm * self.reach, u))
+    /// Adds what the motion `u` of the row's centre makes on an elastic shaft to the row's motion.
+    #[inline(never)]
+    pub fn add_of_centre(&self, u: &[T; 5], own: &mut [T; 5]) {
+        let u = self.own(moved(self.facing * self.arm * self.reach, u));
+        for (own, u) in own.iter_mut().zip(u) {
+            *own += u;
+        }
     }
 
     /// Adds the row's forces and slopes, at its groove plane, to the shaft's about its centre.
@@ -141,13 +145,6 @@ fn in_full<T: Real, const D: usize>(v: &[T; D]) -> [T; 5] {
         *full = *v;
     }
     full
-}
-
-/// Adds the deflection of an elastic shaft to a row's motion.
-pub fn add_deflection<T: Real>(own: &mut [T; 5], deflection: &[T; 5]) {
-    for (own, deflection) in own.iter_mut().zip(deflection) {
-        *own += *deflection;
-    }
 }
 
 /// Rows that hold the shaft together, or slide together.
@@ -276,7 +273,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             let Some(mount) = mounts.next() else { return };
             let mut own = mount.motion::<D, SET>(v);
             if let Some(bend) = bends.next() {
-                add_deflection(&mut own, &mount.of_centre(&bend.deflection));
+                mount.add_of_centre(&bend.deflection, &mut own);
             }
             f(row, mount, &own);
         }
@@ -326,7 +323,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                     add(row, mount, sum);
                 }
             };
-            elastic::fold(&self.layout.joints, Some(self.bends), &mut add_row, sum);
+            elastic::fold(&self.layout.joints, self.bends, &mut add_row, sum);
         } else {
             *sum = Sum::NONE;
             let mut mounts = mounts.iter();
@@ -364,10 +361,12 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         for row in self.rows.iter() {
             let Some(mount) = mounts.next() else { break };
             let (bend, of_row) = (bends.next(), rows.next());
-            let own = row.changes::<A>(&match bend {
-                Some(bend) => mount.of_centre(&bend.moved),
-                None => mount.motion::<D, SET>(du),
-            });
+            let mut step = [T::ZERO; 5];
+            match bend {
+                Some(bend) => mount.add_of_centre(&bend.moved, &mut step),
+                None => step = mount.motion::<D, SET>(du),
+            }
+            let own = row.changes::<A>(&step);
             let k = mount.force * mount.length;
             // From the row's groove plane to the shaft's, or to the row's centre.
             let lever = match bend {

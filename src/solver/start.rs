@@ -147,7 +147,9 @@ pub(super) fn start<
     // Offsets count from the axial part.
     state.u = vector(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
     state.v = vector(|i| u[i] - state.u[i]);
-    *shaft.bends = [Bend::NONE; E];
+    for bend in shaft.bends.iter_mut() {
+        *bend = Bend::NONE;
+    }
     shaft.each(&state.u, |row, mount, u| {
         row.p.start(row.c, u[0] + mount.closure)
     });

@@ -9,7 +9,7 @@ use crate::real::Real;
 use crate::results::Balls;
 use crate::shaft::elastic::{Bend, Joint, fold};
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change, sum_up};
-use crate::shaft::{Layout, Mount, Shaft, add_deflection};
+use crate::shaft::{Layout, Mount, Shaft};
 use crate::solver::problem::{Given, Problem, Time, given_in_units, inertia, speed_and_growth};
 use crate::solver::start::start;
 use crate::solver::state::{State, Termination, are_finite};
@@ -255,15 +255,12 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             sum_up::<T, A, 5>(balls, azimuths, &mut own);
             if self.state.stale {
                 let v = self.motion::<SET>(mount, row);
-                add_to(
-                    &mut own.k,
-                    &stiffness_change::<T, A, 5>(p, balls, azimuths, &v).k,
-                );
+                own.add(&stiffness_change::<T, A, 5>(p, balls, azimuths, &v));
             }
             mount.assemble(&mut own, sum);
         };
         let mut sum = Sum::NONE;
-        fold(joints, None, &mut add_row, &mut sum);
+        fold(joints, &mut [], &mut add_row, &mut sum);
         sum.k
     }
 
@@ -278,7 +275,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     fn motion<const SET: bool>(&self, mount: &Mount<T>, row: usize) -> [T; 5] {
         let mut v = mount.motion::<D, SET>(&self.state.v);
         if let Some(bend) = self.bends.get(row) {
-            add_deflection(&mut v, &mount.of_centre(&bend.deflection));
+            mount.add_of_centre(&bend.deflection, &mut v);
         }
         v
     }

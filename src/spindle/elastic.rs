@@ -6,7 +6,7 @@ use crate::shaft::elastic::{Joint, order};
 use crate::solver::problem::{check, radius, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
-use crate::spindle::sections::{OnShaft, Piece, Shaft, ShaftLoad, Support};
+use crate::spindle::sections::{OnShaft, Piece, Shaft, ShaftLoad, Support, of_freedoms};
 use crate::status::Quantity;
 use core::array::from_fn;
 
@@ -39,20 +39,21 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             Joint {
                 row,
                 position: self.positions.get(row).copied().unwrap_or(T::ZERO),
-                support: [
+                support: of_freedoms([
                     axial / support.axial,
                     axial / support.radial,
                     tilting / support.tilting,
-                ],
+                ]),
                 constant: [T::ZERO; 5],
                 beyond: [T::ZERO; 2],
-                shaft: [T::ZERO; 3],
+                shaft: [T::ZERO; 5],
                 is_last: false,
             }
         });
         let on_shaft = OnShaft {
             sections: &shaft.sections,
             loads: &[],
+            load: [T::ZERO; 5],
         };
         let mut set = Spindle {
             layout: layout.with_joints(joints),
@@ -102,8 +103,14 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 check(quantity, load, most).map_err(refused)?;
             }
         }
+        let mut sum = [T::ZERO; 5];
+        for load in loads {
+            let mut about_origin = load.load;
+            refer(load.position, &mut about_origin);
+            sum = vector(|i| sum[i] + about_origin[i]);
+        }
         for shaft in &mut self.shaft {
-            shaft.loads = loads;
+            (shaft.loads, shaft.load) = (loads, sum);
         }
         for (joint, shaft) in self.layout.joints.iter_mut().zip(&self.shaft) {
             joint.constant = shaft.deflection_by_loads(unit, joint.position);
@@ -152,13 +159,12 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     }
 
     /// Flexibility of a row's support, SI.
-    pub(super) fn support_of(&self, row: usize) -> [T; 3] {
+    pub(super) fn support_of(&self, row: usize) -> [T; 5] {
         let unit = self.layout.bearings[0].c;
-        let (axial, tilting) = (unit.length / unit.force, unit.tilt / unit.moment);
         let joint = self.layout.joints.iter().find(|joint| joint.row == row);
-        joint.map_or([T::ZERO; 3], |joint| {
-            let [a, r, t] = joint.support;
-            [a * axial, r * axial, t * tilting]
+        vector(|i| {
+            let (force, length) = units(unit, i);
+            joint.map_or(T::ZERO, |joint| joint.support[i] * (length / force))
         })
     }
 
@@ -174,12 +180,6 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
 
     /// Constant loads on an elastic shaft, about `x = 0`, SI.
     pub(super) fn constant_load(&self) -> [T; 5] {
-        let mut sum = [T::ZERO; 5];
-        for load in self.shaft.first().map_or(&[][..], |shaft| shaft.loads) {
-            let mut about_origin = load.load;
-            refer(load.position, &mut about_origin);
-            sum = vector(|i| sum[i] + about_origin[i]);
-        }
-        sum
+        self.shaft.first().map_or([T::ZERO; 5], |shaft| shaft.load)
     }
 }

@@ -303,6 +303,8 @@ pub struct ShaftLoad<T> {
 pub(super) struct OnShaft<'b, T> {
     pub sections: &'b [Flexible<T>],
     pub loads: &'b [ShaftLoad<T>],
+    /// Sum of the loads about `x = 0`.
+    pub load: [T; 5],
 }
 
 /// The piece of a shaft between two points as springs: distances of its ends from the elastic centre, that of the near end negative,
@@ -310,7 +312,12 @@ pub(super) struct OnShaft<'b, T> {
 pub(super) struct Piece<T> {
     pub near: T,
     pub far: T,
-    pub flexibility: [T; 3],
+    pub flexibility: [T; 5],
+}
+
+/// Axial, lateral and tilting flexibility as those of the five freedoms.
+pub(super) fn of_freedoms<T: Real>([axial, lateral, tilting]: [T; 3]) -> [T; 5] {
+    [axial, lateral, lateral, tilting, tilting]
 }
 
 impl<T: Real> Piece<T> {
@@ -347,11 +354,11 @@ impl<T: Real> Piece<T> {
         Self {
             near: ((near - far) - centre) * per,
             far: -centre * per,
-            flexibility: [
+            flexibility: of_freedoms([
                 axial * stiffness,
                 lateral * stiffness,
                 tilting * (unit.moment / unit.tilt),
-            ],
+            ]),
         }
     }
 }
@@ -369,9 +376,7 @@ impl<T: Real> OnShaft<'_, T> {
         let per = T::ONE / radius(unit);
         let mut load = *load;
         refer((at - end) * per + piece.far, &mut load);
-        let [axial, lateral, tilting] = piece.flexibility;
-        let flexibility = [axial, lateral, lateral, tilting, tilting];
-        let u = vector(|i| flexibility[i] * load[i]);
+        let u = vector(|i| piece.flexibility[i] * load[i]);
         moved((x - end) * per + piece.far, &u)
     }
 

@@ -7,8 +7,9 @@ use core::fmt::{self, Write};
 use core::hint::black_box;
 use core::marker::PhantomData;
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Facing, Full, Given, Growth, Limit, Limits, Motion,
-    Mounted, Preload, Real, RingVector, Settings, Solver, Speed, Spindle, SpindleSolver,
+    Arrangement, AxialSolver, Bearing, Design, ElasticSolver, Facing, Full, Given, Growth, Limit,
+    Limits, Material, Motion, Mounted, Preload, Real, RingVector, Section, Settings, Shaft, Solver,
+    Speed, Spindle, SpindleSolver, Support,
 };
 
 /// Hands the table to a macro: `for_every_scene!(of_mine)`.
@@ -24,46 +25,52 @@ macro_rules! for_every_scene {
         $with! {
             0 "axial-static" 1: Axial<Static>;
                 "speed, radial displacements, tilts",
-                [Spindle, Speed, Friction, RaceControl, RacewayControlFree, Iteration, Radial, Tilts, Balls, Limits];
+                [Spindle, Elastic, Speed, Friction, RaceControl, RacewayControlFree, Iteration, Radial, Tilts, Balls, Limits];
             1 "axial-full" 1: Axial<Full>;
                 "radial displacements, tilts",
-                [Spindle, RaceControl, Radial, Tilts, Balls, Limits];
+                [Spindle, Elastic, RaceControl, Radial, Tilts, Balls, Limits];
             2 "translations-full" 3: Ring<Full>;
                 "tilts",
-                [Spindle, RaceControl, Tilts, Balls, Limits];
+                [Spindle, Elastic, RaceControl, Tilts, Balls, Limits];
             3 "static" 5: Ring<Static>;
                 "speed",
-                [Spindle, Speed, Friction, RaceControl, RacewayControlFree, Balls, Limits];
+                [Spindle, Elastic, Speed, Friction, RaceControl, RacewayControlFree, Balls, Limits];
             4 "centrifugal" 5: Ring<Centrifugal>;
                 "friction",
-                [Spindle, Friction, RaceControl, Balls, Limits];
+                [Spindle, Elastic, Friction, RaceControl, Balls, Limits];
             5 "outer" 5: Ring<Full<OuterRaceControl>>;
                 "free attitude: outer race control",
-                [Spindle, RacewayControlFree, Balls, Limits];
+                [Spindle, Elastic, RacewayControlFree, Balls, Limits];
             6 "inner" 5: Ring<Full<InnerRaceControl>>;
                 "free attitude: inner race control",
-                [Spindle, RacewayControlFree, Balls, Limits];
+                [Spindle, Elastic, RacewayControlFree, Balls, Limits];
             7 "displacement" 5: Ring<Full, { probes::DISPLACEMENT }>;
                 "stiffness asked for",
-                [Spindle, RaceControl, Stiffness, Balls, Limits];
+                [Spindle, Elastic, RaceControl, Stiffness, Balls, Limits];
             8 "balls" 5: Ring<Full, { probes::BALLS }>;
                 "nothing; states of balls besides",
-                [Spindle, RaceControl, Limits];
+                [Spindle, Elastic, RaceControl, Limits];
             9 "limits" 5: Ring<Full, { probes::LIMITS }>;
                 "nothing; limits besides",
-                [Spindle, RaceControl];
+                [Spindle, Elastic, RaceControl];
             10 "pair" 5: Clamped<2>;
                 "nothing; two bearings, back to back",
-                [RaceControl, Balls, Limits];
+                [Elastic, RaceControl, Balls, Limits];
             11 "sprung-pair" 5: Sprung<2>;
                 "nothing; two bearings, one under a spring",
-                [RaceControl, Balls, Limits];
+                [Elastic, RaceControl, Balls, Limits];
             12 "four-rows" 5: Clamped<4>;
                 "nothing; two pairs, back to back",
+                [Elastic, RaceControl, Balls, Limits];
+            13 "elastic-pair" 5: Elastic<2>;
+                "nothing; two bearings on an elastic shaft, whose supports give way",
                 [RaceControl, Balls, Limits];
-            13 "full" 5: Ring<Full>;
+            14 "elastic-four-rows" 5: Elastic<4>;
+                "nothing; two pairs on an elastic shaft, whose supports give way",
+                [RaceControl, Balls, Limits];
+            15 "full" 5: Ring<Full>;
                 "nothing",
-                [Spindle, RaceControl, Balls, Limits];
+                [Spindle, Elastic, RaceControl, Balls, Limits];
         }
     };
 }
@@ -284,6 +291,7 @@ impl<T: Real, const N: usize, M: Motion> Scene<T, N, 1> for Axial<M> {
 fn rows<'b, T: Real, const R: usize, const N: usize>(
     bearing: &'b Bearing<T, N>,
     design: &Design,
+    first: f64,
     preload: impl Fn(Facing, T) -> Preload<T>,
 ) -> [Mounted<'b, T, N>; R] {
     let grooves = design.inner_groove_factor + design.outer_groove_factor - 1.0;
@@ -294,14 +302,14 @@ fn rows<'b, T: Real, const R: usize, const N: usize>(
         } else {
             Facing::MinusX
         };
-        let position = T::of(0.3 * design.pitch_diameter * i as f64);
+        let position = T::of(0.3 * design.pitch_diameter * (first + i as f64));
         Mounted::new(bearing, position, facing).with(preload(facing, distance))
     })
 }
 
 #[inline(always)]
-fn solve_shaft<T: Real, const R: usize, const N: usize, const F: usize>(
-    solver: &mut SpindleSolver<'_, T, R, N, Full, F>,
+fn solve_shaft<T: Real, const R: usize, const N: usize, const F: usize, const E: usize>(
+    solver: &mut SpindleSolver<'_, T, R, N, Full, F, E>,
     question: &Question<T, 5>,
 ) -> Option<Answer<T, 5>> {
     let (speed, settings) = question.terms();
@@ -320,10 +328,70 @@ impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Clamped<R> {
 
     #[inline(always)]
     fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>> {
-        let rows = rows(bearing, design, |_, distance| {
+        let rows = rows(bearing, design, 0.0, |_, distance| {
             Preload::Closure(T::of(0.02) * distance)
         });
         let spindle = Spindle::new(Arrangement::BackToBack, rows).ok()?;
+        Some(SpindleSolver::of(spindle))
+    }
+
+    #[inline(always)]
+    fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 5>) -> Option<Answer<T, 5>> {
+        solve_shaft(solver, question)
+    }
+}
+
+/// The rows of [`Clamped`] on a hollow steel shaft, from two distances in front of them on, each on an elastic support.
+pub struct Elastic<const R: usize>;
+
+/// Hollow, 50 mm thick.
+const SECTION: Section = Section {
+    from: -1.0,
+    to: 1.0,
+    outer: 0.05,
+    inner: 0.02,
+};
+static SHAFT: (Shaft<f32, 1>, Shaft<f64, 1>) = (
+    Shaft::<f32, 1>::const_new(&[SECTION], &Material::STEEL),
+    Shaft::<f64, 1>::const_new(&[SECTION], &Material::STEEL),
+);
+
+/// A precision that there is a shaft in.
+pub trait OnShaft: Real {
+    /// The shaft.
+    fn shaft() -> &'static Shaft<Self, 1>;
+}
+
+impl OnShaft for f32 {
+    fn shaft() -> &'static Shaft<Self, 1> {
+        &SHAFT.0
+    }
+}
+
+impl OnShaft for f64 {
+    fn shaft() -> &'static Shaft<Self, 1> {
+        &SHAFT.1
+    }
+}
+
+impl<T: OnShaft, const N: usize, const R: usize> Scene<T, N, 5> for Elastic<R> {
+    type Solver<'b>
+        = ElasticSolver<'b, T, R, N>
+    where
+        T: 'b;
+
+    #[inline(always)]
+    fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>> {
+        let rows = rows(bearing, design, 2.0, |_, distance| {
+            Preload::Closure(T::of(0.02) * distance)
+        });
+        let spindle = Spindle::new(Arrangement::BackToBack, rows).ok()?;
+        let housing = Support {
+            axial: T::of(5e8),
+            radial: T::of(5e8),
+            tilting: T::of(1e6),
+        };
+        let spindle = spindle.elastic(T::shaft(), [housing; R]).ok()?;
         Some(SpindleSolver::of(spindle))
     }
 
@@ -344,7 +412,7 @@ impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Sprung<R> {
 
     #[inline(always)]
     fn solver<'b>(bearing: &'b Bearing<T, N>, design: &Design) -> Option<Self::Solver<'b>> {
-        let rows = rows(bearing, design, |facing, _| match facing {
+        let rows = rows(bearing, design, 0.0, |facing, _| match facing {
             Facing::PlusX => Preload::Closure(T::ZERO),
             Facing::MinusX => Preload::Spring,
         });

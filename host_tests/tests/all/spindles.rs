@@ -13,7 +13,7 @@ use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().map(f64::abs).fold(0.0, worse)
 }
 
@@ -489,7 +489,7 @@ fn a_pair_of_7014c_is_as_stiff_as_the_model_says() {
 
 /// A random spindle that a designer might draw: one to four rows of one or two kinds, clamped or with a
 /// sleeve. Its loads are about as large as its preload, and it has grown a little.
-fn random(seed: u64) -> (Plan, Attitude, Question) {
+pub fn random(seed: u64) -> (Plan, Attitude, Question) {
     let mut r = Random::seeded(seed);
     let kinds = [Case::random(seed), Case::random(seed ^ 0x55)];
     // Bearings of one shaft have about one size.
@@ -613,7 +613,7 @@ fn off_law(plan: &Plan, attitude: Attitude, omega: f64, answer: &Answer) -> f64 
 }
 
 /// Distance of the shaft from balance, over the largest force.
-fn off_balance(plan: &Plan, question: &Question, answer: &Answer) -> f64 {
+pub fn off_balance(plan: &Plan, question: &Question, answer: &Answer) -> f64 {
     let sum = on_shaft(plan, answer);
     let span =
         largest(plan.rows.iter().map(|row| row.position)) + plan.rows[0].design.pitch_diameter;

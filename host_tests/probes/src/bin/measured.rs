@@ -20,7 +20,7 @@ probes::image!(measured::keep, proved: option_env!("PROVED").is_some());
 mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
-    use probes::{Answer, Axial, Clamped, Precision, Question, Ring, Scene, Sprung};
+    use probes::{Answer, Axial, Clamped, Elastic, Precision, Question, Ring, Scene, Sprung};
     use spindle_bearing::{Bearing, Centrifugal, Full, Static};
     use spindle_bearing::{Design, FreeContact, InnerRaceControl, Material, OuterRaceControl};
 

@@ -40,12 +40,14 @@ enum Part {
     Limits,
     /// Several bearings on one shaft.
     Spindle,
+    /// An elastic shaft.
+    Elastic,
     /// How constants come from a design.
     Design,
 }
 
 impl Part {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::Speed,
         Self::Friction,
         Self::RaceControl,
@@ -57,6 +59,7 @@ impl Part {
         Self::Balls,
         Self::Limits,
         Self::Spindle,
+        Self::Elastic,
         Self::Design,
     ];
 
@@ -82,6 +85,10 @@ impl Part {
             Self::Balls => &[">::balls"],
             Self::Limits => &["spindle_bearing::results::margins::"],
             Self::Spindle => &["spindle_bearing::spindle::", ">::assemble", ">::turned"],
+            Self::Elastic => &[
+                "spindle_bearing::shaft::elastic::",
+                "spindle_bearing::spindle::sections::",
+            ],
             Self::Design => &[
                 "spindle_bearing::hertz::",
                 "spindle_bearing::const_math::",
@@ -104,6 +111,7 @@ impl Part {
             Self::Radial => &["D >= 3"],
             Self::Tilts => &["D == 5", "D >= 5"],
             Self::Spindle => &["SET"],
+            Self::Elastic => &["E > 0"],
             _ => &[],
         }
     }

@@ -8,7 +8,7 @@ use crate::workload::{BALLS, STARTS, Work};
 use anyhow::{Context, Result, ensure};
 use host_tests::campaign::report::{Spread, name};
 use host_tests::dispatch::Precision;
-use probes::{Axial, Clamped, Question, Ring, Sprung};
+use probes::{Axial, Clamped, Elastic, Question, Ring, Sprung};
 use rayon::prelude::*;
 use spindle_bearing::{Bearing, Centrifugal, Full, Real, Settings, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
