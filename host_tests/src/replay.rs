@@ -2,7 +2,8 @@
 
 use crate::dispatch::Precision;
 use crate::lifetime::Lifetime;
-use crate::spindles::{Answer, AnySpindleSolver, Choices, RowAnswer, parts};
+use crate::spindles::{Answer, AnySpindleSolver, AtEnd, Choices, RowAnswer, parts};
+use files::noses::Nose;
 use files::recordings::{LoadRow, LoadsError};
 use files::spindles::SpindleFile;
 use spindle_bearing::{Design, Frequencies, LifeRating, RatingLife, ShaftEnd, Speed};
@@ -13,6 +14,19 @@ use std::io::{self, Write};
 
 /// Names of the five freedoms in column names.
 const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
+
+/// Names of the 25 columns of a matrix.
+fn of_pairs(matrix: &str) -> Vec<String> {
+    let pairs = (0..25).map(|i| (FREEDOMS[i / 5], FREEDOMS[i % 5]));
+    pairs.map(|(i, j)| format!("{matrix}_{i}_{j}")).collect()
+}
+
+fn texts(names: &[String]) -> Vec<&str> {
+    names.iter().map(String::as_str).collect()
+}
+
+/// Columns of a displacement.
+const MOTION: [&str; 5] = ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"];
 
 /// Status of a row of the recording that cannot be read.
 pub const REFUSED_INPUT: &str = "refused-input";
@@ -25,8 +39,10 @@ const BLOCK: usize = 1 << 16;
 pub enum Table {
     /// Displacement and stiffness, a line for every row of the recording.
     Results,
-    /// Load, preload and least contact force of every row of a spindle.
+    /// Load, preload, least contact force, stiffness and motion of every row of a spindle.
     Rows,
+    /// Displacement and flexibility of every nose.
+    Noses,
     /// State of every ball.
     Balls,
     /// Frequencies at which damage of every row is heard.
@@ -38,6 +54,7 @@ impl Table {
         match self {
             Self::Results => "results",
             Self::Rows => "rows of the spindle",
+            Self::Noses => "noses",
             Self::Balls => "ball states",
             Self::Frequencies => "frequencies",
         }
@@ -55,36 +72,30 @@ impl Table {
             }));
         };
         add(&["time_s"], Figure::Copy(0), 0);
-        if self != Self::Results && !file.is_bearing {
-            add(&["row"], Figure::Row, 0);
+        match self {
+            Self::Results => {}
+            Self::Noses => add(&["nose"], Figure::Nose, 0),
+            _ if file.is_bearing => {}
+            _ => add(&["row"], Figure::Row, 0),
         }
         match self {
             Self::Results => {
                 add(&["status"], Figure::Status, 0);
                 add(&["iterations"], Figure::Iterations, 0);
-                let names = ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"];
                 add(
-                    &names,
+                    &MOTION,
                     Figure::Answer(|answer, i| answer.displacement[i]),
                     0,
                 );
-                let stiffness = |place: &str| {
-                    let names =
-                        (0..25).map(|i| format!("{place}_{}_{}", FREEDOMS[i / 5], FREEDOMS[i % 5]));
-                    names.collect::<Vec<String>>()
-                };
-                let names = stiffness("k");
-                let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 add(
-                    &names,
+                    &texts(&of_pairs("k")),
                     Figure::Answer(|answer, i| answer.stiffness[i / 5][i % 5]),
                     0,
                 );
-                if file.nose.is_some() {
-                    let names = stiffness("k_nose");
-                    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                    let at_nose = Figure::Answer(|answer, i| answer.stiffness_at[i / 5][i % 5]);
-                    add(&names, at_nose, parts::AT);
+                if file.nose().is_some() {
+                    // It is the first nose.
+                    let stiffness = Figure::AtNose(|at, i| at.stiffness[i / 5][i % 5]);
+                    add(&texts(&of_pairs("k_nose")), stiffness, parts::AT);
                 }
                 add(&["limits"], Figure::Limits, parts::LIMITS);
                 let names = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
@@ -113,6 +124,27 @@ impl Table {
                     forces.fold(f64::INFINITY, f64::min)
                 };
                 add(&["least_q_i_n"], Figure::OfRow(least), parts::BALLS);
+                let stiffness = Figure::OfRow(|row, i, _| row.stiffness_on_shaft[i / 5][i % 5]);
+                add(&texts(&of_pairs("k_row")), stiffness, 0);
+                add(&MOTION, Figure::OfRow(|row, i, _| row.displacement[i]), 0);
+            }
+            Self::Noses => {
+                add(
+                    &MOTION,
+                    Figure::AtNose(|at, i| at.displacement[i]),
+                    parts::AT,
+                );
+                let compliance = Figure::AtNose(|at, i| at.compliance[i / 5][i % 5]);
+                add(&texts(&of_pairs("c")), compliance, parts::AT);
+                let error = Figure::AtNose(|at, i| at.compliance_error[i]);
+                let names = [
+                    "c_error_x",
+                    "c_error_y",
+                    "c_error_z",
+                    "c_error_ty",
+                    "c_error_tz",
+                ];
+                add(&names, error, parts::AT);
             }
             Self::Balls => {
                 add(&["ball"], Figure::Ball, 0);
@@ -165,6 +197,7 @@ enum Figure {
     Iterations,
     Limits,
     Row,
+    Nose,
     Ball,
     /// A number of the recording from this one on, never rounded to the solver's precision: time identifies the row.
     Copy(usize),
@@ -172,6 +205,8 @@ enum Figure {
     Life,
     /// A number of the answer, in the precision of the solve, by the column's index.
     Answer(fn(&Answer, usize) -> f64),
+    /// A number at a nose, by the column's index.
+    AtNose(fn(&AtEnd, usize) -> f64),
     /// A number of a row, by the column's index and the ball.
     OfRow(OfRow),
 }
@@ -185,11 +220,12 @@ struct Column {
     needs: u8,
 }
 
-/// The record, the row and the ball of a line.
+/// The record, the row or the nose, and the ball of a line.
 struct Line<'l> {
     given: &'l [Option<f64>; 9],
     answer: Result<&'l Answer, &'static str>,
     life: Option<[f64; 2]>,
+    noses: &'l [Nose],
     row: usize,
     ball: usize,
 }
@@ -335,6 +371,7 @@ impl Sheet<'_> {
             // Writing to a string does not fail.
             let _ = match (column.figure, line.answer) {
                 (Figure::Row, _) => write!(text, "{}", line.row),
+                (Figure::Nose, _) => text.write_str(&line.noses[line.row].name),
                 (Figure::Ball, _) => write!(text, "{}", line.ball),
                 (Figure::Copy(first), _) => match line.given[first + index] {
                     Some(x) => Precision::F64.write(text, x),
@@ -350,6 +387,9 @@ impl Sheet<'_> {
                     _ => Ok(()),
                 },
                 (Figure::Answer(of), Ok(answer)) => precision.write(text, of(answer, index)),
+                (Figure::AtNose(of), Ok(answer)) => {
+                    precision.write(text, of(&answer.at[line.row], index))
+                }
                 (Figure::OfRow(of), Ok(answer)) => {
                     precision.write(text, of(&answer.rows[line.row], index, line.ball))
                 }
@@ -414,7 +454,7 @@ pub fn replay(
     let is_life = |column: &Column| matches!(column.figure, Figure::Life);
     let is_weighed = job.lifetime.is_some() || columns.any(is_life);
     let ratings = file.ratings();
-    let end = file.nose.unwrap_or(ShaftEnd::rigid(0.0));
+    let ends: Vec<ShaftEnd<f64>> = file.noses.iter().map(|nose| nose.end).collect();
     let mut summary = Summary::default();
     let outcome = rows.into_iter().try_for_each(|row| {
         summary.rows += 1;
@@ -423,7 +463,7 @@ pub fn replay(
                 if job.cold {
                     solver.reset();
                 }
-                let answer = solver.solve(&file.question(&row), &end);
+                let answer = solver.solve(&file.question(&row), &ends);
                 let answer = answer.map_err(|status| {
                     let why = || (row.time_s, status.to_string());
                     summary.first_refusal.get_or_insert_with(why);
@@ -465,21 +505,23 @@ pub fn replay(
                 given: &given,
                 answer,
                 life,
+                noses: &file.noses,
                 row: 0,
                 ball: 0,
             };
-            if sheet.table == Table::Results {
-                sheet.add(&line, precision);
-            } else {
-                for (row, of) in file.plan.rows.iter().enumerate() {
-                    for ball in 0..if sheet.table == Table::Balls {
-                        of.balls
-                    } else {
-                        1
-                    } {
-                        (line.row, line.ball) = (row, ball);
-                        sheet.add(&line, precision);
-                    }
+            let rows = match sheet.table {
+                Table::Results => 1,
+                Table::Noses => file.noses.len(),
+                _ => file.plan.rows.len(),
+            };
+            for row in 0..rows {
+                let balls = match sheet.table {
+                    Table::Balls => file.plan.rows[row].balls,
+                    _ => 1,
+                };
+                for ball in 0..balls {
+                    (line.row, line.ball) = (row, ball);
+                    sheet.add(&line, precision);
                 }
             }
             sheet.hand_on(BLOCK)?;

@@ -7,8 +7,8 @@ use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
     BallKinematics, BallState, Centrifugal, Frequencies, Full, Given, Growth, InnerRaceControl,
     LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real,
-    Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleSolution, SpindleSolver, Static,
-    Status, Support,
+    Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleSolution, SpindleSolver,
+    Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -32,18 +32,12 @@ pub struct Answer {
     pub iterations: u16,
     /// Displacement of the shaft at `x = 0`.
     pub displacement: [f64; 5],
-    /// Load there: reactions where displacements are given.
-    pub load: [f64; 5],
     /// Stiffness there.
     pub stiffness: [[f64; 5]; 5],
-    /// Compliance at the point that was asked for.
-    pub compliance_at: [[f64; 5]; 5],
-    /// Stiffness there.
-    pub stiffness_at: [[f64; 5]; 5],
-    /// Displacement of the shaft at the point that was asked for.
-    pub displacement_at: [f64; 5],
-    /// Estimated relative errors of the diagonal of the compliance there.
-    pub compliance_error_at: [f64; 5],
+    /// Load where loads act: reactions where displacements are given.
+    pub load: [f64; 5],
+    /// The points that were asked for.
+    pub at: Vec<AtEnd>,
     /// Closure that the spring makes, m.
     pub spring_closure: f64,
     /// The rows.
@@ -58,6 +52,19 @@ impl Answer {
         let limits = self.rows.iter().map(|row| row.limits);
         limits.fold(LimitSet::default(), LimitSet::union)
     }
+}
+
+/// Displacement, stiffness and compliance of a point on the shaft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AtEnd {
+    /// Displacement of the shaft.
+    pub displacement: [f64; 5],
+    /// Stiffness.
+    pub stiffness: [[f64; 5]; 5],
+    /// Compliance.
+    pub compliance: [[f64; 5]; 5],
+    /// Estimated relative errors of the compliance's diagonal.
+    pub compliance_error: [f64; 5],
 }
 
 /// Load, stiffness and balls of a row.
@@ -87,7 +94,7 @@ pub struct RowAnswer {
 
 /// Parts of an answer that take time, and that not everybody wants: bits of a sum.
 pub mod parts {
-    /// Stiffness and compliance at the point that is asked for.
+    /// Stiffness and compliance at the points that are asked for.
     pub const AT: u8 = 1;
     /// Limits of the rows.
     pub const LIMITS: u8 = 2;
@@ -110,7 +117,7 @@ pub struct Choices {
     pub tolerance: Option<f64>,
     /// Most iterations.
     pub max_iterations: u16,
-    /// Displacements of the shaft at `x = 0` that are given in the place of loads, m and rad.
+    /// Displacements of the shaft that are given in the place of loads, m and rad.
     pub held: [Option<f64>; 5],
     /// Parts of an answer that are worked out: a sum of [`parts`].
     pub parts: u8,
@@ -130,12 +137,13 @@ impl Default for Choices {
 
 /// A solver for a spindle.
 pub trait AnySpindleSolver {
-    /// Solves; `end` is the point at which stiffness and compliance are wanted besides `x = 0`.
+    /// Solves; `ends` are the points at which stiffness and compliance are wanted besides `x = 0`.
     ///
     /// # Errors
     ///
     /// Why there is no answer.
-    fn solve(&mut self, question: &Question, end: &ShaftEnd<f64>) -> Result<Answer, Status<f32>>;
+    fn solve(&mut self, question: &Question, ends: &[ShaftEnd<f64>])
+    -> Result<Answer, Status<f32>>;
 
     /// Makes the next solves so.
     fn choose(&mut self, choices: &Choices);
@@ -154,7 +162,7 @@ pub trait AnySpindleSolver {
             omega,
             growth: Vec::new(),
         };
-        self.solve(&question, &ShaftEnd::rigid(0.0))
+        self.solve(&question, &[ShaftEnd::rigid(0.0)])
     }
 }
 
@@ -186,13 +194,16 @@ fn with<T: Real>(plan: &Plan, balls: Balls, hand: Hand<'_>) -> Result<(), BuildE
     let bearings: Vec<Box<dyn Mount<T>>> = bearings
         .map(|(i, row)| mount(&row.design, row.balls).map_err(|e| BuildError::Design(i, e)))
         .collect::<Result<_, _>>()?;
+    // The library's loads act at x = 0.
+    let loaded_at = plan.loaded_at();
     let mounted = plan.rows.iter().zip(&bearings).map(|(row, bearing)| {
         let preload = match row.preload {
             Preload::Closure(e) => Preload::Closure(T::of(e)),
             Preload::Force(force) => Preload::Force(T::of(force)),
             _ => Preload::Spring,
         };
-        bearing.mounted(row.position, row.facing).with(preload)
+        let position = row.position - loaded_at;
+        bearing.mounted(position, row.facing).with(preload)
     });
     let mounted: Vec<_> = mounted.collect();
     match mounted.len() {
@@ -235,7 +246,14 @@ fn on_shaft<T: Real, const R: usize, const D: usize>(
         of_motion(spindle, balls, hand);
         return Ok(());
     };
-    let shaft = Shaft::<T, MOST_SECTIONS>::new(&elastic.sections, &elastic.material)
+    let loaded_at = elastic.loaded_at;
+    let sections = elastic.sections.iter().map(|section| Section {
+        from: section.from - loaded_at,
+        to: section.to - loaded_at,
+        ..*section
+    });
+    let sections: Vec<_> = sections.collect();
+    let shaft = Shaft::<T, MOST_SECTIONS>::new(&sections, &elastic.material)
         .map_err(|e| BuildError::Spindle(e.to_string()))?;
     let supports = from_fn(|i| {
         let support = elastic.supports.get(i).unwrap_or(&Support::RIGID);
@@ -246,7 +264,7 @@ fn on_shaft<T: Real, const R: usize, const D: usize>(
         }
     });
     let loads = elastic.loads.iter().map(|at| ShaftLoad {
-        position: T::of(at.position),
+        position: T::of(at.position - loaded_at),
         load: at.load.map(T::of),
     });
     let loads: Vec<_> = loads.collect();
@@ -255,8 +273,8 @@ fn on_shaft<T: Real, const R: usize, const D: usize>(
     let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
     // Solvers of fewer motions are compiled for elastic shafts: at rest, all are alike.
     match balls {
-        Balls::Static => of_attitude(spindle, Attitude::Raceless, true, hand),
-        Balls::Moving(attitude) => of_attitude(spindle, attitude, false, hand),
+        Balls::Static => of_attitude(spindle, Attitude::Raceless, true, loaded_at, hand),
+        Balls::Moving(attitude) => of_attitude(spindle, attitude, false, loaded_at, hand),
         Balls::Centrifugal => {
             let refused = "centrifugal force alone is not for elastic shafts: leave --motion out";
             return Err(BuildError::Spindle(refused.to_owned()));
@@ -271,9 +289,9 @@ fn of_motion<T: Real, const R: usize, const D: usize>(
     hand: Hand<'_>,
 ) {
     match balls {
-        Balls::Static => hand_over::<T, R, Static, D, 0>(spindle, true, hand),
-        Balls::Centrifugal => hand_over::<T, R, Centrifugal, D, 0>(spindle, false, hand),
-        Balls::Moving(attitude) => of_attitude(spindle, attitude, false, hand),
+        Balls::Static => hand_over::<T, R, Static, D, 0>(spindle, true, 0.0, hand),
+        Balls::Centrifugal => hand_over::<T, R, Centrifugal, D, 0>(spindle, false, 0.0, hand),
+        Balls::Moving(attitude) => of_attitude(spindle, attitude, false, 0.0, hand),
     }
 }
 
@@ -281,26 +299,33 @@ fn of_attitude<T: Real, const R: usize, const D: usize, const E: usize>(
     spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
     attitude: Attitude,
     at_rest: bool,
+    loaded_at: f64,
     hand: Hand<'_>,
 ) {
     match attitude {
         Attitude::Raceless => {
-            hand_over::<T, R, Full<RacewayControlFree>, D, E>(spindle, at_rest, hand);
+            hand_over::<T, R, Full<RacewayControlFree>, D, E>(spindle, at_rest, loaded_at, hand);
         }
-        Attitude::Outer => hand_over::<T, R, Full<OuterRaceControl>, D, E>(spindle, at_rest, hand),
-        Attitude::Inner => hand_over::<T, R, Full<InnerRaceControl>, D, E>(spindle, at_rest, hand),
+        Attitude::Outer => {
+            hand_over::<T, R, Full<OuterRaceControl>, D, E>(spindle, at_rest, loaded_at, hand)
+        }
+        Attitude::Inner => {
+            hand_over::<T, R, Full<InnerRaceControl>, D, E>(spindle, at_rest, loaded_at, hand)
+        }
     }
 }
 
 fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>(
     spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
     at_rest: bool,
+    loaded_at: f64,
     hand: Hand<'_>,
 ) {
     let mut solver = Box::new(Chosen {
         solver: SpindleSolver::<T, R, MOST_BALLS, M, D, E>::of(spindle),
         choices: Choices::default(),
         at_rest,
+        loaded_at,
     });
     hand(&mut *solver);
 }
@@ -309,12 +334,18 @@ struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: u
     solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D, E>,
     choices: Choices,
     at_rest: bool,
+    /// Position of the solver's `x = 0` in the plan, m.
+    loaded_at: f64,
 }
 
 impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpindleSolver
     for Chosen<'_, T, R, M, D, E>
 {
-    fn solve(&mut self, question: &Question, end: &ShaftEnd<f64>) -> Result<Answer, Status<f32>> {
+    fn solve(
+        &mut self,
+        question: &Question,
+        ends: &[ShaftEnd<f64>],
+    ) -> Result<Answer, Status<f32>> {
         let growth = from_fn(|i| match question.growth.get(i) {
             Some(growth) => Growth {
                 axial: T::of(growth.axial),
@@ -324,10 +355,6 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
             None => Growth::NONE,
         });
         let omega = if self.at_rest { 0.0 } else { question.omega };
-        let end = ShaftEnd {
-            position: T::of(end.position),
-            flexibility: end.flexibility.map(|row| row.map(T::of)),
-        };
         let settings = Settings {
             tolerance: self
                 .choices
@@ -347,7 +374,7 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
             _ => solver.solve_given(&given, speed, &growth, &settings),
         };
         let solution = solved.map_err(narrowed)?;
-        Ok(answer(&solution, &end, &self.choices))
+        Ok(answer(&solution, ends, self.loaded_at, &self.choices))
     }
 
     fn choose(&mut self, choices: &Choices) {
@@ -361,7 +388,8 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
 
 fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>(
     solution: &SpindleSolution<'_, T, R, N, M, D, E>,
-    end: &ShaftEnd<T>,
+    ends: &[ShaftEnd<f64>],
+    loaded_at: f64,
     choices: &Choices,
 ) -> Answer {
     let error = &solution.error;
@@ -370,13 +398,23 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         peak_pressure: T::of(choices.limits.peak_pressure),
         friction: T::of(choices.limits.friction),
     };
-    let nowhere = [[T::ZERO; 5]; 5];
-    let ([compliance_at, stiffness_at], compliance_error_at) = match wants(parts::AT) {
-        true => (
-            [solution.compliance_at(end), solution.stiffness_at(end)],
-            solution.compliance_error_at(end),
-        ),
-        false => ([nowhere; 2], [T::ZERO; 5]),
+    let ends = if wants(parts::AT) { ends } else { &[] };
+    let at = ends.iter().map(|end| {
+        let end = ShaftEnd {
+            position: T::of(end.position - loaded_at),
+            flexibility: end.flexibility.map(|row| row.map(T::of)),
+        };
+        AtEnd {
+            displacement: solution.displacement_at(end.position).map(T::to_f64),
+            stiffness: wide(&solution.stiffness_at(&end)),
+            compliance: wide(&solution.compliance_at(&end)),
+            compliance_error: solution.compliance_error_at(&end).map(T::to_f64),
+        }
+    });
+    let origin = ShaftEnd::rigid(T::of(0.0 - loaded_at));
+    let displacement = match loaded_at {
+        0.0 => solution.displacement,
+        _ => solution.displacement_at(origin.position),
     };
     let rows = solution.rows().map(|row| RowAnswer {
         force: row.force.map(T::to_f64),
@@ -408,13 +446,10 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
     Answer {
         status: solution.status.name(),
         iterations: solution.iterations,
-        displacement: solution.displacement.map(T::to_f64),
+        displacement: displacement.map(T::to_f64),
+        stiffness: wide(&solution.stiffness_at(&origin)),
         load: solution.load.map(T::to_f64),
-        stiffness: wide(&solution.stiffness()),
-        compliance_at: wide(&compliance_at),
-        stiffness_at: wide(&stiffness_at),
-        displacement_at: solution.displacement_at(end.position).map(T::to_f64),
-        compliance_error_at: compliance_error_at.map(T::to_f64),
+        at: at.collect(),
         spring_closure: solution.spring_closure().to_f64(),
         rows: rows.collect(),
         error: [error.displacement, error.force, error.stiffness].map(T::to_f64),

@@ -76,9 +76,9 @@ struct Said {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Loading {
     /// Where recorded loads act, m.
-    position: f64,
+    pub(crate) position: f64,
     /// Positions (m) and forces (N).
-    constant: Vec<(f64, [f64; 3])>,
+    pub(crate) constant: Vec<(f64, [f64; 3])>,
 }
 
 impl Loading {
@@ -138,7 +138,7 @@ pub struct Place {
 
 impl Place {
     /// The start of the file, where a key without a table is added.
-    const TOP: Self = Self { line: 1, column: 1 };
+    pub(crate) const TOP: Self = Self { line: 1, column: 1 };
 
     fn of(text: &str, byte: usize) -> Self {
         let before = String::from_utf8_lossy(&text.as_bytes()[..byte.min(text.len())]);
@@ -277,7 +277,7 @@ fn said_by(keys: &Keys, key: &str) -> bool {
 }
 
 /// A number in six digits.
-fn short(x: f64) -> f64 {
+pub(crate) fn short(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }
 
@@ -309,6 +309,19 @@ impl Reading<'_> {
 
     pub fn place(&self, span: Range<usize>) -> Place {
         Place::of(self.text, span.start)
+    }
+
+    /// A number that a table must have.
+    pub fn needed(
+        &self,
+        table: &str,
+        key: &str,
+        example: &str,
+        value: Key<f64>,
+    ) -> Result<f64, DesignFileError> {
+        let message = format!("[{table}] lacks `{key}`; add a line such as `{key} = {example}`");
+        let value = value.ok_or_else(|| self.error(Place::TOP, message))?;
+        Ok(value.into_inner())
     }
 
     /// A key that must be there is not.

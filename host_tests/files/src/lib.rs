@@ -3,9 +3,11 @@
 pub mod catalogue;
 mod columns;
 pub mod designs;
+pub mod noses;
 pub mod plan;
 mod preamble;
 pub mod recordings;
+mod shafts;
 pub mod spindles;
 pub mod told;
 pub mod units;

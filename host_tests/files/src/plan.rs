@@ -55,6 +55,8 @@ pub struct ElasticShaft {
     pub supports: Vec<Support<f64>>,
     /// Constant loads.
     pub loads: Vec<ShaftLoad<f64>>,
+    /// Position where the loads of a question act, m.
+    pub loaded_at: f64,
 }
 
 /// Largest number of sections of a shaft.
@@ -76,12 +78,17 @@ impl Plan {
             shaft: None,
         }
     }
+
+    /// Position where the loads of a question act, and where displacements are given, m.
+    pub fn loaded_at(&self) -> f64 {
+        self.shaft.as_ref().map_or(0.0, |shaft| shaft.loaded_at)
+    }
 }
 
 /// Load, speed and growth that a spindle is solved for.
 #[derive(Debug, Clone)]
 pub struct Question {
-    /// `Fx, Fy, Fz, My, Mz` on the shaft at `x = 0`, N and N m.
+    /// `Fx, Fy, Fz, My, Mz` on the shaft at [`Plan::loaded_at`], N and N m.
     pub load: [f64; 5],
     /// Shaft speed, rad/s.
     pub omega: f64,

@@ -13,6 +13,8 @@
 //! # preload_offset_um = 10.3     # closure of this row
 //! # spring = true                # this row slides under the spring
 //! radial_growth_um = 2           # and axial_growth_um, ball_growth_um; may be left out
+//! # What holds the outer ring; what is left out is rigid:
+//! # support = { axial_n_per_um = 500, radial_n_per_um = 400, tilting_nm_per_rad = 1e6 }
 //!
 //! [[row]]
 //! bearing = "7014c.toml"
@@ -24,6 +26,12 @@
 //!
 //! [shaft]                        # rings grow with the speed, on a hollow shaft with this bore
 //! bore_mm = 40
+//!
+//! # Or a shaft that bends: hollow round sections, rigid outside of them and in gaps.
+//! # sections = [ { from_mm = -30, to_mm = 60, outer_mm = 70, inner_mm = 40 }, { from_mm = 60, to_mm = 90, outer_mm = 65 } ]
+//! # youngs_modulus_gpa = 206     # may be left out: bearing steel
+//! # poissons_ratio = 0.3
+//! # grow_with_speed = true       # rings grow with the speed on the bores of the sections, in the place of `bore_mm`
 //!
 //! [heat]                         # rings and balls grow with the columns t_inner_c, t_outer_c of the loads
 //! reference_c = 20
@@ -40,20 +48,28 @@
 //! [nose]                         # stiffness there, too
 //! position_mm = -60
 //! radial_um_per_kn = 2           # what the shaft's end yields itself; may be left out
-//! axial_um_per_kn = 0.5
+//! axial_um_per_kn = 0.5          # both are for a shaft without sections
+//!
+//! [nose.tool]                    # more of them, by name
+//! position_mm = -120
 //! ```
+//!
+//! On a rigid shaft, loads are referred to `x = 0`. With `sections` or a `support`, they act where they stand.
 
 use crate::catalogue;
 use crate::designs::{
     ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Reading,
     micrometres, millimetres, read_text,
 };
-use crate::plan::{BuildError, MOST_ROWS, Plan, Question, Row};
+use crate::noses::{Nose, NoseKeys, PLAIN};
+use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Plan, Question, Row};
 use crate::recordings::LoadRow;
+use crate::shafts::{ShaftKeys, SupportKeys};
 use crate::units::celsius;
 use serde::Deserialize;
 use spindle_bearing::{
-    Arrangement, Design, Expansion, Facing, Growth, LifeRating, Preload, ShaftEnd,
+    Arrangement, Design, Expansion, Facing, Growth, LifeRating, Material, Preload, ShaftEnd,
+    ShaftLoad, Support,
 };
 use std::path::Path;
 use toml::Spanned;
@@ -65,12 +81,12 @@ pub struct SpindleFile {
     pub is_bearing: bool,
     /// Its rows.
     pub plan: Plan,
-    /// The point where the stiffness is wanted besides `x = 0`.
-    pub nose: Option<ShaftEnd<f64>>,
+    /// Points where the stiffness is wanted besides `x = 0`, the plain `[nose]` first.
+    pub noses: Vec<Nose>,
     /// Growth of each row that is always there.
     growth: Vec<Growth<f64>>,
-    /// Bore of the hollow shaft on which the inner rings grow with the speed, m.
-    bore: Option<f64>,
+    /// Bore of the shaft at each row on which inner rings grow with the speed, m; none if they do not.
+    bores: Vec<f64>,
     /// Thermal expansion: how temperatures make rings and balls grow.
     pub heat: Option<Heat>,
     /// Where loads act.
@@ -114,6 +130,7 @@ struct RowKeys {
     facing: Key<String>,
     preload_offset_um: Key<f64>,
     spring: Key<bool>,
+    support: Option<SupportKeys>,
     axial_growth_um: Key<f64>,
     radial_growth_um: Key<f64>,
     ball_growth_um: Key<f64>,
@@ -127,24 +144,10 @@ struct SpringKeys {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ShaftKeys {
-    bore_mm: Key<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct HeatKeys {
     reference_c: Key<f64>,
     ring_per_k: Key<f64>,
     ball_per_k: Key<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NoseKeys {
-    position_mm: Key<f64>,
-    radial_um_per_kn: Key<f64>,
-    axial_um_per_kn: Key<f64>,
 }
 
 const ARRANGEMENTS: [Arrangement; 4] = [
@@ -156,19 +159,6 @@ const ARRANGEMENTS: [Arrangement; 4] = [
 
 fn or(key: Key<f64>, default: f64) -> f64 {
     key.map_or(default, |value| value.into_inner())
-}
-
-/// A number that a table must have.
-fn needed(
-    r: &Reading<'_>,
-    table: &str,
-    key: &str,
-    example: &str,
-    value: Key<f64>,
-) -> Result<f64, DesignFileError> {
-    let message = format!("[{table}] lacks `{key}`; add a line such as `{key} = {example}`");
-    let value = value.ok_or_else(|| r.error(r.place(0..0), message))?;
-    Ok(value.into_inner())
 }
 
 /// The one of these that has this name.
@@ -199,9 +189,9 @@ impl From<DesignFile> for SpindleFile {
         Self {
             is_bearing: true,
             plan: Plan::alone(&file.design, file.balls),
-            nose: None,
+            noses: Vec::new(),
             growth: vec![Growth::NONE],
-            bore: None,
+            bores: Vec::new(),
             heat: None,
             loading: file.loading.clone(),
             file: String::new(),
@@ -211,6 +201,12 @@ impl From<DesignFile> for SpindleFile {
 }
 
 impl SpindleFile {
+    /// The point of the plain `[nose]`.
+    pub fn nose(&self) -> Option<ShaftEnd<f64>> {
+        let plain = self.noses.first().filter(|nose| nose.name == PLAIN);
+        plain.map(|nose| nose.end)
+    }
+
     /// Load ratings of the rows.
     pub fn ratings(&self) -> Vec<LifeRating<f64>> {
         self.designs.iter().map(DesignFile::rating).collect()
@@ -261,6 +257,7 @@ impl SpindleFile {
             None => Arrangement::ByRows,
         };
         let (mut rows, mut growth, mut designs) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut supports, mut places) = (Vec::new(), Vec::new());
         for row in keys.row {
             let place = r.place(row.span());
             let row = row.into_inner();
@@ -315,15 +312,19 @@ impl SpindleFile {
             let Some(facing) = row.facing else {
                 return Err(missing("facing", "\"+x\""));
             };
+            let support = row.support.map(|keys| keys.read(r, supports.len()));
+            supports.push(support.transpose()?);
             growth.push(Growth {
                 axial: micrometres(or(row.axial_growth_um, 0.0)),
                 radial: micrometres(or(row.radial_growth_um, 0.0)),
                 ball: micrometres(or(row.ball_growth_um, 0.0)),
             });
+            let position = millimetres(position.into_inner());
+            places.push((position, place));
             rows.push(Row {
                 balls: design.balls,
                 design: design.design,
-                position: millimetres(position.into_inner()),
+                position,
                 facing: named(&r, facing, &[Facing::PlusX, Facing::MinusX], Facing::name)?,
                 preload,
             });
@@ -333,12 +334,39 @@ impl SpindleFile {
             return Err(r.error(r.place(0..0), BuildError::Rows(rows.len()).to_string()));
         }
         let spring = keys.spring;
-        let spring = spring.map(|keys| needed(&r, "spring", "force_n", "300", keys.force_n));
-        let bore = keys.shaft;
-        let bore = bore.map(|keys| needed(&r, "shaft", "bore_mm", "40", keys.bore_mm));
+        let spring = spring.map(|keys| r.needed("spring", "force_n", "300", keys.force_n));
+        let mut loading = Loading::of(keys.load, keys.constant_load);
+        let (sections, material) = match &keys.shaft {
+            Some(keys) => keys.sections(r)?,
+            None => (None, Material::STEEL),
+        };
+        let bends = sections.is_some();
+        let bores = keys
+            .shaft
+            .map(|keys| keys.bores(r, sections.as_deref(), &places));
+        let is_elastic = bends || supports.iter().any(Option::is_some);
+        let shaft = is_elastic.then(|| {
+            let Loading { position, constant } = std::mem::take(&mut loading);
+            let loads = constant
+                .into_iter()
+                .map(|(position, [fx, fy, fz])| ShaftLoad {
+                    position,
+                    load: [fx, fy, fz, 0.0, 0.0],
+                });
+            let supports = supports.into_iter();
+            ElasticShaft {
+                sections: sections.unwrap_or_default(),
+                material,
+                supports: supports
+                    .map(|support| support.unwrap_or(Support::RIGID))
+                    .collect(),
+                loads: loads.collect(),
+                loaded_at: position,
+            }
+        });
         let heat = keys.heat.map(|keys| {
             let place = keys.reference_c.as_ref().map(|value| r.place(value.span()));
-            let reference = needed(&r, "heat", "reference_c", "20", keys.reference_c)?;
+            let reference = r.needed("heat", "reference_c", "20", keys.reference_c)?;
             if let (Err(message), Some(place)) = (celsius(reference), place) {
                 return Err(r.error(place, format!("reference_c: {message}")));
             }
@@ -350,28 +378,20 @@ impl SpindleFile {
                 },
             })
         });
-        let nose = keys.nose.map(|keys| {
-            let position = needed(&r, "nose", "position_mm", "-60", keys.position_mm)?;
-            let mut nose = ShaftEnd::rigid(millimetres(position));
-            let radial = or(keys.radial_um_per_kn, 0.0) / 1e9;
-            nose.flexibility[0][0] = or(keys.axial_um_per_kn, 0.0) / 1e9;
-            nose.flexibility[1][1] = radial;
-            nose.flexibility[2][2] = radial;
-            Ok(nose)
-        });
+        let noses = keys.nose.map(|keys| keys.read(r, bends));
         Ok(Self {
             is_bearing: false,
             plan: Plan {
                 rows,
                 arrangement,
                 spring: spring.transpose()?,
-                shaft: None,
+                shaft,
             },
-            nose: nose.transpose()?,
+            noses: noses.transpose()?.unwrap_or_default(),
             growth,
-            bore: bore.transpose()?.map(millimetres),
+            bores: bores.transpose()?.unwrap_or_default(),
             heat: heat.transpose()?,
-            loading: Loading::of(keys.load, keys.constant_load),
+            loading,
             file: file.to_owned(),
             designs,
         })
@@ -380,12 +400,12 @@ impl SpindleFile {
     /// The load, speed and growth that a row of loads stands for.
     pub fn question(&self, row: &LoadRow) -> Question {
         let omega = row.omega();
-        let growth = self.plan.rows.iter().zip(&self.growth);
-        let growth = growth.map(|(row_of_balls, fixed)| {
+        let growth = self.plan.rows.iter().zip(&self.growth).enumerate();
+        let growth = growth.map(|(i, (row_of_balls, fixed))| {
             let design: &Design = &row_of_balls.design;
             let mut growth = *fixed;
-            if let Some(bore) = self.bore {
-                growth = growth + Growth::by_rotation(design, bore, omega);
+            if let Some(bore) = self.bores.get(i) {
+                growth = growth + Growth::by_rotation(design, *bore, omega);
             }
             if let (Some(heat), Some(temperatures)) = (&self.heat, row.temperatures) {
                 let [inner, outer] = temperatures.map(|t| t - heat.reference);

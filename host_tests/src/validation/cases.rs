@@ -12,7 +12,7 @@ use files::plan::{Plan, Question, Row};
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload,
-    RatingLife, ShaftEnd, elliptic_integrals,
+    RatingLife, elliptic_integrals,
 };
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -175,7 +175,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         _ => Balls::Moving(run.attitude),
     };
     let answer = with_solver(&plan, motion, Precision::F64, |solver| {
-        solver.solve(&question, &ShaftEnd::rigid(0.0))
+        solver.solve(&question, &[])
     })?
     .map_err(|status| anyhow!("{load:?} N, N m, {omega} rad/s: {status}"))?;
 

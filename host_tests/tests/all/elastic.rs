@@ -36,6 +36,7 @@ fn plan(case: &SolvedElastic) -> Plan {
             },
             supports: case.supports.iter().map(support).collect(),
             loads: Vec::new(),
+            loaded_at: 0.0,
         }),
         ..case.set.plan.clone()
     }
@@ -50,7 +51,7 @@ fn errors(found: &Answer, case: &SolvedElastic) -> [f64; 5] {
     let mut errors = [0.0; 5];
     errors[0] = worse(
         at(found.displacement, set.displacement),
-        at(found.displacement_at, case.at_nose.displacement),
+        at(found.at[0].displacement, case.at_nose.displacement),
     );
     let of_rows = set.rows.iter().map(|row| solves::size(row.load, forces));
     let of_rows = of_rows.fold(0.0, worse);
@@ -67,7 +68,7 @@ fn errors(found: &Answer, case: &SolvedElastic) -> [f64; 5] {
         }
     }
     errors[3] = stiffness_error(&found.stiffness, &set.stiffness);
-    errors[4] = stiffness_error(&found.compliance_at, &case.at_nose.flexibility);
+    errors[4] = stiffness_error(&found.at[0].compliance, &case.at_nose.flexibility);
     errors
 }
 
@@ -79,10 +80,10 @@ fn solved_elastic_sets_are_solved_in_both_precisions() {
     ];
     elastic().par_iter().for_each(|case| {
         for (precision, bounds) in bounds {
-            let end = ShaftEnd::rigid(case.nose);
+            let ends = [ShaftEnd::rigid(case.nose)];
             let balls = Balls::Moving(case.set.attitude);
             let found = with_solver(&plan(case), balls, precision, |solver| {
-                solver.solve(&case.set.question, &end)
+                solver.solve(&case.set.question, &ends)
             });
             let name = &case.set.name;
             let found = found.unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -227,6 +228,7 @@ fn random_elastic(seed: u64) -> (Plan, Attitude, Question) {
         sections,
         material: Material::STEEL,
         loads: Vec::new(),
+        loaded_at: 0.0,
     });
     (plan, attitude, question)
 }
@@ -238,7 +240,7 @@ fn solve(
     question: &Question,
 ) -> Result<Answer, String> {
     let end = ShaftEnd::rigid(plan.rows[0].position - plan.rows[0].design.pitch_diameter);
-    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, &end);
+    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, &[end]);
     let solved = with_solver(plan, Balls::Moving(attitude), precision, ask);
     solved
         .map_err(|e| e.to_string())?

@@ -71,11 +71,8 @@ impl Checksum {
         self.text(answer.status);
         self.word(answer.iterations.into());
         self.numbers(&answer.displacement);
-        for matrix in [
-            &answer.stiffness,
-            &answer.compliance_at,
-            &answer.stiffness_at,
-        ] {
+        let at = &answer.at[0];
+        for matrix in [&answer.stiffness, &at.compliance, &at.stiffness] {
             self.numbers(matrix.as_flattened());
         }
         self.numbers(&[answer.spring_closure]);
@@ -137,7 +134,7 @@ fn solved_cases() -> Vec<Line> {
             let nose = spindle_bearing::ShaftEnd::rigid(-0.05);
             let (balls, question) = (Balls::Moving(set.attitude), &set.question);
             let found = with_solver(&set.plan, balls, precision, |solver| {
-                solver.solve(question, &nose)
+                solver.solve(question, &[nose])
             });
             shafts.set(&found.unwrap());
         }

@@ -88,7 +88,7 @@ fn solved_sets_are_solved_in_both_precisions() {
 }
 
 /// Where loads act.
-const AT_0: ShaftEnd<f64> = ShaftEnd::rigid(0.0);
+const AT_0: [ShaftEnd<f64>; 1] = [ShaftEnd::rigid(0.0)];
 const FREE: Balls = Balls::Moving(Attitude::Raceless);
 
 /// NTN's 7014C with the model's groove factors, of steel.
@@ -148,7 +148,7 @@ fn ask_in(
 }
 
 fn ask_at(plan: &Plan, balls: Balls, question: &Question, x: f64) -> Answer {
-    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, &ShaftEnd::rigid(x));
+    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, &[ShaftEnd::rigid(x)]);
     let asked = with_solver(plan, balls, Precision::F64, ask).unwrap();
     asked.unwrap_or_else(|e| panic!("{e}"))
 }
@@ -293,16 +293,16 @@ fn another_point_of_reference_transforms_the_result() {
     let [dx, dy, dz, ty, tz] = a.displacement;
     let there = [dx, dy + d * tz, dz - d * ty, ty, tz];
     assert!(vector_error(b.displacement, there, [1.0; 5]) < 1e-11);
-    assert!(stiffness_error(&b.stiffness, &a.stiffness_at) < 1e-11);
-    assert!(stiffness_error(&b.stiffness_at, &a.stiffness_at) < 1e-10);
-    assert!(stiffness_error(&b.compliance_at, &a.compliance_at) < 1e-10);
+    assert!(stiffness_error(&b.stiffness, &a.at[0].stiffness) < 1e-11);
+    assert!(stiffness_error(&b.at[0].stiffness, &a.at[0].stiffness) < 1e-10);
+    assert!(stiffness_error(&b.at[0].compliance, &a.at[0].compliance) < 1e-10);
     // The compliance is the inverse of the stiffness.
     for i in 0..5 {
         for j in 0..5 {
-            let product = |l: usize| a.compliance_at[i][l] * a.stiffness_at[l][j];
+            let product = |l: usize| a.at[0].compliance[i][l] * a.at[0].stiffness[l][j];
             let sum: f64 = (0..5).map(product).sum();
             let unit = f64::from(u8::from(i == j));
-            let scale = (a.stiffness_at[j][j] / a.stiffness_at[i][i]).sqrt();
+            let scale = (a.at[0].stiffness[j][j] / a.at[0].stiffness[i][i]).sqrt();
             assert!((sum - unit).abs() < 1e-10 * scale.max(1.0), "{sum}");
         }
     }
@@ -329,17 +329,18 @@ fn the_stiffness_at_a_nose_that_yields_is_the_inverse_of_its_compliance() {
         flexibility,
     };
     let solve = |end: ShaftEnd<f64>| {
-        let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(&loaded(SKEW, 9000.0), &end);
+        let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(&loaded(SKEW, 9000.0), &[end]);
         let asked = with_solver(&sprung(), FREE, Precision::F64, ask).unwrap();
         asked.unwrap_or_else(|e| panic!("{e}"))
     };
     let (yielding, rigid) = (solve(nose), solve(ShaftEnd::rigid(-0.1)));
     for i in 0..5 {
         for j in 0..5 {
-            let [c, of_rigid] = [&yielding, &rigid].map(|answer| answer.compliance_at[i][j]);
-            let [ci, cj] = [i, j].map(|l| yielding.compliance_at[l][l]);
+            let [c, of_rigid] = [&yielding, &rigid].map(|answer| answer.at[0].compliance[i][j]);
+            let [ci, cj] = [i, j].map(|l| yielding.at[0].compliance[l][l]);
             assert!((c - of_rigid - flexibility[i][j]).abs() < 1e-12 * (ci * cj).sqrt());
-            let product = |l: usize| yielding.stiffness_at[i][l] * yielding.compliance_at[l][j];
+            let product =
+                |l: usize| yielding.at[0].stiffness[i][l] * yielding.at[0].compliance[l][j];
             let sum: f64 = (0..5).map(product).sum();
             let unit = f64::from(u8::from(i == j));
             assert!((sum - unit).abs() < 1e-10 * (cj / ci).sqrt(), "{sum}");
@@ -482,7 +483,7 @@ fn a_pair_of_7014c_is_as_stiff_as_the_model_says() {
         let found = ask_at(plan, Balls::Static, &loaded([0.0; 5], 0.0), -0.0735);
         let tilt = found.stiffness[3][3] / tilting;
         assert!((tilt - 1.0).abs() < 0.01, "{tilt}");
-        let radial = 1e-6 / found.compliance_at[1][1] / nose;
+        let radial = 1e-6 / found.at[0].compliance[1][1] / nose;
         assert!((radial - 1.0).abs() < 0.01, "{radial}");
     }
 }
@@ -886,8 +887,8 @@ fn wild_questions_end_in_an_answer_or_a_refusal() {
                     growth: growth.to_vec(),
                     ..loaded(load, wild(20_000.0))
                 };
-                if let Ok(found) = solver.solve(&question, &ShaftEnd::rigid(-0.06)) {
-                    let matrices = [found.stiffness, found.compliance_at];
+                if let Ok(found) = solver.solve(&question, &[ShaftEnd::rigid(-0.06)]) {
+                    let matrices = [found.stiffness, found.at[0].compliance];
                     let mut figures = matrices.as_flattened().as_flattened().to_vec();
                     figures.extend(found.displacement);
                     figures.extend(found.rows.iter().flat_map(|row| row.force));

@@ -134,7 +134,7 @@ fn chart(args: &Args, input: Box<dyn Read>) -> Result<Chart> {
     } else {
         bail!(
             "line 1: there is no column k_x_x as in the results of cargo replay, nor azimuth_rad as in its --balls; files \
-             of --rows and --frequencies are not drawn"
+             of --rows, --nose and --frequencies are not drawn"
         )
     };
     let name = args.file.file_name().unwrap_or_default();

@@ -110,6 +110,15 @@ fn tables_are_drawn_over_a_temperature() {
 }
 
 #[test]
+fn results_of_an_elastic_spindle_are_drawn() {
+    let spindle = format!("{SHIPPED}/../spindles/elastic_spindle.toml");
+    let (_, table, _) = replayed(&[&spindle, "--table", "speed=0:9000:3000", "fy=500"], "");
+    for nose in [&["--over", "speed"][..], &["--over", "speed", "--nose"]] {
+        assert!(drawn(nose, &table).contains("Fy = 500 N"));
+    }
+}
+
+#[test]
 fn balls_are_drawn_at_the_time_of_the_largest_force_or_the_one_that_is_wanted() {
     let path = scratch("plot-balls.csv");
     let rows = "0,400,0,0,0,0,0\n1,400,900,0,0,0,0\n2,nan,0,0,0,0,0\n3,400,0,100,0,0,0\n";

@@ -25,7 +25,15 @@ const RESULT_HEADER: &str = "time_s,status,iterations,dx_m,dy_m,dz_m,ty_rad,tz_r
 const BALL_HEADER: &str = "time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n,q_o_n,fc_n,mg_nm,\
     p_i_pa,p_o_pa,a_i_m,b_i_m,a_o_m,b_o_m,cage_rad_s,attitude_rad,spin_roll_i,spin_roll_o";
 
-const ROW_HEADER: &str = "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n";
+const ROW_HEADER: &str = "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n,\
+    k_row_x_x,k_row_x_y,k_row_x_z,k_row_x_ty,k_row_x_tz,k_row_y_x,k_row_y_y,k_row_y_z,k_row_y_ty,k_row_y_tz,\
+    k_row_z_x,k_row_z_y,k_row_z_z,k_row_z_ty,k_row_z_tz,k_row_ty_x,k_row_ty_y,k_row_ty_z,k_row_ty_ty,k_row_ty_tz,\
+    k_row_tz_x,k_row_tz_y,k_row_tz_z,k_row_tz_ty,k_row_tz_tz,dx_m,dy_m,dz_m,ty_rad,tz_rad";
+
+const NOSE_HEADER: &str = "time_s,nose,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
+    c_x_x,c_x_y,c_x_z,c_x_ty,c_x_tz,c_y_x,c_y_y,c_y_z,c_y_ty,c_y_tz,c_z_x,c_z_y,c_z_z,c_z_ty,c_z_tz,\
+    c_ty_x,c_ty_y,c_ty_z,c_ty_ty,c_ty_tz,c_tz_x,c_tz_y,c_tz_z,c_tz_ty,c_tz_tz,\
+    c_error_x,c_error_y,c_error_z,c_error_ty,c_error_tz";
 
 /// Loads that are easy, uneven, at rest and at speed.
 const ROWS: &str = "\
@@ -110,12 +118,15 @@ pub fn parsed(csv: &str) -> Vec<LoadRow> {
 
 #[test]
 fn tables_hold_the_bits_that_the_solver_gave() {
-    let (bearing, spindle) = (shipped("b7005c"), shipped("../spindles/7014c_back_to_back"));
+    let spindles = ["7014c_back_to_back", "elastic_spindle"];
+    let [spindle, elastic] = spindles.map(|name| shipped(&format!("../spindles/{name}")));
+    let bearing = shipped("b7005c");
     for precision in [Precision::F32, Precision::F64] {
         check_tables(&bearing, "raceless", Attitude::Raceless, precision);
         check_tables(&bearing, "outer", Attitude::Outer, precision);
         check_tables(&bearing, "inner", Attitude::Inner, precision);
         check_tables(&spindle, "raceless", Attitude::Raceless, precision);
+        check_tables(&elastic, "raceless", Attitude::Raceless, precision);
     }
 }
 
@@ -126,16 +137,19 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
     let refused = "4,nan,300,-40,1,2,9000\n5,400,0,-inf,0,0,0\n6,400,0,0,0,0,NaN\n";
     let text = format!("{HEADER}{ROWS}{refused}{ROWS}");
     // A bearing has no table of rows, and no nose.
-    let (options, row, end): (&[&str], _, _) = match file.nose {
-        None => (&["--balls", "--frequencies"], "", ShaftEnd::rigid(0.0)),
-        Some(nose) => (&["--balls", "--frequencies", "--rows"], "row,", nose),
+    let (options, row): (&[&str], _) = match file.is_bearing {
+        true => (&["--balls", "--frequencies"], ""),
+        false => (&["--balls", "--frequencies", "--rows", "--nose"], "row,"),
     };
+    let ends: Vec<ShaftEnd<f64>> = file.noses.iter().map(|nose| nose.end).collect();
     let (out, mut files) = with_files(&args, options, &text);
-    files.resize(3, format!("{ROW_HEADER}\n"));
+    if file.is_bearing {
+        files.extend([ROW_HEADER, NOSE_HEADER].map(|header| format!("{header}\n")));
+    }
     let stiffness = RESULT_HEADER.find("k_x_x").unwrap()..RESULT_HEADER.find("limits").unwrap();
     let at_nose = RESULT_HEADER[stiffness.clone()].replace("k_", "k_nose_");
     let mut header = RESULT_HEADER.to_owned();
-    if file.nose.is_some() {
+    if file.nose().is_some() {
         header.insert_str(stiffness.end, &at_nose);
     }
     let mut lines = table(&out, &header).into_iter();
@@ -143,8 +157,9 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
         BALL_HEADER.replace("ball,", &format!("{row}ball,")),
         format!("time_s,{row}cage_hz,outer_race_hz,inner_race_hz,ball_hz"),
         ROW_HEADER.to_owned(),
+        NOSE_HEADER.to_owned(),
     ];
-    let mut files = [0, 1, 2].map(|i| table(&files[i], &headers[i]).into_iter());
+    let mut files = [0, 1, 2, 3].map(|i| table(&files[i], &headers[i]).into_iter());
     let limits = header.split(',').count() - 9;
     let balls = Balls::Moving(attitude);
     let check = |solver: &mut dyn AnySpindleSolver| {
@@ -155,12 +170,13 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
             let copies = [&line[..1], &line[limits + 1..limits + 7]].concat();
             let copies = numbers(&copies, Precision::F64).into_iter();
             assert!(copies.map(f64::to_bits).eq(given.map(f64::to_bits)));
-            let answer = solver.solve(&file.question(&row), &end);
+            let answer = solver.solve(&file.question(&row), &ends);
             match &answer {
                 Ok(answer) => {
                     let iterations = answer.iterations.to_string();
                     assert_eq!(line[1..3], [answer.status, &iterations]);
-                    let stiffness = [answer.stiffness, answer.stiffness_at].concat();
+                    let at_nose = answer.at.first().map_or([[0.0; 5]; 5], |at| at.stiffness);
+                    let stiffness = [answer.stiffness, at_nose].concat();
                     let figures = [&answer.displacement, stiffness.as_flattened()].concat();
                     let found = numbers(&line[3..limits], precision).into_iter();
                     let figures = figures.into_iter().take(limits - 3);
@@ -216,9 +232,24 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
                     let carried = row.map(|row| {
                         let forces = row.balls.iter().map(|ball| ball.q_i);
                         let least = forces.fold(f64::INFINITY, f64::min);
-                        [&row.force[..], &[row.preload, least]].concat()
+                        let stiffness = row.stiffness_on_shaft.as_flattened();
+                        let carried = [&row.force[..], &[row.preload, least], stiffness];
+                        [&carried.concat()[..], &row.displacement].concat()
                     });
                     check(2, None, carried);
+                }
+            }
+            for (i, nose) in file.noses.iter().enumerate() {
+                let line = files[3].next().unwrap();
+                assert_eq!(line[1], nose.name);
+                match &answer {
+                    Ok(answer) => {
+                        let at = &answer.at[i];
+                        let figures = [&at.displacement[..], at.compliance.as_flattened()];
+                        let figures = [&figures.concat()[..], &at.compliance_error].concat();
+                        assert_eq!(numbers(&line[2..], precision), figures);
+                    }
+                    Err(_) => assert!(line[2..].concat().is_empty()),
                 }
             }
         }

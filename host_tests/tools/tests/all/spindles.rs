@@ -80,6 +80,8 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     );
     changed(position, "", "this row lacks `position_mm`");
     changed("position_mm = -60", "", "[nose] lacks `position_mm`");
+    let reason = "expected `position_mm`, `radial_um_per_kn`, `axial_um_per_kn`, or a nose by name";
+    changed("position_mm = -60", "positon_mm = -60", reason);
     let place = r#"line 4, column 15: "DB" is none of "back-to-back""#;
     changed(r#"= "back-to-back""#, r#"= "DB""#, place);
     let name = r#"name = "7014C back to back""#;
@@ -103,6 +105,17 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     );
     assert_eq!(status, 2);
     assert!(err.contains("--rows is for spindles"), "{err}");
+    let (_, _, err) = replayed(
+        &[&format!("{bearings}/7014c.toml"), "-", "--nose", "nose.csv"],
+        LOADS,
+    );
+    assert!(err.contains("has no [nose]; add one"), "{err}");
+    for option in [["--given", "tz=0"], ["--freedoms", "3"]] {
+        let elastic = shipped("elastic_spindle");
+        let (status, _, err) = replayed(&[&elastic, "-", option[0], option[1]], LOADS);
+        assert_eq!(status, 2);
+        assert!(err.contains("hold an elastic shaft at x = 0"), "{err}");
+    }
     let warm = LOADS
         .replace("speed_rpm", "speed_rpm,t_inner_c,t_outer_c")
         .replace("000\n", "000,30,25\n");

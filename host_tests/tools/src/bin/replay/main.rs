@@ -121,9 +121,13 @@ struct Args {
     #[arg(long, value_name = "BALLS.csv")]
     balls: Option<PathBuf>,
 
-    /// Write the load, preload and least contact force of every row of a spindle to this CSV file
+    /// Write the load, preload, least contact force, stiffness and motion of every row of a spindle to this CSV file
     #[arg(long, value_name = "ROWS.csv")]
     rows: Option<PathBuf>,
+
+    /// Write the displacement and flexibility of every nose of a spindle to this CSV file
+    #[arg(long, value_name = "NOSES.csv")]
+    nose: Option<PathBuf>,
 
     /// Write the frequencies at which damaged parts of every row of balls are heard to this CSV file
     #[arg(long, value_name = "FREQUENCIES.csv")]
@@ -288,12 +292,19 @@ DESIGN.toml is a spindle if it has [[row]]s:
   facing = \"-x\"
   [spring]                      # of the rows with spring = true: force_n = 300
   [shaft]                       # rings grow with the speed on a shaft with bore_mm = 40
+  sections = [                  # or a shaft that bends, rigid outside of them and in gaps
+    { from_mm = -30, to_mm = 90, outer_mm = 70, inner_mm = 30 },
+  ]
+  grow_with_speed = true        # rings grow on the bores of the sections; youngs_modulus_gpa = 206
   [heat]                        # they grow with temperatures: reference_c = 20, ring_per_k, ball_per_k
   [nose]                        # stiffness there, too: position_mm = -60, radial_um_per_kn,
-                                # axial_um_per_kn
+                                # axial_um_per_kn, both of a shaft without sections
+  [nose.tool]                   # more of them, by name: position_mm = -120
+A [[row]] may stand on an elastic support; what is left out is rigid:
+  support = { axial_n_per_um = 500, radial_n_per_um = 400, tilting_nm_per_rad = 1e6 }
 
 DESIGN.toml of either kind may say where recorded loads act, and what acts besides:
-  [load]
+  [load]                        # on an elastic shaft, all loads act where they stand
   position_mm = -60
   [[constant_load]]             # belt, gear, weight: fx_n, fy_n, fz_n at
   position_mm = 120
@@ -351,6 +362,14 @@ ROWS.csv, one row for each row of balls, numbered from 0 as in DESIGN.toml, in t
 whose x points where an axial load presses its balls:
   time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n
   load on its inner ring about its centre; what of the axial one is preload; least force of a ball
+then in the shaft's frame, SI units:
+  k_row_x_x .. k_row_tz_tz  stiffness between shaft and housing: of the row, its support in series
+  dx_m .. tz_rad  displacement of the shaft at the row
+
+NOSES.csv, one row for each nose, the plain one being called nose:
+  time_s,nose,dx_m,dy_m,dz_m,ty_rad,tz_rad,c_x_x .. c_tz_tz,c_error_x .. c_error_tz
+  displacement of the shaft there; flexibility: c_y_tz is the change of dy with the moment Mz;
+  estimated relative errors of c_x_x, c_y_y, c_z_z, c_ty_ty, c_tz_tz
 
 Files are written beside their places and moved there when they are complete.
 
@@ -420,6 +439,11 @@ fn run(args: &Args) -> Result<Summary> {
         "--rows is for spindles, and {} is one bearing: it has no [[row]]",
         args.design().display()
     );
+    ensure!(
+        args.nose.is_none() || !file.noses.is_empty(),
+        "--nose: {} has no [nose]; add one with position_mm",
+        args.design().display()
+    );
     let balls = match args.motion {
         Motion::Full => Balls::Moving(args.attitude),
         _ if args.attitude != Attitude::Raceless => bail!(
@@ -436,6 +460,11 @@ fn run(args: &Args) -> Result<Summary> {
         );
     }
     let held = args.held()?;
+    ensure!(
+        held == [None; 5] || file.plan.loaded_at() == 0.0,
+        "--given and --freedoms 3 hold an elastic shaft at x = 0 where its loads act there; set [load] position_mm = 0, or \
+         leave the option out"
+    );
     let mut lifetime = args.summary.map(|_| Lifetime::default());
     let solved = with_solver(&file.plan, balls, precision, |solver| {
         let (rows, recording) = args.input(&file)?;
@@ -572,6 +601,7 @@ impl Args {
         for (table, option, path) in [
             (Table::Balls, "--balls", &self.balls),
             (Table::Rows, "--rows", &self.rows),
+            (Table::Noses, "--nose", &self.nose),
             (Table::Frequencies, "--frequencies", &self.frequencies),
         ] {
             if let Some(path) = path {

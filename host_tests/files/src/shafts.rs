@@ -1,0 +1,196 @@
+//! The elastic shaft of a spindle file, and the supports of its rows.
+
+use crate::designs::{DesignFileError, Key, Place, Reading, millimetres, short};
+use crate::plan::MOST_SECTIONS;
+use serde::Deserialize;
+use spindle_bearing::{Material, Quantity, Section, Shaft, ShaftError, Support};
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ShaftKeys {
+    bore_mm: Key<f64>,
+    youngs_modulus_gpa: Key<f64>,
+    poissons_ratio: Key<f64>,
+    sections: Option<Vec<Spanned<SectionKeys>>>,
+    grow_with_speed: Key<bool>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SectionKeys {
+    from_mm: Spanned<f64>,
+    to_mm: Spanned<f64>,
+    outer_mm: Spanned<f64>,
+    inner_mm: Key<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SupportKeys {
+    axial_n_per_um: Key<f64>,
+    radial_n_per_um: Key<f64>,
+    tilting_nm_per_rad: Key<f64>,
+}
+
+/// Least stiffness of a support that the library takes, N/m and N m/rad.
+const LEAST_SUPPORT: f64 = 1.0;
+
+impl SupportKeys {
+    /// The support of the row of this number.
+    pub fn read(&self, r: Reading<'_>, row: usize) -> Result<Support<f64>, DesignFileError> {
+        let stiffness = |key: &str, value: &Key<f64>, unit: f64| {
+            let Some(value) = value else {
+                return Ok(f64::INFINITY);
+            };
+            let (said, least) = (value.get_ref(), LEAST_SUPPORT / unit);
+            if said * unit >= LEAST_SUPPORT {
+                return Ok(said * unit);
+            }
+            let message = format!(
+                "row {row}: `{key}` is {said}, but must be {least} at least; leave it out for a rigid support"
+            );
+            Err(r.error(r.place(value.span()), message))
+        };
+        Ok(Support {
+            axial: stiffness("axial_n_per_um", &self.axial_n_per_um, 1e6)?,
+            radial: stiffness("radial_n_per_um", &self.radial_n_per_um, 1e6)?,
+            tilting: stiffness("tilting_nm_per_rad", &self.tilting_nm_per_rad, 1.0)?,
+        })
+    }
+}
+
+impl SectionKeys {
+    fn section(&self) -> Section {
+        let inner = self.inner_mm.as_ref().map_or(0.0, |inner| *inner.get_ref());
+        Section {
+            from: millimetres(*self.from_mm.get_ref()),
+            to: millimetres(*self.to_mm.get_ref()),
+            outer: millimetres(*self.outer_mm.get_ref()),
+            inner: millimetres(inner),
+        }
+    }
+}
+
+impl ShaftKeys {
+    /// The sections, none if the file has no such key; and their material.
+    pub fn sections(
+        &self,
+        r: Reading<'_>,
+    ) -> Result<(Option<Vec<Section>>, Material), DesignFileError> {
+        let mut material = Material::STEEL;
+        let mut for_sections = None;
+        if let Some(value) = &self.youngs_modulus_gpa {
+            material.youngs_modulus = value.get_ref() * 1e9;
+            for_sections = Some(("youngs_modulus_gpa", value.span()));
+        }
+        if let Some(value) = &self.poissons_ratio {
+            material.poissons_ratio = *value.get_ref();
+            for_sections = Some(("poissons_ratio", value.span()));
+        }
+        let Some(keys) = &self.sections else {
+            let Some((key, span)) = for_sections else {
+                return Ok((None, material));
+            };
+            let message = format!("`{key}` is for `sections`: add them, or remove it");
+            return Err(r.error(r.place(span), message));
+        };
+        let sections: Vec<Section> = keys.iter().map(|keys| keys.get_ref().section()).collect();
+        match Shaft::<f64, MOST_SECTIONS>::new(&sections, &material) {
+            Ok(_) => Ok((Some(sections), material)),
+            Err(error) => Err(self.explain(r, keys, &error)),
+        }
+    }
+
+    /// The message for a shaft that the library refuses: its section, key and place, in the file's unit.
+    fn explain(
+        &self,
+        r: Reading<'_>,
+        sections: &[Spanned<SectionKeys>],
+        ShaftError { section, error }: &ShaftError,
+    ) -> DesignFileError {
+        use Quantity as Q;
+        let keys = sections.get(*section).map(Spanned::get_ref);
+        let of_shaft = |key: &Key<f64>| key.as_ref().map(Spanned::span);
+        let (key, span, unit) = match (error.quantity, keys) {
+            (Q::ShaftYoungsModulus, _) => {
+                let span = of_shaft(&self.youngs_modulus_gpa);
+                ("youngs_modulus_gpa", span, 1e-9)
+            }
+            (Q::ShaftPoissonsRatio, _) => ("poissons_ratio", of_shaft(&self.poissons_ratio), 1.0),
+            (Q::SectionStart, Some(keys)) => ("from_mm", Some(keys.from_mm.span()), 1e3),
+            (Q::SectionEnd, Some(keys)) => ("to_mm", Some(keys.to_mm.span()), 1e3),
+            (Q::OuterDiameter, Some(keys)) => ("outer_mm", Some(keys.outer_mm.span()), 1e3),
+            (Q::InnerDiameter, Some(keys)) => ("inner_mm", of_shaft(&keys.inner_mm), 1e3),
+            _ => ("sections", sections.get(*section).map(Spanned::span), 1.0),
+        };
+        let [value, least, most] = [error.value, error.least, error.most].map(|x| short(unit * x));
+        let place = span.map_or(Place::TOP, |span| r.place(span));
+        // Of two that overlap, the later one is at fault, and each is in range by itself.
+        let mut before = sections.iter().take(*section);
+        let beside = before.position(|other| other.get_ref().section().to == error.least);
+        let extent = |i: usize| {
+            let keys = sections[i].get_ref();
+            let [from, to] = [&keys.from_mm, &keys.to_mm].map(|key| *key.get_ref());
+            format!("section {i} (`from_mm` = {from}, `to_mm` = {to})")
+        };
+        let message = match (key, beside) {
+            ("sections", _) => format!("[shaft] has {value} sections, and {most} at most here"),
+            ("from_mm", Some(other)) => {
+                format!("{} overlaps {}", extent(*section), extent(other))
+            }
+            ("youngs_modulus_gpa" | "poissons_ratio", _) => {
+                format!("`{key}` of [shaft] is {value}, but must lie between {least} and {most}")
+            }
+            _ => format!(
+                "section {section}: `{key}` is {value}, but must lie between {least} and {most}; sections count from 0"
+            ),
+        };
+        r.error(place, message)
+    }
+
+    /// Bore at each of the `rows`, on which its ring grows with the speed, m; none if rings do not grow.
+    ///
+    /// Where two sections meet at a row, the larger bore counts: the rings grow more.
+    pub fn bores(
+        &self,
+        r: Reading<'_>,
+        sections: Option<&[Section]>,
+        rows: &[(f64, Place)],
+    ) -> Result<Vec<f64>, DesignFileError> {
+        let grows = self.grow_with_speed.as_ref();
+        let grows = grows.filter(|grows| *grows.get_ref());
+        let place = grows.map(|grows| r.place(grows.span()));
+        match (&self.bore_mm, place, sections) {
+            (Some(_), Some(place), _) => {
+                let message = "rings grow by `grow_with_speed` or by `bore_mm`; remove one of them";
+                Err(r.error(place, message))
+            }
+            (Some(bore), None, _) => Ok(vec![millimetres(*bore.get_ref()); rows.len()]),
+            (None, Some(place), None) => {
+                let message =
+                    "`grow_with_speed` takes the bores of `sections`: add them, or give `bore_mm`";
+                Err(r.error(place, message))
+            }
+            (None, Some(_), Some(sections)) => {
+                let bores = rows.iter().enumerate().map(|(row, (x, place))| {
+                    let at = |section: &&Section| section.from <= *x && *x <= section.to;
+                    let bores = sections.iter().filter(at).map(|section| section.inner);
+                    bores.reduce(f64::max).ok_or_else(|| {
+                        let message = format!(
+                            "row {row} stands in no section of [shaft], and `grow_with_speed` takes its bore: add a section, or give `bore_mm`"
+                        );
+                        r.error(*place, message)
+                    })
+                });
+                bores.collect()
+            }
+            (None, None, None) if self.grow_with_speed.is_none() => {
+                let message =
+                    "[shaft] lacks `bore_mm`; add a line such as `bore_mm = 40`, or `sections`";
+                Err(r.error(Place::TOP, message))
+            }
+            (None, None, _) => Ok(Vec::new()),
+        }
+    }
+}
