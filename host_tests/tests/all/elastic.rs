@@ -1,41 +1,12 @@
 //! Spindles with an elastic shaft on elastic supports.
 
 use super::solves::{self, vector_error};
-use files::plan::{ElasticShaft, Plan};
-use host_tests::cases::{self, SolvedElastic, elastic};
+use host_tests::cases::{SolvedElastic, elastic};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::Precision;
 use host_tests::spindles::{Answer, Balls, with_solver};
 use rayon::prelude::*;
-use spindle_bearing::{Material, Section, ShaftEnd, Support};
-
-/// The spindle of a solved case.
-fn plan(case: &SolvedElastic) -> Plan {
-    let section = |&[from, to, outer, inner]: &[f64; 4]| Section {
-        from,
-        to,
-        outer,
-        inner,
-    };
-    let support = |&[axial, radial, tilting]: &cases::Support| Support {
-        axial: axial.unwrap_or(f64::INFINITY),
-        radial: radial.unwrap_or(f64::INFINITY),
-        tilting: tilting.unwrap_or(f64::INFINITY),
-    };
-    Plan {
-        shaft: Some(ElasticShaft {
-            sections: case.shaft.sections.iter().map(section).collect(),
-            material: Material {
-                youngs_modulus: case.shaft.youngs_modulus,
-                poissons_ratio: case.shaft.poissons_ratio,
-                ..Material::STEEL
-            },
-            supports: case.supports.iter().map(support).collect(),
-            loads: Vec::new(),
-        }),
-        ..case.set.plan.clone()
-    }
-}
+use spindle_bearing::ShaftEnd;
 
 /// Errors of an answer: displacements, forces of rows, contact forces, stiffness, flexibility of the nose.
 fn errors(found: &Answer, case: &SolvedElastic) -> [f64; 5] {
@@ -77,7 +48,7 @@ fn solved_elastic_sets_are_solved_in_both_precisions() {
         for (precision, bounds) in bounds {
             let end = ShaftEnd::rigid(case.nose);
             let balls = Balls::Moving(case.set.attitude);
-            let found = with_solver(&plan(case), balls, precision, |solver| {
+            let found = with_solver(&case.plan(), balls, precision, |solver| {
                 solver.solve(&case.set.question, &end)
             });
             let name = &case.set.name;

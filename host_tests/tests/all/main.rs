@@ -12,6 +12,7 @@ mod designs;
 mod edges;
 mod elastic;
 mod elastic_reference;
+mod elastic_ross;
 mod frames;
 mod given;
 mod growth;
