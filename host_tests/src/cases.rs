@@ -6,7 +6,9 @@ use crate::reference::{self, Reference};
 use files::plan::{self, Plan, Question};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use spindle_bearing::{Arrangement, Design, Facing, FreeContact, Growth, Material, Preload};
+use spindle_bearing::{
+    Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, Section,
+};
 use std::f64::consts::{PI, TAU};
 
 /// Large, and turned fast for its size: gyroscopic moments matter.
@@ -332,6 +334,36 @@ pub struct SolvedElastic {
 }
 
 impl SolvedElastic {
+    /// The spindle with its shaft and supports.
+    pub fn plan(&self) -> Plan {
+        let section = |&[from, to, outer, inner]: &[f64; 4]| Section {
+            from,
+            to,
+            outer,
+            inner,
+        };
+        let support = |&[axial, radial, tilting]: &Support| spindle_bearing::Support {
+            axial: axial.unwrap_or(f64::INFINITY),
+            radial: radial.unwrap_or(f64::INFINITY),
+            tilting: tilting.unwrap_or(f64::INFINITY),
+        };
+        let shaft = plan::ElasticShaft {
+            sections: self.shaft.sections.iter().map(section).collect(),
+            material: Material {
+                youngs_modulus: self.shaft.youngs_modulus,
+                poissons_ratio: self.shaft.poissons_ratio,
+                ..Material::STEEL
+            },
+            supports: self.supports.iter().map(support).collect(),
+            loads: Vec::new(),
+            loaded_at: 0.0,
+        };
+        Plan {
+            shaft: Some(shaft),
+            ..self.set.plan.clone()
+        }
+    }
+
     /// The spindle, as the reference build calls it.
     pub fn reference(&self) -> reference::spindle::Spindle {
         let growth = &self.set.question.growth;
@@ -406,9 +438,7 @@ pub struct SolvedElasticRow {
 }
 
 #[derive(Deserialize)]
-struct ElasticRow {
-    #[serde(flatten)]
-    set: SetRow<SolvedElasticRow>,
+struct ShaftRow {
     shaft: ElasticShaft,
     nose: f64,
 }
@@ -419,17 +449,20 @@ struct ElasticRow {
 ///
 /// If the file is not there or is not what it should be.
 pub fn elastic() -> Vec<SolvedElastic> {
-    let solved = |(number, mut row): (usize, ElasticRow)| SolvedElastic {
-        supports: row.set.rows.iter().map(|row| row.support).collect(),
-        shaft: row.shaft,
-        nose: row.nose,
-        at_nose: row.set.expect.nose.take().expect("a solved nose"),
+    type Rows = ((usize, SetRow<SolvedElasticRow>), ShaftRow);
+    let solved = |((number, mut set), on): Rows| SolvedElastic {
+        supports: set.rows.iter().map(|row| row.support).collect(),
+        shaft: on.shaft,
+        nose: on.nose,
+        at_nose: set.expect.nose.take().expect("a solved nose"),
         set: {
-            let name = format!("elastic {number} ({})", row.set.layout);
-            row.set.solved(name)
+            let name = format!("elastic {number} ({})", set.layout);
+            set.solved(name)
         },
     };
-    read(ELASTIC).into_iter().enumerate().map(solved).collect()
+    // Not flattened: serde_json refuses numbers there, if a program asks it for any precision.
+    let sets = read(ELASTIC).into_iter().enumerate();
+    sets.zip(read(ELASTIC)).map(solved).collect()
 }
 
 /// Pseudo-random numbers (splitmix64), the same everywhere and for ever.

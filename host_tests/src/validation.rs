@@ -3,7 +3,9 @@
 //! `host_tests/validation.toml` holds every claim with its source, its cases and its bounds. The test
 //! `tests/all/validation.rs` judges them, and `cargo reports validation` writes them to `docs/validation.md`.
 
+mod beams;
 pub mod book;
+pub mod case;
 pub mod cases;
 pub mod judge;
 pub mod page;

@@ -60,6 +60,8 @@ pub struct Run {
     pub load: [f64; 5],
     pub facings: Option<String>,
     #[serde(default)]
+    pub positions_mm: Vec<f64>,
+    #[serde(default)]
     pub each_ball: bool,
     #[serde(default)]
     pub values: BTreeMap<String, Values>,
@@ -75,6 +77,7 @@ pub enum Table {
     HertzContacts,
     Spheres,
     Fits,
+    RossShafts,
 }
 
 /// A program that solves a case.

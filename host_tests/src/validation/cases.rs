@@ -1,7 +1,9 @@
 //! Cases of a run, solved: a table with the columns of `cargo replay`.
 
+use super::beams;
 use super::book::{Chapter, Program, Run, Table};
-use crate::cases::{rad_per_s, reference};
+use super::case::{Case, with, with_matrix};
+use crate::cases::{elastic, rad_per_s, reference};
 use crate::dispatch::Precision;
 use crate::reference::Reference;
 use crate::spindles::{Balls, with_solver};
@@ -12,13 +14,10 @@ use files::plan::{Plan, Question, Row};
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload,
-    RatingLife, elliptic_integrals,
+    RatingLife, ShaftEnd, elliptic_integrals,
 };
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-
-/// Values by the names of their columns, SI but for the units in the names.
-pub type Case = BTreeMap<String, f64>;
 
 /// A run and its cases.
 #[derive(Debug, Clone)]
@@ -64,6 +63,7 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
             Some(Table::HertzContacts) => Ok(vec![with_contact(case)]),
             Some(Table::Spheres) => Ok(vec![of_spheres(case)]),
             Some(Table::Fits) => Ok(vec![of_fits(case)]),
+            Some(Table::RossShafts) => Ok(vec![of_ross(case)?]),
             Some(Table::GmnS60 | Table::Ntn) | None => of_bearing(run, case),
         })
         .collect();
@@ -81,6 +81,7 @@ fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
         Some(Table::Ntn) => include_str!("../../makers/ntn.csv"),
         Some(Table::EllipticIntegrals) => include_str!("../../cases/elliptic_integrals.csv"),
         Some(Table::HertzContacts) => include_str!("../../cases/hertz_contacts.csv"),
+        Some(Table::RossShafts) => include_str!("../../cases/ross_shafts.csv"),
         Some(Table::Spheres | Table::Fits) | None => return Ok(combinations(run)),
     };
     let mut reader = csv::ReaderBuilder::new()
@@ -149,10 +150,15 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     }
 
     let facings = run.facings.as_deref().unwrap_or("+");
+    let position = |i: usize| match run.positions_mm.get(i) {
+        Some(mm) => 1e-3 * mm,
+        None => design.pitch_diameter * i as f64,
+    };
+    let last = position(facings.len() - 1);
     let row = |(i, facing): (usize, char)| Row {
         balls,
         design,
-        position: design.pitch_diameter * i as f64,
+        position: position(i),
         facing: match facing {
             '-' => Facing::MinusX,
             _ => Facing::PlusX,
@@ -163,7 +169,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         rows: facings.chars().enumerate().map(row).collect(),
         arrangement: Arrangement::ByRows,
         spring: None,
-        shaft: None,
+        shaft: beams::shaft(&case, facings.len(), last),
     };
     let question = Question {
         load,
@@ -175,9 +181,10 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         _ => Balls::Moving(run.attitude),
     };
     let answer = with_solver(&plan, motion, Precision::F64, |solver| {
-        solver.solve(&question, &[])
+        solver.solve(&question, &beams::ends(&case))
     })?
     .map_err(|status| anyhow!("{load:?} N, N m, {omega} rad/s: {status}"))?;
+    let case = beams::with_nose(case, &answer, last);
 
     let mut case = with_equilibrium(case, answer.displacement, answer.stiffness);
     let side: f64 = answer.rows.iter().map(|row| 0.5 * row.preload).sum();
@@ -223,20 +230,20 @@ fn bearing(run: &Run, case: &Case) -> anyhow::Result<(Design, usize, Option<Life
     Ok((design, file.balls, rating))
 }
 
-/// The case with these columns as well.
-fn with<const N: usize>(mut case: Case, columns: [&str; N], values: [f64; N]) -> Case {
-    case.extend(columns.map(str::to_owned).into_iter().zip(values));
-    case
+fn with_equilibrium(case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
+    let case = with(case, ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"], u);
+    with_matrix(case, "k", k)
 }
 
-fn with_equilibrium(case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
-    let mut case = with(case, ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"], u);
-    let freedoms = ["x", "y", "z", "ty", "tz"];
-    for (row, values) in freedoms.iter().zip(k) {
-        let columns = freedoms.map(|column| format!("k_{row}_{column}"));
-        case.extend(columns.into_iter().zip(values));
-    }
-    case
+/// A set of `cases/elastic.json` that ROSS has found the flexibility of, with ours.
+fn of_ross(case: Case) -> anyhow::Result<Case> {
+    let set = &elastic()[case["set"] as usize];
+    let balls = Balls::Moving(set.set.attitude);
+    let answer = with_solver(&set.plan(), balls, Precision::F64, |solver| {
+        solver.solve(&set.set.question, &[ShaftEnd::rigid(set.nose)])
+    })?;
+    let answer = answer.map_err(|status| anyhow!("{}: {status}", set.set.name))?;
+    Ok(with_matrix(case, "c_nose", answer.at[0].compliance))
 }
 
 fn with_ball(case: Case, [azimuth, inner, outer]: [f64; 3], [q_i, q_o]: [f64; 2]) -> Case {

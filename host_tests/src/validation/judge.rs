@@ -1,7 +1,8 @@
 //! Claims judged: values of a measure, the numbers they make, and whether these are within their bounds.
 
 use super::book::{Chapter, Claim, Measure, Place};
-use super::cases::{Case, Solved};
+use super::case::Case;
+use super::cases::Solved;
 use anyhow::{Context, bail, ensure};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;

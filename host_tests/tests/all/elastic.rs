@@ -4,7 +4,7 @@ use super::solves::{self, vector_error};
 use super::spindles::{displacement_of, largest, off_balance, random};
 use super::textbook::{unbalanced, unclosed};
 use files::plan::{ElasticShaft, Plan, Question};
-use host_tests::cases::{self, Random, SolvedElastic, elastic};
+use host_tests::cases::{Random, SolvedElastic, elastic};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, with_solver};
@@ -12,35 +12,6 @@ use rayon::prelude::*;
 use spindle_bearing::{Material, Section, ShaftEnd, Support};
 use std::array::from_fn;
 use std::f64::consts::PI;
-
-/// The spindle of a solved case.
-fn plan(case: &SolvedElastic) -> Plan {
-    let section = |&[from, to, outer, inner]: &[f64; 4]| Section {
-        from,
-        to,
-        outer,
-        inner,
-    };
-    let support = |&[axial, radial, tilting]: &cases::Support| Support {
-        axial: axial.unwrap_or(f64::INFINITY),
-        radial: radial.unwrap_or(f64::INFINITY),
-        tilting: tilting.unwrap_or(f64::INFINITY),
-    };
-    Plan {
-        shaft: Some(ElasticShaft {
-            sections: case.shaft.sections.iter().map(section).collect(),
-            material: Material {
-                youngs_modulus: case.shaft.youngs_modulus,
-                poissons_ratio: case.shaft.poissons_ratio,
-                ..Material::STEEL
-            },
-            supports: case.supports.iter().map(support).collect(),
-            loads: Vec::new(),
-            loaded_at: 0.0,
-        }),
-        ..case.set.plan.clone()
-    }
-}
 
 /// Errors of an answer: displacements, forces of rows, contact forces, stiffness, flexibility of the nose.
 fn errors(found: &Answer, case: &SolvedElastic) -> [f64; 5] {
@@ -82,7 +53,7 @@ fn solved_elastic_sets_are_solved_in_both_precisions() {
         for (precision, bounds) in bounds {
             let ends = [ShaftEnd::rigid(case.nose)];
             let balls = Balls::Moving(case.set.attitude);
-            let found = with_solver(&plan(case), balls, precision, |solver| {
+            let found = with_solver(&case.plan(), balls, precision, |solver| {
                 solver.solve(&case.set.question, &ends)
             });
             let name = &case.set.name;

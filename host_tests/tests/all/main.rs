@@ -13,6 +13,7 @@ mod edges;
 mod elastic;
 mod elastic_files;
 mod elastic_reference;
+mod elastic_ross;
 mod frames;
 mod given;
 mod growth;

@@ -1,0 +1,41 @@
+//! Files of `recipes/ross_shaft.py`: sets on elastic shafts for ROSS, the rotor dynamics package.
+
+use host_tests::cases::elastic;
+use host_tests::dispatch::Precision;
+use host_tests::spindles::{Balls, with_solver};
+use serde_json::json;
+use spindle_bearing::ShaftEnd;
+use std::fs;
+
+#[test]
+#[ignore = "writes files for a program that is not here"]
+fn flexibilities_are_written_for_ross() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/ross_shafts");
+    fs::create_dir_all(folder).unwrap();
+    for (number, case) in elastic().iter().enumerate() {
+        // Rows in a sleeve move together, which ROSS's rows cannot. A row of set 25 is 0.1 um from the end of a section: too
+        // close for elements of stiffness.
+        if case.set.plan.spring.is_some() || number == 25 {
+            continue;
+        }
+        let balls = Balls::Moving(case.set.attitude);
+        let end = ShaftEnd::rigid(case.nose);
+        let found = with_solver(&case.plan(), balls, Precision::F64, |solver| {
+            solver.solve(&case.set.question, &[end])
+        });
+        let found = found.unwrap().unwrap();
+        let rows = case.set.plan.rows.iter().zip(&found.rows);
+        let rows = rows.map(
+            |(row, found)| json!({ "position": row.position, "stiffness": found.stiffness_on_shaft }),
+        );
+        let spindle = json!({
+            "youngs_modulus": case.shaft.youngs_modulus,
+            "poissons_ratio": case.shaft.poissons_ratio,
+            "sections": case.shaft.sections,
+            "rows": rows.collect::<Vec<_>>(),
+            "noses": [{ "position": case.nose, "flexibility": found.at[0].compliance }],
+        });
+        let path = format!("{folder}/{number:02}.json");
+        fs::write(path, spindle.to_string()).unwrap();
+    }
+}
