@@ -46,8 +46,6 @@ pub struct Bend<T, const D: usize> {
     force_step: [T; D],
     /// These forces of all rows from here outwards, at the elastic centre.
     bending: [T; D],
-    /// Force that the balls hand over less the one that bends the shaft.
-    missing: [T; D],
     /// Deflection of the row, and where the balls were condensed last.
     pub deflection: [T; 5],
     before: [T; 5],
@@ -63,7 +61,6 @@ impl<T: Real, const D: usize> Bend<T, D> {
         force: [T::ZERO; D],
         force_step: [T::ZERO; D],
         bending: [T::ZERO; D],
-        missing: [T::ZERO; D],
         deflection: [T::ZERO; 5],
         before: [T::ZERO; 5],
         moved: [T::ZERO; 5],
@@ -102,7 +99,10 @@ pub fn soften<T: Real, const D: usize>(sum: &mut Sum<T, D>, springs: &[T; 5]) {
         let taken = *flexibility * per;
         let (k, force, by_speed) = (sum.k[i], sum.force[i], sum.by_speed[i]);
         let forces = sum.force.iter_mut().zip(&mut sum.by_speed);
-        for (row, (f, s)) in sum.k.iter_mut().zip(forces) {
+        for (j, (row, (f, s))) in sum.k.iter_mut().zip(forces).enumerate() {
+            if j == i {
+                continue;
+            }
             let column = row[i];
             let part = taken * column;
             for (k, of_spring) in row.iter_mut().zip(&k) {
@@ -142,7 +142,6 @@ pub fn fold<T: Real, const D: usize>(
         add(&mut bend.force, T::ONE, &bend.force_step);
         add(&mut bend.held.force, -T::ONE, &bend.force);
         add(&mut bending, T::ONE, &bend.force);
-        bend.missing = bend.held.force;
         soften(&mut bend.held, &joint.support);
         side.add(&bend.held);
         let [row, centre] = joint.beyond;
@@ -209,32 +208,6 @@ pub fn unfold<T: Real, const D: usize>(
         }
         bend.moved[0] += slide(joint.row);
     }
-}
-
-/// Work of the unbalanced forces along the step `du` of the section at `x = 0` and the rows' motions with it, `r` being the
-/// unbalanced force there.
-#[inline(never)]
-pub fn work<T: Real, const D: usize>(
-    joints: &[Joint<T>],
-    bends: &[Bend<T, D>],
-    r: &[T; D],
-    du: &[T; D],
-) -> T {
-    let mut work = dot(r, du);
-    for joint in joints {
-        let Some(bend) = bends.get(joint.row) else {
-            break;
-        };
-        if joint.is_last {
-            let mut change = bend.outer.force;
-            refer(joint.beyond[1], &mut change);
-            work += dot(&change, du);
-        }
-        for (missing, moved) in bend.missing.iter().zip(&bend.moved) {
-            work -= *missing * *moved;
-        }
-    }
-    work
 }
 
 /// Change of the stiffness's diagonal at `x = 0` by changes of the rows', which are about the rows' centres.
@@ -331,19 +304,13 @@ impl<T: Real, const D: usize> Bend<T, D> {
     #[inline(never)]
     pub fn stay(&mut self) {
         self.deflection = self.before;
-        (self.force_step, self.moved) = ([T::ZERO; D], [T::ZERO; 5]);
+        self.end_step();
     }
 
-    /// Moves by this part of the last step besides.
-    #[cold]
+    /// Takes no more of the last step than its deflection, which the balls have followed.
     #[inline(never)]
-    pub fn add_part(&mut self, part: T) {
-        let mut step = self.deflection;
-        add(&mut step, -T::ONE, &self.before);
-        self.before = self.deflection;
-        add(&mut self.deflection, part, &step);
-        self.force_step = self.force_step.map(|x| part * x);
-        self.moved = self.moved.map(|x| part * x);
+    pub fn end_step(&mut self) {
+        (self.force_step, self.moved) = ([T::ZERO; D], [T::ZERO; 5]);
     }
 
     /// Force of the row on the shaft after the last step.

@@ -10,7 +10,7 @@ pub mod row;
 use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
 use crate::bearing::{Azimuth, Bearing, Constants};
-use crate::linalg::{moved, product, vector};
+use crate::linalg::{moved, vector};
 use crate::real::Real;
 use crate::shaft::elastic::{Bend, Joint};
 use crate::shaft::row::{Changes, Row, Sum, sum_up};
@@ -404,16 +404,6 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                 _ => T::ZERO,
             };
             elastic::unfold(&self.layout.joints, self.bends, &slide, du, ds);
-        }
-    }
-
-    /// Work of the unbalanced force `r`, and of what an elastic shaft's rows miss, along the last step.
-    #[inline(always)]
-    pub fn work(&self, r: &[T; D], du: &[T; D]) -> T {
-        if E > 0 {
-            elastic::work(&self.layout.joints, self.bends, r, du)
-        } else {
-            product(r, du)
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
-use crate::linalg::{moved, norm, vector};
+use crate::linalg::{moved, norm, product, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::solver::problem::{Problem, Time};
@@ -10,20 +10,14 @@ use crate::solver::state::{Control, Estimate, State, Step, StepReport, Terminati
 use crate::tuning;
 
 impl<T: Real, const D: usize> Control<T, D> {
-    /// Accepts or rejects the last step by the work that the unbalanced force it led to has along it: the part of it to be added, if
-    /// any, which is negative.
+    /// Accepts or rejects the last step by the unbalanced force `r` it led to: the part to be taken back, if any.
     ///
     /// A residual of rounding rejects no step. `rounded(part)`: rounding, capped at this part of a ball's force, explains the
     /// residual; `enough` is a part that makes no difference.
     #[inline(always)]
-    fn review(
-        &mut self,
-        work: impl FnOnce(&[T; D]) -> T,
-        enough: T,
-        rounded: impl Fn(T) -> bool,
-    ) -> Option<(T, [T; D])> {
+    fn review(&mut self, r: &[T; D], enough: T, rounded: impl Fn(T) -> bool) -> Option<[T; D]> {
         let step = self.last.as_mut().filter(|step| step.work > T::ZERO)?;
-        let work = work(&step.du);
+        let work = product(r, &step.du);
         let turned = work < -step.work;
         if step.damped && rounded(enough) {
             self.least = T::of(0.5) * T::EPSILON;
@@ -41,8 +35,7 @@ impl<T: Real, const D: usize> Control<T, D> {
             step.du = whole.map(|x| part * x);
             step.work = part * step.work;
             self.radius = norm(&step.du);
-            let part = part - T::ONE;
-            return Some((part, whole.map(|x| part * x)));
+            return Some(whole.map(|x| (part - T::ONE) * x));
         }
         if turned {
             self.radius = T::of(0.5) * norm(&step.du);
@@ -190,7 +183,7 @@ impl<T: Real, const D: usize> State<T, D> {
         };
         let (du, _, damped) = self.step(plane, problem, &r, radius, least);
         shaft.bend(&du, ds);
-        let work = shaft.work(&r, &du);
+        let work = product(&r, &du);
         self.attempt.control.last = (!is_first).then_some(Step { du, work, damped });
         self.advance(moved(plane, &du));
     }
@@ -231,13 +224,12 @@ impl<T: Real, const D: usize> State<T, D> {
                 stalled && residual < before.rounding(shaft, problem, &at, most)
             };
             let control = &mut self.attempt.control;
-            let of_last = |du: &[T; D]| shaft.work(&r, du);
-            let back = control.review(of_last, problem.enough, |most| rounded(shaft, most));
+            let back = control.review(&r, problem.enough, |most| rounded(shaft, most));
             let Control { radius, least, .. } = *control;
             self.attempt.back = back.is_some();
-            if let Some((part, back)) = back {
+            if let Some(back) = back {
                 for bend in shaft.bends.iter_mut() {
-                    bend.add_part(part);
+                    bend.end_step();
                 }
                 let planar = moved(plane, &back);
                 self.advance(planar);
@@ -257,7 +249,7 @@ impl<T: Real, const D: usize> State<T, D> {
             if !far || time.is_up {
                 self.estimate_change::<A, R, SET, E>(shaft, &planar, near && time.is_up);
             }
-            let work = shaft.work(&r, &du);
+            let work = product(&r, &du);
             if damped {
                 // In balance, and no damping is too small to be followed further.
                 let stays = least < T::EPSILON || !(work > T::ZERO);

@@ -138,7 +138,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// beyond that point `x` is, m.
     #[inline(always)]
     fn near(&self, x: T) -> (Matrix<T, 5>, T) {
-        if E == 0 {
+        if E == 0 || x == T::ZERO {
             return (self.k, x - self.spindle.centre);
         }
         let joints = self.spindle.joints_towards(x);
