@@ -161,7 +161,7 @@ pub fn fold<T: Real, const D: usize>(
 
 /// Adds `part` of `b` to `a`. By a call, which spares 2 kB of unrolled loops.
 #[inline(never)]
-fn add<T: Real, const D: usize>(a: &mut [T; D], part: T, b: &[T; D]) {
+pub fn add<T: Real, const D: usize>(a: &mut [T; D], part: T, b: &[T; D]) {
     for (a, b) in a.iter_mut().zip(b) {
         let product = part * *b;
         *a += product;

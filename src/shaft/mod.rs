@@ -92,13 +92,10 @@ impl<T: Real> Mount<T> {
         u
     }
 
-    /// Adds what the motion `u` of the row's centre makes on an elastic shaft to the row's motion.
+    /// The row's motion when its centre makes the motion `u` on an elastic shaft.
     #[inline(never)]
-    pub fn add_of_centre(&self, u: &[T; 5], own: &mut [T; 5]) {
-        let u = self.own(moved(self.facing * self.arm * self.reach, u));
-        for (own, u) in own.iter_mut().zip(u) {
-            *own += u;
-        }
+    pub fn of_centre(&self, u: &[T; 5]) -> [T; 5] {
+        self.own(moved(self.facing * self.arm * self.reach, u))
     }
 
     /// Adds the row's forces and slopes, at its groove plane, to the shaft's about its centre.
@@ -273,7 +270,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             let Some(mount) = mounts.next() else { return };
             let mut own = mount.motion::<D, SET>(v);
             if let Some(bend) = bends.next() {
-                mount.add_of_centre(&bend.deflection, &mut own);
+                elastic::add(&mut own, T::ONE, &mount.of_centre(&bend.deflection));
             }
             f(row, mount, &own);
         }
@@ -361,11 +358,10 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         for row in self.rows.iter() {
             let Some(mount) = mounts.next() else { break };
             let (bend, of_row) = (bends.next(), rows.next());
-            let mut step = [T::ZERO; 5];
-            match bend {
-                Some(bend) => mount.add_of_centre(&bend.moved, &mut step),
-                None => step = mount.motion::<D, SET>(du),
-            }
+            let step = match bend {
+                Some(bend) => mount.of_centre(&bend.moved),
+                None => mount.motion::<D, SET>(du),
+            };
             let own = row.changes::<A>(&step);
             let k = mount.force * mount.length;
             // From the row's groove plane to the shaft's, or to the row's centre.

@@ -7,7 +7,7 @@ use crate::growth::Growth;
 use crate::linalg::{Matrix, add_to, moved, norm, product, refer, refer_stiffness, vector};
 use crate::real::Real;
 use crate::results::Balls;
-use crate::shaft::elastic::{Bend, Joint, fold};
+use crate::shaft::elastic::{Bend, Joint, add, fold};
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change, sum_up};
 use crate::shaft::{Layout, Mount, Shaft};
 use crate::solver::problem::{Given, Problem, Time, given_in_units, inertia, speed_and_growth};
@@ -275,7 +275,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     fn motion<const SET: bool>(&self, mount: &Mount<T>, row: usize) -> [T; 5] {
         let mut v = mount.motion::<D, SET>(&self.state.v);
         if let Some(bend) = self.bends.get(row) {
-            mount.add_of_centre(&bend.deflection, &mut v);
+            add(&mut v, T::ONE, &mount.of_centre(&bend.deflection));
         }
         v
     }

@@ -306,11 +306,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let mut sum = Sum::NONE;
         sum_up::<T, M::Rule, 5>(view.balls, view.azimuths, &mut sum);
         // What the tangent says of the force after the last step.
-        let mut du = [T::ZERO; 5];
-        match self.last.bends.get(i) {
-            Some(bend) => mount.add_of_centre(&bend.moved, &mut du),
-            None => du = mount.motion::<D, true>(&vector(|i| state.v[i] - state.at[i])),
-        }
+        let du = match self.last.bends.get(i) {
+            Some(bend) => mount.of_centre(&bend.moved),
+            None => mount.motion::<D, true>(&vector(|i| state.v[i] - state.at[i])),
+        };
         let mut force: [T; 5] = vector(|i| sum.force[i] + product(&sum.k[i], &du));
         refer(c.plane, &mut force);
         RowSolution {

@@ -113,6 +113,16 @@ fn readme_table(figures: &Figures) -> Result<String> {
         ("a pair, by default", "pair", WARM),
         ("four rows, `Settings::TICK`", "four-rows", TICK),
         ("four rows, by default", "four-rows", WARM),
+        (
+            "a pair on an elastic shaft and supports, `Settings::TICK`",
+            "elastic-pair",
+            TICK,
+        ),
+        (
+            "four rows on those, `Settings::TICK`",
+            "elastic-four-rows",
+            TICK,
+        ),
         ("a tick of the monitor of a pair", "monitor", ticks::MEDIAN),
     ];
     let row = |(what, scene, median): (&str, &str, &str)| {
