@@ -118,8 +118,10 @@ mod data {
         both::<(Limits<f32>, Limit, LimitSet, Margin<f32>, Margins<f32>, Race)>();
         both::<(LifeRating<f32>, RatingLife<f32>, RowSummary<f32>, AxialSolution<'_, f32, 16>)>();
         both::<(Arrangement, Facing, Preload<f32>, SpindleError<f32>, ShaftEnd<f32>)>();
+        both::<(Section, ShaftError, ShaftLoad<f32>, Support<f32>)>();
         both::<(Snapshot<f32, 40, 5>, SpindleSnapshot<f32, 2, 40>, RowSnapshot<f32, 40>)>();
         format::<(Bearing<f32, 16>, Mounted<'_, f32, 16>, Spindle<'_, f32, 2, 16>)>();
+        format::<(Shaft<f32, 1>, ElasticSpindle<'_, f32, 2, 16>)>();
         format::<(Solution<'_, f32, 16>, RowSolution<'_, f32>, SpindleSolution<'_, f32, 2, 16>)>();
         format::<(RacewayControlFree, OuterRaceControl, InnerRaceControl)>();
     };

@@ -4,12 +4,14 @@ use super::solves::{self, vector_error};
 use super::spindles::{displacement_of, largest, off_balance, random};
 use super::textbook::{unbalanced, unclosed};
 use files::plan::{ElasticShaft, Plan, Question};
-use host_tests::cases::{Random, SolvedElastic, elastic};
+use host_tests::cases::{B7005C, Random, SolvedElastic, elastic};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, with_solver};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
 use rayon::prelude::*;
-use spindle_bearing::{Material, Section, ShaftEnd, Support};
+use spindle_bearing::{
+    Arrangement, Facing, Material, Preload, Section, ShaftEnd, ShaftLoad, Support,
+};
 use std::array::from_fn;
 use std::f64::consts::PI;
 
@@ -278,6 +280,107 @@ fn elastic_sets_are_missed_once_in_a_thousand_and_never_wrong() {
         let [all, missed, wrong] = judged(first..first + 20_000);
         println!("{} sets, missed {missed:?}, wrong {wrong:?}", all.len());
         assert!(all.len() >= 10_000 && missed.len() * 1000 <= all.len() && wrong.is_empty());
+    }
+}
+
+const SECTIONS: [Section; 2] = [
+    Section {
+        from: -0.05,
+        to: 0.0,
+        outer: 0.02,
+        inner: 0.0,
+    },
+    Section {
+        from: 0.01,
+        to: 0.2,
+        outer: 0.03,
+        inner: 0.01,
+    },
+];
+const NOSE: f64 = -0.05;
+const BELT: ShaftLoad<f64> = ShaftLoad {
+    position: 0.16,
+    load: [0.0, -80.0, 0.0, 0.0, 0.5],
+};
+
+/// A pair on a stepped shaft with a gap, clamped or under a spring, pulled by a belt; and a load that acts at the nose.
+fn pulled(spring: Option<f64>, at_nose: [f64; 5]) -> Plan {
+    let row = |position, facing| files::plan::Row {
+        balls: 16,
+        design: B7005C,
+        position,
+        facing,
+        preload: match (spring, facing) {
+            (Some(_), Facing::MinusX) => Preload::Spring,
+            _ => Preload::Closure(5e-6),
+        },
+    };
+    let support = Support {
+        axial: 5e8,
+        radial: 3e8,
+        tilting: 1e5,
+    };
+    let tip = ShaftLoad {
+        position: NOSE,
+        load: at_nose,
+    };
+    Plan {
+        rows: vec![row(0.02, Facing::PlusX), row(0.12, Facing::MinusX)],
+        arrangement: Arrangement::BackToBack,
+        spring,
+        shaft: Some(ElasticShaft {
+            sections: SECTIONS.to_vec(),
+            material: Material::STEEL,
+            supports: vec![support; 2],
+            loads: vec![BELT, tip],
+            loaded_at: 0.0,
+        }),
+    }
+}
+
+/// The flexibility at the nose is that of loads which act there, and displacements that are given have the loads' reactions.
+#[test]
+fn loads_at_the_nose_and_given_displacements_agree_with_the_tangent() {
+    let question = Question {
+        load: [120.0, 80.0, -30.0, 0.5, 1.0],
+        omega: 1500.0,
+        growth: Vec::new(),
+    };
+    let solved = |plan: &Plan, choices: &Choices| {
+        let ask = |solver: &mut dyn AnySpindleSolver| {
+            solver.choose(choices);
+            solver.solve(&question, &[ShaftEnd::rigid(NOSE)]).unwrap()
+        };
+        let balls = Balls::Moving(Attitude::Raceless);
+        with_solver(plan, balls, Precision::F64, ask).unwrap()
+    };
+    for spring in [None, Some(200.0)] {
+        let plan = pulled(spring, [0.0; 5]);
+        let found = solved(&plan, &Choices::default());
+        let c = found.at[0].compliance;
+        for j in 0..5 {
+            let step = if j < 3 { 1e-2 } else { 1e-4 };
+            let moved = |step: f64| {
+                let plan = pulled(spring, from_fn(|i| if i == j { step } else { 0.0 }));
+                solved(&plan, &Choices::default()).at[0].displacement
+            };
+            let (up, down) = (moved(step), moved(-step));
+            for i in 0..5 {
+                let slope = (up[i] - down[i]) / (2.0 * step);
+                let off = (slope - c[i][j]).abs() / (c[i][i] * c[j][j]).sqrt();
+                assert!(off < 1e-8, "{spring:?} {i} {j}: {off:e}");
+            }
+        }
+        for held in [[true; 5], [false, false, false, true, true]] {
+            let u = found.displacement;
+            let choices = Choices {
+                held: from_fn(|i| held[i].then_some(u[i])),
+                ..Choices::default()
+            };
+            let again = solved(&plan, &choices);
+            let apart: [f64; 5] = from_fn(|i| again.load[i] - question.load[i]);
+            assert!(largest(apart) < 1e-9, "{spring:?} {held:?}: {apart:?}");
+        }
     }
 }
 
