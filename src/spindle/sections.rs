@@ -56,7 +56,7 @@ pub(super) struct Flexible<T> {
     per: [T; 3],
 }
 
-/// An elastic shaft: `K` hollow round sections of one material, ready for a [`Spindle`].
+/// An elastic shaft: `K` hollow round sections of one material, ready for a [`Spindle`](crate::Spindle).
 ///
 /// It bends with shear (Timoshenko) and stretches. It has no mass, and no torsion. Outside of its sections and in gaps between them
 /// it is rigid: a row, the nose or a load may stand there.
@@ -287,7 +287,7 @@ impl<T: Real> Support<T> {
 
 /// A load that acts on the shaft at all times, like the pull of a belt.
 ///
-/// See [`Spindle::with_loads`] for an example.
+/// See [`Spindle::with_loads`](crate::Spindle::with_loads) for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
