@@ -7,8 +7,8 @@ use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
     BallKinematics, BallState, Centrifugal, Frequencies, Full, Given, Growth, InnerRaceControl,
     LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real,
-    Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleSolution, SpindleSolver,
-    Static, Status, Support,
+    RowSolution, Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleSolution,
+    SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -227,8 +227,13 @@ fn of_rows<T: Real, const R: usize>(
 ) -> Result<(), BuildError> {
     let rows: [Mounted<'_, T, MOST_BALLS>; R] = from_fn(|i| mounted[i]);
     let made = match plan.spring {
-        Some(spring) => Spindle::sprung(plan.arrangement, rows, T::of(spring))
-            .map(|spindle| on_shaft(spindle, plan, balls, hand)),
+        Some(spring) => Spindle::sprung(plan.arrangement, rows, T::of(spring)).map(|spindle| {
+            if const { R > 1 } {
+                on_shaft(spindle, plan, balls, hand)
+            } else {
+                unreachable!("a spring holds a row against another one")
+            }
+        }),
         None => {
             Spindle::new(plan.arrangement, rows).map(|spindle| on_shaft(spindle, plan, balls, hand))
         }
@@ -243,8 +248,7 @@ fn on_shaft<T: Real, const R: usize, const D: usize>(
     hand: Hand<'_>,
 ) -> Result<(), BuildError> {
     let Some(elastic) = &plan.shaft else {
-        of_motion(spindle, balls, hand);
-        return Ok(());
+        return of_balls(spindle, balls, 0.0, hand);
     };
     let loaded_at = elastic.loaded_at;
     let sections = elastic.sections.iter().map(|section| Section {
@@ -271,48 +275,56 @@ fn on_shaft<T: Real, const R: usize, const D: usize>(
     let spindle = spindle.elastic(&shaft, supports);
     let spindle = spindle.and_then(|spindle| spindle.with_loads(&loads));
     let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
-    // Solvers of fewer motions are compiled for elastic shafts: at rest, all are alike.
+    of_balls(spindle, balls, loaded_at, hand)
+}
+
+/// Hands over the solver for this motion of the balls.
+///
+/// # Errors
+///
+/// A motion that there is no solver for, with so many rows or on an elastic shaft.
+fn of_balls<T: Real, const R: usize, const D: usize, const E: usize>(
+    spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
+    balls: Balls,
+    loaded_at: f64,
+    hand: Hand<'_>,
+) -> Result<(), BuildError> {
+    // Every solver takes half a second to compile: where a `const` block is false, its arm is left out.
     match balls {
-        Balls::Static => of_attitude(spindle, Attitude::Raceless, true, loaded_at, hand),
-        Balls::Moving(attitude) => of_attitude(spindle, attitude, false, loaded_at, hand),
-        Balls::Centrifugal => {
-            let refused = "centrifugal force alone is not for elastic shafts: leave --motion out";
-            return Err(BuildError::Spindle(refused.to_owned()));
+        Balls::Static if const { R <= 2 && E == 0 } => {
+            hand_over::<T, R, Static, D, E>(spindle, true, loaded_at, hand);
+        }
+        Balls::Centrifugal if const { R <= 2 && E == 0 } => {
+            hand_over::<T, R, Centrifugal, D, E>(spindle, false, loaded_at, hand);
+        }
+        Balls::Moving(Attitude::Inner) if const { R <= 2 } => {
+            hand_over::<T, R, Full<InnerRaceControl>, D, E>(spindle, false, loaded_at, hand);
+        }
+        Balls::Moving(Attitude::Outer) if const { R <= 4 } => {
+            hand_over::<T, R, Full<OuterRaceControl>, D, E>(spindle, false, loaded_at, hand);
+        }
+        // At rest, all are alike.
+        Balls::Static | Balls::Moving(Attitude::Raceless) => {
+            let at_rest = balls == Balls::Static;
+            hand_over::<T, R, Full<RacewayControlFree>, D, E>(spindle, at_rest, loaded_at, hand);
+        }
+        Balls::Centrifugal | Balls::Moving(_) => {
+            let refused = match balls {
+                Balls::Centrifugal if E > 0 => {
+                    "centrifugal force alone is not for elastic shafts: leave --motion out"
+                }
+                Balls::Centrifugal => {
+                    "centrifugal force alone is for one or two rows: leave --motion out"
+                }
+                Balls::Moving(Attitude::Inner) => {
+                    "inner race control is for one or two rows: leave --attitude out"
+                }
+                _ => "outer race control is for one to four rows: leave --attitude out",
+            };
+            return Err(BuildError::Spindle(format!("{R} rows: {refused}")));
         }
     }
     Ok(())
-}
-
-fn of_motion<T: Real, const R: usize, const D: usize>(
-    spindle: Spindle<'_, T, R, MOST_BALLS, D>,
-    balls: Balls,
-    hand: Hand<'_>,
-) {
-    match balls {
-        Balls::Static => hand_over::<T, R, Static, D, 0>(spindle, true, 0.0, hand),
-        Balls::Centrifugal => hand_over::<T, R, Centrifugal, D, 0>(spindle, false, 0.0, hand),
-        Balls::Moving(attitude) => of_attitude(spindle, attitude, false, 0.0, hand),
-    }
-}
-
-fn of_attitude<T: Real, const R: usize, const D: usize, const E: usize>(
-    spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
-    attitude: Attitude,
-    at_rest: bool,
-    loaded_at: f64,
-    hand: Hand<'_>,
-) {
-    match attitude {
-        Attitude::Raceless => {
-            hand_over::<T, R, Full<RacewayControlFree>, D, E>(spindle, at_rest, loaded_at, hand);
-        }
-        Attitude::Outer => {
-            hand_over::<T, R, Full<OuterRaceControl>, D, E>(spindle, at_rest, loaded_at, hand)
-        }
-        Attitude::Inner => {
-            hand_over::<T, R, Full<InnerRaceControl>, D, E>(spindle, at_rest, loaded_at, hand)
-        }
-    }
 }
 
 fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>(
@@ -393,12 +405,10 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
     choices: &Choices,
 ) -> Answer {
     let error = &solution.error;
-    let wants = |part: u8| choices.parts & part != 0;
-    let limits = Limits {
-        peak_pressure: T::of(choices.limits.peak_pressure),
-        friction: T::of(choices.limits.friction),
+    let ends = match choices.parts & parts::AT {
+        0 => &[],
+        _ => ends,
     };
-    let ends = if wants(parts::AT) { ends } else { &[] };
     let at = ends.iter().map(|end| {
         let end = ShaftEnd {
             position: T::of(end.position - loaded_at),
@@ -416,32 +426,9 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         0.0 => solution.displacement,
         _ => solution.displacement_at(origin.position),
     };
-    let rows = solution.rows().map(|row| RowAnswer {
-        force: row.force.map(T::to_f64),
-        preload: row.preload().to_f64(),
-        limits: if wants(parts::LIMITS) {
-            row.limits(&limits)
-        } else {
-            LimitSet::default()
-        },
-        lifted_off: row.is_lifted_off(),
-        stiffness: wide(&row.stiffness()),
-        stiffness_on_shaft: wide(&row.stiffness_on_shaft()),
-        displacement: solution.displacement_at(row.position).map(T::to_f64),
-        balls: row
-            .balls()
-            .take(if wants(parts::BALLS) { N } else { 0 })
-            .map(|ball| widened(&ball))
-            .collect(),
-        motions: row
-            .kinematics()
-            .take(if wants(parts::MOTIONS) { N } else { 0 })
-            .map(|motion| widened_motion(&motion))
-            .collect(),
-        frequencies: match wants(parts::FREQUENCIES) {
-            true => widened_frequencies(&row.frequencies()),
-            false => Frequencies::default(),
-        },
+    let rows = solution.rows().map(|row| {
+        let displacement = solution.displacement_at(row.position);
+        row_answer(&row, displacement, choices)
     });
     Answer {
         status: solution.status.name(),
@@ -453,5 +440,42 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         spring_closure: solution.spring_closure().to_f64(),
         rows: rows.collect(),
         error: [error.displacement, error.force, error.stiffness].map(T::to_f64),
+    }
+}
+
+/// Apart from [`answer`], since it is compiled for every motion alone, not for every number of rows.
+fn row_answer<T: Real, M: Motion>(
+    row: &RowSolution<'_, T, M>,
+    displacement: [T; 5],
+    choices: &Choices,
+) -> RowAnswer {
+    let wants = |part: u8| choices.parts & part != 0;
+    let limits = Limits {
+        peak_pressure: T::of(choices.limits.peak_pressure),
+        friction: T::of(choices.limits.friction),
+    };
+    RowAnswer {
+        force: row.force.map(T::to_f64),
+        preload: row.preload().to_f64(),
+        limits: match wants(parts::LIMITS) {
+            true => row.limits(&limits),
+            false => LimitSet::default(),
+        },
+        lifted_off: row.is_lifted_off(),
+        stiffness: wide(&row.stiffness()),
+        stiffness_on_shaft: wide(&row.stiffness_on_shaft()),
+        displacement: displacement.map(T::to_f64),
+        balls: match wants(parts::BALLS) {
+            true => row.balls().map(|ball| widened(&ball)).collect(),
+            false => Vec::new(),
+        },
+        motions: match wants(parts::MOTIONS) {
+            true => row.kinematics().map(|m| widened_motion(&m)).collect(),
+            false => Vec::new(),
+        },
+        frequencies: match wants(parts::FREQUENCIES) {
+            true => widened_frequencies(&row.frequencies()),
+            false => Frequencies::default(),
+        },
     }
 }

@@ -2,7 +2,7 @@
 
 use super::solves::{self, vector_error};
 use super::textbook::{unbalanced, unclosed};
-use files::plan::{Plan, Question, Row};
+use files::plan::{MOST_ROWS, Plan, Question, Row};
 use host_tests::cases::{B218, B7005C, Case, Random, SKF6205, SolvedSet, rad_per_s, sets};
 use host_tests::compare::{Errors, stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
@@ -564,7 +564,12 @@ pub fn random(seed: u64) -> (Plan, Attitude, Question) {
         growth,
         ..loaded(load, rpm)
     };
-    (plan, kinds[0].attitude, question)
+    let attitude = match kinds[0].attitude {
+        // Inner race control is compiled for one or two rows.
+        Attitude::Inner if count > 2 => Attitude::Raceless,
+        attitude => attitude,
+    };
+    (plan, attitude, question)
 }
 
 /// Both precisions' answers to a random spindle, unless one refuses it.
@@ -860,6 +865,51 @@ fn rows_that_are_no_such_set_are_refused() {
         let refused = with_solver(&plan, FREE, Precision::F64, |_| ());
         let told = refused.unwrap_err().to_string();
         assert!(told.contains(part), "{told}\nwithout: {part}");
+    }
+}
+
+/// Motions of the balls that there is a solver for, by rows: all of them are not compiled for all.
+#[test]
+fn motions_for_many_rows_are_solved_or_refused_by_name() {
+    let plan = |rows: usize| {
+        let layout = (0..rows).map(|i| (0.03 * i as f64, if i == 0 { '+' } else { '-' }));
+        clamped(&layout.collect::<Vec<_>>(), Preload::Force(294.0))
+    };
+    let question = loaded([10.0, 80.0, 0.0, 0.0, 0.0], 0.0);
+    for rows in 2..=MOST_ROWS {
+        let plan = plan(rows);
+        for precision in solves::PRECISIONS {
+            // At rest, whatever serves says the rigidity of the default.
+            let [at_rest, default] = [Balls::Static, FREE]
+                .map(|balls| ask_in(&plan, balls, precision, &question).unwrap());
+            let off = stiffness_error(&at_rest.stiffness, &default.stiffness);
+            assert!(off < 1e-5, "{rows} rows: {off:e}");
+            for (balls, most, told) in [
+                (
+                    Balls::Centrifugal,
+                    2,
+                    "centrifugal force alone is for one or two rows: leave --motion out",
+                ),
+                (
+                    Balls::Moving(Attitude::Inner),
+                    2,
+                    "inner race control is for one or two rows: leave --attitude out",
+                ),
+                (
+                    Balls::Moving(Attitude::Outer),
+                    4,
+                    "outer race control is for one to four rows: leave --attitude out",
+                ),
+            ] {
+                match with_solver(&plan, balls, precision, |_| ()) {
+                    Ok(()) => assert!(rows <= most, "{rows} rows, {balls:?}"),
+                    Err(error) => {
+                        assert!(rows > most, "{rows} rows, {balls:?}: {error}");
+                        assert_eq!(error.to_string(), format!("{rows} rows: {told}"));
+                    }
+                }
+            }
+        }
     }
 }
 
