@@ -1,37 +1,24 @@
-//! Recorded loads: forces, moments and speed as tables of measuring programs, data loggers and spreadsheets have them.
+//! Recorded loads: forces, moments and speed as tables, row by row.
 //!
-//! The project's own recordings begin with the header `time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm`, columns in any order;
-//! `t_inner_c,t_outer_c` besides, for spindles. Of others, a preamble is skipped, names and units are understood by the
-//! tables of [`told`](crate::told) and [`units`](crate::units), and a user says the rest. Fields are separated by commas,
-//! semicolons or tabs; decimal commas are understood where they do not separate fields. Blank lines and lines that begin with
-//! `#`, `%` or `;` are skipped.
+//! A recording in the project's own columns has a first line such as `time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm`, in any
+//! order, with further columns that are ignored; `t_inner_c,t_outer_c` besides, for spindles with `[heat]`. Without
+//! `time_s`, rows are counted. Any other table needs a [description](crate::import).
 //!
-//! The file is read as a stream, so that a pipe of any length works. Every number is passed on as it stands, `nan` and `inf`
-//! too: whether a row can be solved is for the solver to say. A row that cannot be read is an error of that row: the rows
-//! after it are still there to be read.
+//! Both are read to the letter: a line is a row, refused, or skipped, and all of them are counted. Every number is passed on
+//! as it stands, `nan` and `inf` too: whether a row can be solved is for the solver to say.
 //!
-//! Each line is one record, so that a quotation mark left open costs one row, not the rest of the file. The csv crate reads
-//! lines with quotation marks; a reader of its own for every line would take two fifths of a replay.
+//! The csv crate reads lines with quotation marks; a reader of its own for every line would take two fifths of a replay.
 
-use crate::columns::{self, Field, LOADS, OWN, Source};
-use crate::preamble::{self, Line, is_empty, listed, number, shortened, shown, split, text};
-use crate::told::{Heading, Quantity, Told};
+use crate::import::{Column, Import, Name, Source, Wanted};
+use crate::lines::{Line, Lines, listed, number, shown, split, text};
+use crate::quantities::{LOADS, OWN, Quantity};
 use crate::units::{Dimension, Unit, celsius};
+use jiff::civil::{Date, DateTime, Time};
 use std::collections::VecDeque;
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Write};
+use std::io::{self, Read, Write};
 use std::path::Path;
-
-const DECIMAL_COMMAS: &str = "; decimals take a point where commas separate the fields; for decimal commas, \
-     separate fields by semicolons, in the header too";
-
-/// Length beyond which a line is no row of numbers. Without a bound, a stray binary file would be read into memory before
-/// the complaint.
-const LONGEST_LINE: u64 = 16 * 1024;
-
-/// Lines in which the first row of numbers is looked for.
-const LONGEST_PREAMBLE: usize = 200;
 
 /// Measured values of one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +70,7 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
 pub struct BadRow {
     /// The place, why not, and the remedy.
     pub fault: String,
-    /// Its readable numbers, in the order of the columns; none where the line has another number of fields.
+    /// Its readable numbers, in the order of [`OWN`]; none where the line has another number of fields.
     pub numbers: [Option<f64>; OWN.len()],
 }
 
@@ -99,8 +86,13 @@ pub enum LoadsError {
     },
     /// The file is no recording of loads: the place, why not, and the remedy.
     Malformed(String),
-    /// Quantities have no column; the options that would say where they are.
-    Unknown(String, String),
+    /// The file is not in the project's own columns, or not in those of its description: it needs one.
+    Foreign {
+        /// Name of the file.
+        file: String,
+        /// What is different.
+        why: String,
+    },
     /// One row is at fault; the rows after it can be read.
     Row(Box<BadRow>),
 }
@@ -110,7 +102,33 @@ impl fmt::Display for LoadsError {
         match self {
             Self::Unreadable { file, source } => write!(f, "{file}: cannot be read: {source}"),
             Self::Malformed(fault) => f.write_str(fault),
-            Self::Unknown(fault, options) => write!(f, "{fault}{options}"),
+            Self::Foreign { file, why } => {
+                let (from, to) = match file.as_str() {
+                    STDIN => ("-".to_owned(), "recording.toml".to_owned()),
+                    file => {
+                        let quoted = |name: &str| {
+                            let is_plain = |c: char| c.is_alphanumeric() || "_-./".contains(c);
+                            match name.chars().all(is_plain) {
+                                true => name.to_owned(),
+                                false => format!("'{}'", name.replace('\'', "'\\''")),
+                            }
+                        };
+                        let name = Path::new(Path::new(file).file_name().unwrap_or_default());
+                        // Not a file that is there, such as the spindle's.
+                        let mut described = name.with_extension("toml");
+                        if described.exists() {
+                            described = name.with_extension("import.toml");
+                        }
+                        (quoted(file), quoted(&described.display().to_string()))
+                    }
+                };
+                write!(
+                    f,
+                    "{file}: {why}. Describe it, look at the description, and solve by it:\n  \
+                     cargo replay --propose {from} > {to}\n  \
+                     cargo replay SPINDLE.toml {from} --import {to}"
+                )
+            }
             Self::Row(row) => f.write_str(&row.fault),
         }
     }
@@ -125,52 +143,102 @@ impl std::error::Error for LoadsError {
     }
 }
 
-/// Opens a file of recorded loads, `-` being standard input, and finds its columns.
+/// Name of standard input in messages.
+const STDIN: &str = "standard input";
+
+/// Lines of a preamble that are known again in the middle of a file.
+const LONGEST_PREAMBLE: u64 = 400;
+
+/// Opens a file, `-` being standard input: its name, its bytes, and how many there are if it is a plain file.
+pub(crate) fn open(path: &Path) -> Result<(String, Box<dyn Read + Send>, Option<u64>), LoadsError> {
+    if path.as_os_str() == "-" {
+        return Ok((STDIN.to_owned(), Box::new(io::stdin()), None));
+    }
+    let file = path.display().to_string();
+    let opened = File::open(path).and_then(|opened| Ok((opened.metadata()?, opened)));
+    match opened {
+        Ok((data, opened)) => Ok((file, Box::new(opened), data.is_file().then_some(data.len()))),
+        Err(source) => Err(LoadsError::Unreadable { file, source }),
+    }
+}
+
+/// Opens a file of recorded loads, `-` being standard input, and finds its columns: by a description, or its own.
 ///
 /// # Errors
 ///
-/// A file that cannot be opened, or without a column of a quantity that is needed.
-pub fn read(path_or_dash: impl AsRef<Path>, told: Told) -> Result<Loads, LoadsError> {
-    let path = path_or_dash.as_ref();
-    if path.as_os_str() == "-" {
-        return Loads::from_reader("standard input", Box::new(io::stdin()), told);
-    }
-    let name = path.display().to_string();
-    let unreadable = |source| LoadsError::Unreadable {
-        file: name.clone(),
-        source,
-    };
-    let file = File::open(path).map_err(unreadable)?;
-    let metadata = file.metadata().map_err(unreadable)?;
-    let mut loads = Loads::from_reader(&name, Box::new(file), told)?;
-    loads.total_bytes = metadata.is_file().then_some(metadata.len());
+/// A file that cannot be opened, or is not as described; a quantity that is needed and nowhere.
+pub fn read(
+    path_or_dash: impl AsRef<Path>,
+    import: Option<&Import>,
+    wanted: &Wanted,
+) -> Result<Loads, LoadsError> {
+    let (file, input, total) = open(path_or_dash.as_ref())?;
+    let mut loads = Loads::from_reader(&file, input, import, wanted)?;
+    loads.total_bytes = total;
     Ok(loads)
 }
 
 /// The rows of a file of recorded loads, read one at a time. Ends after the first error that is not one of a row.
 pub struct Loads {
-    file: String,
-    input: BufReader<Box<dyn Read>>,
-    told: Told,
-    /// Lines that were read in search of the header.
-    ahead: VecDeque<Line>,
+    lines: Lines,
     line: Line,
-    headings: Vec<Heading>,
-    sources: [Source; OWN.len()],
-    /// The quantity in each field, by its number in [`OWN`].
-    of_field: Vec<Option<(usize, Field)>>,
-    separator: u8,
-    /// The mark before decimals that the file has had first.
-    decimal: Option<char>,
-    /// All numbers with that mark have three digits behind it and at most three before: it may be one of thousands.
-    may_be_thousands: bool,
-    lines: u64,
-    rows: u64,
-    bytes: u64,
+    /// Lines that were read to know the file.
+    ahead: VecDeque<Line>,
+    layout: Layout,
+    /// Lines above the header.
+    preamble: Vec<Vec<u8>>,
+    /// Lines of the header, of units and so on; the first is that of the names.
+    header: Vec<Vec<u8>>,
+    part: Part,
+    /// The first header of another file, to be told.
+    other: Option<String>,
+    clock: Clock,
     total_bytes: Option<u64>,
+    every: usize,
     ended: bool,
+    counts: Counts,
     /// Least and largest number of each quantity.
     ranges: [(f64, f64); OWN.len()],
+    /// Times of the first and the last row.
+    times: Option<(f64, f64)>,
+}
+
+/// The part of a file that a line stands in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    /// Below the header.
+    Own,
+    /// Below another file's header; the header ends it.
+    Other,
+    /// Among lines that no preamble of this file has: its units may be others, and the header does not end it.
+    Strange,
+}
+
+/// Lines below the header.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Rows that were read.
+    pub read: u64,
+    /// Rows that cannot be read.
+    pub refused: u64,
+    /// Comments, blank lines, and the header's lines again.
+    pub skipped: u64,
+}
+
+/// How the lines of a recording are read.
+#[derive(Debug)]
+struct Layout {
+    separator: u8,
+    decimal: u8,
+    comment: Option<String>,
+    short_rows: bool,
+    sources: [Source; OWN.len()],
+    /// Names of the columns; none where the file has no header.
+    names: Vec<String>,
+    /// Fields of a row; 0 until the first row says it.
+    width: usize,
+    /// The quantity in each field, by its number in [`OWN`].
+    of_field: Vec<Option<usize>>,
 }
 
 impl Loads {
@@ -178,54 +246,49 @@ impl Loads {
     ///
     /// # Errors
     ///
-    /// No column of a quantity that is needed, or an input that fails.
-    pub fn from_reader(name: &str, input: Box<dyn Read>, told: Told) -> Result<Self, LoadsError> {
+    /// A file that is not as described, a quantity that is needed and nowhere, or an input that fails.
+    pub fn from_reader(
+        name: &str,
+        input: Box<dyn Read + Send>,
+        import: Option<&Import>,
+        wanted: &Wanted,
+    ) -> Result<Self, LoadsError> {
         let mut loads = Self {
-            file: name.to_owned(),
-            input: BufReader::with_capacity(64 * 1024, input),
-            told,
-            ahead: VecDeque::new(),
+            lines: Lines::new(name, input),
             line: Line::default(),
-            headings: Vec::new(),
-            sources: [Source::None; OWN.len()],
-            of_field: Vec::new(),
-            separator: b',',
-            decimal: None,
-            may_be_thousands: false,
-            lines: 0,
-            rows: 0,
-            bytes: 0,
+            ahead: VecDeque::new(),
+            layout: Layout {
+                separator: b',',
+                decimal: b'.',
+                comment: None,
+                short_rows: false,
+                sources: [const { Source::None }; OWN.len()],
+                names: Vec::new(),
+                width: 0,
+                of_field: Vec::new(),
+            },
+            preamble: Vec::new(),
+            header: Vec::new(),
+            part: Part::Own,
+            other: None,
+            clock: Clock::default(),
             total_bytes: None,
+            every: wanted.every,
             ended: false,
+            counts: Counts::default(),
             ranges: [(f64::INFINITY, f64::NEG_INFINITY); OWN.len()],
+            times: None,
         };
-        loads.open()?;
+        match import {
+            Some(import) => loads.follow(import, wanted)?,
+            None => loads.find_own(wanted)?,
+        }
         Ok(loads)
     }
 
     /// Bytes taken from the input so far.
     pub fn bytes_read(&self) -> u64 {
-        self.bytes
-    }
-
-    /// Whether there are columns of temperatures.
-    pub fn has_temperatures(&self) -> bool {
-        self.sources[LOADS..]
-            .iter()
-            .all(|source| *source != Source::None)
-    }
-
-    /// The name of the file, as messages give it.
-    pub fn file(&self) -> &str {
-        &self.file
-    }
-
-    /// Names of the columns that are not read; none if there are none.
-    pub fn ignored_columns(&self) -> Option<String> {
-        let headings = self.headings.iter().zip(&self.of_field);
-        let ignored = headings.filter(|(heading, of)| of.is_none() && !heading.text.is_empty());
-        let names: Vec<String> = ignored.map(|(heading, _)| heading.text.clone()).collect();
-        (!names.is_empty()).then(|| listed(&names))
+        self.lines.bytes
     }
 
     /// Size of the input, if it is a plain file.
@@ -233,177 +296,450 @@ impl Loads {
         self.total_bytes
     }
 
-    /// How the rows so far were understood, with the range of each quantity; none for a file with the project's own names whose
-    /// marks before three digits are clear. A question mark is behind a unit that the file does not say.
-    pub fn assumed(&self) -> Option<String> {
-        let is_own = |(quantity, source): (&Quantity, &Source)| match source {
-            Source::None => true,
-            Source::Field(field) => {
-                let text = &self.headings[field.number].text;
-                text.eq_ignore_ascii_case(quantity.column())
-            }
-            _ => false,
-        };
-        let is_clear = OWN.iter().zip(&self.sources).all(is_own) && !self.may_be_thousands;
-        let is_read = self.ranges.iter().any(|(least, _)| least.is_finite());
-        if is_clear || !is_read {
-            return None;
+    /// Lines so far.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Whether there are temperatures of both sides.
+    pub fn has_temperatures(&self) -> bool {
+        let mut sides = self.layout.sources[LOADS..].iter();
+        sides.all(|source| *source != Source::None)
+    }
+
+    /// The name of the file, as messages give it.
+    pub fn file(&self) -> &str {
+        &self.lines.file
+    }
+
+    /// Names of the columns that are not read; none if there are none.
+    pub fn ignored_columns(&self) -> Option<String> {
+        let layout = &self.layout;
+        let names = layout.names.iter().zip(&layout.of_field);
+        let ignored = names.filter(|(name, of)| of.is_none() && !name.is_empty());
+        let names: Vec<String> = ignored.map(|(name, _)| name.clone()).collect();
+        (!names.is_empty()).then(|| listed(&names))
+    }
+
+    /// Counts of lines, and the first and last time and range of each quantity, in one line; the headers of other files.
+    pub fn account(&self) -> String {
+        let Counts {
+            read,
+            refused,
+            skipped,
+        } = self.counts;
+        let file = self.file();
+        let mut text = String::new();
+        for other in &self.other {
+            text += &format!("{file}: {other}\n");
         }
-        let parts = OWN.into_iter().zip(self.sources).zip(self.ranges);
-        let parts = parts.filter_map(|((quantity, source), (least, most))| {
+        text += &format!("{file}: rows read {read}, refused {refused}; lines skipped {skipped}");
+        let ranges = OWN.into_iter().zip(self.ranges).zip(&self.layout.sources);
+        for ((quantity, (least, most)), source) in ranges {
             let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
-            match source {
-                Source::None => None,
-                Source::Given(x) => Some(format!("{name} {x} {unit}")),
-                Source::Count => Some(format!("{name} counts the rows")),
-                Source::Field(field) => {
-                    let doubt = if field.is_said { "" } else { "?" };
-                    let from = shortened(self.headings[field.number].text.as_bytes());
-                    let range = if least < most {
-                        format!("{least} to {most}")
-                    } else {
-                        format!("{most}")
-                    };
-                    let factor = match field.factor {
-                        1.0 => String::new(),
-                        -1.0 => "-".to_owned(),
-                        factor => format!("{factor} * "),
-                    };
-                    Some(format!("{name} {range} {unit}{doubt} ({factor}{from:?})"))
-                }
-            }
-        });
-        let parts: Vec<String> = parts.collect();
-        Some(format!("{}: read as {}", self.file, parts.join(", ")))
+            text += &match (quantity, self.times) {
+                _ if *source == Source::None => continue,
+                (Quantity::Time, Some((first, last))) => format!("; time {first} to {last} {unit}"),
+                _ if least < most => format!(", {name} {least} to {most} {unit}"),
+                _ if least == most => format!(", {name} {least} {unit}"),
+                _ => continue,
+            };
+        }
+        text
     }
 
     /// A complaint of a field of the line, counted from 1; `quantity` is the one that it holds, if it is one of ours.
     fn fault(&self, field: usize, quantity: Option<usize>, message: impl fmt::Display) -> String {
-        let (file, line) = (&self.file, self.line.number.max(1));
+        let (file, line) = (self.file(), self.line.number);
         let name = quantity.map_or(String::new(), |i| format!(" ({})", OWN[i].column()));
         format!("{file}: line {line}, column {field}{name}: {message}")
     }
 
-    fn malformed(&self, message: impl fmt::Display) -> LoadsError {
-        LoadsError::Malformed(self.fault(1, None, message))
+    /// Finds the project's own columns: names on the first line, numbers with points below.
+    fn find_own(&mut self, wanted: &Wanted) -> Result<(), LoadsError> {
+        let (mut first, mut second) = (Line::default(), Line::default());
+        if !self.lines.next(&mut first)? {
+            return Err(self.lines.malformed(1, "the file is empty"));
+        }
+        let names = first.fields(b',');
+        let file = self.lines.file.clone();
+        let foreign = |why: String| LoadsError::Foreign {
+            file: file.clone(),
+            why,
+        };
+        let place = |quantity: Quantity| {
+            let mut places = (0..names.len()).filter(|i| names[*i] == quantity.column());
+            (places.next(), places.next())
+        };
+        let mut lacking = Vec::new();
+        let mut has_own = false;
+        for (i, own) in OWN.into_iter().enumerate() {
+            let is_needed = wanted.needed[i] && wanted.given[i].is_none();
+            let source = &mut self.layout.sources[i];
+            *source = match (place(own), wanted.given[i]) {
+                (_, Some(value)) => Source::Given(value),
+                ((Some(_), Some(_)), _) => {
+                    let why = format!("there are two columns {}; remove one", own.column());
+                    return Err(self.lines.malformed(1, why));
+                }
+                ((Some(field), None), None) => {
+                    has_own = true;
+                    Source::Column(Column {
+                        name: Name::Number(field + 1),
+                        unit: Some(Unit::of(own.dimension())),
+                        factor: 1.0,
+                    })
+                }
+                ((None, _), None) => {
+                    lacking.extend(is_needed.then_some(own));
+                    match own {
+                        Quantity::Time => Source::Rate(1.0),
+                        _ => Source::None,
+                    }
+                }
+            };
+        }
+        while self.lines.next(&mut second)? {
+            self.ahead.push_back(std::mem::take(&mut second));
+            if !self.ahead[self.ahead.len() - 1].is_blank() {
+                break;
+            }
+        }
+        if !has_own {
+            let own = OWN[..LOADS].iter().map(|quantity| quantity.column());
+            let own: Vec<_> = own.collect();
+            let why = format!("line 1 has none of the columns {}", own.join(","));
+            return Err(foreign(why));
+        }
+        let fields = self
+            .ahead
+            .back()
+            .map_or(Vec::new(), |line| line.fields(b','));
+        for (i, field) in fields.iter().enumerate() {
+            let of = OWN
+                .iter()
+                .position(|own| names.get(i).is_some_and(|name| name == own.column()));
+            let is_read = of.is_some_and(|of| matches!(self.layout.sources[of], Source::Column(_)));
+            if is_read && !field.is_empty() && number(field, b'.').is_none() {
+                let why = format!(
+                    "below {}, {} is no number with a point",
+                    names[i],
+                    shown(field)
+                );
+                return Err(foreign(why));
+            }
+            let has_time = self.layout.sources[0] != Source::Rate(1.0);
+            if !has_time && !is_read && is_clock(field) {
+                let why = format!("there is no time_s, but {} is a time", shown(field));
+                return Err(foreign(why));
+            }
+        }
+        if !lacking.is_empty() {
+            let options = lacking.iter().map(|own| {
+                let (column, name) = (own.column(), own.name());
+                format!("no column {column}: add it, or give --{name}")
+            });
+            let options: Vec<_> = options.collect();
+            return Err(self.lines.malformed(1, options.join("; ")));
+        }
+        self.header = vec![first.text.trim_ascii().to_vec()];
+        self.layout.set_names(names);
+        self.layout.place().map_err(foreign)
     }
 
-    /// Brings the next line of the file into `self.line`; `false` at its end.
-    fn take_line(&mut self) -> Result<bool, LoadsError> {
-        let line = &mut self.line.text;
-        line.clear();
-        let input = &mut self.input;
-        let taken = input.take(LONGEST_LINE).read_until(b'\n', line);
-        let taken = taken.map_err(|source| LoadsError::Unreadable {
-            file: self.file.clone(),
-            source,
-        })?;
-        if taken == 0 {
-            return Ok(false);
-        }
-        self.lines += 1;
-        self.line.number = self.lines;
-        self.bytes += taken as u64;
-        if self.rows == 0 {
-            let zeros = line.iter().filter(|byte| **byte == 0).count();
-            let is_wide = line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF");
-            if is_wide || line.len() > 3 && 3 * zeros > line.len() {
-                return Err(self.malformed("the file is UTF-16 text; save it as CSV in UTF-8"));
+    /// Goes to the first row of a file that is described.
+    fn follow(&mut self, import: &Import, wanted: &Wanted) -> Result<(), LoadsError> {
+        let sources = import.sources(wanted).map_err(LoadsError::Malformed)?;
+        self.layout = Layout {
+            separator: import.separator,
+            decimal: import.decimal,
+            comment: import.comment.clone(),
+            short_rows: import.short_rows,
+            sources,
+            names: Vec::new(),
+            width: 0,
+            of_field: Vec::new(),
+        };
+        let file = self.lines.file.clone();
+        let foreign = |why: String| LoadsError::Foreign {
+            file: file.clone(),
+            why,
+        };
+        let mut line = Line::default();
+        let mut names = Line::default();
+        let mut header = Vec::new();
+        while line.number + 1 < import.first_row {
+            if !self.lines.next(&mut line)? {
+                let why = format!(
+                    "it ends above line {}, where {} has the first row",
+                    import.first_row, import.file
+                );
+                return Err(foreign(why));
             }
-            if line.starts_with(b"\xEF\xBB\xBF") {
-                line.drain(..3);
+            let Some(at) = import.header_line.filter(|at| *at <= line.number) else {
+                if line.number <= LONGEST_PREAMBLE {
+                    self.preamble.push(line.text.trim_ascii().to_vec());
+                }
+                continue;
+            };
+            // A name may go over several lines.
+            if line.number == at || names.is_open() {
+                names.text.extend_from_slice(&line.text);
             }
+            header.push(line.text.trim_ascii().to_vec());
         }
-        if taken as u64 == LONGEST_LINE && line.last() != Some(&b'\n') {
-            return Err(self.malformed(format!(
-                "the line is longer than {LONGEST_LINE} bytes; is this a CSV file of loads?"
-            )));
+        if let Some(at) = import.header_line {
+            if names.is_open() {
+                names.text = [&header[0][..], b"\n"].concat();
+            }
+            if let Some(mark) = &import.comment
+                && let Some(rest) = names.text.trim_ascii_start().strip_prefix(mark.as_bytes())
+            {
+                names.text = rest.to_vec();
+            }
+            self.layout.set_names(names.fields(import.separator));
+            let described = self.layout.place();
+            described.map_err(|why| {
+                foreign(format!(
+                    "line {at} has {why} of {}: it is another file",
+                    import.file
+                ))
+            })?;
         }
-        if line.last() != Some(&b'\n') {
-            line.push(b'\n');
+        self.header = header;
+        Ok(())
+    }
+
+    /// Brings the next line into `self.line`; `false` at the end of the file.
+    fn next_line(&mut self) -> Result<bool, LoadsError> {
+        match self.ahead.pop_front() {
+            Some(line) => self.line = line,
+            None => return self.lines.next(&mut self.line),
         }
         Ok(true)
     }
 
-    /// Brings the next line that is neither blank nor a comment into `self.line`; `false` at the end of the file.
-    fn next_line(&mut self) -> Result<bool, LoadsError> {
+    /// The next line that is a row, or a refused one.
+    fn row(&mut self) -> Option<Result<LoadRow, LoadsError>> {
         loop {
-            if let Some(line) = self.ahead.pop_front() {
-                self.line = line;
-            } else if !self.take_line()? {
-                return Ok(false);
+            match self.next_line() {
+                Ok(true) => {}
+                Ok(false) => return None,
+                Err(error) => return Some(Err(error)),
             }
-            if !is_empty(&self.line.text, self.separator) {
-                return Ok(true);
+            let line = std::mem::take(&mut self.line.text);
+            let read = self.read(&line);
+            self.line.text = line;
+            let bad = match read {
+                Ok(row) => {
+                    self.counts.read += 1;
+                    return Some(Ok(row));
+                }
+                Err(bad) => bad,
+            };
+            if self.is_skipped() {
+                self.counts.skipped += 1;
+                continue;
             }
+            self.counts.refused += 1;
+            return Some(Err(LoadsError::Row(Box::new(bad))));
         }
     }
 
-    /// Finds the header, and where each quantity is.
-    fn open(&mut self) -> Result<(), LoadsError> {
-        // A row of numbers may be one of the preamble: names are above the first of the recording.
-        let (mut first, mut is_named) = (None, false);
-        while self.ahead.len() < LONGEST_PREAMBLE && self.take_line()? {
-            let line = std::mem::take(&mut self.line);
-            let is_row = line.of_row().is_some();
-            is_named |= !is_row && line.named(&self.told).0 > 0;
-            self.ahead.push_back(line);
-            if is_row && (is_named || first.is_none()) {
-                first = Some(self.ahead.len());
+    /// Whether the line, which is no row, is blank, a comment, or one of the header's again, below which the file goes on.
+    fn is_skipped(&mut self) -> bool {
+        let line = self.line.text.trim_ascii();
+        let is_again = |one: &Vec<u8>| !line.is_empty() && line == one;
+        if self.header.first().is_some_and(is_again) {
+            if self.part == Part::Other {
+                self.part = Part::Own;
             }
-            if is_row && is_named {
-                break;
-            }
+            return true;
         }
-        if first.is_none() && self.ahead.len() == LONGEST_PREAMBLE {
-            return Err(self.malformed(format!(
-                "there is no row of numbers in {LONGEST_PREAMBLE} lines"
-            )));
-        }
-        let above = &self.ahead.make_contiguous()[..first.unwrap_or(self.lines as usize)];
-        let Some(header) = preamble::find(above, &self.told) else {
-            self.line.number = self.lines;
-            let own = OWN.map(Quantity::column)[..LOADS].join(",");
-            return Err(self.malformed(format!(
-                "the file is empty; it must begin with the header {own}"
-            )));
+        let mark = self.layout.comment.as_ref();
+        self.line.is_blank()
+            || mark.is_some_and(|mark| line.starts_with(mark.as_bytes()))
+            || self.part == Part::Own && self.header.iter().any(is_again)
+    }
+
+    /// A line as a row, or why it is none.
+    fn read(&mut self, line: &[u8]) -> Result<LoadRow, BadRow> {
+        let refused = |fault| BadRow {
+            fault,
+            numbers: [None; OWN.len()],
         };
-        self.line = self
-            .ahead
-            .drain(..header.length)
-            .next_back()
-            .unwrap_or_default();
-        self.line.number = header.line;
-        self.separator = header.separator;
-        self.headings = header.headings;
-        if let Err((field, fault)) = split(&self.line.text, self.separator, |_, _| ()) {
-            return Err(LoadsError::Malformed(self.fault(field, None, fault)));
-        }
-        let found = columns::find(&self.headings, &self.told);
-        self.sources = found.map_err(|unclear| {
-            let fault = self.fault(1, None, unclear.message);
-            match unclear.options.is_empty() {
-                true => LoadsError::Malformed(fault),
-                false => LoadsError::Unknown(fault, unclear.options),
+        if self.layout.width == 0 {
+            // Without a header, the first row says how many fields there are.
+            let fields = Line {
+                number: 0,
+                text: line.to_vec(),
             }
-        })?;
-        self.of_field = vec![None; self.headings.len()];
-        for (i, source) in self.sources.iter().enumerate() {
-            if let Source::Field(field) = source {
-                self.of_field[field.number] = Some((i, *field));
+            .fields(self.layout.separator);
+            self.layout.set_names(vec![String::new(); fields.len()]);
+            if let Err(why) = self.layout.place() {
+                self.layout.width = 0;
+                return Err(refused(self.fault(1, None, format!("the line has {why}"))));
+            }
+        }
+        let rows = self.counts.read + self.counts.refused;
+        let mut numbers = [None; OWN.len()];
+        for (number, source) in numbers.iter_mut().zip(&self.layout.sources) {
+            *number = match source {
+                Source::Given(value) => Some(*value),
+                Source::Rate(rate) => Some(rows as f64 / rate),
+                _ => None,
+            };
+        }
+        let (mut bad, mut more, mut words, mut columns) = (None, false, 0, 0);
+        let (layout, clock) = (&self.layout, &mut self.clock);
+        let width = layout.width;
+        let count = split(line, layout.separator, |i, bytes| {
+            more |= i >= width && !bytes.is_empty();
+            let Some(Some(of)) = layout.of_field.get(i).copied() else {
+                return;
+            };
+            columns += 1;
+            match layout.number(bytes, of, clock) {
+                Ok(number) => numbers[of] = Some(number),
+                Err(message) => {
+                    words += usize::from(bytes.iter().any(u8::is_ascii_alphabetic));
+                    bad.get_or_insert((i + 1, Some(of), message));
+                }
+            }
+        });
+        let last = layout.of_field.iter().rposition(Option::is_some);
+        let needed = if layout.short_rows {
+            last.map_or(0, |last| last + 1)
+        } else {
+            width
+        };
+        let lost = match count {
+            Err((field, message)) => Some((field, None, message.to_owned())),
+            Ok(count) if count < needed => {
+                let of = layout.of_field.get(count).copied().flatten();
+                let message = format!("the line ends after {count} of {width} fields");
+                Some((count + 1, of, message))
+            }
+            Ok(count) if more => {
+                let message = format!("the line has {count} fields where the header has {width}");
+                Some((width + 1, None, message))
+            }
+            Ok(_) => None,
+        };
+        let described = layout.of_field.iter().flatten().count();
+        if words == described && columns == described && described > 0 {
+            self.begin_part(line);
+        }
+        if self.part != Part::Own {
+            if bad.is_none() && lost.is_none() {
+                self.part = Part::Other;
+            }
+            let message = "the line stands below the header of another file";
+            return Err(refused(self.fault(1, None, message)));
+        }
+        let is_lost = lost.is_some();
+        // Where numbers are readable, the first bad one says more than a wrong count.
+        if let Some((field, of, message)) = bad.or(lost) {
+            return Err(BadRow {
+                fault: self.fault(field, of, message),
+                numbers: numbers.map(|number| number.filter(|_| !is_lost)),
+            });
+        }
+        for ((least, most), number) in self.ranges.iter_mut().zip(numbers) {
+            let number = number.unwrap_or(f64::NAN);
+            (*least, *most) = (least.min(number), most.max(number));
+        }
+        let [time, fx, fy, fz, my, mz, speed, inner, outer] = numbers;
+        let is = Option::unwrap_or_default;
+        let first = self.times.map_or(is(time), |(first, _)| first);
+        self.times = Some((first, is(time)));
+        Ok(LoadRow {
+            time_s: is(time),
+            load: [fx, fy, fz, my, mz].map(is),
+            speed_rpm: is(speed),
+            temperatures: inner.zip(outer).map(<[f64; 2]>::from),
+        })
+    }
+
+    /// A line with a word in every column that is read begins another file, unless it is one of the header's.
+    fn begin_part(&mut self, line: &[u8]) {
+        let line = line.trim_ascii();
+        if self.header.iter().any(|one| line == one) {
+            return;
+        }
+        self.part = match self.preamble.iter().any(|one| line == one) {
+            true => self.part.max(Part::Other),
+            false => Part::Strange,
+        };
+        let ours = self.header.first().map_or(String::new(), |one| text(one));
+        let (number, other, ours) = (self.line.number, shown(&text(line)), shown(&ours));
+        self.other.get_or_insert_with(|| {
+            format!("line {number} begins another file, {other}, not {ours}: its rows are refused until that comes again")
+        });
+    }
+}
+
+impl Layout {
+    /// Takes the names of the columns, without empty ones behind the last.
+    fn set_names(&mut self, mut names: Vec<String>) {
+        let last = names.iter().rposition(|name| !name.is_empty());
+        if let Some(last) = last {
+            names.truncate(last + 1);
+        }
+        self.width = names.len();
+        self.names = names;
+    }
+
+    /// Finds the field of each quantity, or says which column there is not.
+    fn place(&mut self) -> Result<(), String> {
+        self.of_field = vec![None; self.width];
+        for (of, source) in self.sources.iter().enumerate() {
+            let Source::Column(column) = source else {
+                continue;
+            };
+            let field = match &column.name {
+                Name::Number(number) if (1..=self.width).contains(number) => number - 1,
+                Name::Number(number) => {
+                    return Err(format!(
+                        "{} columns, and not the column {number}",
+                        self.width
+                    ));
+                }
+                Name::Text(name) => {
+                    let mut fields = (0..self.width).filter(|i| self.names[*i] == *name);
+                    match (fields.next(), fields.next()) {
+                        (Some(field), None) => field,
+                        (Some(_), Some(_)) => {
+                            return Err(format!(
+                                "two columns {}, so that numbers are wanted",
+                                shown(name)
+                            ));
+                        }
+                        (None, _) => {
+                            let names = listed(&self.names);
+                            return Err(format!(
+                                "the columns {names}, and not the column {}",
+                                shown(name)
+                            ));
+                        }
+                    }
+                }
+            };
+            if let Some(other) = self.of_field[field].replace(of) {
+                let both = [OWN[other], OWN[of]].map(Quantity::name).join(" and ");
+                return Err(format!("one column for {both}"));
             }
         }
         Ok(())
     }
 
     /// The number in a field, or the field's fault.
-    fn number(&mut self, bytes: &[u8], column: usize, field: &Field) -> Result<f64, String> {
-        let remedy = match OWN[column] {
-            Quantity::Time => "; --columns time=- leaves the time out, and counts the rows",
-            _ => "",
+    fn number(&self, bytes: &[u8], of: usize, clock: &mut Clock) -> Result<f64, String> {
+        let Source::Column(column) = &self.sources[of] else {
+            return Err(String::new());
         };
         if bytes.is_empty() {
-            return Err(format!("the field is empty; a number is needed{remedy}"));
+            return Err("the field is empty; a number is needed".to_owned());
         }
         let written;
         let text = match std::str::from_utf8(bytes) {
@@ -413,133 +749,90 @@ impl Loads {
                 &written
             }
         };
-        let Some((value, mark)) = number(text) else {
-            let marks = [',', '.', '\'', '’', '\u{a0}', '\u{202f}', ' '];
+        let Some(unit) = column.unit else {
+            let time = clock.read(text);
+            return time
+                .ok_or_else(|| format!("{} is no date and time, and no hh:mm:ss", shown(text)));
+        };
+        let behind = |text: &str| {
+            // A time may have its unit behind it.
+            let (text, name) = text.split_once(' ').filter(|_| OWN[of] == Quantity::Time)?;
+            number(text, self.decimal).filter(|_| Unit::named(name) == Some(unit))
+        };
+        let Some(value) = number(text, self.decimal).or_else(|| behind(text)) else {
             let are_digits = text
                 .chars()
-                .all(|c| c.is_ascii_digit() || "+-".contains(c) || marks.contains(&c));
-            let hint = match remedy {
-                "" if are_digits && text.contains(marks) => {
-                    ": it has thousands separators; write it without"
-                }
-                remedy => remedy,
+                .all(|c| c.is_ascii_digit() || "+-,.'\u{2019}\u{a0}\u{202f} ".contains(c));
+            let hint = match self.decimal {
+                b',' if are_digits => " with a decimal comma and without thousands separators",
+                _ if are_digits => " with a decimal point and without thousands separators",
+                _ => "",
             };
-            return Err(format!("{} is not a number{hint}", shown(bytes)));
+            return Err(format!("{} is not a number{hint}", shown(text)));
         };
-        if let Some(mark) = mark {
-            let is_first = self.decimal.is_none();
-            if mark != *self.decimal.get_or_insert(mark) {
-                // A comma may then be one of thousands.
-                let [has, above] = match mark {
-                    ',' => ["a comma", "points"],
-                    _ => ["a point", "commas"],
-                };
-                let field = shown(bytes);
-                return Err(format!(
-                    "{field} has {has} where numbers above have decimal {above}; write all decimals one way"
-                ));
-            }
-            // A point between commas is no mark of thousands.
-            if is_first {
-                self.may_be_thousands = mark == ',' || self.separator != b',';
-            }
-            self.may_be_thousands &= has_thousands(text);
+        let value = column.factor * unit.read(value);
+        match unit.dimension {
+            Dimension::Temperature => celsius(value),
+            _ => Ok(value),
         }
-        let value = field.factor * field.unit.read(value);
-        if field.unit.dimension == Dimension::Temperature {
-            celsius(value)
-        } else {
-            Ok(value)
-        }
-    }
-
-    fn row(&mut self) -> Result<Option<LoadRow>, LoadsError> {
-        if !self.next_line()? {
-            return Ok(None);
-        }
-        let mut numbers = self.sources.map(|source| match source {
-            Source::Given(value) => Some(value),
-            Source::Count => Some(self.rows as f64),
-            _ => None,
-        });
-        self.rows += 1;
-        let line = std::mem::take(&mut self.line.text);
-        let (mut bad, mut more) = (None, None);
-        let wanted = self.headings.len();
-        let count = split(&line, self.separator, |i, bytes| {
-            if i >= wanted && !bytes.is_empty() {
-                more.get_or_insert(i);
-            }
-            if let Some(Some((column, field))) = self.of_field.get(i).copied() {
-                match self.number(bytes, column, &field) {
-                    Ok(number) => numbers[column] = Some(number),
-                    Err(message) => drop(bad.get_or_insert((i + 1, Some(column), message))),
-                }
-            }
-        });
-        self.line.text = line;
-        let needed = self
-            .of_field
-            .iter()
-            .rposition(Option::is_some)
-            .map_or(0, |last| last + 1);
-        let lost = match count {
-            Err((field, message)) => Some((field, None, message.to_owned())),
-            Ok(count) if count < needed => {
-                let message = format!("the line ends after {count} of {wanted} fields");
-                Some((
-                    count + 1,
-                    self.of_field[count].map(|(column, _)| column),
-                    message,
-                ))
-            }
-            Ok(count) => more.map(|_| {
-                let hint = if self.separator == b',' {
-                    DECIMAL_COMMAS
-                } else {
-                    ""
-                };
-                let message =
-                    format!("the line has {count} fields where the header has {wanted}{hint}");
-                (wanted + 1, None, message)
-            }),
-        };
-        let is_lost = lost.is_some();
-        // Where numbers are readable, the first bad one says more than a wrong count.
-        if let Some((field, column, message)) = bad.or(lost) {
-            let kept = |i: usize| numbers[i].filter(|_| !is_lost);
-            return Err(LoadsError::Row(Box::new(BadRow {
-                fault: self.fault(field, column, message),
-                numbers: std::array::from_fn(kept),
-            })));
-        }
-        for ((least, most), number) in self.ranges.iter_mut().zip(numbers) {
-            let number = number.unwrap_or(f64::NAN);
-            (*least, *most) = (least.min(number), most.max(number));
-        }
-        let [time, fx, fy, fz, my, mz, speed, inner, outer] = numbers;
-        let is = Option::unwrap_or_default;
-        Ok(Some(LoadRow {
-            time_s: is(time),
-            load: [fx, fy, fz, my, mz].map(is),
-            speed_rpm: is(speed),
-            temperatures: inner.zip(outer).map(<[f64; 2]>::from),
-        }))
     }
 }
 
-/// Whether the mark of a number may be one of thousands: one to three digits before it, three behind.
-fn has_thousands(text: &str) -> bool {
-    let digits = text.trim_start_matches(['+', '-', '\u{2212}', ' ']);
-    let parts = digits.split_once([',', '.']);
-    let are_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
-    parts.is_some_and(|(before, behind)| {
-        (1..=3).contains(&before.len())
-            && before != "0"
-            && behind.len() == 3
-            && are_digits(before)
-            && are_digits(behind)
-    })
+/// Clock times as seconds since the midnight before the first row.
+#[derive(Debug, Default)]
+struct Clock {
+    first: Option<Date>,
+    last: f64,
+    /// Seconds of the days that have passed, where times have no date.
+    days: f64,
+}
+
+impl Clock {
+    fn read(&mut self, text: &str) -> Option<f64> {
+        let of_day = |time: Time| {
+            let whole = time.duration_since(Time::midnight());
+            whole.as_secs_f64()
+        };
+        if let Some(time) = as_time(text) {
+            let time = of_day(time);
+            // Half a day back is the next day.
+            if self.days + time < self.last - 43_200.0 {
+                self.days += 86_400.0;
+            }
+            self.last = self.days + time;
+            return Some(self.last);
+        }
+        let moment = as_date(text)?;
+        let first = *self.first.get_or_insert(moment.date());
+        let days = moment.date().duration_since(first).as_secs_f64();
+        Some(days + of_day(moment.time()))
+    }
+}
+
+/// A time of day, `16:39:25.617` or with a comma.
+fn as_time(text: &str) -> Option<Time> {
+    let is_clock = text.contains(':') && !text.contains(['-', 'T', ' ']);
+    text.replace(',', ".").parse().ok().filter(|_| is_clock)
+}
+
+/// A date and time by ISO 8601, or as Germany writes it.
+fn as_date(text: &str) -> Option<DateTime> {
+    if !text.contains(':') {
+        return None;
+    }
+    let text = text.replace(',', ".");
+    let in_zone = || text.parse::<jiff::Timestamp>().ok();
+    let of_utc = || in_zone().map(|time| jiff::tz::Offset::UTC.to_datetime(time));
+    let german = || DateTime::strptime("%d.%m.%Y %H:%M:%S%.f", &text).ok();
+    let slashed = || DateTime::strptime("%Y/%m/%d %H:%M:%S%.f", &text).ok();
+    // A time with its zone is a time without one, too: its zone is read first.
+    let plain = || text.parse().ok();
+    of_utc().or_else(plain).or_else(german).or_else(slashed)
+}
+
+/// Whether a field is a time of day, or a date with it.
+pub(crate) fn is_clock(field: &str) -> bool {
+    as_time(field).is_some() || as_date(field).is_some()
 }
 
 impl Iterator for Loads {
@@ -549,11 +842,14 @@ impl Iterator for Loads {
         if self.ended {
             return None;
         }
-        let passed = if self.rows == 0 { 1 } else { self.told.every };
-        let mut row = self.row().transpose();
+        let passed = match self.counts.read + self.counts.refused {
+            0 => 1,
+            _ => self.every,
+        };
+        let mut row = self.row();
         for _ in 1..passed {
             if let Some(Ok(_) | Err(LoadsError::Row(_))) = row {
-                row = self.row().transpose();
+                row = self.row();
             }
         }
         self.ended = !matches!(row, Some(Ok(_) | Err(LoadsError::Row(_))));

@@ -17,17 +17,17 @@ pub enum Dimension {
     Temperature,
 }
 
-/// A unit. Its numbers times `times`, over `over`, plus `plus`, are numbers of the first unit of the dimension: powers of ten
+/// A unit. Its numbers less `zero`, times `times`, over `over`, are numbers of the first unit of the dimension: powers of ten
 /// are divided by, which rounds once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     /// Its dimension.
     pub dimension: Dimension,
-    /// Its names, the first as messages have it; compared by [`plain`].
+    /// Its names, the first as messages have it; compared by [`plain`]. Behind `=`, small letters and capitals differ.
     names: &'static str,
     times: f64,
     over: f64,
-    plus: f64,
+    zero: f64,
 }
 
 const fn unit(dimension: Dimension, names: &'static str, times: f64, over: f64) -> Unit {
@@ -36,7 +36,7 @@ const fn unit(dimension: Dimension, names: &'static str, times: f64, over: f64) 
         names,
         times,
         over,
-        plus: 0.0,
+        zero: 0.0,
     }
 }
 
@@ -45,7 +45,7 @@ const POUND_FORCE: f64 = 0.453_592_37 * KILOPOND;
 const KILOPOND: f64 = 9.806_65;
 
 #[rustfmt::skip]
-const UNITS: [Unit; 21] = [
+const UNITS: [Unit; 27] = [
     unit(Time, "s sec secs second seconds sek sekunde sekunden", 1.0, 1.0),
     unit(Time, "ms msec", 1.0, 1e3),
     unit(Time, "us µs μs usec", 1.0, 1e6),
@@ -54,30 +54,36 @@ const UNITS: [Unit; 21] = [
     unit(Force, "N newton newtons", 1.0, 1.0),
     unit(Force, "kN", 1e3, 1.0),
     unit(Force, "daN", 10.0, 1.0),
+    unit(Force, "=mN", 1.0, 1e3),
+    unit(Force, "=MN", 1e6, 1.0),
     unit(Force, "lbf lb lbs", POUND_FORCE, 1.0),
     unit(Force, "kgf kp", KILOPOND, 1.0),
     unit(Moment, "Nm newtonmeter", 1.0, 1.0),
     unit(Moment, "Nmm", 1.0, 1e3),
     unit(Moment, "Ncm", 1.0, 1e2),
     unit(Moment, "kNm", 1e3, 1.0),
+    unit(Moment, "=mNm", 1.0, 1e3),
+    unit(Moment, "=MNm", 1e6, 1.0),
     unit(Moment, "lbfin lbin inlb inlbf lbfinch", 0.0254 * POUND_FORCE, 1.0),
     unit(Moment, "lbfft lbft ftlb ftlbf", 0.3048 * POUND_FORCE, 1.0),
-    unit(Speed, "rpm 1/min min1 u/min r/min rev/min tr/min /min rounds/min upm", 1.0, 1.0),
+    unit(Speed, "rpm 1/min min1 u/min r/min rev/min tr/min giri/min ot/min /min rounds/min upm", 1.0, 1.0),
     unit(Speed, "Hz 1/s s1 rps rev/s r/s u/s", 60.0, 1.0),
-    unit(Speed, "rad/s rads1", 30.0, std::f64::consts::PI),
+    unit(Speed, "krpm", 1e3, 1.0),
+    unit(Speed, "rad/s rads1 radps", 30.0, std::f64::consts::PI),
     unit(Temperature, "degC c celsius", 1.0, 1.0),
-    Unit { dimension: Temperature, names: "K kelvin", times: 1.0, over: 1.0, plus: -273.15 },
+    Unit { dimension: Temperature, names: "K kelvin", times: 1.0, over: 1.0, zero: 273.15 },
+    Unit { dimension: Temperature, names: "degF f fahrenheit", times: 5.0, over: 9.0, zero: 32.0 },
 ];
 
-/// A unit's name without blanks, capitals, and the marks of products and powers: `N*m`, `[N m]` and `Nm` are one. None of a
-/// name with other marks.
+/// A unit's name without blanks and the marks of products and powers: `N*m`, `[N m]` and `Nm` are one. None of a name with
+/// other marks.
 fn plain(name: &str) -> Option<String> {
     let mut plain = String::new();
-    for c in name.trim_matches(['[', ']', '(', ')', '"']).chars() {
+    for c in name.trim_matches(['[', ']', '(', ')', '"', ' ']).chars() {
         match c {
             '¹' => plain.push('1'),
-            ' ' | '*' | '·' | '⋅' | '.' | '^' | '-' | '_' | '°' | '⁻' => {}
-            c if c.is_alphanumeric() || c == '/' => plain.extend(c.to_lowercase()),
+            ' ' | '*' | '·' | '⋅' | '.' | '^' | '-' | '_' | '°' | '⁻' | '\u{a0}' => {}
+            c if c.is_alphanumeric() || c == '/' => plain.push(c),
             _ => return None,
         }
     }
@@ -85,11 +91,15 @@ fn plain(name: &str) -> Option<String> {
 }
 
 impl Unit {
-    /// The unit of this name. `mN` and `MN` are none: small letters and capitals are one here.
+    /// The unit of this name. `mN` and `MN` differ, `mn` is none; of all others, small letters and capitals are one.
     pub fn named(name: &str) -> Option<Self> {
         let name = plain(name)?;
-        let is = |one: &&str| one.to_lowercase() == name;
-        let has = |unit: &&Self| unit.names.split(' ').any(|one| is(&one));
+        let small = name.to_lowercase();
+        let is = |one: &str| match one.strip_prefix('=') {
+            Some(one) => one == name,
+            None => one.to_lowercase() == small,
+        };
+        let has = |unit: &&Self| unit.names.split(' ').any(is);
         UNITS.iter().find(has).copied()
     }
 
@@ -101,7 +111,8 @@ impl Unit {
 
     /// Its name.
     pub fn name(&self) -> &'static str {
-        self.names.split(' ').next().unwrap_or_default()
+        let name = self.names.split(' ').next().unwrap_or_default();
+        name.trim_start_matches('=')
     }
 
     /// Names of the units of a dimension.
@@ -110,23 +121,9 @@ impl Unit {
         units.map(Self::name).collect::<Vec<_>>().join(", ")
     }
 
-    /// The unit of which `count` are one of these.
-    pub fn counted(self, count: f64) -> Self {
-        Self {
-            over: self.over * count,
-            ..self
-        }
-    }
-
     /// A number of this unit in the library's.
     pub fn read(&self, x: f64) -> f64 {
-        let scaled = x * self.times / self.over;
-        // Nothing is added to a zero, which may have a sign.
-        if self.plus == 0.0 {
-            scaled
-        } else {
-            scaled + self.plus
-        }
+        (x - self.zero) * self.times / self.over
     }
 }
 
@@ -134,7 +131,7 @@ impl Unit {
 pub fn celsius(t: f64) -> Result<f64, String> {
     if t > 200.0 {
         return Err(format!(
-            "{t} is above 200 deg C; if it is in kelvin, name the unit, such as t_inner_k"
+            "{t} is above 200 deg C; is it in kelvin or degrees Fahrenheit?"
         ));
     }
     Ok(t)

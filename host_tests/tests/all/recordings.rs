@@ -2,11 +2,11 @@
 //! solver and the table.
 
 use files::designs::{DesignFile, SHIPPED};
+use files::import::Wanted;
 use files::plan::BALL_COUNTS;
 use files::plan::{Plan, Question};
 use files::recordings::{LoadRow, Loads, LoadsError};
 use files::spindles::SpindleFile;
-use files::told::Told;
 use host_tests::cases::Random;
 use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::replay::{Job, Output, Summary, Table, replay};
@@ -24,7 +24,8 @@ fn parsed(csv: &str) -> Result<Vec<LoadRow>, LoadsError> {
     Loads::from_reader(
         "loads.csv",
         Box::new(Cursor::new(csv.as_bytes().to_vec())),
-        Told::default(),
+        None,
+        &Wanted::default(),
     )?
     .collect()
 }
@@ -61,7 +62,7 @@ fn a_printed_number_reads_back_exactly_in_its_precision() {
 
 #[test]
 fn what_can_be_read_of_a_refused_row_is_kept() {
-    let numbers = |row: &str| match parsed(&format!("{HEADER}{row}\n")) {
+    let numbers = |row: &str| match parsed(&format!("{HEADER}1,2,3,4,5,6,7\n{row}\n")) {
         Err(LoadsError::Row(row)) => row.numbers,
         other => panic!("{other:?}"),
     };
@@ -86,7 +87,7 @@ fn what_can_be_read_of_a_refused_row_is_kept() {
 }
 
 #[test]
-fn files_of_spreadsheets_of_all_countries_are_read() {
+fn own_recordings_are_read_and_others_refused() {
     let row = |time_s, load, speed_rpm| LoadRow {
         time_s,
         load,
@@ -98,7 +99,6 @@ fn files_of_spreadsheets_of_all_countries_are_read() {
         row(1.0, [2.0, 3.0, 4.0, 5.0, 6.0], 7.0),
     ];
     let header = HEADER.trim_end();
-    let [semicolons, tabs] = [";", "\t"].map(|separator| HEADER.replace(',', separator));
     for text in [
         // Columns in any order.
         "speed_rpm,mz_nm,my_nm,fz_n,fy_n,fx_n,time_s\n7.25,6,5,4,3e3,-2,0.5\n7,6,5,4,3,2,1\n"
@@ -106,19 +106,32 @@ fn files_of_spreadsheets_of_all_countries_are_read() {
         // Line ends of Windows, no end of the last line, byte order mark, blank lines, quotes.
         format!("{header}\r\n0.5,-2,3e3,4,5,6,7.25\r\n1,2,3,4,5,6,7\r\n"),
         format!("\u{feff}{header}\n0.5,-2,3e3,4,5,6,7.25\n1,2,3,4,5,6,7"),
-        format!("\n{header}\n\n0.5,-2,3e3,4,5,6,7.25\n \n1,2,3,4,5,6,7\n\n"),
+        format!("{header}\n\n0.5,-2,3e3,4,5,6,7.25\n \n1,2,3,4,5,6,7\n\n"),
         format!("{header}\n.5, -2 ,3000.,4,5,6,7.25\n1,2,+3,4,5,6,\"7\"\n"),
-        format!("{semicolons}0,5;-2;3e3;4;5;6;7,25\n1;2;3;4;5;6;7\n"),
-        format!("{semicolons}0.5;-2;3e3;4;5;6;7.25\n1;2;3;4;5;6;7\n"),
-        format!("{tabs}0,5\t-2,0\t3e3\t4\t5\t6\t7,25\n1\t2\t3\t4\t5\t6\t7\n"),
-        "# logger 5; 2024-03-01\n\u{20} TIME_S ; Fx_N;FY_N ;fz_n;my_nm;mz_nm;Speed_RPM\r\n\n\
-         # start\n0,5;\"-2\";3,0e3;4;5;6;7,25\r\n#\n 1;2;3;4;5;6;7"
-            .to_owned(),
-        "\u{feff}\"time_s\";\"fx_n\";\"fy_n\";\"fz_n\";\"my_nm\";\"mz_nm\";\"speed_rpm\"\n\
-         \"0,5\";-2;3e3;4;5;6;7,25\n1;2;3;4;5;6;7\n"
-            .to_owned(),
+        // Further columns hold anything.
+        format!("Sample,{header},T_oil\n#1,0.5,-2,3e3,4,5,6,7.25,\n#2,1,2,3,4,5,6,7,warm\n"),
     ] {
         assert_eq!(parsed(&text).unwrap(), plain, "{text:?}");
+    }
+    // Without times, rows are counted.
+    let states = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2,3,4,5,6,7\n";
+    assert_eq!(parsed(states).unwrap(), [row(0.0, plain[1].load, 7.0)]);
+    for text in [
+        HEADER.replace(',', ";") + "0;1;2;3;4;5;6\n",
+        format!("\n{HEADER}0,1,2,3,4,5,6\n"),
+        format!("# logger\n{HEADER}0,1,2,3,4,5,6\n"),
+        HEADER.to_uppercase() + "0,1,2,3,4,5,6\n",
+        format!("{HEADER}s,N,N,N,Nm,Nm,1/min\n0,1,2,3,4,5,6\n"),
+        format!("{HEADER}\"0,5\",1,2,3,4,5,6\n"),
+        "Timestamp,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2024-01-01 12:00:00,1,2,3,4,5,6\n"
+            .to_owned(),
+        "clock,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n12:00:00,1,2,3,4,5,6\n".to_owned(),
+    ] {
+        let found = parsed(&text);
+        assert!(
+            matches!(found, Err(LoadsError::Foreign { .. })),
+            "{text:?}: {found:?}"
+        );
     }
 }
 
@@ -127,7 +140,7 @@ fn columns_of_others_are_ignored_and_named() {
     let text = "no,time_s,\"remark; long\",fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,fx_kn,\n\
                 a,1,\"so, so\",2,3,4,5,6,7,,\n";
     let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    let mut loads = Loads::from_reader("loads.csv", input, Told::default()).unwrap();
+    let mut loads = Loads::from_reader("loads.csv", input, None, &Wanted::default()).unwrap();
     let ignored = "\"no\", \"remark; long\", \"fx_kn\"";
     assert_eq!(loads.ignored_columns().unwrap(), ignored);
     assert!(!loads.has_temperatures());
@@ -139,7 +152,8 @@ fn columns_of_others_are_ignored_and_named() {
 fn bytes_that_are_no_text_are_refused_with_line_and_column() {
     let mut bytes = format!("{HEADER}1,2,3,4,5,6,7\n").into_bytes();
     bytes.extend(b"1,2,\xFF\xFE,4,5,6,7\n");
-    let mut loads = Loads::from_reader("x", Box::new(Cursor::new(bytes)), Told::default()).unwrap();
+    let mut loads =
+        Loads::from_reader("x", Box::new(Cursor::new(bytes)), None, &Wanted::default()).unwrap();
     let error = loads.find_map(Result::err).unwrap().to_string();
     assert!(error.starts_with("x: line 3, column 3 (fy_n): "), "{error}");
 }

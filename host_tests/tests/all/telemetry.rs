@@ -3,8 +3,8 @@
 use crate::frames::{
     alarm, balls, estimate, frame, health, note, pair, rows, shaft, state_of, stream,
 };
+use files::import::Wanted;
 use files::recordings::{self, LoadRow};
-use files::told::Told;
 use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap};
 use host_tests::telemetry::operator::Operator;
@@ -39,7 +39,7 @@ pub(super) fn frames_of(events: &[Event]) -> Vec<&Frame> {
 
 /// The recording up to a time, and the monitor's bytes for it.
 pub(super) fn cycle(seconds: f64) -> (Vec<LoadRow>, Vec<u8>) {
-    let rows: Result<Vec<_>, _> = recordings::read(record_of(ROWS), Told::default())
+    let rows: Result<Vec<_>, _> = recordings::read(record_of(ROWS), None, &Wanted::default())
         .unwrap()
         .take_while(|row| row.as_ref().is_ok_and(|row| row.time_s < seconds))
         .collect();

@@ -3,8 +3,8 @@
 
 use anyhow::{Context, Result};
 use clap::{ArgGroup, Parser};
+use files::import::Wanted;
 use files::recordings;
-use files::told::Told;
 use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::simulated;
 use host_tests::telemetry::simulated::monitored::ROWS;
@@ -171,7 +171,7 @@ fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
         return Ok((source::recorded(path)?, None));
     }
     let end = arguments.seconds.unwrap_or(f64::INFINITY);
-    let rows = recordings::read(record_of(ROWS), Told::default())?
+    let rows = recordings::read(record_of(ROWS), None, &Wanted::default())?
         .take_while(|row| row.as_ref().map_or(true, |row| row.time_s < end));
     let bytes = simulated::stream(&rows.collect::<Result<Vec<_>, _>>()?)?;
     Ok((source::stream(Cursor::new(bytes)), None))

@@ -1,8 +1,8 @@
 //! A recording as the board receives it: a record of loads and speed a tick, and temperatures at times.
 
 use anyhow::{Result, bail};
+use files::import::Wanted;
 use files::recordings::{self, LoadRow};
-use files::told::Told;
 use spindle_bearing::record::LoadRecord;
 
 /// Input of a run.
@@ -21,7 +21,7 @@ const LONGEST: f64 = 3600.0;
 /// `period_us`, on the straight line between the rows around it.
 pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Recording> {
     let mut rows: Vec<LoadRow> = Vec::new();
-    for row in recordings::read(path, Told::default())? {
+    for row in recordings::read(path, None, &Wanted::default())? {
         let row = row?;
         let start = rows.first().map_or(row.time_s, |first| first.time_s);
         let time = row.time_s - start;
@@ -97,7 +97,7 @@ mod tests {
         // Two ticks a row.
         let records = read(RECORD, Some(0.5), 500).unwrap().records;
         assert_eq!(records.len(), 1000);
-        let rows: Vec<_> = recordings::read(RECORD, Told::default())
+        let rows: Vec<_> = recordings::read(RECORD, None, &Wanted::default())
             .unwrap()
             .take(500)
             .collect();

@@ -5,9 +5,11 @@ mod table;
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::{ArgMatches, Parser};
 use files::catalogue;
+use files::import::{Import, Wanted};
+use files::propose;
+use files::quantities::{LOADS, OWN, Quantity};
 use files::recordings::{self, LoadRow, LoadsError};
 use files::spindles::SpindleFile;
-use files::told::{QUANTITIES, Quantity, Told};
 use files::units::{Unit, celsius};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::lifetime::Lifetime;
@@ -36,18 +38,25 @@ struct Args {
     ///
     /// Examples are in host_tests/bearings/ and host_tests/spindles/. A bearing of the catalogue is named in the place of
     /// a file, such as gmn:S6014C.
-    #[arg(value_name = "DESIGN.toml", required_unless_present = "list")]
+    #[arg(value_name = "DESIGN.toml", required_unless_present_any = ["list", "propose"])]
     design: Option<PathBuf>,
 
     /// Recorded loads and speed; `-` reads standard input
     ///
     /// An example, a synthetic milling cycle, is host_tests/records/milling_cycle.csv.
-    #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list"])]
+    #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list", "propose"])]
     loads: Option<PathBuf>,
 
     /// Print the catalogue: bearings that can be named in the place of DESIGN.toml
     #[arg(long)]
     list: bool,
+
+    /// Look at a recording of another program, and write a description of its columns
+    ///
+    /// The description goes to standard output; standard error has the first and the last rows as they would be read, and
+    /// all that is open. `-` reads standard input.
+    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["design", "list", "table", "import"])]
+    propose: Option<PathBuf>,
 
     /// In place of LOADS.csv, make a table: stiffness at every combination of these speeds and loads
     ///
@@ -137,24 +146,13 @@ struct Args {
     recording: Recording,
 }
 
-/// Statements about a recording, besides the names of its columns
+/// How the recording is read
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Recording")]
 struct Recording {
-    /// Columns by their names or numbers, such as `time="Zeit [s]",fx=-"Fy"`; time=- has none
-    ///
-    /// A factor may stand behind the name: `fx="Fx [V]*250"`. Quantities are time, fx, fy, fz, mx, my, mz, speed, t_inner, t_outer.
-    #[arg(
-        long,
-        value_name = "QUANTITY=NAME,..",
-        allow_hyphen_values = true,
-        conflicts_with = "table"
-    )]
-    columns: Vec<String>,
-
-    /// Axes of the bearing's frame by the forces of the recording, such as x=Fz,y=Fx,z=Fy; moments follow
-    #[arg(long, value_name = "x=F,y=F,z=F", conflicts_with = "table")]
-    axes: Option<String>,
+    /// Description of the recording's columns, as `--propose` writes it
+    #[arg(long, value_name = "IMPORT.toml", conflicts_with = "table")]
+    import: Option<PathBuf>,
 
     /// Solve one record of so many
     #[arg(long, value_name = "COUNT", default_value_t = 1, conflicts_with = "table", value_parser = clap::value_parser!(u32).range(1..))]
@@ -166,21 +164,20 @@ struct Recording {
 
 /// Quantities that are constant, in the bearing's frame: an option for each.
 #[derive(Debug)]
-struct Given([Option<f64>; QUANTITIES]);
+struct Given([Option<f64>; OWN.len()]);
 
 impl Given {
-    /// The quantities; options have their names.
-    fn all() -> impl Iterator<Item = Quantity> {
-        let all = Quantity::ALL.into_iter();
-        all.filter(|one| !matches!(one, Quantity::Time | Quantity::Mx))
+    /// The quantities that have an option of their name.
+    fn all() -> impl Iterator<Item = (usize, Quantity)> {
+        OWN.into_iter().enumerate().skip(1)
     }
 }
 
 impl clap::FromArgMatches for Given {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut given = [None; QUANTITIES];
-        for quantity in Self::all() {
-            given[quantity as usize] = matches.get_one(quantity.name()).copied();
+        let mut given = [None; OWN.len()];
+        for (i, quantity) in Self::all() {
+            given[i] = matches.get_one(quantity.name()).copied();
         }
         Ok(Self(given))
     }
@@ -193,7 +190,7 @@ impl clap::FromArgMatches for Given {
 
 impl clap::Args for Given {
     fn augment_args(command: clap::Command) -> clap::Command {
-        command.args(Self::all().map(|quantity| {
+        command.args(Self::all().map(|(_, quantity)| {
             let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
             let arg = clap::Arg::new(name)
                 .long(name)
@@ -309,15 +306,30 @@ DESIGN.toml of either kind may say where recorded loads act, and what acts besid
   [[constant_load]]             # belt, gear, weight: fx_n, fy_n, fz_n at
   position_mm = 120
 
-LOADS.csv has the header
+LOADS.csv has the columns
   time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm
-with the columns in any order; for a spindle with [heat] t_inner_c,t_outer_c as well. Other columns are
-ignored, and named once on standard error. Fields are separated by commas, semicolons or tabs;
-decimal commas are understood where they do not separate fields. Blank lines and lines that begin
-with #, % or ; are skipped. Files of other programs are read, too: a preamble is skipped, names and units such as
-Force X (kN), Zeit [s], n [1/min] and a line of units below are understood, and a line on standard
-error says how. Where that is not enough, the message has the options that are wanted: --columns,
---axes, or a constant such as --my 0. Without times, rows are counted.
+in any order, names on the first line, fields separated by commas, decimals by points; for a spindle with [heat]
+t_inner_c,t_outer_c as well. Other columns are ignored, and named once on standard error. Without time_s, rows are
+counted. A constant such as --my 0 takes the place of a column.
+
+A recording of any other program needs a description of its columns:
+  cargo replay --propose slot.txt > slot.toml
+  cargo replay DESIGN.toml slot.txt --import slot.toml
+A description is TOML. Look at each line of the proposal, and write for each \"?\" what the recording has:
+  header_line = 13              # the line with the names; without it, columns are numbers
+  first_row = 15                # the first line with numbers
+  separator = \"tab\"           # tab, comma, semicolon, blank
+  decimal = \",\"
+  comment = \"#\"               # lines below the header that begin so are skipped
+  short_rows = true             # rows may lack their last columns, if these are not read
+  axes = { x = \"Fz\", y = \"Fx\", z = \"Fy\" }   # the recording's force along each axis; moments follow
+  [columns]                     # of the recording's own axes
+  time = { column = \"Zeit [s]\", unit = \"s\" }   # or { rate_hz = 10000 }; unit = \"clock\" for clock times
+  fx = { column = 3, unit = \"kN\", factor = -1.02 }
+  my = { value = 0, unit = \"Nm\" }
+and so on for fy, fz, mx, mz, speed, t_inner, t_outer. A row that cannot be read to the letter is refused. Below the
+header of another file, rows are refused until the described header comes again. A line on standard error counts
+rows that were read or refused, and lines that were skipped, with the range of each quantity.
 
 A table, in place of LOADS.csv:
   cargo replay DESIGN.toml --table speed=0:20000:500 fx=500 fy=0:1000:250 >TABLE.csv
@@ -329,8 +341,8 @@ Results, one row for each row of LOADS.csv, SI units:
   status          converged; precision-limit (as close as the precision allows);
                   anything else means that this row has no answer, and its figures are empty:
                   unseated (the speed drives a ball out of its groove), iteration-limit (ran out
-                  of iterations), refused-input (a field of LOADS.csv is empty or no number, or
-                  the line has too few or too many fields) and so on
+                  of iterations), refused-input (a field of LOADS.csv is empty or no number, the line has
+                  too few or too many fields, or stands in another file) and so on
   iterations      passes over all balls that the solve took
   dx_m .. tz_rad  displacement of the inner ring, or of the shaft at x = 0
   k_x_x .. k_tz_tz  stiffness, 25 columns: k_y_tz is the change of Fy with the tilt tz
@@ -384,6 +396,19 @@ fn main() -> ExitCode {
         let _ = io::stdout().write_all(catalogue::list().as_bytes());
         return ExitCode::SUCCESS;
     }
+    if let Some(path) = &args.propose {
+        return match propose::propose(path) {
+            Ok(proposal) => {
+                eprint!("{}", proposal.report);
+                let _ = io::stdout().write_all(proposal.description.as_bytes());
+                ExitCode::SUCCESS
+            }
+            Err(error) => {
+                eprintln!("replay: {error}");
+                ExitCode::from(2)
+            }
+        };
+    }
     match run(&args) {
         Ok(summary) => {
             if !summary.refused.is_empty() {
@@ -404,32 +429,10 @@ fn main() -> ExitCode {
                 Some(ReplayError::Output(..)) => 1,
                 _ => 2,
             };
-            match error.downcast_ref() {
-                Some(LoadsError::Unknown(fault, options)) => {
-                    eprintln!("replay: {fault}: {}{options}", command_line());
-                }
-                _ => eprintln!("replay: {error}"),
-            }
+            eprintln!("replay: {error}");
             ExitCode::from(status)
         }
     }
-}
-
-/// The command line, as a shell would take it.
-fn command_line() -> String {
-    let args = std::env::args_os().skip(1).map(|arg| {
-        let arg = arg.to_string_lossy().into_owned();
-        let is_plain = |c: char| c.is_alphanumeric() || "_-./:=,+@%".contains(c);
-        match !arg.is_empty() && arg.chars().all(is_plain) {
-            true => arg,
-            false => format!("'{}'", arg.replace('\'', "'\\''")),
-        }
-    });
-    let args: Vec<String> = ["cargo replay".to_owned()]
-        .into_iter()
-        .chain(args)
-        .collect();
-    args.join(" ")
 }
 
 fn run(args: &Args) -> Result<Summary> {
@@ -495,8 +498,19 @@ fn run(args: &Args) -> Result<Summary> {
             lifetime: lifetime.as_mut(),
         };
         let replayed = replay(job, solver, rows, outputs);
-        if let Some(assumed) = recording.and_then(|recording| recording.borrow().assumed()) {
-            eprintln!("replay: {assumed}");
+        // Nobody reads on where an output has failed.
+        let is_out = matches!(replayed, Err(ReplayError::Output(..)));
+        if let Some(recording) = recording.filter(|_| !is_out) {
+            let recording = recording.borrow();
+            for line in recording.account().lines() {
+                eprintln!("replay: {line}");
+            }
+            let counts = recording.counts();
+            ensure!(
+                replayed.is_err() || counts.read + counts.refused > 0,
+                "{}: there is no row below the header",
+                recording.file()
+            );
         }
         if !matches!(replayed, Err(ReplayError::Output(..))) {
             for (table, file) in files {
@@ -557,6 +571,26 @@ impl Args {
         Ok(held)
     }
 
+    /// What the options leave open, with temperatures if the spindle has `heat`.
+    fn wanted(&self, heat: bool) -> Result<Wanted> {
+        let mut wanted = Wanted {
+            given: self.recording.given.0,
+            every: self.recording.every as usize,
+            ..Wanted::default()
+        };
+        for (i, quantity) in OWN.into_iter().enumerate().skip(LOADS) {
+            wanted.needed[i] = heat;
+            if let Some(value) = wanted.given[i] {
+                celsius(value).map_err(|error| anyhow!("--{}: {error}", quantity.name()))?;
+            }
+        }
+        // A displacement that is given takes the place of the load of its freedom.
+        for (needed, held) in wanted.needed[1..].iter_mut().zip(self.held()?) {
+            *needed &= held.is_none();
+        }
+        Ok(wanted)
+    }
+
     /// Rows of the recording or of the table.
     fn input(&self, file: &SpindleFile) -> Result<Input> {
         let reference = file.heat.map(|heat| heat.reference);
@@ -569,7 +603,8 @@ impl Args {
             let bar = progress_bar(Some(rows.len() as u64), "{pos} of {len} rows");
             return Ok((Box::new(rows.progress_with(bar).map(Ok)), None));
         };
-        let loads = recordings::read(path, self.recording.told(reference.is_some())?)?;
+        let (import, wanted) = (self.recording.import()?, self.wanted(reference.is_some())?);
+        let loads = recordings::read(path, import.as_ref(), &wanted)?;
         let file = loads.file();
         let ignored = loads.ignored_columns();
         if let Some(ignored) = ignored {
@@ -613,28 +648,9 @@ impl Args {
 }
 
 impl Recording {
-    /// What the options say, and whether temperatures are needed.
-    fn told(&self, heat: bool) -> Result<Told> {
-        let mut told = Told {
-            every: self.every as usize,
-            heat,
-            ..Told::default()
-        };
-        for columns in &self.columns {
-            let added = told.add_columns(columns);
-            added.map_err(|error| anyhow!("--columns {columns}: {error}"))?;
-        }
-        if let Some(axes) = &self.axes {
-            told.set_axes(axes)
-                .map_err(|error| anyhow!("--axes {axes}: {error}"))?;
-        }
-        told.given = self.given.0;
-        for quantity in [Quantity::TInner, Quantity::TOuter] {
-            if let Some(value) = told.given[quantity as usize] {
-                celsius(value).map_err(|error| anyhow!("--{}: {error}", quantity.name()))?;
-            }
-        }
-        Ok(told)
+    fn import(&self) -> Result<Option<Import>> {
+        let read = self.import.as_deref().map(Import::read);
+        Ok(read.transpose()?)
     }
 }
 

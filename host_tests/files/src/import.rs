@@ -1,0 +1,463 @@
+//! Descriptions of recordings: where each quantity is, and in which unit, as a TOML file.
+//!
+//! ```toml
+//! header_line = 13           # the line with the names; none if left out: columns are numbers
+//! first_row = 15             # the first line with numbers
+//! separator = "tab"          # tab, comma, semicolon, blank
+//! decimal = ","              # or a point, if left out
+//! comment = "#"              # lines below the header that begin so are skipped; a header is read without it
+//! short_rows = true          # rows may lack their last columns, if these are not read
+//!
+//! axes = { x = "Fz", y = "-Fx", z = "-Fy" }   # if left out, the recording's axes are the bearing's
+//!
+//! [columns]                  # of the recording's own axes; "?" is refused until somebody writes what it is
+//! time = { column = "Zeit [s]", unit = "s" }  # or { rate_hz = 10000 }; unit = "clock" for dates and clock times
+//! fx = { column = "Fx [kN]", unit = "kN" }
+//! fy = { column = 3, unit = "N", factor = -1.02 }   # the factor multiplies what the unit says
+//! fz = { column = "Fz", unit = "?" }
+//! mx = { value = 0, unit = "Nm" }
+//! my = "?"
+//! speed = { column = "n [Hz]", unit = "Hz", factor = 0.5 }
+//! ```
+
+use crate::designs::{DesignFileError, Key, Place, Reading, read_text};
+use crate::lines::SEPARATORS;
+use crate::quantities::{LOADS, OWN, QUANTITIES, Quantity};
+use crate::units::{Dimension, Unit};
+use serde::Deserialize;
+use std::path::Path;
+use toml::Spanned;
+
+/// What nobody has said yet.
+pub const OPEN: &str = "?";
+
+/// A description, with its open points.
+#[derive(Debug, Clone)]
+pub struct Import {
+    /// Name of its file.
+    pub file: String,
+    pub(crate) header_line: Option<u64>,
+    pub(crate) first_row: u64,
+    pub(crate) separator: u8,
+    pub(crate) decimal: u8,
+    pub(crate) comment: Option<String>,
+    pub(crate) short_rows: bool,
+    /// The recording's axis and its sign for each axis of the bearing.
+    axes: [(usize, f64); 3],
+    columns: [Entry; QUANTITIES],
+    /// Open points besides columns.
+    open: Vec<&'static str>,
+}
+
+/// What is said of a quantity.
+#[derive(Debug, Clone, PartialEq)]
+enum Entry {
+    Absent,
+    Open(&'static str),
+    Value(f64),
+    Rate(f64),
+    Column(Column),
+}
+
+/// A column that holds a quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Which one it is.
+    pub name: Name,
+    /// Its unit; none of clock times.
+    pub unit: Option<Unit>,
+    /// Factor of its numbers.
+    pub factor: f64,
+}
+
+/// A column's name, or its number from 1.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Name {
+    /// The name in the header.
+    Text(String),
+    /// The number.
+    Number(usize),
+}
+
+/// Where the numbers of a quantity come from.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Source {
+    /// Nowhere: nobody needs it.
+    None,
+    /// A constant.
+    Given(f64),
+    /// Rows are counted: so many a second.
+    Rate(f64),
+    Column(Column),
+}
+
+/// What a replay wants of a recording.
+#[derive(Debug, Clone)]
+pub struct Wanted {
+    /// Quantities that are constant, by option.
+    pub given: [Option<f64>; OWN.len()],
+    /// Quantities that are needed, of [`OWN`].
+    pub needed: [bool; OWN.len()],
+    /// One record of so many is read.
+    pub every: usize,
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        let mut needed = [true; OWN.len()];
+        // Without times, rows are counted.
+        needed[0] = false;
+        needed[LOADS..].fill(false);
+        Self {
+            given: [None; OWN.len()],
+            needed,
+            every: 1,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ImportKeys {
+    header_line: Key<u64>,
+    first_row: Key<u64>,
+    separator: Key<String>,
+    decimal: Key<String>,
+    comment: Key<String>,
+    short_rows: Key<Flag>,
+    axes: Key<AxesSaid>,
+    #[serde(default)]
+    columns: ColumnsKeys,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "true, false or \"?\"")]
+enum Flag {
+    Said(bool),
+    Open(String),
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "{ x = \"Fz\", y = \"Fx\", z = \"Fy\" }")]
+enum AxesSaid {
+    Said(AxesKeys),
+    Open(String),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxesKeys {
+    x: String,
+    y: String,
+    z: String,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct ColumnsKeys {
+    time: Key<Said>,
+    fx: Key<Said>,
+    fy: Key<Said>,
+    fz: Key<Said>,
+    mx: Key<Said>,
+    my: Key<Said>,
+    mz: Key<Said>,
+    speed: Key<Said>,
+    t_inner: Key<Said>,
+    t_outer: Key<Said>,
+}
+
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "{ column = \"a name\" or a number, unit = \"N\", factor = 1 }, { value = 0, unit = \"N\" }, for a time { rate_hz = 1000 }, or \"?\""
+)]
+enum Said {
+    Open(String),
+    Column(ColumnKeys),
+    Value(ValueKeys),
+    Rate(RateKeys),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ColumnKeys {
+    column: Name,
+    unit: String,
+    factor: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ValueKeys {
+    value: f64,
+    unit: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RateKeys {
+    rate_hz: f64,
+}
+
+impl Import {
+    /// Reads a description from a file.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or is no description; the place in it where it goes wrong.
+    pub fn read(path: &Path) -> Result<Self, DesignFileError> {
+        let (file, text) = read_text(path)?;
+        Self::parse(&file, &text)
+    }
+
+    /// Reads a description from the text of a file that messages call `file`.
+    ///
+    /// # Errors
+    ///
+    /// A text that is no description; the place in it where it goes wrong.
+    pub fn parse(file: &str, text: &str) -> Result<Self, DesignFileError> {
+        let r = Reading { file, text };
+        let keys: ImportKeys = r.keys()?;
+        let fault = |span, message: String| Err(r.error(r.place(span), message));
+        let mut open = Vec::new();
+        let Some(first_row) = keys.first_row else {
+            return Err(r.missing("first_row", "2"));
+        };
+        let header_line = keys.header_line.map(Spanned::into_inner);
+        if *first_row.get_ref() <= header_line.unwrap_or(0) {
+            let message = "`first_row` is the number of a line below the header, from 1";
+            return fault(first_row.span(), message.to_owned());
+        }
+        if header_line == Some(0) {
+            return Err(r.error(Place::TOP, "`header_line` counts from 1"));
+        }
+        let Some(separator) = keys.separator else {
+            return Err(r.missing("separator", "\"comma\""));
+        };
+        let named = |(name, _): &&(&str, u8)| name == separator.get_ref();
+        let separator = match SEPARATORS.iter().find(named) {
+            Some((_, byte)) => *byte,
+            None => {
+                let message = "`separator` is one of tab, comma, semicolon, blank";
+                return fault(separator.span(), message.to_owned());
+            }
+        };
+        let decimal = match keys.decimal {
+            None => b'.',
+            Some(text) => match text.get_ref().as_str() {
+                "." => b'.',
+                "," => b',',
+                OPEN => {
+                    open.push("`decimal`");
+                    b'.'
+                }
+                _ => return fault(text.span(), "`decimal` is \".\" or \",\"".to_owned()),
+            },
+        };
+        let short_rows = match keys.short_rows {
+            None => false,
+            Some(flag) => match flag.get_ref() {
+                Flag::Said(said) => *said,
+                Flag::Open(text) if text == OPEN => {
+                    open.push("`short_rows`");
+                    false
+                }
+                Flag::Open(_) => {
+                    return fault(flag.span(), "`short_rows` is true or false".to_owned());
+                }
+            },
+        };
+        let comment = keys.comment.filter(|text| !text.get_ref().is_empty());
+        let mut axes = [0, 1, 2].map(|axis| (axis, 1.0));
+        if let Some(said) = keys.axes {
+            let place = said.span();
+            axes = match said.into_inner() {
+                AxesSaid::Said(keys) => match turned([&keys.x, &keys.y, &keys.z]) {
+                    Ok(axes) => axes,
+                    Err(message) => return fault(place, message.to_owned()),
+                },
+                AxesSaid::Open(_) => {
+                    open.push("`axes`");
+                    axes
+                }
+            };
+        }
+        let of = keys.columns;
+        let said = [
+            of.time, of.fx, of.fy, of.fz, of.mx, of.my, of.mz, of.speed, of.t_inner, of.t_outer,
+        ];
+        let mut columns = [const { Entry::Absent }; QUANTITIES];
+        for (quantity, said) in Quantity::ALL.into_iter().zip(said) {
+            if let Some(said) = said {
+                let place = said.span();
+                match said.into_inner().entry(quantity) {
+                    Ok(entry) => columns[quantity as usize] = entry,
+                    Err(message) => return fault(place, message),
+                }
+            }
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            header_line,
+            first_row: first_row.into_inner(),
+            separator,
+            decimal,
+            comment: comment.map(Spanned::into_inner),
+            short_rows,
+            axes,
+            columns,
+            open,
+        })
+    }
+
+    /// Where each quantity comes from; or all that nobody has said.
+    pub(crate) fn sources(&self, wanted: &Wanted) -> Result<[Source; OWN.len()], String> {
+        let mut open: Vec<String> = self.open.iter().map(|key| (*key).to_owned()).collect();
+        let mut lacking = Vec::new();
+        let sources = std::array::from_fn(|i| {
+            let own = OWN[i];
+            if let Some(value) = wanted.given[i] {
+                return Source::Given(value);
+            }
+            let (recorded, sign) = self.recorded(own);
+            match &self.columns[recorded as usize] {
+                Entry::Absent if own == Quantity::Time => Source::Rate(1.0),
+                Entry::Value(value) => Source::Given(sign * value),
+                Entry::Rate(rate) => Source::Rate(*rate),
+                // Times are read where they are said; temperatures of a spindle that takes none are not.
+                Entry::Column(column) if wanted.needed[i] || own == Quantity::Time => {
+                    Source::Column(Column {
+                        factor: sign * column.factor,
+                        ..column.clone()
+                    })
+                }
+                Entry::Open(part) if wanted.needed[i] || own == Quantity::Time => {
+                    open.push(format!("{part}`{}`", recorded.name()));
+                    Source::None
+                }
+                Entry::Absent if wanted.needed[i] => {
+                    lacking.push((recorded.name(), own.name()));
+                    Source::None
+                }
+                _ => Source::None,
+            }
+        });
+        let mut faults = Vec::new();
+        if !open.is_empty() {
+            faults.push(format!(
+                "{} open: write for each \"?\" what the recording has",
+                match &open[..] {
+                    [one] => format!("{one} is"),
+                    more => format!("{} are", more.join(", ")),
+                }
+            ));
+        }
+        for (key, option) in lacking {
+            faults.push(format!(
+                "[columns] lacks `{key}`: add it, or give --{option}"
+            ));
+        }
+        match faults.is_empty() {
+            true => Ok(sources),
+            false => Err(format!("{}: {}", self.file, faults.join("; "))),
+        }
+    }
+
+    /// The recorded quantity that a bearing's is, and its sign.
+    fn recorded(&self, own: Quantity) -> (Quantity, f64) {
+        let first = match own.dimension() {
+            Dimension::Force => Quantity::Fx,
+            Dimension::Moment => Quantity::Mx,
+            _ => return (own, 1.0),
+        } as usize;
+        let (axis, sign) = self.axes[own as usize - first];
+        (Quantity::ALL[first + axis], sign)
+    }
+}
+
+impl Said {
+    fn entry(self, quantity: Quantity) -> Result<Entry, String> {
+        let name = quantity.name();
+        let dimension = quantity.dimension();
+        let unit = |unit: &str| match Unit::named(unit) {
+            Some(found) if found.dimension == dimension => Ok(found),
+            _ => {
+                let clock = if quantity == Quantity::Time {
+                    ", clock"
+                } else {
+                    ""
+                };
+                let units = Unit::names(dimension);
+                Err(format!(
+                    "{unit:?} is none of the units {units}{clock}; others take a factor"
+                ))
+            }
+        };
+        let finite = |x: f64, key: &str| match x.is_finite() {
+            true => Ok(x),
+            false => Err(format!("`{key}` of `{name}` is {x}")),
+        };
+        Ok(match self {
+            Self::Open(text) if text == OPEN => Entry::Open(""),
+            Self::Open(text) => {
+                return Err(format!(
+                    "`{name}` is {text:?}: a column is {{ column = {text:?}, unit = ... }}"
+                ));
+            }
+            Self::Column(ColumnKeys { column, unit, .. })
+                if unit == OPEN || column == Name::Text(OPEN.to_owned()) =>
+            {
+                Entry::Open(if unit == OPEN { "the unit of " } else { "" })
+            }
+            Self::Column(keys) => {
+                let factor = finite(keys.factor.unwrap_or(1.0), "factor")?;
+                let is_clock = quantity == Quantity::Time && keys.unit == "clock";
+                Entry::Column(Column {
+                    name: keys.column,
+                    unit: if is_clock {
+                        None
+                    } else {
+                        Some(unit(&keys.unit)?)
+                    },
+                    factor,
+                })
+            }
+            Self::Value(_) if quantity == Quantity::Time => {
+                return Err("a time is a column or { rate_hz = 1000 }".to_owned());
+            }
+            Self::Value(keys) => Entry::Value(finite(unit(&keys.unit)?.read(keys.value), "value")?),
+            Self::Rate(keys) if quantity == Quantity::Time && keys.rate_hz > 0.0 => {
+                Entry::Rate(finite(keys.rate_hz, "rate_hz")?)
+            }
+            Self::Rate(_) => return Err("`rate_hz` is a positive number, of `time`".to_owned()),
+        })
+    }
+}
+
+/// The recording's axis and its sign for each axis of the bearing, such as `["Fz", "-Fx", "-Fy"]`.
+fn turned(forces: [&str; 3]) -> Result<[(usize, f64); 3], &'static str> {
+    let mut axes = [(0, 0.0); 3];
+    for (axis, force) in axes.iter_mut().zip(forces) {
+        let (sign, name) = match force.strip_prefix('-') {
+            Some(name) => (-1.0, name),
+            None => (1.0, force),
+        };
+        let forces = ["fx", "fy", "fz"];
+        let found = forces.iter().position(|one| *one == name.to_lowercase());
+        let found = found.ok_or("an axis is one of Fx, Fy, Fz, or -Fx and so on")?;
+        *axis = (found, sign);
+    }
+    let [(x, a), (y, b), (z, c)] = axes;
+    if x == y || y == z || z == x {
+        return Err("each of Fx, Fy, Fz must be there once");
+    }
+    let hand = if (x + 1) % 3 == y { 1.0 } else { -1.0 };
+    if a * b * c * hand < 0.0 {
+        return Err(
+            "these axes are left-handed: turn the sign of one, and give the recording's column a factor of -1 if it is so",
+        );
+    }
+    Ok(axes)
+}
