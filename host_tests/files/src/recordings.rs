@@ -150,7 +150,7 @@ pub fn read(path_or_dash: impl AsRef<Path>, told: Told) -> Result<Loads, LoadsEr
 /// The rows of a file of recorded loads, read one at a time. Ends after the first error that is not one of a row.
 pub struct Loads {
     file: String,
-    input: BufReader<Box<dyn Read>>,
+    input: BufReader<Box<dyn Read + Send>>,
     told: Told,
     /// Lines that were read in search of the header.
     ahead: VecDeque<Line>,
@@ -179,7 +179,11 @@ impl Loads {
     /// # Errors
     ///
     /// No column of a quantity that is needed, or an input that fails.
-    pub fn from_reader(name: &str, input: Box<dyn Read>, told: Told) -> Result<Self, LoadsError> {
+    pub fn from_reader(
+        name: &str,
+        input: Box<dyn Read + Send>,
+        told: Told,
+    ) -> Result<Self, LoadsError> {
         let mut loads = Self {
             file: name.to_owned(),
             input: BufReader::with_capacity(64 * 1024, input),

@@ -400,6 +400,51 @@ fn a_reader_that_leaves_ends_the_replay_quietly() {
     }
 }
 
+/// Blocks of 500 records begin cold, and are written in order: nothing depends on the threads that solve them.
+#[test]
+fn tables_are_those_of_one_thread() {
+    let recording = std::fs::read_to_string(RECORD).unwrap();
+    let mut lines: Vec<&str> = recording.lines().take(1 + 5700).collect();
+    lines[1 + 2600] = "2.6,1,2,3,4,no number,6";
+    lines.push("5.7,1,2");
+    let recording = lines.join("\n") + "\n";
+    let (path, balls) = (scratch("blocks.csv"), scratch("blocks_balls.csv"));
+    std::fs::write(&path, &recording).unwrap();
+    let bearing = shipped("b7005c");
+    let run = |threads: &str, options: &[&str]| {
+        let mut replay = Command::new(REPLAY);
+        let replay = replay.arg(&bearing).arg(&path).args(options);
+        let ended = replay.env("RAYON_NUM_THREADS", threads).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (ended.status.code(), text(ended.stdout), text(ended.stderr))
+    };
+    let with_balls = ["--balls", balls.to_str().unwrap()];
+    for options in [&with_balls[..], &["--summary=json"]] {
+        let [one, two, five] = ["1", "2", "5"].map(|threads| {
+            let ended = run(threads, options);
+            (ended, std::fs::read(&balls).unwrap())
+        });
+        assert!(one == two && one == five, "{options:?}");
+        let (_, _, err) = one.0;
+        assert!(
+            err.contains("2 of 5701 rows have no answer: 2 refused-input"),
+            "{err}"
+        );
+    }
+    let [(_, warm, _), (_, cold, _)] = [&[][..], &["--cold"]].map(|options| run("2", options));
+    let [warm, cold] = [&warm, &cold].map(|text| text.lines().skip(1).collect::<Vec<_>>());
+    assert_eq!((warm.len(), cold.len()), (5701, 5701));
+    for record in (0..5700).step_by(500) {
+        assert_eq!(warm[record], cold[record]);
+        assert!(
+            record == 0 || warm[record - 1] != cold[record - 1],
+            "{record}"
+        );
+    }
+    std::fs::remove_file(path).unwrap();
+    std::fs::remove_file(balls).unwrap();
+}
+
 #[test]
 fn ball_states_never_overwrite_the_input() {
     let path = scratch("precious.csv");

@@ -15,11 +15,10 @@ use host_tests::replay::{Job, Output, ReplayError, Summary, Table, replay};
 use host_tests::spindles::{Balls, Choices, with_solver};
 use indicatif::{ProgressBar, ProgressFinish, ProgressIterator, ProgressStyle};
 use spindle_bearing::Limits;
-use std::cell::RefCell;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use table::Axes;
 use tools::arguments::by_name;
 use tools::output::NewFile;
@@ -102,7 +101,8 @@ struct Args {
     /// Solve every row from scratch, as after a reset
     ///
     /// Without this, each row starts from the result of the row before, as the firmware does, and
-    /// takes fewer iterations.
+    /// takes fewer iterations. Blocks of 500 rows begin from scratch: they are solved side by side,
+    /// by a thread for every core, or RAYON_NUM_THREADS of them.
     #[arg(long)]
     cold: bool,
 
@@ -474,7 +474,7 @@ fn run(args: &Args) -> Result<Summary> {
             outputs.push((Table::Results, Box::new(io::stdout())));
         }
         outputs.extend(files.iter_mut().map(|(table, file)| {
-            let out: Box<dyn Write> = Box::new(file);
+            let out: Box<dyn Write + Send> = Box::new(file);
             (*table, out)
         }));
         let job = Job {
@@ -495,7 +495,10 @@ fn run(args: &Args) -> Result<Summary> {
             lifetime: lifetime.as_mut(),
         };
         let replayed = replay(job, solver, rows, outputs);
-        if let Some(assumed) = recording.and_then(|recording| recording.borrow().assumed()) {
+        let recording = recording
+            .as_ref()
+            .map(|recording| recording.lock().expect("a reader"));
+        if let Some(assumed) = recording.and_then(|recording| recording.assumed()) {
             eprintln!("replay: {assumed}");
         }
         if !matches!(replayed, Err(ReplayError::Output(..))) {
@@ -521,8 +524,8 @@ fn run(args: &Args) -> Result<Summary> {
 
 /// Rows to solve, and the recording that they come from.
 type Input = (
-    Box<dyn Iterator<Item = Result<LoadRow, LoadsError>>>,
-    Option<Rc<RefCell<recordings::Loads>>>,
+    Box<dyn Iterator<Item = Result<LoadRow, LoadsError>> + Send>,
+    Option<Arc<Mutex<recordings::Loads>>>,
 );
 
 impl Args {
@@ -582,10 +585,10 @@ impl Args {
             );
         }
         let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
-        let loads = Rc::new(RefCell::new(loads));
-        let read = Rc::clone(&loads);
+        let loads = Arc::new(Mutex::new(loads));
+        let read = Arc::clone(&loads);
         let rows = std::iter::from_fn(move || {
-            let mut loads = read.borrow_mut();
+            let mut loads = read.lock().expect("a reader");
             let row = loads.next();
             bar.set_position(loads.bytes_read());
             row
