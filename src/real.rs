@@ -17,7 +17,7 @@ pub trait Print {}
 impl<T> Print for T {}
 
 /// The working precision: `f32` or `f64`. Sealed, and without a method: `use spindle_bearing::*` adds none to numbers.
-pub trait Real: Float {}
+pub trait Real: Float + Send + Sync {}
 
 impl Real for f32 {}
 impl Real for f64 {}

@@ -37,7 +37,7 @@ pub struct Lifetime {
     #[serde(skip)]
     even_beyond_s: BTreeMap<&'static str, f64>,
     #[serde(skip)]
-    last: Option<Record>,
+    last: Option<(f64, Record)>,
     #[serde(skip)]
     step: f64,
 }
@@ -84,66 +84,91 @@ impl Damage {
     }
 }
 
-/// A record whose duration is not known yet.
+/// A record, as it counts in the sums.
 #[derive(Debug)]
-struct Record {
-    time: f64,
+pub struct Record {
+    time: Option<f64>,
     turns_per_s: f64,
-    /// Weights of its rows and limits that are passed, if it has an answer.
-    answer: Option<(Vec<f64>, LimitSet)>,
+    /// Its rows and limits that are passed, if it has an answer.
+    answer: Option<(Vec<RowRecord>, LimitSet)>,
+}
+
+#[derive(Debug)]
+struct RowRecord {
+    /// Weight for the life.
+    weight: f64,
+    /// Largest peak pressure, Pa.
+    pressure: f64,
+    preload: f64,
+}
+
+impl Record {
+    /// Of its time if it could be read, its speed, its answer and the weights of the rows for the life.
+    pub fn new(time: Option<f64>, omega: f64, answer: Option<(&Answer, &[f64])>) -> Self {
+        let answer = answer.map(|(answer, weights)| {
+            let rows = answer.rows.iter().zip(weights).map(|(row, weight)| {
+                let pressures = row.motions.iter().flat_map(|ball| [ball.inner, ball.outer]);
+                RowRecord {
+                    weight: *weight,
+                    pressure: pressures.fold(0.0, |most: f64, at| most.max(at.peak_pressure)),
+                    preload: row.preload,
+                }
+            });
+            (rows.collect(), answer.limits())
+        });
+        Self {
+            time: time.filter(|time| time.is_finite()),
+            turns_per_s: omega.abs() / TAU,
+            answer,
+        }
+    }
 }
 
 impl Lifetime {
-    /// Adds a record: its time if it could be read, its speed, its answer and the weights of the rows for the life.
-    pub fn add(&mut self, time: Option<f64>, omega: f64, answer: Option<(&Answer, Vec<f64>)>) {
+    /// Adds the next record.
+    pub fn add(&mut self, record: Record) {
         self.records += 1;
-        self.without_answer += u64::from(answer.is_none());
-        let Some(time) = time.filter(|time| time.is_finite()) else {
+        self.without_answer += u64::from(record.answer.is_none());
+        let Some(time) = record.time else {
             return;
         };
         self.close(Some(time));
-        if let Some((answer, weights)) = &answer {
-            self.rows.resize_with(weights.len(), RowLifetime::default);
-            for (sum, row) in self.rows.iter_mut().zip(&answer.rows) {
-                let pressures = row.motions.iter().flat_map(|ball| [ball.inner, ball.outer]);
-                let pressure = pressures.fold(0.0, |most: f64, at| most.max(at.peak_pressure));
-                if pressure > sum.worst_pressure_pa {
-                    (sum.worst_pressure_pa, sum.worst_pressure_at_s) = (pressure, time);
+        if let Some((rows, _)) = &record.answer {
+            self.rows.resize_with(rows.len(), RowLifetime::default);
+            for (sum, row) in self.rows.iter_mut().zip(rows) {
+                if row.pressure > sum.worst_pressure_pa {
+                    (sum.worst_pressure_pa, sum.worst_pressure_at_s) = (row.pressure, time);
                 }
                 let is_less = sum.least_preload_n.is_none_or(|least| row.preload < least);
-                if is_less && answer.rows.len() > 1 {
+                if is_less && rows.len() > 1 {
                     (sum.least_preload_n, sum.least_preload_at_s) = (Some(row.preload), Some(time));
                 }
             }
         }
-        self.last = Some(Record {
-            time,
-            turns_per_s: omega.abs() / TAU,
-            answer: answer.map(|(answer, weights)| (weights, answer.limits())),
-        });
+        self.last = Some((time, record));
     }
 
     /// Counts the last record up to the time of the next one.
     fn close(&mut self, next: Option<f64>) {
-        let Some(record) = self.last.take() else {
+        let Some((time, record)) = self.last.take() else {
             return;
         };
-        let step = next.map_or(self.step, |next| next - record.time);
+        let step = next.map_or(self.step, |next| next - time);
         self.back_in_time += u64::from(step < 0.0);
         self.step = if step < 0.0 { self.step } else { step };
         let step = self.step;
-        let Some((weights, limits)) = record.answer else {
+        let Some((rows, limits)) = record.answer else {
             return;
         };
         let turns = record.turns_per_s;
         self.duration_s += step;
         self.even_s += 1.0;
-        let all = weights.iter().sum();
+        let all = rows.iter().map(|row| row.weight).sum();
         self.damage.add(all, turns * step);
         self.even.add(all, turns);
-        for (row, weight) in self.rows.iter_mut().zip(weights) {
-            row.damage.add(weight, turns * step);
-            row.even.add(weight, turns);
+        for (sum, row) in self.rows.iter_mut().zip(rows) {
+            sum.damage.add(row.weight, turns * step);
+            sum.even.add(row.weight, turns);
         }
         for limit in limits.iter() {
             *self.beyond_s.entry(limit.name()).or_default() += step;

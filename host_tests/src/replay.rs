@@ -1,11 +1,12 @@
 //! Recorded loads and speed in, displacements and stiffness out, as tables. `cargo replay` is around it.
 
 use crate::dispatch::Precision;
-use crate::lifetime::Lifetime;
+use crate::lifetime::{Lifetime, Record};
 use crate::spindles::{Answer, AnySpindleSolver, AtEnd, Choices, RowAnswer, parts};
 use files::noses::Nose;
-use files::recordings::{LoadRow, LoadsError};
+use files::recordings::{BadRow, LoadRow, LoadsError};
 use files::spindles::SpindleFile;
+use rayon::prelude::*;
 use spindle_bearing::{Design, Frequencies, LifeRating, RatingLife, ShaftEnd, Speed};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -31,8 +32,10 @@ const MOTION: [&str; 5] = ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"];
 /// Status of a row of the recording that cannot be read.
 pub const REFUSED_INPUT: &str = "refused-input";
 
-/// Bytes after which whole lines are handed on.
-const BLOCK: usize = 1 << 16;
+/// Records of a block, which begins cold. Half of it: twice the cold solves, which are one in so many now.
+const BLOCK: usize = 500;
+/// Blocks that are read ahead, for every thread: with fewer, threads wait longer for the last of them.
+const AHEAD: usize = 4;
 
 /// A table that a replay writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -267,7 +270,7 @@ fn select(columns: Vec<Column>, names: &[String]) -> Result<Vec<Column>, String>
 }
 
 /// A table that is wanted, and where it goes.
-pub type Output<'o> = (Table, Box<dyn Write + 'o>);
+pub type Output<'o> = (Table, Box<dyn Write + Send + 'o>);
 
 /// How a recording is replayed.
 pub struct Job<'j> {
@@ -326,6 +329,16 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Adds the rows that follow.
+    fn add(&mut self, next: Self) {
+        self.rows += next.rows;
+        for (status, count) in next.refused {
+            *self.refused.entry(status).or_default() += count;
+        }
+        self.first_refusal = self.first_refusal.take().or(next.first_refusal);
+        self.first_fault = self.first_fault.take().or(next.first_fault);
+    }
+
     /// Rows of the recording could be read, if it has any.
     pub fn any_row_read(&self) -> bool {
         self.rows == 0 || self.refused.get(REFUSED_INPUT) != Some(&self.rows)
@@ -353,18 +366,15 @@ impl fmt::Display for Summary {
     }
 }
 
-/// A table on its way out: lines are handed on whole.
-struct Sheet<'o> {
+/// A table that is written.
+struct Sheet {
     table: Table,
     columns: Vec<Column>,
-    text: String,
-    out: Box<dyn Write + 'o>,
 }
 
-impl Sheet<'_> {
+impl Sheet {
     /// Adds a line.
-    fn add(&mut self, line: &Line<'_>, precision: Precision) {
-        let text = &mut self.text;
+    fn add(&self, text: &mut String, line: &Line<'_>, precision: Precision) {
         for (i, column) in self.columns.iter().enumerate() {
             text.push_str(if i == 0 { "" } else { "," });
             let index = column.index;
@@ -397,22 +407,25 @@ impl Sheet<'_> {
         }
         text.push('\n');
     }
-
-    /// Hands on whole lines, if there are at least so many bytes.
-    fn hand_on(&mut self, least: usize) -> Result<(), ReplayError> {
-        if self.text.len() >= least {
-            let written = self.out.write_all(self.text.as_bytes());
-            written.map_err(|error| ReplayError::Output(self.table, error))?;
-            self.text.clear();
-        }
-        Ok(())
-    }
 }
 
-/// Solves row after row and writes the tables as CSV.
+/// A record of a block, or a row that cannot be read.
+type Read = Result<LoadRow, Box<BadRow>>;
+
+/// A block of the recording, solved.
+#[derive(Default)]
+struct Solved {
+    /// Lines of every table.
+    texts: Vec<String>,
+    summary: Summary,
+    records: Vec<Record>,
+}
+
+/// Solves a recording and writes the tables as CSV.
 ///
-/// Rows are written as they are solved: after an error, those before it have been. A row of the recording that cannot
-/// be read has the status [`REFUSED_INPUT`].
+/// The recording is cut into blocks of so many records. Each begins cold, and as many are solved side by side as there are
+/// threads: the tables are the same for any number of them. After an error, rows before it have been written. A row of the
+/// recording that cannot be read has the status [`REFUSED_INPUT`].
 ///
 /// # Errors
 ///
@@ -420,29 +433,25 @@ impl Sheet<'_> {
 pub fn replay(
     mut job: Job<'_>,
     solver: &mut dyn AnySpindleSolver,
-    rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
+    rows: impl Iterator<Item = Result<LoadRow, LoadsError>> + Send,
     outputs: Vec<Output<'_>>,
 ) -> Result<Summary, ReplayError> {
-    let (file, precision) = (job.file, job.precision);
-    let (mut sheets, mut wanted) = (Vec::new(), 0);
-    if job.lifetime.is_some() {
+    let (mut sheets, mut outs, mut titles, mut wanted) = (vec![], vec![], vec![], 0);
+    let lifetime = job.lifetime.take();
+    if lifetime.is_some() {
         wanted = parts::LIMITS | parts::BALLS | parts::MOTIONS;
     }
     for (table, out) in outputs {
-        let mut columns = table.columns(file, job.choices.held != [None; 5]);
+        let mut columns = table.columns(job.file, job.choices.held != [None; 5]);
         if table == Table::Results && !job.select.is_empty() {
             columns = select(columns, &job.select).map_err(ReplayError::Select)?;
         }
         let needs = columns.iter().map(|column| column.needs);
         wanted |= needs.fold(0, |all, needs| all | needs);
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-        let text = names.join(",") + "\n";
-        sheets.push(Sheet {
-            table,
-            columns,
-            text,
-            out,
-        });
+        titles.push(names.join(",") + "\n");
+        sheets.push(Sheet { table, columns });
+        outs.push((table, out));
     }
     let by_angles = job.at_rest && wanted & parts::FREQUENCIES != 0;
     wanted |= if by_angles { parts::BALLS } else { 0 };
@@ -450,20 +459,152 @@ pub fn replay(
         parts: wanted,
         ..job.choices
     });
-    let mut columns = sheets.iter().flat_map(|sheet: &Sheet<'_>| &sheet.columns);
-    let is_life = |column: &Column| matches!(column.figure, Figure::Life);
-    let is_weighed = job.lifetime.is_some() || columns.any(is_life);
-    let ratings = file.ratings();
-    let ends: Vec<ShaftEnd<f64>> = file.noses.iter().map(|nose| nose.end).collect();
-    let mut summary = Summary::default();
-    let outcome = rows.into_iter().try_for_each(|row| {
+    let mut columns = sheets.iter().flat_map(|sheet| &sheet.columns);
+    let has_life = columns.any(|column| matches!(column.figure, Figure::Life));
+    let replay = Replay {
+        file: job.file,
+        precision: job.precision,
+        cold: job.cold,
+        by_angles,
+        is_summed: lifetime.is_some(),
+        is_weighed: lifetime.is_some() || has_life,
+        ratings: job.file.ratings(),
+        ends: job.file.noses.iter().map(|nose| nose.end).collect(),
+        sheets,
+    };
+    let mut written = Written {
+        outs,
+        summary: Summary::default(),
+        lifetime,
+    };
+
+    let mut solvers: Vec<_> = (0..AHEAD * rayon::current_num_threads())
+        .map(|_| solver.copy())
+        .collect();
+    let most = solvers.len();
+    let mut reader = Reader {
+        rows: rows.fuse(),
+        fault: None,
+    };
+    let mut read = reader.blocks(most);
+    let mut solved = vec![Solved {
+        texts: titles,
+        ..Solved::default()
+    }];
+    while !read.is_empty() {
+        let before = std::mem::take(&mut solved);
+        let (next, blocks) = rayon::join(
+            || written.add(before).map(|()| reader.blocks(most)),
+            || {
+                let blocks = solvers.par_iter_mut().zip(&read).with_max_len(1);
+                let blocks = blocks.map(|(solver, block)| replay.solve(&mut **solver, block));
+                blocks.collect()
+            },
+        );
+        (read, solved) = (next?, blocks);
+    }
+    written.add(solved)?;
+    for (table, out) in &mut written.outs {
+        let flushed = out.flush();
+        flushed.map_err(|error| ReplayError::Output(*table, error))?;
+    }
+    match reader.fault {
+        Some(fault) => Err(ReplayError::Loads(fault)),
+        None => Ok(written.summary),
+    }
+}
+
+/// A recording, in blocks.
+struct Reader<I> {
+    rows: I,
+    /// Fault that it ends in.
+    fault: Option<LoadsError>,
+}
+
+impl<I: Iterator<Item = Result<LoadRow, LoadsError>>> Reader<I> {
+    /// The next blocks, fewer than `most` at the end.
+    fn blocks(&mut self, most: usize) -> Vec<Vec<Read>> {
+        let blocks = (0..most).map(|_| self.block());
+        blocks.take_while(|block| !block.is_empty()).collect()
+    }
+
+    fn block(&mut self) -> Vec<Read> {
+        let mut block = Vec::with_capacity(BLOCK);
+        while block.len() < BLOCK && self.fault.is_none() {
+            match self.rows.next() {
+                Some(Ok(row)) => block.push(Ok(row)),
+                Some(Err(LoadsError::Row(row))) => block.push(Err(row)),
+                Some(Err(fault)) => self.fault = Some(fault),
+                None => break,
+            }
+        }
+        block
+    }
+}
+
+/// The tables as far as they are written, and sums over the recording up to there.
+struct Written<'w> {
+    outs: Vec<Output<'w>>,
+    summary: Summary,
+    lifetime: Option<&'w mut Lifetime>,
+}
+
+impl Written<'_> {
+    fn add(&mut self, blocks: Vec<Solved>) -> Result<(), ReplayError> {
+        for block in blocks {
+            for ((table, out), text) in self.outs.iter_mut().zip(&block.texts) {
+                let written = out.write_all(text.as_bytes());
+                written.map_err(|error| ReplayError::Output(*table, error))?;
+            }
+            self.summary.add(block.summary);
+            if let Some(lifetime) = &mut self.lifetime {
+                block.records.into_iter().for_each(|one| lifetime.add(one));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How blocks are solved.
+struct Replay<'r> {
+    file: &'r SpindleFile,
+    precision: Precision,
+    cold: bool,
+    /// Frequencies are those of balls that roll as they were solved at rest.
+    by_angles: bool,
+    /// Sums over the recording are wanted.
+    is_summed: bool,
+    /// Lives are wanted.
+    is_weighed: bool,
+    ratings: Vec<LifeRating<f64>>,
+    ends: Vec<ShaftEnd<f64>>,
+    sheets: Vec<Sheet>,
+}
+
+impl Replay<'_> {
+    /// Solves a block, from a cold start on.
+    fn solve(&self, solver: &mut dyn AnySpindleSolver, block: &[Read]) -> Solved {
+        let mut solved = Solved {
+            texts: vec![String::new(); self.sheets.len()],
+            ..Solved::default()
+        };
+        solver.reset();
+        for row in block {
+            if self.cold {
+                solver.reset();
+            }
+            self.add(solver, row, &mut solved);
+        }
+        solved
+    }
+
+    /// Solves a record, and adds its lines.
+    fn add(&self, solver: &mut dyn AnySpindleSolver, row: &Read, solved: &mut Solved) {
+        let (file, summary) = (self.file, &mut solved.summary);
         summary.rows += 1;
         let (given, mut answer) = match row {
             Ok(row) => {
-                if job.cold {
-                    solver.reset();
-                }
-                let answer = solver.solve(&file.question(&row), &ends);
+                let answer = solver.solve(&file.question(row), &self.ends);
                 let answer = answer.map_err(|status| {
                     let why = || (row.time_s, status.to_string());
                     summary.first_refusal.get_or_insert_with(why);
@@ -475,32 +616,36 @@ pub fn replay(
                 let [time, fx, fy, fz, my, mz, speed] = given;
                 ([time, fx, fy, fz, my, mz, speed, inner, outer], answer)
             }
-            Err(LoadsError::Row(row)) => {
-                summary.first_fault.get_or_insert(row.fault);
+            Err(row) => {
+                let fault = || row.fault.clone();
+                summary.first_fault.get_or_insert_with(fault);
                 (row.numbers, Err(REFUSED_INPUT))
             }
-            Err(error) => return Err(ReplayError::Loads(error)),
         };
         if let Err(status) = &answer {
             *summary.refused.entry(status).or_default() += 1;
         }
         let omega = Speed::rpm(given[6].unwrap_or(0.0)).as_rad_per_s();
-        if let (Ok(answer), true) = (&mut answer, by_angles) {
+        if let (Ok(answer), true) = (&mut answer, self.by_angles) {
             for (row, of) in answer.rows.iter_mut().zip(&file.plan.rows) {
                 row.frequencies = at_rest(&of.design, row, omega);
             }
         }
         let answer = answer.as_ref().map_err(|status| *status);
-        let weighed = answer.ok().filter(|_| is_weighed);
-        let weighed = weighed.map(|answer| (answer, weights(answer, &ratings)));
-        let life = weighed.as_ref().map(|(_, weights)| {
+        let weighed = answer.ok().filter(|_| self.is_weighed);
+        let weighed = weighed.map(|answer| (answer, weights(answer, &self.ratings)));
+        let weighed = weighed
+            .as_ref()
+            .map(|(answer, weights)| (*answer, &weights[..]));
+        let life = weighed.map(|(_, weights)| {
             let life = RatingLife::of_weight(weights.iter().sum(), omega);
             [life.million_revolutions, life.hours]
         });
-        if let Some(lifetime) = job.lifetime.as_deref_mut() {
-            lifetime.add(given[0], omega, weighed);
+        if self.is_summed {
+            let record = Record::new(given[0], omega, weighed);
+            solved.records.push(record);
         }
-        for sheet in &mut sheets {
+        for (sheet, text) in self.sheets.iter().zip(&mut solved.texts) {
             let mut line = Line {
                 given: &given,
                 answer,
@@ -521,21 +666,11 @@ pub fn replay(
                 };
                 for ball in 0..balls {
                     (line.row, line.ball) = (row, ball);
-                    sheet.add(&line, precision);
+                    sheet.add(text, &line, self.precision);
                 }
             }
-            sheet.hand_on(BLOCK)?;
         }
-        Ok(())
-    });
-    for sheet in &mut sheets {
-        sheet.hand_on(1)?;
-        sheet
-            .out
-            .flush()
-            .map_err(|error| ReplayError::Output(sheet.table, error))?;
     }
-    outcome.map(|()| summary)
 }
 
 /// Weights of the rows for the rating life of the set.

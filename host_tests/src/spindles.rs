@@ -136,7 +136,7 @@ impl Default for Choices {
 }
 
 /// A solver for a spindle.
-pub trait AnySpindleSolver {
+pub trait AnySpindleSolver: Send {
     /// Solves; `ends` are the points at which stiffness and compliance are wanted besides `x = 0`.
     ///
     /// # Errors
@@ -150,6 +150,9 @@ pub trait AnySpindleSolver {
 
     /// Makes the next solve a cold one.
     fn reset(&mut self);
+
+    /// Another solver for the spindle, with its choices.
+    fn copy(&self) -> Box<dyn AnySpindleSolver + '_>;
 
     /// Solves for a load at `x = 0`, N and N m, at a speed in rad/s.
     ///
@@ -342,6 +345,7 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>
     hand(&mut *solver);
 }
 
+#[derive(Clone)]
 struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: usize> {
     solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D, E>,
     choices: Choices,
@@ -395,6 +399,10 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
 
     fn reset(&mut self) {
         self.solver.reset();
+    }
+
+    fn copy(&self) -> Box<dyn AnySpindleSolver + '_> {
+        Box::new(self.clone())
     }
 }
 

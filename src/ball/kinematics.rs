@@ -64,7 +64,7 @@ pub struct Speeds<T> {
     label = "not an attitude rule",
     note = "choose `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`"
 )]
-pub trait Rule: Copy + 'static {
+pub trait Rule: Copy + Send + 'static {
     /// Balls have inertia.
     const INERTIA: bool = true;
     /// Friction carries a gyroscopic moment.
@@ -210,7 +210,7 @@ impl<R: Rule> Rule for Frictionless<R> {
     label = "not a motion",
     note = "a motion is `Static`, `Centrifugal<A>` or `Full<A>`, with an attitude rule `A`"
 )]
-pub trait Motion: Copy + 'static {
+pub trait Motion: Copy + Send + 'static {
     /// The rule of their attitude.
     type Rule: Rule;
     /// The shaft turns.

@@ -59,7 +59,7 @@ pub struct DesignFile {
     pub size_mm: Option<[f64; 2]>,
     /// Where loads act.
     pub loading: Loading,
-    file: String,
+    pub(crate) file: String,
     said: Vec<Said>,
 }
 

@@ -278,9 +278,13 @@ impl Import {
                     Ok(axes) => axes,
                     Err(message) => return fault(place, message.to_owned()),
                 },
-                AxesSaid::Open(_) => {
+                AxesSaid::Open(text) if text == OPEN => {
                     open.push("`axes`");
                     axes
+                }
+                AxesSaid::Open(_) => {
+                    let message = "axes are { x = \"Fz\", y = \"Fx\", z = \"Fy\" }".to_owned();
+                    return fault(place, message);
                 }
             };
         }

@@ -330,7 +330,7 @@ impl Loads {
         } = self.counts;
         let file = self.file();
         let mut text = String::new();
-        for other in &self.other {
+        if let Some(other) = &self.other {
             text += &format!("{file}: {other}\n");
         }
         text += &format!("{file}: rows read {read}, refused {refused}; lines skipped {skipped}");

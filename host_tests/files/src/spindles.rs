@@ -422,6 +422,12 @@ impl SpindleFile {
         }
     }
 
+    /// The files that it was read from; names of the catalogue are among them.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let designs = self.designs.iter().map(|design| &design.file);
+        [&self.file].into_iter().chain(designs).map(Path::new)
+    }
+
     /// The message for a spindle that the solver refuses.
     pub fn explain(&self, error: &BuildError) -> DesignFileError {
         if let BuildError::Design(row, error) = error {

@@ -159,6 +159,7 @@ fn bytes_that_are_no_text_are_refused_with_line_and_column() {
 }
 
 /// Says what it is told to say.
+#[derive(Clone)]
 struct Parrot(Answer);
 
 impl AnySpindleSolver for Parrot {
@@ -167,6 +168,10 @@ impl AnySpindleSolver for Parrot {
     }
 
     fn reset(&mut self) {}
+
+    fn copy(&self) -> Box<dyn AnySpindleSolver + '_> {
+        Box::new(self.clone())
+    }
 
     fn choose(&mut self, _: &Choices) {}
 }

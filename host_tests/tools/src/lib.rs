@@ -2,13 +2,17 @@
 
 pub mod arguments;
 pub mod bar;
+#[cfg(feature = "full")]
 pub mod chart;
 pub mod cross;
+#[cfg(feature = "full")]
 pub mod graph;
 pub mod output;
 pub mod report;
+#[cfg(feature = "full")]
 pub mod seal;
 pub mod stream;
+#[cfg(feature = "full")]
 pub mod telemetry;
 
 use std::path::Path;

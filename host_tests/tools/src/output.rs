@@ -1,16 +1,18 @@
 //! Files that appear when they are complete.
 
 use std::ffi::OsString;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use tempfile::{Builder, NamedTempFile};
 
 /// A file that is written beside its place: a full disk or an interruption leaves what was there before.
 #[derive(Debug)]
-pub struct NewFile {
-    file: File,
-    /// Where it is written, and where it belongs; none for a pipe or a device.
-    move_to: Option<(PathBuf, PathBuf)>,
+pub enum NewFile {
+    /// It has a name of its own until it is complete, and then this path. One that is not finished goes away.
+    Beside(NamedTempFile, PathBuf),
+    /// A pipe or a device.
+    Stream(File),
 }
 
 impl NewFile {
@@ -18,21 +20,27 @@ impl NewFile {
     ///
     /// # Errors
     ///
-    /// Errors of the operating system.
+    /// A file in its place that may not be written; errors of the operating system.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let is_file = fs::metadata(path).map_or(true, |found| found.is_file());
-        let move_to = is_file.then(|| {
-            // A link stays one.
-            let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-            let mut beside = OsString::from(&path);
-            beside.push(".part");
-            (PathBuf::from(beside), path)
-        });
-        let place = move_to.as_ref().map_or(path, |(beside, _)| beside);
-        Ok(Self {
-            file: File::create(place)?,
-            move_to,
-        })
+        let found = fs::metadata(path).ok();
+        if let Some(found) = &found {
+            if found.permissions().readonly() {
+                return Err(ErrorKind::PermissionDenied.into());
+            }
+            let there = OpenOptions::new().write(true).open(path)?;
+            if !found.is_file() {
+                return Ok(Self::Stream(there));
+            }
+        }
+        let path = place(path)?;
+        let mut name = OsString::from(path.file_name().unwrap_or_default());
+        name.push(".");
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let mut beside = Builder::new();
+        let beside = beside.prefix(&name).suffix(".part");
+        // With the permissions of a new file, not those of a temporary one.
+        let file = beside.make_in(folder, |path| File::create_new(path))?;
+        Ok(Self::Beside(file, path))
     }
 
     /// Puts it in its place.
@@ -40,10 +48,10 @@ impl NewFile {
     /// # Errors
     ///
     /// Errors of the operating system.
-    pub fn finish(mut self) -> io::Result<()> {
-        match self.move_to.take() {
-            Some((beside, path)) => fs::rename(beside, path),
-            None => Ok(()),
+    pub fn finish(self) -> io::Result<()> {
+        match self {
+            Self::Beside(file, path) => file.persist(path).map(drop).map_err(|e| e.error),
+            Self::Stream(_) => Ok(()),
         }
     }
 
@@ -61,19 +69,30 @@ impl NewFile {
 
 impl Write for NewFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.file.write(bytes)
+        match self {
+            Self::Beside(file, _) => file.write(bytes),
+            Self::Stream(file) => file.write(bytes),
+        }
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+        match self {
+            Self::Beside(file, _) => file.flush(),
+            Self::Stream(file) => file.flush(),
+        }
     }
 }
 
-/// One that is not finished goes away.
-impl Drop for NewFile {
-    fn drop(&mut self) {
-        if let Some((beside, _)) = &self.move_to {
-            let _ = fs::remove_file(beside);
-        }
-    }
+/// Where a file is or will be, without links: two paths of one file are one place.
+///
+/// # Errors
+///
+/// A folder that is not there.
+pub fn place(path: &Path) -> io::Result<PathBuf> {
+    path.canonicalize().or_else(|_| {
+        let folder = path.parent().filter(|folder| *folder != Path::new(""));
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize()?;
+        let name = path.file_name().ok_or(ErrorKind::InvalidInput)?;
+        Ok(folder.join(name))
+    })
 }

@@ -395,6 +395,51 @@ fn a_reader_that_leaves_ends_the_replay_quietly() {
     }
 }
 
+/// Blocks of 500 records begin cold, and are written in order: nothing depends on the threads that solve them.
+#[test]
+fn tables_are_those_of_one_thread() {
+    let recording = std::fs::read_to_string(RECORD).unwrap();
+    let mut lines: Vec<&str> = recording.lines().take(1 + 5700).collect();
+    lines[1 + 2600] = "2.6,1,2,3,4,no number,6";
+    lines.push("5.7,1,2");
+    let recording = lines.join("\n") + "\n";
+    let (path, balls) = (scratch("blocks.csv"), scratch("blocks_balls.csv"));
+    std::fs::write(&path, &recording).unwrap();
+    let bearing = shipped("b7005c");
+    let run = |threads: &str, options: &[&str]| {
+        let mut replay = Command::new(REPLAY);
+        let replay = replay.arg(&bearing).arg(&path).args(options);
+        let ended = replay.env("RAYON_NUM_THREADS", threads).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (ended.status.code(), text(ended.stdout), text(ended.stderr))
+    };
+    let with_balls = ["--balls", balls.to_str().unwrap()];
+    for options in [&with_balls[..], &["--summary=json"]] {
+        let [one, two, five] = ["1", "2", "5"].map(|threads| {
+            let ended = run(threads, options);
+            (ended, std::fs::read(&balls).unwrap())
+        });
+        assert!(one == two && one == five, "{options:?}");
+        let (_, _, err) = one.0;
+        assert!(
+            err.contains("2 of 5701 rows have no answer: 2 refused-input"),
+            "{err}"
+        );
+    }
+    let [(_, warm, _), (_, cold, _)] = [&[][..], &["--cold"]].map(|options| run("2", options));
+    let [warm, cold] = [&warm, &cold].map(|text| text.lines().skip(1).collect::<Vec<_>>());
+    assert_eq!((warm.len(), cold.len()), (5701, 5701));
+    for record in (0..5700).step_by(500) {
+        assert_eq!(warm[record], cold[record]);
+        assert!(
+            record == 0 || warm[record - 1] != cold[record - 1],
+            "{record}"
+        );
+    }
+    std::fs::remove_file(path).unwrap();
+    std::fs::remove_file(balls).unwrap();
+}
+
 #[test]
 fn ball_states_never_overwrite_the_input() {
     let path = scratch("precious.csv");
@@ -410,6 +455,74 @@ fn ball_states_never_overwrite_the_input() {
     let (status, _, err) = replayed(&[&shipped("b7005c"), "-", "--balls", "-"], &text);
     assert_eq!(status, 2);
     assert!(err.contains("--balls needs a file"), "{err}");
+
+    // Inputs are the bearings that a spindle names, too, by whatever path.
+    let [spindle, bearing] = ["7014c_back_to_back.toml", "7014c.toml"].map(scratch);
+    let shipped = |folder: &str, name| format!("{}/../{folder}/{name}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(shipped("spindles", "7014c_back_to_back.toml")).unwrap();
+    let text = text.replace("../bearings/7014c.toml", bearing.to_str().unwrap());
+    std::fs::write(&spindle, text).unwrap();
+    std::fs::copy(shipped("bearings", "7014c.toml"), &bearing).unwrap();
+    let before = std::fs::read(&bearing).unwrap();
+    let folder = bearing.parent().unwrap();
+    let other = folder.join("..").join(folder.file_name().unwrap());
+    let other = other.join(bearing.file_name().unwrap());
+    let args = [
+        spindle.to_str().unwrap(),
+        "-",
+        "--rows",
+        other.to_str().unwrap(),
+    ];
+    let (status, out, err) = replayed(&args, HEADER);
+    assert_eq!((status, out.as_str()), (2, ""));
+    assert!(
+        err.contains("--rows would overwrite its own input"),
+        "{err}"
+    );
+    assert_eq!(std::fs::read(&bearing).unwrap(), before);
+    std::fs::remove_file(spindle).unwrap();
+    std::fs::remove_file(bearing).unwrap();
+}
+
+/// `z.csv` was written as `z.csv.part`: a recording of that name was emptied, and what was written read for ever.
+#[test]
+fn a_recording_by_the_name_of_an_unfinished_output_is_read() {
+    let [recording, balls] = ["z.csv.part", "z.csv"].map(scratch);
+    let text = format!("{HEADER}{ROWS}");
+    std::fs::write(&recording, &text).unwrap();
+    let [name, out] = [&recording, &balls].map(|path| path.to_str().unwrap());
+    let (status, results, err) = replayed(&[&shipped("b7005c"), name, "--balls", out], "");
+    assert_eq!((status, results.lines().count()), (0, 5), "{err}");
+    assert_eq!(std::fs::read_to_string(&recording).unwrap(), text);
+    let written = std::fs::read_to_string(&balls).unwrap();
+    assert_eq!(written.lines().count(), 1 + 4 * 16);
+    std::fs::remove_file(recording).unwrap();
+    std::fs::remove_file(balls).unwrap();
+}
+
+#[test]
+fn two_outputs_of_one_path_are_refused() {
+    let path = scratch("both.csv");
+    let folder = path.parent().unwrap();
+    let again = folder.join(".").join("both.csv").display().to_string();
+    let again = again.replace("both.csv", path.file_name().unwrap().to_str().unwrap());
+    let (status, out, err) = replayed(
+        &[
+            &shipped("b7005c"),
+            "-",
+            "--balls",
+            path.to_str().unwrap(),
+            "--frequencies",
+            &again,
+        ],
+        &format!("{HEADER}{ROWS}"),
+    );
+    assert_eq!((status, out.as_str()), (2, ""));
+    assert!(
+        err.contains("--frequencies: ") && err.contains("is another output, too"),
+        "{err}"
+    );
+    assert!(!path.exists());
 }
 
 #[test]
@@ -707,6 +820,26 @@ fn an_old_file_stays_until_the_new_one_is_complete() {
     let (status, _, _) = replayed(&[&shipped("b7005c"), "nowhere.csv", "--balls", name], "");
     assert_eq!(status, 2);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "of yesterday");
+    // A line without end; no row that can be read.
+    for rows in [format!("{ROWS}{}", "1".repeat(100_000)), "1,2\n".to_owned()] {
+        let recording = format!("{HEADER}{rows}");
+        let (status, _, err) = replayed(&[&shipped("b7005c"), "-", "--balls", name], &recording);
+        assert_eq!(status, 2, "{err}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "of yesterday");
+    }
+    // One that nobody may write.
+    let permissions = std::fs::metadata(&path).unwrap().permissions();
+    let mut locked = permissions.clone();
+    locked.set_readonly(true);
+    std::fs::set_permissions(&path, locked).unwrap();
+    let (status, out, err) = replayed(
+        &[&shipped("b7005c"), "-", "--balls", name],
+        &format!("{HEADER}{ROWS}"),
+    );
+    assert_eq!((status, out.as_str()), (2, ""), "{err}");
+    assert!(err.contains("kept.csv: cannot be written: "), "{err}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "of yesterday");
+    std::fs::set_permissions(&path, permissions).unwrap();
     let full = std::fs::File::options().write(true).open("/dev/full");
     if let Ok(full) = full {
         let mut replay = Command::new(REPLAY);
@@ -726,7 +859,12 @@ fn an_old_file_stays_until_the_new_one_is_complete() {
             .starts_with(BALL_HEADER)
     );
     std::fs::remove_file(&path).unwrap();
-    assert!(!scratch("kept.csv.part").exists());
+    let rest = std::fs::read_dir(path.parent().unwrap()).unwrap();
+    let name = path.file_name().unwrap().to_str().unwrap();
+    let is_left = |name: &std::ffi::OsString, of: &str| name.to_string_lossy().starts_with(of);
+    let rest = rest.map(|entry| entry.unwrap().file_name());
+    let rest: Vec<_> = rest.filter(|entry| is_left(entry, name)).collect();
+    assert!(rest.is_empty(), "{rest:?}");
 }
 
 #[cfg(unix)]

@@ -17,14 +17,13 @@ use host_tests::replay::{Job, Output, ReplayError, Summary, Table, replay};
 use host_tests::spindles::{Balls, Choices, with_solver};
 use indicatif::{ProgressBar, ProgressFinish, ProgressIterator, ProgressStyle};
 use spindle_bearing::Limits;
-use std::cell::RefCell;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use table::Axes;
 use tools::arguments::by_name;
-use tools::output::NewFile;
+use tools::output::{NewFile, place};
 
 /// Replays recorded bearing loads through the solver
 ///
@@ -111,7 +110,8 @@ struct Args {
     /// Solve every row from scratch, as after a reset
     ///
     /// Without this, each row starts from the result of the row before, as the firmware does, and
-    /// takes fewer iterations.
+    /// takes fewer iterations. Blocks of 500 rows begin from scratch: they are solved side by side,
+    /// by a thread for every core, or RAYON_NUM_THREADS of them.
     #[arg(long)]
     cold: bool,
 
@@ -383,7 +383,8 @@ NOSES.csv, one row for each nose, the plain one being called nose:
   displacement of the shaft there; flexibility: c_y_tz is the change of dy with the moment Mz;
   estimated relative errors of c_x_x, c_y_y, c_z_z, c_ty_ty, c_tz_tz
 
-Files are written beside their places and moved there when they are complete.
+Files are written beside their places, as X.*.part, and moved there when they are complete: not where
+the exit status is 1 or 2.
 
 Exit status: 0, also if rows have no answer (a line on standard error counts them);
 2 if the arguments, the design or the recording are at fault, or no row of it can be read;
@@ -471,13 +472,13 @@ fn run(args: &Args) -> Result<Summary> {
     let mut lifetime = args.summary.map(|_| Lifetime::default());
     let solved = with_solver(&file.plan, balls, precision, |solver| {
         let (rows, recording) = args.input(&file)?;
-        let mut files = args.files()?;
+        let mut files = args.files(&file)?;
         let mut outputs: Vec<Output<'_>> = Vec::new();
         if args.summary.is_none() {
             outputs.push((Table::Results, Box::new(io::stdout())));
         }
         outputs.extend(files.iter_mut().map(|(table, file)| {
-            let out: Box<dyn Write> = Box::new(file);
+            let out: Box<dyn Write + Send> = Box::new(file);
             (*table, out)
         }));
         let job = Job {
@@ -501,7 +502,7 @@ fn run(args: &Args) -> Result<Summary> {
         // Nobody reads on where an output has failed.
         let is_out = matches!(replayed, Err(ReplayError::Output(..)));
         if let Some(recording) = recording.filter(|_| !is_out) {
-            let recording = recording.borrow();
+            let recording = recording.lock().expect("a reader");
             for line in recording.account().lines() {
                 eprintln!("replay: {line}");
             }
@@ -512,13 +513,13 @@ fn run(args: &Args) -> Result<Summary> {
                 recording.file()
             );
         }
-        if !matches!(replayed, Err(ReplayError::Output(..))) {
-            for (table, file) in files {
-                file.finish()
-                    .map_err(|error| ReplayError::Output(table, error))?;
-            }
+        let summary = replayed?;
+        let complete = files.into_iter().filter(|_| summary.any_row_read());
+        for (table, file) in complete {
+            file.finish()
+                .map_err(|error| ReplayError::Output(table, error))?;
         }
-        anyhow::Ok(replayed?)
+        anyhow::Ok(summary)
     });
     let summary = solved.map_err(|error| file.explain(&error))??;
     if let (Some(mut lifetime), Some(form)) = (lifetime, args.summary) {
@@ -535,8 +536,8 @@ fn run(args: &Args) -> Result<Summary> {
 
 /// Rows to solve, and the recording that they come from.
 type Input = (
-    Box<dyn Iterator<Item = Result<LoadRow, LoadsError>>>,
-    Option<Rc<RefCell<recordings::Loads>>>,
+    Box<dyn Iterator<Item = Result<LoadRow, LoadsError>> + Send>,
+    Option<Arc<Mutex<recordings::Loads>>>,
 );
 
 impl Args {
@@ -617,10 +618,10 @@ impl Args {
             );
         }
         let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
-        let loads = Rc::new(RefCell::new(loads));
-        let read = Rc::clone(&loads);
+        let loads = Arc::new(Mutex::new(loads));
+        let read = Arc::clone(&loads);
         let rows = std::iter::from_fn(move || {
-            let mut loads = read.borrow_mut();
+            let mut loads = read.lock().expect("a reader");
             let row = loads.next();
             bar.set_position(loads.bytes_read());
             row
@@ -629,21 +630,41 @@ impl Args {
     }
 
     /// The files that options name.
-    fn files(&self) -> Result<Vec<(Table, NewFile)>> {
-        let inputs = [Some(self.design()), self.loads.as_deref()];
-        let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
-        let mut files = Vec::new();
+    fn files(&self, file: &SpindleFile) -> Result<Vec<(Table, NewFile)>> {
+        let mut taken: Vec<PathBuf> = (self.loads.iter().map(PathBuf::as_path))
+            .chain([self.design()])
+            .chain(self.recording.import.as_deref())
+            .chain(file.files())
+            .filter_map(|input| place(input).ok())
+            .collect();
+        let inputs = taken.len();
+        let mut wanted = Vec::new();
         for (table, option, path) in [
             (Table::Balls, "--balls", &self.balls),
             (Table::Rows, "--rows", &self.rows),
             (Table::Noses, "--nose", &self.nose),
             (Table::Frequencies, "--frequencies", &self.frequencies),
         ] {
-            if let Some(path) = path {
-                files.push((table, create(option, path, &inputs)?));
+            let Some(path) = path else { continue };
+            let name = path.display();
+            if path.as_os_str() == "-" {
+                bail!("{option} needs a file; standard output carries the results");
             }
+            let place = place(path).map_err(|error| unwritable(path, &error))?;
+            match taken.iter().position(|taken| *taken == place) {
+                Some(input) if input < inputs => {
+                    bail!("{option} would overwrite its own input {name}; name another file")
+                }
+                Some(_) => bail!("{option}: {name} is another output, too; name another file"),
+                None => taken.push(place),
+            }
+            wanted.push((table, path));
         }
-        Ok(files)
+        let files = wanted.into_iter().map(|(table, path)| {
+            let file = NewFile::create(path).map_err(|error| unwritable(path, &error))?;
+            Ok((table, file))
+        });
+        files.collect()
     }
 }
 
@@ -654,20 +675,8 @@ impl Recording {
     }
 }
 
-/// Creates the file that an option names, unless that would destroy one of the `inputs`.
-fn create(option: &str, path: &Path, inputs: &[&Path]) -> Result<NewFile> {
-    let name = path.display();
-    if path.as_os_str() == "-" {
-        bail!("{option} needs a file; standard output carries the results");
-    }
-    let same = |input: &&Path| match (path.canonicalize(), input.canonicalize()) {
-        (Ok(path), Ok(input)) => path == input,
-        _ => false,
-    };
-    if inputs.iter().any(same) {
-        bail!("{option} would overwrite its own input {name}; name another file");
-    }
-    NewFile::create(path).map_err(|error| anyhow!("{name}: cannot be written: {error}"))
+fn unwritable(path: &Path, error: &io::Error) -> anyhow::Error {
+    anyhow!("{}: cannot be written: {error}", path.display())
 }
 
 /// A bar on the terminal over the bytes of the recording or the rows of a table, with `position` beside
