@@ -81,14 +81,8 @@ fn carried(c: &[[f64; 5]; 5], x: f64) -> [[f64; 5]; 5] {
     c
 }
 
-/// Tip of a cantilever, and overhanging end of a beam on two springs, under a force or a moment there (Timoshenko).
-///
-/// Deflection by a force `P`, overhang `a`, rows `l` apart:
-///
-/// - cantilever: `P a^3 / 3EI + P a / kappa GA`;
-/// - beam: `P a^2 (a + l) / 3EI + P (a + a^2 / l) / kappa GA`, and what the springs yield under their reactions.
-fn with_textbook(case: Case, section: &Section, material: &Material, answer: &Answer) -> Case {
-    let (a, l) = (-section.from, section.to);
+/// `EA`, `EI` and `kappa GA` of a section.
+fn stiffnesses(section: &Section, material: &Material) -> [f64; 3] {
     let [outer, inner] = [section.outer, section.inner].map(|d| d * d);
     let (e, nu) = (material.youngs_modulus, material.poissons_ratio);
     let area = PI / 4.0 * (outer - inner);
@@ -98,7 +92,18 @@ fn with_textbook(case: Case, section: &Section, material: &Material, answer: &An
     let square = (1.0 + ratio).powi(2);
     let kappa =
         6.0 * (1.0 + nu) * square / ((7.0 + 6.0 * nu) * square + (20.0 + 12.0 * nu) * ratio);
-    let shear = kappa * e / (2.0 * (1.0 + nu)) * area;
+    [e * area, bending, kappa * e / (2.0 * (1.0 + nu)) * area]
+}
+
+/// Tip of a cantilever, and overhanging end of a beam on two springs, under a force or a moment there (Timoshenko).
+///
+/// Deflection by a force `P`, overhang `a`, rows `l` apart:
+///
+/// - cantilever: `P a^3 / 3EI + P a / kappa GA`;
+/// - beam: `P a^2 (a + l) / 3EI + P (a + a^2 / l) / kappa GA`, and what the springs yield under their reactions.
+fn with_textbook(case: Case, section: &Section, material: &Material, answer: &Answer) -> Case {
+    let (a, l) = (-section.from, section.to);
+    let [tension, bending, shear] = stiffnesses(section, material);
     let beam = a * a * (a + l) / (3.0 * bending) + (a + a * a / l) / shear;
     let reactions = [(a + l) / l, a / l];
     let springs = answer.rows.iter().map(|row| row.stiffness_on_shaft[1][1]);
@@ -114,7 +119,7 @@ fn with_textbook(case: Case, section: &Section, material: &Material, answer: &An
     ];
     let values = [
         a / section.outer,
-        a / (e * area),
+        a / tension,
         a.powi(3) / (3.0 * bending) + a / shear,
         a / bending,
         -a * a / (2.0 * bending),

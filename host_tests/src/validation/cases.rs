@@ -1,7 +1,7 @@
 //! Cases of a run, solved: a table with the columns of `cargo replay`.
 
 use super::beams;
-use super::book::{Chapter, Program, Run, Table};
+use super::book::{Chapter, Program, Run, Table, Values};
 use super::case::{Case, with, with_matrix};
 use crate::cases::{elastic, rad_per_s, reference};
 use crate::dispatch::Precision;
@@ -74,16 +74,29 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
     Ok(solved)
 }
 
-/// Cases as they are given: rows of a table, or all combinations of the values.
+/// Cases as they are given: rows of a table, or a load; in all combinations with the values.
 fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
     let text = match run.table {
-        Some(Table::GmnS60) => include_str!("../../makers/gmn_s60.csv"),
-        Some(Table::Ntn) => include_str!("../../makers/ntn.csv"),
-        Some(Table::EllipticIntegrals) => include_str!("../../cases/elliptic_integrals.csv"),
-        Some(Table::HertzContacts) => include_str!("../../cases/hertz_contacts.csv"),
-        Some(Table::RossShafts) => include_str!("../../cases/ross_shafts.csv"),
-        Some(Table::Spheres | Table::Fits) | None => return Ok(combinations(run)),
+        Some(Table::GmnS60) => Some(include_str!("../../makers/gmn_s60.csv")),
+        Some(Table::Ntn) => Some(include_str!("../../makers/ntn.csv")),
+        Some(Table::EllipticIntegrals) => Some(include_str!("../../cases/elliptic_integrals.csv")),
+        Some(Table::HertzContacts) => Some(include_str!("../../cases/hertz_contacts.csv")),
+        Some(Table::RossShafts) => Some(include_str!("../../cases/ross_shafts.csv")),
+        Some(Table::Spheres | Table::Fits) | None => None,
     };
+    let cases = match text {
+        Some(text) => rows(run, text)?,
+        None => {
+            let [fx, fy, fz, my, mz] = run.load;
+            let columns = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
+            vec![with(Case::new(), columns, [fx, fy, fz, my, mz, 0.0])]
+        }
+    };
+    Ok(combinations(cases, &run.values))
+}
+
+/// Rows of a table.
+fn rows(run: &Run, text: &str) -> anyhow::Result<Vec<Case>> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_reader(text.as_bytes());
@@ -107,12 +120,8 @@ fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
     .collect()
 }
 
-fn combinations(run: &Run) -> Vec<Case> {
-    let [fx, fy, fz, my, mz] = run.load;
-    let columns = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
-    let loads = columns.map(str::to_owned).into_iter();
-    let mut cases = vec![Case::from_iter(loads.zip([fx, fy, fz, my, mz, 0.0]))];
-    for (column, values) in &run.values {
+fn combinations(mut cases: Vec<Case>, values: &BTreeMap<String, Values>) -> Vec<Case> {
+    for (column, values) in values {
         let values = values.list();
         let with = |value: &f64| {
             let case = |case: &Case| {
@@ -149,28 +158,8 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         return Ok(vec![with_ball(case, angles, [ball.q_i, ball.q_o])]);
     }
 
-    let facings = run.facings.as_deref().unwrap_or("+");
-    let position = |i: usize| match run.positions_mm.get(i) {
-        Some(mm) => 1e-3 * mm,
-        None => design.pitch_diameter * i as f64,
-    };
-    let last = position(facings.len() - 1);
-    let row = |(i, facing): (usize, char)| Row {
-        balls,
-        design,
-        position: position(i),
-        facing: match facing {
-            '-' => Facing::MinusX,
-            _ => Facing::PlusX,
-        },
-        preload: value("preload_n").map_or(Preload::Closure(0.0), Preload::Force),
-    };
-    let plan = Plan {
-        rows: facings.chars().enumerate().map(row).collect(),
-        arrangement: Arrangement::ByRows,
-        spring: None,
-        shaft: beams::shaft(&case, facings.len(), last),
-    };
+    let plan = plan(run, &case, design, balls);
+    let last = plan.rows.last().map_or(0.0, |row| row.position);
     let question = Question {
         load,
         omega,
@@ -203,6 +192,32 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     });
     let wanted = if run.each_ball { balls.len() } else { 1 };
     Ok(of_ball.take(wanted).collect())
+}
+
+/// The spindle of a case.
+fn plan(run: &Run, case: &Case, design: Design, balls: usize) -> Plan {
+    let facings = run.facings.as_deref().unwrap_or("+");
+    let position = |i: usize| match run.positions_mm.get(i) {
+        Some(mm) => 1e-3 * mm,
+        None => design.pitch_diameter * i as f64,
+    };
+    let preload = case.get("preload_n").copied();
+    let row = |(i, facing): (usize, char)| Row {
+        balls,
+        design,
+        position: position(i),
+        facing: match facing {
+            '-' => Facing::MinusX,
+            _ => Facing::PlusX,
+        },
+        preload: preload.map_or(Preload::Closure(0.0), Preload::Force),
+    };
+    Plan {
+        rows: facings.chars().enumerate().map(row).collect(),
+        arrangement: Arrangement::ByRows,
+        spring: None,
+        shaft: beams::shaft(case, facings.len(), position(facings.len() - 1)),
+    }
 }
 
 /// Design, number of balls and load rating of a case.
