@@ -95,6 +95,39 @@ fn stiffnesses(section: &Section, material: &Material) -> [f64; 3] {
     [e * area, bending, kappa * e / (2.0 * (1.0 + nu)) * area]
 }
 
+/// Stiffness at the first end of a beam on springs (Euler and Bernoulli; with shear, Timoshenko).
+///
+/// Springs are positions and stiffnesses, in order. Deflection `w`, slope `psi`, moment `M` and shear force `Q` go from end to
+/// end for a unit of `w`, a unit of `psi` and a unit force at the first end: `psi' = M/EI`, `M' = -Q`, `w' = psi + Q / kappa GA`;
+/// a spring adds `k w` to `Q`. At the other end, `M = Q = 0`.
+pub fn nose_on_springs(shaft: &ElasticShaft, springs: &[(f64, f64)], with_shear: bool) -> f64 {
+    let mut units = [
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, -1.0],
+    ];
+    for section in &shaft.sections {
+        let [_, bending, shear] = stiffnesses(section, &shaft.material);
+        let slip = if with_shear { 1.0 / shear } else { 0.0 };
+        let inside = springs
+            .iter()
+            .filter(|(x, _)| (section.from..section.to).contains(x));
+        let mut from = section.from;
+        for (to, spring) in inside.copied().chain([(section.to, 0.0)]) {
+            let l = to - from;
+            for [w, psi, m, q] in &mut units {
+                *w += l * (*psi + *q * slip + l / bending * (*m / 2.0 - l * *q / 6.0));
+                *psi += l / bending * (*m - l * *q / 2.0);
+                *m -= l * *q;
+                *q += spring * *w;
+            }
+            from = to;
+        }
+    }
+    let [[_, _, m_w, q_w], [_, _, m_psi, q_psi], [_, _, m, q]] = units;
+    (m_w * q_psi - m_psi * q_w) / (m_psi * q - m * q_psi)
+}
+
 /// Tip of a cantilever, and overhanging end of a beam on two springs, under a force or a moment there (Timoshenko).
 ///
 /// Deflection by a force `P`, overhang `a`, rows `l` apart:

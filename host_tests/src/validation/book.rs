@@ -78,6 +78,7 @@ pub enum Table {
     Spheres,
     Fits,
     RossShafts,
+    SpindleCad,
 }
 
 /// A program that solves a case.

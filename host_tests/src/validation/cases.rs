@@ -11,6 +11,7 @@ use anyhow::{Context, anyhow};
 use files::catalogue;
 use files::designs::DesignFile;
 use files::plan::{Plan, Question, Row};
+use files::spindles::SpindleFile;
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload,
@@ -64,6 +65,7 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
             Some(Table::Spheres) => Ok(vec![of_spheres(case)]),
             Some(Table::Fits) => Ok(vec![of_fits(case)]),
             Some(Table::RossShafts) => Ok(vec![of_ross(case)?]),
+            Some(Table::SpindleCad) => Ok(vec![of_spindle_cad(case)?]),
             Some(Table::GmnS60 | Table::Ntn) | None => of_bearing(run, case),
         })
         .collect();
@@ -82,7 +84,7 @@ fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
         Some(Table::EllipticIntegrals) => Some(include_str!("../../cases/elliptic_integrals.csv")),
         Some(Table::HertzContacts) => Some(include_str!("../../cases/hertz_contacts.csv")),
         Some(Table::RossShafts) => Some(include_str!("../../cases/ross_shafts.csv")),
-        Some(Table::Spheres | Table::Fits) | None => None,
+        Some(Table::Spheres | Table::Fits | Table::SpindleCad) | None => None,
     };
     let cases = match text {
         Some(text) => rows(run, text)?,
@@ -259,6 +261,34 @@ fn of_ross(case: Case) -> anyhow::Result<Case> {
     })?;
     let answer = answer.map_err(|status| anyhow!("{}: {status}", set.set.name))?;
     Ok(with_matrix(case, "c_nose", answer.at[0].compliance))
+}
+
+/// SpindleCAD's lathe spindle with its third row at `third_row_mm`: stiffness at the nose (`x = 0`).
+fn of_spindle_cad(case: Case) -> anyhow::Result<Case> {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/makers/spindlecad.toml");
+    let mut plan = SpindleFile::read(file)?.plan;
+    plan.rows[2].position = 1e-3 * case["third_row_mm"];
+    let shaft = plan.shaft.clone().context("the spindle has no shaft")?;
+    let beam = |with_shear| {
+        let stiffness = [226.3e6, 226.3e6, 226.3e6, 2170e6];
+        let springs = plan.rows.iter().map(|row| row.position).zip(stiffness);
+        beams::nose_on_springs(&shaft, &springs.collect::<Vec<_>>(), with_shear)
+    };
+    let beams = [false, true].map(beam);
+    let nose = |plan: &Plan| {
+        let answer = with_solver(plan, Balls::Static, Precision::F64, |solver| {
+            solver.load([0.0; 5], 0.0)
+        })?;
+        let answer = answer.map_err(|status| anyhow!("SpindleCAD's spindle: {status}"))?;
+        anyhow::Ok(1.0 / answer.at[0].compliance[1][1])
+    };
+    let elastic = nose(&plan)?;
+    if let Some(shaft) = &mut plan.shaft {
+        shaft.sections.clear();
+    }
+    let case = with(case, ["bending_n_per_m", "timoshenko_n_per_m"], beams);
+    let ours = [nose(&plan)?, elastic];
+    Ok(with(case, ["rigid_n_per_m", "elastic_n_per_m"], ours))
 }
 
 fn with_ball(case: Case, [azimuth, inner, outer]: [f64; 3], [q_i, q_o]: [f64; 2]) -> Case {
