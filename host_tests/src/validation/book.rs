@@ -79,6 +79,7 @@ pub enum Table {
     Fits,
     RossShafts,
     SpindleCad,
+    Fag,
 }
 
 /// A program that solves a case.

@@ -66,6 +66,7 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
             Some(Table::Fits) => Ok(vec![of_fits(case)]),
             Some(Table::RossShafts) => Ok(vec![of_ross(case)?]),
             Some(Table::SpindleCad) => Ok(vec![of_spindle_cad(case)?]),
+            Some(Table::Fag) => of_fag(run, case),
             Some(Table::GmnS60 | Table::Ntn) | None => of_bearing(run, case),
         })
         .collect();
@@ -81,6 +82,7 @@ fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
     let text = match run.table {
         Some(Table::GmnS60) => Some(include_str!("../../makers/gmn_s60.csv")),
         Some(Table::Ntn) => Some(include_str!("../../makers/ntn.csv")),
+        Some(Table::Fag) => Some(include_str!("../../makers/fag.csv")),
         Some(Table::EllipticIntegrals) => Some(include_str!("../../cases/elliptic_integrals.csv")),
         Some(Table::HertzContacts) => Some(include_str!("../../cases/hertz_contacts.csv")),
         Some(Table::RossShafts) => Some(include_str!("../../cases/ross_shafts.csv")),
@@ -105,7 +107,9 @@ fn rows(run: &Run, text: &str) -> anyhow::Result<Vec<Case>> {
     let rows = reader.deserialize::<BTreeMap<String, String>>();
     rows.map(|row| {
         let level = format!("_{}", run.level.as_deref().unwrap_or_default());
-        let row = row?.into_iter().filter_map(|(name, text)| {
+        let row = row?;
+        let stand_in = row.get("gmn_design").map(|name| gmn(name)).transpose()?;
+        let row = row.into_iter().filter_map(|(name, text)| {
             let unit = if name.ends_with("_n_per_um") {
                 1e6
             } else {
@@ -117,9 +121,23 @@ fn rows(run: &Run, text: &str) -> anyhow::Result<Vec<Case>> {
             };
             Some((name, unit * text.parse::<f64>().ok()?))
         });
-        Ok(row.collect())
+        Ok(row.chain(stand_in.into_iter().flatten()).collect())
     })
     .collect()
+}
+
+/// Columns of a bearing of GMN's by its name in the catalogue.
+fn gmn(name: &str) -> anyhow::Result<[(String, f64); 3]> {
+    let found = catalogue::gmn_s60()
+        .into_iter()
+        .find(|one| one.name() == name);
+    let found = found.with_context(|| format!("no bearing {name}"))?;
+    let columns = [
+        ("balls", found.balls as f64),
+        ("ball_mm", found.ball_mm),
+        ("pitch_mm", found.pitch_mm),
+    ];
+    Ok(columns.map(|(column, value)| (column.to_owned(), value)))
 }
 
 fn combinations(mut cases: Vec<Case>, values: &BTreeMap<String, Values>) -> Vec<Case> {
@@ -179,9 +197,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
 
     let mut case = with_equilibrium(case, answer.displacement, answer.stiffness);
     let side: f64 = answer.rows.iter().map(|row| 0.5 * row.preload).sum();
-    let lifted = answer.rows.iter().filter(|row| row.lifted_off).count();
-    let columns = ["side_n", "rows_lifted_off"];
-    case = with(case, columns, [side, lifted as f64]);
+    case = with(case, ["side_n"], [side]);
     let balls = &answer.rows.first().context("a set without rows")?.balls;
     if let Some(rating) = rating {
         let weight = rating.weight_of(balls.iter().map(|ball| (ball.q_i, ball.q_o)));
@@ -231,7 +247,11 @@ fn bearing(run: &Run, case: &Case) -> anyhow::Result<(Design, usize, Option<Life
     if run.bearing.is_empty() {
         let angle = needed("contact_angle_deg")?.to_radians();
         let [ball, pitch] = [1e-3 * needed("ball_mm")?, 1e-3 * needed("pitch_mm")?];
-        let design = Design::angular_contact(ball, pitch, angle);
+        let mut design = Design::angular_contact(ball, pitch, angle);
+        if let Ok(factor) = needed("groove_factor") {
+            design.inner_groove_factor = factor;
+            design.outer_groove_factor = factor;
+        }
         return Ok((design, needed("balls")? as usize, None));
     }
     let in_file = || DesignFile::read(format!("{}/{}", env!("CARGO_MANIFEST_DIR"), run.bearing));
@@ -289,6 +309,32 @@ fn of_spindle_cad(case: Case) -> anyhow::Result<Case> {
     let case = with(case, ["bending_n_per_m", "timoshenko_n_per_m"], beams);
     let ours = [nose(&plan)?, elastic];
     Ok(with(case, ["rigid_n_per_m", "elastic_n_per_m"], ours))
+}
+
+/// A pair of FAG's, with the axial load at which a row of ours lifts off, and our rigidity over theirs.
+fn of_fag(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
+    let (design, balls, _) = bearing(run, &case)?;
+    let plan = plan(run, &case, design, balls);
+    // Bisection: 30 halvings leave 1e-8 of the preload.
+    let [mut held, mut lifted] = [1.0, 8.0].map(|times| times * case["preload_n"]);
+    with_solver(&plan, Balls::Static, Precision::F64, |solver| {
+        for _ in 0..30 {
+            let load = 0.5 * (held + lifted);
+            let answer = solver.load([load, 0.0, 0.0, 0.0, 0.0], 0.0);
+            let answer = answer.map_err(|status| anyhow!("{load} N: {status}"))?;
+            match answer.rows.iter().all(|row| row.preload > 0.0) {
+                true => held = load,
+                false => lifted = load,
+            }
+        }
+        anyhow::Ok(())
+    })??;
+    let solved = of_bearing(run, with(case, ["our_unloading_n"], [lifted]))?;
+    let with_ratio = |case: Case| {
+        let ratio = case["k_x_x"] / case["axial_n_per_um"];
+        with(case, ["rigidity_over_fags"], [ratio])
+    };
+    Ok(solved.into_iter().map(with_ratio).collect())
 }
 
 fn with_ball(case: Case, [azimuth, inner, outer]: [f64; 3], [q_i, q_o]: [f64; 2]) -> Case {
