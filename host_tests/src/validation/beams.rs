@@ -81,14 +81,8 @@ fn carried(c: &[[f64; 5]; 5], x: f64) -> [[f64; 5]; 5] {
     c
 }
 
-/// Tip of a cantilever, and overhanging end of a beam on two springs, under a force or a moment there (Timoshenko).
-///
-/// Deflection by a force `P`, overhang `a`, rows `l` apart:
-///
-/// - cantilever: `P a^3 / 3EI + P a / kappa GA`;
-/// - beam: `P a^2 (a + l) / 3EI + P (a + a^2 / l) / kappa GA`, and what the springs yield under their reactions.
-fn with_textbook(case: Case, section: &Section, material: &Material, answer: &Answer) -> Case {
-    let (a, l) = (-section.from, section.to);
+/// `EA`, `EI` and `kappa GA` of a section.
+fn stiffnesses(section: &Section, material: &Material) -> [f64; 3] {
     let [outer, inner] = [section.outer, section.inner].map(|d| d * d);
     let (e, nu) = (material.youngs_modulus, material.poissons_ratio);
     let area = PI / 4.0 * (outer - inner);
@@ -98,7 +92,51 @@ fn with_textbook(case: Case, section: &Section, material: &Material, answer: &An
     let square = (1.0 + ratio).powi(2);
     let kappa =
         6.0 * (1.0 + nu) * square / ((7.0 + 6.0 * nu) * square + (20.0 + 12.0 * nu) * ratio);
-    let shear = kappa * e / (2.0 * (1.0 + nu)) * area;
+    [e * area, bending, kappa * e / (2.0 * (1.0 + nu)) * area]
+}
+
+/// Stiffness at the first end of a beam on springs (Euler and Bernoulli; with shear, Timoshenko).
+///
+/// Springs are positions and stiffnesses, in order. Deflection `w`, slope `psi`, moment `M` and shear force `Q` go from end to
+/// end for a unit of `w`, a unit of `psi` and a unit force at the first end: `psi' = M/EI`, `M' = -Q`, `w' = psi + Q / kappa GA`;
+/// a spring adds `k w` to `Q`. At the other end, `M = Q = 0`.
+pub fn nose_on_springs(shaft: &ElasticShaft, springs: &[(f64, f64)], with_shear: bool) -> f64 {
+    let mut units = [
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, -1.0],
+    ];
+    for section in &shaft.sections {
+        let [_, bending, shear] = stiffnesses(section, &shaft.material);
+        let slip = if with_shear { 1.0 / shear } else { 0.0 };
+        let inside = springs
+            .iter()
+            .filter(|(x, _)| (section.from..section.to).contains(x));
+        let mut from = section.from;
+        for (to, spring) in inside.copied().chain([(section.to, 0.0)]) {
+            let l = to - from;
+            for [w, psi, m, q] in &mut units {
+                *w += l * (*psi + *q * slip + l / bending * (*m / 2.0 - l * *q / 6.0));
+                *psi += l / bending * (*m - l * *q / 2.0);
+                *m -= l * *q;
+                *q += spring * *w;
+            }
+            from = to;
+        }
+    }
+    let [[_, _, m_w, q_w], [_, _, m_psi, q_psi], [_, _, m, q]] = units;
+    (m_w * q_psi - m_psi * q_w) / (m_psi * q - m * q_psi)
+}
+
+/// Tip of a cantilever, and overhanging end of a beam on two springs, under a force or a moment there (Timoshenko).
+///
+/// Deflection by a force `P`, overhang `a`, rows `l` apart:
+///
+/// - cantilever: `P a^3 / 3EI + P a / kappa GA`;
+/// - beam: `P a^2 (a + l) / 3EI + P (a + a^2 / l) / kappa GA`, and what the springs yield under their reactions.
+fn with_textbook(case: Case, section: &Section, material: &Material, answer: &Answer) -> Case {
+    let (a, l) = (-section.from, section.to);
+    let [tension, bending, shear] = stiffnesses(section, material);
     let beam = a * a * (a + l) / (3.0 * bending) + (a + a * a / l) / shear;
     let reactions = [(a + l) / l, a / l];
     let springs = answer.rows.iter().map(|row| row.stiffness_on_shaft[1][1]);
@@ -114,7 +152,7 @@ fn with_textbook(case: Case, section: &Section, material: &Material, answer: &An
     ];
     let values = [
         a / section.outer,
-        a / (e * area),
+        a / tension,
         a.powi(3) / (3.0 * bending) + a / shear,
         a / bending,
         -a * a / (2.0 * bending),

@@ -78,6 +78,8 @@ pub enum Table {
     Spheres,
     Fits,
     RossShafts,
+    SpindleCad,
+    Fag,
 }
 
 /// A program that solves a case.

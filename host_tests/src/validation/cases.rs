@@ -1,7 +1,7 @@
 //! Cases of a run, solved: a table with the columns of `cargo replay`.
 
 use super::beams;
-use super::book::{Chapter, Program, Run, Table};
+use super::book::{Chapter, Program, Run, Table, Values};
 use super::case::{Case, with, with_matrix};
 use crate::cases::{elastic, rad_per_s, reference};
 use crate::dispatch::Precision;
@@ -11,6 +11,7 @@ use anyhow::{Context, anyhow};
 use files::catalogue;
 use files::designs::DesignFile;
 use files::plan::{Plan, Question, Row};
+use files::spindles::SpindleFile;
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload,
@@ -64,6 +65,8 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
             Some(Table::Spheres) => Ok(vec![of_spheres(case)]),
             Some(Table::Fits) => Ok(vec![of_fits(case)]),
             Some(Table::RossShafts) => Ok(vec![of_ross(case)?]),
+            Some(Table::SpindleCad) => Ok(vec![of_spindle_cad(case)?]),
+            Some(Table::Fag) => of_fag(run, case),
             Some(Table::GmnS60 | Table::Ntn) | None => of_bearing(run, case),
         })
         .collect();
@@ -74,23 +77,39 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
     Ok(solved)
 }
 
-/// Cases as they are given: rows of a table, or all combinations of the values.
+/// Cases as they are given: rows of a table, or a load; in all combinations with the values.
 fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
     let text = match run.table {
-        Some(Table::GmnS60) => include_str!("../../makers/gmn_s60.csv"),
-        Some(Table::Ntn) => include_str!("../../makers/ntn.csv"),
-        Some(Table::EllipticIntegrals) => include_str!("../../cases/elliptic_integrals.csv"),
-        Some(Table::HertzContacts) => include_str!("../../cases/hertz_contacts.csv"),
-        Some(Table::RossShafts) => include_str!("../../cases/ross_shafts.csv"),
-        Some(Table::Spheres | Table::Fits) | None => return Ok(combinations(run)),
+        Some(Table::GmnS60) => Some(include_str!("../../makers/gmn_s60.csv")),
+        Some(Table::Ntn) => Some(include_str!("../../makers/ntn.csv")),
+        Some(Table::Fag) => Some(include_str!("../../makers/fag.csv")),
+        Some(Table::EllipticIntegrals) => Some(include_str!("../../cases/elliptic_integrals.csv")),
+        Some(Table::HertzContacts) => Some(include_str!("../../cases/hertz_contacts.csv")),
+        Some(Table::RossShafts) => Some(include_str!("../../cases/ross_shafts.csv")),
+        Some(Table::Spheres | Table::Fits | Table::SpindleCad) | None => None,
     };
+    let cases = match text {
+        Some(text) => rows(run, text)?,
+        None => {
+            let [fx, fy, fz, my, mz] = run.load;
+            let columns = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
+            vec![with(Case::new(), columns, [fx, fy, fz, my, mz, 0.0])]
+        }
+    };
+    Ok(combinations(cases, &run.values))
+}
+
+/// Rows of a table.
+fn rows(run: &Run, text: &str) -> anyhow::Result<Vec<Case>> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_reader(text.as_bytes());
     let rows = reader.deserialize::<BTreeMap<String, String>>();
     rows.map(|row| {
         let level = format!("_{}", run.level.as_deref().unwrap_or_default());
-        let row = row?.into_iter().filter_map(|(name, text)| {
+        let row = row?;
+        let stand_in = row.get("gmn_design").map(|name| gmn(name)).transpose()?;
+        let row = row.into_iter().filter_map(|(name, text)| {
             let unit = if name.ends_with("_n_per_um") {
                 1e6
             } else {
@@ -102,17 +121,27 @@ fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
             };
             Some((name, unit * text.parse::<f64>().ok()?))
         });
-        Ok(row.collect())
+        Ok(row.chain(stand_in.into_iter().flatten()).collect())
     })
     .collect()
 }
 
-fn combinations(run: &Run) -> Vec<Case> {
-    let [fx, fy, fz, my, mz] = run.load;
-    let columns = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];
-    let loads = columns.map(str::to_owned).into_iter();
-    let mut cases = vec![Case::from_iter(loads.zip([fx, fy, fz, my, mz, 0.0]))];
-    for (column, values) in &run.values {
+/// Columns of a bearing of GMN's by its name in the catalogue.
+fn gmn(name: &str) -> anyhow::Result<[(String, f64); 3]> {
+    let found = catalogue::gmn_s60()
+        .into_iter()
+        .find(|one| one.name() == name);
+    let found = found.with_context(|| format!("no bearing {name}"))?;
+    let columns = [
+        ("balls", found.balls as f64),
+        ("ball_mm", found.ball_mm),
+        ("pitch_mm", found.pitch_mm),
+    ];
+    Ok(columns.map(|(column, value)| (column.to_owned(), value)))
+}
+
+fn combinations(mut cases: Vec<Case>, values: &BTreeMap<String, Values>) -> Vec<Case> {
+    for (column, values) in values {
         let values = values.list();
         let with = |value: &f64| {
             let case = |case: &Case| {
@@ -149,28 +178,8 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         return Ok(vec![with_ball(case, angles, [ball.q_i, ball.q_o])]);
     }
 
-    let facings = run.facings.as_deref().unwrap_or("+");
-    let position = |i: usize| match run.positions_mm.get(i) {
-        Some(mm) => 1e-3 * mm,
-        None => design.pitch_diameter * i as f64,
-    };
-    let last = position(facings.len() - 1);
-    let row = |(i, facing): (usize, char)| Row {
-        balls,
-        design,
-        position: position(i),
-        facing: match facing {
-            '-' => Facing::MinusX,
-            _ => Facing::PlusX,
-        },
-        preload: value("preload_n").map_or(Preload::Closure(0.0), Preload::Force),
-    };
-    let plan = Plan {
-        rows: facings.chars().enumerate().map(row).collect(),
-        arrangement: Arrangement::ByRows,
-        spring: None,
-        shaft: beams::shaft(&case, facings.len(), last),
-    };
+    let plan = plan(run, &case, design, balls);
+    let last = plan.rows.last().map_or(0.0, |row| row.position);
     let question = Question {
         load,
         omega,
@@ -188,9 +197,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
 
     let mut case = with_equilibrium(case, answer.displacement, answer.stiffness);
     let side: f64 = answer.rows.iter().map(|row| 0.5 * row.preload).sum();
-    let lifted = answer.rows.iter().filter(|row| row.lifted_off).count();
-    let columns = ["side_n", "rows_lifted_off"];
-    case = with(case, columns, [side, lifted as f64]);
+    case = with(case, ["side_n"], [side]);
     let balls = &answer.rows.first().context("a set without rows")?.balls;
     if let Some(rating) = rating {
         let weight = rating.weight_of(balls.iter().map(|ball| (ball.q_i, ball.q_o)));
@@ -205,6 +212,32 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     Ok(of_ball.take(wanted).collect())
 }
 
+/// The spindle of a case.
+fn plan(run: &Run, case: &Case, design: Design, balls: usize) -> Plan {
+    let facings = run.facings.as_deref().unwrap_or("+");
+    let position = |i: usize| match run.positions_mm.get(i) {
+        Some(mm) => 1e-3 * mm,
+        None => design.pitch_diameter * i as f64,
+    };
+    let preload = case.get("preload_n").copied();
+    let row = |(i, facing): (usize, char)| Row {
+        balls,
+        design,
+        position: position(i),
+        facing: match facing {
+            '-' => Facing::MinusX,
+            _ => Facing::PlusX,
+        },
+        preload: preload.map_or(Preload::Closure(0.0), Preload::Force),
+    };
+    Plan {
+        rows: facings.chars().enumerate().map(row).collect(),
+        arrangement: Arrangement::ByRows,
+        spring: None,
+        shaft: beams::shaft(case, facings.len(), position(facings.len() - 1)),
+    }
+}
+
 /// Design, number of balls and load rating of a case.
 fn bearing(run: &Run, case: &Case) -> anyhow::Result<(Design, usize, Option<LifeRating<f64>>)> {
     let needed = |column: &str| {
@@ -214,7 +247,11 @@ fn bearing(run: &Run, case: &Case) -> anyhow::Result<(Design, usize, Option<Life
     if run.bearing.is_empty() {
         let angle = needed("contact_angle_deg")?.to_radians();
         let [ball, pitch] = [1e-3 * needed("ball_mm")?, 1e-3 * needed("pitch_mm")?];
-        let design = Design::angular_contact(ball, pitch, angle);
+        let mut design = Design::angular_contact(ball, pitch, angle);
+        if let Ok(factor) = needed("groove_factor") {
+            design.inner_groove_factor = factor;
+            design.outer_groove_factor = factor;
+        }
         return Ok((design, needed("balls")? as usize, None));
     }
     let in_file = || DesignFile::read(format!("{}/{}", env!("CARGO_MANIFEST_DIR"), run.bearing));
@@ -244,6 +281,60 @@ fn of_ross(case: Case) -> anyhow::Result<Case> {
     })?;
     let answer = answer.map_err(|status| anyhow!("{}: {status}", set.set.name))?;
     Ok(with_matrix(case, "c_nose", answer.at[0].compliance))
+}
+
+/// SpindleCAD's lathe spindle with its third row at `third_row_mm`: stiffness at the nose (`x = 0`).
+fn of_spindle_cad(case: Case) -> anyhow::Result<Case> {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/makers/spindlecad.toml");
+    let mut plan = SpindleFile::read(file)?.plan;
+    plan.rows[2].position = 1e-3 * case["third_row_mm"];
+    let shaft = plan.shaft.clone().context("the spindle has no shaft")?;
+    let beam = |with_shear| {
+        let stiffness = [226.3e6, 226.3e6, 226.3e6, 2170e6];
+        let springs = plan.rows.iter().map(|row| row.position).zip(stiffness);
+        beams::nose_on_springs(&shaft, &springs.collect::<Vec<_>>(), with_shear)
+    };
+    let beams = [false, true].map(beam);
+    let nose = |plan: &Plan| {
+        let answer = with_solver(plan, Balls::Static, Precision::F64, |solver| {
+            solver.load([0.0; 5], 0.0)
+        })?;
+        let answer = answer.map_err(|status| anyhow!("SpindleCAD's spindle: {status}"))?;
+        anyhow::Ok(1.0 / answer.at[0].compliance[1][1])
+    };
+    let elastic = nose(&plan)?;
+    if let Some(shaft) = &mut plan.shaft {
+        shaft.sections.clear();
+    }
+    let case = with(case, ["bending_n_per_m", "timoshenko_n_per_m"], beams);
+    let ours = [nose(&plan)?, elastic];
+    Ok(with(case, ["rigid_n_per_m", "elastic_n_per_m"], ours))
+}
+
+/// A pair of FAG's, with the axial load at which a row of ours lifts off, and our rigidity over theirs.
+fn of_fag(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
+    let (design, balls, _) = bearing(run, &case)?;
+    let plan = plan(run, &case, design, balls);
+    // Bisection: 30 halvings leave 1e-8 of the preload.
+    let [mut held, mut lifted] = [1.0, 8.0].map(|times| times * case["preload_n"]);
+    with_solver(&plan, Balls::Static, Precision::F64, |solver| {
+        for _ in 0..30 {
+            let load = 0.5 * (held + lifted);
+            let answer = solver.load([load, 0.0, 0.0, 0.0, 0.0], 0.0);
+            let answer = answer.map_err(|status| anyhow!("{load} N: {status}"))?;
+            match answer.rows.iter().all(|row| row.preload > 0.0) {
+                true => held = load,
+                false => lifted = load,
+            }
+        }
+        anyhow::Ok(())
+    })??;
+    let solved = of_bearing(run, with(case, ["our_unloading_n"], [lifted]))?;
+    let with_ratio = |case: Case| {
+        let ratio = case["k_x_x"] / case["axial_n_per_um"];
+        with(case, ["rigidity_over_fags"], [ratio])
+    };
+    Ok(solved.into_iter().map(with_ratio).collect())
 }
 
 fn with_ball(case: Case, [azimuth, inner, outer]: [f64; 3], [q_i, q_o]: [f64; 2]) -> Case {
