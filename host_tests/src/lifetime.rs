@@ -7,8 +7,14 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt;
 
+/// Steps of time by which the usual one is known.
+const FIRST_STEPS: usize = 100;
+
+/// A step of so many usual ones is a pause of the logger.
+const PAUSE: f64 = 10.0;
+
 /// Sums over a recording. A record holds until the next one; the last, and one after which the time goes back, as long as the one
-/// before it. Where no time passes at all, every record holds for a second.
+/// before it; one before a pause for the usual step. Where no time passes at all, every record holds for a second.
 #[derive(Debug, Default, Serialize)]
 pub struct Lifetime {
     /// Records.
@@ -40,6 +46,12 @@ pub struct Lifetime {
     last: Option<(f64, Record)>,
     #[serde(skip)]
     step: f64,
+    /// Median of the first steps, s, if longer ones may be pauses.
+    #[serde(skip)]
+    usual_step: Option<f64>,
+    /// Time and length of the first pause, s, and the number of pauses.
+    #[serde(skip)]
+    pauses: Option<(f64, f64, u64)>,
 }
 
 /// Sums over a recording, of one row.
@@ -125,6 +137,29 @@ impl Record {
 }
 
 impl Lifetime {
+    /// Takes a step of more than ten usual ones for a pause, the usual one being the median of the first hundred.
+    pub fn end_at_pauses(&mut self, first_times: impl Iterator<Item = f64>) {
+        let times: Vec<f64> = first_times.take(FIRST_STEPS + 1).collect();
+        let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
+        let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        self.usual_step = steps.get(steps.len().saturating_sub(1) / 2).copied();
+    }
+
+    /// The first pause that ended a record, and how many did.
+    pub fn pauses(&self) -> Option<String> {
+        let (at, length, count) = self.pauses?;
+        let more = match count {
+            1 => String::new(),
+            _ => format!(", and {} more pauses", count - 1),
+        };
+        let usual = self.usual_step.unwrap_or_default();
+        Some(format!(
+            "the logger pauses for {length} s after {at} s{more}: each of these records counts for {usual} s; `--pauses hold` counts \
+             it until the next one"
+        ))
+    }
+
     /// Adds the next record.
     pub fn add(&mut self, record: Record) {
         self.records += 1;
@@ -153,7 +188,12 @@ impl Lifetime {
         let Some((time, record)) = self.last.take() else {
             return;
         };
-        let step = next.map_or(self.step, |next| next - time);
+        let mut step = next.map_or(self.step, |next| next - time);
+        if let Some(usual) = self.usual_step.filter(|usual| step > PAUSE * usual) {
+            let (at, length, count) = self.pauses.unwrap_or((time, step, 0));
+            self.pauses = Some((at, length, count + 1));
+            step = usual;
+        }
         self.back_in_time += u64::from(step < 0.0);
         self.step = if step < 0.0 { self.step } else { step };
         let step = self.step;

@@ -286,6 +286,8 @@ pub struct Job<'j> {
     pub select: Vec<String>,
     /// Limits, tolerance and iterations.
     pub choices: Choices,
+    /// A record counts until the next one, however long the logger paused.
+    pub holds_pauses: bool,
     /// Sums over the whole recording.
     pub lifetime: Option<&'j mut Lifetime>,
 }
@@ -487,6 +489,10 @@ pub fn replay(
         fault: None,
     };
     let mut read = reader.blocks(most);
+    if let Some(lifetime) = written.lifetime.as_mut().filter(|_| !job.holds_pauses) {
+        let rows = read.iter().flatten().flatten();
+        lifetime.end_at_pauses(rows.map(|row| row.time_s));
+    }
     let mut solved = vec![Solved {
         texts: titles,
         ..Solved::default()

@@ -335,11 +335,15 @@ impl Loads {
         }
         text += &format!("{file}: rows read {read}, refused {refused}; lines skipped {skipped}");
         let ranges = OWN.into_iter().zip(self.ranges).zip(&self.layout.sources);
+        let short = |x: f64| -> f64 { format!("{x:.8e}").parse().unwrap_or(x) };
         for ((quantity, (least, most)), source) in ranges {
+            let (least, most) = (short(least), short(most));
             let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
             text += &match (quantity, self.times) {
                 _ if *source == Source::None => continue,
-                (Quantity::Time, Some((first, last))) => format!("; time {first} to {last} {unit}"),
+                (Quantity::Time, Some((first, last))) => {
+                    format!("; time {} to {} {unit}", short(first), short(last))
+                }
                 _ if least < most => format!(", {name} {least} to {most} {unit}"),
                 _ if least == most => format!(", {name} {least} {unit}"),
                 _ => continue,

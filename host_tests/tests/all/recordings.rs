@@ -194,6 +194,7 @@ fn replayed(
         at_rest: false,
         select: Vec::new(),
         choices,
+        holds_pauses: false,
         lifetime: None,
     };
     let summary = replay(job, solver, rows, out).unwrap();

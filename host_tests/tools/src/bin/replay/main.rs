@@ -76,6 +76,10 @@ struct Args {
     #[arg(long, value_parser = by_name(FORMS), value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
     summary: Option<Form>,
 
+    /// Records before a pause of the logger, a step of time ten times as long as the usual one, in the summary
+    #[arg(long, value_parser = by_name(PAUSES), default_value = "end", requires = "summary")]
+    pauses: Pauses,
+
     /// Precision to compute in
     ///
     /// Loads and speed are rounded to it first. Results have as many digits as it takes to read
@@ -255,6 +259,22 @@ enum Motion {
     Static,
     Centrifugal,
     Full,
+}
+
+/// How long a record counts before a pause.
+const PAUSES: [(&str, &str, Pauses); 2] = [
+    ("end", "Count for one usual step", Pauses::End),
+    (
+        "hold",
+        "Count until the next record: a list of held states",
+        Pauses::Hold,
+    ),
+];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pauses {
+    End,
+    Hold,
 }
 
 /// How the summary is written.
@@ -496,6 +516,7 @@ fn run(args: &Args) -> Result<Summary> {
                 held,
                 ..Choices::default()
             },
+            holds_pauses: args.pauses == Pauses::Hold,
             lifetime: lifetime.as_mut(),
         };
         let replayed = replay(job, solver, rows, outputs);
@@ -524,6 +545,9 @@ fn run(args: &Args) -> Result<Summary> {
     let summary = solved.map_err(|error| file.explain(&error))??;
     if let (Some(mut lifetime), Some(form)) = (lifetime, args.summary) {
         lifetime.finish();
+        if let Some(pauses) = lifetime.pauses() {
+            eprintln!("replay: {pauses}");
+        }
         let text = match form {
             Form::Text => lifetime.to_string(),
             Form::Json => serde_json::to_string_pretty(&lifetime)? + "\n",
