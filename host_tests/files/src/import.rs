@@ -49,6 +49,9 @@ pub struct Import {
     open: Vec<&'static str>,
 }
 
+/// The bearing's own axes.
+const AXES: [(usize, f64); 3] = [(0, 1.0), (1, 1.0), (2, 1.0)];
+
 /// What is said of a quantity.
 #[derive(Debug, Clone, PartialEq)]
 enum Entry {
@@ -81,9 +84,10 @@ pub enum Name {
 }
 
 /// Where the numbers of a quantity come from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) enum Source {
     /// Nowhere: nobody needs it.
+    #[default]
     None,
     /// A constant.
     Given(f64),
@@ -202,6 +206,30 @@ struct RateKeys {
 }
 
 impl Import {
+    /// The project's own columns, of which a file has these.
+    pub(crate) fn own(has: [bool; OWN.len()]) -> Self {
+        let mut columns = [const { Entry::Absent }; QUANTITIES];
+        for (own, _) in OWN.into_iter().zip(has).filter(|(_, has)| *has) {
+            columns[own as usize] = Entry::Column(Column {
+                name: Name::Text(own.column().to_owned()),
+                unit: Some(Unit::of(own.dimension())),
+                factor: 1.0,
+            });
+        }
+        Self {
+            file: "the project's own columns".to_owned(),
+            header_line: Some(1),
+            first_row: 2,
+            separator: b',',
+            decimal: b'.',
+            comment: None,
+            short_rows: false,
+            axes: AXES,
+            columns,
+            open: Vec::new(),
+        }
+    }
+
     /// Reads a description from a file.
     ///
     /// # Errors
@@ -270,7 +298,7 @@ impl Import {
             },
         };
         let comment = keys.comment.filter(|text| !text.get_ref().is_empty());
-        let mut axes = [0, 1, 2].map(|axis| (axis, 1.0));
+        let mut axes = AXES;
         if let Some(said) = keys.axes {
             let place = said.span();
             axes = match said.into_inner() {

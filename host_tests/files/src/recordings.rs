@@ -9,7 +9,7 @@
 //!
 //! The csv crate reads lines with quotation marks; a reader of its own for every line would take two fifths of a replay.
 
-use crate::import::{Column, Import, Name, Source, Wanted};
+use crate::import::{Import, Name, Source, Wanted};
 use crate::lines::{Line, Lines, listed, number, shown, split, text};
 use crate::quantities::{LOADS, OWN, Quantity};
 use crate::units::{Dimension, Unit, celsius};
@@ -226,7 +226,7 @@ pub struct Counts {
 }
 
 /// How the lines of a recording are read.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Layout {
     separator: u8,
     decimal: u8,
@@ -257,16 +257,7 @@ impl Loads {
             lines: Lines::new(name, input),
             line: Line::default(),
             ahead: VecDeque::new(),
-            layout: Layout {
-                separator: b',',
-                decimal: b'.',
-                comment: None,
-                short_rows: false,
-                sources: [const { Source::None }; OWN.len()],
-                names: Vec::new(),
-                width: 0,
-                of_field: Vec::new(),
-            },
+            layout: Layout::default(),
             preamble: Vec::new(),
             header: Vec::new(),
             part: Part::Own,
@@ -281,7 +272,10 @@ impl Loads {
         };
         match import {
             Some(import) => loads.follow(import, wanted)?,
-            None => loads.find_own(wanted)?,
+            None => {
+                let own = loads.own(wanted)?;
+                loads.follow(&own, wanted)?;
+            }
         }
         Ok(loads)
     }
@@ -301,10 +295,10 @@ impl Loads {
         self.counts
     }
 
-    /// Whether there are temperatures of both sides.
+    /// Whether there are temperatures in the project's own columns.
     pub fn has_temperatures(&self) -> bool {
-        let mut sides = self.layout.sources[LOADS..].iter();
-        sides.all(|source| *source != Source::None)
+        let mut names = self.layout.names.iter();
+        names.any(|name| OWN[LOADS..].iter().any(|side| name == side.column()))
     }
 
     /// The name of the file, as messages give it.
@@ -359,159 +353,111 @@ impl Loads {
         format!("{file}: line {line}, column {field}{name}: {message}")
     }
 
-    /// Finds the project's own columns: names on the first line, numbers with points below.
-    fn find_own(&mut self, wanted: &Wanted) -> Result<(), LoadsError> {
-        let (mut first, mut second) = (Line::default(), Line::default());
-        if !self.lines.next(&mut first)? {
-            return Err(self.lines.malformed(1, "the file is empty"));
-        }
-        let names = first.fields(b',');
-        let file = self.lines.file.clone();
-        let foreign = |why: String| LoadsError::Foreign {
-            file: file.clone(),
-            why,
-        };
-        let place = |quantity: Quantity| {
-            let mut places = (0..names.len()).filter(|i| names[*i] == quantity.column());
-            (places.next(), places.next())
-        };
-        let mut lacking = Vec::new();
-        let mut has_own = false;
-        for (i, own) in OWN.into_iter().enumerate() {
-            let is_needed = wanted.needed[i] && wanted.given[i].is_none();
-            let source = &mut self.layout.sources[i];
-            *source = match (place(own), wanted.given[i]) {
-                (_, Some(value)) => Source::Given(value),
-                ((Some(_), Some(_)), _) => {
-                    let why = format!("there are two columns {}; remove one", own.column());
-                    return Err(self.lines.malformed(1, why));
-                }
-                ((Some(field), None), None) => {
-                    has_own = true;
-                    Source::Column(Column {
-                        name: Name::Number(field + 1),
-                        unit: Some(Unit::of(own.dimension())),
-                        factor: 1.0,
-                    })
-                }
-                ((None, _), None) => {
-                    lacking.extend(is_needed.then_some(own));
-                    match own {
-                        Quantity::Time => Source::Rate(1.0),
-                        _ => Source::None,
-                    }
-                }
-            };
-        }
-        while self.lines.next(&mut second)? {
-            self.ahead.push_back(std::mem::take(&mut second));
-            if !self.ahead[self.ahead.len() - 1].is_blank() {
+    fn foreign(&self, why: String) -> LoadsError {
+        let file = self.file().to_owned();
+        LoadsError::Foreign { file, why }
+    }
+
+    /// The project's own columns that a file has: names on the first line, numbers with points below.
+    fn own(&mut self, wanted: &Wanted) -> Result<Import, LoadsError> {
+        let mut line = Line::default();
+        while self.lines.next(&mut line)? {
+            let is_below = line.number > 1 && !line.is_blank();
+            self.ahead.push_back(std::mem::take(&mut line));
+            if is_below {
                 break;
             }
         }
-        if !has_own {
-            let own = OWN[..LOADS].iter().map(|quantity| quantity.column());
+        let Some(first) = self.ahead.front() else {
+            return Err(self.lines.malformed(1, "the file is empty"));
+        };
+        let names = first.fields(b',');
+        let has = OWN.map(|own| names.iter().any(|name| name == own.column()));
+        if has == [false; OWN.len()] {
+            let own = OWN[..LOADS].iter().map(|own| own.column());
             let own: Vec<_> = own.collect();
-            let why = format!("line 1 has none of the columns {}", own.join(","));
-            return Err(foreign(why));
+            return Err(self.foreign(format!("line 1 has none of the columns {}", own.join(","))));
         }
-        let fields = self
-            .ahead
-            .back()
-            .map_or(Vec::new(), |line| line.fields(b','));
-        for (i, field) in fields.iter().enumerate() {
-            let of = OWN
-                .iter()
-                .position(|own| names.get(i).is_some_and(|name| name == own.column()));
-            let is_read = of.is_some_and(|of| matches!(self.layout.sources[of], Source::Column(_)));
-            if is_read && !field.is_empty() && number(field, b'.').is_none() {
-                let why = format!(
-                    "below {}, {} is no number with a point",
-                    names[i],
-                    shown(field)
+        let second = self.ahead.back().filter(|line| line.number > 1);
+        let fields = second.map_or(Vec::new(), |line| line.fields(b','));
+        for (name, field) in names.iter().zip(&fields) {
+            let is_own = OWN.iter().any(|own| name == own.column());
+            let field = Some(field).filter(|field| !field.is_empty());
+            if let Some(field) = field.filter(|field| is_own && number(field, b'.').is_none()) {
+                let field = shown(field);
+                return Err(
+                    self.foreign(format!("below {name}, {field} is no number with a point"))
                 );
-                return Err(foreign(why));
             }
-            let has_time = self.layout.sources[0] != Source::Rate(1.0);
-            if !has_time && !is_read && is_clock(field) {
-                let why = format!("there is no time_s, but {} is a time", shown(field));
-                return Err(foreign(why));
+            if let Some(field) = field.filter(|field| !is_own && !has[0] && is_clock(field)) {
+                let field = shown(field);
+                return Err(self.foreign(format!("there is no time_s, but {field} is a time")));
             }
         }
-        if !lacking.is_empty() {
-            let options = lacking.iter().map(|own| {
-                let (column, name) = (own.column(), own.name());
-                format!("no column {column}: add it, or give --{name}")
-            });
-            let options: Vec<_> = options.collect();
-            return Err(self.lines.malformed(1, options.join("; ")));
+        let lacks = |i: &usize| wanted.needed[*i] && wanted.given[*i].is_none() && !has[*i];
+        let lacking = (0..OWN.len()).filter(lacks).map(|i| {
+            let (column, name) = (OWN[i].column(), OWN[i].name());
+            format!("no column {column}: add it, or give --{name}")
+        });
+        let lacking: Vec<_> = lacking.collect();
+        match lacking.is_empty() {
+            true => Ok(Import::own(has)),
+            false => Err(self.lines.malformed(1, lacking.join("; "))),
         }
-        self.header = vec![first.text.trim_ascii().to_vec()];
-        self.layout.set_names(names);
-        self.layout.place().map_err(foreign)
     }
 
     /// Goes to the first row of a file that is described.
     fn follow(&mut self, import: &Import, wanted: &Wanted) -> Result<(), LoadsError> {
-        let sources = import.sources(wanted).map_err(LoadsError::Malformed)?;
         self.layout = Layout {
             separator: import.separator,
             decimal: import.decimal,
             comment: import.comment.clone(),
             short_rows: import.short_rows,
-            sources,
-            names: Vec::new(),
-            width: 0,
-            of_field: Vec::new(),
+            sources: import.sources(wanted).map_err(LoadsError::Malformed)?,
+            ..Layout::default()
         };
-        let file = self.lines.file.clone();
-        let foreign = |why: String| LoadsError::Foreign {
-            file: file.clone(),
-            why,
-        };
-        let mut line = Line::default();
         let mut names = Line::default();
-        let mut header = Vec::new();
-        while line.number + 1 < import.first_row {
-            if !self.lines.next(&mut line)? {
-                let why = format!(
-                    "it ends above line {}, where {} has the first row",
-                    import.first_row, import.file
-                );
-                return Err(foreign(why));
+        let mut row = 1;
+        while row < import.first_row {
+            if !self.next_line()? {
+                let (file, row) = (&import.file, import.first_row);
+                return Err(self.foreign(format!(
+                    "it ends above line {row}, where {file} has the first row"
+                )));
             }
-            let Some(at) = import.header_line.filter(|at| *at <= line.number) else {
-                if line.number <= LONGEST_PREAMBLE {
-                    self.preamble.push(line.text.trim_ascii().to_vec());
+            row = self.line.number + 1;
+            let text = self.line.text.trim_ascii().to_vec();
+            match import.header_line.filter(|at| *at <= self.line.number) {
+                None if self.line.number <= LONGEST_PREAMBLE => self.preamble.push(text),
+                None => {}
+                Some(at) => {
+                    // A name may go over several lines.
+                    if self.line.number == at || names.is_open() {
+                        names.text.extend_from_slice(&self.line.text);
+                    }
+                    self.header.push(text);
                 }
-                continue;
-            };
-            // A name may go over several lines.
-            if line.number == at || names.is_open() {
-                names.text.extend_from_slice(&line.text);
             }
-            header.push(line.text.trim_ascii().to_vec());
         }
-        if let Some(at) = import.header_line {
-            if names.is_open() {
-                names.text = [&header[0][..], b"\n"].concat();
-            }
-            if let Some(mark) = &import.comment
-                && let Some(rest) = names.text.trim_ascii_start().strip_prefix(mark.as_bytes())
-            {
-                names.text = rest.to_vec();
-            }
-            self.layout.set_names(names.fields(import.separator));
-            let described = self.layout.place();
-            described.map_err(|why| {
-                foreign(format!(
-                    "line {at} has {why} of {}: it is another file",
-                    import.file
-                ))
-            })?;
+        let Some(at) = import.header_line else {
+            return Ok(());
+        };
+        if names.is_open() {
+            names.text = [&self.header[0][..], b"\n"].concat();
         }
-        self.header = header;
-        Ok(())
+        if let Some(mark) = &import.comment
+            && let Some(rest) = names.text.trim_ascii_start().strip_prefix(mark.as_bytes())
+        {
+            names.text = rest.to_vec();
+        }
+        self.layout.set_names(names.fields(import.separator));
+        let placed = self.layout.place();
+        placed.map_err(|why| {
+            self.foreign(format!(
+                "line {at} has {why} of {}: it is another file",
+                import.file
+            ))
+        })
     }
 
     /// Brings the next line into `self.line`; `false` at the end of the file.
@@ -531,6 +477,10 @@ impl Loads {
                 Ok(false) => return None,
                 Err(error) => return Some(Err(error)),
             }
+            if self.says_nothing() {
+                self.counts.skipped += 1;
+                continue;
+            }
             let line = std::mem::take(&mut self.line.text);
             let read = self.read(&line);
             self.line.text = line;
@@ -541,7 +491,7 @@ impl Loads {
                 }
                 Err(bad) => bad,
             };
-            if self.is_skipped() {
+            if self.is_header() {
                 self.counts.skipped += 1;
                 continue;
             }
@@ -550,20 +500,21 @@ impl Loads {
         }
     }
 
-    /// Whether the line, which is no row, is blank, a comment, or one of the header's again, below which the file goes on.
-    fn is_skipped(&mut self) -> bool {
-        let line = self.line.text.trim_ascii();
-        let is_again = |one: &Vec<u8>| !line.is_empty() && line == one;
-        if self.header.first().is_some_and(is_again) {
-            if self.part == Part::Other {
-                self.part = Part::Own;
-            }
-            return true;
-        }
+    /// Whether the line is blank or a comment.
+    fn says_nothing(&self) -> bool {
         let mark = self.layout.comment.as_ref();
-        self.line.is_blank()
-            || mark.is_some_and(|mark| line.starts_with(mark.as_bytes()))
-            || self.part == Part::Own && self.header.iter().any(is_again)
+        let text = self.line.text.trim_ascii_start();
+        mark.is_some_and(|mark| text.starts_with(mark.as_bytes())) || self.line.is_blank()
+    }
+
+    /// Whether the line, which is no row, is one of the header's again. Its first one ends another file.
+    fn is_header(&mut self) -> bool {
+        let line = self.line.text.trim_ascii();
+        let place = self.header.iter().position(|one| line == one);
+        if place == Some(0) && self.part == Part::Other {
+            self.part = Part::Own;
+        }
+        place == Some(0) || place.is_some() && self.part == Part::Own
     }
 
     /// A line as a row, or why it is none.

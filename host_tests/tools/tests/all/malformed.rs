@@ -34,7 +34,7 @@ line 1 has none of the columns
 line 1 has none of the columns
 line 1 has none of the columns
 line 1 has none of the columns
-line 1, column 1: there are two columns time_s; remove one
+line 1 has two columns \"time_s\"
 line 1, column 1: no column fy_n: add it, or give --fy; no column mz_nm: add it, or give --mz; no column speed_rpm:
 line 1 has none of the columns
 there is no row below the header

@@ -127,5 +127,10 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     );
     let half = LOADS.replace("speed_rpm", "speed_rpm,t_inner_c");
     let (_, _, err) = replayed(&[&shipped("7014c_qbc"), "-"], &half);
-    assert!(err.contains("t_outer is in no column"), "{err}");
+    assert!(err.contains("are for spindles with [heat]"), "{err}");
+    let (_, _, err) = replayed(&[&shipped("7014c_qbc"), "-", "--t_inner", "30"], LOADS);
+    assert!(
+        err.contains("--t_inner is for spindles with [heat]"),
+        "{err}"
+    );
 }

@@ -606,6 +606,7 @@ impl Args {
         for (i, quantity) in OWN.into_iter().enumerate().skip(LOADS) {
             wanted.needed[i] = heat;
             if let Some(value) = wanted.given[i] {
+                ensure!(heat, "--{} is for spindles with [heat]", quantity.name());
                 celsius(value).map_err(|error| anyhow!("--{}: {error}", quantity.name()))?;
             }
         }
@@ -635,7 +636,7 @@ impl Args {
         if let Some(ignored) = ignored {
             eprintln!("replay: {file}: columns ignored: {ignored}");
         }
-        if reference.is_none() && loads.has_temperatures() {
+        if reference.is_none() && import.is_none() && loads.has_temperatures() {
             bail!(
                 "{file}: t_inner_c and t_outer_c are for spindles with [heat]: add that to the spindle with \
                  reference_c, or remove these columns"
