@@ -18,7 +18,7 @@ use core::ops::{Add, Mul};
 ///
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// const PER_KELVIN: Growth<f32> = Growth::by_heat(&DESIGN, &Expansion::STEEL, [1.0, 0.0, 0.5]).to_f32();
-/// const PER_SPEED_SQUARED: Growth<f32> = Growth::by_rotation(&DESIGN, 0.01, 1.0).to_f32();
+/// const PER_SPEED_SQUARED: Growth<f32> = Growth::by_rotation(&DESIGN, 0.02, 1.0).to_f32();
 /// let (warmer, omega) = (8.0, 2094.0);
 /// let growth = PER_KELVIN * warmer + PER_SPEED_SQUARED * (omega * omega);
 /// assert!(growth.radial > 1e-6 && growth.radial < 5e-6);
@@ -102,6 +102,15 @@ impl Design {
     }
 }
 
+/// A radius from 0 to below `limit`; NaN for any other.
+const fn radius_below(radius: f64, limit: f64) -> f64 {
+    if radius >= 0.0 && radius < limit {
+        radius
+    } else {
+        f64::NAN
+    }
+}
+
 impl Growth<f64> {
     /// Growth by heat: inner ring, outer ring and balls this much warmer (K) than where the bearing has its free contact
     /// angle.
@@ -144,16 +153,20 @@ impl Growth<f64> {
     }
 
     /// By rotation at `omega` (rad/s) of the inner ring on a hollow shaft of the same material, whose bore has this
-    /// radius (m).
+    /// diameter (m).
     ///
     /// Ring and shaft are one disc from the bore's radius `a` to the groove's `b`, free at both:
     /// `gr = rho omega^2 b / (4 E) [(3 + nu) a^2 + (1 - nu) b^2]`. S. P. Timoshenko and J. N. Goodier, Theory of
     /// Elasticity, rotating discs. For a solid shaft the bore is 0.
-    pub const fn by_rotation(design: &Design, bore: f64, omega: f64) -> Self {
+    ///
+    /// A bore below 0, or one that reaches the groove, leaves no ring: the growth is NaN, which every solve and the check of
+    /// a monitor's settings refuse.
+    pub const fn by_rotation(design: &Design, bore_diameter: f64, omega: f64) -> Self {
         let [b, _] = design.groove_radii();
+        let a = radius_below(0.5 * bore_diameter, b);
         let ring = &design.ring;
         let nu = ring.poissons_ratio;
-        let form = (3.0 + nu) * bore * bore + (1.0 - nu) * b * b;
+        let form = (3.0 + nu) * a * a + (1.0 - nu) * b * b;
         Self {
             radial: ring.density * omega * omega * b / (4.0 * ring.youngs_modulus) * form,
             ..Self::NONE
@@ -162,16 +175,27 @@ impl Growth<f64> {
 
     /// By the interference of the inner ring on a hollow shaft of the same material.
     ///
-    /// Radii are `seat` of the shaft under the ring (m) and `bore` of its bore (m, 0 for a solid shaft).
-    /// `interference` is the difference of the radii before mounting (m, half of the diameters'). Two thick-walled
-    /// cylinders under the pressure between them (Lame 1852; Timoshenko, Strength of Materials II) widen the groove's radius
-    /// `b` by `gr = interference (b/seat) (seat^2 - bore^2)/(b^2 - bore^2)`. The seat grows apart from the shaft at
-    /// speed: the interference that remains then counts.
-    pub const fn by_fit(design: &Design, seat: f64, bore: f64, interference: f64) -> Self {
+    /// Diameters are that of the shaft's `seat` under the ring, and that of its `bore`, 0 for a solid shaft (m). The
+    /// `interference` is the difference of the diameters before mounting (m). Two thick-walled cylinders under the
+    /// pressure between them (Lame 1852; Timoshenko, Strength of Materials II) widen the groove's radius `b` by
+    /// `gr = (interference/2) (b/c) (c^2 - a^2)/(b^2 - a^2)`, with the radii `c` of the seat and `a` of the bore. The seat
+    /// grows apart from the shaft at speed: the interference that remains then counts.
+    ///
+    /// A bore below 0, or one that reaches the seat, or a seat that reaches the groove, has the growth NaN, as in
+    /// [`Growth::by_rotation`].
+    pub const fn by_fit(
+        design: &Design,
+        seat_diameter: f64,
+        bore_diameter: f64,
+        interference: f64,
+    ) -> Self {
         let [b, _] = design.groove_radii();
+        let seat = radius_below(0.5 * seat_diameter, b);
+        let bore = radius_below(0.5 * bore_diameter, seat);
         let hole = bore * bore;
+        let widened = (b / seat) * ((seat * seat - hole) / (b * b - hole));
         Self {
-            radial: interference * (b / seat) * ((seat * seat - hole) / (b * b - hole)),
+            radial: 0.5 * interference * widened,
             ..Self::NONE
         }
     }

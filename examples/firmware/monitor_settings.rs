@@ -20,8 +20,8 @@ pub const IDLE: [f32; 5] = match ROWS {
 /// 8 % high, and the life by it up to 25 % long.
 const LOAD_RATING: Option<f64> = None;
 
-/// Radius of the hollow shaft's bore, m.
-const BORE: f64 = 0.005;
+/// Diameter of the hollow shaft's bore, m.
+const BORE: f64 = 0.01;
 /// Of rings and balls.
 const EXPANSION: Expansion = Expansion::STEEL;
 

@@ -86,10 +86,11 @@ impl RowSettings {
         Self { heat, ..self }
     }
 
-    /// Lets the row grow with the speed on a hollow shaft, whose bore has this radius (m).
+    /// Lets the row grow with the speed on a hollow shaft, whose bore has this diameter (m). A bore that reaches the groove
+    /// is refused by [`MonitorSettings::check`].
     #[must_use]
-    pub const fn with_rotation(self, design: &Design, bore: f64) -> Self {
-        let rotation = Growth::by_rotation(design, bore, 1.0).to_f32();
+    pub const fn with_rotation(self, design: &Design, bore_diameter: f64) -> Self {
+        let rotation = Growth::by_rotation(design, bore_diameter, 1.0).to_f32();
         Self { rotation, ..self }
     }
 }

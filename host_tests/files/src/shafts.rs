@@ -1,9 +1,9 @@
 //! The elastic shaft of a spindle file, and the supports of its rows.
 
 use crate::designs::{DesignFileError, Key, Place, Reading, millimetres, short};
-use crate::plan::MOST_SECTIONS;
+use crate::plan::{MOST_SECTIONS, Row};
 use serde::Deserialize;
-use spindle_bearing::{Material, Quantity, Section, Shaft, ShaftError, Support};
+use spindle_bearing::{Growth, Material, Quantity, Section, Shaft, ShaftError, Support};
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -156,35 +156,48 @@ impl ShaftKeys {
         &self,
         r: Reading<'_>,
         sections: Option<&[Section]>,
-        rows: &[(f64, Place)],
+        rows: &[(&Row, Place)],
     ) -> Result<Vec<f64>, DesignFileError> {
         let grows = self.grow_with_speed.as_ref();
         let grows = grows.filter(|grows| *grows.get_ref());
         let place = grows.map(|grows| r.place(grows.span()));
+        let rows = rows.iter().enumerate();
         match (&self.bore_mm, place, sections) {
             (Some(_), Some(place), _) => {
                 let message = "rings grow by `grow_with_speed` or by `bore_mm`; remove one of them";
                 Err(r.error(place, message))
             }
-            (Some(bore), None, _) => Ok(vec![millimetres(*bore.get_ref()); rows.len()]),
+            (Some(bore), None, _) => {
+                let (place, said) = (r.place(bore.span()), *bore.get_ref());
+                rows.map(|(i, (row, _))| {
+                    in_ring(row, millimetres(said)).ok_or_else(|| {
+                        r.error(place, format!("`bore_mm` is {said}, {NO_RING} row {i}"))
+                    })
+                })
+                .collect()
+            }
             (None, Some(place), None) => {
                 let message =
                     "`grow_with_speed` takes the bores of `sections`: add them, or give `bore_mm`";
                 Err(r.error(place, message))
             }
-            (None, Some(_), Some(sections)) => {
-                let bores = rows.iter().enumerate().map(|(row, (x, place))| {
-                    let at = |section: &&Section| section.from <= *x && *x <= section.to;
+            (None, Some(_), Some(sections)) => rows
+                .map(|(i, (row, place))| {
+                    let x = row.position;
+                    let at = |section: &&Section| section.from <= x && x <= section.to;
                     let bores = sections.iter().filter(at).map(|section| section.inner);
-                    bores.reduce(f64::max).ok_or_else(|| {
+                    let Some(bore) = bores.reduce(f64::max) else {
                         let message = format!(
-                            "row {row} stands in no section of [shaft], and `grow_with_speed` takes its bore: add a section, or give `bore_mm`"
+                            "row {i} stands in no section of [shaft], and `grow_with_speed` takes its bore: add a section, or give `bore_mm`"
                         );
-                        r.error(*place, message)
+                        return Err(r.error(*place, message));
+                    };
+                    in_ring(row, bore).ok_or_else(|| {
+                        let bore = short(1e3 * bore);
+                        r.error(*place, format!("the section there has `inner_mm` = {bore}, {NO_RING} row {i}"))
                     })
-                });
-                bores.collect()
-            }
+                })
+                .collect(),
             (None, None, None) if self.grow_with_speed.is_none() => {
                 let message =
                     "[shaft] lacks `bore_mm`; add a line such as `bore_mm = 40`, or `sections`";
@@ -193,4 +206,12 @@ impl ShaftKeys {
             (None, None, _) => Ok(Vec::new()),
         }
     }
+}
+
+const NO_RING: &str = "but must lie between 0 and the diameter of the inner groove of";
+
+/// The bore, if that leaves some of the row's inner ring.
+fn in_ring(row: &Row, bore: f64) -> Option<f64> {
+    let growth = Growth::by_rotation(&row.design, bore, 1.0);
+    growth.radial.is_finite().then_some(bore)
 }

@@ -24,7 +24,7 @@
 //! [spring]                       # if rows slide
 //! force_n = 300
 //!
-//! [shaft]                        # rings grow with the speed, on a hollow shaft with this bore
+//! [shaft]                        # rings grow with the speed, on a hollow shaft with a bore of this diameter
 //! bore_mm = 40
 //!
 //! # Or a shaft that bends: hollow round sections, rigid outside of them and in gaps.
@@ -58,7 +58,7 @@
 
 use crate::catalogue;
 use crate::designs::{
-    ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Reading,
+    ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Place, Reading,
     micrometres, millimetres, read_text,
 };
 use crate::noses::{Nose, NoseKeys, PLAIN};
@@ -85,7 +85,7 @@ pub struct SpindleFile {
     pub noses: Vec<Nose>,
     /// Growth of each row that is always there.
     growth: Vec<Growth<f64>>,
-    /// Bore of the shaft at each row on which inner rings grow with the speed, m; none if they do not.
+    /// Bore of the shaft at each row, on which inner rings grow with the speed, m; none if they do not.
     bores: Vec<f64>,
     /// Thermal expansion: how temperatures make rings and balls grow.
     pub heat: Option<Heat>,
@@ -320,7 +320,7 @@ impl SpindleFile {
                 ball: micrometres(or(row.ball_growth_um, 0.0)),
             });
             let position = millimetres(position.into_inner());
-            places.push((position, place));
+            places.push(place);
             rows.push(Row {
                 balls: design.balls,
                 design: design.design,
@@ -341,9 +341,10 @@ impl SpindleFile {
             None => (None, Material::STEEL),
         };
         let bends = sections.is_some();
+        let placed: Vec<(&Row, Place)> = rows.iter().zip(places).collect();
         let bores = keys
             .shaft
-            .map(|keys| keys.bores(r, sections.as_deref(), &places));
+            .map(|keys| keys.bores(r, sections.as_deref(), &placed));
         let is_elastic = bends || supports.iter().any(Option::is_some);
         let shaft = is_elastic.then(|| {
             let Loading { position, constant } = std::mem::take(&mut loading);

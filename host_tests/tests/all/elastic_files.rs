@@ -287,6 +287,15 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
             "line 8, column 1: row 1 stands in no section",
         ),
         (
+            "bore_mm = 29.9",
+            "line 13, column 11: `bore_mm` is 29.9, but must lie between 0 and the diameter of the inner groove of row 0",
+        ),
+        ("bore_mm = -1", "`bore_mm` is -1, but must lie between 0"),
+        (
+            "grow_with_speed = true\nsections = [{ from_mm = -9, to_mm = 109, outer_mm = 40, inner_mm = 29.9 }]",
+            "line 4, column 1: the section there has `inner_mm` = 29.9, but must",
+        ),
+        (
             "",
             "[shaft] lacks `bore_mm`; add a line such as `bore_mm = 40`, or `sections`",
         ),
