@@ -6,7 +6,7 @@ use core::ops::{Add, Mul};
 
 /// Growth of rings and balls by heat, rotation and fits, m: the three lengths that the equilibrium needs.
 ///
-/// They come from anywhere, or from [`Growth::by_heat`], [`Growth::by_rotation`] and [`Growth::by_fit`]. Each of these is
+/// They come from anywhere, or from [`Growth::by_temperatures`], [`Growth::by_rotation`] and [`Growth::by_fit`]. Each of these is
 /// linear: in temperature, square of the speed, or interference. So the compiler can make the growth of one unit, and
 /// firmware scales it and adds it up.
 ///
@@ -68,11 +68,15 @@ impl<T: Real> Mul<T> for Growth<T> {
     }
 }
 
-/// Coefficients of thermal expansion `a`, 1/K.
+/// Coefficients of thermal expansion, 1/K.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Expansion {
+    /// Of the shaft.
+    pub shaft: f64,
+    /// Of the housing.
+    pub housing: f64,
     /// Of both rings.
     pub ring: f64,
     /// Of the balls.
@@ -80,15 +84,17 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// Rings and balls of bearing steel: 11.5e-6 per K.
+    /// All of bearing steel: 11.5e-6 per K.
     pub const STEEL: Self = Self {
+        shaft: 11.5e-6,
+        housing: 11.5e-6,
         ring: 11.5e-6,
         ball: 11.5e-6,
     };
-    /// Steel rings and balls of silicon nitride: 11.5e-6 and 3.2e-6 per K.
+    /// Steel with balls of silicon nitride: 3.2e-6 per K.
     pub const HYBRID: Self = Self {
-        ring: 11.5e-6,
         ball: 3.2e-6,
+        ..Self::STEEL
     };
 }
 
@@ -115,8 +121,8 @@ impl Growth<f64> {
     /// Growth by heat: inner ring, outer ring and balls this much warmer (K) than where the bearing has its free contact
     /// angle.
     ///
-    /// `gr = a (Ti ri - To ro)` with the radii of the grooves, `gD = a_ball Tb D`. The axial growth depends on what
-    /// holds the rings, and is 0 here.
+    /// `gr = a_ring (Ti ri - To ro)` with the radii of the grooves, `gD = a_ball Tb D`. The axial growth depends on what
+    /// holds the rings, and is 0 here: [`Growth::by_length`].
     pub const fn by_heat(
         design: &Design,
         expansion: &Expansion,
@@ -130,16 +136,33 @@ impl Growth<f64> {
         }
     }
 
-    /// By the length of shaft and housing, inner and outer side this much warmer (K), of expansion `expansion` (1/K).
+    /// By the length of shaft and housing, inner and outer side this much warmer (K).
     ///
-    /// `gx = a reach (Ti - To)`. `reach` (m) is the distance of the row from some point of the set, in the direction that
-    /// the row faces. The point is the same for all rows, such as the middle. Rows back to back have a negative reach,
-    /// and lose preload when the shaft is the warmer side.
-    pub const fn by_length(expansion: f64, reach: f64, [inner, outer]: [f64; 2]) -> Self {
+    /// `gx = reach (a_shaft Ti - a_housing To)`. `reach` (m) is the distance of the row from some point of the set, in the
+    /// direction that the row faces. The point is common to all rows, such as their middle: it moves the shaft's axial
+    /// displacement alone. Rows back to back have a negative reach, and lose preload when the shaft is the warmer side.
+    pub const fn by_length(expansion: &Expansion, reach: f64, [inner, outer]: [f64; 2]) -> Self {
         Self {
-            axial: expansion * reach * (inner - outer),
+            axial: reach * (expansion.shaft * inner - expansion.housing * outer),
             ..Self::NONE
         }
+    }
+
+    /// By the temperatures of a spindle: shaft and inner ring, housing and outer ring this much warmer (K).
+    ///
+    /// The sum of [`Growth::by_heat`], with balls as warm as the mean of both, and of [`Growth::by_length`].
+    pub const fn by_temperatures(
+        design: &Design,
+        expansion: &Expansion,
+        reach: f64,
+        [inner, outer]: [f64; 2],
+    ) -> Self {
+        let balls = 0.5 * (inner + outer);
+        Self::by_heat(design, expansion, [inner, outer, balls]).with(Self::by_length(
+            expansion,
+            reach,
+            [inner, outer],
+        ))
     }
 
     /// This and another growth together: the sum, for the compiler.

@@ -22,7 +22,7 @@ const LOAD_RATING: Option<f64> = None;
 
 /// Diameter of the hollow shaft's bore, m.
 const BORE: f64 = 0.01;
-/// Of rings and balls.
+/// Of shaft, housing, rings and balls.
 const EXPANSION: Expansion = Expansion::STEEL;
 
 /// Rate, doubts, alarms and telemetry. What is particular to this spindle is set here.

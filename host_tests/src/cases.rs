@@ -278,6 +278,7 @@ impl<R> SetRow<R> {
                 load: self.load,
                 omega: rad_per_s(self.speed_rpm),
                 growth: self.rows.iter().map(MountedRow::growth).collect(),
+                middle_growth: 0.0,
             },
             displacement: self.expect.u,
             stiffness: self.expect.stiffness,

@@ -161,6 +161,7 @@ pub trait AnySpindleSolver {
             load,
             omega,
             growth: Vec::new(),
+            middle_growth: 0.0,
         };
         self.solve(&question, &[ShaftEnd::rigid(0.0)])
     }
@@ -364,8 +365,10 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
         };
         let speed = Speed::rad_per_s(T::of(omega));
         let (load, held) = (question.load.map(T::of), self.choices.held);
+        // The solver's axial displacement does not have the growth of the rows' middle.
+        let grown = [question.middle_growth, 0.0, 0.0, 0.0, 0.0];
         let given = from_fn(|i| match held[i] {
-            Some(u) => Given::Displacement(T::of(u)),
+            Some(u) => Given::Displacement(T::of(u + grown[i])),
             None => Given::Load(load[i]),
         });
         let solver = &mut self.solver;
@@ -374,7 +377,14 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
             _ => solver.solve_given(&given, speed, &growth, &settings),
         };
         let solution = solved.map_err(narrowed)?;
-        Ok(answer(&solution, ends, self.loaded_at, &self.choices))
+        let mut answer = answer(&solution, ends, self.loaded_at, &self.choices);
+        let of_ends = answer.at.iter_mut().map(|at| &mut at.displacement);
+        let of_rows = answer.rows.iter_mut().map(|row| &mut row.displacement);
+        let all = [&mut answer.displacement].into_iter().chain(of_ends);
+        for displacement in all.chain(of_rows) {
+            displacement[0] -= question.middle_growth;
+        }
+        Ok(answer)
     }
 
     fn choose(&mut self, choices: &Choices) {

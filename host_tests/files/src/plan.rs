@@ -79,6 +79,14 @@ impl Plan {
         }
     }
 
+    /// Middle between the outermost rows, from which lengths grow with heat, m.
+    pub fn middle(&self) -> f64 {
+        let positions = || self.rows.iter().map(|row| row.position);
+        let first = positions().fold(f64::INFINITY, f64::min);
+        let last = positions().fold(f64::NEG_INFINITY, f64::max);
+        0.5 * (first + last)
+    }
+
     /// Position where the loads of a question act, and where displacements are given, m.
     pub fn loaded_at(&self) -> f64 {
         self.shaft.as_ref().map_or(0.0, |shaft| shaft.loaded_at)
@@ -94,6 +102,9 @@ pub struct Question {
     pub omega: f64,
     /// Growth of each row; none if there are fewer than rows.
     pub growth: Vec<Growth<f64>>,
+    /// Axial growth of the shaft against the housing at the rows' middle from `x = 0` on, m. It is left out of `growth`, which
+    /// counts from that middle, and is part of the displacement.
+    pub middle_growth: f64,
 }
 
 /// Why a spindle cannot be built.

@@ -33,9 +33,11 @@
 //! # poissons_ratio = 0.3
 //! # grow_with_speed = true       # rings grow with the speed on the bores of the sections, in the place of `bore_mm`
 //!
-//! [heat]                         # rings and balls grow with the columns t_inner_c, t_outer_c of the loads
-//! reference_c = 20
-//! ring_per_k = 11.5e-6           # may be left out: bearing steel
+//! [heat]                         # growth with the columns t_inner_c, t_outer_c of the loads: shaft and inner rings,
+//! reference_c = 20               # housing and outer rings have these temperatures, balls their mean
+//! shaft_per_k = 11.5e-6          # may be left out: bearing steel
+//! housing_per_k = 11.5e-6
+//! ring_per_k = 11.5e-6
 //! ball_per_k = 11.5e-6
 //!
 //! [load]                         # where recorded loads act; may be left out: x = 0
@@ -87,7 +89,7 @@ pub struct SpindleFile {
     growth: Vec<Growth<f64>>,
     /// Bore of the shaft at each row, on which inner rings grow with the speed, m; none if they do not.
     bores: Vec<f64>,
-    /// Thermal expansion: how temperatures make rings and balls grow.
+    /// Thermal expansion, if temperatures count.
     pub heat: Option<Heat>,
     /// Where loads act.
     loading: Loading,
@@ -95,7 +97,7 @@ pub struct SpindleFile {
     designs: Vec<DesignFile>,
 }
 
-/// Thermal expansion: how temperatures make rings and balls grow.
+/// Thermal expansion of shaft, housing and bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heat {
     /// Temperature at which the bearings have their free contact angle, degrees Celsius.
@@ -146,6 +148,8 @@ struct SpringKeys {
 #[serde(deny_unknown_fields)]
 struct HeatKeys {
     reference_c: Key<f64>,
+    shaft_per_k: Key<f64>,
+    housing_per_k: Key<f64>,
     ring_per_k: Key<f64>,
     ball_per_k: Key<f64>,
 }
@@ -374,6 +378,8 @@ impl SpindleFile {
             Ok(Heat {
                 reference,
                 expansion: Expansion {
+                    shaft: or(keys.shaft_per_k, Expansion::STEEL.shaft),
+                    housing: or(keys.housing_per_k, Expansion::STEEL.housing),
                     ring: or(keys.ring_per_k, Expansion::STEEL.ring),
                     ball: or(keys.ball_per_k, Expansion::STEEL.ball),
                 },
@@ -401,6 +407,9 @@ impl SpindleFile {
     /// The load, speed and growth that a row of loads stands for.
     pub fn question(&self, row: &LoadRow) -> Question {
         let omega = row.omega();
+        let middle = self.plan.middle();
+        let heat = self.heat.as_ref().zip(row.temperatures);
+        let heat = heat.map(|(heat, t)| (&heat.expansion, t.map(|t| t - heat.reference)));
         let growth = self.plan.rows.iter().zip(&self.growth).enumerate();
         let growth = growth.map(|(i, (row_of_balls, fixed))| {
             let design: &Design = &row_of_balls.design;
@@ -408,18 +417,19 @@ impl SpindleFile {
             if let Some(bore) = self.bores.get(i) {
                 growth = growth + Growth::by_rotation(design, *bore, omega);
             }
-            if let (Some(heat), Some(temperatures)) = (&self.heat, row.temperatures) {
-                let [inner, outer] = temperatures.map(|t| t - heat.reference);
-                // Balls are about as warm as the mean of both rings.
-                let warmer = [inner, outer, 0.5 * (inner + outer)];
-                growth = growth + Growth::by_heat(design, &heat.expansion, warmer);
+            if let Some((expansion, warmer)) = heat {
+                let ahead = row_of_balls.position - middle;
+                let reach = row_of_balls.facing.sign::<f64>() * ahead;
+                growth = growth + Growth::by_temperatures(design, expansion, reach, warmer);
             }
             growth
         });
+        let middle_growth = |(expansion, warmer)| Growth::by_length(expansion, middle, warmer);
         Question {
             load: self.loading.about_origin(row.load),
             omega,
             growth: growth.collect(),
+            middle_growth: heat.map_or(0.0, |heat| middle_growth(heat).axial),
         }
     }
 

@@ -175,6 +175,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         load,
         omega,
         growth: Vec::new(),
+        middle_growth: 0.0,
     };
     let motion = match run.by {
         Program::SolverAtRest => Balls::Static,

@@ -345,6 +345,7 @@ fn loads_at_the_nose_and_given_displacements_agree_with_the_tangent() {
         load: [120.0, 80.0, -30.0, 0.5, 1.0],
         omega: 1500.0,
         growth: Vec::new(),
+        middle_growth: 0.0,
     };
     let solved = |plan: &Plan, choices: &Choices| {
         let ask = |solver: &mut dyn AnySpindleSolver| {

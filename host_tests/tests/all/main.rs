@@ -18,6 +18,7 @@ mod frames;
 mod given;
 mod growth;
 mod gyroscope;
+mod heat;
 mod hostile;
 mod imports;
 mod life;

@@ -162,6 +162,7 @@ fn loaded(load: [f64; 5], rpm: f64) -> Question {
         load,
         omega: rad_per_s(rpm),
         growth: Vec::new(),
+        middle_growth: 0.0,
     }
 }
 

@@ -296,7 +296,8 @@ DESIGN.toml is a spindle if it has [[row]]s:
     { from_mm = -30, to_mm = 90, outer_mm = 70, inner_mm = 30 },
   ]
   grow_with_speed = true        # rings grow on the bores of the sections; youngs_modulus_gpa = 206
-  [heat]                        # they grow with temperatures: reference_c = 20, ring_per_k, ball_per_k
+  [heat]                        # growth with temperatures: reference_c = 20; shaft_per_k, housing_per_k,
+                                # ring_per_k, ball_per_k of bearing steel (11.5e-6) if left out
   [nose]                        # stiffness there, too: position_mm = -60, radial_um_per_kn,
                                 # axial_um_per_kn, both of a shaft without sections
   [nose.tool]                   # more of them, by name: position_mm = -120
