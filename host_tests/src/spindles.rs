@@ -3,12 +3,13 @@
 use crate::dispatch::{
     Attitude, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
+use files::designs::short;
 use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
     BallKinematics, BallState, Centrifugal, Frequencies, Full, Given, Growth, InnerRaceControl,
-    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real,
-    Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleSolution, SpindleSolver,
-    Static, Status, Support,
+    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity, RacewayControlFree,
+    Real, Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleError,
+    SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -234,7 +235,42 @@ fn of_rows<T: Real, const R: usize>(
             Spindle::new(plan.arrangement, rows).map(|spindle| on_shaft(spindle, plan, balls, hand))
         }
     };
-    made.map_err(|e| BuildError::Spindle(e.to_string()))?
+    made.map_err(|error| refused(&error, plan.loaded_at()))?
+}
+
+/// The error, in the unit of files where that is a position.
+fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
+    let millimetres = |x: T| short(1e3 * x.to_f64());
+    match *error {
+        SpindleError::TooNear {
+            row,
+            distance,
+            least,
+        } => {
+            let [distance, least] = [distance, least].map(millimetres);
+            let message = format!(
+                "another row is {distance} mm away, nearer than half a ball's diameter, {least} mm: check the positions"
+            );
+            BuildError::Position(row, message)
+        }
+        SpindleError::Row {
+            row,
+            status:
+                Status::OutOfRange {
+                    quantity: Quantity::RowPosition,
+                    value,
+                    limit,
+                },
+        } => {
+            let said = millimetres(value + T::of(loaded_at));
+            let [limit, loaded_at] = [millimetres(limit), short(1e3 * loaded_at)];
+            let message = format!(
+                "`position_mm` is {said}, but must lie within {limit} mm of x = {loaded_at}, where loads act"
+            );
+            BuildError::Position(row, message)
+        }
+        ref other => BuildError::Spindle(other.to_string()),
+    }
 }
 
 fn on_shaft<T: Real, const R: usize, const D: usize>(

@@ -121,11 +121,9 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
     /// Refuses what is out of range of the row with this number. `spring` is its force, if there is one.
     fn check(&self, number: usize, first: &Self, spring: Option<T>) -> Result<(), SpindleError<T>> {
         let c = self.bearing.c;
-        let (quantity, unit) = (Quantity::RowPosition, radius(first.bearing.c));
         // Far from x = 0, the stiffness about that point is beyond all numbers.
-        let from_origin = check(quantity, self.position, T::of(4096.0) * unit);
-        let from_first = check(quantity, self.position - first.position, T::of(64.0) * unit);
-        let position = from_origin.and(from_first);
+        let farthest = T::of(4096.0) * radius(first.bearing.c);
+        let position = check(Quantity::RowPosition, self.position, farthest);
         let most = c.balls * c.force;
         let half_play = c.play.at_least(T::ZERO).sqrt();
         let (held, force) = match self.preload {

@@ -277,7 +277,7 @@ fn said_by(keys: &Keys, key: &str) -> bool {
 }
 
 /// A number in six digits.
-pub(crate) fn short(x: f64) -> f64 {
+pub fn short(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }
 

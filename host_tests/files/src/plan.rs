@@ -112,6 +112,8 @@ pub struct Question {
 pub enum BuildError {
     /// The design of a row, counted from 0.
     Design(usize, DesignError),
+    /// The position of a row, counted from 0, in the unit of files.
+    Position(usize, String),
     /// The rows, as the solver says it.
     Spindle(String),
     /// Too many rows, or none.
@@ -122,6 +124,7 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Design(row, error) => write!(f, "row {row}: {error}"),
+            Self::Position(row, error) => write!(f, "row {row}: {error}"),
             Self::Spindle(error) => f.write_str(error),
             Self::Rows(rows) => write!(f, "{rows} rows: a spindle has 1 to {MOST_ROWS} here"),
         }

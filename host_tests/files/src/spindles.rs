@@ -95,6 +95,8 @@ pub struct SpindleFile {
     loading: Loading,
     file: String,
     designs: Vec<DesignFile>,
+    /// Places of the rows' positions in the file.
+    positions: Vec<Place>,
 }
 
 /// Thermal expansion of shaft, housing and bearings.
@@ -200,6 +202,7 @@ impl From<DesignFile> for SpindleFile {
             loading: file.loading.clone(),
             file: String::new(),
             designs: vec![file],
+            positions: Vec::new(),
         }
     }
 }
@@ -261,7 +264,7 @@ impl SpindleFile {
             None => Arrangement::ByRows,
         };
         let (mut rows, mut growth, mut designs) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut supports, mut places) = (Vec::new(), Vec::new());
+        let (mut supports, mut places, mut positions) = (Vec::new(), Vec::new(), Vec::new());
         for row in keys.row {
             let place = r.place(row.span());
             let row = row.into_inner();
@@ -323,6 +326,7 @@ impl SpindleFile {
                 radial: micrometres(or(row.radial_growth_um, 0.0)),
                 ball: micrometres(or(row.ball_growth_um, 0.0)),
             });
+            positions.push(r.place(position.span()));
             let position = millimetres(position.into_inner());
             places.push(place);
             rows.push(Row {
@@ -401,6 +405,7 @@ impl SpindleFile {
             loading,
             file: file.to_owned(),
             designs,
+            positions,
         })
     }
 
@@ -438,9 +443,13 @@ impl SpindleFile {
         if let BuildError::Design(row, error) = error {
             return self.designs[*row].explain(error);
         }
+        let place = match error {
+            BuildError::Position(row, _) => self.positions.get(*row).copied(),
+            _ => None,
+        };
         DesignFileError {
             file: self.file.clone(),
-            place: None,
+            place,
             message: error.to_string(),
         }
     }

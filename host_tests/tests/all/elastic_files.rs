@@ -235,7 +235,12 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
         (
             "position_mm = 100",
             "position_mm = 1",
-            "nearer than half a ball's diameter",
+            "line 10, column 15: row 1: another row is 1 mm away, nearer than half a ball's diameter, 3.175 mm",
+        ),
+        (
+            "position_mm = 100",
+            "position_mm = 1e6",
+            "line 10, column 15: row 1: `position_mm` is 1000000, but must lie within 74104.9 mm of x = -50",
         ),
         (
             "mm = -40\n",

@@ -76,7 +76,7 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     changed(
         position,
         "position_mm = 0",
-        "row 1: another row is 0e0 m away",
+        "line 14, column 15: row 1: another row is 0 mm away",
     );
     changed(position, "", "this row lacks `position_mm`");
     changed("position_mm = -60", "", "[nose] lacks `position_mm`");
