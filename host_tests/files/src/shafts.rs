@@ -4,6 +4,7 @@ use crate::designs::{DesignFileError, Key, Place, Reading, millimetres, short};
 use crate::plan::{MOST_SECTIONS, Row};
 use serde::Deserialize;
 use spindle_bearing::{Growth, Material, Quantity, Section, Shaft, ShaftError, Support};
+use std::ops::RangeInclusive;
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -33,29 +34,36 @@ pub(crate) struct SupportKeys {
     tilting_nm_per_rad: Key<f64>,
 }
 
-/// Least stiffness of a support that the library takes, N/m and N m/rad.
-const LEAST_SUPPORT: f64 = 1.0;
+/// Least stiffness of a support that the library takes: along and across the axis, N/m, and against tilting, N m/rad.
+const LEAST_SUPPORT: f64 = 1e5;
+const LEAST_TILTING: f64 = 1.0;
 
 impl SupportKeys {
     /// The support of the row of this number.
     pub fn read(&self, r: Reading<'_>, row: usize) -> Result<Support<f64>, DesignFileError> {
-        let stiffness = |key: &str, value: &Key<f64>, unit: f64| {
+        let stiffness = |key: &str, value: &Key<f64>, unit: f64, least: f64| {
             let Some(value) = value else {
                 return Ok(f64::INFINITY);
             };
-            let (said, least) = (value.get_ref(), LEAST_SUPPORT / unit);
-            if said * unit >= LEAST_SUPPORT {
+            let said = value.get_ref();
+            if said * unit >= least {
                 return Ok(said * unit);
             }
+            let least = least / unit;
             let message = format!(
                 "row {row}: `{key}` is {said}, but must be {least} at least; leave it out for a rigid support"
             );
             Err(r.error(r.place(value.span()), message))
         };
         Ok(Support {
-            axial: stiffness("axial_n_per_um", &self.axial_n_per_um, 1e6)?,
-            radial: stiffness("radial_n_per_um", &self.radial_n_per_um, 1e6)?,
-            tilting: stiffness("tilting_nm_per_rad", &self.tilting_nm_per_rad, 1.0)?,
+            axial: stiffness("axial_n_per_um", &self.axial_n_per_um, 1e6, LEAST_SUPPORT)?,
+            radial: stiffness("radial_n_per_um", &self.radial_n_per_um, 1e6, LEAST_SUPPORT)?,
+            tilting: stiffness(
+                "tilting_nm_per_rad",
+                &self.tilting_nm_per_rad,
+                1.0,
+                LEAST_TILTING,
+            )?,
         })
     }
 }
@@ -206,7 +214,38 @@ impl ShaftKeys {
             (None, None, _) => Ok(Vec::new()),
         }
     }
+
+    /// Diameters that do not fit the bores of the bearings of the `rows`, mm, as far as these are known.
+    pub fn doubts(
+        &self,
+        sections: Option<&[Section]>,
+        rows: &[(&Row, Option<f64>)],
+    ) -> Vec<String> {
+        let mut doubts = Vec::new();
+        for (i, (row, bore)) in rows.iter().enumerate() {
+            let Some(bore) = bore else { continue };
+            let own = self.bore_mm.as_ref().map(|own| *own.get_ref());
+            if let Some(own) = own.filter(|own| own / bore > *SEAT.start()) {
+                doubts.push(format!(
+                    "row {i}: `bore_mm` of [shaft] is {own}, and the bearing's bore {bore}: is it that of the hollow shaft?"
+                ));
+            }
+            let at = |section: &&Section| (section.from..=section.to).contains(&row.position);
+            let outer = sections.unwrap_or_default().iter().filter(at);
+            let outer: Vec<f64> = outer.map(|section| short(1e3 * section.outer)).collect();
+            let fits = outer.iter().any(|outer| SEAT.contains(&(outer / bore)));
+            if let (Some(outer), false) = (outer.first(), fits) {
+                doubts.push(format!(
+                    "row {i}: `outer_mm` of the section there is {outer}, and the bearing's bore {bore}: is it the diameter?"
+                ));
+            }
+        }
+        doubts
+    }
 }
+
+/// Shares of a bearing's bore that the diameter of the shaft in it mostly has. That of the shaft's own bore is less.
+const SEAT: RangeInclusive<f64> = 0.8..=1.25;
 
 const NO_RING: &str = "but must lie between 0 and the diameter of the inner groove of";
 

@@ -91,6 +91,8 @@ pub struct SpindleFile {
     bores: Vec<f64>,
     /// Thermal expansion, if temperatures count.
     pub heat: Option<Heat>,
+    /// Figures that are solved as they are, and seem to be meant otherwise.
+    pub doubts: Vec<String>,
     /// Where loads act.
     loading: Loading,
     file: String,
@@ -199,6 +201,7 @@ impl From<DesignFile> for SpindleFile {
             growth: vec![Growth::NONE],
             bores: Vec::new(),
             heat: None,
+            doubts: Vec::new(),
             loading: file.loading.clone(),
             file: String::new(),
             designs: vec![file],
@@ -350,9 +353,13 @@ impl SpindleFile {
         };
         let bends = sections.is_some();
         let placed: Vec<(&Row, Place)> = rows.iter().zip(places).collect();
-        let bores = keys
-            .shaft
-            .map(|keys| keys.bores(r, sections.as_deref(), &placed));
+        let of_bearings = designs.iter().map(|design| design.size_mm[0]);
+        let of_bearings: Vec<_> = rows.iter().zip(of_bearings).collect();
+        let (mut bores, mut doubts) = (Vec::new(), Vec::new());
+        if let Some(keys) = &keys.shaft {
+            bores = keys.bores(r, sections.as_deref(), &placed)?;
+            doubts = keys.doubts(sections.as_deref(), &of_bearings);
+        }
         let is_elastic = bends || supports.iter().any(Option::is_some);
         let shaft = is_elastic.then(|| {
             let Loading { position, constant } = std::mem::take(&mut loading);
@@ -400,8 +407,9 @@ impl SpindleFile {
             },
             noses: noses.transpose()?.unwrap_or_default(),
             growth,
-            bores: bores.transpose()?.unwrap_or_default(),
+            bores,
             heat: heat.transpose()?,
+            doubts,
             loading,
             file: file.to_owned(),
             designs,

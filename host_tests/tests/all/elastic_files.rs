@@ -204,7 +204,17 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
         (
             "inner_mm = 8",
             "inner_mm = nan",
-            "section 0: `inner_mm` is NaN",
+            "line 17, column 55: `inner_mm` is nan, and no number",
+        ),
+        (
+            "position_mm = -90",
+            "position_mm = -inf",
+            "`position_mm` is -inf, and no number",
+        ),
+        (
+            "axial_n_per_um = 500",
+            "axial_n_per_um = 0.09",
+            "row 1: `axial_n_per_um` is 0.09, but must be 0.1 at least",
         ),
         ("inner_mm = 8", "bore_mm = 8", "unknown field `bore_mm`"),
         (
@@ -220,12 +230,17 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
         (
             "_n_per_um = 500",
             "_n_per_um = 0",
-            "row 1: `axial_n_per_um` is 0, but must be 0.000001 at least; leave it out for a rigid support",
+            "row 1: `axial_n_per_um` is 0, but must be 0.1 at least; leave it out for a rigid support",
         ),
         (
             "radial_n_per_um = 400",
             "tilting_nm_per_rad = nan",
-            "`tilting_nm_per_rad` is NaN, but must be 1 at least",
+            "`tilting_nm_per_rad` is nan, and no number",
+        ),
+        (
+            "radial_n_per_um = 400",
+            "tilting_nm_per_rad = 0.9",
+            "`tilting_nm_per_rad` is 0.9, but must be 1 at least",
         ),
         (
             "[load]",

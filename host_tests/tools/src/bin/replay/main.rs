@@ -435,6 +435,9 @@ fn command_line() -> String {
 
 fn run(args: &Args) -> Result<Summary> {
     let file = SpindleFile::read(args.design())?;
+    for doubt in &file.doubts {
+        eprintln!("replay: {}: {doubt}", args.design().display());
+    }
     ensure!(
         args.rows.is_none() || !file.is_bearing,
         "--rows is for spindles, and {} is one bearing: it has no [[row]]",
