@@ -271,6 +271,7 @@ impl<R> SetRow<R> {
                 rows: self.rows.iter().map(MountedRow::row).collect(),
                 arrangement: arrangement(&self.layout),
                 spring: self.spring_force,
+                mounted_preload: None,
                 shaft: None,
             },
             attitude: self.attitude,

@@ -6,10 +6,10 @@ use crate::dispatch::{
 use files::designs::short;
 use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
-    BallKinematics, BallState, Centrifugal, Frequencies, Full, Given, Growth, InnerRaceControl,
-    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity, RacewayControlFree,
-    Real, Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleError,
-    SpindleSolution, SpindleSolver, Static, Status, Support,
+    BallKinematics, BallState, Centrifugal, Facing, Frequencies, Full, Given, Growth,
+    InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity,
+    RacewayControlFree, Real, Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle,
+    SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -75,6 +75,8 @@ pub struct RowAnswer {
     pub force: [f64; 5],
     /// Preload, N.
     pub preload: f64,
+    /// Closure as ground, m; 0 if it slides under a spring.
+    pub closure: f64,
     /// Limits that it has passed.
     pub limits: LimitSet,
     /// It carries nothing in its direction.
@@ -179,6 +181,8 @@ pub fn with_solver<O>(
     precision: Precision,
     f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
 ) -> Result<O, BuildError> {
+    let closed = closed(plan)?;
+    let plan = closed.as_ref().unwrap_or(plan);
     let (mut f, mut outcome) = (Some(f), None);
     let mut hand = |solver: &mut dyn AnySpindleSolver| outcome = f.take().map(|f| f(solver));
     match precision {
@@ -186,6 +190,84 @@ pub fn with_solver<O>(
         Precision::F64 => with::<f64>(plan, balls, &mut hand)?,
     }
     Ok(outcome.expect("a solver was handed over"))
+}
+
+/// The plan with the closure of all rows that gives its mounted preload; none if it has no such preload.
+fn closed(plan: &Plan) -> Result<Option<Plan>, BuildError> {
+    let Some((force, growth)) = &plan.mounted_preload else {
+        return Ok(None);
+    };
+    let held_by = |preload| {
+        let mut plan = Plan {
+            mounted_preload: None,
+            ..plan.clone()
+        };
+        plan.rows.iter_mut().for_each(|row| row.preload = preload);
+        plan
+    };
+    let mut ground = held_by(Preload::Force(*force));
+    if let Some(shaft) = &mut ground.shaft {
+        shaft.loads.clear();
+    }
+    let mut closure = None;
+    with::<f64>(&ground, Balls::Static, &mut |solver| {
+        closure = mounted_closure(solver, plan, *force, growth);
+    })?;
+    match closure {
+        Some(closure) => Ok(Some(held_by(Preload::Closure(closure)))),
+        None => Err(BuildError::Spindle(format!(
+            "`mounted_preload_n`: no closure of these rows gives {force} N between them"
+        ))),
+    }
+}
+
+/// The closure of all rows that gives this force between the rows that face `+x` and the others. The solver's rows are
+/// ground for that force.
+fn mounted_closure(
+    solver: &mut dyn AnySpindleSolver,
+    plan: &Plan,
+    force: f64,
+    growth: &[Growth<f64>],
+) -> Option<f64> {
+    let mut solve = |axial: &dyn Fn(usize) -> f64| {
+        let grown = growth.iter().enumerate().map(|(i, growth)| Growth {
+            axial: growth.axial + axial(i),
+            ..*growth
+        });
+        let question = Question {
+            load: [0.0; 5],
+            omega: 0.0,
+            growth: grown.collect(),
+            middle_growth: 0.0,
+        };
+        solver.reset();
+        solver.solve(&question, &[]).map(|answer| answer.rows)
+    };
+    let ground = solve(&|_| 0.0).ok()?;
+    let mut preload = |closure: f64| {
+        // More closure is an axial growth. Rows that do not touch have no answer, and no preload.
+        let rows = solve(&|i| closure - ground[i].closure).unwrap_or_default();
+        let rows = rows.iter().zip(&plan.rows);
+        let ahead = rows.filter(|(_, row)| row.facing == Facing::PlusX);
+        ahead.map(|(row, _)| row.preload).sum::<f64>()
+    };
+    // The closure as ground is of the size that is looked for.
+    let step = ground[0].closure;
+    let (mut low, mut high) = (0.0, step);
+    while preload(high) < force && high < 1e3 * step {
+        (low, high) = (high, 2.0 * high);
+    }
+    while preload(low) > force && low > -1e3 * step {
+        (low, high) = (2.0 * low - step, low);
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match preload(middle) < force {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    ((preload(high) / force - 1.0).abs() < 1e-6).then_some(high)
 }
 
 /// Takes a solver, whoever asked for it: without the type of a closure, a solver is compiled once.
@@ -358,7 +440,9 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>
     loaded_at: f64,
     hand: Hand<'_>,
 ) {
+    let closures = spindle.closures().map(T::to_f64);
     let mut solver = Box::new(Chosen {
+        closures,
         solver: SpindleSolver::<T, R, MOST_BALLS, M, D, E>::of(spindle),
         choices: Choices::default(),
         at_rest,
@@ -370,6 +454,8 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>
 struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: usize> {
     solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D, E>,
     choices: Choices,
+    /// Closure of each row, m.
+    closures: [f64; R],
     at_rest: bool,
     /// Position of the solver's `x = 0` in the plan, m.
     loaded_at: f64,
@@ -413,7 +499,13 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
             _ => solver.solve_given(&given, speed, &growth, &settings),
         };
         let solution = solved.map_err(narrowed)?;
-        let mut answer = answer(&solution, ends, self.loaded_at, &self.choices);
+        let mut answer = answer(
+            &solution,
+            ends,
+            self.loaded_at,
+            &self.choices,
+            &self.closures,
+        );
         let of_ends = answer.at.iter_mut().map(|at| &mut at.displacement);
         let of_rows = answer.rows.iter_mut().map(|row| &mut row.displacement);
         let all = [&mut answer.displacement].into_iter().chain(of_ends);
@@ -437,6 +529,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
     ends: &[ShaftEnd<f64>],
     loaded_at: f64,
     choices: &Choices,
+    closures: &[f64],
 ) -> Answer {
     let error = &solution.error;
     let wants = |part: u8| choices.parts & part != 0;
@@ -462,33 +555,37 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         0.0 => solution.displacement,
         _ => solution.displacement_at(origin.position),
     };
-    let rows = solution.rows().map(|row| RowAnswer {
-        force: row.force.map(T::to_f64),
-        preload: row.preload().to_f64(),
-        limits: if wants(parts::LIMITS) {
-            row.limits(&limits)
-        } else {
-            LimitSet::default()
-        },
-        lifted_off: row.is_lifted_off(),
-        stiffness: wide(&row.stiffness()),
-        stiffness_on_shaft: wide(&row.stiffness_on_shaft()),
-        displacement: solution.displacement_at(row.position).map(T::to_f64),
-        balls: row
-            .balls()
-            .take(if wants(parts::BALLS) { N } else { 0 })
-            .map(|ball| widened(&ball))
-            .collect(),
-        motions: row
-            .kinematics()
-            .take(if wants(parts::MOTIONS) { N } else { 0 })
-            .map(|motion| widened_motion(&motion))
-            .collect(),
-        frequencies: match wants(parts::FREQUENCIES) {
-            true => widened_frequencies(&row.frequencies()),
-            false => Frequencies::default(),
-        },
-    });
+    let rows = solution
+        .rows()
+        .zip(closures)
+        .map(|(row, closure)| RowAnswer {
+            closure: *closure,
+            force: row.force.map(T::to_f64),
+            preload: row.preload().to_f64(),
+            limits: if wants(parts::LIMITS) {
+                row.limits(&limits)
+            } else {
+                LimitSet::default()
+            },
+            lifted_off: row.is_lifted_off(),
+            stiffness: wide(&row.stiffness()),
+            stiffness_on_shaft: wide(&row.stiffness_on_shaft()),
+            displacement: solution.displacement_at(row.position).map(T::to_f64),
+            balls: row
+                .balls()
+                .take(if wants(parts::BALLS) { N } else { 0 })
+                .map(|ball| widened(&ball))
+                .collect(),
+            motions: row
+                .kinematics()
+                .take(if wants(parts::MOTIONS) { N } else { 0 })
+                .map(|motion| widened_motion(&motion))
+                .collect(),
+            frequencies: match wants(parts::FREQUENCIES) {
+                true => widened_frequencies(&row.frequencies()),
+                false => Frequencies::default(),
+            },
+        });
     Answer {
         status: solution.status.name(),
         iterations: solution.iterations,

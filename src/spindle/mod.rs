@@ -39,7 +39,8 @@ pub enum Preload<T> {
     /// they just touch, negative for a play. For a bearing that is given by its clearance, it counts from the middle of the
     /// play.
     Closure(T),
-    /// Clamped, with the closure that gives a pair of such bearings this preload (N), at rest, cold and without load.
+    /// Clamped, with the closure that gives a pair of such bearings this preload (N) on rigid seats, at rest, cold and without
+    /// load: as rings are ground. Elastic supports leave less of it.
     Force(T),
     /// The outer ring sits in the sleeve that slides under the spindle's spring.
     Spring,

@@ -40,6 +40,8 @@ pub struct Plan {
     pub arrangement: Arrangement,
     /// Force of the spring, N.
     pub spring: Option<f64>,
+    /// Preload of the mounted spindle, N, in the place of the rows' own, and growth of the rows there.
+    pub mounted_preload: Option<(f64, Vec<Growth<f64>>)>,
     /// The shaft, if it is elastic.
     pub shaft: Option<ElasticShaft>,
 }
@@ -75,6 +77,7 @@ impl Plan {
             }],
             arrangement: Arrangement::ByRows,
             spring: None,
+            mounted_preload: None,
             shaft: None,
         }
     }

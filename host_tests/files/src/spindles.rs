@@ -4,13 +4,14 @@
 //! ```toml
 //! name = "7014C back to back"
 //! arrangement = "back-to-back"   # or face-to-face, tandem; checked if it is there
-//! preload_n = 294                # of a pair of the clamped rows; or a closure for each row
+//! preload_n = 294                # as the rings are ground: what a pair of such bearings has on rigid seats
+//! # mounted_preload_n = 294      # or between the rows of this spindle on its supports and shaft, at rest, cold, without loads
 //!
 //! [[row]]
 //! bearing = "7014c.toml"         # a design file beside this one, or its keys under [row.design]
 //! position_mm = 0
 //! facing = "+x"                  # an axial load in +x on the shaft presses its balls
-//! # preload_offset_um = 10.3     # closure of this row
+//! # preload_offset_um = 10.3     # or the closure of this row; those of two rows that face each other add up
 //! # spring = true                # this row slides under the spring
 //! radial_growth_um = 2           # and axial_growth_um, ball_growth_um; may be left out
 //! # What holds the outer ring; what is left out is rigid:
@@ -116,6 +117,7 @@ struct SpindleKeys {
     name: Key<String>,
     arrangement: Key<String>,
     preload_n: Key<f64>,
+    mounted_preload_n: Key<f64>,
     #[serde(default)]
     row: Vec<Spanned<RowKeys>>,
     spring: Option<SpringKeys>,
@@ -261,7 +263,12 @@ impl SpindleFile {
         if keys.name.is_none() {
             return Err(r.missing("name", "\"7014C back to back\""));
         }
-        let together = keys.preload_n;
+        let (together, mounted) = (keys.preload_n, keys.mounted_preload_n);
+        if let (Some(_), Some(mounted)) = (&together, &mounted) {
+            let message =
+                "the preload is `preload_n`, as ground, or `mounted_preload_n`; remove one of them";
+            return Err(r.error(r.place(mounted.span()), message));
+        }
         let arrangement = match keys.arrangement {
             Some(text) => named(&r, text, &ARRANGEMENTS, Arrangement::name)?,
             None => Arrangement::ByRows,
@@ -308,6 +315,10 @@ impl SpindleFile {
                 (false, Some(force)) => Preload::Force(*force.get_ref()),
                 (false, None) => Preload::Closure(closure),
             };
+            if let (Some(mounted), true) = (&mounted, spring || offset.is_some()) {
+                let message = "`mounted_preload_n` finds the closure of all rows; remove it, or `preload_offset_um` and `spring`";
+                return Err(r.error(r.place(mounted.span()), message));
+            }
             if let (Some(offset), Preload::Spring | Preload::Force(_)) = (offset, preload) {
                 let message = if spring {
                     "a row that slides under the spring has no closure; remove `preload_offset_um` or `spring`"
@@ -403,6 +414,7 @@ impl SpindleFile {
                 rows,
                 arrangement,
                 spring: spring.transpose()?,
+                mounted_preload: mounted.map(|force| (force.into_inner(), growth.clone())),
                 shaft,
             },
             noses: noses.transpose()?.unwrap_or_default(),

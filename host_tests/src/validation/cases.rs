@@ -169,6 +169,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         rows: facings.chars().enumerate().map(row).collect(),
         arrangement: Arrangement::ByRows,
         spring: None,
+        mounted_preload: None,
         shaft: beams::shaft(&case, facings.len(), last),
     };
     let question = Question {

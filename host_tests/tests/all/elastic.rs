@@ -328,6 +328,7 @@ fn pulled(spring: Option<f64>, at_nose: [f64; 5]) -> Plan {
         rows: vec![row(0.02, Facing::PlusX), row(0.12, Facing::MinusX)],
         arrangement: Arrangement::BackToBack,
         spring,
+        mounted_preload: None,
         shaft: Some(ElasticShaft {
             sections: SECTIONS.to_vec(),
             material: Material::STEEL,

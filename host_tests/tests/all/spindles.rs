@@ -114,6 +114,7 @@ fn clamped(layout: &[(f64, char)], preload: Preload<f64>) -> Plan {
         rows: rows.collect(),
         arrangement: Arrangement::ByRows,
         spring: None,
+        mounted_preload: None,
         shaft: None,
     }
 }
@@ -133,6 +134,7 @@ fn sprung() -> Plan {
         ],
         arrangement: Arrangement::BackToBack,
         spring: Some(600.0),
+        mounted_preload: None,
         shaft: None,
     }
 }
@@ -559,6 +561,7 @@ pub fn random(seed: u64) -> (Plan, Attitude, Question) {
         rows,
         arrangement: Arrangement::ByRows,
         spring: spring.then_some(preload),
+        mounted_preload: None,
         shaft: None,
     };
     let question = Question {

@@ -121,7 +121,7 @@ struct Args {
     #[arg(long, value_name = "BALLS.csv")]
     balls: Option<PathBuf>,
 
-    /// Write the load, preload, least contact force, stiffness and motion of every row of a spindle to this CSV file
+    /// Write the load, preload, least contact force, stiffness, motion and closure of every row of a spindle to this CSV file
     #[arg(long, value_name = "ROWS.csv")]
     rows: Option<PathBuf>,
 
@@ -279,7 +279,12 @@ towards +z.
 
 DESIGN.toml is a spindle if it has [[row]]s:
   name = \"7014C back to back\"
-  preload_n = 294               # of a pair; or preload_offset_um or spring = true for each row
+  preload_n = 294               # as ground: of a pair of such bearings on rigid seats
+                                # or mounted_preload_n, between the rows as they are built in: on their
+                                # supports and shaft, at rest, cold, without loads
+                                # or for each row preload_offset_um, its closure, which adds up with that
+                                # of the row it faces (a spacer 10 um short: 10 in one of them, or 5 in
+                                # both); or spring = true
   [[row]]
   bearing = \"7014c.toml\"       # beside this file; a name of the catalogue; or its keys under
                                 # [row.design]
@@ -366,6 +371,7 @@ whose x points where an axial load presses its balls:
 then in the shaft's frame, SI units:
   k_row_x_x .. k_row_tz_tz  stiffness between shaft and housing: of the row, its support in series
   dx_m .. tz_rad  displacement of the shaft at the row
+and closure_um, by which the row's rings are ground or set off against each other; 0 under a spring
 
 NOSES.csv, one row for each nose, the plain one being called nose:
   time_s,nose,dx_m,dy_m,dz_m,ty_rad,tz_rad,c_x_x .. c_tz_tz,c_error_x .. c_error_tz
