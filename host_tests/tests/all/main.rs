@@ -21,6 +21,7 @@ mod gyroscope;
 mod heat;
 mod hostile;
 mod imports;
+mod keys;
 mod life;
 mod limits;
 mod monitor;
