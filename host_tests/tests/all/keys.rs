@@ -121,7 +121,7 @@ fn parsed(text: &str) -> SpindleFile {
     file.unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-/// What a file says: motion and stiffness at `x = 0`, compliance at the nose, forces, closures, weight of the life.
+/// Figures of a file: motion and stiffness at `x = 0`, compliance at the nose, forces, closures, weight of the life.
 fn of_text(text: &str) -> Figures {
     let file = parsed(text);
     let answer = solved(&file, LOAD, RPM);
@@ -144,7 +144,7 @@ fn of_text(text: &str) -> Figures {
     figures
 }
 
-/// What the library says in SI units.
+/// Figures of the library, in SI units.
 fn of_library<const R: usize, const D: usize, const E: usize>(
     solution: &SpindleSolution<'_, f64, R, 16, spindle_bearing::Full, D, E>,
     closures: [f64; R],
@@ -393,11 +393,11 @@ fn apart(found: &Figures, truth: &Figures) -> f64 {
     kinds.fold(0.0, worse)
 }
 
-/// A key of a bearing's file, lines in the place of others, and what they mean in SI units.
-type OfBearing = (&'static str, &'static str, &'static str, fn(&mut Alone));
+/// A key, the text that another one takes the place of, and its meaning in SI units.
+type Said<S> = (&'static str, &'static str, &'static str, fn(&mut S));
 
 #[rustfmt::skip]
-const BEARINGS: [OfBearing; 22] = [
+const BEARINGS: [Said<Alone>; 22] = [
     ("balls", "balls = 16", "balls = 15", |b| b.balls = 15),
     ("ball_diameter_mm", "= 6.35", "= 6", |b| b.design.ball_diameter = 0.006),
     ("pitch_diameter_mm", "= 36", "= 37", |b| b.design.pitch_diameter = 0.037),
@@ -441,11 +441,8 @@ fn keys_of_bearings_mean_what_the_library_is_told_in_si_units() {
     }
 }
 
-/// A key of a spindle's file, lines in the place of others, and what they mean in SI units.
-type OfSpindle = (&'static str, &'static str, &'static str, fn(&mut Pair));
-
 #[rustfmt::skip]
-const SPINDLES: [OfSpindle; 29] = [
+const SPINDLES: [Said<Pair>; 29] = [
     ("preload_n", "arrangement", "preload_n = 200\narrangement", |s| s.preload = Some(200.0)),
     ("row.bearing", "bearing = \"b7005c.toml\"\nposition_mm = 110", "bearing = \"skf6205.toml\"\nposition_mm = 110",
         |s| (s.designs[1], s.balls[1]) = (SKF6205, 9)),
@@ -570,7 +567,7 @@ impl Overhang {
 }
 
 #[rustfmt::skip]
-const SECTIONS: [(&str, &str, &str, fn(&mut Overhang)); 7] = [
+const SECTIONS: [Said<Overhang>; 7] = [
     ("sections.from_mm", "= -40, ", "= -25, ", |s| s.from = -0.025),
     ("sections.to_mm", "to_mm = 5", "to_mm = -10", |s| s.to = -0.01),
     ("sections.outer_mm", "= 25", "= 28", |s| s.outer = 0.028),
