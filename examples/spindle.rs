@@ -17,8 +17,8 @@ static BEARING: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::const_new(&S6014C);
 const DISTANCE: f64 = 0.1;
 /// Mounting preload, N: the light one of the catalogue.
 const PRELOAD: f64 = 240.0;
-/// Bore of the hollow shaft, as a radius, m.
-const BORE: f64 = 0.015;
+/// Bore of the hollow shaft, m.
+const BORE: f64 = 0.03;
 /// Position of the nose, m: 60 mm in front of the first bearing's centre.
 const NOSE: f64 = -0.06;
 

@@ -54,7 +54,7 @@ quantities! {
     AxialGrowth => "axial growth gx (m)",
     RadialGrowth => "radial growth gr (m)",
     BallGrowth => "growth of the ball diameter gD (m)",
-    RowPosition => "position of the row, from x = 0 or from the first row (m)",
+    RowPosition => "position of the row (m)",
     Closure => "closure e of the row (m)",
     PreloadForce => "preload force of the pair (N)",
     SpringForce => "force of the spring (N)",

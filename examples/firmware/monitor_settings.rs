@@ -20,9 +20,9 @@ pub const IDLE: [f32; 5] = match ROWS {
 /// 8 % high, and the life by it up to 25 % long.
 const LOAD_RATING: Option<f64> = None;
 
-/// Radius of the hollow shaft's bore, m.
-const BORE: f64 = 0.005;
-/// Of rings and balls.
+/// Diameter of the hollow shaft's bore, m.
+const BORE: f64 = 0.01;
+/// Of shaft, housing, rings and balls.
 const EXPANSION: Expansion = Expansion::STEEL;
 
 /// Rate, doubts, alarms and telemetry. What is particular to this spindle is set here.

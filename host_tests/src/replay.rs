@@ -130,6 +130,8 @@ impl Table {
                 let stiffness = Figure::OfRow(|row, i, _| row.stiffness_on_shaft[i / 5][i % 5]);
                 add(&texts(&of_pairs("k_row")), stiffness, 0);
                 add(&MOTION, Figure::OfRow(|row, i, _| row.displacement[i]), 0);
+                let closure = Figure::OfRow(|row, _, _| 1e6 * row.closure);
+                add(&["closure_um"], closure, 0);
             }
             Self::Noses => {
                 add(

@@ -3,12 +3,13 @@
 use crate::dispatch::{
     Attitude, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
+use files::designs::short;
 use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
-    BallKinematics, BallState, Centrifugal, Frequencies, Full, Given, Growth, InnerRaceControl,
-    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, RacewayControlFree, Real,
-    RowSolution, Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed, Spindle, SpindleSolution,
-    SpindleSolver, Static, Status, Support,
+    BallKinematics, BallState, Centrifugal, Facing, Frequencies, Full, Given, Growth,
+    InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity,
+    RacewayControlFree, Real, RowSolution, Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed,
+    Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -74,6 +75,8 @@ pub struct RowAnswer {
     pub force: [f64; 5],
     /// Preload, N.
     pub preload: f64,
+    /// Closure as ground, m; 0 if it slides under a spring.
+    pub closure: f64,
     /// Limits that it has passed.
     pub limits: LimitSet,
     /// It carries nothing in its direction.
@@ -164,6 +167,7 @@ pub trait AnySpindleSolver: Send {
             load,
             omega,
             growth: Vec::new(),
+            middle_growth: 0.0,
         };
         self.solve(&question, &[ShaftEnd::rigid(0.0)])
     }
@@ -180,6 +184,8 @@ pub fn with_solver<O>(
     precision: Precision,
     f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
 ) -> Result<O, BuildError> {
+    let closed = closed(plan)?;
+    let plan = closed.as_ref().unwrap_or(plan);
     let (mut f, mut outcome) = (Some(f), None);
     let mut hand = |solver: &mut dyn AnySpindleSolver| outcome = f.take().map(|f| f(solver));
     match precision {
@@ -187,6 +193,84 @@ pub fn with_solver<O>(
         Precision::F64 => with::<f64>(plan, balls, &mut hand)?,
     }
     Ok(outcome.expect("a solver was handed over"))
+}
+
+/// The plan with the closure of all rows that gives its mounted preload; none if it has no such preload.
+fn closed(plan: &Plan) -> Result<Option<Plan>, BuildError> {
+    let Some((force, growth)) = &plan.mounted_preload else {
+        return Ok(None);
+    };
+    let held_by = |preload| {
+        let mut plan = Plan {
+            mounted_preload: None,
+            ..plan.clone()
+        };
+        plan.rows.iter_mut().for_each(|row| row.preload = preload);
+        plan
+    };
+    let mut ground = held_by(Preload::Force(*force));
+    if let Some(shaft) = &mut ground.shaft {
+        shaft.loads.clear();
+    }
+    let mut closure = None;
+    with::<f64>(&ground, Balls::Static, &mut |solver| {
+        closure = mounted_closure(solver, plan, *force, growth);
+    })?;
+    match closure {
+        Some(closure) => Ok(Some(held_by(Preload::Closure(closure)))),
+        None => Err(BuildError::Spindle(format!(
+            "`mounted_preload_n`: no closure of these rows gives {force} N between them"
+        ))),
+    }
+}
+
+/// The closure of all rows that gives this force between the rows that face `+x` and the others. The solver's rows are
+/// ground for that force.
+fn mounted_closure(
+    solver: &mut dyn AnySpindleSolver,
+    plan: &Plan,
+    force: f64,
+    growth: &[Growth<f64>],
+) -> Option<f64> {
+    let mut solve = |axial: &dyn Fn(usize) -> f64| {
+        let grown = growth.iter().enumerate().map(|(i, growth)| Growth {
+            axial: growth.axial + axial(i),
+            ..*growth
+        });
+        let question = Question {
+            load: [0.0; 5],
+            omega: 0.0,
+            growth: grown.collect(),
+            middle_growth: 0.0,
+        };
+        solver.reset();
+        solver.solve(&question, &[]).map(|answer| answer.rows)
+    };
+    let ground = solve(&|_| 0.0).ok()?;
+    let mut preload = |closure: f64| {
+        // More closure is an axial growth. Rows that do not touch have no answer, and no preload.
+        let rows = solve(&|i| closure - ground[i].closure).unwrap_or_default();
+        let rows = rows.iter().zip(&plan.rows);
+        let ahead = rows.filter(|(_, row)| row.facing == Facing::PlusX);
+        ahead.map(|(row, _)| row.preload).sum::<f64>()
+    };
+    // The closure as ground is of the size that is looked for.
+    let step = ground[0].closure;
+    let (mut low, mut high) = (0.0, step);
+    while preload(high) < force && high < 1e3 * step {
+        (low, high) = (high, 2.0 * high);
+    }
+    while preload(low) > force && low > -1e3 * step {
+        (low, high) = (2.0 * low - step, low);
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match preload(middle) < force {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    ((preload(high) / force - 1.0).abs() < 1e-6).then_some(high)
 }
 
 /// Takes a solver, whoever asked for it: without the type of a closure, a solver is compiled once.
@@ -241,7 +325,42 @@ fn of_rows<T: Real, const R: usize>(
             Spindle::new(plan.arrangement, rows).map(|spindle| on_shaft(spindle, plan, balls, hand))
         }
     };
-    made.map_err(|e| BuildError::Spindle(e.to_string()))?
+    made.map_err(|error| refused(&error, plan.loaded_at()))?
+}
+
+/// The error, in the unit of files where that is a position.
+fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
+    let millimetres = |x: T| short(1e3 * x.to_f64());
+    match *error {
+        SpindleError::TooNear {
+            row,
+            distance,
+            least,
+        } => {
+            let [distance, least] = [distance, least].map(millimetres);
+            let message = format!(
+                "another row is {distance} mm away, nearer than half a ball's diameter, {least} mm: check the positions"
+            );
+            BuildError::Position(row, message)
+        }
+        SpindleError::Row {
+            row,
+            status:
+                Status::OutOfRange {
+                    quantity: Quantity::RowPosition,
+                    value,
+                    limit,
+                },
+        } => {
+            let said = millimetres(value + T::of(loaded_at));
+            let [limit, loaded_at] = [millimetres(limit), short(1e3 * loaded_at)];
+            let message = format!(
+                "`position_mm` is {said}, but must lie within {limit} mm of x = {loaded_at}, where loads act"
+            );
+            BuildError::Position(row, message)
+        }
+        ref other => BuildError::Spindle(other.to_string()),
+    }
 }
 
 fn on_shaft<T: Real, const R: usize, const D: usize>(
@@ -336,7 +455,9 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>
     loaded_at: f64,
     hand: Hand<'_>,
 ) {
+    let closures = spindle.closures().map(T::to_f64);
     let mut solver = Box::new(Chosen {
+        closures,
         solver: SpindleSolver::<T, R, MOST_BALLS, M, D, E>::of(spindle),
         choices: Choices::default(),
         at_rest,
@@ -349,6 +470,8 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>
 struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: usize> {
     solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D, E>,
     choices: Choices,
+    /// Closure of each row, m.
+    closures: [f64; R],
     at_rest: bool,
     /// Position of the solver's `x = 0` in the plan, m.
     loaded_at: f64,
@@ -380,8 +503,10 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
         };
         let speed = Speed::rad_per_s(T::of(omega));
         let (load, held) = (question.load.map(T::of), self.choices.held);
+        // The solver's axial displacement does not have the growth of the rows' middle.
+        let grown = [question.middle_growth, 0.0, 0.0, 0.0, 0.0];
         let given = from_fn(|i| match held[i] {
-            Some(u) => Given::Displacement(T::of(u)),
+            Some(u) => Given::Displacement(T::of(u + grown[i])),
             None => Given::Load(load[i]),
         });
         let solver = &mut self.solver;
@@ -390,7 +515,20 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
             _ => solver.solve_given(&given, speed, &growth, &settings),
         };
         let solution = solved.map_err(narrowed)?;
-        Ok(answer(&solution, ends, self.loaded_at, &self.choices))
+        let mut answer = answer(
+            &solution,
+            ends,
+            self.loaded_at,
+            &self.choices,
+            &self.closures,
+        );
+        let of_ends = answer.at.iter_mut().map(|at| &mut at.displacement);
+        let of_rows = answer.rows.iter_mut().map(|row| &mut row.displacement);
+        let all = [&mut answer.displacement].into_iter().chain(of_ends);
+        for displacement in all.chain(of_rows) {
+            displacement[0] -= question.middle_growth;
+        }
+        Ok(answer)
     }
 
     fn choose(&mut self, choices: &Choices) {
@@ -411,6 +549,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
     ends: &[ShaftEnd<f64>],
     loaded_at: f64,
     choices: &Choices,
+    closures: &[f64],
 ) -> Answer {
     let error = &solution.error;
     let ends = match choices.parts & parts::AT {
@@ -434,9 +573,9 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         0.0 => solution.displacement,
         _ => solution.displacement_at(origin.position),
     };
-    let rows = solution.rows().map(|row| {
+    let rows = solution.rows().zip(closures).map(|(row, closure)| {
         let displacement = solution.displacement_at(row.position);
-        row_answer(&row, displacement, choices)
+        row_answer(&row, displacement, *closure, choices)
     });
     Answer {
         status: solution.status.name(),
@@ -455,6 +594,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
 fn row_answer<T: Real, M: Motion>(
     row: &RowSolution<'_, T, M>,
     displacement: [T; 5],
+    closure: f64,
     choices: &Choices,
 ) -> RowAnswer {
     let wants = |part: u8| choices.parts & part != 0;
@@ -463,6 +603,7 @@ fn row_answer<T: Real, M: Motion>(
         friction: T::of(choices.limits.friction),
     };
     RowAnswer {
+        closure,
         force: row.force.map(T::to_f64),
         preload: row.preload().to_f64(),
         limits: match wants(parts::LIMITS) {

@@ -65,31 +65,21 @@ impl RowSettings {
         self
     }
 
-    /// Lets the row grow with the temperatures of both sides. Balls are as warm as the mean of both.
+    /// Lets the row grow with the temperatures of both sides: [`Growth::by_temperatures`].
     /// `reach` is as for [`Growth::by_length`].
     #[must_use]
     pub const fn with_heat(self, design: &Design, expansion: &Expansion, reach: f64) -> Self {
-        const fn of(
-            design: &Design,
-            expansion: &Expansion,
-            reach: f64,
-            [inner, outer]: [f64; 2],
-        ) -> Growth<f32> {
-            let rings = Growth::by_heat(design, expansion, [inner, outer, 0.5]);
-            let length = Growth::by_length(expansion.ring, reach, [inner, outer]);
-            rings.with(length).to_f32()
-        }
-        let heat = [
-            of(design, expansion, reach, [1.0, 0.0]),
-            of(design, expansion, reach, [0.0, 1.0]),
-        ];
+        let inner = Growth::by_temperatures(design, expansion, reach, [1.0, 0.0]);
+        let outer = Growth::by_temperatures(design, expansion, reach, [0.0, 1.0]);
+        let heat = [inner.to_f32(), outer.to_f32()];
         Self { heat, ..self }
     }
 
-    /// Lets the row grow with the speed on a hollow shaft, whose bore has this radius (m).
+    /// Lets the row grow with the speed on a hollow shaft, whose bore has this diameter (m). A bore that reaches the groove
+    /// is refused by [`MonitorSettings::check`].
     #[must_use]
-    pub const fn with_rotation(self, design: &Design, bore: f64) -> Self {
-        let rotation = Growth::by_rotation(design, bore, 1.0).to_f32();
+    pub const fn with_rotation(self, design: &Design, bore_diameter: f64) -> Self {
+        let rotation = Growth::by_rotation(design, bore_diameter, 1.0).to_f32();
         Self { rotation, ..self }
     }
 }

@@ -39,7 +39,8 @@ pub enum Preload<T> {
     /// they just touch, negative for a play. For a bearing that is given by its clearance, it counts from the middle of the
     /// play.
     Closure(T),
-    /// Clamped, with the closure that gives a pair of such bearings this preload (N), at rest, cold and without load.
+    /// Clamped, with the closure that gives a pair of such bearings this preload (N) on rigid seats, at rest, cold and without
+    /// load: as rings are ground. Elastic supports leave less of it.
     Force(T),
     /// The outer ring sits in the sleeve that slides under the spindle's spring.
     Spring,
@@ -121,11 +122,9 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
     /// Refuses what is out of range of the row with this number. `spring` is its force, if there is one.
     fn check(&self, number: usize, first: &Self, spring: Option<T>) -> Result<(), SpindleError<T>> {
         let c = self.bearing.c;
-        let (quantity, unit) = (Quantity::RowPosition, radius(first.bearing.c));
         // Far from x = 0, the stiffness about that point is beyond all numbers.
-        let from_origin = check(quantity, self.position, T::of(4096.0) * unit);
-        let from_first = check(quantity, self.position - first.position, T::of(64.0) * unit);
-        let position = from_origin.and(from_first);
+        let farthest = T::of(4096.0) * radius(first.bearing.c);
+        let position = check(Quantity::RowPosition, self.position, farthest);
         let most = c.balls * c.force;
         let half_play = c.play.at_least(T::ZERO).sqrt();
         let (held, force) = match self.preload {

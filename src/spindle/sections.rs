@@ -239,6 +239,8 @@ shaft!(f64);
 
 /// Stiffness of what holds a row's outer ring; that of a rigid one is infinite.
 ///
+/// The least are 1e5 N/m, and 1 N m/rad.
+///
 /// See [`Shaft`] for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -260,18 +262,20 @@ impl<T: Real> Support<T> {
         tilting: T::INFINITY,
     };
 
-    /// Least stiffness, N/m and N m/rad.
-    const LEAST: f64 = 1.0;
+    /// Least stiffness along and across the axis, N/m: less is mostly N/um.
+    const LEAST: f64 = 1e5;
+    /// Least stiffness against tilting, N m/rad. Self-aligning supports have next to none.
+    const LEAST_TILTING: f64 = 1.0;
 
     pub(super) fn check(&self, row: usize) -> Result<(), SpindleError<T>> {
         use Quantity as Q;
-        let least = T::of(Self::LEAST);
         let all = [
-            (Q::AxialSupport, self.axial),
-            (Q::RadialSupport, self.radial),
-            (Q::TiltingSupport, self.tilting),
+            (Q::AxialSupport, self.axial, Self::LEAST),
+            (Q::RadialSupport, self.radial, Self::LEAST),
+            (Q::TiltingSupport, self.tilting, Self::LEAST_TILTING),
         ];
-        for (quantity, value) in all {
+        for (quantity, value, least) in all {
+            let least = T::of(least);
             if !(value >= least) {
                 return Err(SpindleError::Support {
                     row,

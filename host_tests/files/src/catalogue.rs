@@ -175,7 +175,7 @@ pub fn list() -> String {
             FreeContact::Angle(angle) => Some(angle.to_degrees()),
             FreeContact::DiametralClearance(_) => None,
         };
-        let [bore, outside] = [0, 1].map(|i| size_mm.map(|size| size[i]));
+        let [bore, outside] = size_mm;
         let _ = writeln!(
             text,
             "{name:<24}{} {} {balls:5} {:6.3} {:6.1} {}{preloads}",

@@ -12,7 +12,7 @@
 //! inner_shoulder_deg = 48        # contact angle at the shoulder's edge; may be left out
 //! outer_shoulder_deg = 47.5
 //! first_ball_deg = 0             # may be left out
-//! bore_mm = 25                   # for the catalogue; may be left out
+//! bore_mm = 25                   # for the catalogue, and to see whether a shaft fits; may be left out
 //! outside_mm = 47
 //!
 //! [ring]                         # what is left out is bearing steel's
@@ -40,6 +40,7 @@ use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 /// The folder of the design files that come with the project.
 pub const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../bearings");
@@ -55,8 +56,8 @@ pub struct DesignFile {
     pub design: Design,
     /// Basic dynamic load rating `C`, N, if the file has it.
     pub dynamic_load_rating: Option<f64>,
-    /// Bore and outside diameter, mm, if the file has them.
-    pub size_mm: Option<[f64; 2]>,
+    /// Bore and outside diameter, mm, as far as the file has them.
+    pub size_mm: [Option<f64>; 2],
     /// Where loads act.
     pub loading: Loading,
     pub(crate) file: String,
@@ -277,8 +278,26 @@ fn said_by(keys: &Keys, key: &str) -> bool {
 }
 
 /// A number in six digits.
-pub(crate) fn short(x: f64) -> f64 {
+pub fn short(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+/// The first number that is none, or is infinite: its key and where it stands.
+fn not_finite<'k>(
+    key: &'k str,
+    value: &'k Spanned<DeValue<'_>>,
+) -> Option<(&'k str, Range<usize>)> {
+    match value.get_ref() {
+        DeValue::Float(x) => {
+            let is_finite = x.as_str().parse().is_ok_and(f64::is_finite);
+            (!is_finite).then(|| (key, value.span()))
+        }
+        DeValue::Array(values) => values.iter().find_map(|value| not_finite(key, value)),
+        DeValue::Table(keys) => keys
+            .iter()
+            .find_map(|(key, value)| not_finite(key.get_ref(), value)),
+        _ => None,
+    }
 }
 
 /// The text being read, for messages.
@@ -291,12 +310,26 @@ pub(crate) struct Reading<'t> {
 impl Reading<'_> {
     /// The text as keys.
     pub fn keys<K: DeserializeOwned>(&self) -> Result<K, DesignFileError> {
-        toml::from_str(self.text).map_err(|error| {
+        let refused = |error: toml::de::Error| {
             let place = error.span().map_or(Place::TOP, |span| self.place(span));
             // A machinist knows no type `f64`.
             let message = error.message().replace("expected f64", "expected a number");
             self.error(place, message.trim_end())
-        })
+        };
+        let table = DeTable::parse(self.text).map_err(refused)?;
+        match table
+            .get_ref()
+            .iter()
+            .find_map(|(key, value)| not_finite(key.get_ref(), value))
+        {
+            Some((key, span)) => {
+                let said = &self.text[span.clone()];
+                let message =
+                    format!("`{key}` is {said}, and no number; give one, or leave it out");
+                Err(self.error(self.place(span), message))
+            }
+            None => toml::from_str(self.text).map_err(refused),
+        }
     }
 
     pub fn error(&self, place: Place, message: impl Into<String>) -> DesignFileError {
@@ -436,7 +469,6 @@ impl DesignFile {
                 format!("`balls` is {wanted}, but must be a whole number from {least} to {most}");
             return Err(r.error(said[0].place, message));
         };
-        let size = keys.bore_mm.zip(keys.outside_mm);
         let rating = keys.dynamic_load_rating_n;
         if let Some(rating) = &rating
             && !(1.0..=1e9).contains(rating.get_ref())
@@ -449,7 +481,7 @@ impl DesignFile {
             balls,
             design,
             dynamic_load_rating: rating.map(Spanned::into_inner),
-            size_mm: size.map(|(bore, outside)| [*bore.get_ref(), *outside.get_ref()]),
+            size_mm: [keys.bore_mm, keys.outside_mm].map(|size| size.map(Spanned::into_inner)),
             loading: Loading::of(keys.load, keys.constant_load),
             file: r.file.to_owned(),
             said,

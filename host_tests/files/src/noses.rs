@@ -90,8 +90,13 @@ impl EndKeys {
                 );
                 return Err(r.error(r.place(value.span()), message));
             }
+            let said = *value.get_ref();
+            if said < 0.0 {
+                let message = format!("`{key}` is {said}, but must be 0 at least");
+                return Err(r.error(r.place(value.span()), message));
+            }
             for i in freedoms {
-                end.flexibility[i][i] = value.get_ref() / 1e9;
+                end.flexibility[i][i] = said / 1e9;
             }
         }
         let name = name.to_owned();

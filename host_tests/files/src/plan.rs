@@ -40,6 +40,8 @@ pub struct Plan {
     pub arrangement: Arrangement,
     /// Force of the spring, N.
     pub spring: Option<f64>,
+    /// Preload of the mounted spindle, N, in the place of the rows' own, and growth of the rows there.
+    pub mounted_preload: Option<(f64, Vec<Growth<f64>>)>,
     /// The shaft, if it is elastic.
     pub shaft: Option<ElasticShaft>,
 }
@@ -75,8 +77,17 @@ impl Plan {
             }],
             arrangement: Arrangement::ByRows,
             spring: None,
+            mounted_preload: None,
             shaft: None,
         }
+    }
+
+    /// Middle between the outermost rows, from which lengths grow with heat, m.
+    pub fn middle(&self) -> f64 {
+        let positions = || self.rows.iter().map(|row| row.position);
+        let first = positions().fold(f64::INFINITY, f64::min);
+        let last = positions().fold(f64::NEG_INFINITY, f64::max);
+        0.5 * (first + last)
     }
 
     /// Position where the loads of a question act, and where displacements are given, m.
@@ -94,6 +105,9 @@ pub struct Question {
     pub omega: f64,
     /// Growth of each row; none if there are fewer than rows.
     pub growth: Vec<Growth<f64>>,
+    /// Axial growth of the shaft against the housing at the rows' middle from `x = 0` on, m. It is left out of `growth`, which
+    /// counts from that middle, and is part of the displacement.
+    pub middle_growth: f64,
 }
 
 /// Why a spindle cannot be built.
@@ -101,6 +115,8 @@ pub struct Question {
 pub enum BuildError {
     /// The design of a row, counted from 0.
     Design(usize, DesignError),
+    /// The position of a row, counted from 0, in the unit of files.
+    Position(usize, String),
     /// The rows, as the solver says it.
     Spindle(String),
     /// Too many rows, or none.
@@ -111,6 +127,7 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Design(row, error) => write!(f, "row {row}: {error}"),
+            Self::Position(row, error) => write!(f, "row {row}: {error}"),
             Self::Spindle(error) => f.write_str(error),
             Self::Rows(rows) => write!(f, "{rows} rows: a spindle has 1 to {MOST_ROWS} here"),
         }

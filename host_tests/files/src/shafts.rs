@@ -1,9 +1,10 @@
 //! The elastic shaft of a spindle file, and the supports of its rows.
 
 use crate::designs::{DesignFileError, Key, Place, Reading, millimetres, short};
-use crate::plan::MOST_SECTIONS;
+use crate::plan::{MOST_SECTIONS, Row};
 use serde::Deserialize;
-use spindle_bearing::{Material, Quantity, Section, Shaft, ShaftError, Support};
+use spindle_bearing::{Growth, Material, Quantity, Section, Shaft, ShaftError, Support};
+use std::ops::RangeInclusive;
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -33,29 +34,36 @@ pub(crate) struct SupportKeys {
     tilting_nm_per_rad: Key<f64>,
 }
 
-/// Least stiffness of a support that the library takes, N/m and N m/rad.
-const LEAST_SUPPORT: f64 = 1.0;
+/// Least stiffness of a support that the library takes: along and across the axis, N/m, and against tilting, N m/rad.
+const LEAST_SUPPORT: f64 = 1e5;
+const LEAST_TILTING: f64 = 1.0;
 
 impl SupportKeys {
     /// The support of the row of this number.
     pub fn read(&self, r: Reading<'_>, row: usize) -> Result<Support<f64>, DesignFileError> {
-        let stiffness = |key: &str, value: &Key<f64>, unit: f64| {
+        let stiffness = |key: &str, value: &Key<f64>, unit: f64, least: f64| {
             let Some(value) = value else {
                 return Ok(f64::INFINITY);
             };
-            let (said, least) = (value.get_ref(), LEAST_SUPPORT / unit);
-            if said * unit >= LEAST_SUPPORT {
+            let said = value.get_ref();
+            if said * unit >= least {
                 return Ok(said * unit);
             }
+            let least = least / unit;
             let message = format!(
                 "row {row}: `{key}` is {said}, but must be {least} at least; leave it out for a rigid support"
             );
             Err(r.error(r.place(value.span()), message))
         };
         Ok(Support {
-            axial: stiffness("axial_n_per_um", &self.axial_n_per_um, 1e6)?,
-            radial: stiffness("radial_n_per_um", &self.radial_n_per_um, 1e6)?,
-            tilting: stiffness("tilting_nm_per_rad", &self.tilting_nm_per_rad, 1.0)?,
+            axial: stiffness("axial_n_per_um", &self.axial_n_per_um, 1e6, LEAST_SUPPORT)?,
+            radial: stiffness("radial_n_per_um", &self.radial_n_per_um, 1e6, LEAST_SUPPORT)?,
+            tilting: stiffness(
+                "tilting_nm_per_rad",
+                &self.tilting_nm_per_rad,
+                1.0,
+                LEAST_TILTING,
+            )?,
         })
     }
 }
@@ -156,35 +164,48 @@ impl ShaftKeys {
         &self,
         r: Reading<'_>,
         sections: Option<&[Section]>,
-        rows: &[(f64, Place)],
+        rows: &[(&Row, Place)],
     ) -> Result<Vec<f64>, DesignFileError> {
         let grows = self.grow_with_speed.as_ref();
         let grows = grows.filter(|grows| *grows.get_ref());
         let place = grows.map(|grows| r.place(grows.span()));
+        let rows = rows.iter().enumerate();
         match (&self.bore_mm, place, sections) {
             (Some(_), Some(place), _) => {
                 let message = "rings grow by `grow_with_speed` or by `bore_mm`; remove one of them";
                 Err(r.error(place, message))
             }
-            (Some(bore), None, _) => Ok(vec![millimetres(*bore.get_ref()); rows.len()]),
+            (Some(bore), None, _) => {
+                let (place, said) = (r.place(bore.span()), *bore.get_ref());
+                rows.map(|(i, (row, _))| {
+                    in_ring(row, millimetres(said)).ok_or_else(|| {
+                        r.error(place, format!("`bore_mm` is {said}, {NO_RING} row {i}"))
+                    })
+                })
+                .collect()
+            }
             (None, Some(place), None) => {
                 let message =
                     "`grow_with_speed` takes the bores of `sections`: add them, or give `bore_mm`";
                 Err(r.error(place, message))
             }
-            (None, Some(_), Some(sections)) => {
-                let bores = rows.iter().enumerate().map(|(row, (x, place))| {
-                    let at = |section: &&Section| section.from <= *x && *x <= section.to;
+            (None, Some(_), Some(sections)) => rows
+                .map(|(i, (row, place))| {
+                    let x = row.position;
+                    let at = |section: &&Section| section.from <= x && x <= section.to;
                     let bores = sections.iter().filter(at).map(|section| section.inner);
-                    bores.reduce(f64::max).ok_or_else(|| {
+                    let Some(bore) = bores.reduce(f64::max) else {
                         let message = format!(
-                            "row {row} stands in no section of [shaft], and `grow_with_speed` takes its bore: add a section, or give `bore_mm`"
+                            "row {i} stands in no section of [shaft], and `grow_with_speed` takes its bore: add a section, or give `bore_mm`"
                         );
-                        r.error(*place, message)
+                        return Err(r.error(*place, message));
+                    };
+                    in_ring(row, bore).ok_or_else(|| {
+                        let bore = short(1e3 * bore);
+                        r.error(*place, format!("the section there has `inner_mm` = {bore}, {NO_RING} row {i}"))
                     })
-                });
-                bores.collect()
-            }
+                })
+                .collect(),
             (None, None, None) if self.grow_with_speed.is_none() => {
                 let message =
                     "[shaft] lacks `bore_mm`; add a line such as `bore_mm = 40`, or `sections`";
@@ -193,4 +214,43 @@ impl ShaftKeys {
             (None, None, _) => Ok(Vec::new()),
         }
     }
+
+    /// Diameters that do not fit the bores of the bearings of the `rows`, mm, as far as these are known.
+    pub fn doubts(
+        &self,
+        sections: Option<&[Section]>,
+        rows: &[(&Row, Option<f64>)],
+    ) -> Vec<String> {
+        let mut doubts = Vec::new();
+        for (i, (row, bore)) in rows.iter().enumerate() {
+            let Some(bore) = bore else { continue };
+            let own = self.bore_mm.as_ref().map(|own| *own.get_ref());
+            if let Some(own) = own.filter(|own| own / bore > *SEAT.start()) {
+                doubts.push(format!(
+                    "row {i}: `bore_mm` of [shaft] is {own}, and the bearing's bore {bore}: is it that of the hollow shaft?"
+                ));
+            }
+            let at = |section: &&Section| (section.from..=section.to).contains(&row.position);
+            let outer = sections.unwrap_or_default().iter().filter(at);
+            let outer: Vec<f64> = outer.map(|section| short(1e3 * section.outer)).collect();
+            let fits = outer.iter().any(|outer| SEAT.contains(&(outer / bore)));
+            if let (Some(outer), false) = (outer.first(), fits) {
+                doubts.push(format!(
+                    "row {i}: `outer_mm` of the section there is {outer}, and the bearing's bore {bore}: is it the diameter?"
+                ));
+            }
+        }
+        doubts
+    }
+}
+
+/// Shares of a bearing's bore that the diameter of the shaft in it mostly has. That of the shaft's own bore is less.
+const SEAT: RangeInclusive<f64> = 0.8..=1.25;
+
+const NO_RING: &str = "but must lie between 0 and the diameter of the inner groove of";
+
+/// The bore, if that leaves some of the row's inner ring.
+fn in_ring(row: &Row, bore: f64) -> Option<f64> {
+    let growth = Growth::by_rotation(&row.design, bore, 1.0);
+    growth.radial.is_finite().then_some(bore)
 }

@@ -4,13 +4,14 @@
 //! ```toml
 //! name = "7014C back to back"
 //! arrangement = "back-to-back"   # or face-to-face, tandem; checked if it is there
-//! preload_n = 294                # of a pair of the clamped rows; or a closure for each row
+//! preload_n = 294                # as the rings are ground: what a pair of such bearings has on rigid seats
+//! # mounted_preload_n = 294      # or between the rows of this spindle on its supports and shaft, at rest, cold, without loads
 //!
 //! [[row]]
 //! bearing = "7014c.toml"         # a design file beside this one, or its keys under [row.design]
 //! position_mm = 0
 //! facing = "+x"                  # an axial load in +x on the shaft presses its balls
-//! # preload_offset_um = 10.3     # closure of this row
+//! # preload_offset_um = 10.3     # or the closure of this row; those of two rows that face each other add up
 //! # spring = true                # this row slides under the spring
 //! radial_growth_um = 2           # and axial_growth_um, ball_growth_um; may be left out
 //! # What holds the outer ring; what is left out is rigid:
@@ -24,7 +25,7 @@
 //! [spring]                       # if rows slide
 //! force_n = 300
 //!
-//! [shaft]                        # rings grow with the speed, on a hollow shaft with this bore
+//! [shaft]                        # rings grow with the speed, on a hollow shaft with a bore of this diameter
 //! bore_mm = 40
 //!
 //! # Or a shaft that bends: hollow round sections, rigid outside of them and in gaps.
@@ -33,9 +34,11 @@
 //! # poissons_ratio = 0.3
 //! # grow_with_speed = true       # rings grow with the speed on the bores of the sections, in the place of `bore_mm`
 //!
-//! [heat]                         # rings and balls grow with the columns t_inner_c, t_outer_c of the loads
-//! reference_c = 20
-//! ring_per_k = 11.5e-6           # may be left out: bearing steel
+//! [heat]                         # growth with the columns t_inner_c, t_outer_c of the loads: shaft and inner rings,
+//! reference_c = 20               # housing and outer rings have these temperatures, balls their mean
+//! shaft_per_k = 11.5e-6          # may be left out: bearing steel
+//! housing_per_k = 11.5e-6
+//! ring_per_k = 11.5e-6
 //! ball_per_k = 11.5e-6
 //!
 //! [load]                         # where recorded loads act; may be left out: x = 0
@@ -58,7 +61,7 @@
 
 use crate::catalogue;
 use crate::designs::{
-    ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Reading,
+    ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Place, Reading,
     micrometres, millimetres, read_text,
 };
 use crate::noses::{Nose, NoseKeys, PLAIN};
@@ -85,17 +88,21 @@ pub struct SpindleFile {
     pub noses: Vec<Nose>,
     /// Growth of each row that is always there.
     growth: Vec<Growth<f64>>,
-    /// Bore of the shaft at each row on which inner rings grow with the speed, m; none if they do not.
+    /// Bore of the shaft at each row, on which inner rings grow with the speed, m; none if they do not.
     bores: Vec<f64>,
-    /// Thermal expansion: how temperatures make rings and balls grow.
+    /// Thermal expansion, if temperatures count.
     pub heat: Option<Heat>,
+    /// Figures that are solved as they are, and seem to be meant otherwise.
+    pub doubts: Vec<String>,
     /// Where loads act.
     loading: Loading,
     file: String,
     designs: Vec<DesignFile>,
+    /// Places of the rows' positions in the file.
+    positions: Vec<Place>,
 }
 
-/// Thermal expansion: how temperatures make rings and balls grow.
+/// Thermal expansion of shaft, housing and bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heat {
     /// Temperature at which the bearings have their free contact angle, degrees Celsius.
@@ -110,6 +117,7 @@ struct SpindleKeys {
     name: Key<String>,
     arrangement: Key<String>,
     preload_n: Key<f64>,
+    mounted_preload_n: Key<f64>,
     #[serde(default)]
     row: Vec<Spanned<RowKeys>>,
     spring: Option<SpringKeys>,
@@ -146,6 +154,8 @@ struct SpringKeys {
 #[serde(deny_unknown_fields)]
 struct HeatKeys {
     reference_c: Key<f64>,
+    shaft_per_k: Key<f64>,
+    housing_per_k: Key<f64>,
     ring_per_k: Key<f64>,
     ball_per_k: Key<f64>,
 }
@@ -193,9 +203,11 @@ impl From<DesignFile> for SpindleFile {
             growth: vec![Growth::NONE],
             bores: Vec::new(),
             heat: None,
+            doubts: Vec::new(),
             loading: file.loading.clone(),
             file: String::new(),
             designs: vec![file],
+            positions: Vec::new(),
         }
     }
 }
@@ -251,13 +263,18 @@ impl SpindleFile {
         if keys.name.is_none() {
             return Err(r.missing("name", "\"7014C back to back\""));
         }
-        let together = keys.preload_n;
+        let (together, mounted) = (keys.preload_n, keys.mounted_preload_n);
+        if let (Some(_), Some(mounted)) = (&together, &mounted) {
+            let message =
+                "the preload is `preload_n`, as ground, or `mounted_preload_n`; remove one of them";
+            return Err(r.error(r.place(mounted.span()), message));
+        }
         let arrangement = match keys.arrangement {
             Some(text) => named(&r, text, &ARRANGEMENTS, Arrangement::name)?,
             None => Arrangement::ByRows,
         };
         let (mut rows, mut growth, mut designs) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut supports, mut places) = (Vec::new(), Vec::new());
+        let (mut supports, mut places, mut positions) = (Vec::new(), Vec::new(), Vec::new());
         for row in keys.row {
             let place = r.place(row.span());
             let row = row.into_inner();
@@ -298,6 +315,10 @@ impl SpindleFile {
                 (false, Some(force)) => Preload::Force(*force.get_ref()),
                 (false, None) => Preload::Closure(closure),
             };
+            if let (Some(mounted), true) = (&mounted, spring || offset.is_some()) {
+                let message = "`mounted_preload_n` finds the closure of all rows; remove it, or `preload_offset_um` and `spring`";
+                return Err(r.error(r.place(mounted.span()), message));
+            }
             if let (Some(offset), Preload::Spring | Preload::Force(_)) = (offset, preload) {
                 let message = if spring {
                     "a row that slides under the spring has no closure; remove `preload_offset_um` or `spring`"
@@ -319,8 +340,9 @@ impl SpindleFile {
                 radial: micrometres(or(row.radial_growth_um, 0.0)),
                 ball: micrometres(or(row.ball_growth_um, 0.0)),
             });
+            positions.push(r.place(position.span()));
             let position = millimetres(position.into_inner());
-            places.push((position, place));
+            places.push(place);
             rows.push(Row {
                 balls: design.balls,
                 design: design.design,
@@ -341,9 +363,14 @@ impl SpindleFile {
             None => (None, Material::STEEL),
         };
         let bends = sections.is_some();
-        let bores = keys
-            .shaft
-            .map(|keys| keys.bores(r, sections.as_deref(), &places));
+        let placed: Vec<(&Row, Place)> = rows.iter().zip(places).collect();
+        let of_bearings = designs.iter().map(|design| design.size_mm[0]);
+        let of_bearings: Vec<_> = rows.iter().zip(of_bearings).collect();
+        let (mut bores, mut doubts) = (Vec::new(), Vec::new());
+        if let Some(keys) = &keys.shaft {
+            bores = keys.bores(r, sections.as_deref(), &placed)?;
+            doubts = keys.doubts(sections.as_deref(), &of_bearings);
+        }
         let is_elastic = bends || supports.iter().any(Option::is_some);
         let shaft = is_elastic.then(|| {
             let Loading { position, constant } = std::mem::take(&mut loading);
@@ -373,6 +400,8 @@ impl SpindleFile {
             Ok(Heat {
                 reference,
                 expansion: Expansion {
+                    shaft: or(keys.shaft_per_k, Expansion::STEEL.shaft),
+                    housing: or(keys.housing_per_k, Expansion::STEEL.housing),
                     ring: or(keys.ring_per_k, Expansion::STEEL.ring),
                     ball: or(keys.ball_per_k, Expansion::STEEL.ball),
                 },
@@ -385,21 +414,27 @@ impl SpindleFile {
                 rows,
                 arrangement,
                 spring: spring.transpose()?,
+                mounted_preload: mounted.map(|force| (force.into_inner(), growth.clone())),
                 shaft,
             },
             noses: noses.transpose()?.unwrap_or_default(),
             growth,
-            bores: bores.transpose()?.unwrap_or_default(),
+            bores,
             heat: heat.transpose()?,
+            doubts,
             loading,
             file: file.to_owned(),
             designs,
+            positions,
         })
     }
 
     /// The load, speed and growth that a row of loads stands for.
     pub fn question(&self, row: &LoadRow) -> Question {
         let omega = row.omega();
+        let middle = self.plan.middle();
+        let heat = self.heat.as_ref().zip(row.temperatures);
+        let heat = heat.map(|(heat, t)| (&heat.expansion, t.map(|t| t - heat.reference)));
         let growth = self.plan.rows.iter().zip(&self.growth).enumerate();
         let growth = growth.map(|(i, (row_of_balls, fixed))| {
             let design: &Design = &row_of_balls.design;
@@ -407,18 +442,19 @@ impl SpindleFile {
             if let Some(bore) = self.bores.get(i) {
                 growth = growth + Growth::by_rotation(design, *bore, omega);
             }
-            if let (Some(heat), Some(temperatures)) = (&self.heat, row.temperatures) {
-                let [inner, outer] = temperatures.map(|t| t - heat.reference);
-                // Balls are about as warm as the mean of both rings.
-                let warmer = [inner, outer, 0.5 * (inner + outer)];
-                growth = growth + Growth::by_heat(design, &heat.expansion, warmer);
+            if let Some((expansion, warmer)) = heat {
+                let ahead = row_of_balls.position - middle;
+                let reach = row_of_balls.facing.sign::<f64>() * ahead;
+                growth = growth + Growth::by_temperatures(design, expansion, reach, warmer);
             }
             growth
         });
+        let middle_growth = |(expansion, warmer)| Growth::by_length(expansion, middle, warmer);
         Question {
             load: self.loading.about_origin(row.load),
             omega,
             growth: growth.collect(),
+            middle_growth: heat.map_or(0.0, |heat| middle_growth(heat).axial),
         }
     }
 
@@ -433,9 +469,13 @@ impl SpindleFile {
         if let BuildError::Design(row, error) = error {
             return self.designs[*row].explain(error);
         }
+        let place = match error {
+            BuildError::Position(row, _) => self.positions.get(*row).copied(),
+            _ => None,
+        };
         DesignFileError {
             file: self.file.clone(),
-            place: None,
+            place,
             message: error.to_string(),
         }
     }

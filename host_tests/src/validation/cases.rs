@@ -184,6 +184,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         load,
         omega,
         growth: Vec::new(),
+        middle_growth: 0.0,
     };
     let motion = match run.by {
         Program::SolverAtRest => Balls::Static,
@@ -234,6 +235,7 @@ fn plan(run: &Run, case: &Case, design: Design, balls: usize) -> Plan {
         rows: facings.chars().enumerate().map(row).collect(),
         arrangement: Arrangement::ByRows,
         spring: None,
+        mounted_preload: None,
         shaft: beams::shaft(case, facings.len(), position(facings.len() - 1)),
     }
 }

@@ -204,7 +204,17 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
         (
             "inner_mm = 8",
             "inner_mm = nan",
-            "section 0: `inner_mm` is NaN",
+            "line 17, column 55: `inner_mm` is nan, and no number",
+        ),
+        (
+            "position_mm = -90",
+            "position_mm = -inf",
+            "`position_mm` is -inf, and no number",
+        ),
+        (
+            "axial_n_per_um = 500",
+            "axial_n_per_um = 0.09",
+            "row 1: `axial_n_per_um` is 0.09, but must be 0.1 at least",
         ),
         ("inner_mm = 8", "bore_mm = 8", "unknown field `bore_mm`"),
         (
@@ -220,12 +230,17 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
         (
             "_n_per_um = 500",
             "_n_per_um = 0",
-            "row 1: `axial_n_per_um` is 0, but must be 0.000001 at least; leave it out for a rigid support",
+            "row 1: `axial_n_per_um` is 0, but must be 0.1 at least; leave it out for a rigid support",
         ),
         (
             "radial_n_per_um = 400",
             "tilting_nm_per_rad = nan",
-            "`tilting_nm_per_rad` is NaN, but must be 1 at least",
+            "`tilting_nm_per_rad` is nan, and no number",
+        ),
+        (
+            "radial_n_per_um = 400",
+            "tilting_nm_per_rad = 0.9",
+            "`tilting_nm_per_rad` is 0.9, but must be 1 at least",
         ),
         (
             "[load]",
@@ -235,7 +250,12 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
         (
             "position_mm = 100",
             "position_mm = 1",
-            "nearer than half a ball's diameter",
+            "line 10, column 15: row 1: another row is 1 mm away, nearer than half a ball's diameter, 3.175 mm",
+        ),
+        (
+            "position_mm = 100",
+            "position_mm = 1e6",
+            "line 10, column 15: row 1: `position_mm` is 1000000, but must lie within 74104.9 mm of x = -50",
         ),
         (
             "mm = -40\n",
@@ -285,6 +305,15 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
         (
             "grow_with_speed = true\nsections = [{ from_mm = -9, to_mm = 9, outer_mm = 20 }]",
             "line 8, column 1: row 1 stands in no section",
+        ),
+        (
+            "bore_mm = 29.9",
+            "line 13, column 11: `bore_mm` is 29.9, but must lie between 0 and the diameter of the inner groove of row 0",
+        ),
+        ("bore_mm = -1", "`bore_mm` is -1, but must lie between 0"),
+        (
+            "grow_with_speed = true\nsections = [{ from_mm = -9, to_mm = 109, outer_mm = 40, inner_mm = 29.9 }]",
+            "line 4, column 1: the section there has `inner_mm` = 29.9, but must",
         ),
         (
             "",

@@ -8,7 +8,8 @@ use super::spindles::displacement_of;
 use host_tests::cases::{B7005C, sets};
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::Precision;
-use spindle_bearing::{Expansion, FreeContact, Growth};
+use spindle_bearing::monitor::settings::MonitorSettings;
+use spindle_bearing::{Expansion, FreeContact, Growth, Quantity, Status};
 
 #[test]
 fn rows_of_solved_sets_have_their_loads_and_displacements() {
@@ -163,21 +164,50 @@ fn a_turning_ring_grows_as_a_disc_in_equilibrium_does() {
     for (bore, rpm) in [(2e-3, 20_000.0), (10e-3, 20_000.0), (10e-3, 60_000.0)] {
         let omega = rpm * std::f64::consts::PI / 30.0;
         let [_, rim] = displacements([bore, inner_groove()], omega, [0.0; 2]);
-        let found = Growth::by_rotation(&B7005C, bore, omega).radial;
+        let found = Growth::by_rotation(&B7005C, 2.0 * bore, omega).radial;
         assert!((found / rim - 1.0).abs() < 1e-6, "{found:e} {rim:e}");
     }
 }
 
 #[test]
+fn a_bore_that_leaves_no_ring_has_no_growth() {
+    let groove = 2.0 * inner_groove();
+    let by_rotation = |bore| Growth::by_rotation(&B7005C, bore, 100.0).radial;
+    let by_fit = |seat, bore| Growth::by_fit(&B7005C, seat, bore, 4e-6).radial;
+    assert!(by_rotation(0.999 * groove) > 0.0 && by_fit(0.999 * groove, 0.0) > 0.0);
+    for bore in [1.001 * groove, -1e-3, f64::NAN] {
+        assert!(by_rotation(bore).is_nan() && by_fit(0.025, bore).is_nan());
+    }
+    assert!(by_fit(1.001 * groove, 0.0).is_nan() && by_fit(0.02, 0.021).is_nan());
+    // Every solve refuses it, and so does the check of a monitor's settings.
+    let none = Growth::by_rotation(&B7005C, groove * 1.001, 100.0);
+    let mut solver = solver(&B7005C, 16, Precision::F64, Balls::Free);
+    let refused = solver.ask(&Question::load(SKEW, 100.0).grown(none));
+    let is_radial = |s| {
+        matches!(
+            s,
+            Status::NotFinite {
+                quantity: Quantity::RadialGrowth,
+                ..
+            }
+        )
+    };
+    assert!(refused.is_err_and(is_radial));
+    let mut settings = MonitorSettings::<1>::new(&B7005C, 16);
+    settings.rows[0] = settings.rows[0].with_rotation(&B7005C, 1.001 * groove);
+    assert!(settings.check().is_err());
+}
+
+#[test]
 fn a_ring_on_a_shaft_grows_until_both_press_each_other_alike() {
-    let (seat, groove, interference) = (12.5e-3, inner_groove(), 4e-6);
+    let (seat, groove, interference) = (12.5e-3, inner_groove(), 4e-6); // radii
     for bore in [1e-3, 6e-3, 11e-3] {
         // Under a pressure of 1 MPa, and so under any.
         let pressure = -1e6;
         let [_, shaft] = displacements([bore, seat], 0.0, [0.0, pressure]);
         let [ring, rim] = displacements([seat, groove], 0.0, [pressure, 0.0]);
         let expected = rim * interference / (ring - shaft);
-        let found = Growth::by_fit(&B7005C, seat, bore, interference).radial;
+        let found = Growth::by_fit(&B7005C, 2.0 * seat, 2.0 * bore, 2.0 * interference).radial;
         assert!((found / expected - 1.0).abs() < 1e-6, "{found:e}");
     }
 }

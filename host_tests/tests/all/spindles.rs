@@ -114,6 +114,7 @@ fn clamped(layout: &[(f64, char)], preload: Preload<f64>) -> Plan {
         rows: rows.collect(),
         arrangement: Arrangement::ByRows,
         spring: None,
+        mounted_preload: None,
         shaft: None,
     }
 }
@@ -133,6 +134,7 @@ fn sprung() -> Plan {
         ],
         arrangement: Arrangement::BackToBack,
         spring: Some(600.0),
+        mounted_preload: None,
         shaft: None,
     }
 }
@@ -162,6 +164,7 @@ fn loaded(load: [f64; 5], rpm: f64) -> Question {
         load,
         omega: rad_per_s(rpm),
         growth: Vec::new(),
+        middle_growth: 0.0,
     }
 }
 
@@ -558,6 +561,7 @@ pub fn random(seed: u64) -> (Plan, Attitude, Question) {
         rows,
         arrangement: Arrangement::ByRows,
         spring: spring.then_some(preload),
+        mounted_preload: None,
         shaft: None,
     };
     let question = Question {
@@ -681,6 +685,53 @@ fn balls_that_swing_against_the_inner_race_find_their_place() {
         }
     };
     with_solver(&plan, FREE, Precision::F64, solve).unwrap();
+}
+
+/// Rows 1.5 m and 10 m apart, some hundred groove radii: a shaft that only its ends hold.
+#[test]
+fn rows_far_apart_have_the_forces_of_the_reference_build_in_both_precisions() {
+    for (first, distance) in [(0.0, 1.5), (-0.75, 1.5), (0.0, 10.0), (-60.0, 10.0)] {
+        let middle = first + 0.5 * distance;
+        let mut plan = clamped(
+            &[(first, '+'), (first + distance, '-')],
+            Preload::Closure(5e-6),
+        );
+        for row in &mut plan.rows {
+            (row.design, row.balls) = (SKF6205, 9);
+        }
+        let [fy, fz] = [300.0, -120.0];
+        // Forces at the middle, so that the rows share them.
+        let load = [60.0, fy, fz, -middle * fz, middle * fy];
+        for rpm in [0.0, 6000.0] {
+            let question = loaded(load, rpm);
+            let truth = ask_at(&plan, FREE, &question, middle);
+            let law = off_law(&plan, Attitude::Raceless, question.omega, &truth);
+            let balance = off_balance(&plan, &question, &truth);
+            assert!(
+                law < 1e-11 && balance < 1e-13,
+                "{distance}: {law:e}, {balance:e}"
+            );
+            let ask = |solver: &mut dyn AnySpindleSolver| {
+                solver.solve(&question, &[ShaftEnd::rigid(middle)])
+            };
+            let found = with_solver(&plan, FREE, Precision::F32, ask)
+                .unwrap()
+                .unwrap();
+            let [a, b] = [&found, &truth].map(|answer| answer.at[0].compliance[1][1]);
+            assert!(
+                (a / b - 1.0).abs() < 1e-3,
+                "{first}, {distance}, {rpm}: {a:e} {b:e}"
+            );
+            for (found, truth) in found.rows.iter().zip(&truth.rows) {
+                let off = solves::size(
+                    from_fn(|i| found.force[i] - truth.force[i]),
+                    solves::forces(&SKF6205),
+                );
+                let size = solves::size(truth.force, solves::forces(&SKF6205));
+                assert!(off < 1e-3 * size, "{first}, {distance}, {rpm}: {off:e}");
+            }
+        }
+    }
 }
 
 /// Whether inertia counts is for all rows together: one of small balls may come first.
@@ -808,7 +859,7 @@ fn rows_that_are_no_such_set_are_refused() {
         row.facing = Facing::PlusX;
     }
     one_way.arrangement = ByRows;
-    let near = "nearer than half a ball's diameter";
+    let near = "mm away, nearer than half a ball's diameter, 5.953 mm";
     for (plan, part) in [
         (
             called([(0.0, '-'), (0.027, '+')], BackToBack),
@@ -834,12 +885,15 @@ fn rows_that_are_no_such_set_are_refused() {
         ),
         (
             called([(0.0, '+'), (f64::NAN, '-')], BackToBack),
-            "row 1: position of the row, from x = 0 or from the first row (m) is NaN",
+            "row 1: position of the row (m) is NaN",
         ),
-        (called([(0.0, '+'), (1e9, '-')], BackToBack), "beyond the"),
+        (
+            called([(0.0, '+'), (1e9, '-')], BackToBack),
+            "row 1: `position_mm` is 1000000000000, but must lie within",
+        ),
         (
             called([(1e9, '+'), (1e9 + 0.1, '-')], BackToBack),
-            "beyond the",
+            "row 0: `position_mm` is 1000000000000, but must lie within",
         ),
         (held(Preload::Force(-1.0)), "row 0 is preloaded by -1 N"),
         (

@@ -28,7 +28,7 @@ const BALL_HEADER: &str = "time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n
 const ROW_HEADER: &str = "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n,\
     k_row_x_x,k_row_x_y,k_row_x_z,k_row_x_ty,k_row_x_tz,k_row_y_x,k_row_y_y,k_row_y_z,k_row_y_ty,k_row_y_tz,\
     k_row_z_x,k_row_z_y,k_row_z_z,k_row_z_ty,k_row_z_tz,k_row_ty_x,k_row_ty_y,k_row_ty_z,k_row_ty_ty,k_row_ty_tz,\
-    k_row_tz_x,k_row_tz_y,k_row_tz_z,k_row_tz_ty,k_row_tz_tz,dx_m,dy_m,dz_m,ty_rad,tz_rad";
+    k_row_tz_x,k_row_tz_y,k_row_tz_z,k_row_tz_ty,k_row_tz_tz,dx_m,dy_m,dz_m,ty_rad,tz_rad,closure_um";
 
 const NOSE_HEADER: &str = "time_s,nose,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
     c_x_x,c_x_y,c_x_z,c_x_ty,c_x_tz,c_y_x,c_y_y,c_y_z,c_y_ty,c_y_tz,c_z_x,c_z_y,c_z_z,c_z_ty,c_z_tz,\
@@ -234,7 +234,12 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
                         let least = forces.fold(f64::INFINITY, f64::min);
                         let stiffness = row.stiffness_on_shaft.as_flattened();
                         let carried = [&row.force[..], &[row.preload, least], stiffness];
-                        [&carried.concat()[..], &row.displacement].concat()
+                        [
+                            &carried.concat()[..],
+                            &row.displacement,
+                            &[1e6 * row.closure],
+                        ]
+                        .concat()
                     });
                     check(2, None, carried);
                 }

@@ -69,6 +69,24 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     changed(facing, r#"facing = "-x""#, reason);
     let reason = "`preload_n` above preloads all clamped rows";
     changed(facing, &added("preload_offset_um = 3"), reason);
+    let reason = "line 7, column 21: the preload is `preload_n`, as ground, or `mounted_preload_n`";
+    changed("[[row]]", "mounted_preload_n = 9\n[[row]]", reason);
+    let mounted = |row: &str| format!("mounted_preload_n = 9\n[[row]]\n{row}");
+    let alone = |row: &str| {
+        good.replace("preload_n = 294\n", "")
+            .replacen("[[row]]\n", &mounted(row), 1)
+    };
+    let reason = "`mounted_preload_n` finds the closure of all rows";
+    for row in ["preload_offset_um = 3\n", "spring = true\n"] {
+        let found = complaint(alone(row), &[]);
+        assert!(found.contains(reason), "{found}");
+    }
+    let far = alone("").replace("= 9", "= 1e9");
+    let found = complaint(far, &[]);
+    assert!(
+        found.contains("row 0: preload force of the pair"),
+        "{found}"
+    );
     let reason = "row 0 slides, but there is no spring";
     changed(facing, &added("spring = true"), reason);
     changed(facing, &added("prelaod = 3"), "unknown field `prelaod`");
@@ -76,7 +94,7 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     changed(
         position,
         "position_mm = 0",
-        "row 1: another row is 0e0 m away",
+        "line 14, column 15: row 1: another row is 0 mm away",
     );
     changed(position, "", "this row lacks `position_mm`");
     changed("position_mm = -60", "", "[nose] lacks `position_mm`");

@@ -134,7 +134,7 @@ struct Args {
     #[arg(long, value_name = "BALLS.csv")]
     balls: Option<PathBuf>,
 
-    /// Write the load, preload, least contact force, stiffness and motion of every row of a spindle to this CSV file
+    /// Write the load, preload, least contact force, stiffness, motion and closure of every row of a spindle to this CSV file
     #[arg(long, value_name = "ROWS.csv")]
     rows: Option<PathBuf>,
 
@@ -296,7 +296,12 @@ towards +z.
 
 DESIGN.toml is a spindle if it has [[row]]s:
   name = \"7014C back to back\"
-  preload_n = 294               # of a pair; or preload_offset_um or spring = true for each row
+  preload_n = 294               # as ground: of a pair of such bearings on rigid seats
+                                # or mounted_preload_n, between the rows as they are built in: on their
+                                # supports and shaft, at rest, cold, without loads
+                                # or for each row preload_offset_um, its closure, which adds up with that
+                                # of the row it faces (a spacer 10 um short: 10 in one of them, or 5 in
+                                # both); or spring = true
   [[row]]
   bearing = \"7014c.toml\"       # beside this file; a name of the catalogue; or its keys under
                                 # [row.design]
@@ -313,7 +318,8 @@ DESIGN.toml is a spindle if it has [[row]]s:
     { from_mm = -30, to_mm = 90, outer_mm = 70, inner_mm = 30 },
   ]
   grow_with_speed = true        # rings grow on the bores of the sections; youngs_modulus_gpa = 206
-  [heat]                        # they grow with temperatures: reference_c = 20, ring_per_k, ball_per_k
+  [heat]                        # growth with temperatures: reference_c = 20; shaft_per_k, housing_per_k,
+                                # ring_per_k, ball_per_k of bearing steel (11.5e-6) if left out
   [nose]                        # stiffness there, too: position_mm = -60, radial_um_per_kn,
                                 # axial_um_per_kn, both of a shaft without sections
   [nose.tool]                   # more of them, by name: position_mm = -120
@@ -397,6 +403,7 @@ whose x points where an axial load presses its balls:
 then in the shaft's frame, SI units:
   k_row_x_x .. k_row_tz_tz  stiffness between shaft and housing: of the row, its support in series
   dx_m .. tz_rad  displacement of the shaft at the row
+and closure_um, by which the row's rings are ground or set off against each other; 0 under a spring
 
 NOSES.csv, one row for each nose, the plain one being called nose:
   time_s,nose,dx_m,dy_m,dz_m,ty_rad,tz_rad,c_x_x .. c_tz_tz,c_error_x .. c_error_tz
@@ -458,6 +465,9 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<Summary> {
     let file = SpindleFile::read(args.design())?;
+    for doubt in &file.doubts {
+        eprintln!("replay: {}: {doubt}", args.design().display());
+    }
     ensure!(
         args.rows.is_none() || !file.is_bearing,
         "--rows is for spindles, and {} is one bearing: it has no [[row]]",
