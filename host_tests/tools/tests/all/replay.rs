@@ -232,14 +232,14 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
                     let carried = row.map(|row| {
                         let forces = row.balls.iter().map(|ball| ball.q_i);
                         let least = forces.fold(f64::INFINITY, f64::min);
+                        // In um, rounded as the solver's figures are.
+                        let closure = match precision {
+                            Precision::F32 => f64::from((1e6 * row.closure) as f32),
+                            Precision::F64 => 1e6 * row.closure,
+                        };
                         let stiffness = row.stiffness_on_shaft.as_flattened();
                         let carried = [&row.force[..], &[row.preload, least], stiffness];
-                        [
-                            &carried.concat()[..],
-                            &row.displacement,
-                            &[1e6 * row.closure],
-                        ]
-                        .concat()
+                        [&carried.concat()[..], &row.displacement, &[closure]].concat()
                     });
                     check(2, None, carried);
                 }
