@@ -3,8 +3,9 @@
 use crate::dispatch::Precision;
 use crate::lifetime::{Lifetime, Record};
 use crate::spindles::{Answer, AnySpindleSolver, AtEnd, Choices, RowAnswer, parts};
+use files::fault::{BadRow, LoadsError};
 use files::noses::Nose;
-use files::recordings::{BadRow, LoadRow, LoadsError};
+use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use rayon::prelude::*;
 use spindle_bearing::{Design, Frequencies, LifeRating, RatingLife, ShaftEnd, Speed};

@@ -427,10 +427,6 @@ impl Said {
                 ))
             }
         };
-        let finite = |x: f64, key: &str| match x.is_finite() {
-            true => Ok(x),
-            false => Err(format!("`{key}` of `{name}` is {x}")),
-        };
         Ok(match self {
             Self::Open(text) if text == OPEN => Entry::Open(""),
             Self::Open(text) => {
@@ -444,7 +440,6 @@ impl Said {
                 Entry::Open(if unit == OPEN { "the unit of " } else { "" })
             }
             Self::Column(keys) => {
-                let factor = finite(keys.factor.unwrap_or(1.0), "factor")?;
                 let is_clock = quantity == Quantity::Time && keys.unit == "clock";
                 Entry::Column(Column {
                     name: keys.column,
@@ -453,15 +448,15 @@ impl Said {
                     } else {
                         Some(unit(&keys.unit)?)
                     },
-                    factor,
+                    factor: keys.factor.unwrap_or(1.0),
                 })
             }
             Self::Value(_) if quantity == Quantity::Time => {
                 return Err("a time is a column or { rate_hz = 1000 }".to_owned());
             }
-            Self::Value(keys) => Entry::Value(finite(unit(&keys.unit)?.read(keys.value), "value")?),
+            Self::Value(keys) => Entry::Value(unit(&keys.unit)?.read(keys.value)),
             Self::Rate(keys) if quantity == Quantity::Time && keys.rate_hz > 0.0 => {
-                Entry::Rate(finite(keys.rate_hz, "rate_hz")?)
+                Entry::Rate(keys.rate_hz)
             }
             Self::Rate(_) => return Err("`rate_hz` is a positive number, of `time`".to_owned()),
         })

@@ -2,6 +2,7 @@
 
 pub mod catalogue;
 pub mod designs;
+pub mod fault;
 pub mod import;
 mod lines;
 pub mod noses;

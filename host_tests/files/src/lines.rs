@@ -1,6 +1,6 @@
 //! Lines of a text file, their fields and numbers.
 
-use crate::recordings::LoadsError;
+use crate::fault::LoadsError;
 use std::fmt::Write;
 use std::io::{BufRead, BufReader, Read};
 

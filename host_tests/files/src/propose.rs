@@ -3,10 +3,11 @@
 //! A proposal may be wrong without harm: somebody looks at it before anything is solved. Where the file leaves something
 //! open, or says two things, the proposal has a `"?"`.
 
+use crate::fault::LoadsError;
 use crate::import::{Import, OPEN, Wanted};
 use crate::lines::{Line, Lines, SEPARATORS, number, shown, text};
 use crate::quantities::{OWN, QUANTITIES, Quantity};
-use crate::recordings::{LoadRow, Loads, LoadsError, is_clock, open};
+use crate::recordings::{LoadRow, Loads, is_clock, open};
 use crate::units::{Dimension, Unit};
 use std::collections::VecDeque;
 use std::fmt::Write;

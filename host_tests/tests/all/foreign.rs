@@ -1,10 +1,11 @@
 //! Recordings of other programs: proposed, filled in by the words of the file, and read to the letter.
 
 use files::designs::DesignFile;
+use files::fault::LoadsError;
 use files::import::{Import, Wanted};
 use files::plan::Question;
 use files::propose;
-use files::recordings::{LoadRow, Loads, LoadsError};
+use files::recordings::{LoadRow, Loads};
 use files::spindles::SpindleFile;
 use host_tests::cases::Random;
 use serde::Deserialize;
@@ -434,7 +435,7 @@ fn what_is_open_or_wrong_in_a_description_is_told() {
         (
             "value = 6000",
             "value = nan",
-            "i.toml: line 12, column 9: `value` of `speed` is NaN",
+            "i.toml: line 12, column 19: `value` is nan, and no number",
         ),
         (
             "time = { column = \"t\", unit = \"s\" }",

@@ -2,10 +2,11 @@
 //! solver and the table.
 
 use files::designs::{DesignFile, SHIPPED};
+use files::fault::LoadsError;
 use files::import::Wanted;
 use files::plan::BALL_COUNTS;
 use files::plan::{Plan, Question};
-use files::recordings::{LoadRow, Loads, LoadsError};
+use files::recordings::{LoadRow, Loads};
 use files::spindles::SpindleFile;
 use host_tests::cases::Random;
 use host_tests::dispatch::{self, Attitude, Precision};
