@@ -35,6 +35,23 @@ pub struct LoadRow {
 }
 
 impl LoadRow {
+    /// Its numbers in the order of [`OWN`]; temperatures that it does not have are not numbers.
+    pub fn numbers(&self) -> [f64; OWN.len()] {
+        let [fx, fy, fz, my, mz] = self.load;
+        let [inner, outer] = self.temperatures.unwrap_or([f64::NAN; 2]);
+        [
+            self.time_s,
+            fx,
+            fy,
+            fz,
+            my,
+            mz,
+            self.speed_rpm,
+            inner,
+            outer,
+        ]
+    }
+
     /// Shaft speed `omega`, rad/s.
     pub fn omega(&self) -> f64 {
         self.speed_rpm * std::f64::consts::PI / 30.0
