@@ -189,7 +189,7 @@ pub fn split(
         .into_byte_records()
         .map_while(Result::ok);
     let record = records.next().unwrap_or_default();
-    let end = record.iter().last().unwrap_or_default();
+    let end = record.iter().next_back().unwrap_or_default();
     if end.ends_with(b"\n") {
         let open = "a quotation mark is opened but not closed on this line";
         return Err((record.len(), open));

@@ -86,15 +86,18 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
 /// Lines of a preamble that are known again in the middle of a file.
 const LONGEST_PREAMBLE: u64 = 400;
 
-/// Opens a file, `-` being standard input: its name, its bytes, and how many there are if it is a plain file.
-pub(crate) fn open(path: &Path) -> Result<(String, Box<dyn Read + Send>, Option<u64>), LoadsError> {
+/// Opens a file, `-` being standard input: its lines, and how many bytes there are if it is a plain file.
+pub(crate) fn open(path: &Path) -> Result<(Lines, Option<u64>), LoadsError> {
     if path.as_os_str() == "-" {
-        return Ok((STDIN.to_owned(), Box::new(io::stdin()), None));
+        return Ok((Lines::new(STDIN, Box::new(io::stdin())), None));
     }
     let file = path.display().to_string();
     let opened = File::open(path).and_then(|opened| Ok((opened.metadata()?, opened)));
     match opened {
-        Ok((data, opened)) => Ok((file, Box::new(opened), data.is_file().then_some(data.len()))),
+        Ok((data, opened)) => {
+            let bytes = data.is_file().then_some(data.len());
+            Ok((Lines::new(&file, Box::new(opened)), bytes))
+        }
         Err(source) => Err(LoadsError::Unreadable { file, source }),
     }
 }
@@ -109,10 +112,12 @@ pub fn read(
     import: Option<&Import>,
     wanted: &Wanted,
 ) -> Result<Loads, LoadsError> {
-    let (file, input, total) = open(path_or_dash.as_ref())?;
-    let mut loads = Loads::from_reader(&file, input, import, wanted)?;
-    loads.total_bytes = total;
-    Ok(loads)
+    let (lines, total_bytes) = open(path_or_dash.as_ref())?;
+    let loads = Loads::of(lines, import, wanted)?;
+    Ok(Loads {
+        total_bytes,
+        ..loads
+    })
 }
 
 /// The rows of a file of recorded loads, read one at a time. Ends after the first error that is not one of a row.
@@ -190,8 +195,12 @@ impl Loads {
         import: Option<&Import>,
         wanted: &Wanted,
     ) -> Result<Self, LoadsError> {
+        Self::of(Lines::new(name, input), import, wanted)
+    }
+
+    fn of(lines: Lines, import: Option<&Import>, wanted: &Wanted) -> Result<Self, LoadsError> {
         let mut loads = Self {
-            lines: Lines::new(name, input),
+            lines,
             line: Line::default(),
             ahead: VecDeque::new(),
             layout: Layout::default(),
@@ -433,7 +442,7 @@ impl Loads {
                 continue;
             }
             self.counts.refused += 1;
-            return Some(Err(LoadsError::Row(Box::new(bad))));
+            return Some(Err(LoadsError::Row(bad)));
         }
     }
 
@@ -455,10 +464,10 @@ impl Loads {
     }
 
     /// A line as a row, or why it is none.
-    fn read(&mut self, line: &[u8]) -> Result<LoadRow, BadRow> {
-        let refused = |fault| BadRow {
-            fault,
-            numbers: [None; OWN.len()],
+    fn read(&mut self, line: &[u8]) -> Result<LoadRow, Box<BadRow>> {
+        let refused = |fault| {
+            let numbers = [None; OWN.len()];
+            Box::new(BadRow { fault, numbers })
         };
         if self.layout.width == 0 {
             // Without a header, the first row says how many fields there are.
@@ -532,10 +541,10 @@ impl Loads {
         let is_lost = lost.is_some();
         // Where numbers are readable, the first bad one says more than a wrong count.
         if let Some((field, of, message)) = bad.or(lost) {
-            return Err(BadRow {
+            return Err(Box::new(BadRow {
                 fault: self.fault(field, of, message),
                 numbers: numbers.map(|number| number.filter(|_| !is_lost)),
-            });
+            }));
         }
         for ((least, most), number) in self.ranges.iter_mut().zip(numbers) {
             let number = number.unwrap_or(f64::NAN);

@@ -45,10 +45,11 @@ const POUND_FORCE: f64 = 0.453_592_37 * KILOPOND;
 const KILOPOND: f64 = 9.806_65;
 
 #[rustfmt::skip]
-const UNITS: [Unit; 27] = [
+const UNITS: [Unit; 30] = [
     unit(Time, "s sec secs second seconds sek sekunde sekunden", 1.0, 1.0),
     unit(Time, "ms msec", 1.0, 1e3),
     unit(Time, "us µs μs usec", 1.0, 1e6),
+    unit(Time, "ns nsec", 1.0, 1e9),
     unit(Time, "min minute minutes", 60.0, 1.0),
     unit(Time, "h hour hours std", 3600.0, 1.0),
     unit(Force, "N newton newtons", 1.0, 1.0),
@@ -64,6 +65,8 @@ const UNITS: [Unit; 27] = [
     unit(Moment, "kNm", 1e3, 1.0),
     unit(Moment, "=mNm", 1.0, 1e3),
     unit(Moment, "=MNm", 1e6, 1.0),
+    unit(Moment, "kgfm kpm", KILOPOND, 1.0),
+    unit(Moment, "kgfcm kpcm", KILOPOND, 1e2),
     unit(Moment, "lbfin lbin inlb inlbf lbfinch", 0.0254 * POUND_FORCE, 1.0),
     unit(Moment, "lbfft lbft ftlb ftlbf", 0.3048 * POUND_FORCE, 1.0),
     unit(Speed, "rpm 1/min min1 u/min r/min rev/min tr/min giri/min ot/min /min rounds/min upm", 1.0, 1.0),

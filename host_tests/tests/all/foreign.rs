@@ -293,6 +293,8 @@ fn descriptions_mean_what_they_say() {
         ("mz", "kNm", 2e3),
         ("mz", "mNm", 2e-3),
         ("mz", "MNm", 2e6),
+        ("mz", "kgf m", 2.0 * 9.806_65),
+        ("mz", "kgf.cm", 2e-2 * 9.806_65),
         ("mz", "lbf in", 2.0 * 0.112_984_829_027_616_7),
         ("mz", "lbf ft", 2.0 * 1.355_817_948_331_400_4),
         ("speed", "Hz", 120.0),
@@ -300,6 +302,7 @@ fn descriptions_mean_what_they_say() {
         ("speed", "rad/s", 60.0 / std::f64::consts::PI),
         ("time", "ms", 2e-3),
         ("time", "us", 2e-6),
+        ("time", "ns", 2e-9),
         ("time", "min", 120.0),
         ("time", "h", 7200.0),
     ];
@@ -384,7 +387,7 @@ fn what_is_open_or_wrong_in_a_description_is_told() {
         (
             "unit = \"s\"",
             "unit = \"N\"",
-            "i.toml: line 6, column 8: \"N\" is none of the units s, ms, us, min, h, clock",
+            "i.toml: line 6, column 8: \"N\" is none of the units s, ms, us, ns, min, h, clock",
         ),
         (
             "column = \"Fx\"",

@@ -36,6 +36,20 @@ const AXES: [&str; 8] = [
     "spindle axis",
 ];
 
+/// Words of the preamble after which numbers may be no figures in their unit; and those about the speed.
+const SCALES: [&str; 6] = ["scale", "scaling", "factor", "faktor", "gain", "multipl"];
+const RATIOS: [&str; 9] = [
+    "belt",
+    "gear",
+    "ratio",
+    "pole",
+    "riemen",
+    "getriebe",
+    "übersetz",
+    "umrichter",
+    "converter",
+];
+
 /// Columns that may have a part of a time.
 const PARTS_OF_TIME: [&str; 7] = ["ms", "msec", "us", "date", "datum", "data", "fecha"];
 
@@ -54,8 +68,7 @@ pub struct Proposal {
 ///
 /// A file that cannot be opened, or has no row of numbers.
 pub fn propose(path: impl AsRef<Path>) -> Result<Proposal, LoadsError> {
-    let (file, input, _) = open(path.as_ref())?;
-    of_input(&file, input)
+    of_lines(open(path.as_ref())?.0)
 }
 
 /// Proposes how to read an input that messages call `file`.
@@ -64,7 +77,10 @@ pub fn propose(path: impl AsRef<Path>) -> Result<Proposal, LoadsError> {
 ///
 /// An input that fails, or has no row of numbers.
 pub fn of_input(file: &str, input: Box<dyn Read + Send>) -> Result<Proposal, LoadsError> {
-    let mut lines = Lines::new(file, input);
+    of_lines(Lines::new(file, input))
+}
+
+fn of_lines(mut lines: Lines) -> Result<Proposal, LoadsError> {
     let (mut head, mut tail, mut line) = (Vec::new(), VecDeque::new(), Line::default());
     while lines.next(&mut line)? {
         if head.len() < HEAD {
@@ -89,7 +105,7 @@ pub fn of_input(file: &str, input: Box<dyn Read + Send>) -> Result<Proposal, Loa
         return Err(lines.malformed(1, message));
     };
     let guesses = sheet.guesses();
-    let description = sheet.description(file, &guesses);
+    let description = sheet.description(&lines.file, &guesses);
     let report = report(&description, &guesses, seen);
     Ok(Proposal {
         description,
@@ -225,6 +241,22 @@ impl Sheet {
         }
     }
 
+    /// A line that leaves open in which unit the numbers of a quantity are.
+    fn scale(&self, quantity: Quantity) -> Option<String> {
+        let is_speed = quantity == Quantity::Speed;
+        let says = |line: &&Line| {
+            let text = text(&line.text).to_lowercase();
+            let says = |words: &[&str]| words.iter().any(|word| text.contains(word));
+            says(&SCALES) || is_speed && says(&RATIOS)
+        };
+        let line = self.preamble().find(says)?;
+        Some(format!(
+            "line {} {}",
+            line.number,
+            shown(text(&line.text).trim())
+        ))
+    }
+
     /// Where each quantity may be.
     fn guesses(&self) -> Vec<Guess> {
         let units = self.line_of_units();
@@ -309,9 +341,13 @@ impl Sheet {
         } else if is_clock {
             ("clock", String::new())
         } else {
-            match self.unit(number, quantity, line) {
-                Ok(unit) => (unit.name(), String::new()),
-                Err(why) => (OPEN, why),
+            match (self.unit(number, quantity, line), self.scale(quantity)) {
+                (Err(why), _) => (OPEN, why),
+                (Ok(unit), Some(scale)) => (
+                    OPEN,
+                    format!("{} by its name, but see {scale}", unit.name()),
+                ),
+                (Ok(unit), None) => (unit.name(), String::new()),
             }
         };
         let name = &self.headings[number].text;
