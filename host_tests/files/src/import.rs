@@ -49,6 +49,9 @@ pub struct Import {
     open: Vec<&'static str>,
 }
 
+/// Lines from the header to the first row, at most.
+const FARTHEST: u64 = 400;
+
 /// The bearing's own axes.
 const AXES: [(usize, f64); 3] = [(0, 1.0), (1, 1.0), (2, 1.0)];
 
@@ -258,6 +261,10 @@ impl Import {
             let message = "`first_row` is the number of a line below the header, from 1";
             return fault(first_row.span(), message.to_owned());
         }
+        if first_row.get_ref() - header_line.unwrap_or(0) > FARTHEST {
+            let message = format!("`first_row` is {FARTHEST} lines below the header at most");
+            return fault(first_row.span(), message);
+        }
         if header_line == Some(0) {
             return Err(r.error(Place::TOP, "`header_line` counts from 1"));
         }
@@ -298,6 +305,15 @@ impl Import {
             },
         };
         let comment = keys.comment.filter(|text| !text.get_ref().is_empty());
+        if let Some(mark) = &comment {
+            let begins = |c: char| {
+                c.is_ascii_digit() || "+-.,\"\t ".contains(c) || c == char::from(separator)
+            };
+            if mark.get_ref().starts_with(begins) {
+                let message = "`comment` begins as a number or a field does";
+                return fault(mark.span(), message.to_owned());
+            }
+        }
         let mut axes = AXES;
         if let Some(said) = keys.axes {
             let place = said.span();

@@ -31,7 +31,7 @@ const NO_TEXT: [(&[u8], &str); 6] = [
         "a TDMS file of LabVIEW: export it as text from DIAdem, or by Excel's TDM importer",
     ),
     (
-        b"MATLAB 5",
+        b"MATLAB ",
         "a MAT-file of MATLAB: write the table by writetable(T, 'loads.csv')",
     ),
     (
@@ -52,11 +52,14 @@ pub struct Line {
 }
 
 impl Line {
-    /// Its fields as text; none where they cannot be told apart.
+    /// Its fields as text; none where they cannot be told apart. A name may go over several lines.
     pub fn fields(&self, separator: u8) -> Vec<String> {
         let mut fields = Vec::new();
-        let _ = split(&self.text, separator, |_, field| fields.push(text(field)));
-        fields
+        let take = |_, field: &[u8]| fields.push(text(field).replace("\r\n", "\n"));
+        match split(&self.text, separator, take) {
+            Ok(_) => fields,
+            Err(_) => Vec::new(),
+        }
     }
 
     /// It has nothing but separators.
@@ -65,9 +68,16 @@ impl Line {
         bytes.all(|byte| b",;\" \t\r\n\x1a".contains(byte))
     }
 
-    /// It has a quotation mark that is not closed: the line goes on below.
+    /// A field begins with a quotation mark that is not closed: the line goes on below.
     pub fn is_open(&self) -> bool {
-        self.text.iter().filter(|byte| **byte == b'"').count() % 2 == 1
+        let (mut is_open, mut before) = (false, b',');
+        for byte in &self.text {
+            if *byte == b'"' {
+                is_open = !is_open && b",;\t \n\"".contains(&before);
+            }
+            before = *byte;
+        }
+        is_open
     }
 }
 
@@ -132,7 +142,12 @@ impl Lines {
     /// Looks at the first two lines, whether the file is text at all.
     fn check(&mut self, text: &mut Vec<u8>) -> Result<(), LoadsError> {
         let trimmed = text.trim_ascii();
-        let digits = trimmed.iter().all(u8::is_ascii_digit) && !trimmed.is_empty();
+        let word = trimmed
+            .split(|byte| *byte == b' ')
+            .next()
+            .unwrap_or_default();
+        let word = word.strip_suffix(b"b").unwrap_or(word);
+        let digits = word.iter().all(u8::is_ascii_digit) && !word.is_empty();
         let universal = self.may_be_universal && digits;
         let first = self.number == 1;
         self.may_be_universal = first && trimmed == b"-1";

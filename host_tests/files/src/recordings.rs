@@ -83,6 +83,12 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
+/// Before the first row.
+const NO_RANGES: [(f64, f64); OWN.len()] = [(f64::INFINITY, f64::NEG_INFINITY); OWN.len()];
+
+/// Blank lines in which the first row of the project's own columns is looked for.
+const MOST_BLANKS: usize = 20;
+
 /// Lines of a preamble that are known again in the middle of a file.
 const LONGEST_PREAMBLE: u64 = 400;
 
@@ -132,8 +138,10 @@ pub struct Loads {
     /// Lines of the header, of units and so on; the first is that of the names.
     header: Vec<Vec<u8>>,
     part: Part,
-    /// The first header of another file, to be told.
-    other: Option<String>,
+    /// Lines of the header that have come again in a row.
+    again: usize,
+    /// The first line that begins another file, and the first above the rows that reads as one.
+    told: [Option<String>; 2],
     clock: Clock,
     total_bytes: Option<u64>,
     every: usize,
@@ -207,13 +215,14 @@ impl Loads {
             preamble: Vec::new(),
             header: Vec::new(),
             part: Part::Own,
-            other: None,
+            again: 0,
+            told: [None, None],
             clock: Clock::default(),
             total_bytes: None,
             every: wanted.every,
             ended: false,
             counts: Counts::default(),
-            ranges: [(f64::INFINITY, f64::NEG_INFINITY); OWN.len()],
+            ranges: NO_RANGES,
             times: None,
         };
         match import {
@@ -261,6 +270,11 @@ impl Loads {
         (!names.is_empty()).then(|| listed(&names))
     }
 
+    /// Lines that are not as described: the first that begins another file, the first above the rows that reads as one.
+    pub fn told(&self) -> impl Iterator<Item = &str> {
+        self.told.iter().flatten().map(String::as_str)
+    }
+
     /// Counts of lines, and the first and last time and range of each quantity, in one line; the headers of other files.
     pub fn account(&self) -> String {
         let Counts {
@@ -270,8 +284,8 @@ impl Loads {
         } = self.counts;
         let file = self.file();
         let mut text = String::new();
-        if let Some(other) = &self.other {
-            text += &format!("{file}: {other}\n");
+        for told in self.told() {
+            text += &format!("{file}: {told}\n");
         }
         text += &format!("{file}: rows read {read}, refused {refused}; lines skipped {skipped}");
         let ranges = OWN.into_iter().zip(self.ranges).zip(&self.layout.sources);
@@ -307,7 +321,7 @@ impl Loads {
     /// The project's own columns that a file has: names on the first line, numbers with points below.
     fn own(&mut self, wanted: &Wanted) -> Result<Import, LoadsError> {
         let mut line = Line::default();
-        while self.lines.next(&mut line)? {
+        while self.ahead.len() < MOST_BLANKS && self.lines.next(&mut line)? {
             let is_below = line.number > 1 && !line.is_blank();
             self.ahead.push_back(std::mem::take(&mut line));
             if is_below {
@@ -319,7 +333,8 @@ impl Loads {
         };
         let names = first.fields(b',');
         let has = OWN.map(|own| names.iter().any(|name| name == own.column()));
-        if has == [false; OWN.len()] {
+        // A time or a speed alone is anybody's.
+        if !has[1..6].contains(&true) {
             let own = OWN[..LOADS].iter().map(|own| own.column());
             let own: Vec<_> = own.collect();
             return Err(self.foreign(format!("line 1 has none of the columns {}", own.join(","))));
@@ -335,7 +350,7 @@ impl Loads {
                     self.foreign(format!("below {name}, {field} is no number with a point"))
                 );
             }
-            if let Some(field) = field.filter(|field| !is_own && !has[0] && is_clock(field)) {
+            if let Some(field) = field.filter(|field| !is_own && !has[0] && may_be_time(field)) {
                 let field = shown(field);
                 return Err(self.foreign(format!("there is no time_s, but {field} is a time")));
             }
@@ -397,13 +412,22 @@ impl Loads {
             names.text = rest.to_vec();
         }
         self.layout.set_names(names.fields(import.separator));
-        let placed = self.layout.place();
-        placed.map_err(|why| {
-            self.foreign(format!(
-                "line {at} has {why} of {}: it is another file",
-                import.file
-            ))
-        })
+        if let Err(why) = self.layout.place() {
+            let why = format!("line {at} has {why} of {}: it is another file", import.file);
+            return Err(self.foreign(why));
+        }
+        for (i, line) in self.header.clone().iter().enumerate().skip(1) {
+            if self.read(line).is_ok() {
+                let line = at + i as u64;
+                let message =
+                    format!("line {line}, above `first_row`, reads as a row, and is none");
+                self.told[1].get_or_insert(message);
+            }
+        }
+        (self.ranges, self.times, self.clock, self.part) =
+            (NO_RANGES, None, Clock::default(), Part::Own);
+        self.told[0] = None;
+        Ok(())
     }
 
     /// Brings the next line into `self.line`; `false` at the end of the file.
@@ -423,7 +447,7 @@ impl Loads {
                 Ok(false) => return None,
                 Err(error) => return Some(Err(error)),
             }
-            if self.says_nothing() {
+            if self.says_nothing() || self.is_header_again() {
                 self.counts.skipped += 1;
                 continue;
             }
@@ -437,7 +461,7 @@ impl Loads {
                 }
                 Err(bad) => bad,
             };
-            if self.is_header() {
+            if self.part == Part::Own && self.header.iter().any(|one| self.is_line(one)) {
                 self.counts.skipped += 1;
                 continue;
             }
@@ -453,14 +477,23 @@ impl Loads {
         mark.is_some_and(|mark| text.starts_with(mark.as_bytes())) || self.line.is_blank()
     }
 
-    /// Whether the line, which is no row, is one of the header's again. Its first one ends another file.
-    fn is_header(&mut self) -> bool {
-        let line = self.line.text.trim_ascii();
-        let place = self.header.iter().position(|one| line == one);
-        if place == Some(0) && self.part == Part::Other {
-            self.part = Part::Own;
+    fn is_line(&self, line: &[u8]) -> bool {
+        self.line.text.trim_ascii() == line
+    }
+
+    /// Whether the line is the header's first one again, or one of its others behind that. The first one ends another file.
+    fn is_header_again(&mut self) -> bool {
+        if self.header.first().is_some_and(|first| self.is_line(first)) {
+            self.again = 1;
+            if self.part == Part::Other {
+                self.part = Part::Own;
+            }
+            return true;
         }
-        place == Some(0) || place.is_some() && self.part == Part::Own
+        let next = self.header.get(self.again).filter(|_| self.again > 0);
+        let is_next = next.is_some_and(|next| self.is_line(next));
+        self.again = if is_next { self.again + 1 } else { 0 };
+        is_next
     }
 
     /// A line as a row, or why it is none.
@@ -469,19 +502,18 @@ impl Loads {
             let numbers = [None; OWN.len()];
             Box::new(BadRow { fault, numbers })
         };
-        if self.layout.width == 0 {
-            // Without a header, the first row says how many fields there are.
-            let fields = Line {
-                number: 0,
-                text: line.to_vec(),
-            }
-            .fields(self.layout.separator);
-            self.layout.set_names(vec![String::new(); fields.len()]);
+        let learns = self.layout.width == 0;
+        if learns {
+            // Without a header, the first row that is read says how many fields there are.
+            let text = line.to_vec();
+            let fields = Line { number: 0, text }.fields(self.layout.separator);
+            self.layout.set_names(fields);
             if let Err(why) = self.layout.place() {
-                self.layout.width = 0;
+                self.layout.set_names(Vec::new());
                 return Err(refused(self.fault(1, None, format!("the line has {why}"))));
             }
         }
+        let clock = self.clock;
         let rows = self.counts.read + self.counts.refused;
         let mut numbers = [None; OWN.len()];
         for (number, source) in numbers.iter_mut().zip(&self.layout.sources) {
@@ -492,7 +524,7 @@ impl Loads {
             };
         }
         let (mut bad, mut more, mut words, mut columns) = (None, false, 0, 0);
-        let (layout, clock) = (&self.layout, &mut self.clock);
+        let (layout, time) = (&self.layout, &mut self.clock);
         let width = layout.width;
         let count = split(line, layout.separator, |i, bytes| {
             more |= i >= width && !bytes.is_empty();
@@ -500,10 +532,10 @@ impl Loads {
                 return;
             };
             columns += 1;
-            match layout.number(bytes, of, clock) {
+            match layout.number(bytes, of, time) {
                 Ok(number) => numbers[of] = Some(number),
                 Err(message) => {
-                    words += usize::from(bytes.iter().any(u8::is_ascii_alphabetic));
+                    words += usize::from(is_word(bytes));
                     bad.get_or_insert((i + 1, Some(of), message));
                 }
             }
@@ -522,25 +554,37 @@ impl Loads {
                 Some((count + 1, of, message))
             }
             Ok(count) if more => {
-                let message = format!("the line has {count} fields where the header has {width}");
+                let whose = if layout.names.is_empty() {
+                    "first row"
+                } else {
+                    "header"
+                };
+                let message = format!("the line has {count} fields where the {whose} has {width}");
                 Some((width + 1, None, message))
             }
             Ok(_) => None,
         };
         let described = layout.of_field.iter().flatten().count();
-        if words == described && columns == described && described > 0 {
+        let is_header = words == described && columns == described && described > 0;
+        // A word in the only column that is read may be a sensor's.
+        if is_header && (described > 1 || !has_number(line, layout.separator)) {
             self.begin_part(line);
         }
         if self.part != Part::Own {
             if bad.is_none() && lost.is_none() {
                 self.part = Part::Other;
             }
-            let message = "the line stands below the header of another file";
+            self.clock = clock;
+            let message = "the line belongs to another file";
             return Err(refused(self.fault(1, None, message)));
         }
         let is_lost = lost.is_some();
         // Where numbers are readable, the first bad one says more than a wrong count.
         if let Some((field, of, message)) = bad.or(lost) {
+            self.clock = clock;
+            if learns {
+                self.layout.set_names(Vec::new());
+            }
             return Err(Box::new(BadRow {
                 fault: self.fault(field, of, message),
                 numbers: numbers.map(|number| number.filter(|_| !is_lost)),
@@ -553,7 +597,7 @@ impl Loads {
         let [time, fx, fy, fz, my, mz, speed, inner, outer] = numbers;
         let is = Option::unwrap_or_default;
         let first = self.times.map_or(is(time), |(first, _)| first);
-        self.times = Some((first, is(time)));
+        self.times = Some((first, is(time))).filter(|_| first.is_finite());
         Ok(LoadRow {
             time_s: is(time),
             load: [fx, fy, fz, my, mz].map(is),
@@ -574,7 +618,7 @@ impl Loads {
         };
         let ours = self.header.first().map_or(String::new(), |one| text(one));
         let (number, other, ours) = (self.line.number, shown(&text(line)), shown(&ours));
-        self.other.get_or_insert_with(|| {
+        self.told[0].get_or_insert_with(|| {
             format!("line {number} begins another file, {other}, not {ours}: its rows are refused until that comes again")
         });
     }
@@ -589,6 +633,7 @@ impl Layout {
         }
         self.width = names.len();
         self.names = names;
+        self.of_field.clear();
     }
 
     /// Finds the field of each quantity, or says which column there is not.
@@ -612,7 +657,7 @@ impl Layout {
                         (Some(field), None) => field,
                         (Some(_), Some(_)) => {
                             return Err(format!(
-                                "two columns {}, so that numbers are wanted",
+                                "two columns {}: their numbers are wanted instead",
                                 shown(name)
                             ));
                         }
@@ -628,7 +673,7 @@ impl Layout {
             };
             if let Some(other) = self.of_field[field].replace(of) {
                 let both = [OWN[other], OWN[of]].map(Quantity::name).join(" and ");
-                return Err(format!("one column for {both}"));
+                return Err(format!("one column for {both},"));
             }
         }
         Ok(())
@@ -650,6 +695,11 @@ impl Layout {
                 &written
             }
         };
+        // A blank before a quotation mark leaves it in the field.
+        let text = text
+            .strip_prefix('"')
+            .and_then(|text| text.strip_suffix('"'))
+            .unwrap_or(text);
         let Some(unit) = column.unit else {
             let time = clock.read(text);
             return time
@@ -680,7 +730,7 @@ impl Layout {
 }
 
 /// Clock times as seconds since the midnight before the first row.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Clock {
     first: Option<Date>,
     last: f64,
@@ -713,7 +763,9 @@ impl Clock {
 /// A time of day, `16:39:25.617` or with a comma.
 fn as_time(text: &str) -> Option<Time> {
     let is_clock = text.contains(':') && !text.contains(['-', 'T', ' ']);
-    text.replace(',', ".").parse().ok().filter(|_| is_clock)
+    let hour = if text.find(':') == Some(1) { "0" } else { "" };
+    let text = format!("{hour}{}", text.replace(',', "."));
+    text.parse().ok().filter(|_| is_clock)
 }
 
 /// A date and time by ISO 8601, or as Germany writes it.
@@ -729,6 +781,40 @@ fn as_date(text: &str) -> Option<DateTime> {
     // A time with its zone is a time without one, too: its zone is read first.
     let plain = || text.parse().ok();
     of_utc().or_else(plain).or_else(german).or_else(slashed)
+}
+
+/// Whether a field may be a date or a clock time in any form.
+fn may_be_time(field: &str) -> bool {
+    let is_digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+    let is_clock = |(before, behind): (&str, &str)| {
+        is_digit(before.chars().next_back()) && is_digit(behind.chars().next())
+    };
+    let is_date = |mark: char| {
+        let date = field.split(' ').next().unwrap_or_default();
+        let parts: Vec<&str> = date.split(mark).collect();
+        let numbers = parts
+            .iter()
+            .filter(|part| part.parse::<u32>().is_ok())
+            .count();
+        parts.len() == 3 && numbers > 1
+    };
+    field.split_once(':').is_some_and(is_clock) || ['-', '/', '.'].into_iter().any(is_date)
+}
+
+/// A word, as names and units are: nothing that begins as a number, but `1/min`.
+fn is_word(field: &[u8]) -> bool {
+    let text = text(field);
+    let begins = text.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c));
+    let has_letters = text.contains(char::is_alphabetic);
+    has_letters && (!begins || Unit::named(&text).is_some()) && number(&text, b'.').is_none()
+}
+
+fn has_number(line: &[u8], separator: u8) -> bool {
+    let mut found = false;
+    let _ = split(line, separator, |_, field| {
+        found |= number(&text(field), b'.').is_some()
+    });
+    found
 }
 
 /// Whether a field is a time of day, or a date with it.

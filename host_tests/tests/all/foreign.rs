@@ -240,6 +240,48 @@ fn another_file_is_told_with_both_headers() {
     );
 }
 
+/// Lines between the header and the first row are skipped with it, here and further down, and told if they read as rows.
+#[test]
+fn numbers_of_channels_are_no_rows() {
+    let text = b"t;Fx;Fy;note\n1;2;3;4\n0;1;2;a\nt;Fx;Fy;note\n1;2;3;4\n0;3;2;a\n1;2;3;4\n";
+    let import = described("", COLUMNS).replace("first_row = 2", "first_row = 3");
+    let import = Import::parse("i.toml", &import).unwrap();
+    let mut loads = opened(text, Some(&import), &Wanted::default()).unwrap();
+    let found: Vec<f64> = loads.by_ref().map(|row| row.unwrap().load[0]).collect();
+    assert_eq!((found, loads.counts().skipped), (vec![1.0, 3.0, 2.0], 2));
+    let told: Vec<&str> = loads.told().collect();
+    assert_eq!(
+        told,
+        ["line 2, above `first_row`, reads as a row, and is none"]
+    );
+}
+
+/// A word in the only column that is read may be a sensor's; without a header, the first row that is read counts the fields.
+#[test]
+fn a_refused_row_is_the_only_one() {
+    let forces = COLUMNS.replace("time = { column = \"t\", unit = \"s\" }\n", "");
+    let forces = forces.replace("fy = { column = \"Fy\", unit", "fy = { value = 0, unit");
+    let (rows, refused) = read(
+        "t;Fx;Fy;note\n0;1;2;a\n0;OVER;2;a\n0;3;2;a\n",
+        &described("", &forces),
+    );
+    assert_eq!((rows.len(), refused.len()), (2, 1));
+    let numbers = forces.replace("\"Fx\"", "2");
+    let headless =
+        described("", &numbers).replace("header_line = 1\nfirst_row = 2", "first_row = 1");
+    let (rows, refused) = read("0;x\n0;1;2\n0;3;2;;\n0;5\n", &headless);
+    assert_eq!((rows.len(), refused.len()), (2, 2));
+    assert!(
+        refused[1].contains("the line ends after 2 of 3 fields"),
+        "{refused:?}"
+    );
+    // Its time is none of the recording's.
+    let clock = COLUMNS.replace("unit = \"s\"", "unit = \"clock\"");
+    let text = "t;Fx;Fy;note\n13:00:00;1;2;a\n00:00:00;x;2;a\n13:00:01;1;2;a\n";
+    let (rows, _) = read(text, &described("", &clock));
+    assert_eq!((rows[1].time_s, rows.len()), (46801.0, 2));
+}
+
 #[test]
 fn clock_times_count_from_midnight() {
     let clock = COLUMNS.replace("unit = \"s\"", "unit = \"clock\"");

@@ -127,6 +127,8 @@ fn own_recordings_are_read_and_others_refused() {
         "Timestamp,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2024-01-01 12:00:00,1,2,3,4,5,6\n"
             .to_owned(),
         "clock,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n12:00:00,1,2,3,4,5,6\n".to_owned(),
+        "date,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n14-Nov-2025 10:00:00,1,2,3,4,5,6\n".to_owned(),
+        "date,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n11/14/2025,1,2,3,4,5,6\n".to_owned(),
     ] {
         let found = parsed(&text);
         assert!(

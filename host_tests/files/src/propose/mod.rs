@@ -235,7 +235,8 @@ impl Sheet {
             Some(counts) => {
                 let unit = unit.name();
                 Err(format!(
-                    "{unit}, or counts, {counts} of them to 1 {unit}: factor = 1 / {counts}"
+                    "{unit}, or counts, which take factor = {}",
+                    1.0 / counts
                 ))
             }
         }
@@ -284,21 +285,12 @@ impl Sheet {
             let is_needed = OWN[..LOADS].contains(&quantity);
             Some(match columns[..] {
                 _ if self.is_shifted && is_needed => open(
-                    "names and fields of the rows do not fit: count the columns from 1".to_owned(),
+                    "names and fields of the rows do not fit; { column = 3, unit = ... }, counted from 1".to_owned(),
                 ),
                 [one] => self.guess(one, quantity, line(one)).unwrap_or_else(open),
-                [] if quantity == Quantity::Time => match self.rate() {
-                    Some(rate) => Guess {
-                        entry: format!("{{ rate_hz = {rate} }}"),
-                        ..open(String::new())
-                    },
-                    None => open(
-                        "in no column; { rate_hz = 1000 }, or leave it out: rows are counted"
-                            .to_owned(),
-                    ),
-                },
+                [] if quantity == Quantity::Time => open(self.no_times()),
                 [] if is_needed => {
-                    open("in no column; { value = 0, unit = ... } if there is none".to_owned())
+                    open("in no column by its name; { column = 3, unit = ... }, or { value = 0, unit = ... }".to_owned())
                 }
                 [] => return None,
                 ref several => {
@@ -369,20 +361,19 @@ impl Sheet {
         })
     }
 
-    /// The sampling rate that the preamble says, in the place of times.
-    fn rate(&self) -> Option<f64> {
-        let rates = self.above.iter().filter_map(|line| {
+    /// Why times are open that are in no column.
+    fn no_times(&self) -> String {
+        let says = |line: &&Line| {
             let text = text(&line.text).to_lowercase();
-            let is_rate = ["sampl", "abtast"].iter().any(|word| text.contains(word));
-            let has_unit = text.contains("hz") && !text.contains("khz") && !text.contains("mhz");
-            let numbers = text
-                .split([':', ';', ',', '\t', ' ', '='])
-                .filter_map(|word| word.trim().parse().ok());
-            let numbers: Vec<f64> = numbers.filter(|rate: &f64| *rate > 0.0).collect();
-            (is_rate && has_unit && numbers.len() == 1).then(|| numbers[0])
+            ["sampl", "abtast", "rate", "hz"]
+                .iter()
+                .any(|word| text.contains(word))
+        };
+        let said = self.preamble().find(says);
+        let said = said.map_or(String::new(), |line| {
+            format!("; line {} {}", line.number, shown(text(&line.text).trim()))
         });
-        let rates: Vec<f64> = rates.collect();
-        rates.first().copied().filter(|_| rates.len() == 1)
+        format!("in no column; {{ rate_hz = 1000 }}, or leave it out: rows are counted{said}")
     }
 
     /// Words above the rows that say how axes lie, unless that x is along the shaft.
@@ -463,7 +454,7 @@ impl Sheet {
             match is_sure {
                 true => "short_rows = true".to_owned(),
                 false => {
-                    "short_rows = \"?\"   # true if rows lack their last fields; false refuses them"
+                    "short_rows = \"?\"   # true if the last names have no numbers; false refuses such rows"
                         .to_owned()
                 }
             }
@@ -486,8 +477,18 @@ impl Sheet {
     }
 }
 
+/// A text in TOML, on one line.
 fn quoted(text: &str) -> String {
-    toml::Value::from(text).to_string()
+    let mut quoted = String::new();
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            '\n' => quoted += "\\n",
+            c if c.is_control() => quoted += &format!("\\u{:04X}", c as u32),
+            c => quoted.push(c),
+        }
+    }
+    format!("\"{quoted}\"")
 }
 
 /// First and last rows as they would be read, with units, and all that is open.
@@ -514,21 +515,16 @@ fn report(description: &str, guesses: &[Guess], seen: Vec<u8>) -> String {
         needed: OWN.map(|own| read.iter().any(|guess| guess.quantity == own)),
         ..Wanted::default()
     };
-    let rows = || -> Result<Vec<LoadRow>, String> {
+    let rows = || -> Result<(Vec<LoadRow>, String), String> {
         let import = Import::parse("the proposal", &assumed).map_err(|error| error.to_string())?;
-        let loads = Loads::from_reader(
-            "the recording",
-            Box::new(Cursor::new(seen)),
-            Some(&import),
-            &wanted,
-        );
-        let rows: Vec<_> = loads
-            .map_err(|error| error.to_string())?
-            .filter_map(Result::ok)
-            .collect();
+        let input = Box::new(Cursor::new(seen));
+        let loads = Loads::from_reader("the recording", input, Some(&import), &wanted);
+        let mut loads = loads.map_err(|error| error.to_string())?;
+        let rows: Vec<_> = loads.by_ref().filter_map(Result::ok).collect();
+        let told = loads.told().map(|told| format!("{told}\n")).collect();
         let found = !rows.is_empty() && !read.is_empty();
         found
-            .then_some(rows)
+            .then_some((rows, told))
             .ok_or_else(|| "no row can be read as proposed".to_owned())
     };
     let line = |of: &dyn Fn(&Guess) -> String| {
@@ -537,7 +533,7 @@ fn report(description: &str, guesses: &[Guess], seen: Vec<u8>) -> String {
     };
     let mut text = match rows() {
         Err(fault) => fault + "\n",
-        Ok(rows) => {
+        Ok((rows, told)) => {
             let names = line(&|guess| guess.quantity.name().to_owned());
             let units = line(&|guess| {
                 let mark = if guess.entry.contains("\"?\"") {
@@ -557,7 +553,7 @@ fn report(description: &str, guesses: &[Guess], seen: Vec<u8>) -> String {
                     format!("{:.6e}", x).parse().unwrap_or(x).to_string()
                 })
             });
-            names + &units + &rows.collect::<String>()
+            names + &units + &rows.collect::<String>() + &told
         }
     };
     match open[..] {

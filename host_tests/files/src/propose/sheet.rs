@@ -10,7 +10,7 @@ use crate::units::{Dimension, Unit};
 const BETWEEN: usize = 15;
 
 /// Marks of comments.
-const MARKS: [&str; 5] = ["#", "%", "//", ";", "'"];
+const MARKS: [&str; 4] = ["#", "%", "//", ";"];
 
 /// A table in a file.
 pub struct Sheet {
@@ -231,18 +231,20 @@ fn short_rows(headings: &[Heading], rows: &[Vec<String>]) -> Option<bool> {
     })
 }
 
-/// Lines of which one that has an open quotation mark goes on below.
+/// Lines of which one that has an open quotation mark goes on below, up to where it is closed.
 fn joined(lines: Vec<Line>) -> Vec<Line> {
     let mut all: Vec<Line> = Vec::new();
-    let mut lines = lines.into_iter().peekable();
-    while let Some(mut line) = lines.next() {
-        for _ in 0..BETWEEN {
-            match lines.next_if(|_| line.is_open()) {
-                Some(next) => line.text.extend(next.text),
-                None => break,
-            }
+    let mut rest = &lines[..];
+    while let [first, below @ ..] = rest {
+        let mut line = first.clone();
+        let mut used = 0;
+        while line.is_open() && used < BETWEEN.min(below.len()) {
+            line.text.extend(&below[used].text);
+            used += 1;
         }
-        all.push(line);
+        let is_closed = !line.is_open();
+        all.push(if is_closed { line } else { first.clone() });
+        rest = &below[if is_closed { used } else { 0 }..];
     }
     all
 }
@@ -285,10 +287,14 @@ fn begins_with_word(fields: &[String]) -> bool {
     first.is_some_and(|first| !is_value(first))
 }
 
-/// Numbers of channels: 0, 1, 2 or 1, 2, 3 and so on.
+/// Numbers of channels, and nothing else but a label: 0, 1, 2 or 1, 2, 3 and so on.
 fn counts_columns(fields: &[String]) -> bool {
+    let filled = fields.iter().filter(|field| !field.is_empty()).count();
     let numbers = fields.iter().filter_map(|field| field.parse().ok());
     let numbers: Vec<usize> = numbers.collect();
     let first = numbers.first().copied().unwrap_or(9);
-    numbers.len() > 2 && first < 2 && numbers.iter().enumerate().all(|(i, one)| *one == first + i)
+    numbers.len() > 2
+        && numbers.len() + 1 >= filled
+        && first < 2
+        && numbers.iter().enumerate().all(|(i, one)| *one == first + i)
 }
