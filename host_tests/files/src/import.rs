@@ -5,8 +5,8 @@
 //! first_row = 15             # the first line with numbers
 //! separator = "tab"          # tab, comma, semicolon, blank
 //! decimal = ","              # or a point, if left out
-//! comment = "#"              # lines below the header that begin so are skipped; a header is read without it
-//! short_rows = true          # rows may lack their last columns, if these are not read
+//! comment = "#"              # lines below the header that begin with it are skipped; the header is read without it
+//! short_rows = true          # rows may end early, but not before a column that is read
 //!
 //! axes = { x = "Fz", y = "-Fx", z = "-Fy" }   # if left out, the recording's axes are the bearing's
 //!

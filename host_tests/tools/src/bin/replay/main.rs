@@ -204,7 +204,7 @@ impl clap::Args for Given {
             let arg = arg
                 .value_parser(clap::value_parser!(f64))
                 .allow_negative_numbers(true);
-            arg.help(format!("{name} that is constant, {unit}"))
+            arg.help(format!("{name} in {unit}, where it is constant"))
         }))
     }
 
@@ -342,21 +342,9 @@ counted. A constant such as --my 0 takes the place of a column.
 A recording of any other program needs a description of its columns:
   cargo replay --propose slot.txt > slot.toml
   cargo replay DESIGN.toml slot.txt --import slot.toml
-A description is TOML. Look at each line of the proposal, and write for each \"?\" what the recording has:
-  header_line = 13              # the line with the names; without it, columns are numbers
-  first_row = 15                # the first line with numbers
-  separator = \"tab\"           # tab, comma, semicolon, blank
-  decimal = \",\"
-  comment = \"#\"               # lines below the header that begin so are skipped
-  short_rows = true             # rows may lack their last columns, if these are not read
-  axes = { x = \"Fz\", y = \"Fx\", z = \"Fy\" }   # the recording's force along each axis; moments follow
-  [columns]                     # of the recording's own axes
-  time = { column = \"Zeit [s]\", unit = \"s\" }   # or { rate_hz = 10000 }; unit = \"clock\" for clock times
-  fx = { column = 3, unit = \"kN\", factor = -1.02 }
-  my = { value = 0, unit = \"Nm\" }
-and so on for fy, fz, mx, mz, speed, t_inner, t_outer. A row that cannot be read to the letter is refused. Below the
-header of another file, rows are refused until the described header comes again. A line on standard error counts
-rows that were read or refused, and lines that were skipped, with the range of each quantity.
+The description has a \"?\" for all that the file leaves open: write there what the recording has. docs/host.md has all keys. A
+row that cannot be read to the letter is refused, and so are rows below the header of another file. A line on standard
+error counts rows that were read or refused, and lines that were skipped, with the range of each quantity.
 
 A table, in place of LOADS.csv:
   cargo replay DESIGN.toml --table speed=0:20000:500 fx=500 fy=0:1000:250 >TABLE.csv
