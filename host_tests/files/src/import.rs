@@ -130,26 +130,48 @@ struct ImportKeys {
     header_line: Key<u64>,
     first_row: Key<u64>,
     separator: Key<String>,
-    decimal: Key<String>,
+    decimal: Key<Or<Decimal>>,
     comment: Key<String>,
-    short_rows: Key<Flag>,
-    axes: Key<AxesSaid>,
+    short_rows: Key<Or<bool>>,
+    axes: Key<Or<AxesKeys>>,
     #[serde(default)]
     columns: ColumnsKeys,
 }
 
+/// A value, or `"?"`.
 #[derive(Deserialize)]
-#[serde(untagged, expecting = "true, false or \"?\"")]
-enum Flag {
-    Said(bool),
-    Open(String),
+#[serde(
+    untagged,
+    expecting = "this is none of the values of this key, and not \"?\""
+)]
+enum Or<T> {
+    Said(T),
+    Open(Mark),
 }
 
 #[derive(Deserialize)]
-#[serde(untagged, expecting = "{ x = \"Fz\", y = \"Fx\", z = \"Fy\" }")]
-enum AxesSaid {
-    Said(AxesKeys),
-    Open(String),
+enum Mark {
+    #[serde(rename = "?")]
+    Open,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+enum Decimal {
+    #[serde(rename = ".")]
+    Point = b'.' as isize,
+    #[serde(rename = ",")]
+    Comma = b',' as isize,
+}
+
+/// The value of a key, unless it is open.
+fn said<T>(name: &'static str, key: Key<Or<T>>, open: &mut Vec<&'static str>) -> Option<T> {
+    match key?.into_inner() {
+        Or::Said(value) => Some(value),
+        Or::Open(Mark::Open) => {
+            open.push(name);
+            None
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -279,31 +301,8 @@ impl Import {
                 return fault(separator.span(), message.to_owned());
             }
         };
-        let decimal = match keys.decimal {
-            None => b'.',
-            Some(text) => match text.get_ref().as_str() {
-                "." => b'.',
-                "," => b',',
-                OPEN => {
-                    open.push("`decimal`");
-                    b'.'
-                }
-                _ => return fault(text.span(), "`decimal` is \".\" or \",\"".to_owned()),
-            },
-        };
-        let short_rows = match keys.short_rows {
-            None => false,
-            Some(flag) => match flag.get_ref() {
-                Flag::Said(said) => *said,
-                Flag::Open(text) if text == OPEN => {
-                    open.push("`short_rows`");
-                    false
-                }
-                Flag::Open(_) => {
-                    return fault(flag.span(), "`short_rows` is true or false".to_owned());
-                }
-            },
-        };
+        let decimal = said("`decimal`", keys.decimal, &mut open).unwrap_or(Decimal::Point);
+        let short_rows = said("`short_rows`", keys.short_rows, &mut open).unwrap_or(false);
         let comment = keys.comment.filter(|text| !text.get_ref().is_empty());
         if let Some(mark) = &comment {
             let begins = |c: char| {
@@ -314,30 +313,18 @@ impl Import {
                 return fault(mark.span(), message.to_owned());
             }
         }
-        let mut axes = AXES;
-        if let Some(said) = keys.axes {
-            let place = said.span();
-            axes = match said.into_inner() {
-                AxesSaid::Said(keys) => match turned([&keys.x, &keys.y, &keys.z]) {
-                    Ok(axes) => axes,
-                    Err(message) => return fault(place, message.to_owned()),
-                },
-                AxesSaid::Open(text) if text == OPEN => {
-                    open.push("`axes`");
-                    axes
-                }
-                AxesSaid::Open(_) => {
-                    let message = "axes are { x = \"Fz\", y = \"Fx\", z = \"Fy\" }".to_owned();
-                    return fault(place, message);
-                }
-            };
-        }
+        let place = keys.axes.as_ref().map_or(0..0, Spanned::span);
+        let axes = match said("`axes`", keys.axes, &mut open) {
+            Some(axes) => turned([&axes.x, &axes.y, &axes.z]),
+            None => Ok(AXES),
+        };
+        let axes = axes.map_err(|message| r.error(r.place(place), message))?;
         let of = keys.columns;
-        let said = [
+        let entries = [
             of.time, of.fx, of.fy, of.fz, of.mx, of.my, of.mz, of.speed, of.t_inner, of.t_outer,
         ];
         let mut columns = [const { Entry::Absent }; QUANTITIES];
-        for (quantity, said) in Quantity::ALL.into_iter().zip(said) {
+        for (quantity, said) in Quantity::ALL.into_iter().zip(entries) {
             if let Some(said) = said {
                 let place = said.span();
                 match said.into_inner().entry(quantity) {
@@ -351,7 +338,7 @@ impl Import {
             header_line,
             first_row: first_row.into_inner(),
             separator,
-            decimal,
+            decimal: decimal as u8,
             comment: comment.map(Spanned::into_inner),
             short_rows,
             axes,

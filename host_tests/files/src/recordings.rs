@@ -69,16 +69,14 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     let names = OWN[..columns].iter().map(|quantity| quantity.column());
     writeln!(out, "{}", names.collect::<Vec<_>>().join(","))?;
     for row in rows {
-        let [fx, fy, fz, my, mz] = row.load;
-        write!(
-            out,
-            "{},{fx},{fy},{fz},{my},{mz},{}",
-            row.time_s, row.speed_rpm
-        )?;
-        if let Some([inner, outer]) = row.temperatures {
-            write!(out, ",{inner},{outer}")?;
-        }
-        writeln!(out)?;
+        let columns = if row.temperatures.is_some() {
+            OWN.len()
+        } else {
+            LOADS
+        };
+        let numbers = row.numbers();
+        let numbers = numbers[..columns].iter().map(f64::to_string);
+        writeln!(out, "{}", numbers.collect::<Vec<_>>().join(","))?;
     }
     Ok(())
 }
