@@ -142,7 +142,7 @@ struct ImportKeys {
 #[derive(Deserialize)]
 #[serde(
     untagged,
-    expecting = "this is none of the values of this key, and not \"?\""
+    expecting = "decimal is \".\" or \",\", short_rows true or false, axes { x = \"Fz\", y = \"Fx\", z = \"Fy\" }; or \"?\""
 )]
 enum Or<T> {
     Said(T),
