@@ -68,6 +68,7 @@ quantities! {
     AxialSupport => "axial stiffness of the support (N/m)",
     RadialSupport => "radial stiffness of the support (N/m)",
     TiltingSupport => "tilting stiffness of the support (N m/rad)",
+    Tolerance => "tolerance of the stiffness",
     LoadPosition => "position of the load, from x = 0 (m)",
 }
 

@@ -20,7 +20,7 @@ pub struct Settings<T> {
     /// Most iterations, at least 1. An iteration condenses every ball once.
     pub max_iterations: u16,
     /// Largest change of the stiffness along the last step, relative to its diagonal. Displacements and contact forces
-    /// are then good to less.
+    /// are then good to less. At 0, rounding ends a solve: [`Status::PrecisionLimit`]. A negative one is refused.
     pub tolerance: T,
 }
 
@@ -147,21 +147,29 @@ pub struct Problem<T, const D: usize> {
 
 impl<T: Real, const D: usize> Problem<T, D> {
     /// Without a load yet.
-    pub fn new(tolerance: T) -> Self {
-        let far = T::of(tuning::FAR) * tolerance;
-        Self {
+    pub fn new(tolerance: T) -> Result<Self, Status<T>> {
+        let most = if tolerance < T::ZERO {
+            T::ZERO
+        } else {
+            T::INFINITY
+        };
+        check(Quantity::Tolerance, tolerance, most)?;
+        // Rounding ends a solve whose tolerance is below it: no balance is nearer.
+        let least = tolerance.at_least(T::EPSILON);
+        let far = T::of(tuning::FAR) * least;
+        Ok(Self {
             load: [T::ZERO; D],
             load_scale: T::ZERO,
             prescribed: [None; D],
             is_free: true,
             tolerance,
-            enough: T::of(tuning::FORCE) * tolerance,
+            enough: T::of(tuning::FORCE) * least,
             far: if tolerance < T::of(0.5 * tuning::COARSE) {
                 far.at_most(T::of(tuning::FAR_AT_MOST))
             } else {
                 far
             },
-        }
+        })
     }
 
     /// Whether enough balls carry: one holds the ring in two directions, and one that touches without force in none.

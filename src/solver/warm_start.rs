@@ -79,7 +79,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         tolerance: T,
     ) -> Result<Problem<T, D>, Status<T>> {
         let unit = layout.bearings[0].c;
-        let mut problem = Problem::new(tolerance);
+        let mut problem = Problem::new(tolerance)?;
         for (i, given) in given.iter().enumerate() {
             match given_in_units(unit, i, layout.ball_count, *given)? {
                 Given::Load(load) => problem.load[i] = load,

@@ -7,7 +7,7 @@ use host_tests::cases::{B218, B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
 use spindle_bearing::{
     Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Full, Given, Motion, Mounted,
-    Quantity, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
+    Preload, Quantity, Real, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
 };
 use std::f64::consts::PI;
 
@@ -77,6 +77,61 @@ fn input_that_is_not_finite_or_absurd_is_named() {
             }
         }
     }
+}
+
+#[test]
+fn a_tolerance_that_is_none_is_named_and_one_of_0_ends_by_rounding() {
+    fn statuses<T: Real>(tolerance: f64, omega: f64) -> [Result<Status<T>, Status<T>>; 3] {
+        let bearing = Bearing::<T, 16>::of(&B7005C).unwrap();
+        let spindle = Spindle::pair(
+            Arrangement::BackToBack,
+            &bearing,
+            T::of(0.1),
+            Preload::Force(T::of(200.0)),
+        );
+        let (load, speed) = (SKEW.map(T::of), Speed::rad_per_s(T::of(omega)));
+        let settings = Settings {
+            tolerance: T::of(tolerance),
+            ..Settings::default()
+        };
+        let one = Solver::new(&bearing)
+            .solve(load, speed, &settings)
+            .map(|found| found.status);
+        let set = SpindleSolver::new(spindle.unwrap())
+            .solve(load, speed, &settings)
+            .map(|found| found.status);
+        let axial = AxialSolver::new(&bearing)
+            .solve(load[0], speed, &settings)
+            .map(|found| found.status);
+        [one, set, axial]
+    }
+    fn check<T: Real>() {
+        for omega in [0.0, rad_per_s(10_000.0)] {
+            for bad in [f64::NAN, f64::INFINITY, -1e-3] {
+                for status in statuses::<T>(bad, omega) {
+                    let (quantity, value) = match status {
+                        Err(Status::NotFinite { quantity, value }) => (quantity, value),
+                        Err(Status::OutOfRange {
+                            quantity, value, ..
+                        }) => (quantity, value),
+                        other => panic!("{bad}: {other:?}"),
+                    };
+                    assert_eq!(quantity, Quantity::Tolerance);
+                    assert_eq!(value.to_f64().to_bits(), T::of(bad).to_f64().to_bits());
+                }
+            }
+            for tolerance in [0.0, 1e-20] {
+                let [one, set, _] = statuses::<T>(tolerance, omega);
+                assert_eq!(
+                    [one, set],
+                    [Ok(Status::PrecisionLimit); 2],
+                    "{tolerance} at {omega}"
+                );
+            }
+        }
+    }
+    check::<f32>();
+    check::<f64>();
 }
 
 /// Input that cannot be is named before the missing load, by a set as by a bearing.
