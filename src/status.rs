@@ -158,7 +158,8 @@ pub enum Status<T> {
     Unloaded,
     /// The loaded balls leave the ring free to move in some direction: position and stiffness are not determined.
     ///
-    /// Mostly, fewer than three balls carry: a single angular contact row needs an axial load, or another row that faces it.
+    /// Mostly, fewer than three balls carry: a single row needs an axial load, or another row that faces it. Held tilts suffice
+    /// where two balls carry.
     Indeterminate {
         /// Number of balls that carry load.
         loaded_balls: u16,
@@ -217,11 +218,17 @@ impl<T: fmt::Display + fmt::LowerExp> fmt::Display for Status<T> {
                 free: Quantity::Closure,
                 ..
             } => f.write_str("no ball holds the sleeve: more force of the spring"),
-            Self::Indeterminate { loaded_balls, free } => write!(
-                f,
-                "{loaded_balls} loaded balls leave the ring free to move, above all in {free}: a single \
-                 angular contact row needs an axial load"
-            ),
+            Self::Indeterminate { loaded_balls, free } => {
+                write!(
+                    f,
+                    "{loaded_balls} loaded balls leave the ring free to move, above all in {free}: "
+                )?;
+                // One ball leaves a ring free to move sideways, too.
+                if *loaded_balls > 1 && matches!(free, Quantity::Ty | Quantity::Tz) {
+                    f.write_str("hold the tilts, or ")?;
+                }
+                f.write_str("preload it by an axial load or by a row that faces it")
+            }
             Self::Diverged { residual } => write!(
                 f,
                 "no equilibrium found (residual {residual:e} of the load): a single angular contact row \

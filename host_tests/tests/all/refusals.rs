@@ -134,6 +134,38 @@ fn a_tolerance_that_is_none_is_named_and_one_of_0_ends_by_rounding() {
     check::<f64>();
 }
 
+/// A 608 with a clearance of 8 um.
+#[test]
+fn the_advice_to_a_ring_that_is_free_to_move_helps() {
+    let design = Design {
+        free_contact: FreeContact::DiametralClearance(8e-6),
+        ..Design::angular_contact(3.969e-3, 15e-3, 0.0)
+    };
+    let bearing = Bearing::<f64, 7>::new(&design).unwrap();
+    let settings = Settings::default();
+    for rpm in [0.0, 10_000.0] {
+        let speed = Speed::rpm(rpm);
+        let under = |load| {
+            let mut solver = Solver::new(&bearing);
+            solver.solve(load, speed, &settings).map(|_| ())
+        };
+        // On one ball, and between two.
+        for (y, z, helps_to_hold) in [(10.0, 0.0, false), (10.0, 3.0, true)] {
+            let advice = under([0.0, y, z, 0.0, 0.0]).unwrap_err().to_string();
+            assert!(advice.contains("preload it by an axial load or by a row that faces it"));
+            assert_eq!(advice.contains("hold the tilts"), helps_to_hold, "{advice}");
+            let mut held = Solver::<_, 7, Full, 3>::of(&bearing);
+            let held = held.solve([0.0, y, z], speed, &settings);
+            assert_eq!(held.is_ok(), helps_to_hold);
+            assert_eq!(under([5.0, y, z, 0.0, 0.0]), Ok(()));
+            let preload = Preload::Force(10.0);
+            let pair = Spindle::pair(Arrangement::BackToBack, &bearing, 0.03, preload).unwrap();
+            let mut faced = SpindleSolver::new(pair);
+            assert!(faced.solve([0.0, y, z, 0.0, 0.0], speed, &settings).is_ok());
+        }
+    }
+}
+
 /// Input that cannot be is named before the missing load, by a set as by a bearing.
 #[test]
 fn a_speed_that_is_no_number_is_named_without_a_load_too() {
