@@ -258,17 +258,25 @@ impl<T: Real, const D: usize> State<T, D> {
         } = &self.attempt;
         let (termination, estimate, step) = (*termination, report.estimate, report.step);
         let margin = T::of(tuning::MARGIN);
-        let stiffness = match termination {
+        // What holds for the sleeve's freedom, too, is no measure of the shaft's.
+        let is_sprung = D == 6 && termination == Termination::Unfinished;
+        let mut stiffness = match termination {
             // The estimate is above what a long step changes by itself.
             Termination::Unfinished if self.stale => estimate.corrected(),
             // A ball is out of balance, or a correction makes the stiffness no better: nothing is known of it.
+            Termination::Unfinished if is_sprung => margin * estimate.k.at_least(T::ONE),
             Termination::Unfinished => estimate.k.at_least(T::ONE),
             _ => margin * estimate.k,
         };
+        if is_sprung {
+            stiffness = self.without_sleeve() * stiffness;
+        }
         let rounding = rounding(estimate.largest, &self.at);
         // Where rounding ends a solve, the balance is as good as the balls' forces, and the last step is not taken.
         let (unbalanced, untaken) = if termination == Termination::Rounded {
             (rounding, step)
+        } else if is_sprung {
+            (margin * estimate.force, T::ZERO)
         } else {
             (T::EPSILON, T::ZERO)
         };
@@ -280,12 +288,34 @@ impl<T: Real, const D: usize> State<T, D> {
         let rounding = rounding + constants;
         let displacement =
             constants + T::of(8.0) * T::EPSILON + (step + moved) / norm(u).at_least(T::TINY);
+        // Nothing is known of what the next steps change, either.
+        let unknown = if is_sprung && stiffness >= T::ONE {
+            stiffness
+        } else {
+            T::ZERO
+        };
         ErrorEstimate {
-            displacement,
+            displacement: displacement.at_least(unknown),
             // Rounding of the ring's displacement, too, changes deformations.
-            force: margin * estimate.force + rounding + rounding,
+            force: (margin * estimate.force + rounding + rounding).at_least(unknown),
             stiffness: stiffness + rounding,
         }
+    }
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// Error of the shaft's stiffness with the spring's force held over that of the whole, each relative to its diagonal: it
+    /// is the difference `K_ij - K_i5 K_5j / K_55`.
+    fn without_sleeve(&self) -> T {
+        let k = &self.sum.k;
+        let sleeve = k[D - 1][D - 1].abs().at_least(T::TINY);
+        let mut largest = T::ONE;
+        for i in 0..D - 1 {
+            let (whole, part) = (k[i][i], k[i][D - 1] * (k[D - 1][i] / sleeve));
+            let left = (whole - part).abs().at_least(T::EPSILON * whole.abs());
+            largest = largest.at_least((whole.abs() + part.abs()) / left.at_least(T::TINY));
+        }
+        largest
     }
 }
 

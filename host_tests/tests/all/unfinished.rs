@@ -1,12 +1,15 @@
 //! Solves that are stopped: the states that they have reached, and how the next one goes on from there.
 
-use super::solves::SKEW;
-use host_tests::cases::B7005C;
+use super::solves::{SKEW, lengths, vector_error};
+use host_tests::cases::{B7005C, Random};
 use host_tests::compare::stiffness_error;
 use host_tests::milling_cycle::{Place, recorded};
 use host_tests::telemetry::simulated::monitored;
 use rayon::prelude::*;
-use spindle_bearing::{Bearing, Given, Growth, Settings, Solver, Speed, SpindleSolver, Status};
+use spindle_bearing::{
+    Arrangement, Bearing, Facing, Full, Given, Growth, Mounted, Preload, Real, Settings, Solver,
+    Speed, Spindle, SpindleSolution, SpindleSolver, SprungSpindle, Status,
+};
 use std::f64::consts::{PI, TAU};
 
 /// A tick of one bearing: whether it was solved, and the errors of its stiffness, true and as stated.
@@ -99,6 +102,105 @@ fn a_tick_without_an_answer_has_a_stiffness_within_the_error_that_it_states() {
         let error = middle(open.map(|tick| tick.error).collect());
         assert!(error <= median, "{iterations}: {error:e}");
     }
+}
+
+/// Figures of a sprung pair: displacements, contact forces, stiffness, and their stated errors.
+type Figures = ([f64; 5], Vec<f64>, [[f64; 5]; 5], [f64; 3]);
+
+fn figures<T: Real>(found: &SpindleSolution<'_, T, 2, 16, Full, 6>) -> Figures {
+    let forces = found.rows().flat_map(|row| {
+        let forces = row
+            .balls()
+            .flat_map(|ball| [ball.q_i, ball.q_o].map(T::to_f64));
+        forces.collect::<Vec<_>>()
+    });
+    let error = found.error;
+    (
+        found.displacement.map(T::to_f64),
+        forces.collect(),
+        found.stiffness().map(|row| row.map(T::to_f64)),
+        [error.displacement, error.force, error.stiffness].map(T::to_f64),
+    )
+}
+
+/// With the spring's force held, the shaft's axial stiffness is a difference. Loads jump at every tick.
+#[test]
+fn a_sprung_set_without_an_answer_states_errors_that_hold() {
+    fn spindle<T: Real>(bearing: &Bearing<T, 16>) -> SprungSpindle<'_, T, 2, 16> {
+        let row = |x, facing| Mounted::<T, 16>::new(bearing, T::of(x), facing);
+        let sleeve = row(0.1, Facing::MinusX).with(Preload::Spring);
+        let rows = [row(0.0, Facing::PlusX), sleeve];
+        Spindle::sprung(Arrangement::ByRows, rows, T::of(200.0)).unwrap()
+    }
+    /// Ticks of loads that jump, with so many iterations each: how many are stopped, and state an error that is 3 times too small.
+    fn cut(max_iterations: u16, is_square: bool) -> [usize; 2] {
+        let single = Bearing::<f32, 16>::new(&B7005C).unwrap();
+        let double = Bearing::<f64, 16>::new(&B7005C).unwrap();
+        let mut solver = SpindleSolver::new(spindle(&single));
+        let mut judge = SpindleSolver::new(spindle(&double));
+        let mut random = Random::seeded(u64::from(max_iterations));
+        let settings = Settings {
+            max_iterations,
+            ..Settings::TICK
+        };
+        let mut counts = [0; 2];
+        for _ in 0..1500 {
+            let mut load = [
+                [0.0, 300.0],
+                [100.0, 250.0],
+                [0.0, 250.0],
+                [0.0, 1.0],
+                [0.0, 1.0],
+            ]
+            .map(|[middle, most]| {
+                let part = random.between(-1.0, 1.0);
+                let part = if is_square { part.signum() } else { part };
+                (middle + most * part) as f32
+            });
+            load[0] += 30.0;
+            let speed = Speed::rpm(20_000.0);
+            if solver.solve(load, speed, &settings).is_ok() {
+                continue;
+            }
+            let Some(found) = solver.unfinished() else {
+                continue;
+            };
+            let (u, q, k, stated) = figures(&found);
+            judge.reset();
+            let truth = judge.solve(
+                load.map(f64::from),
+                Speed::rpm(20_000.0),
+                &Settings::default(),
+            );
+            let Ok(truth) = truth else { continue };
+            let (true_u, true_q, true_k, _) = figures(&truth);
+            let largest = true_q.iter().copied().fold(0.0, f64::max);
+            let off = q.iter().zip(&true_q).map(|(q, t)| (q - t).abs() / largest);
+            let errors = [
+                vector_error(u, true_u, lengths(&B7005C)),
+                off.fold(0.0, f64::max),
+                stiffness_error(&k, &true_k),
+            ];
+            counts[0] += 1;
+            let holds = errors
+                .iter()
+                .zip(stated)
+                .all(|(e, stated)| *e <= 3.0 * stated);
+            counts[1] += usize::from(!holds);
+        }
+        counts
+    }
+    let cuts: Vec<_> = (1..=4)
+        .flat_map(|cap| [(cap, false), (cap, true)])
+        .collect();
+    let counts = cuts
+        .par_iter()
+        .map(|(cap, is_square)| cut(*cap, *is_square));
+    let [stopped, wrong] = counts.reduce(|| [0; 2], |[a, b], [c, d]| [a + c, b + d]);
+    assert!(
+        stopped > 5000 && 1000 * wrong <= stopped,
+        "{wrong} of {stopped}"
+    );
 }
 
 /// Passing teeth, ramps and the recorded cycle on the monitored pair, at 1 kHz.
