@@ -127,10 +127,12 @@ impl<T: Real, const D: usize> Attempt<T, D> {
         self.control.last = None;
     }
 
-    /// The attempt has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near.
-    pub fn is_used_up(&self) -> bool {
+    /// The attempt has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near. One from the last
+    /// solution, `taken` iterations long in this call, leaves as many for a start.
+    pub fn is_used_up(&self, taken: u16) -> bool {
         self.taken >= 2 * tuning::ATTEMPT
             || (self.taken > tuning::ATTEMPT && self.report.residual > T::of(tuning::COARSE))
+            || (!self.started && taken > tuning::ATTEMPT)
     }
 }
 

@@ -349,7 +349,7 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
-    /// any load.
+    /// any load, but not by any displacement.
     fn is_near<const R: usize, const SET: bool, const E: usize>(
         &self,
         shaft: &Shaft<'_, T, R, SET, E, D>,
@@ -369,7 +369,7 @@ impl<T: Real, const D: usize> State<T, D> {
             self.load_scale
         };
         self.load_scale > T::ZERO
-            && (shaft.layout.fixed.opposed || norm(&change) <= smaller)
+            && (shaft.layout.fixed.opposed && problem.is_free || norm(&change) <= smaller)
             && (s - self.s).abs() * balls <= half * (self.s * balls + self.load_scale)
             && (s > T::ZERO) == (self.s > T::ZERO)
     }
