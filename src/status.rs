@@ -168,6 +168,8 @@ pub enum Status<T> {
     },
     /// No equilibrium was found. That does not prove that there is none; under a small axial load at a high speed, mostly
     /// there is none.
+    ///
+    /// Said of a problem that has had a start, and all iterations from there on: not where every call is asked another one.
     Diverged {
         /// Unbalanced force relative to the load; 1 where it is not known.
         residual: T,

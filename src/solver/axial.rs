@@ -130,9 +130,9 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             T::ZERO
         };
         if M::AT_SPEED && s > T::ZERO {
-            if !self.last.points[0].set(c, s, size, growth, self.last.state.u[0]) {
-                self.last.state.load_scale = T::ZERO;
-            }
+            let state = &mut self.last.state;
+            let grown = self.last.points[0].set(c, s, size, growth, state.u[0]);
+            state.turn_to(&[given], s, grown);
             return self.at_speed(asked, given, problem, settings);
         }
         self.last.points[0] = Point::new(c, s, size, growth);

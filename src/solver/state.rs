@@ -5,7 +5,7 @@ use crate::linalg::{Factors, moved, norm, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::shaft::row::Sum;
-use crate::solver::problem::Problem;
+use crate::solver::problem::{Given, Problem};
 use crate::status::Status;
 use crate::tuning;
 
@@ -27,6 +27,8 @@ pub struct State<T, const D: usize> {
     pub load: [T; D],
     pub load_scale: T,
     pub s: T,
+    /// Loads or displacements as they were given to it.
+    pub given: [Given<T>; D],
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     pub weak: bool,
     /// The last attempt, and how it ended.
@@ -46,9 +48,26 @@ impl<T: Real, const D: usize> State<T, D> {
         load: [T::ZERO; D],
         load_scale: T::ZERO,
         s: T::ZERO,
+        given: [Given::Load(T::ZERO); D],
         weak: false,
         attempt: Attempt::NONE,
     };
+
+    /// Takes note of the problem of the next solve: given quantities, inertia, change of the growth.
+    ///
+    /// A solution is a start where the growth differs by no more than a unit of length, about a deformation. An unfinished
+    /// attempt at another problem goes on as one without a start, from where the shaft is.
+    pub fn turn_to(&mut self, given: &[Given<T>; D], s: T, grown: T) {
+        if !(grown <= T::ONE) {
+            self.load_scale = T::ZERO;
+        }
+        if self.attempt.termination == Termination::Unfinished
+            && (grown > T::ZERO || s != self.s || *given != self.given)
+        {
+            (self.attempt.started, self.attempt.control.last) = (false, None);
+        }
+        self.given = *given;
+    }
 
     /// Displacement of the centre.
     pub fn displacement(&self, plane: T) -> [T; D] {

@@ -105,13 +105,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             T::ZERO
         };
         let rows = layout.bearings.iter().zip(&layout.mounts);
+        let mut most = T::ZERO;
         for ((row, mount), (point, growth)) in rows.zip(self.points.iter_mut().zip(grown)) {
             let [axial, ..] = mount.motion::<D, SET>(&self.state.u);
             let (s, size) = (s * mount.inertia, problem.load_scale / mount.force);
-            if !point.set(row.c, s, size, growth, axial + mount.closure) {
-                self.state.load_scale = T::ZERO;
-            }
+            most = most.at_least(point.set(row.c, s, size, growth, axial + mount.closure));
         }
+        self.state.turn_to(given, s, most);
         self.speed = speed;
         Ok(problem)
     }

@@ -7,8 +7,8 @@ use host_tests::milling_cycle::{Place, recorded};
 use host_tests::telemetry::simulated::monitored;
 use rayon::prelude::*;
 use spindle_bearing::{
-    Arrangement, Bearing, Facing, Full, Given, Growth, Mounted, Preload, Real, Settings, Solver,
-    Speed, Spindle, SpindleSolution, SpindleSolver, SprungSpindle, Status,
+    Arrangement, Bearing, Design, Facing, Full, Given, Growth, Mounted, Preload, Real, Settings,
+    Solver, Speed, Spindle, SpindleSolution, SpindleSolver, SprungSpindle, Status,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -268,6 +268,80 @@ fn no_estimate_of_a_pair_that_cuts_is_older_than_3_ms() {
         })
         .collect();
     assert!(ages.iter().all(|age| *age <= 3), "{ages:?}");
+}
+
+/// Loads that change at every call, with fewer iterations than it takes to follow them.
+#[test]
+fn no_load_that_changes_is_called_one_without_an_equilibrium() {
+    fn chase<T: Real>(max_iterations: u16, tolerance: f64) {
+        let bearing = Bearing::<T, 16>::of(&B7005C).unwrap();
+        let preload = Preload::Force(T::of(200.0));
+        let pair = Spindle::pair(Arrangement::BackToBack, &bearing, T::of(0.1), preload);
+        let mut solver = SpindleSolver::new(pair.unwrap());
+        let settings = Settings {
+            max_iterations,
+            tolerance: T::of(tolerance),
+        };
+        let mut random = Random::seeded(u64::from(max_iterations));
+        for call in 0..4000 {
+            let load = [
+                [0.0, 300.0],
+                [100.0, 250.0],
+                [0.0, 250.0],
+                [0.0, 1.0],
+                [0.0, 1.0],
+            ];
+            let load = load.map(|[middle, most]| T::of(middle + random.between(-most, most)));
+            let speed = Speed::rpm(T::of(random.between(18_000.0, 22_000.0)));
+            let ended = solver.solve(load, speed, &settings).map(|_| ());
+            let goes_on = matches!(ended, Ok(()) | Err(Status::IterationLimit));
+            assert!(goes_on, "{call}, {max_iterations} iterations: {ended:?}");
+        }
+        // The newest load has an equilibrium, whatever was chased before.
+        let load = [0.0, 100.0, 0.0, 0.0, 0.0].map(T::of);
+        let solved = solver.solve(load, Speed::rpm(T::of(20_000.0)), &Settings::default());
+        assert!(solved.is_ok());
+    }
+    (1..=4_u16).into_par_iter().for_each(|cap| {
+        chase::<f32>(cap, 1e-3);
+        chase::<f32>(cap, 2e-5);
+        chase::<f64>(cap, 3e-13);
+    });
+}
+
+/// A growth that changes makes another problem, too.
+#[test]
+fn a_problem_without_an_equilibrium_is_called_one_after_any_number_of_calls() {
+    let design = Design {
+        outer_groove_factor: 0.53,
+        inner_groove_factor: 0.53,
+        ..Design::angular_contact(9.525e-3, 46e-3, 40_f64.to_radians())
+    };
+    let bearing = Bearing::<f64, 12>::new(&design).unwrap();
+    let speed = Speed::rpm(10_000.0);
+    let given = [50.0, 500.0, 0.0, 0.0, -1.0].map(Given::Load);
+    let settings = Settings {
+        max_iterations: 3,
+        ..Settings::default()
+    };
+    let mut solver = Solver::new(&bearing);
+    let whole = solver.solve_at(&given, speed, &Growth::NONE, &Settings::default());
+    let whole = whole.map(|_| ()).unwrap_err();
+    assert_eq!(whole.name(), "diverged");
+    for (changes, calls) in [(false, 60), (true, 300)] {
+        let mut solver = Solver::new(&bearing);
+        let ended = (0..calls).find_map(|call| {
+            let growth = Growth {
+                radial: if changes { 1e-9 * f64::from(call) } else { 0.0 },
+                ..Growth::NONE
+            };
+            let ended = solver
+                .solve_at(&given, speed, &growth, &settings)
+                .map(|_| ());
+            (ended != Err(Status::IterationLimit)).then_some(ended)
+        });
+        assert_eq!(ended, (!changes).then_some(Err(whole)));
+    }
 }
 
 #[test]
