@@ -68,6 +68,7 @@ quantities! {
     AxialSupport => "axial stiffness of the support (N/m)",
     RadialSupport => "radial stiffness of the support (N/m)",
     TiltingSupport => "tilting stiffness of the support (N m/rad)",
+    Tolerance => "tolerance of the stiffness",
     LoadPosition => "position of the load, from x = 0 (m)",
 }
 
@@ -157,7 +158,8 @@ pub enum Status<T> {
     Unloaded,
     /// The loaded balls leave the ring free to move in some direction: position and stiffness are not determined.
     ///
-    /// Mostly, fewer than three balls carry: a single angular contact row needs an axial load, or another row that faces it.
+    /// Mostly, fewer than three balls carry: a single row needs an axial load, or another row that faces it. Held tilts suffice
+    /// where two balls carry.
     Indeterminate {
         /// Number of balls that carry load.
         loaded_balls: u16,
@@ -166,6 +168,8 @@ pub enum Status<T> {
     },
     /// No equilibrium was found. That does not prove that there is none; under a small axial load at a high speed, mostly
     /// there is none.
+    ///
+    /// Said of a problem that has had a start, and all iterations from there on: not where every call is asked another one.
     Diverged {
         /// Unbalanced force relative to the load; 1 where it is not known.
         residual: T,
@@ -216,11 +220,17 @@ impl<T: fmt::Display + fmt::LowerExp> fmt::Display for Status<T> {
                 free: Quantity::Closure,
                 ..
             } => f.write_str("no ball holds the sleeve: more force of the spring"),
-            Self::Indeterminate { loaded_balls, free } => write!(
-                f,
-                "{loaded_balls} loaded balls leave the ring free to move, above all in {free}: a single \
-                 angular contact row needs an axial load"
-            ),
+            Self::Indeterminate { loaded_balls, free } => {
+                write!(
+                    f,
+                    "{loaded_balls} loaded balls leave the ring free to move, above all in {free}: "
+                )?;
+                // One ball leaves a ring free to move sideways, too.
+                if *loaded_balls > 1 && matches!(free, Quantity::Ty | Quantity::Tz) {
+                    f.write_str("hold the tilts, or ")?;
+                }
+                f.write_str("preload it by an axial load or by a row that faces it")
+            }
             Self::Diverged { residual } => write!(
                 f,
                 "no equilibrium found (residual {residual:e} of the load): a single angular contact row \

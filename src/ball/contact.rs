@@ -186,16 +186,15 @@ impl<T: Real> Point<T> {
         }
     }
 
-    /// [`Point::new`] with the references that there were, the ring's reference position being `axial`. Whether a solution at
-    /// the last growth is a start for the next one: it differs by no more than a unit of length, about a deformation.
-    pub fn set(&mut self, c: &Constants<T>, s: T, size: T, growth: Growth<T>, axial: T) -> bool {
+    /// [`Point::new`] with the references that there were, the ring's reference position being `axial`. Change of the growth.
+    pub fn set(&mut self, c: &Constants<T>, s: T, size: T, growth: Growth<T>, axial: T) -> T {
         let (centres, outer) = (self.centres.vector, self.outer.vector);
         let grown = (growth.axial - self.growth.axial).abs()
             + (growth.radial - self.growth.radial).abs()
             + (growth.ball - self.growth.ball).abs();
         *self = Self::new(c, s, size, growth);
         self.refer(c, axial, centres, outer);
-        grown <= T::ONE
+        grown
     }
 
     /// Has offsets count from where the ring is displaced by `axial`, and the balls are taut between the grooves' centres.

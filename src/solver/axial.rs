@@ -112,6 +112,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
+        let problem = Problem::new(settings.tolerance)?;
         let given = given_in_units(c, 0, c.balls, asked)?;
         let none = Growth::NONE;
         let growth = growth.unwrap_or(&none);
@@ -129,10 +130,10 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             T::ZERO
         };
         if M::AT_SPEED && s > T::ZERO {
-            if !self.last.points[0].set(c, s, size, growth, self.last.state.u[0]) {
-                self.last.state.load_scale = T::ZERO;
-            }
-            return self.at_speed(asked, given, settings);
+            let state = &mut self.last.state;
+            let grown = self.last.points[0].set(c, s, size, growth, state.u[0]);
+            state.turn_to(&[given], s, grown);
+            return self.at_speed(asked, given, problem, settings);
         }
         self.last.points[0] = Point::new(c, s, size, growth);
         if M::AT_SPEED {
@@ -209,6 +210,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         &mut self,
         asked: Given<T>,
         given: Given<T>,
+        mut problem: Problem<T, 1>,
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
@@ -216,7 +218,6 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             balls: T::ONE,
             ..*c
         };
-        let mut problem = Problem::new(settings.tolerance);
         match given {
             Given::Load(load) => {
                 problem.load[0] = load / c.balls;

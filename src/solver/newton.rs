@@ -197,7 +197,7 @@ impl<T: Real, const D: usize> State<T, D> {
         time: &mut Time<'_>,
     ) -> Termination {
         let plane = shaft.layout.plane;
-        while !self.attempt.is_used_up() {
+        while !self.attempt.is_used_up(time.taken) {
             let near = shaft.condense::<A>(&self.v, ds);
             shaft.sum::<A>(&mut self.sum);
             (self.at, self.stale, self.plain) = (self.v, false, false);
@@ -271,7 +271,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 break;
             }
         }
-        if self.attempt.is_used_up() {
+        if self.attempt.is_used_up(time.taken) {
             Termination::Lost
         } else {
             Termination::Unfinished

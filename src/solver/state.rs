@@ -5,7 +5,7 @@ use crate::linalg::{Factors, moved, norm, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::shaft::row::Sum;
-use crate::solver::problem::Problem;
+use crate::solver::problem::{Given, Problem};
 use crate::status::Status;
 use crate::tuning;
 
@@ -27,6 +27,8 @@ pub struct State<T, const D: usize> {
     pub load: [T; D],
     pub load_scale: T,
     pub s: T,
+    /// Loads or displacements as they were given to it.
+    pub given: [Given<T>; D],
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     pub weak: bool,
     /// The last attempt, and how it ended.
@@ -46,9 +48,26 @@ impl<T: Real, const D: usize> State<T, D> {
         load: [T::ZERO; D],
         load_scale: T::ZERO,
         s: T::ZERO,
+        given: [Given::Load(T::ZERO); D],
         weak: false,
         attempt: Attempt::NONE,
     };
+
+    /// Takes note of the problem of the next solve: given quantities, inertia, change of the growth.
+    ///
+    /// A solution is a start where the growth differs by no more than a unit of length, about a deformation. An unfinished
+    /// attempt at another problem goes on as one without a start, from where the shaft is.
+    pub fn turn_to(&mut self, given: &[Given<T>; D], s: T, grown: T) {
+        if !(grown <= T::ONE) {
+            self.load_scale = T::ZERO;
+        }
+        if self.attempt.termination == Termination::Unfinished
+            && (grown > T::ZERO || s != self.s || *given != self.given)
+        {
+            (self.attempt.started, self.attempt.control.last) = (false, None);
+        }
+        self.given = *given;
+    }
 
     /// Displacement of the centre.
     pub fn displacement(&self, plane: T) -> [T; D] {
@@ -127,10 +146,12 @@ impl<T: Real, const D: usize> Attempt<T, D> {
         self.control.last = None;
     }
 
-    /// The attempt has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near.
-    pub fn is_used_up(&self) -> bool {
+    /// The attempt has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near. One from the last
+    /// solution, `taken` iterations long in this call, leaves as many for a start.
+    pub fn is_used_up(&self, taken: u16) -> bool {
         self.taken >= 2 * tuning::ATTEMPT
             || (self.taken > tuning::ATTEMPT && self.report.residual > T::of(tuning::COARSE))
+            || (!self.started && taken > tuning::ATTEMPT)
     }
 }
 
@@ -258,17 +279,25 @@ impl<T: Real, const D: usize> State<T, D> {
         } = &self.attempt;
         let (termination, estimate, step) = (*termination, report.estimate, report.step);
         let margin = T::of(tuning::MARGIN);
-        let stiffness = match termination {
+        // What holds for the sleeve's freedom, too, is no measure of the shaft's.
+        let is_sprung = D == 6 && termination == Termination::Unfinished;
+        let mut stiffness = match termination {
             // The estimate is above what a long step changes by itself.
             Termination::Unfinished if self.stale => estimate.corrected(),
             // A ball is out of balance, or a correction makes the stiffness no better: nothing is known of it.
+            Termination::Unfinished if is_sprung => margin * estimate.k.at_least(T::ONE),
             Termination::Unfinished => estimate.k.at_least(T::ONE),
             _ => margin * estimate.k,
         };
+        if is_sprung {
+            stiffness = self.without_sleeve() * stiffness;
+        }
         let rounding = rounding(estimate.largest, &self.at);
         // Where rounding ends a solve, the balance is as good as the balls' forces, and the last step is not taken.
         let (unbalanced, untaken) = if termination == Termination::Rounded {
             (rounding, step)
+        } else if is_sprung {
+            (margin * estimate.force, T::ZERO)
         } else {
             (T::EPSILON, T::ZERO)
         };
@@ -280,12 +309,34 @@ impl<T: Real, const D: usize> State<T, D> {
         let rounding = rounding + constants;
         let displacement =
             constants + T::of(8.0) * T::EPSILON + (step + moved) / norm(u).at_least(T::TINY);
+        // Nothing is known of what the next steps change, either.
+        let unknown = if is_sprung && stiffness >= T::ONE {
+            stiffness
+        } else {
+            T::ZERO
+        };
         ErrorEstimate {
-            displacement,
+            displacement: displacement.at_least(unknown),
             // Rounding of the ring's displacement, too, changes deformations.
-            force: margin * estimate.force + rounding + rounding,
+            force: (margin * estimate.force + rounding + rounding).at_least(unknown),
             stiffness: stiffness + rounding,
         }
+    }
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// Error of the shaft's stiffness with the spring's force held over that of the whole, each relative to its diagonal: it
+    /// is the difference `K_ij - K_i5 K_5j / K_55`.
+    fn without_sleeve(&self) -> T {
+        let k = &self.sum.k;
+        let sleeve = k[D - 1][D - 1].abs().at_least(T::TINY);
+        let mut largest = T::ONE;
+        for i in 0..D - 1 {
+            let (whole, part) = (k[i][i], k[i][D - 1] * (k[D - 1][i] / sleeve));
+            let left = (whole - part).abs().at_least(T::EPSILON * whole.abs());
+            largest = largest.at_least((whole.abs() + part.abs()) / left.at_least(T::TINY));
+        }
+        largest
     }
 }
 

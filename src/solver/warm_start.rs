@@ -79,7 +79,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         tolerance: T,
     ) -> Result<Problem<T, D>, Status<T>> {
         let unit = layout.bearings[0].c;
-        let mut problem = Problem::new(tolerance);
+        let mut problem = Problem::new(tolerance)?;
         for (i, given) in given.iter().enumerate() {
             match given_in_units(unit, i, layout.ball_count, *given)? {
                 Given::Load(load) => problem.load[i] = load,
@@ -105,13 +105,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             T::ZERO
         };
         let rows = layout.bearings.iter().zip(&layout.mounts);
+        let mut most = T::ZERO;
         for ((row, mount), (point, growth)) in rows.zip(self.points.iter_mut().zip(grown)) {
             let [axial, ..] = mount.motion::<D, SET>(&self.state.u);
             let (s, size) = (s * mount.inertia, problem.load_scale / mount.force);
-            if !point.set(row.c, s, size, growth, axial + mount.closure) {
-                self.state.load_scale = T::ZERO;
-            }
+            most = most.at_least(point.set(row.c, s, size, growth, axial + mount.closure));
         }
+        self.state.turn_to(given, s, most);
         self.speed = speed;
         Ok(problem)
     }
@@ -349,7 +349,7 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
-    /// any load.
+    /// any load, but not by any displacement.
     fn is_near<const R: usize, const SET: bool, const E: usize>(
         &self,
         shaft: &Shaft<'_, T, R, SET, E, D>,
@@ -369,7 +369,7 @@ impl<T: Real, const D: usize> State<T, D> {
             self.load_scale
         };
         self.load_scale > T::ZERO
-            && (shaft.layout.fixed.opposed || norm(&change) <= smaller)
+            && (shaft.layout.fixed.opposed && problem.is_free || norm(&change) <= smaller)
             && (s - self.s).abs() * balls <= half * (self.s * balls + self.load_scale)
             && (s > T::ZERO) == (self.s > T::ZERO)
     }

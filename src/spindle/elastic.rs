@@ -87,8 +87,11 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
     ///
     /// # Errors
     ///
-    /// [`SpindleError::Load`], for a load or a position that is out of range.
+    /// [`SpindleError::Load`], for a load or a position that is out of range; [`SpindleError::HasLoads`] on a second call.
     pub fn with_loads(mut self, loads: &'b [ShaftLoad<T>]) -> Result<Self, SpindleError<T>> {
+        if self.shaft.iter().any(|shaft| !shaft.loads.is_empty()) {
+            return Err(SpindleError::HasLoads);
+        }
         let unit = self.layout.bearings[0].c;
         for (number, load) in loads.iter().enumerate() {
             let refused = |status| SpindleError::Load {

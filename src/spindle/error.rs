@@ -81,6 +81,8 @@ pub enum SpindleError<T> {
         /// Which figure, and its range.
         status: Status<T>,
     },
+    /// The shaft has its constant loads already.
+    HasLoads,
 }
 
 impl<T: Real> fmt::Display for SpindleError<T> {
@@ -128,6 +130,7 @@ impl<T: Real> fmt::Display for SpindleError<T> {
                 "row {row}: {quantity} is {value:e}, but must be {least:e} at least; an infinite one is rigid"
             ),
             Self::Load { load, status } => write!(f, "constant load {load}: {status}"),
+            Self::HasLoads => f.write_str("the shaft has constant loads already: give all of them in one call"),
         }
     }
 }

@@ -8,7 +8,7 @@ use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, Balls, with_solver};
 use spindle_bearing::{
     Arrangement, Bearing, Growth, Material, Preload, Section, Settings, Shaft, ShaftEnd, ShaftLoad,
-    Speed, Spindle, SpindleSolver, Support,
+    Speed, Spindle, SpindleError, SpindleSolver, Support,
 };
 use std::path::Path;
 
@@ -367,4 +367,26 @@ fn wild_values_end_in_an_answer_or_a_message() {
         }
     }
     assert!(solved > 100, "{solved}");
+}
+
+#[test]
+fn constant_loads_are_given_in_one_call() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let shaft = Shaft::<f64, 0>::new(&[], &Material::STEEL).unwrap();
+    let rigid = Spindle::pair(
+        Arrangement::BackToBack,
+        &bearing,
+        0.1,
+        Preload::Force(200.0),
+    );
+    let spindle = rigid.unwrap().elastic(&shaft, [Support::RIGID; 2]).unwrap();
+    let belt = [ShaftLoad {
+        position: 0.15,
+        load: LOAD,
+    }];
+    let loaded = spindle
+        .with_loads(&[])
+        .and_then(|set| set.with_loads(&belt));
+    let again = loaded.unwrap().with_loads(&belt);
+    assert_eq!(again.err(), Some(SpindleError::HasLoads));
 }

@@ -3,9 +3,10 @@
 use super::solves::{
     Balls, PRECISIONS, Question, SKEW, apart, forces, lengths, loads, solver, vector_error,
 };
-use host_tests::cases::{B7005C, rad_per_s};
+use host_tests::cases::{B7005C, Random, rad_per_s};
 use host_tests::dispatch::Precision;
 use proptest::prelude::*;
+use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Bearing, Facing, Given, Growth, Mounted, Preload, Quantity, Real, Settings, Speed,
     Spindle, SpindleSolver, Status,
@@ -128,4 +129,50 @@ proptest! {
         let e = apart(&B7005C, &back, &found);
         prop_assert!(e < 1e-8, "{e:.1e}");
     }
+}
+
+/// Rows that hold each other are pressed under any load, but given displacements may be anywhere.
+#[test]
+fn given_displacements_are_answered_warm_as_cold() {
+    fn check<T: Real>(seed: u64) {
+        let bearing = Bearing::<T, 16>::of(&B7005C).unwrap();
+        let preload = Preload::Force(T::of(200.0));
+        let pair = Spindle::pair(Arrangement::BackToBack, &bearing, T::of(0.1), preload).unwrap();
+        let (mut warm, mut cold) = (SpindleSolver::new(pair), SpindleSolver::new(pair));
+        let (growth, settings) = ([Growth::NONE; 2], Settings::default());
+        let mut random = Random::seeded(seed);
+        for number in 0..500 {
+            warm.reset();
+            cold.reset();
+            let is_still = number % 3 == 0;
+            let omega = if is_still {
+                0.0
+            } else {
+                random.between(0.0, 2600.0)
+            };
+            let speed = Speed::rad_per_s(T::of(omega));
+            let size = if is_still { 0.0 } else { 1.0 };
+            let mut load = |most: [f64; 5]| most.map(|most| T::of(random.between(-most, most)));
+            let before = load([300.0, 300.0, 300.0, 3.0, 3.0]).map(|x| T::of(size) * x);
+            let loads = load([100.0, 200.0, 200.0, 2.0, 2.0]);
+            let displaced = load([5e-6, 5e-6, 5e-6, 1e-4, 1e-4]);
+            let far = T::of(random.log_between(0.1, 10.0));
+            let given = from_fn(|i| match random.chance(0.5) {
+                true => Given::Displacement(far * displaced[i]),
+                false => Given::Load(loads[i]),
+            });
+            warm.solve(before, speed, &settings).unwrap();
+            let warm = warm
+                .solve_given(&given, speed, &growth, &settings)
+                .map(|_| ());
+            let cold = cold
+                .solve_given(&given, speed, &growth, &settings)
+                .map(|_| ());
+            assert_eq!(warm.is_ok(), cold.is_ok(), "{given:?}: {warm:?}, {cold:?}");
+        }
+    }
+    (0..4_u64).into_par_iter().for_each(|seed| {
+        check::<f32>(seed);
+        check::<f64>(seed);
+    });
 }

@@ -7,7 +7,7 @@ use host_tests::cases::{B218, B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
 use spindle_bearing::{
     Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Full, Given, Motion, Mounted,
-    Quantity, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
+    Preload, Quantity, Real, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
 };
 use std::f64::consts::PI;
 
@@ -75,6 +75,93 @@ fn input_that_is_not_finite_or_absurd_is_named() {
                 assert_eq!(quantity, expected);
                 assert_eq!(value.to_bits(), (bad as f32).to_bits());
             }
+        }
+    }
+}
+
+#[test]
+fn a_tolerance_that_is_none_is_named_and_one_of_0_ends_by_rounding() {
+    fn statuses<T: Real>(tolerance: f64, omega: f64) -> [Result<Status<T>, Status<T>>; 3] {
+        let bearing = Bearing::<T, 16>::of(&B7005C).unwrap();
+        let spindle = Spindle::pair(
+            Arrangement::BackToBack,
+            &bearing,
+            T::of(0.1),
+            Preload::Force(T::of(200.0)),
+        );
+        let (load, speed) = (SKEW.map(T::of), Speed::rad_per_s(T::of(omega)));
+        let settings = Settings {
+            tolerance: T::of(tolerance),
+            ..Settings::default()
+        };
+        let one = Solver::new(&bearing)
+            .solve(load, speed, &settings)
+            .map(|found| found.status);
+        let set = SpindleSolver::new(spindle.unwrap())
+            .solve(load, speed, &settings)
+            .map(|found| found.status);
+        let axial = AxialSolver::new(&bearing)
+            .solve(load[0], speed, &settings)
+            .map(|found| found.status);
+        [one, set, axial]
+    }
+    fn check<T: Real>() {
+        for omega in [0.0, rad_per_s(10_000.0)] {
+            for bad in [f64::NAN, f64::INFINITY, -1e-3] {
+                for status in statuses::<T>(bad, omega) {
+                    let (quantity, value) = match status {
+                        Err(Status::NotFinite { quantity, value }) => (quantity, value),
+                        Err(Status::OutOfRange {
+                            quantity, value, ..
+                        }) => (quantity, value),
+                        other => panic!("{bad}: {other:?}"),
+                    };
+                    assert_eq!(quantity, Quantity::Tolerance);
+                    assert_eq!(value.to_f64().to_bits(), T::of(bad).to_f64().to_bits());
+                }
+            }
+            for tolerance in [0.0, 1e-20] {
+                let [one, set, _] = statuses::<T>(tolerance, omega);
+                assert_eq!(
+                    [one, set],
+                    [Ok(Status::PrecisionLimit); 2],
+                    "{tolerance} at {omega}"
+                );
+            }
+        }
+    }
+    check::<f32>();
+    check::<f64>();
+}
+
+/// A 608 with a clearance of 8 um.
+#[test]
+fn the_advice_to_a_ring_that_is_free_to_move_helps() {
+    let design = Design {
+        free_contact: FreeContact::DiametralClearance(8e-6),
+        ..Design::angular_contact(3.969e-3, 15e-3, 0.0)
+    };
+    let bearing = Bearing::<f64, 7>::new(&design).unwrap();
+    let settings = Settings::default();
+    for rpm in [0.0, 10_000.0] {
+        let speed = Speed::rpm(rpm);
+        let under = |load| {
+            let mut solver = Solver::new(&bearing);
+            solver.solve(load, speed, &settings).map(|_| ())
+        };
+        // On one ball, and between two.
+        for (y, z, helps_to_hold) in [(10.0, 0.0, false), (10.0, 3.0, true)] {
+            let advice = under([0.0, y, z, 0.0, 0.0]).unwrap_err().to_string();
+            assert!(advice.contains("preload it by an axial load or by a row that faces it"));
+            assert_eq!(advice.contains("hold the tilts"), helps_to_hold, "{advice}");
+            let mut held = Solver::<_, 7, Full, 3>::of(&bearing);
+            let held = held.solve([0.0, y, z], speed, &settings);
+            assert_eq!(held.is_ok(), helps_to_hold);
+            assert_eq!(under([5.0, y, z, 0.0, 0.0]), Ok(()));
+            let preload = Preload::Force(10.0);
+            let pair = Spindle::pair(Arrangement::BackToBack, &bearing, 0.03, preload).unwrap();
+            let mut faced = SpindleSolver::new(pair);
+            assert!(faced.solve([0.0, y, z, 0.0, 0.0], speed, &settings).is_ok());
         }
     }
 }

@@ -8,7 +8,7 @@ use host_tests::cases::{B7005C, rad_per_s};
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::Precision;
 use proptest::prelude::*;
-use spindle_bearing::{Bearing, Growth, Settings, Solver, Speed, Status};
+use spindle_bearing::{Bearing, Design, Growth, Settings, Solver, Speed, Status};
 
 #[test]
 fn solutions_do_not_depend_on_history() {
@@ -119,6 +119,32 @@ fn a_solve_that_ends_at_the_iteration_limit_is_gone_on_with_by_the_next_one() {
             assert!(e < 1e-11, "{what}: {e:.1e}");
         }
     }
+}
+
+/// A cold solve of this load diverges. Its neighbours lead to it: a large radial load, a steep contact, next to no axial load.
+#[test]
+fn a_load_that_the_start_misses_is_answered_from_its_neighbours() {
+    let design = Design {
+        inner_groove_factor: 0.52,
+        outer_groove_factor: 0.52,
+        ..Design::angular_contact(9.525e-3, 46e-3, 40_f64.to_radians())
+    };
+    let bearing = Bearing::<f64, 12>::new(&design).unwrap();
+    let mut solver = Solver::new(&bearing);
+    let mut solve = |fx| {
+        let load = [fx, 500.0, 0.0, 0.0, -1.0];
+        let found = solver.solve(load, Speed::rpm(10_000.0), &Settings::default());
+        found.map(|found| found.displacement)
+    };
+    let truth = [-130.789e-6, 100.431e-6, 0.0, 0.0, 3.40967e-3];
+    let is_true = |u| vector_error(u, truth, lengths(&design)) < 1e-5;
+    match solve(50.0) {
+        Ok(u) => assert!(is_true(u), "cold: {u:?}"),
+        Err(status) => assert!(matches!(status, Status::Diverged { .. }), "{status}"),
+    }
+    let found = (0..=65).map(|step| solve(700.0 - 10.0 * f64::from(step)));
+    let u = found.map(Result::unwrap).last().unwrap();
+    assert!(is_true(u), "{u:?}");
 }
 
 proptest! {

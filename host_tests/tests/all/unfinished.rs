@@ -1,12 +1,15 @@
 //! Solves that are stopped: the states that they have reached, and how the next one goes on from there.
 
-use super::solves::SKEW;
-use host_tests::cases::B7005C;
+use super::solves::{SKEW, lengths, vector_error};
+use host_tests::cases::{B7005C, Random};
 use host_tests::compare::stiffness_error;
 use host_tests::milling_cycle::{Place, recorded};
 use host_tests::telemetry::simulated::monitored;
 use rayon::prelude::*;
-use spindle_bearing::{Bearing, Given, Growth, Settings, Solver, Speed, SpindleSolver, Status};
+use spindle_bearing::{
+    Arrangement, Bearing, Design, Facing, Full, Given, Growth, Mounted, Preload, Real, Settings,
+    Solver, Speed, Spindle, SpindleSolution, SpindleSolver, SprungSpindle, Status,
+};
 use std::f64::consts::{PI, TAU};
 
 /// A tick of one bearing: whether it was solved, and the errors of its stiffness, true and as stated.
@@ -101,6 +104,105 @@ fn a_tick_without_an_answer_has_a_stiffness_within_the_error_that_it_states() {
     }
 }
 
+/// Figures of a sprung pair: displacements, contact forces, stiffness, and their stated errors.
+type Figures = ([f64; 5], Vec<f64>, [[f64; 5]; 5], [f64; 3]);
+
+fn figures<T: Real>(found: &SpindleSolution<'_, T, 2, 16, Full, 6>) -> Figures {
+    let forces = found.rows().flat_map(|row| {
+        let forces = row
+            .balls()
+            .flat_map(|ball| [ball.q_i, ball.q_o].map(T::to_f64));
+        forces.collect::<Vec<_>>()
+    });
+    let error = found.error;
+    (
+        found.displacement.map(T::to_f64),
+        forces.collect(),
+        found.stiffness().map(|row| row.map(T::to_f64)),
+        [error.displacement, error.force, error.stiffness].map(T::to_f64),
+    )
+}
+
+/// With the spring's force held, the shaft's axial stiffness is a difference. Loads jump at every tick.
+#[test]
+fn a_sprung_set_without_an_answer_states_errors_that_hold() {
+    fn spindle<T: Real>(bearing: &Bearing<T, 16>) -> SprungSpindle<'_, T, 2, 16> {
+        let row = |x, facing| Mounted::<T, 16>::new(bearing, T::of(x), facing);
+        let sleeve = row(0.1, Facing::MinusX).with(Preload::Spring);
+        let rows = [row(0.0, Facing::PlusX), sleeve];
+        Spindle::sprung(Arrangement::ByRows, rows, T::of(200.0)).unwrap()
+    }
+    /// Ticks of loads that jump, with so many iterations each: how many are stopped, and state an error that is 3 times too small.
+    fn cut(max_iterations: u16, is_square: bool) -> [usize; 2] {
+        let single = Bearing::<f32, 16>::new(&B7005C).unwrap();
+        let double = Bearing::<f64, 16>::new(&B7005C).unwrap();
+        let mut solver = SpindleSolver::new(spindle(&single));
+        let mut judge = SpindleSolver::new(spindle(&double));
+        let mut random = Random::seeded(u64::from(max_iterations));
+        let settings = Settings {
+            max_iterations,
+            ..Settings::TICK
+        };
+        let mut counts = [0; 2];
+        for _ in 0..1500 {
+            let mut load = [
+                [0.0, 300.0],
+                [100.0, 250.0],
+                [0.0, 250.0],
+                [0.0, 1.0],
+                [0.0, 1.0],
+            ]
+            .map(|[middle, most]| {
+                let part = random.between(-1.0, 1.0);
+                let part = if is_square { part.signum() } else { part };
+                (middle + most * part) as f32
+            });
+            load[0] += 30.0;
+            let speed = Speed::rpm(20_000.0);
+            if solver.solve(load, speed, &settings).is_ok() {
+                continue;
+            }
+            let Some(found) = solver.unfinished() else {
+                continue;
+            };
+            let (u, q, k, stated) = figures(&found);
+            judge.reset();
+            let truth = judge.solve(
+                load.map(f64::from),
+                Speed::rpm(20_000.0),
+                &Settings::default(),
+            );
+            let Ok(truth) = truth else { continue };
+            let (true_u, true_q, true_k, _) = figures(&truth);
+            let largest = true_q.iter().copied().fold(0.0, f64::max);
+            let off = q.iter().zip(&true_q).map(|(q, t)| (q - t).abs() / largest);
+            let errors = [
+                vector_error(u, true_u, lengths(&B7005C)),
+                off.fold(0.0, f64::max),
+                stiffness_error(&k, &true_k),
+            ];
+            counts[0] += 1;
+            let holds = errors
+                .iter()
+                .zip(stated)
+                .all(|(e, stated)| *e <= 3.0 * stated);
+            counts[1] += usize::from(!holds);
+        }
+        counts
+    }
+    let cuts: Vec<_> = (1..=4)
+        .flat_map(|cap| [(cap, false), (cap, true)])
+        .collect();
+    let counts = cuts
+        .par_iter()
+        .map(|(cap, is_square)| cut(*cap, *is_square));
+    let [stopped, wrong] = counts.reduce(|| [0; 2], |[a, b], [c, d]| [a + c, b + d]);
+    assert!(
+        stopped > 5000 && 1000 * wrong <= stopped,
+        "{wrong} of {stopped}"
+    );
+}
+
 /// Passing teeth, ramps and the recorded cycle on the monitored pair, at 1 kHz.
 #[test]
 fn no_estimate_of_a_pair_that_cuts_is_older_than_3_ms() {
@@ -166,6 +268,80 @@ fn no_estimate_of_a_pair_that_cuts_is_older_than_3_ms() {
         })
         .collect();
     assert!(ages.iter().all(|age| *age <= 3), "{ages:?}");
+}
+
+/// Loads that change at every call, with fewer iterations than it takes to follow them.
+#[test]
+fn no_load_that_changes_is_called_one_without_an_equilibrium() {
+    fn chase<T: Real>(max_iterations: u16, tolerance: f64) {
+        let bearing = Bearing::<T, 16>::of(&B7005C).unwrap();
+        let preload = Preload::Force(T::of(200.0));
+        let pair = Spindle::pair(Arrangement::BackToBack, &bearing, T::of(0.1), preload);
+        let mut solver = SpindleSolver::new(pair.unwrap());
+        let settings = Settings {
+            max_iterations,
+            tolerance: T::of(tolerance),
+        };
+        let mut random = Random::seeded(u64::from(max_iterations));
+        for call in 0..4000 {
+            let load = [
+                [0.0, 300.0],
+                [100.0, 250.0],
+                [0.0, 250.0],
+                [0.0, 1.0],
+                [0.0, 1.0],
+            ];
+            let load = load.map(|[middle, most]| T::of(middle + random.between(-most, most)));
+            let speed = Speed::rpm(T::of(random.between(18_000.0, 22_000.0)));
+            let ended = solver.solve(load, speed, &settings).map(|_| ());
+            let goes_on = matches!(ended, Ok(()) | Err(Status::IterationLimit));
+            assert!(goes_on, "{call}, {max_iterations} iterations: {ended:?}");
+        }
+        // The newest load has an equilibrium, whatever was chased before.
+        let load = [0.0, 100.0, 0.0, 0.0, 0.0].map(T::of);
+        let solved = solver.solve(load, Speed::rpm(T::of(20_000.0)), &Settings::default());
+        assert!(solved.is_ok());
+    }
+    (1..=4_u16).into_par_iter().for_each(|cap| {
+        chase::<f32>(cap, 1e-3);
+        chase::<f32>(cap, 2e-5);
+        chase::<f64>(cap, 3e-13);
+    });
+}
+
+/// A growth that changes makes another problem, too.
+#[test]
+fn a_problem_without_an_equilibrium_is_called_one_after_any_number_of_calls() {
+    let design = Design {
+        outer_groove_factor: 0.53,
+        inner_groove_factor: 0.53,
+        ..Design::angular_contact(9.525e-3, 46e-3, 40_f64.to_radians())
+    };
+    let bearing = Bearing::<f64, 12>::new(&design).unwrap();
+    let speed = Speed::rpm(10_000.0);
+    let given = [50.0, 500.0, 0.0, 0.0, -1.0].map(Given::Load);
+    let settings = Settings {
+        max_iterations: 3,
+        ..Settings::default()
+    };
+    let mut solver = Solver::new(&bearing);
+    let whole = solver.solve_at(&given, speed, &Growth::NONE, &Settings::default());
+    let whole = whole.map(|_| ()).unwrap_err();
+    assert_eq!(whole.name(), "diverged");
+    for (changes, calls) in [(false, 60), (true, 300)] {
+        let mut solver = Solver::new(&bearing);
+        let ended = (0..calls).find_map(|call| {
+            let growth = Growth {
+                radial: if changes { 1e-9 * f64::from(call) } else { 0.0 },
+                ..Growth::NONE
+            };
+            let ended = solver
+                .solve_at(&given, speed, &growth, &settings)
+                .map(|_| ());
+            (ended != Err(Status::IterationLimit)).then_some(ended)
+        });
+        assert_eq!(ended, (!changes).then_some(Err(whole)));
+    }
 }
 
 #[test]
