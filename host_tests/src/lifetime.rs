@@ -13,7 +13,9 @@ const FIRST_STEPS: usize = 100;
 /// A step of so many usual ones is a pause of the logger.
 const PAUSE: f64 = 10.0;
 
-/// Sums over a recording. A record holds until the next one; the last, and one after which the time goes back, as long as the one
+/// Sums over a recording.
+///
+/// A record holds until the next one; the last, and one after which the time goes back, as long as the one
 /// before it; one before a pause for the usual step. Where no time passes at all, every record holds for a second.
 #[derive(Debug, Default, Serialize)]
 pub struct Lifetime {

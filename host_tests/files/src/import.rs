@@ -361,13 +361,11 @@ impl Import {
                 Entry::Absent if own == Quantity::Time => Source::Rate(1.0),
                 Entry::Value(value) => Source::Given(sign * value),
                 Entry::Rate(rate) => Source::Rate(*rate),
-                // Times are read where they are said; temperatures of a spindle that takes none are not.
-                Entry::Column(column) if wanted.needed[i] || own == Quantity::Time => {
-                    Source::Column(Column {
-                        factor: sign * column.factor,
-                        ..column.clone()
-                    })
-                }
+                // All that is described is read, but for temperatures of a spindle that takes none.
+                Entry::Column(column) if wanted.needed[i] || i < LOADS => Source::Column(Column {
+                    factor: sign * column.factor,
+                    ..column.clone()
+                }),
                 Entry::Open(part) if wanted.needed[i] || own == Quantity::Time => {
                     open.push(format!("{part}`{}`", recorded.name()));
                     Source::None
