@@ -1,14 +1,15 @@
 //! An elastic shaft on elastic supports, as a chain of springs.
 //!
 //! The shaft has no mass: each side of `x = 0` is a chain of rows that hang on each other, the outermost first. A piece of
-//! shaft between two rows is three springs at its elastic centre, where a force turns nothing and a moment shifts nothing. A
-//! support is three springs at its row's centre. The rows' forces and slopes are folded along the chain towards `x = 0`: rows add
+//! shaft between two rows is three springs at its far end: a force there shifts it and turns it with that, by the piece's lean, and
+//! a moment turns it further. At the piece's elastic centre, the springs of a slender shaft would cancel the digits of single
+//! precision. A support is three springs at its row's centre. The rows' forces and slopes are folded along the chain towards `x = 0`: rows add
 //! up, and springs in series soften what is beyond them. The balance of the shaft is then one in the motion of its section at
 //! `x = 0`, and its stiffness there is exact. A step of that motion unfolds along the chain to a motion of each row.
 //!
 //! All in the units of the shaft: forces, stiffness and motions of a row about its centre, distances over `Rp`.
 
-use crate::linalg::{moved, product, refer};
+use crate::linalg::{moved, product, refer, vector};
 use crate::real::Real;
 use crate::shaft::row::Sum;
 
@@ -26,25 +27,68 @@ pub struct Joint<T> {
     pub support: [T; 5],
     /// Deflection that constant loads on the shaft give the row.
     pub constant: [T; 5],
-    /// How far the row is beyond the elastic centre of the shaft's piece, and that beyond the next row or `x = 0`, in `+x`.
-    pub beyond: [T; 2],
-    /// Flexibility of this piece of shaft.
-    pub shaft: [T; 5],
+    /// This piece of shaft.
+    pub piece: Piece<T>,
     /// There is no row from here to `x = 0`.
     pub is_last: bool,
+}
+
+/// The piece of a shaft between two points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Piece<T> {
+    /// How far its far end is beyond the near one, in `+x`.
+    pub length: T,
+    /// Turn of the far end with its shift, under a force there.
+    pub lean: T,
+    /// Flexibility at the far end: by a force, with that turn; by a moment, besides that turn and its shift.
+    pub flexibility: [T; 5],
+}
+
+impl<T: Real> Piece<T> {
+    /// No piece.
+    pub const NONE: Self = Self {
+        length: T::ZERO,
+        lean: T::ZERO,
+        flexibility: [T::ZERO; 5],
+    };
+
+    /// Deflection of the far end about the near one, under a load at the far end.
+    #[inline(never)]
+    pub fn deflection(&self, mut load: [T; 5]) -> [T; 5] {
+        lean(self.lean, &mut load);
+        let u = vector(|i| self.flexibility[i] * load[i]);
+        turned(self.lean, &u)
+    }
+}
+
+/// A force, in place, where turns count from those that go with a shift, by `lean`.
+#[inline(always)]
+fn lean<T: Real, const D: usize>(lean: T, force: &mut [T; D]) {
+    force[1] += lean * force[4];
+    force[2] -= lean * force[3];
+}
+
+/// A motion whose turns count from those that go with its shift, with all of its turns.
+#[inline(always)]
+fn turned<T: Real, const D: usize>(lean: T, u: &[T; D]) -> [T; D] {
+    let mut u = *u;
+    u[4] += lean * u[1];
+    u[3] -= lean * u[2];
+    u
 }
 
 /// A row's part of the fold, and what holds the shaft bent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend<T, const D: usize> {
-    /// Changes of force of the row behind its support, and of all rows from here outwards behind the piece of shaft, at its
-    /// elastic centre.
+    /// Changes of force of the row behind its support, and of all rows from here outwards behind the piece of shaft, at its far end
+    /// and by its lean.
     held: Sum<T, D>,
     outer: Sum<T, D>,
     /// Force of the row that bends the shaft, and its change by the last step.
     force: [T; D],
     force_step: [T; D],
-    /// These forces of all rows from here outwards, at the elastic centre.
+    /// These forces of all rows from here outwards, at that end and by that lean.
     bending: [T; D],
     /// Deflection of the row, and where the balls were condensed last.
     pub deflection: [T; 5],
@@ -144,13 +188,15 @@ pub fn fold<T: Real, const D: usize>(
         add(&mut bending, T::ONE, &bend.force);
         soften(&mut bend.held, &joint.support);
         side.add(&bend.held);
-        let [row, centre] = joint.beyond;
-        side.move_by(row);
-        refer(row, &mut bending);
-        soften(&mut side, &joint.shaft);
+        let piece = &joint.piece;
+        side.lean(piece.lean);
+        lean(piece.lean, &mut bending);
+        soften(&mut side, &piece.flexibility);
         (bend.outer, bend.bending) = (side, bending);
-        side.move_by(centre);
-        refer(centre, &mut bending);
+        side.lean(-piece.lean);
+        lean(-piece.lean, &mut bending);
+        side.move_by(piece.length);
+        refer(piece.length, &mut bending);
         if joint.is_last {
             sum.add(&side);
             add(&mut sum.force, T::ONE, &bending);
@@ -191,14 +237,15 @@ pub fn unfold<T: Real, const D: usize>(
         if joint.is_last {
             (u, deflection) = (*du, [T::ZERO; 5]);
         }
-        let [row, centre] = joint.beyond;
-        (u, deflection) = (moved(centre, &u), moved(centre, &deflection));
+        let piece = &joint.piece;
+        (u, deflection) = (moved(piece.length, &u), moved(piece.length, &deflection));
+        (u, deflection) = (turned(-piece.lean, &u), turned(-piece.lean, &deflection));
         let change = bend.outer.after(&u, ds);
-        for (i, flexibility) in joint.shaft.iter().enumerate() {
+        for (i, flexibility) in piece.flexibility.iter().enumerate() {
             u[i] -= *flexibility * change[i];
             deflection[i] -= *flexibility * (bend.bending[i] + change[i]);
         }
-        (u, deflection) = (moved(row, &u), moved(row, &deflection));
+        (u, deflection) = (turned(piece.lean, &u), turned(piece.lean, &deflection));
         bend.force_step = bend.held.after(&u, ds);
         bend.before = bend.deflection;
         for (i, flexibility) in joint.support.iter().enumerate() {
@@ -225,9 +272,15 @@ pub fn diagonal<T: Real, const D: usize>(
         let mut change = *row;
         bend.held.soften_change(&joint.support, &mut change);
         add(&mut side, T::ONE, &change);
-        refer_diagonal(joint.beyond[0], &mut side);
-        bend.outer.soften_change(&joint.shaft, &mut side);
-        refer_diagonal(joint.beyond[1], &mut side);
+        let Piece {
+            length,
+            lean,
+            flexibility,
+        } = &joint.piece;
+        lean_diagonal(*lean, &mut side);
+        bend.outer.soften_change(flexibility, &mut side);
+        lean_diagonal(*lean, &mut side);
+        refer_diagonal(*length, &mut side);
         if joint.is_last {
             add(&mut all, T::ONE, &side);
             side = [T::ZERO; D];
@@ -244,7 +297,30 @@ fn refer_diagonal<T: Real, const D: usize>(distance: T, k: &mut [T; D]) {
     k[3] += square * k[2];
 }
 
+/// A diagonal's change where turns count from those that go with a shift, or back.
+#[inline(never)]
+fn lean_diagonal<T: Real, const D: usize>(lean: T, k: &mut [T; D]) {
+    let square = lean * lean;
+    k[1] += square * k[4];
+    k[2] += square * k[3];
+}
+
 impl<T: Real, const D: usize> Sum<T, D> {
+    /// [`lean`] of forces and slopes.
+    #[inline(never)]
+    fn lean(&mut self, by: T) {
+        lean(by, &mut self.force);
+        lean(by, &mut self.by_speed);
+        for row in &mut self.k {
+            lean(by, row);
+        }
+        for j in 0..D {
+            let (y, z) = (self.k[4][j], self.k[3][j]);
+            self.k[1][j] += by * y;
+            self.k[2][j] -= by * z;
+        }
+    }
+
     #[inline(never)]
     pub fn add(&mut self, other: &Self) {
         add(&mut self.force, T::ONE, &other.force);

@@ -2,11 +2,11 @@
 
 use crate::linalg::{refer, vector};
 use crate::real::Real;
-use crate::shaft::elastic::{Joint, order};
+use crate::shaft::elastic::{Joint, Piece, order};
 use crate::solver::problem::{check, radius, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
-use crate::spindle::sections::{OnShaft, Piece, Shaft, ShaftLoad, Support, of_freedoms};
+use crate::spindle::sections::{OnShaft, Shaft, ShaftLoad, Support, of_freedoms};
 use crate::status::Quantity;
 use core::array::from_fn;
 
@@ -45,8 +45,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                     tilting / support.tilting,
                 ]),
                 constant: [T::ZERO; 5],
-                beyond: [T::ZERO; 2],
-                shaft: [T::ZERO; 5],
+                piece: Piece::NONE,
                 is_last: false,
             }
         });
@@ -135,9 +134,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             let inner = next.filter(|inner| (*inner < x) == (joint.position < x));
             joint.is_last = inner.is_none();
             let near = inner.unwrap_or(x);
-            let piece = Piece::between(shaft.sections, unit, near, joint.position);
-            joint.beyond = [piece.far, -piece.near];
-            joint.shaft = piece.flexibility;
+            joint.piece = shaft.piece(unit, near, joint.position);
             next = Some(joint.position);
         }
         joints
