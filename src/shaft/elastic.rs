@@ -1,11 +1,12 @@
 //! An elastic shaft on elastic supports, as a chain of springs.
 //!
-//! The shaft has no mass: each side of `x = 0` is a chain of rows that hang on each other, the outermost first. A piece of
-//! shaft between two rows is three springs at its far end: a force there shifts it and turns it with that, by the piece's lean, and
-//! a moment turns it further. At the piece's elastic centre, the springs of a slender shaft would cancel the digits of single
-//! precision. A support is three springs at its row's centre. The rows' forces and slopes are folded along the chain towards `x = 0`: rows add
-//! up, and springs in series soften what is beyond them. The balance of the shaft is then one in the motion of its section at
-//! `x = 0`, and its stiffness there is exact. A step of that motion unfolds along the chain to a motion of each row.
+//! The shaft has no mass: each side of its centre, the point between the rows that is nearest to `x = 0`, is a chain of rows that
+//! hang on each other, the outermost first. A piece of shaft between two rows is springs at its far end: a force there shifts it
+//! and turns it with that, by the piece's lean, and a moment turns it further. At the piece's elastic centre, the springs of a
+//! slender shaft would cancel the digits of single precision. A support is three springs at its row's centre. The rows' forces and
+//! slopes are folded along the chain towards the shaft's centre: rows add up, and springs in series soften what is beyond them. The
+//! balance of the shaft is then one in the motion of its section there, and its stiffness is exact. A step of that motion unfolds
+//! along the chain to a motion of each row.
 //!
 //! All in the units of the shaft: forces, stiffness and motions of a row about its centre, distances over `Rp`.
 
@@ -13,7 +14,7 @@ use crate::linalg::{moved, product, refer, vector};
 use crate::real::Real;
 use crate::shaft::row::Sum;
 
-/// A row on an elastic shaft, its support, and the shaft from there to the next row towards `x = 0`.
+/// A row on an elastic shaft, its support, and the shaft from there to the next row towards its centre.
 ///
 /// Flexibilities are those of the five freedoms.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,7 +30,7 @@ pub struct Joint<T> {
     pub constant: [T; 5],
     /// This piece of shaft.
     pub piece: Piece<T>,
-    /// There is no row from here to `x = 0`.
+    /// There is no row from here to the shaft's centre.
     pub is_last: bool,
 }
 
@@ -53,11 +54,18 @@ impl<T: Real> Piece<T> {
         flexibility: [T::ZERO; 5],
     };
 
+    /// Not rigid.
+    fn is_elastic(&self) -> bool {
+        self.flexibility[0] > T::ZERO
+    }
+
     /// Deflection of the far end about the near one, under a load at the far end.
     #[inline(never)]
-    pub fn deflection(&self, mut load: [T; 5]) -> [T; 5] {
-        lean(self.lean, &mut load);
-        let u = vector(|i| self.flexibility[i] * load[i]);
+    pub fn deflection<const D: usize>(&self, load: &[T; D]) -> [T; D] {
+        let mut u = *load;
+        lean(self.lean, &mut u);
+        let mut springs = self.flexibility.iter();
+        u = u.map(|force| springs.next().map_or(T::ZERO, |by| *by * force));
         turned(self.lean, &u)
     }
 }
@@ -67,6 +75,13 @@ impl<T: Real> Piece<T> {
 fn lean<T: Real, const D: usize>(lean: T, force: &mut [T; D]) {
     force[1] += lean * force[4];
     force[2] -= lean * force[3];
+}
+
+/// Refers a force, in place, from the far end of a piece and by its lean to the near end.
+#[inline(always)]
+fn to_near_end<T: Real, const D: usize>(piece: &Piece<T>, force: &mut [T; D]) {
+    lean(-piece.lean, force);
+    refer(piece.length, force);
 }
 
 /// A motion whose turns count from those that go with its shift, with all of its turns.
@@ -88,8 +103,9 @@ pub struct Bend<T, const D: usize> {
     /// Force of the row that bends the shaft, and its change by the last step.
     force: [T; D],
     force_step: [T; D],
-    /// These forces of all rows from here outwards, at that end and by that lean.
+    /// Those of all rows from here outwards that bend the piece, at that end and by that lean, and their change by the last step.
     bending: [T; D],
+    bending_step: [T; D],
     /// Deflection of the row, and where the balls were condensed last.
     pub deflection: [T; 5],
     before: [T; 5],
@@ -105,6 +121,7 @@ impl<T: Real, const D: usize> Bend<T, D> {
         force: [T::ZERO; D],
         force_step: [T::ZERO; D],
         bending: [T::ZERO; D],
+        bending_step: [T::ZERO; D],
         deflection: [T::ZERO; 5],
         before: [T::ZERO; 5],
         moved: [T::ZERO; 5],
@@ -184,19 +201,22 @@ pub fn fold<T: Real, const D: usize>(
         bend.held = Sum::NONE;
         add_row(joint, &mut bend.held);
         add(&mut bend.force, T::ONE, &bend.force_step);
+        add(&mut bend.bending, T::ONE, &bend.bending_step);
         add(&mut bend.held.force, -T::ONE, &bend.force);
         add(&mut bending, T::ONE, &bend.force);
         soften(&mut bend.held, &joint.support);
         side.add(&bend.held);
         let piece = &joint.piece;
-        side.lean(piece.lean);
-        lean(piece.lean, &mut bending);
-        soften(&mut side, &piece.flexibility);
-        (bend.outer, bend.bending) = (side, bending);
-        side.lean(-piece.lean);
-        lean(-piece.lean, &mut bending);
-        side.move_by(piece.length);
-        refer(piece.length, &mut bending);
+        if piece.is_elastic() {
+            side.lean(piece.lean);
+            lean(piece.lean, &mut bending);
+            // Rounding parts the rows' forces from that which bends the piece: next to nothing, and far where the piece is soft.
+            side.force = vector(|i| side.force[i] + (bending[i] - bend.bending[i]));
+            soften(&mut side, &piece.flexibility);
+            (bend.outer, bending) = (side, bend.bending);
+        }
+        side.move_by(piece);
+        to_near_end(piece, &mut bending);
         if joint.is_last {
             sum.add(&side);
             add(&mut sum.force, T::ONE, &bending);
@@ -220,7 +240,7 @@ fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     product(a, b)
 }
 
-/// Moves the rows along the chain by the step `du` of the section at `x = 0`, and a relative change `ds` of `omega^2`.
+/// Moves the rows along the chain by the step `du` of the section at the shaft's centre, and a relative change `ds` of `omega^2`.
 #[inline(never)]
 pub fn unfold<T: Real, const D: usize>(
     joints: &[Joint<T>],
@@ -239,13 +259,16 @@ pub fn unfold<T: Real, const D: usize>(
         }
         let piece = &joint.piece;
         (u, deflection) = (moved(piece.length, &u), moved(piece.length, &deflection));
-        (u, deflection) = (turned(-piece.lean, &u), turned(-piece.lean, &deflection));
-        let change = bend.outer.after(&u, ds);
-        for (i, flexibility) in piece.flexibility.iter().enumerate() {
-            u[i] -= *flexibility * change[i];
-            deflection[i] -= *flexibility * (bend.bending[i] + change[i]);
+        if piece.is_elastic() {
+            (u, deflection) = (turned(-piece.lean, &u), turned(-piece.lean, &deflection));
+            bend.bending_step = bend.outer.after(&u, ds);
+            for (i, flexibility) in piece.flexibility.iter().enumerate() {
+                let step = bend.bending_step[i];
+                u[i] -= *flexibility * step;
+                deflection[i] -= *flexibility * (bend.bending[i] + step);
+            }
+            (u, deflection) = (turned(piece.lean, &u), turned(piece.lean, &deflection));
         }
-        (u, deflection) = (turned(piece.lean, &u), turned(piece.lean, &deflection));
         bend.force_step = bend.held.after(&u, ds);
         bend.before = bend.deflection;
         for (i, flexibility) in joint.support.iter().enumerate() {
@@ -257,7 +280,27 @@ pub fn unfold<T: Real, const D: usize>(
     }
 }
 
-/// Change of the stiffness's diagonal at `x = 0` by changes of the rows', which are about the rows' centres.
+/// Forces of the rows that bend the shaft as it is bent, with the rows' positions.
+pub fn forces<'a, T: Real, const D: usize>(
+    joints: &'a [Joint<T>],
+    bends: &'a [Bend<T, D>],
+) -> impl Iterator<Item = (T, [T; D])> + 'a {
+    let mut beyond = [T::ZERO; D];
+    joints.iter().filter_map(move |joint| {
+        let (bend, piece) = (bends.get(joint.row)?, &joint.piece);
+        let mut all = vector(|i| beyond[i] + bend.force(i));
+        if piece.is_elastic() {
+            all = vector(|i| bend.bending[i] + bend.bending_step[i]);
+            lean(-piece.lean, &mut all);
+        }
+        let force = vector(|i| all[i] - beyond[i]);
+        refer(piece.length, &mut all);
+        beyond = if joint.is_last { [T::ZERO; D] } else { all };
+        Some((joint.position, force))
+    })
+}
+
+/// Change of the stiffness's diagonal at the shaft's centre by changes of the rows', which are about the rows' centres.
 #[inline(never)]
 pub fn diagonal<T: Real, const D: usize>(
     joints: &[Joint<T>],
@@ -272,15 +315,13 @@ pub fn diagonal<T: Real, const D: usize>(
         let mut change = *row;
         bend.held.soften_change(&joint.support, &mut change);
         add(&mut side, T::ONE, &change);
-        let Piece {
-            length,
-            lean,
-            flexibility,
-        } = &joint.piece;
-        lean_diagonal(*lean, &mut side);
-        bend.outer.soften_change(flexibility, &mut side);
-        lean_diagonal(*lean, &mut side);
-        refer_diagonal(*length, &mut side);
+        let piece = &joint.piece;
+        if piece.is_elastic() {
+            lean_diagonal(piece.lean, &mut side);
+            bend.outer.soften_change(&piece.flexibility, &mut side);
+            lean_diagonal(piece.lean, &mut side);
+        }
+        refer_diagonal(piece.length, &mut side);
         if joint.is_last {
             add(&mut all, T::ONE, &side);
             side = [T::ZERO; D];
@@ -321,6 +362,13 @@ impl<T: Real, const D: usize> Sum<T, D> {
         }
     }
 
+    /// Refers it to the near end of a piece of shaft at whose far end it holds.
+    pub fn end(&mut self, piece: &Piece<T>) {
+        self.lean(piece.lean);
+        soften(self, &piece.flexibility);
+        self.move_by(piece);
+    }
+
     #[inline(never)]
     pub fn add(&mut self, other: &Self) {
         add(&mut self.force, T::ONE, &other.force);
@@ -330,10 +378,21 @@ impl<T: Real, const D: usize> Sum<T, D> {
         }
     }
 
-    /// [`Sum::refer`] by a call.
+    /// [`to_near_end`] of forces and slopes.
     #[inline(never)]
-    fn move_by(&mut self, distance: T) {
-        self.refer(distance);
+    fn move_by(&mut self, piece: &Piece<T>) {
+        to_near_end(piece, &mut self.force);
+        to_near_end(piece, &mut self.by_speed);
+        for row in &mut self.k {
+            to_near_end(piece, row);
+        }
+        for j in 0..D {
+            let mut column = vector(|i| self.k[i][j]);
+            to_near_end::<T, D>(piece, &mut column);
+            for i in 1..5 {
+                self.k[i][j] = column[i];
+            }
+        }
     }
 
     /// Forces after the motion `u` and a relative change `ds` of `omega^2`.
@@ -386,11 +445,12 @@ impl<T: Real, const D: usize> Bend<T, D> {
     /// Takes no more of the last step than its deflection, which the balls have followed.
     #[inline(never)]
     pub fn end_step(&mut self) {
-        (self.force_step, self.moved) = ([T::ZERO; D], [T::ZERO; 5]);
+        (self.force_step, self.bending_step) = ([T::ZERO; D], [T::ZERO; D]);
+        self.moved = [T::ZERO; 5];
     }
 
-    /// Force of the row on the shaft after the last step.
-    pub fn force(&self, i: usize) -> T {
+    /// Force of the row on its support after the last step.
+    fn force(&self, i: usize) -> T {
         self.force[i] + self.force_step[i]
     }
 }

@@ -304,8 +304,10 @@ pub struct ShaftLoad<T> {
 pub(super) struct OnShaft<'b, T> {
     pub sections: &'b [Flexible<T>],
     pub loads: &'b [ShaftLoad<T>],
-    /// Sum of the loads about `x = 0`.
+    /// Sum of the loads about the shaft's centre.
     pub load: [T; 5],
+    /// Position of that, m.
+    pub centre: T,
 }
 
 /// Axial, lateral and tilting flexibility as those of the five freedoms.
@@ -353,17 +355,18 @@ impl<T: Real> OnShaft<'_, T> {
     }
 
     /// Deflection of the shaft at the position `x` (m) by `load` at the position `at`, both in the solver's units, about the section
-    /// at `x = 0`.
+    /// at its centre.
     pub(super) fn deflection(&self, unit: &Constants<T>, x: T, at: T, load: &[T; 5]) -> [T; 5] {
-        if !(x * at > T::ZERO) {
+        let [of_x, of_load] = [x - self.centre, at - self.centre];
+        if !(of_x * of_load > T::ZERO) {
             return [T::ZERO; 5];
         }
         // Beyond the nearer of both, nothing bends.
-        let end = if x.abs() < at.abs() { x } else { at };
+        let end = if of_x.abs() < of_load.abs() { x } else { at };
         let per = T::ONE / radius(unit);
         let mut load = *load;
         refer((at - end) * per, &mut load);
-        let u = self.piece(unit, T::ZERO, end).deflection(load);
+        let u = self.piece(unit, self.centre, end).deflection(&load);
         moved((x - end) * per, &u)
     }
 
