@@ -157,7 +157,8 @@ pub enum Status<T> {
     Unloaded,
     /// The loaded balls leave the ring free to move in some direction: position and stiffness are not determined.
     ///
-    /// Mostly, fewer than three balls carry: a single angular contact row needs an axial load, or another row that faces it.
+    /// Mostly, fewer than three balls carry: a single angular contact row needs an axial load, or another row that faces it. On an
+    /// elastic shaft, the working precision may not tell, either: the estimated error of contact forces or of the stiffness passes 1.
     Indeterminate {
         /// Number of balls that carry load.
         loaded_balls: u16,

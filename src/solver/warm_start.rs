@@ -165,12 +165,28 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             return Err(Status::Indeterminate { loaded_balls, free });
         }
         let reached = self.reached(layout, time.taken);
+        if let Some(error) = &reached.error
+            && !(error.force <= T::ONE && error.stiffness <= T::ONE)
+        {
+            let loaded_balls = self.loaded();
+            let free = self.state.freest::<E>(problem);
+            self.state = State::COLD;
+            return Err(Status::Indeterminate { loaded_balls, free });
+        }
         // A tangent of other than numbers makes no undamped step.
         if are_finite(&reached.u) && are_finite(&reached.load) {
             return Ok(reached);
         }
         self.state = State::COLD;
         Err(Status::Diverged { residual: T::ONE })
+    }
+
+    /// Number of balls that carry.
+    #[cold]
+    fn loaded(&self) -> u16 {
+        let rows = self.balls.iter().zip(&self.points);
+        let loaded = rows.map(|(balls, p)| balls.iter().filter(|ball| ball.carries(p)).count());
+        loaded.sum::<usize>() as u16
     }
 
     /// How far the figures of an elastic shaft at the displacement `u` can be off.
