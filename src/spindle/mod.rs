@@ -1,4 +1,4 @@
-//! Several bearings on one rigid shaft.
+//! Bearings on a shaft, rigid or elastic.
 //!
 //! The shaft's axis is x, and loads act at `x = 0`. A row sits at its position with its balls pressed by a load on the shaft in
 //! `+x` or in `-x`. Rows that face each other hold the shaft with a preload: outer rings that are clamped closer than the
@@ -242,7 +242,7 @@ fn check_arranged<T: Real, const N: usize>(
     }
 }
 
-/// Bearings on one rigid shaft, ready to be solved: immutable, made once.
+/// Bearings on a shaft, rigid or elastic, ready to be solved: immutable, made once.
 ///
 /// `R` rows of at most `N` balls. `D` is 5, the shaft's freedoms, or 6 where a sleeve slides under a spring: a
 /// [`SprungSpindle`].
