@@ -9,7 +9,9 @@ use crate::linalg::add;
 use crate::real::Real;
 use crate::shaft::Layout;
 use crate::shaft::axial::{AxialRest, Centres};
-use crate::solver::problem::{Given, Problem, Settings, given_in_units, inertia, speed_and_growth};
+use crate::solver::problem::{
+    Given, Problem, Settings, check_tolerance, given_in_units, inertia, speed_and_growth,
+};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
@@ -112,7 +114,8 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
         let c = &self.bearing.constants;
-        let problem = Problem::new(settings.tolerance)?;
+        check_tolerance(settings.tolerance)?;
+        let problem = Problem::new(settings.tolerance);
         let given = given_in_units(c, 0, c.balls, asked)?;
         let none = Growth::NONE;
         let growth = growth.unwrap_or(&none);

@@ -153,15 +153,19 @@ pub struct Problem<T, const D: usize> {
     pub far: T,
 }
 
+/// Refuses a tolerance that is negative or no number.
+pub fn check_tolerance<T: Real>(tolerance: T) -> Result<(), Status<T>> {
+    let most = (T::HUGE * tolerance).at_least(T::ZERO);
+    check(Quantity::Tolerance, tolerance, most)
+}
+
 impl<T: Real, const D: usize> Problem<T, D> {
     /// Without a load yet.
-    pub fn new(tolerance: T) -> Result<Self, Status<T>> {
-        let most = (T::HUGE * tolerance).at_least(T::ZERO);
-        check(Quantity::Tolerance, tolerance, most)?;
+    pub fn new(tolerance: T) -> Self {
         // Rounding ends a solve whose tolerance is below it: no balance is nearer.
         let least = tolerance.at_least(T::EPSILON);
         let far = T::of(tuning::FAR) * least;
-        Ok(Self {
+        Self {
             load: [T::ZERO; D],
             load_scale: T::ZERO,
             prescribed: [None; D],
@@ -174,7 +178,7 @@ impl<T: Real, const D: usize> Problem<T, D> {
             } else {
                 far
             },
-        })
+        }
     }
 
     /// The overhang, which a rigid shaft (`E = 0`) has no code for.

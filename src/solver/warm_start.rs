@@ -10,7 +10,9 @@ use crate::results::Balls;
 use crate::shaft::elastic::{Bend, Joint, add, fold};
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change, sum_up};
 use crate::shaft::{Layout, Mount, Shaft};
-use crate::solver::problem::{Given, Problem, Time, given_in_units, inertia, speed_and_growth};
+use crate::solver::problem::{
+    Given, Problem, Time, check_tolerance, given_in_units, inertia, speed_and_growth,
+};
 use crate::solver::start::start;
 use crate::solver::state::{ErrorEstimate, State, Termination, are_finite, rounding};
 use crate::status::{Quantity, Status};
@@ -81,7 +83,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         tolerance: T,
     ) -> Result<Problem<T, D>, Status<T>> {
         let unit = layout.bearings[0].c;
-        let mut problem = Problem::new(tolerance)?;
+        check_tolerance(tolerance)?;
+        let mut problem = Problem::new(tolerance);
         for (i, given) in given.iter().enumerate() {
             match given_in_units(unit, i, layout.ball_count, *given)? {
                 Given::Load(load) => problem.load[i] = load,

@@ -106,8 +106,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
             T::ZERO
         };
         let inertia = last.points[0].s * layout.ball_count;
-        let of_rigid = || last.state.errors(&reached.u, inertia);
-        let error = reached.error.unwrap_or_else(of_rigid);
+        let (error, off) = match &reached.error {
+            Some(error) if E > 0 => (*error, error.displacement * norm(&reached.u)),
+            _ => (last.state.errors(&reached.u, inertia), T::ZERO),
+        };
         let mut solution = Self {
             status: last.state.attempt.termination.status(),
             iterations: reached.iterations,
@@ -116,7 +118,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
             load,
             speed: last.speed,
             u,
-            off: error.displacement * norm(&reached.u),
+            off,
             k,
             slide,
             spindle,
@@ -190,9 +192,14 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
     /// are displacements. One over its diagonal is the stiffness that a force alone meets.
     pub fn compliance_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
-        let unit = self.spindle.layout.bearings[0].c;
         let (k, near) = self.near(end.position);
-        let (inverse, d) = (inverse(&k), end.position - near);
+        self.compliance_by(&inverse(&k), near, end)
+    }
+
+    /// The compliance at a point, by that of the rows about the point `near`, m.
+    fn compliance_by(&self, inverse: &Matrix<T, 5>, near: T, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
+        let unit = self.spindle.layout.bearings[0].c;
+        let d = end.position - near;
         let of = [unit.length, unit.tilt];
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
         let mut c: Matrix<T, 5> =
@@ -242,7 +249,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let unit = self.spindle.layout.bearings[0].c;
         let (k, near) = self.near(end.position);
         let (inverse, lever) = (inverse(&k), (end.position - near) / radius(unit));
-        let c = self.compliance_at(end);
+        let c = self.compliance_by(&inverse, near, end);
         let rounding = T::of(8.0) * T::EPSILON;
         let mut sums = [T::ZERO; 5];
         for j in 0..5 {

@@ -347,6 +347,11 @@ impl Import {
         })
     }
 
+    /// Whether a quantity is in a column.
+    pub(crate) fn has(&self, quantity: Quantity) -> bool {
+        matches!(self.columns[quantity as usize], Entry::Column(_))
+    }
+
     /// Where each quantity comes from; or all that nobody has said.
     pub(crate) fn sources(&self, wanted: &Wanted) -> Result<[Source; OWN.len()], String> {
         let mut open: Vec<String> = self.open.iter().map(|key| (*key).to_owned()).collect();

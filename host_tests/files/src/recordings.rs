@@ -227,7 +227,12 @@ impl Loads {
             Some(import) => loads.follow(import, wanted)?,
             None => {
                 let own = loads.own(wanted)?;
-                loads.follow(&own, wanted)?;
+                // All that a recording has in its own columns is read.
+                let wanted = Wanted {
+                    needed: OWN.map(|quantity| own.has(quantity)),
+                    ..wanted.clone()
+                };
+                loads.follow(&own, &wanted)?;
             }
         }
         Ok(loads)

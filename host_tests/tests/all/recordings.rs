@@ -114,6 +114,9 @@ fn own_recordings_are_read_and_others_refused() {
     ] {
         assert_eq!(parsed(&text).unwrap(), plain, "{text:?}");
     }
+    // Temperatures are read where they are, asked for or not.
+    let warm = format!("{header},t_inner_c,t_outer_c\n0.5,-2,3e3,4,5,6,7.25,40,35\n");
+    assert_eq!(parsed(&warm).unwrap()[0].temperatures, Some([40.0, 35.0]));
     // Without times, rows are counted.
     let states = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2,3,4,5,6,7\n";
     assert_eq!(parsed(states).unwrap(), [row(0.0, plain[1].load, 7.0)]);
