@@ -11,7 +11,6 @@ mod cycle;
 mod designs;
 mod edges;
 mod elastic;
-mod elastic_far;
 mod elastic_files;
 mod elastic_reference;
 mod elastic_ross;
