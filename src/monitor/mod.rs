@@ -137,7 +137,7 @@ use crate::growth::Growth;
 use crate::real::{Float, Real};
 use crate::results::life::damage_of_weight;
 use crate::results::margins::{Limit, Limits};
-use crate::spindle::solution::{inverse, preloads};
+use crate::spindle::solution::{compliances, preloads};
 use crate::{Facing, Full, Motion, Spindle, SpindleSolution};
 use availability::Availability;
 use command::{AnswerCode, Desk};
@@ -217,7 +217,7 @@ impl<const R: usize, const N: usize> Estimate<R, N> {
     ) -> EstimateReport {
         let k = &self.stiffness;
         let (row, column) = telemetry::strongest_coupling(k);
-        let compliance = inverse(k);
+        let compliances = compliances(k);
         let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
         for row in &self.rows {
             least = least.at_most(row.least_force);
@@ -230,7 +230,7 @@ impl<const R: usize, const N: usize> Estimate<R, N> {
             speed: self.speed,
             displacement: self.displacement,
             stiffness: diagonal(k),
-            nose: core::array::from_fn(|i| 1.0 / (compliance[i][i] + flexibility[i])),
+            nose: core::array::from_fn(|i| 1.0 / (compliances[i] + flexibility[i])),
             coupling: k[row][column],
             coupling_row: row as u8,
             coupling_column: column as u8,

@@ -347,6 +347,17 @@ pub fn preloads<T: Real, const R: usize>(axial: &[T; R], facings: &[Facing; R]) 
     })
 }
 
+/// Displacements by a force of one in their own direction: the first elements of the inverse's diagonal.
+#[cfg(feature = "monitor")]
+pub fn compliances<T: Real>(k: &Matrix<T, 5>) -> [T; 3] {
+    let mut factors = Factors::NONE;
+    factors.factor(k, T::ZERO);
+    vector(|i| {
+        let unit = vector(|j| if i == j { T::ONE } else { T::ZERO });
+        factors.back_substitute(&unit)[i]
+    })
+}
+
 /// The inverse of a matrix that is about positive definite.
 pub fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
     let mut factors = Factors::NONE;
