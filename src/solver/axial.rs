@@ -133,10 +133,8 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             T::ZERO
         };
         if M::AT_SPEED && s > T::ZERO {
-            let state = &mut self.last.state;
-            let grown = self.last.points[0].set(c, s, size, growth, state.u[0]);
-            state.turn_to(&[given], s, grown);
-            return self.at_speed(asked, given, problem, settings);
+            let grown = self.last.points[0].set(c, s, size, growth, self.last.state.u[0]);
+            return self.at_speed(asked, given, grown, problem, settings);
         }
         self.last.points[0] = Point::new(c, s, size, growth);
         if M::AT_SPEED {
@@ -213,6 +211,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         &mut self,
         asked: Given<T>,
         given: Given<T>,
+        grown: T,
         mut problem: Problem<T, 1>,
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
@@ -228,6 +227,9 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             }
             Given::Displacement(dx) => (problem.prescribed[0], problem.is_free) = (Some(dx), false),
         }
+        self.last
+            .state
+            .turn_to(&problem, self.last.points[0].s, grown);
         let layout = Layout::alone(&one, self.first());
         let mut more = || true;
         let most = settings.max_iterations;

@@ -151,8 +151,10 @@ pub struct Problem<T, const D: usize> {
 
 /// Refuses a tolerance that is negative or no number.
 pub fn check_tolerance<T: Real>(tolerance: T) -> Result<(), Status<T>> {
-    let most = (T::HUGE * tolerance).at_least(T::ZERO);
-    check(Quantity::Tolerance, tolerance, most)
+    if tolerance >= T::ZERO && tolerance.is_finite() {
+        return Ok(());
+    }
+    check(Quantity::Tolerance, tolerance, T::ZERO)
 }
 
 impl<T: Real, const D: usize> Problem<T, D> {

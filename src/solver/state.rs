@@ -5,7 +5,7 @@ use crate::linalg::{Factors, moved, norm, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::shaft::row::Sum;
-use crate::solver::problem::{Given, Problem};
+use crate::solver::problem::Problem;
 use crate::status::Status;
 use crate::tuning;
 
@@ -27,8 +27,9 @@ pub struct State<T, const D: usize> {
     pub load: [T; D],
     pub load_scale: T,
     pub s: T,
-    /// Loads or displacements as they were given to it.
-    pub given: [Given<T>; D],
+    /// Displacements that were given to it; none of them counts if it was free.
+    pub prescribed: [Option<T>; D],
+    pub is_free: bool,
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     pub weak: bool,
     /// The last attempt, and how it ended.
@@ -48,25 +49,32 @@ impl<T: Real, const D: usize> State<T, D> {
         load: [T::ZERO; D],
         load_scale: T::ZERO,
         s: T::ZERO,
-        given: [Given::Load(T::ZERO); D],
+        prescribed: [None; D],
+        is_free: true,
         weak: false,
         attempt: Attempt::NONE,
     };
 
-    /// Takes note of the problem of the next solve: given quantities, inertia, change of the growth.
+    /// Turns to the next problem, at its inertia and change of the growth.
     ///
     /// A solution is a start where the growth differs by no more than a unit of length, about a deformation. An unfinished
     /// attempt at another problem goes on as one without a start, from where the shaft is.
-    pub fn turn_to(&mut self, given: &[Given<T>; D], s: T, grown: T) {
+    pub fn turn_to(&mut self, problem: &Problem<T, D>, s: T, grown: T) {
         if !(grown <= T::ONE) {
             self.load_scale = T::ZERO;
         }
         if self.attempt.termination == Termination::Unfinished
-            && (grown > T::ZERO || s != self.s || *given != self.given)
+            && (grown > T::ZERO || s != self.s || !self.was(problem))
         {
             (self.attempt.started, self.attempt.control.last) = (false, None);
         }
-        self.given = *given;
+    }
+
+    /// Whether the last solve had these loads and displacements.
+    fn was(&self, problem: &Problem<T, D>) -> bool {
+        problem.load == self.load
+            && problem.is_free == self.is_free
+            && (self.is_free || problem.prescribed == self.prescribed)
     }
 
     /// Displacement of the centre.
@@ -149,9 +157,13 @@ impl<T: Real, const D: usize> Attempt<T, D> {
     /// The attempt has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near. One from the last
     /// solution, `taken` iterations long in this call, leaves as many for a start.
     pub fn is_used_up(&self, taken: u16) -> bool {
-        self.taken >= 2 * tuning::ATTEMPT
-            || (self.taken > tuning::ATTEMPT && self.report.residual > T::of(tuning::COARSE))
-            || (!self.started && taken > tuning::ATTEMPT)
+        let most = tuning::ATTEMPT;
+        if self.taken <= most && taken <= most {
+            return false;
+        }
+        self.taken >= 2 * most
+            || (self.taken > most && self.report.residual > T::of(tuning::COARSE))
+            || (!self.started && taken > most)
     }
 }
 
@@ -309,18 +321,18 @@ impl<T: Real, const D: usize> State<T, D> {
         let rounding = rounding + constants;
         let displacement =
             constants + T::of(8.0) * T::EPSILON + (step + moved) / norm(u).at_least(T::TINY);
-        // Nothing is known of what the next steps change, either.
-        let unknown = if is_sprung && stiffness >= T::ONE {
-            stiffness
-        } else {
-            T::ZERO
-        };
-        ErrorEstimate {
-            displacement: displacement.at_least(unknown),
+        let mut errors = ErrorEstimate {
+            displacement,
             // Rounding of the ring's displacement, too, changes deformations.
-            force: (margin * estimate.force + rounding + rounding).at_least(unknown),
+            force: margin * estimate.force + rounding + rounding,
             stiffness: stiffness + rounding,
+        };
+        // Nothing is known of what the next steps change, either.
+        if is_sprung && stiffness >= T::ONE {
+            errors.displacement = displacement.at_least(stiffness);
+            errors.force = errors.force.at_least(stiffness);
         }
+        errors
     }
 }
 

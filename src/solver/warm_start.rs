@@ -114,7 +114,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             let (s, size) = (s * mount.inertia, problem.load_scale / mount.force);
             most = most.at_least(point.set(row.c, s, size, growth, axial + mount.closure));
         }
-        self.state.turn_to(given, s, most);
+        self.state.turn_to(&problem, s, most);
         self.speed = speed;
         Ok(problem)
     }
@@ -339,8 +339,10 @@ impl<T: Real, const D: usize> State<T, D> {
             termination = self.newton::<A, R, SET, E>(shaft, problem, T::ZERO, time);
         }
         self.attempt.termination = termination;
-        self.load = problem.load;
-        self.s = s;
+        (self.load, self.is_free, self.s) = (problem.load, problem.is_free, s);
+        if !problem.is_free {
+            self.prescribed = problem.prescribed;
+        }
         if is_over {
             let size = problem.load_scale.at_least(norm(&self.sum.force));
             self.load_scale = size.at_least(*shaft.preload);
