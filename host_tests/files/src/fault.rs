@@ -33,7 +33,7 @@ pub enum LoadsError {
     Foreign {
         /// Name of the file.
         file: String,
-        /// What is different.
+        /// The difference.
         why: String,
     },
     /// One row is at fault; the rows after it can be read.

@@ -28,7 +28,7 @@ use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
 
-/// What nobody has said yet.
+/// Mark of an open point.
 pub const OPEN: &str = "?";
 
 /// A description, with its open points.
@@ -55,7 +55,7 @@ const FARTHEST: u64 = 400;
 /// The bearing's own axes.
 const AXES: [(usize, f64); 3] = [(0, 1.0), (1, 1.0), (2, 1.0)];
 
-/// What is said of a quantity.
+/// Entry of a quantity.
 #[derive(Debug, Clone, PartialEq)]
 enum Entry {
     Absent,
@@ -99,7 +99,7 @@ pub(crate) enum Source {
     Column(Column),
 }
 
-/// What a replay wants of a recording.
+/// Quantities that a replay needs, and constants in their place.
 #[derive(Debug, Clone)]
 pub struct Wanted {
     /// Quantities that are constant, by option.

@@ -595,7 +595,7 @@ impl Args {
         Ok(held)
     }
 
-    /// What the options leave open, with temperatures if the spindle has `heat`.
+    /// Quantities that the options leave to the recording, with temperatures if the spindle has `heat`.
     fn wanted(&self, heat: bool) -> Result<Wanted> {
         let mut wanted = Wanted {
             given: self.recording.given.0,
