@@ -159,7 +159,8 @@ pub enum Status<T> {
     /// The loaded balls leave the ring free to move in some direction: position and stiffness are not determined.
     ///
     /// Mostly, fewer than three balls carry: a single row needs an axial load, or another row that faces it. Held tilts suffice
-    /// where two balls carry.
+    /// where two balls carry. On an elastic shaft, the working precision may not tell, either: the estimated error of contact
+    /// forces or of the stiffness passes 1.
     Indeterminate {
         /// Number of balls that carry load.
         loaded_balls: u16,

@@ -60,6 +60,8 @@ impl Answer {
 pub struct AtEnd {
     /// Displacement of the shaft.
     pub displacement: [f64; 5],
+    /// Estimated relative error of the displacement.
+    pub displacement_error: f64,
     /// Stiffness.
     pub stiffness: [[f64; 5]; 5],
     /// Compliance.
@@ -563,6 +565,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         };
         AtEnd {
             displacement: solution.displacement_at(end.position).map(T::to_f64),
+            displacement_error: solution.displacement_error_at(end.position).to_f64(),
             stiffness: wide(&solution.stiffness_at(&end)),
             compliance: wide(&solution.compliance_at(&end)),
             compliance_error: solution.compliance_error_at(&end).map(T::to_f64),

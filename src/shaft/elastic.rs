@@ -1,18 +1,20 @@
 //! An elastic shaft on elastic supports, as a chain of springs.
 //!
-//! The shaft has no mass: each side of `x = 0` is a chain of rows that hang on each other, the outermost first. A piece of
-//! shaft between two rows is three springs at its elastic centre, where a force turns nothing and a moment shifts nothing. A
-//! support is three springs at its row's centre. The rows' forces and slopes are folded along the chain towards `x = 0`: rows add
-//! up, and springs in series soften what is beyond them. The balance of the shaft is then one in the motion of its section at
-//! `x = 0`, and its stiffness there is exact. A step of that motion unfolds along the chain to a motion of each row.
+//! The shaft has no mass: each side of its centre, the point between the rows that is nearest to `x = 0`, is a chain of rows that
+//! hang on each other, the outermost first. A piece of shaft between two rows is springs at its far end: a force there shifts it
+//! and turns it with that, by the piece's lean, and a moment turns it further. At the piece's elastic centre, the springs of a
+//! slender shaft would cancel the digits of single precision. A support is three springs at its row's centre. The rows' forces and
+//! slopes are folded along the chain towards the shaft's centre: rows add up, and springs in series soften what is beyond them. The
+//! balance of the shaft is then one in the motion of its section there, and its stiffness is exact. A step of that motion unfolds
+//! along the chain to a motion of each row.
 //!
 //! All in the units of the shaft: forces, stiffness and motions of a row about its centre, distances over `Rp`.
 
-use crate::linalg::{moved, product, refer};
+use crate::linalg::{moved, product, refer, vector};
 use crate::real::Real;
 use crate::shaft::row::Sum;
 
-/// A row on an elastic shaft, its support, and the shaft from there to the next row towards `x = 0`.
+/// A row on an elastic shaft, its support, and the shaft from there to the next row towards its centre.
 ///
 /// Flexibilities are those of the five freedoms.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,26 +28,84 @@ pub struct Joint<T> {
     pub support: [T; 5],
     /// Deflection that constant loads on the shaft give the row.
     pub constant: [T; 5],
-    /// How far the row is beyond the elastic centre of the shaft's piece, and that beyond the next row or `x = 0`, in `+x`.
-    pub beyond: [T; 2],
-    /// Flexibility of this piece of shaft.
-    pub shaft: [T; 5],
-    /// There is no row from here to `x = 0`.
+    /// This piece of shaft.
+    pub piece: Piece<T>,
+    /// There is no row from here to the shaft's centre.
     pub is_last: bool,
+}
+
+/// The piece of a shaft between two points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Piece<T> {
+    /// How far its far end is beyond the near one, in `+x`.
+    pub length: T,
+    /// Turn of the far end with its shift, under a force there.
+    pub lean: T,
+    /// Flexibility at the far end: by a force, with that turn; by a moment, besides that turn and its shift.
+    pub flexibility: [T; 5],
+}
+
+impl<T: Real> Piece<T> {
+    /// No piece.
+    pub const NONE: Self = Self {
+        length: T::ZERO,
+        lean: T::ZERO,
+        flexibility: [T::ZERO; 5],
+    };
+
+    /// Not rigid.
+    fn is_elastic(&self) -> bool {
+        self.flexibility[0] > T::ZERO
+    }
+
+    /// Deflection of the far end about the near one, under a load at the far end.
+    #[inline(never)]
+    pub fn deflection<const D: usize>(&self, load: &[T; D]) -> [T; D] {
+        let mut u = *load;
+        lean(self.lean, &mut u);
+        let mut springs = self.flexibility.iter();
+        u = u.map(|force| springs.next().map_or(T::ZERO, |by| *by * force));
+        turned(self.lean, &u)
+    }
+}
+
+/// A force, in place, where turns count from those that go with a shift, by `lean`.
+#[inline(always)]
+fn lean<T: Real, const D: usize>(lean: T, force: &mut [T; D]) {
+    force[1] += lean * force[4];
+    force[2] -= lean * force[3];
+}
+
+/// Refers a force, in place, from the far end of a piece and by its lean to the near end.
+#[inline(always)]
+fn to_near_end<T: Real, const D: usize>(piece: &Piece<T>, force: &mut [T; D]) {
+    lean(-piece.lean, force);
+    refer(piece.length, force);
+}
+
+/// A motion whose turns count from those that go with its shift, with all of its turns.
+#[inline(always)]
+fn turned<T: Real, const D: usize>(lean: T, u: &[T; D]) -> [T; D] {
+    let mut u = *u;
+    u[4] += lean * u[1];
+    u[3] -= lean * u[2];
+    u
 }
 
 /// A row's part of the fold, and what holds the shaft bent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend<T, const D: usize> {
-    /// Changes of force of the row behind its support, and of all rows from here outwards behind the piece of shaft, at its
-    /// elastic centre.
+    /// Changes of force of the row behind its support, and of all rows from here outwards behind the piece of shaft, at its far end
+    /// and by its lean.
     held: Sum<T, D>,
     outer: Sum<T, D>,
     /// Force of the row that bends the shaft, and its change by the last step.
     force: [T; D],
     force_step: [T; D],
-    /// These forces of all rows from here outwards, at the elastic centre.
+    /// Those of all rows from here outwards that bend the piece, at that end and by that lean, and their change by the last step.
     bending: [T; D],
+    bending_step: [T; D],
     /// Deflection of the row, and where the balls were condensed last.
     pub deflection: [T; 5],
     before: [T; 5],
@@ -61,6 +121,7 @@ impl<T: Real, const D: usize> Bend<T, D> {
         force: [T::ZERO; D],
         force_step: [T::ZERO; D],
         bending: [T::ZERO; D],
+        bending_step: [T::ZERO; D],
         deflection: [T::ZERO; 5],
         before: [T::ZERO; 5],
         moved: [T::ZERO; 5],
@@ -140,17 +201,22 @@ pub fn fold<T: Real, const D: usize>(
         bend.held = Sum::NONE;
         add_row(joint, &mut bend.held);
         add(&mut bend.force, T::ONE, &bend.force_step);
+        add(&mut bend.bending, T::ONE, &bend.bending_step);
         add(&mut bend.held.force, -T::ONE, &bend.force);
         add(&mut bending, T::ONE, &bend.force);
         soften(&mut bend.held, &joint.support);
         side.add(&bend.held);
-        let [row, centre] = joint.beyond;
-        side.move_by(row);
-        refer(row, &mut bending);
-        soften(&mut side, &joint.shaft);
-        (bend.outer, bend.bending) = (side, bending);
-        side.move_by(centre);
-        refer(centre, &mut bending);
+        let piece = &joint.piece;
+        if piece.is_elastic() {
+            side.lean(piece.lean);
+            lean(piece.lean, &mut bending);
+            // Rounding parts the rows' forces from that which bends the piece: next to nothing, and far where the piece is soft.
+            side.force = vector(|i| side.force[i] + (bending[i] - bend.bending[i]));
+            soften(&mut side, &piece.flexibility);
+            (bend.outer, bending) = (side, bend.bending);
+        }
+        side.move_by(piece);
+        to_near_end(piece, &mut bending);
         if joint.is_last {
             sum.add(&side);
             add(&mut sum.force, T::ONE, &bending);
@@ -174,7 +240,7 @@ fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     product(a, b)
 }
 
-/// Moves the rows along the chain by the step `du` of the section at `x = 0`, and a relative change `ds` of `omega^2`.
+/// Moves the rows along the chain by the step `du` of the section at the shaft's centre, and a relative change `ds` of `omega^2`.
 #[inline(never)]
 pub fn unfold<T: Real, const D: usize>(
     joints: &[Joint<T>],
@@ -191,14 +257,18 @@ pub fn unfold<T: Real, const D: usize>(
         if joint.is_last {
             (u, deflection) = (*du, [T::ZERO; 5]);
         }
-        let [row, centre] = joint.beyond;
-        (u, deflection) = (moved(centre, &u), moved(centre, &deflection));
-        let change = bend.outer.after(&u, ds);
-        for (i, flexibility) in joint.shaft.iter().enumerate() {
-            u[i] -= *flexibility * change[i];
-            deflection[i] -= *flexibility * (bend.bending[i] + change[i]);
+        let piece = &joint.piece;
+        (u, deflection) = (moved(piece.length, &u), moved(piece.length, &deflection));
+        if piece.is_elastic() {
+            (u, deflection) = (turned(-piece.lean, &u), turned(-piece.lean, &deflection));
+            bend.bending_step = bend.outer.after(&u, ds);
+            for (i, flexibility) in piece.flexibility.iter().enumerate() {
+                let step = bend.bending_step[i];
+                u[i] -= *flexibility * step;
+                deflection[i] -= *flexibility * (bend.bending[i] + step);
+            }
+            (u, deflection) = (turned(piece.lean, &u), turned(piece.lean, &deflection));
         }
-        (u, deflection) = (moved(row, &u), moved(row, &deflection));
         bend.force_step = bend.held.after(&u, ds);
         bend.before = bend.deflection;
         for (i, flexibility) in joint.support.iter().enumerate() {
@@ -210,7 +280,27 @@ pub fn unfold<T: Real, const D: usize>(
     }
 }
 
-/// Change of the stiffness's diagonal at `x = 0` by changes of the rows', which are about the rows' centres.
+/// Forces of the rows that bend the shaft as it is bent, with the rows' positions.
+pub fn forces<'a, T: Real, const D: usize>(
+    joints: &'a [Joint<T>],
+    bends: &'a [Bend<T, D>],
+) -> impl Iterator<Item = (T, [T; D])> + 'a {
+    let mut beyond = [T::ZERO; D];
+    joints.iter().filter_map(move |joint| {
+        let (bend, piece) = (bends.get(joint.row)?, &joint.piece);
+        let mut all = vector(|i| beyond[i] + bend.force(i));
+        if piece.is_elastic() {
+            all = vector(|i| bend.bending[i] + bend.bending_step[i]);
+            lean(-piece.lean, &mut all);
+        }
+        let force = vector(|i| all[i] - beyond[i]);
+        refer(piece.length, &mut all);
+        beyond = if joint.is_last { [T::ZERO; D] } else { all };
+        Some((joint.position, force))
+    })
+}
+
+/// Change of the stiffness's diagonal at the shaft's centre by changes of the rows', which are about the rows' centres.
 #[inline(never)]
 pub fn diagonal<T: Real, const D: usize>(
     joints: &[Joint<T>],
@@ -225,9 +315,13 @@ pub fn diagonal<T: Real, const D: usize>(
         let mut change = *row;
         bend.held.soften_change(&joint.support, &mut change);
         add(&mut side, T::ONE, &change);
-        refer_diagonal(joint.beyond[0], &mut side);
-        bend.outer.soften_change(&joint.shaft, &mut side);
-        refer_diagonal(joint.beyond[1], &mut side);
+        let piece = &joint.piece;
+        if piece.is_elastic() {
+            lean_diagonal(piece.lean, &mut side);
+            bend.outer.soften_change(&piece.flexibility, &mut side);
+            lean_diagonal(piece.lean, &mut side);
+        }
+        refer_diagonal(piece.length, &mut side);
         if joint.is_last {
             add(&mut all, T::ONE, &side);
             side = [T::ZERO; D];
@@ -244,7 +338,37 @@ fn refer_diagonal<T: Real, const D: usize>(distance: T, k: &mut [T; D]) {
     k[3] += square * k[2];
 }
 
+/// A diagonal's change where turns count from those that go with a shift, or back.
+#[inline(never)]
+fn lean_diagonal<T: Real, const D: usize>(lean: T, k: &mut [T; D]) {
+    let square = lean * lean;
+    k[1] += square * k[4];
+    k[2] += square * k[3];
+}
+
 impl<T: Real, const D: usize> Sum<T, D> {
+    /// [`lean`] of forces and slopes.
+    #[inline(never)]
+    fn lean(&mut self, by: T) {
+        lean(by, &mut self.force);
+        lean(by, &mut self.by_speed);
+        for row in &mut self.k {
+            lean(by, row);
+        }
+        for j in 0..D {
+            let (y, z) = (self.k[4][j], self.k[3][j]);
+            self.k[1][j] += by * y;
+            self.k[2][j] -= by * z;
+        }
+    }
+
+    /// Refers it to the near end of a piece of shaft at whose far end it holds.
+    pub fn end(&mut self, piece: &Piece<T>) {
+        self.lean(piece.lean);
+        soften(self, &piece.flexibility);
+        self.move_by(piece);
+    }
+
     #[inline(never)]
     pub fn add(&mut self, other: &Self) {
         add(&mut self.force, T::ONE, &other.force);
@@ -254,10 +378,21 @@ impl<T: Real, const D: usize> Sum<T, D> {
         }
     }
 
-    /// [`Sum::refer`] by a call.
+    /// [`to_near_end`] of forces and slopes.
     #[inline(never)]
-    fn move_by(&mut self, distance: T) {
-        self.refer(distance);
+    fn move_by(&mut self, piece: &Piece<T>) {
+        to_near_end(piece, &mut self.force);
+        to_near_end(piece, &mut self.by_speed);
+        for row in &mut self.k {
+            to_near_end(piece, row);
+        }
+        for j in 0..D {
+            let mut column = vector(|i| self.k[i][j]);
+            to_near_end::<T, D>(piece, &mut column);
+            for i in 1..5 {
+                self.k[i][j] = column[i];
+            }
+        }
     }
 
     /// Forces after the motion `u` and a relative change `ds` of `omega^2`.
@@ -310,11 +445,12 @@ impl<T: Real, const D: usize> Bend<T, D> {
     /// Takes no more of the last step than its deflection, which the balls have followed.
     #[inline(never)]
     pub fn end_step(&mut self) {
-        (self.force_step, self.moved) = ([T::ZERO; D], [T::ZERO; 5]);
+        (self.force_step, self.bending_step) = ([T::ZERO; D], [T::ZERO; D]);
+        self.moved = [T::ZERO; 5];
     }
 
-    /// Force of the row on the shaft after the last step.
-    pub fn force(&self, i: usize) -> T {
+    /// Force of the row on its support after the last step.
+    fn force(&self, i: usize) -> T {
         self.force[i] + self.force_step[i]
     }
 }

@@ -390,7 +390,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         all
     }
 
-    /// Bends an elastic shaft by the step `du` of its section at `x = 0`, and a relative change `ds` of `omega^2`.
+    /// Bends an elastic shaft by the step `du` of its section at its centre, and a relative change `ds` of `omega^2`.
     #[inline(always)]
     pub fn bend(&mut self, du: &[T; D], ds: T) {
         if E > 0 {

@@ -2,7 +2,7 @@
 
 use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
-use crate::linalg::{moved, norm, product, vector};
+use crate::linalg::{moved, norm, product, refer, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
 use crate::solver::problem::{Problem, Time};
@@ -75,11 +75,13 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Residual at the predicted speed: load minus the balls' forces, extrapolated by the relative change `ds` of `omega^2`. A
     /// freedom whose displacement is prescribed has none, since its support takes it.
-    fn unbalanced(&self, problem: &Problem<T, D>, ds: T) -> [T; D] {
-        vector(|i| match problem.prescribed[i] {
-            None => problem.load[i] - self.sum.force[i] - ds * self.sum.by_speed[i],
-            Some(_) => T::ZERO,
-        })
+    fn unbalanced<const E: usize>(&self, problem: &Problem<T, D>, ds: T) -> [T; D] {
+        let sum = &self.sum;
+        let mut r = vector(|i| problem.load[i] - sum.force[i] - ds * sum.by_speed[i]);
+        if !problem.is_free {
+            problem.release::<E>(&mut r);
+        }
+        r
     }
 
     /// Largest diagonal element of the tangent.
@@ -93,12 +95,12 @@ impl<T: Real, const D: usize> State<T, D> {
     }
 
     /// Factors the tangent. A given displacement stands in the place of the equation of its freedom.
-    pub(super) fn factor(&mut self, problem: &Problem<T, D>, damping: T) {
+    pub(super) fn factor<const E: usize>(&mut self, problem: &Problem<T, D>, damping: T) {
         if problem.is_free {
             self.factors.factor(&self.sum.k, damping);
             return;
         }
-        let mut k = self.sum.k;
+        let mut k = problem.stiffness_given::<E>(&self.sum.k);
         for (i, held) in problem.prescribed.iter().enumerate() {
             if held.is_some() {
                 k[i] = [T::ZERO; D];
@@ -111,7 +113,7 @@ impl<T: Real, const D: usize> State<T, D> {
     /// The step to where the tangent sees equilibrium under the unbalanced force `r`, its length, whether it is damped.
     ///
     /// It is damped where the tangent is not positive definite, or the step longer than `radius`.
-    fn step(
+    fn step<const E: usize>(
         &mut self,
         plane: T,
         problem: &Problem<T, D>,
@@ -122,24 +124,41 @@ impl<T: Real, const D: usize> State<T, D> {
         let mut damping = T::ZERO;
         loop {
             if damping > T::ZERO || !self.plain {
-                self.factor(problem, damping);
+                self.factor::<E>(problem, damping);
             }
             let mut b = *r;
             if !problem.is_free {
-                let u = self.displacement(plane);
+                let mut u = self.displacement(plane);
+                let mut force = vector(|i| self.sum.force[i] - problem.load[i]);
+                problem.given_motion::<E>(&mut u, &mut force);
+                if let Some(piece) = problem.overhang::<E>() {
+                    refer(piece.length, &mut b);
+                }
                 for i in 0..D {
                     if let Some(given) = problem.prescribed[i] {
                         b[i] = (T::ONE + damping) * (given - u[i]);
                     }
                 }
             }
-            let du = self.factors.back_substitute(&b);
+            let mut du = self.factors.back_substitute(&b);
+            let mut is_long = false;
+            if let Some(piece) = problem.overhang::<E>() {
+                // Back to the centre. Damping moves no displacement that is given: a step is as long as it may be.
+                let k = problem.stiffness_given::<E>(&self.sum.k);
+                let mut force: [T; D] = vector(|i| product(&k[i], &du));
+                refer(-piece.length, &mut force);
+                let (at_centre, bent) = (moved(piece.length, &du), piece.deflection(&force));
+                du = vector(|i| at_centre[i] - bent[i]);
+                let part = (radius / norm(&du)).at_most(T::ONE);
+                is_long = part < T::ONE;
+                du = du.map(|u| part * u);
+            }
             let length = norm(&du);
             if !(damping > T::ZERO) {
                 self.weak = self.factors.is_weak;
             }
-            if self.factors.least > T::ZERO && length <= radius {
-                let damped = damping > T::ZERO;
+            if self.factors.least > T::ZERO && (is_long || length <= radius) {
+                let damped = damping > T::ZERO || is_long;
                 self.plain = problem.is_free && !damped;
                 return (du, length, damped);
             }
@@ -173,7 +192,7 @@ impl<T: Real, const D: usize> State<T, D> {
         }
         let plane = shaft.layout.plane;
         self.stay(shaft);
-        let r = self.unbalanced(problem, ds);
+        let r = self.unbalanced::<E>(problem, ds);
         let Control { radius, least, .. } = self.attempt.control;
         let is_first = self.attempt.taken == 0;
         let radius = if is_first {
@@ -181,10 +200,11 @@ impl<T: Real, const D: usize> State<T, D> {
         } else {
             radius
         };
-        let (du, _, damped) = self.step(plane, problem, &r, radius, least);
+        let (du, _, damped) = self.step::<E>(plane, problem, &r, radius, least);
         shaft.bend(&du, ds);
         let work = product(&r, &du);
-        self.attempt.control.last = (!is_first).then_some(Step { du, work, damped });
+        self.attempt.control.last =
+            (!is_first && problem.overhang::<E>().is_none()).then_some(Step { du, work, damped });
         self.advance(moved(plane, &du));
     }
 
@@ -205,7 +225,7 @@ impl<T: Real, const D: usize> State<T, D> {
             (time.taken, self.attempt.taken) = (time.taken + 1, self.attempt.taken + 1);
             time.is_up = time.taken >= time.max_iterations || !(time.more)();
 
-            let r = self.unbalanced(problem, T::ZERO);
+            let r = self.unbalanced::<E>(problem, T::ZERO);
             let mut size = problem.load_scale.at_least(*shaft.preload);
             if !problem.is_free {
                 size = size.at_least(norm(&self.sum.force));
@@ -239,7 +259,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 }
                 continue;
             }
-            let (du, length, damped) = self.step(plane, problem, &r, radius, least);
+            let (du, length, damped) = self.step::<E>(plane, problem, &r, radius, least);
             shaft.bend(&du, T::ZERO);
             let planar = moved(plane, &du);
             self.attempt.report.step = length;
@@ -266,7 +286,12 @@ impl<T: Real, const D: usize> State<T, D> {
                     Some(termination) => return termination,
                 }
             }
-            self.attempt.control.last = Some(Step { du, work, damped });
+            // Where a given displacement leads a step, no work says how it went.
+            self.attempt.control.last =
+                problem
+                    .overhang::<E>()
+                    .is_none()
+                    .then_some(Step { du, work, damped });
             if time.is_up {
                 break;
             }

@@ -4,9 +4,11 @@
 use crate::ball::kinematics::Speed;
 use crate::bearing::Constants;
 use crate::growth::Growth;
-use crate::linalg::{Matrix, matrix};
+use crate::linalg::{Matrix, matrix, moved, refer, vector};
 use crate::real::Real;
 use crate::shaft::Shaft;
+use crate::shaft::elastic::Piece;
+use crate::shaft::row::Sum;
 use crate::status::{Quantity, Status};
 use crate::tuning;
 
@@ -140,6 +142,8 @@ pub struct Problem<T, const D: usize> {
     pub prescribed: [Option<T>; D],
     /// No displacement is given.
     pub is_free: bool,
+    /// The piece of an elastic shaft from where displacements are given to its centre.
+    pub overhang: Option<Piece<T>>,
     /// Largest change of the stiffness along the last step.
     pub tolerance: T,
     /// Error of the balls' forces that is small enough, relative to the largest.
@@ -168,6 +172,7 @@ impl<T: Real, const D: usize> Problem<T, D> {
             load_scale: T::ZERO,
             prescribed: [None; D],
             is_free: true,
+            overhang: None,
             tolerance,
             enough: T::of(tuning::FORCE) * least,
             far: if tolerance < T::of(0.5 * tuning::COARSE) {
@@ -175,6 +180,49 @@ impl<T: Real, const D: usize> Problem<T, D> {
             } else {
                 far
             },
+        }
+    }
+
+    /// The overhang, which a rigid shaft (`E = 0`) has no code for.
+    #[inline(always)]
+    pub fn overhang<const E: usize>(&self) -> Option<&Piece<T>> {
+        if E > 0 { self.overhang.as_ref() } else { None }
+    }
+
+    /// Takes a motion of the shaft's centre, and a force of the rows about it, to where displacements are given.
+    #[inline(always)]
+    pub fn given_motion<const E: usize>(&self, u: &mut [T; D], force: &mut [T; D]) {
+        if let Some(piece) = self.overhang::<E>() {
+            let bent = piece.deflection(force);
+            *u = moved(-piece.length, &vector(|i| u[i] + bent[i]));
+            refer(piece.length, force);
+        }
+    }
+
+    /// The stiffness where displacements are given, from that about the shaft's centre.
+    #[inline(always)]
+    pub fn stiffness_given<const E: usize>(&self, k: &Matrix<T, D>) -> Matrix<T, D> {
+        let Some(piece) = self.overhang::<E>() else {
+            return *k;
+        };
+        let mut sum = Sum { k: *k, ..Sum::NONE };
+        sum.end(piece);
+        sum.k
+    }
+
+    /// Leaves out what the supports of prescribed displacements take of a force about the shaft's centre.
+    #[inline(always)]
+    pub fn release<const E: usize>(&self, force: &mut [T; D]) {
+        if let Some(piece) = self.overhang::<E>() {
+            refer(piece.length, force);
+        }
+        for (force, held) in force.iter_mut().zip(&self.prescribed) {
+            if held.is_some() {
+                *force = T::ZERO;
+            }
+        }
+        if let Some(piece) = self.overhang::<E>() {
+            refer(-piece.length, force);
         }
     }
 

@@ -123,7 +123,16 @@ fn displaced<T: Real, const R: usize, const SET: bool, const E: usize, const D: 
         let (force, side) = (spring(problem), T::ONE);
         u[5] = shifted(&sliding, Pressing { force, side }) - sliding.mount.facing * u[0];
     }
-    for (u, held) in u.iter_mut().zip(problem.prescribed) {
+    // Beyond an overhang, the first steps lead to them.
+    let held = problem
+        .prescribed
+        .iter()
+        .take(if problem.overhang::<E>().is_some() {
+            1
+        } else {
+            D
+        });
+    for (u, held) in u.iter_mut().zip(held) {
         *u = held.unwrap_or(*u);
     }
     moved(shaft.layout.plane, &u)

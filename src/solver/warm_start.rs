@@ -14,7 +14,7 @@ use crate::solver::problem::{
     Given, Problem, Time, check_tolerance, given_in_units, inertia, speed_and_growth,
 };
 use crate::solver::start::start;
-use crate::solver::state::{State, Termination, are_finite};
+use crate::solver::state::{ErrorEstimate, State, Termination, are_finite, rounding};
 use crate::status::{Quantity, Status};
 use core::marker::PhantomData;
 
@@ -37,6 +37,8 @@ pub struct Reached<T, const D: usize> {
     pub u: [T; D],
     pub load: [T; D],
     pub iterations: u16,
+    /// How far the figures of an elastic shaft can be off.
+    pub error: Option<ErrorEstimate<T>>,
 }
 
 impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
@@ -165,7 +167,15 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             self.state = State::COLD;
             return Err(Status::Indeterminate { loaded_balls, free });
         }
-        let reached = self.reached(layout.plane, time.taken);
+        let reached = self.reached(layout, time.taken);
+        if let Some(error) = &reached.error
+            && !(error.force <= T::ONE && error.stiffness <= T::ONE)
+        {
+            let loaded_balls = self.loaded();
+            let free = self.state.freest::<E>(problem);
+            self.state = State::COLD;
+            return Err(Status::Indeterminate { loaded_balls, free });
+        }
         // A tangent of other than numbers makes no undamped step.
         if are_finite(&reached.u) && are_finite(&reached.load) {
             return Ok(reached);
@@ -174,11 +184,45 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         Err(Status::Diverged { residual: T::ONE })
     }
 
-    fn reached(&self, plane: T, iterations: u16) -> Reached<T, D> {
+    /// Number of balls that carry.
+    #[cold]
+    fn loaded(&self) -> u16 {
+        let rows = self.balls.iter().zip(&self.points);
+        let loaded = rows.map(|(balls, p)| balls.iter().filter(|ball| ball.carries(p)).count());
+        loaded.sum::<usize>() as u16
+    }
+
+    /// How far the figures of an elastic shaft at the displacement `u` can be off.
+    #[inline(never)]
+    fn errors<const SET: bool>(
+        &self,
+        layout: &Layout<'_, T, R, SET, E>,
+        u: &[T; D],
+    ) -> ErrorEstimate<T> {
+        let mut error = self.state.errors(u, self.points[0].s * layout.ball_count);
+        // A row's motion is a difference of the shaft's and its deflection.
+        let mut offset = T::ZERO;
+        for u in self.bends.iter().flat_map(|bend| &bend.deflection) {
+            offset = offset.at_least(u.abs());
+        }
+        let rounding = rounding(self.state.attempt.report.estimate.largest, &[offset]);
+        error.force += rounding + rounding;
+        error.stiffness += rounding;
+        error
+    }
+
+    #[inline(always)]
+    fn reached<const SET: bool>(
+        &self,
+        layout: &Layout<'_, T, R, SET, E>,
+        iterations: u16,
+    ) -> Reached<T, D> {
         let State { v, at, sum, .. } = &self.state;
-        let du = moved(-plane, &vector(|i| v[i] - at[i]));
+        let du = moved(-layout.plane, &vector(|i| v[i] - at[i]));
+        let u = self.state.displacement(layout.plane);
         Reached {
-            u: self.state.displacement(plane),
+            u,
+            error: (E > 0).then(|| self.errors(layout, &u)),
             load: vector(|i| sum.force[i] + product(&sum.k[i], &du)),
             iterations,
         }
@@ -193,7 +237,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         if attempt.termination != Termination::Unfinished {
             return None;
         }
-        let reached = self.reached(layout.plane, attempt.taken);
+        let reached = self.reached(layout, attempt.taken);
         let inertia = self.points[0].s * layout.ball_count;
         let is_finite = self.state.errors(&reached.u, inertia).is_finite()
             && are_finite(&reached.u)
@@ -265,12 +309,6 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         let mut sum = Sum::NONE;
         fold(joints, &mut [], &mut add_row, &mut sum);
         sum.k
-    }
-
-    /// Force of a row that bends an elastic shaft, in the solver's units.
-    pub fn bending_force(&self, row: usize) -> [T; 5] {
-        let bend = self.bends.get(row);
-        vector(|i| bend.map_or(T::ZERO, |bend| bend.force(i)))
     }
 
     /// Offset of a row's groove plane from its reference position.
@@ -382,9 +420,9 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Freedom in which the tangent resists least: the largest component after two inverse iterations.
     #[cold]
     #[inline(never)]
-    fn freest(&mut self, problem: &Problem<T, D>) -> Quantity {
+    fn freest<const E: usize>(&mut self, problem: &Problem<T, D>) -> Quantity {
         let largest = self.stiffest().at_least(T::EPSILON);
-        self.factor(problem, T::EPSILON.sqrt() * largest);
+        self.factor::<E>(problem, T::EPSILON.sqrt() * largest);
         let free = |motion: [T; D]| {
             vector(|i| match problem.prescribed[i] {
                 None => largest * motion[i],
@@ -420,7 +458,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let status = match (termination, driven_out) {
             (Termination::Singular, _) => Status::Indeterminate {
                 loaded_balls: shaft.loaded(),
-                free: self.freest(problem),
+                free: self.freest::<E>(problem),
             },
             (Termination::Unfinished, _) => Status::IterationLimit,
             (_, Some((ball, apart))) => Status::Unseated { ball, apart },

@@ -1,12 +1,12 @@
 //! A spindle whose shaft bends, on supports that give way.
 
-use crate::linalg::{refer, vector};
+use crate::linalg::{norm, refer, vector};
 use crate::real::Real;
-use crate::shaft::elastic::{Joint, order};
-use crate::solver::problem::{check, radius, units};
+use crate::shaft::elastic::{Bend, Joint, Piece, forces, order};
+use crate::solver::problem::{Given, check, radius, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
-use crate::spindle::sections::{OnShaft, Piece, Shaft, ShaftLoad, Support, of_freedoms};
+use crate::spindle::sections::{OnShaft, Shaft, ShaftLoad, Support, of_freedoms};
 use crate::status::Quantity;
 use core::array::from_fn;
 
@@ -30,7 +30,8 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         for (row, support) in supports.iter().enumerate() {
             support.check(row)?;
         }
-        let (layout, _) = self.about_origin();
+        let centre = self.between_rows(T::ZERO);
+        let (layout, _) = self.about(centre);
         let unit = layout.bearings[0].c;
         let (axial, tilting) = (unit.force / unit.length, unit.moment / unit.tilt);
         let joints = from_fn(|row| {
@@ -45,8 +46,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                     tilting / support.tilting,
                 ]),
                 constant: [T::ZERO; 5],
-                beyond: [T::ZERO; 2],
-                shaft: [T::ZERO; 5],
+                piece: Piece::NONE,
                 is_last: false,
             }
         });
@@ -54,19 +54,20 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             sections: &shaft.sections,
             loads: &[],
             load: [T::ZERO; 5],
+            centre,
         };
         let mut set = Spindle {
             layout: layout.with_joints(joints),
             positions: self.positions,
             facings: self.facings,
             spring: self.spring,
-            centre: T::ZERO,
+            centre,
             shaft: [on_shaft; R],
         };
         for (mount, row) in set.layout.mounts.iter_mut().zip(&layout.bearings) {
             mount.reach = row.c.plane;
         }
-        set.layout.joints = set.joints_towards(T::ZERO);
+        set.layout.joints = set.joints_towards(centre);
         Ok(set)
     }
 }
@@ -108,9 +109,9 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
         let mut sum = [T::ZERO; 5];
         for load in loads {
-            let mut about_origin = load.load;
-            refer(load.position, &mut about_origin);
-            sum = vector(|i| sum[i] + about_origin[i]);
+            let mut about_centre = load.load;
+            refer(load.position - self.centre, &mut about_centre);
+            sum = vector(|i| sum[i] + about_centre[i]);
         }
         for shaft in &mut self.shaft {
             (shaft.loads, shaft.load) = (loads, sum);
@@ -138,27 +139,57 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             let inner = next.filter(|inner| (*inner < x) == (joint.position < x));
             joint.is_last = inner.is_none();
             let near = inner.unwrap_or(x);
-            let piece = Piece::between(shaft.sections, unit, near, joint.position);
-            joint.beyond = [piece.far, -piece.near];
-            joint.shaft = piece.flexibility;
+            joint.piece = shaft.piece(unit, near, joint.position);
             next = Some(joint.position);
         }
         joints
     }
 
-    /// Deflection of an elastic shaft at the position `x` (m) about its section at `x = 0`, in the solver's units, under the forces of
-    /// its rows and its constant loads.
-    pub(super) fn deflection_at(&self, x: T, force_of: impl Fn(usize) -> [T; 5]) -> [T; 5] {
-        let unit = self.layout.bearings[0].c;
-        let Some(shaft) = self.shaft.first() else {
-            return [T::ZERO; 5];
-        };
-        let mut u = shaft.deflection_by_loads(unit, x);
-        for joint in &self.layout.joints {
-            let by_row = shaft.deflection(unit, x, joint.position, &force_of(joint.row));
-            u = vector(|i| u[i] - by_row[i]);
+    /// The position between the rows that is nearest to `x`, m.
+    pub(super) fn between_rows(&self, x: T) -> T {
+        let (mut low, mut high) = (T::INFINITY, -T::INFINITY);
+        for position in &self.positions {
+            (low, high) = (low.at_most(*position), high.at_least(*position));
         }
-        u
+        x.at_least(low).at_most(high)
+    }
+
+    /// The piece of an elastic shaft from `x = 0` to its centre, if it is not there; and how far loads move its end at `x = 0`: these,
+    /// and the constant ones.
+    pub(super) fn overhang(&self, given: &[Given<T>; 5]) -> Option<(Piece<T>, [T; 5])> {
+        let unit = self.layout.bearings[0].c;
+        let shaft = self.shaft.first().filter(|_| self.centre != T::ZERO)?;
+        let load: [T; 5] = vector(|i| given[i].load_or(T::ZERO) / units(unit, i).0);
+        let by_load = shaft.piece(unit, self.centre, T::ZERO).deflection(&load);
+        let by_loads = shaft.deflection_by_loads(unit, T::ZERO);
+        let piece = shaft.piece(unit, T::ZERO, self.centre);
+        Some((piece, vector(|i| by_loads[i] + by_load[i])))
+    }
+
+    /// Deflection of an elastic shaft at the position `x` (m) about its section at the centre, in the solver's units, under `load` (SI)
+    /// at `x = 0`, the forces of its rows and its constant loads; and the sizes of its parts.
+    pub(super) fn deflection_at(
+        &self,
+        x: T,
+        load: &[T; 5],
+        bends: &[Bend<T, D>; E],
+    ) -> ([T; 5], T) {
+        let (mut u, mut size) = ([T::ZERO; 5], T::ZERO);
+        let Some(shaft) = self.shaft.first() else {
+            return (u, size);
+        };
+        let unit = self.layout.bearings[0].c;
+        let mut add = |part: [T; 5]| {
+            u = vector(|i| u[i] + part[i]);
+            size += norm(&part);
+        };
+        add(shaft.deflection_by_loads(unit, x));
+        let load = vector(|i| load[i] / units(unit, i).0);
+        add(shaft.deflection(unit, x, T::ZERO, &load));
+        for (position, force) in forces(&self.layout.joints, bends) {
+            add(shaft.deflection(unit, x, position, &vector(|i| -force[i])));
+        }
+        (u, size)
     }
 
     /// Flexibility of a row's support, SI.
@@ -181,8 +212,16 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         }
     }
 
-    /// Constant loads on an elastic shaft, about `x = 0`, SI.
-    pub(super) fn constant_load(&self) -> [T; 5] {
+    /// Loads of a solve at `x = 0`, SI, from those that its rows carry about the position `x` (m), in the solver's units.
+    pub(super) fn load_at_origin(&self, carried: &[T; D], x: T) -> [T; 5] {
+        let (unit, constant) = (self.layout.bearings[0].c, self.constant_load());
+        let mut load = vector(|i| carried[i] * units(unit, i).0 - constant[i]);
+        refer(x, &mut load);
+        load
+    }
+
+    /// Constant loads on an elastic shaft, about its centre, SI.
+    fn constant_load(&self) -> [T; 5] {
         self.shaft.first().map_or([T::ZERO; 5], |shaft| shaft.load)
     }
 }

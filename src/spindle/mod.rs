@@ -271,7 +271,8 @@ pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5, co
     facings: [Facing; R],
     /// Force of the spring, N.
     spring: T,
-    /// Position of the shaft's centre, m: the mean of the rows'.
+    /// Position of the shaft's centre, m: the mean of the rows'; of an elastic shaft, the point between them that is nearest to
+    /// `x = 0`.
     centre: T,
     /// The elastic shaft, at each of its rows.
     shaft: [OnShaft<'b, T>; E],
@@ -438,14 +439,14 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
 impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     Spindle<'b, T, R, N, D, E>
 {
-    /// How the rows sit, with `x = 0` in the place of the shaft's centre, which is nearer to it by the distance that is returned, over
-    /// `Rp`.
-    fn about_origin(&self) -> (Layout<'b, T, R, true, E>, T) {
-        let mut layout = self.layout;
-        let distance = self.centre / radius(layout.bearings[0].c);
+    /// How the rows sit, with the position `x` (m) in the place of the shaft's centre, which is beyond it by the distance that is
+    /// returned, over `Rp`.
+    fn about(&self, x: T) -> (Layout<'b, T, R, true, E>, T) {
+        let (mut layout, beyond) = (self.layout, self.centre - x);
+        let distance = beyond / radius(layout.bearings[0].c);
         layout.plane += distance;
         for (mount, row) in layout.mounts.iter_mut().zip(&layout.bearings) {
-            mount.reach += mount.facing * (self.centre / radius(row.c));
+            mount.reach += mount.facing * (beyond / radius(row.c));
         }
         (layout, distance)
     }

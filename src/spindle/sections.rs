@@ -4,6 +4,7 @@ use crate::bearing::Constants;
 use crate::design::{DesignError, Material, check, within};
 use crate::linalg::{moved, refer, vector};
 use crate::real::Real;
+use crate::shaft::elastic::Piece;
 use crate::solver::problem::{radius, units};
 use crate::spindle::error::SpindleError;
 use crate::status::Quantity;
@@ -307,16 +308,10 @@ pub struct ShaftLoad<T> {
 pub(super) struct OnShaft<'b, T> {
     pub sections: &'b [Flexible<T>],
     pub loads: &'b [ShaftLoad<T>],
-    /// Sum of the loads about `x = 0`.
+    /// Sum of the loads about the shaft's centre.
     pub load: [T; 5],
-}
-
-/// The piece of a shaft between two points as springs: distances of its ends from the elastic centre, that of the near end negative,
-/// over `Rp`, and its flexibilities.
-pub(super) struct Piece<T> {
-    pub near: T,
-    pub far: T,
-    pub flexibility: [T; 5],
+    /// Position of that, m.
+    pub centre: T,
 }
 
 /// Axial, lateral and tilting flexibility as those of the five freedoms.
@@ -324,14 +319,14 @@ pub(super) fn of_freedoms<T: Real>([axial, lateral, tilting]: [T; 3]) -> [T; 5] 
     [axial, lateral, lateral, tilting, tilting]
 }
 
-impl<T: Real> Piece<T> {
-    /// Between the positions `near` and `far`, m.
-    pub(super) fn between(sections: &[Flexible<T>], unit: &Constants<T>, near: T, far: T) -> Self {
+impl<T: Real> OnShaft<'_, T> {
+    /// The piece between the positions `near` and `far`, m.
+    pub(super) fn piece(&self, unit: &Constants<T>, near: T, far: T) -> Piece<T> {
         let (low, high) = (near.at_most(far), near.at_least(far));
         let parts = || {
-            sections.iter().filter_map(|section| {
+            self.sections.iter().filter_map(|section| {
                 let (from, to) = (section.from.at_least(low), section.to.at_most(high));
-                let middle = T::of(0.5) * ((from - far) + (to - far));
+                let middle = T::of(0.5) * ((far - from) + (far - to));
                 (to > from).then_some((to - from, middle, &section.per))
             })
         };
@@ -341,47 +336,42 @@ impl<T: Real> Piece<T> {
             tilting += length * *of_bending;
             first += length * *of_bending * middle;
         }
-        // From the far end.
-        let centre = if tilting > T::ZERO {
-            first / tilting
-        } else {
-            T::ZERO
-        };
+        // The elastic centre, from the far end, and what a force shifts there.
+        let ratio = |a: T, b: T| if b > T::ZERO { a / b } else { T::ZERO };
+        let centre = ratio(first, tilting);
         let mut lateral = T::ZERO;
         for (length, middle, [_, of_bending, of_shear]) in parts() {
             let off = middle - centre;
             let spread = off * off + length * length * T::of(1.0 / 12.0);
             lateral += length * (*of_bending * spread + *of_shear);
         }
-        let per = T::ONE / radius(unit);
+        let at_end = lateral + first * centre;
         let stiffness = unit.force / unit.length;
-        Self {
-            near: ((near - far) - centre) * per,
-            far: -centre * per,
+        Piece {
+            length: (far - near) / radius(unit),
+            lean: ratio(first, at_end) * radius(unit),
             flexibility: of_freedoms([
                 axial * stiffness,
-                lateral * stiffness,
-                tilting * (unit.moment / unit.tilt),
+                at_end * stiffness,
+                tilting * ratio(lateral, at_end) * (unit.moment / unit.tilt),
             ]),
         }
     }
-}
 
-impl<T: Real> OnShaft<'_, T> {
     /// Deflection of the shaft at the position `x` (m) by `load` at the position `at`, both in the solver's units, about the section
-    /// at `x = 0`.
+    /// at its centre.
     pub(super) fn deflection(&self, unit: &Constants<T>, x: T, at: T, load: &[T; 5]) -> [T; 5] {
-        if !(x * at > T::ZERO) {
+        let [of_x, of_load] = [x - self.centre, at - self.centre];
+        if !(of_x * of_load > T::ZERO) {
             return [T::ZERO; 5];
         }
         // Beyond the nearer of both, nothing bends.
-        let end = if x.abs() < at.abs() { x } else { at };
-        let piece = Piece::between(self.sections, unit, T::ZERO, end);
+        let end = if of_x.abs() < of_load.abs() { x } else { at };
         let per = T::ONE / radius(unit);
         let mut load = *load;
-        refer((at - end) * per + piece.far, &mut load);
-        let u = vector(|i| piece.flexibility[i] * load[i]);
-        moved((x - end) * per + piece.far, &u)
+        refer((at - end) * per, &mut load);
+        let u = self.piece(unit, self.centre, end).deflection(&load);
+        moved((x - end) * per, &u)
     }
 
     /// That of the constant loads.

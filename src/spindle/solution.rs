@@ -3,7 +3,7 @@
 use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::ball::report::BallState;
 use crate::linalg::{
-    Factors, Matrix, add_to, matrix, moved, product, refer, refer_stiffness, vector,
+    Factors, Matrix, add_to, matrix, moved, norm, product, refer, refer_stiffness, vector,
 };
 use crate::real::Real;
 use crate::results::Balls;
@@ -14,7 +14,7 @@ use crate::results::serialize;
 use crate::results::summary::RowSummary;
 use crate::shaft::elastic::soften;
 use crate::shaft::row::{Sum, sum_up};
-use crate::solver::problem::{stiffness_out, units};
+use crate::solver::problem::{radius, stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::spindle::Spindle;
@@ -74,7 +74,10 @@ pub struct SpindleSolution<
     pub load: [T; 5],
     /// Speed of the shaft.
     pub speed: Speed<T>,
-    /// Stiffness about the spindle's centre, with the force of the spring held.
+    /// Displacement of the spindle's centre, and stiffness about it with the force of the spring held.
+    u: [T; 5],
+    /// Error of that displacement, in the solver's unit of length.
+    off: T,
     pub(super) k: Matrix<T, 5>,
     /// Motion of the sleeve, m.
     slide: T,
@@ -102,21 +105,30 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         } else {
             T::ZERO
         };
-        Self {
+        let inertia = last.points[0].s * layout.ball_count;
+        let (error, off) = match &reached.error {
+            Some(error) if E > 0 => (*error, error.displacement * norm(&reached.u)),
+            _ => (last.state.errors(&reached.u, inertia), T::ZERO),
+        };
+        let mut solution = Self {
             status: last.state.attempt.termination.status(),
             iterations: reached.iterations,
-            error: last
-                .state
-                .errors(&reached.u, last.points[0].s * layout.ball_count),
+            error,
             displacement: moved(-*centre, &u),
             load,
             speed: last.speed,
+            u,
+            off,
             k,
             slide,
             spindle,
             last,
             motion: PhantomData,
+        };
+        if E > 0 && *centre != T::ZERO {
+            (solution.displacement, solution.error.displacement) = solution.displaced(T::ZERO);
         }
+        solution
     }
 
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) of the shaft at `x = 0` and at
@@ -128,31 +140,66 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// The stiffness at the position `x` (m) of the shaft.
     #[inline(always)]
     pub(crate) fn stiffness_of_shaft(&self, x: T) -> Matrix<T, 5> {
-        let (k, distance) = self.near(x);
-        let mut k = stiffness_out(self.spindle.layout.bearings[0].c, &k);
-        refer_stiffness(-distance, &mut k);
+        let (k, near) = self.near(x);
+        let unit = self.spindle.layout.bearings[0].c;
+        if let Some(shaft) = self.spindle.shaft.first() {
+            let mut sum = Sum { k, ..Sum::NONE };
+            sum.end(&shaft.piece(unit, x, near));
+            return stiffness_out(unit, &sum.k);
+        }
+        let mut k = stiffness_out(unit, &k);
+        refer_stiffness(near - x, &mut k);
         k
     }
 
-    /// The stiffness, in the solver's units, about the point of the shaft from which on it is rigid to the position `x`; and how far
-    /// beyond that point `x` is, m.
+    /// The stiffness, in the solver's units, about the point of the shaft from which on nothing holds it to the position `x`; and where
+    /// that is, m.
     #[inline(always)]
     fn near(&self, x: T) -> (Matrix<T, 5>, T) {
-        if E == 0 || x == T::ZERO {
-            return (self.k, x - self.spindle.centre);
+        let centre = self.spindle.centre;
+        let near = if E == 0 {
+            centre
+        } else {
+            self.spindle.between_rows(x)
+        };
+        if near == centre {
+            return (self.k, near);
         }
-        let joints = self.spindle.joints_towards(x);
+        let joints = self.spindle.joints_towards(near);
         let layout = &self.spindle.layout;
         let k = self.last.stiffness_towards::<M::Rule, _>(layout, &joints);
-        (held(&k), T::ZERO)
+        (held(&k), near)
+    }
+
+    /// Flexibility of an elastic shaft at its end `x`, beyond the point `near`, m; SI.
+    fn flexibility(&self, near: T, x: T) -> Matrix<T, 5> {
+        let unit = self.spindle.layout.bearings[0].c;
+        let Some(shaft) = self.spindle.shaft.first() else {
+            return [[T::ZERO; 5]; 5];
+        };
+        let piece = shaft.piece(unit, near, x);
+        let columns: Matrix<T, 5> = matrix(|j, i| {
+            if i == j {
+                T::ONE / units(unit, j).0
+            } else {
+                T::ZERO
+            }
+        });
+        let columns = columns.map(|load| piece.deflection(&load));
+        matrix(|i, j| columns[j][i] * units(unit, i).1)
     }
 
     /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
     /// are displacements. One over its diagonal is the stiffness that a force alone meets.
     pub fn compliance_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
+        let (k, near) = self.near(end.position);
+        self.compliance_by(&inverse(&k), near, end)
+    }
+
+    /// The compliance at a point, by that of the rows about the point `near`, m.
+    fn compliance_by(&self, inverse: &Matrix<T, 5>, near: T, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
         let unit = self.spindle.layout.bearings[0].c;
-        let (k, d) = self.near(end.position);
-        let inverse = inverse(&k);
+        let d = end.position - near;
         let of = [unit.length, unit.tilt];
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
         let mut c: Matrix<T, 5> =
@@ -166,6 +213,9 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         for j in 0..5 {
             c[1][j] += y[j];
             c[2][j] -= z[j];
+        }
+        if E > 0 {
+            add_to(&mut c, &self.flexibility(near, end.position));
         }
         add_to(&mut c, &end.flexibility);
         c
@@ -193,36 +243,51 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
 
     /// Relative errors, estimated, of the diagonal of [`SpindleSolution::compliance_at`].
     ///
-    /// They follow from that of the stiffness: `sum of abs(C_ij) K_jj^(1/2)`, squared, over `C_ii`.
+    /// They follow from that of the stiffness `K` where rows begin to hold the shaft, and the displacements `C` by forces there:
+    /// `sum of abs(C_ij) K_jj^(1/2)`, squared, over the diagonal.
     pub fn compliance_error_at(&self, end: &ShaftEnd<T>) -> [T; 5] {
-        let (c, k) = (
-            self.compliance_at(end),
-            self.stiffness_of_shaft(end.position),
-        );
-        let error = self.error.stiffness + T::of(8.0) * T::EPSILON;
+        let unit = self.spindle.layout.bearings[0].c;
+        let (k, near) = self.near(end.position);
+        let (inverse, lever) = (inverse(&k), (end.position - near) / radius(unit));
+        let c = self.compliance_by(&inverse, near, end);
+        let rounding = T::of(8.0) * T::EPSILON;
+        let mut sums = [T::ZERO; 5];
+        for j in 0..5 {
+            let by_force = moved(lever, &vector::<T, 5>(|i| inverse[i][j]));
+            sums = vector(|i| sums[i] + by_force[i].abs() * k[j][j].abs().sqrt());
+        }
         vector(|i| {
-            let mut sum = T::ZERO;
-            for j in 0..5 {
-                let bearings = c[i][j] - end.flexibility[i][j];
-                sum += bearings.abs() * k[j][j].abs().sqrt();
-            }
-            error * sum * sum / c[i][i].abs()
+            let (force, length) = units(unit, i);
+            let error = (self.error.stiffness + rounding) * sums[i] * sums[i];
+            error * (length / force) / c[i][i].abs() + rounding
         })
     }
 
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the shaft at the position `x` (m).
     pub fn displacement_at(&self, x: T) -> [T; 5] {
-        let mut u = moved(x, &self.displacement);
-        if E > 0 {
-            let unit = self.spindle.layout.bearings[0].c;
-            let deflection = self
-                .spindle
-                .deflection_at(x, |row| self.last.bending_force(row));
-            for i in 0..5 {
-                u[i] += deflection[i] * units(unit, i).1;
-            }
+        if E == 0 {
+            return moved(x, &self.displacement);
         }
-        u
+        self.displaced(x).0
+    }
+
+    /// Relative error, estimated, of [`SpindleSolution::displacement_at`]: of the largest component, tilts taken at the pitch radius.
+    pub fn displacement_error_at(&self, x: T) -> T {
+        self.displaced(x).1
+    }
+
+    /// Displacement at the position `x` (m), and its error.
+    fn displaced(&self, x: T) -> ([T; 5], T) {
+        let Spindle { layout, centre, .. } = self.spindle;
+        let (unit, beyond, bends) = (layout.bearings[0].c, x - *centre, &self.last.bends);
+        let (deflection, bent) = self.spindle.deflection_at(x, &self.load, bends);
+        let rigid = moved(beyond, &self.u);
+        let u = vector(|i| rigid[i] + deflection[i] * units(unit, i).1);
+        let in_units = |u: &[T; 5]| norm(&vector::<T, 5>(|i| u[i] / units(unit, i).1));
+        let lever = T::ONE + beyond.abs() / radius(unit);
+        let rounding = T::of(8.0) * T::EPSILON * (lever * in_units(&self.u) + bent);
+        let error = (lever * self.off + rounding) / in_units(&u).at_least(T::TINY);
+        (u, error)
     }
 
     /// Rating life of the set under this load at this speed, each row with its own rating: see [`LifeRating`].

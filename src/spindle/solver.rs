@@ -4,7 +4,7 @@ use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::growth::Growth;
 use crate::linalg::{moved, refer, vector};
 use crate::real::Real;
-use crate::solver::problem::{Given, Settings, units};
+use crate::solver::problem::{Given, Settings};
 use crate::solver::state::are_finite;
 use crate::solver::warm_start::WarmStart;
 use crate::spindle::Spindle;
@@ -175,25 +175,38 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         growth: &[Growth<T>; R],
         settings: &Settings<T>,
     ) -> Result<SpindleSolution<'_, T, R, N, M, D, E>, Status<T>> {
-        let (layout, shift) = self.spindle.about_origin();
-        let unit = layout.bearings[0].c;
+        // An elastic shaft has an overhang in the place of a shift.
+        let at = if E > 0 { self.spindle.centre } else { T::ZERO };
+        let (layout, shift) = self.spindle.about(at);
+        let overhang = self.spindle.overhang(given);
         let spring = Given::Load(self.spindle.spring);
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
-        let to_origin = |load: &mut [T; D]| self.spindle.add_constant(load);
+        let to_centre = |load: &mut [T; D]| {
+            if let Some((piece, _)) = &overhang {
+                refer(-piece.length, load);
+            }
+            self.spindle.add_constant(load);
+        };
         self.last.refer(shift);
         let tolerance = settings.tolerance;
         let problem = self
             .last
-            .problem::<M, _>(&layout, &all, to_origin, speed, growth, tolerance);
+            .problem::<M, _>(&layout, &all, to_centre, speed, growth, tolerance);
         let most = settings.max_iterations;
-        let solved = problem.and_then(|problem| {
+        let solved = problem.and_then(|mut problem| {
+            if let Some((piece, deflection)) = overhang {
+                for (held, of_loads) in problem.prescribed.iter_mut().zip(deflection) {
+                    *held = held.map(|u| u - of_loads);
+                }
+                problem.overhang = Some(piece);
+            }
             self.last
                 .run::<M::Rule, _>(&layout, &problem, most, &mut || true)
         });
         self.last.refer(-shift);
         let mut reached = solved?;
-        let constant = self.spindle.constant_load();
-        let load = vector(|i| given[i].load_or(reached.load[i] * units(unit, i).0 - constant[i]));
+        let mut load = self.spindle.load_at_origin(&reached.load, at);
+        load = vector(|i| given[i].load_or(load[i]));
         reached.u = moved(shift, &reached.u);
         let mut solution = SpindleSolution::new(&self.spindle, &self.last, &reached, load);
         for (u, given) in solution.displacement.iter_mut().zip(given) {
@@ -207,11 +220,7 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     pub fn unfinished(&self) -> Option<SpindleSolution<'_, T, R, N, M, D, E>> {
         let Spindle { layout, centre, .. } = &self.spindle;
         let reached = self.last.unfinished::<M::Rule, _>(layout)?;
-        let unit = layout.bearings[0].c;
-        let mut load: [T; 5] = vector(|i| reached.load[i] * units(unit, i).0);
-        refer(*centre, &mut load);
-        let constant = self.spindle.constant_load();
-        let load = vector(|i| load[i] - constant[i]);
+        let load = self.spindle.load_at_origin(&reached.load, *centre);
         let solution = SpindleSolution::new(&self.spindle, &self.last, &reached, load);
         // A sleeve that no ball holds makes the shaft's stiffness 0 / 0.
         let is_finite = solution.k.iter().all(|row| are_finite(row));

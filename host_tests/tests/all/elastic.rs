@@ -163,7 +163,7 @@ fn off_equations(
 }
 
 /// A random spindle on a random shaft: up to four sections, some with gaps between them; most rows on elastic supports.
-fn random_elastic(seed: u64) -> (Plan, Attitude, Question) {
+pub fn random_elastic(seed: u64) -> (Plan, Attitude, Question) {
     let (mut plan, attitude, question) = random(seed);
     let mut r = Random::seeded(seed ^ 0xe1a5);
     let size = plan.rows[0].design.pitch_diameter;

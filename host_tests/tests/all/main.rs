@@ -11,6 +11,7 @@ mod cycle;
 mod designs;
 mod edges;
 mod elastic;
+mod elastic_far;
 mod elastic_files;
 mod elastic_reference;
 mod elastic_ross;

@@ -1,0 +1,331 @@
+//! Elastic shafts whose loads act far from their rows, and slender ones.
+
+use super::elastic::random_elastic;
+use super::solves::{lengths, vector_error};
+use files::plan::{ElasticShaft, Plan, Question, Row};
+use host_tests::cases::{B7005C, Random};
+use host_tests::compare::{stiffness_error, worse};
+use host_tests::dispatch::{Attitude, Precision};
+use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
+use rayon::prelude::*;
+use spindle_bearing::{
+    Arrangement, Facing, Material, Preload, Section, ShaftEnd, ShaftLoad, Support,
+};
+use std::array::from_fn;
+
+const DISTANCES: [f64; 7] = [0.125, 0.5, 1.0, 1.75, 5.0, 10.0, 30.0];
+
+fn solve(
+    plan: &Plan,
+    attitude: Attitude,
+    precision: Precision,
+    question: &Question,
+    held: [Option<f64>; 5],
+    nose: f64,
+) -> Result<Answer, String> {
+    let ask = |solver: &mut dyn AnySpindleSolver| {
+        solver.choose(&Choices {
+            held,
+            ..Choices::default()
+        });
+        solver.solve(question, &[ShaftEnd::rigid(nose)])
+    };
+    let solved = with_solver(plan, Balls::Moving(attitude), precision, ask);
+    solved
+        .map_err(|e| e.to_string())?
+        .map_err(|e| e.name().to_string())
+}
+
+/// Differences of contact forces, over the largest.
+fn off_forces(found: &Answer, truth: &Answer) -> f64 {
+    let balls = |answer: &Answer| -> Vec<f64> {
+        let balls = answer.rows.iter().flat_map(|row| &row.balls);
+        balls.flat_map(|ball| [ball.q_i, ball.q_o]).collect()
+    };
+    let (found, truth) = (balls(found), balls(truth));
+    let most = truth.iter().copied().fold(0.0, f64::max);
+    let off = found.iter().zip(&truth).map(|(a, b)| (a - b).abs());
+    off.fold(0.0, worse) / most
+}
+
+/// Errors over the stated ones: of displacements where loads act and at the nose, of forces, stiffness and compliance.
+fn over_stated(found: &Answer, truth: &Answer, lengths: [f64; 5]) -> [f64; 5] {
+    let [displacement, force, stiffness] = found.error;
+    let (at, true_at) = (&found.at[0], &truth.at[0]);
+    let compliance = (0..5).map(|i| {
+        let off = at.compliance[i][i] / true_at.compliance[i][i] - 1.0;
+        off.abs() / at.compliance_error[i]
+    });
+    [
+        vector_error(found.displacement, truth.displacement, lengths) / displacement,
+        vector_error(at.displacement, true_at.displacement, lengths) / at.displacement_error,
+        off_forces(found, truth) / force,
+        stiffness_error(&found.stiffness, &truth.stiffness) / stiffness,
+        compliance.fold(0.0, worse),
+    ]
+}
+
+/// The pair of a spindle on a shaft of 25 mm; the loads act `distance` in front of it, or behind it.
+fn pair(distance: f64, to_the_end: bool) -> Plan {
+    let row = |position, facing| Row {
+        balls: 16,
+        design: B7005C,
+        position,
+        facing,
+        preload: Preload::Force(200.0),
+    };
+    let (low, high) = match to_the_end {
+        true => (-distance.abs(), 0.1 + distance.abs()),
+        false => (-0.03, 0.12),
+    };
+    Plan {
+        rows: vec![row(0.0, Facing::PlusX), row(0.1, Facing::MinusX)],
+        arrangement: Arrangement::BackToBack,
+        spring: None,
+        shaft: Some(ElasticShaft {
+            sections: vec![Section {
+                from: low,
+                to: high,
+                outer: 0.025,
+                inner: 0.0,
+            }],
+            material: Material::STEEL,
+            supports: vec![Support::RIGID; 2],
+            loads: Vec::new(),
+            loaded_at: 0.0,
+        }),
+    }
+}
+
+/// A load far in front or behind is solved in as many iterations as one at the rows, and the rows feel its moment; as a constant load,
+/// and as the reaction to the displacement that it makes.
+#[test]
+fn a_load_far_away_is_its_moment_at_the_rows() {
+    let free = Attitude::Raceless;
+    for (distance, to_the_end) in DISTANCES.iter().flat_map(|d| [(*d, false), (*d, true)]) {
+        for at in [-distance, 0.1 + distance] {
+            let plan = pair(distance, to_the_end);
+            // A moment of 20 N m.
+            let [fy, fz] = [18.0 / distance, -9.0 / distance];
+            let question = |load| Question {
+                load,
+                omega: 1000.0,
+                growth: Vec::new(),
+            };
+            let load = [10.0, fy, fz, 0.1, 0.0];
+            let mut there = plan.clone();
+            let row = if at < 0.0 { 0.0 } else { 0.1 };
+            there.shaft.as_mut().unwrap().loaded_at = row;
+            let arm = at - row;
+            let moment = question([10.0, fy, fz, 0.1 - arm * fz, arm * fy]);
+            let mut far = plan.clone();
+            far.shaft.as_mut().unwrap().loaded_at = at;
+            let mut pulled = plan.clone();
+            let constant = ShaftLoad { position: at, load };
+            pulled.shaft.as_mut().unwrap().loads.push(constant);
+            for (precision, least) in [(Precision::F64, 1e-10), (Precision::F32, 1e-3)] {
+                let name = format!("{at} {to_the_end} {precision:?}");
+                let solved = |plan: &Plan, question: &Question, held| {
+                    let answer = solve(plan, free, precision, question, held, at);
+                    answer.unwrap_or_else(|e| panic!("{name}: {e}"))
+                };
+                let near = solved(&there, &moment, [None; 5]);
+                let found = solved(&far, &question(load), [None; 5]);
+                assert!(found.iterations <= 12, "{name}: {}", found.iterations);
+                assert!(off_forces(&found, &near) < least, "{name}");
+                let constant = solved(&pulled, &question([0.0; 5]), [None; 5]);
+                assert!(off_forces(&constant, &near) < least, "{name}");
+                let u = found.at[0].displacement;
+                let apart = vector_error(constant.at[0].displacement, u, lengths(&B7005C));
+                assert!(apart < least, "{name}: {apart:e}");
+                // Larger displacements are no contact's, and refused.
+                if u.iter().any(|u| u.abs() > 3e-4) || precision == Precision::F32 {
+                    continue;
+                }
+                for held in [
+                    [true; 5],
+                    [false, true, true, false, false],
+                    [true, false, false, true, true],
+                    [false, true, false, false, true],
+                ] {
+                    let held = from_fn(|i| held[i].then_some(u[i]));
+                    let again = solved(&far, &question(load), held);
+                    assert!(off_forces(&again, &near) < 1e-6, "{name}: {held:?}");
+                    let apart: [f64; 5] = from_fn(|i| (again.load[i] - load[i]).abs());
+                    let most = apart.into_iter().fold(0.0, worse);
+                    assert!(most < 1e-4, "{name}: {held:?}: {apart:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A single-precision solver is told the same numbers.
+fn rounded(plan: &mut Plan) {
+    let shaft = plan.shaft.as_mut().unwrap();
+    let at = shaft.loaded_at;
+    for row in &mut plan.rows {
+        round(&mut row.position, at);
+    }
+    for section in &mut shaft.sections {
+        round(&mut section.from, at);
+        round(&mut section.to, at);
+    }
+}
+
+fn round(x: &mut f64, origin: f64) {
+    *x = f64::from((*x - origin) as f32) + origin;
+}
+
+fn question_of(question: Question) -> Question {
+    Question {
+        load: question.load.map(|load| f64::from(load as f32)),
+        growth: Vec::new(),
+        ..question
+    }
+}
+
+/// Random sets whose loads act far away, on a shaft that may reach there: those that are not solved though they are with the moment
+/// at the rows, and errors over the stated ones.
+fn judged(seed: u64) -> (usize, [f64; 5]) {
+    let (mut plan, attitude, question) = random_elastic(seed);
+    let mut r = Random::seeded(seed ^ 0xfa4);
+    let distance = r.log_between(0.1, 30.0);
+    let size = plan.rows[0].design.pitch_diameter;
+    // As far as rows may be from where loads act.
+    let distance = (1024.0 * distance.min(2000.0 * size)).round() / 1024.0;
+    let shaft = plan.shaft.as_mut().unwrap();
+    let last = shaft.sections.last().unwrap().to;
+    shaft.loaded_at = match r.chance(0.5) {
+        true => -distance,
+        false => distance,
+    };
+    if r.chance(0.5) && shaft.loaded_at > last {
+        shaft.sections.push(Section {
+            from: last,
+            to: shaft.loaded_at,
+            outer: 0.6 * size,
+            inner: 0.0,
+        });
+    }
+    let at = shaft.loaded_at;
+    rounded(&mut plan);
+    let mut question = question_of(question);
+    for i in [1, 2] {
+        question.load[i] = f64::from((question.load[i] * size / (size + distance)) as f32);
+    }
+    let mut there = plan.clone();
+    let positions = plan.rows.iter().map(|row| row.position);
+    let (low, high) = (
+        positions.clone().fold(f64::INFINITY, f64::min),
+        positions.fold(f64::NEG_INFINITY, f64::max),
+    );
+    let row = at.clamp(low, high);
+    there.shaft.as_mut().unwrap().loaded_at = row;
+    let [fx, fy, fz, my, mz] = question.load;
+    let arm = at - row;
+    let moment = Question {
+        load: [fx, fy, fz, my - arm * fz, mz + arm * fy],
+        ..question.clone()
+    };
+    let mut nose = plan.rows[0].position - size;
+    round(&mut nose, at);
+    let solved = |plan: &Plan, question: &Question, precision| {
+        solve(plan, attitude, precision, question, [None; 5], nose)
+    };
+    let precisions = [Precision::F64, Precision::F32];
+    let found = precisions.map(|precision| solved(&plan, &question, precision));
+    let missed = precisions.iter().zip(&found).filter(|(precision, found)| {
+        found.is_err() && solved(&there, &moment, **precision).is_ok()
+    });
+    let over = match &found {
+        [Ok(truth), Ok(found)] => over_stated(found, truth, lengths(&plan.rows[0].design)),
+        _ => [0.0; 5],
+    };
+    (missed.count(), over)
+}
+
+/// Worst errors over the stated ones, seeds of those that are more than `most`, and of what is missed.
+fn worst(
+    seeds: std::ops::Range<u64>,
+    most: f64,
+    judged: impl Fn(u64) -> (usize, [f64; 5]) + Sync + Send,
+) -> ([f64; 5], Vec<u64>, Vec<u64>) {
+    let all: Vec<_> = seeds
+        .into_par_iter()
+        .map(|seed| (seed, judged(seed)))
+        .collect();
+    let mut largest = [0.0; 5];
+    for (_, (_, over)) in &all {
+        largest = from_fn(|i| worse(largest[i], over[i]));
+    }
+    let beyond = all
+        .iter()
+        .filter(|(_, (_, over))| !over.iter().all(|over| *over <= most));
+    let missed = all.iter().filter(|(_, (missed, _))| *missed > 0);
+    (
+        largest,
+        beyond.map(|(seed, _)| *seed).collect(),
+        missed.map(|(seed, _)| *seed).collect(),
+    )
+}
+
+#[test]
+fn stated_errors_hold_far_from_the_rows() {
+    let (largest, beyond, missed) = worst(0..2000, 3.0, judged);
+    println!("{largest:.2?} {missed:?}");
+    assert!(beyond.is_empty(), "{largest:?} {beyond:?}");
+    assert!(missed.is_empty(), "{missed:?}");
+}
+
+/// A pair on a shaft of 0.08 to 0.6 pitch diameters that spans 3 to 30 of them.
+fn slender(seed: u64) -> (usize, [f64; 5]) {
+    let (mut plan, attitude, question) = random_elastic(seed);
+    let mut r = Random::seeded(seed ^ 0x51e);
+    let size = plan.rows[0].design.pitch_diameter;
+    let span = size * r.log_between(3.0, 30.0);
+    let first = -span * r.between(-0.5, 1.5);
+    let row = plan.rows[0].clone();
+    plan.rows = [(first, Facing::PlusX), (first + span, Facing::MinusX)]
+        .map(|(position, facing)| Row {
+            position,
+            facing,
+            preload: Preload::Force(2e6 * row.design.ball_diameter.powi(2)),
+            ..row.clone()
+        })
+        .to_vec();
+    plan.arrangement = Arrangement::BackToBack;
+    plan.spring = None;
+    let shaft = plan.shaft.as_mut().unwrap();
+    shaft.supports = (0..2)
+        .map(|i| shaft.supports.get(i).copied().unwrap_or(Support::RIGID))
+        .collect();
+    shaft.sections = vec![Section {
+        from: first - size,
+        to: first + span + size,
+        outer: size * r.log_between(0.08, 0.6),
+        inner: 0.0,
+    }];
+    rounded(&mut plan);
+    let mut question = question_of(question);
+    let part = r.log_between(3e-3, 0.3);
+    for load in &mut question.load {
+        *load = f64::from((*load * part) as f32);
+    }
+    let mut nose = first - size;
+    round(&mut nose, 0.0);
+    let solved = |precision| solve(&plan, attitude, precision, &question, [None; 5], nose);
+    match [Precision::F64, Precision::F32].map(solved) {
+        [Ok(truth), Ok(found)] => (0, over_stated(&found, &truth, lengths(&row.design))),
+        [Ok(_), Err(_)] => (1, [0.0; 5]),
+        _ => (0, [0.0; 5]),
+    }
+}
+
+#[test]
+fn slender_shafts_are_solved_or_refused_in_single_precision() {
+    let (largest, beyond, missed) = worst(0..2000, 5.0, slender);
+    println!("{largest:.2?} {missed:?}");
+    assert!(beyond.is_empty(), "{largest:?} {beyond:?}");
+    assert!(missed.len() <= 20, "{missed:?}");
+}
