@@ -155,8 +155,14 @@ pub fn soften<T: Real, const D: usize>(sum: &mut Sum<T, D>, springs: &[T; 5]) {
         if !(*flexibility > T::ZERO) {
             continue;
         }
-        // A row that pushes harder the further it moves could take more than all of a spring.
-        let per = T::ONE / (T::ONE + *flexibility * sum.k[i][i]).at_least(T::EPSILON);
+        // A row that pushes harder the further it moves may take more than all of a spring: the stiffness turns its sign.
+        let whole = T::ONE + *flexibility * sum.k[i][i];
+        let per = T::ONE
+            / if whole.abs() > T::EPSILON {
+                whole
+            } else {
+                T::EPSILON
+            };
         let taken = *flexibility * per;
         let (k, force, by_speed) = (sum.k[i], sum.force[i], sum.by_speed[i]);
         let forces = sum.force.iter_mut().zip(&mut sum.by_speed);
