@@ -51,6 +51,8 @@ pub struct Contact<T> {
     pub n: Pair<T>,
     /// Deformation; negative across a gap.
     pub delta: T,
+    /// Root of the deformation, 0 across a gap.
+    pub root: T,
     /// Force, 0 across a gap, its slope by the deformation, and its quotient by the distance of the centres.
     pub q: T,
     pub slope: T,
@@ -76,13 +78,15 @@ impl<T: Real> Contact<T> {
         let inverse = T::ONE / (r * both);
         let (delta, per_r) = (inverse * r * excess, inverse * both);
         let depth = delta.at_least(T::ZERO);
-        let root = k * depth.sqrt();
-        let q = root * depth;
+        let root = depth.sqrt();
+        let stiffness = k * root;
+        let q = stiffness * depth;
         Self {
             n: scale(per_r, v),
             delta,
+            root,
             q,
-            slope: T::of(1.5) * root,
+            slope: T::of(1.5) * stiffness,
             across: q * per_r,
             per_r,
         }

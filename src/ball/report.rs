@@ -90,14 +90,13 @@ pub struct Kinetics<T> {
 impl<T: Real> Kinetics<T> {
     /// A ball at rest between both races: the two contacts share what `both` in series have.
     pub fn at_rest(c: &Constants<T>, both: &Contact<T>) -> Self {
-        let outer = Contact {
-            delta: both.delta * c.outer_share,
+        let part = |delta: T| Contact {
+            delta,
+            root: delta.at_least(T::ZERO).sqrt(),
             ..*both
         };
-        let inner = Contact {
-            delta: both.delta - outer.delta,
-            ..*both
-        };
+        let outer = part(both.delta * c.outer_share);
+        let inner = part(both.delta - outer.delta);
         // What all rules say where both contacts point one way.
         let mu = T::of(0.5) * (T::ONE - c.tau * both.n[1]);
         Self {
@@ -209,12 +208,13 @@ impl<T: Real> Kinetics<T> {
             spin.abs() / roll.abs().at_least(T::TINY)
         };
         let patch = |contact: &Contact<T>, groove: &Groove<T>, spin_to_roll: T| {
-            // Ahead of the branch: see `sqrt`.
-            let root = contact.delta.sqrt();
             if !(contact.delta > T::ZERO) {
                 return ContactPatch::default();
             }
-            let (peak_pressure, semi_major) = (groove.pressure * root, groove.semi_major * root);
+            let (peak_pressure, semi_major) = (
+                groove.pressure * contact.root,
+                groove.semi_major * contact.root,
+            );
             let area = contact.q * c.force * T::of(1.5 / core::f64::consts::PI) / peak_pressure;
             ContactPatch {
                 peak_pressure,

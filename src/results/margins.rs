@@ -292,8 +292,7 @@ impl<T: Real> Margins<T> {
         if !(k.q > T::ZERO) {
             return;
         }
-        let root = k.delta.sqrt();
-        self.note(Limit::PeakPressure, groove.pressure * root, at);
+        self.note(Limit::PeakPressure, groove.pressure * k.root, at);
         if friction > self.worst[Limit::Friction as usize].value * k.q {
             // A force that is nothing beside the friction must not make an infinity of it.
             let demand = friction / k.q.at_least(T::EPSILON * friction);
@@ -320,7 +319,7 @@ impl<T: Real> Margins<T> {
             self.past = past;
         }
         // The edge is in the contact's tangential plane, as is the ellipse.
-        let end = groove.semi_major * root + groove.radius * grown;
+        let end = groove.semi_major * k.root + groove.radius * grown;
         self.note(Limit::Truncation, end, at);
     }
 

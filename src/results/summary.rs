@@ -95,7 +95,7 @@ impl<T: Real> RowSummary<T> {
             for (race, contact) in contacts.into_iter().enumerate() {
                 forces[race].take(contact.q * c.force);
                 if contact.q > T::ZERO {
-                    let pressure = c.grooves[race].pressure * contact.delta.sqrt();
+                    let pressure = c.grooves[race].pressure * contact.root;
                     peak[race] = peak[race].at_least(pressure);
                     angles[race].take(contact.n[0].atan2(contact.n[1]));
                 }
