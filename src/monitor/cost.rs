@@ -6,13 +6,13 @@ use super::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, single precision, two rows of 16 balls, raceway control free: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 60_243,
-        iteration: 35_919,
+        fixed: 59_414,
+        iteration: 35_907,
     };
     /// Cortex-M7, double precision, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 98_477,
-        iteration: 84_022,
+        fixed: 96_118,
+        iteration: 83_841,
     };
     /// The first with a single row of 16 balls: `SPINDLE_ROWS=1 cargo reports --check` has measured it.
     pub const CORTEX_M4F_SINGLE: Self = Self {
