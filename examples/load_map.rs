@@ -24,7 +24,7 @@ const LIMITS: Limits<f64> = Limits {
 const STEEPEST: f64 = 30.0;
 
 fn main() {
-    let mut solver = Solver::new(&BEARING);
+    let mut solver = Solver::new();
     println!("speed_rpm,fx_n,peak_pressure_mpa,largest_alpha_i_deg,limits");
     eprintln!("axial load, N; {RADIAL} N radially");
     for load in (0..=20).rev() {
@@ -44,9 +44,9 @@ fn main() {
 }
 
 /// One point: a line of the table, and what is drawn for it.
-fn cell(solver: &mut Solver<'_, f64, BALLS>, speed: f64, axial: f64) -> char {
+fn cell(solver: &mut Solver<f64, BALLS>, speed: f64, axial: f64) -> char {
     let load = [axial, RADIAL, 0.0, 0.0, 0.0];
-    let solution = match solver.solve(load, Speed::rpm(speed), &Settings::default()) {
+    let solution = match solver.solve(&BEARING, load, Speed::rpm(speed), &Settings::default()) {
         Ok(solution) => solution,
         Err(status) => {
             println!("{speed},{axial},,,{status}");

@@ -16,12 +16,12 @@ const AXIAL: f64 = 700.0;
 
 fn main() -> Result<(), Status<f64>> {
     // Each solve starts from the one before.
-    let mut solver = Solver::new(&BEARING);
+    let mut solver = Solver::new();
     println!("speed_rpm,axial_n_per_um,radial_n_per_um,tilting_knm_per_rad");
     for step in 0..=80 {
         let speed = 250.0 * f64::from(step);
         let load = [AXIAL, 0.0, 0.0, 0.0, 0.0];
-        let solution = solver.solve(load, Speed::rpm(speed), &Settings::default())?;
+        let solution = solver.solve(&BEARING, load, Speed::rpm(speed), &Settings::default())?;
         let k = solution.stiffness();
         let [axial, radial, tilting] = [1e-6 * k[0][0], 1e-6 * k[1][1], 1e-3 * k[3][3]];
         println!("{speed},{axial:.3},{radial:.3},{tilting:.4}");

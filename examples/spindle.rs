@@ -7,7 +7,7 @@
 mod bearings;
 
 use bearings::{BALLS, S6014C};
-use spindle_bearing::{Arrangement, Bearing, Growth, Preload, Settings, ShaftEnd, Speed};
+use spindle_bearing::{Arrangement, Bearing, Growth, Preload, Settings, Speed};
 use spindle_bearing::{Spindle, SpindleSolver};
 use std::error::Error;
 
@@ -25,7 +25,7 @@ const NOSE: f64 = -0.06;
 fn main() -> Result<(), Box<dyn Error>> {
     let preload = Preload::Force(PRELOAD);
     let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, DISTANCE, preload)?;
-    let mut solver = SpindleSolver::new(pair);
+    let mut solver = SpindleSolver::new();
     let load = [0.0, 200.0, 0.0, 0.0, 0.0]; // on the shaft at x = 0
 
     println!("  rpm  preload    axial   radial     nose");
@@ -34,9 +34,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let speed = Speed::rpm(1e3 * f64::from(thousands));
         // The inner rings widen as the shaft turns.
         let growth = Growth::by_rotation(&S6014C, BORE, speed.as_rad_per_s());
-        let solution = solver.solve_at(load, speed, &[growth; 2], &Settings::default())?;
+        let at = speed.with_growth([growth; 2]);
+        let solution = solver.solve(&pair, load, at, &Settings::default())?;
         let k = solution.stiffness();
-        let nose = solution.compliance_at(&ShaftEnd::rigid(NOSE));
+        let nose = solution.compliance_at(NOSE);
         let preload = solution.rows().map(|row| row.preload()).next();
         println!(
             "{:5} {:8.0} {:8.1} {:8.1} {:8.1}",

@@ -16,9 +16,9 @@ const RATING: LifeRating<f64> =
     LifeRating::<f64>::new(&S6014C, BALLS, S6014C.dynamic_load_rating(BALLS));
 
 fn main() -> Result<(), Status<f64>> {
-    let mut solver = Solver::new(&BEARING);
+    let mut solver = Solver::new();
     let load = [700.0, 300.0, 0.0, 0.0, 5.0]; // Fx, Fy, Fz in N, My, Mz in N m
-    let solution = solver.solve(load, Speed::rpm(10_000.0), &Settings::default())?;
+    let solution = solver.solve(&BEARING, load, Speed::rpm(10_000.0), &Settings::default())?;
 
     let [dx, dy, dz, ty, tz] = solution.displacement;
     println!(

@@ -31,14 +31,14 @@ fn main() {
     let (set, ticks) = (arguments.next().unwrap() == "pair", arguments.next().unwrap().parse().unwrap());
     let speed = Speed::rpm(20_000.0);
     let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.1, Preload::Force(200.0)).unwrap();
-    let (mut one, mut two) = (Solver::new(&BEARING), SpindleSolver::new(pair));
+    let (mut one, mut two) = (Solver::new(), SpindleSolver::new());
     for tick in 0..ticks {
         let load = [500.0, 100.0 + 4.0 * tick as f32, 0.0, 0.0, 1.0];
         let settings = if tick == 0 { Settings::default() } else { Settings::TICK };
         let k = if set {
-            two.solve(load, speed, &settings).unwrap().stiffness()
+            two.solve(&pair, load, speed, &settings).unwrap().stiffness()
         } else {
-            one.solve(load, speed, &settings).unwrap().stiffness()
+            one.solve(&BEARING, load, speed, &settings).unwrap().stiffness()
         };
         assert!(k[0][0] > 0.0);
     }

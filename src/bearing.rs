@@ -75,6 +75,14 @@ pub struct Constants<T> {
     pub grooves: [Groove<T>; 2],
     /// They are the same to either side of the balls.
     pub symmetric: bool,
+    /// Mark of this bearing: a solver that has solved another one begins anew.
+    pub mark: u32,
+}
+
+/// A mark with a number mixed into it.
+pub const fn mix(mark: u32, bits: u64) -> u32 {
+    let mixed = (mark as u64 ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) as u32 ^ (mixed >> 32) as u32
 }
 
 /// Size and place of the contacts in a groove, for deformations in units of the solver's length.
@@ -209,7 +217,30 @@ const fn in_doubles(
     let centre = [round(L0 * n0[0], 131_072.0), round(L0 * n0[1], 131_072.0)];
     let kn = 1.0 / (flexibility * sqrt(flexibility));
     let pressed = if nearer < 0.0 { -L0 * nearer } else { 0.0 };
+    let numbers = [
+        d,
+        dm,
+        fi,
+        fo,
+        n0[0],
+        nearer,
+        ki,
+        ko,
+        mass,
+        inner.semi_major,
+        inner.elliptic_e,
+        outer.semi_major,
+        outer.elliptic_e,
+        design.first_ball,
+        balls as f64,
+    ];
+    let (mut mark, mut i) = (0, 0);
+    while i < numbers.len() {
+        mark = mix(mark, numbers[i].to_bits());
+        i += 1;
+    }
     Ok(Constants {
+        mark,
         n0,
         play: L0 * L0 * nearer * (2.0 - nearer),
         preload: balls as f64 * kn * pressed * sqrt(pressed),
@@ -305,6 +336,7 @@ macro_rules! bearing {
                     ball_radius: c.ball_radius as $t,
                     grooves: [rounded(&c.grooves[0]), rounded(&c.grooves[1])],
                     symmetric: c.symmetric,
+                    mark: c.mark,
                 };
                 let mut azimuths = [Azimuth { cos: 0.0, sin: 0.0 }; N];
                 let (s0, c0) = sin_cos(design.first_ball);

@@ -22,7 +22,7 @@
 //!
 //! | layer | has |
 //! | --- | --- |
-//! | `in_place`, `matrices` | solvers made in a static, solutions for `nalgebra` |
+//! | `matrices` | stiffness for `nalgebra` |
 //! | `spindle` | bearings on a shaft, as a user builds them |
 //! | `solver` | public solvers, problem, Newton's loop, starts, what one solve leaves for the next |
 //! | `results` | what a solved row shows: summary, margins, life, frequencies |
@@ -42,11 +42,6 @@ mod const_math;
 mod design;
 mod growth;
 mod hertz;
-#[allow(
-    unsafe_code,
-    reason = "no safe way to make a value where it is to live"
-)]
-mod in_place;
 mod linalg;
 #[cfg(feature = "nalgebra")]
 mod matrices;
@@ -84,15 +79,15 @@ pub use results::margins::{Limit, LimitSet, Limits, Margin, Margins, Race};
 pub use results::summary::RowSummary;
 pub use solver::Solver;
 pub use solver::axial::{AxialSolution, AxialSolver};
-pub use solver::problem::{Given, RingVector, Settings};
+pub use solver::problem::{Given, Loading, OperatingPoint, Settings, ShaftLoad};
 pub use solver::solution::{Snapshot, Solution};
 pub use solver::state::ErrorEstimate;
 pub use spindle::arrangement::{Arrangement, Facing};
 pub use spindle::elastic::ElasticSpindle;
 pub use spindle::error::SpindleError;
-pub use spindle::sections::{Section, Shaft, ShaftError, ShaftLoad, Support};
-pub use spindle::solution::{RowSnapshot, RowSolution, ShaftEnd, SpindleSnapshot, SpindleSolution};
-pub use spindle::solver::{ElasticSolver, SpindleSolver, SprungSolver};
+pub use spindle::sections::{Section, Shaft, ShaftError, Support};
+pub use spindle::solution::{RowSnapshot, RowSolution, SpindleSnapshot, SpindleSolution};
+pub use spindle::solver::SpindleSolver;
 pub use spindle::{Mounted, Preload, Spindle, SprungSpindle};
 pub use status::{Quantity, Status};
 
@@ -116,10 +111,11 @@ mod data {
         both::<(Growth<f32>, Speed<f32>, Settings<f32>, Given<f32>, Quantity, Status<f32>)>();
         both::<(BallState<f32>, BallKinematics<f32>, ContactPatch<f32>, Frequencies<f32>, ErrorEstimate<f32>)>();
         both::<(Limits<f32>, Limit, LimitSet, Margin<f32>, Margins<f32>, Race)>();
-        both::<(LifeRating<f32>, RatingLife<f32>, RowSummary<f32>, AxialSolution<'_, f32, 16>)>();
-        both::<(Arrangement, Facing, Preload<f32>, SpindleError<f32>, ShaftEnd<f32>)>();
+        both::<(LifeRating<f32>, RatingLife<f32>, RowSummary<f32>, AxialSolution<'_, f32>)>();
+        both::<(Arrangement, Facing, Preload<f32>, SpindleError<f32>)>();
         both::<(Section, ShaftError, ShaftLoad<f32>, Support<f32>)>();
         both::<(Snapshot<f32, 40, 5>, SpindleSnapshot<f32, 2, 40>, RowSnapshot<f32, 40>)>();
+        format::<OperatingPoint<f32, 2>>();
         format::<(Bearing<f32, 16>, Mounted<'_, f32, 16>, Spindle<'_, f32, 2, 16>)>();
         format::<(Shaft<f32, 1>, ElasticSpindle<'_, f32, 2, 16>)>();
         format::<(Solution<'_, f32, 16>, RowSolution<'_, f32>, SpindleSolution<'_, f32, 2, 16>)>();

@@ -177,7 +177,7 @@ impl<T: Real, const D: usize> Factors<T, D> {
     pub const NONE: Self = Self {
         lu: [[T::ZERO; D]; D],
         least: T::ZERO,
-        is_weak: true,
+        is_weak: false,
     };
 
     /// Takes the factors of `k` with `shift` added to its diagonal, without pivoting.

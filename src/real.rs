@@ -1,6 +1,6 @@
 //! The one float trait: the solver's needs of `f32` and `f64`, and nothing else.
 
-use crate::bearing::Bearing;
+use crate::bearing::{Bearing, mix};
 use crate::design::{Design, DesignError};
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -102,6 +102,8 @@ pub trait Float:
     fn powf(self, exponent: Self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
+    /// The mark of a bearing or spindle with this number mixed into it.
+    fn mix(self, mark: u32) -> u32;
 
     /// This number, or `other` if that is larger; an `if`, which is half the price of `fmaxf`.
     #[inline(always)]
@@ -205,6 +207,10 @@ macro_rules! real {
             #[inline(always)]
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
+            }
+            #[inline]
+            fn mix(self, mark: u32) -> u32 {
+                mix(mark, self.to_bits().into())
             }
             fn bearing<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError> {
                 Bearing::<$t, N>::new(design)

@@ -104,9 +104,9 @@ impl fmt::Display for Quantity {
 ///
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
-/// let mut solver = Solver::new(&BEARING);
+/// let mut solver = Solver::new();
 /// let nonsense = [f32::NAN, 0.0, 0.0, 0.0, 0.0];
-/// match solver.solve(nonsense, Speed::rpm(10_000.0), &Settings::default()) {
+/// match solver.solve(&BEARING, nonsense, Speed::rpm(10_000.0), &Settings::default()) {
 ///     Ok(_) => unreachable!(),
 ///     Err(status) => println!("{status}"), // names the quantity and its value
 /// }

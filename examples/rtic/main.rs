@@ -1,6 +1,6 @@
 //! Two bearings back to back, followed in an application for RTIC 2.
 //!
-//! The solver lives in a static: `init` makes it there, a tick borrows it. A constant load is in the place of a measured one.
+//! The solver lives in a static that the compiler makes, all of its bits zero. A constant load is in the place of a measured one.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -12,12 +12,11 @@ fn main() {
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4::stm32f405)]
 mod app {
-    use core::mem::MaybeUninit;
     use cortex_m::peripheral::syst::SystClkSource;
     use defmt_rtt as _;
     use spindle_bearing::nalgebra::SMatrix;
     use spindle_bearing::{Arrangement, Bearing, Design, Limit, Limits, Preload, Settings};
-    use spindle_bearing::{Speed, Spindle, SpindleSolution, SpindleSolver, Status};
+    use spindle_bearing::{Speed, Spindle, SpindleSolution, SpindleSolver, Status, matrix};
 
     const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
     static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
@@ -26,39 +25,48 @@ mod app {
         peak_pressure: 2e9,
         ..Limits::DEFAULT
     };
-    type Pair = SpindleSolver<'static, f32, 2, 15>;
+    type Pair = Spindle<'static, f32, 2, 15>;
+    type Solver = SpindleSolver<f32, 2, 15>;
 
     #[shared]
     struct Shared {}
 
     #[local]
     struct Local {
-        pair: &'static mut Pair,
+        pair: Pair,
+        solver: &'static mut Solver,
         /// Ticks since the last good estimate.
         age: u32,
     }
 
-    #[init(local = [place: MaybeUninit<Pair> = MaybeUninit::uninit()])]
+    #[init(local = [memory: Solver = Solver::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let rows = Spindle::pair(
+        let pair = Spindle::pair(
             Arrangement::BackToBack,
             &BEARING,
             0.1,
             Preload::Force(200.0),
         );
-        let Ok(rows) = rows else {
+        let Ok(pair) = pair else {
             panic!("these rows hold no shaft")
         };
-        let pair = Pair::new_in(rows, cx.local.place);
+        let solver = cx.local.memory;
         // The first solve has no solution to start from, and takes its time.
-        let _ = pair.solve([0.0; 5], SPEED, &Settings::DEFAULT).is_ok();
+        let _ = solver
+            .solve(&pair, [0.0; 5], SPEED, &Settings::DEFAULT)
+            .is_ok();
         // A tick of 1 ms of the 16 MHz that the core starts with.
         let mut timer = cx.core.SYST;
         timer.set_clock_source(SystClkSource::Core);
         timer.set_reload(16_000 - 1);
         timer.enable_counter();
         timer.enable_interrupt();
-        (Shared {}, Local { pair, age: 0 })
+        let local = Local {
+            pair,
+            solver,
+            age: 0,
+        };
+        (Shared {}, local)
     }
 
     /// Stiffness, how far it can be off, and whether a contact is pressed too hard.
@@ -66,22 +74,24 @@ mod app {
         let mut rows = solution.rows();
         let pressed = rows.any(|row| row.margins(&LIMITS).passed().contains(Limit::PeakPressure));
         (
-            solution.stiffness_matrix(),
+            matrix(&solution.stiffness()),
             solution.error.stiffness,
             pressed,
         )
     }
 
-    #[task(binds = SysTick, local = [pair, age])]
+    #[task(binds = SysTick, local = [pair, solver, age])]
     fn tick(cx: tick::Context) {
-        let tick::LocalResources { pair, age, .. } = cx.local;
+        let tick::LocalResources {
+            pair, solver, age, ..
+        } = cx.local;
         let load = [0.0, 150.0, 0.0, 0.0, 0.0];
-        let found = match pair
-            .solve(load, SPEED, &Settings::TICK)
+        let found = match solver
+            .solve(pair, load, SPEED, &Settings::TICK)
             .map(|s| estimate(&s))
         {
             // The state that this tick has reached; the next one goes on from there.
-            Err(Status::IterationLimit) => pair.unfinished().map(|s| estimate(&s)),
+            Err(Status::IterationLimit) => solver.unfinished(pair).map(|s| estimate(&s)),
             found => found.inspect_err(|status| defmt::warn!("{}", status)).ok(),
         };
         *age = age.saturating_add(1);

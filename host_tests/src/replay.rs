@@ -5,10 +5,11 @@ use crate::lifetime::{Lifetime, Record};
 use crate::spindles::{Answer, AnySpindleSolver, AtEnd, Choices, RowAnswer, parts};
 use files::fault::{BadRow, LoadsError};
 use files::noses::Nose;
+use files::noses::ShaftEnd;
 use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use rayon::prelude::*;
-use spindle_bearing::{Design, Frequencies, LifeRating, RatingLife, ShaftEnd, Speed};
+use spindle_bearing::{Design, Frequencies, LifeRating, RatingLife, Speed};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::{self, Write as _};
@@ -586,7 +587,7 @@ struct Replay<'r> {
     /// Lives are wanted.
     is_weighed: bool,
     ratings: Vec<LifeRating<f64>>,
-    ends: Vec<ShaftEnd<f64>>,
+    ends: Vec<ShaftEnd>,
     sheets: Vec<Sheet>,
 }
 

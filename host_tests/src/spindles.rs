@@ -4,12 +4,13 @@ use crate::dispatch::{
     Attitude, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
 use files::designs::short;
+use files::noses::ShaftEnd;
 use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
     BallKinematics, BallState, Centrifugal, Facing, Frequencies, Full, Given, Growth,
     InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity,
-    RacewayControlFree, Real, RowSolution, Section, Settings, Shaft, ShaftEnd, ShaftLoad, Speed,
-    Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
+    RacewayControlFree, Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed, Spindle,
+    SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -147,8 +148,7 @@ pub trait AnySpindleSolver: Send {
     /// # Errors
     ///
     /// Why there is no answer.
-    fn solve(&mut self, question: &Question, ends: &[ShaftEnd<f64>])
-    -> Result<Answer, Status<f32>>;
+    fn solve(&mut self, question: &Question, ends: &[ShaftEnd]) -> Result<Answer, Status<f32>>;
 
     /// Makes the next solves so.
     fn choose(&mut self, choices: &Choices);
@@ -460,7 +460,8 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>
     let closures = spindle.closures().map(T::to_f64);
     let mut solver = Box::new(Chosen {
         closures,
-        solver: SpindleSolver::<T, R, MOST_BALLS, M, D, E>::of(spindle),
+        spindle,
+        solver: SpindleSolver::<T, R, MOST_BALLS, M, D, E>::of(),
         choices: Choices::default(),
         at_rest,
         loaded_at,
@@ -470,7 +471,8 @@ fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>
 
 #[derive(Clone)]
 struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: usize> {
-    solver: SpindleSolver<'s, T, R, MOST_BALLS, M, D, E>,
+    spindle: Spindle<'s, T, R, MOST_BALLS, D, E>,
+    solver: SpindleSolver<T, R, MOST_BALLS, M, D, E>,
     choices: Choices,
     /// Closure of each row, m.
     closures: [f64; R],
@@ -482,11 +484,7 @@ struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: u
 impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpindleSolver
     for Chosen<'_, T, R, M, D, E>
 {
-    fn solve(
-        &mut self,
-        question: &Question,
-        ends: &[ShaftEnd<f64>],
-    ) -> Result<Answer, Status<f32>> {
+    fn solve(&mut self, question: &Question, ends: &[ShaftEnd]) -> Result<Answer, Status<f32>> {
         let growth = from_fn(|i| match question.growth.get(i) {
             Some(growth) => Growth {
                 axial: T::of(growth.axial),
@@ -503,18 +501,18 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
                 .map_or(Settings::<T>::DEFAULT.tolerance, T::of),
             max_iterations: self.choices.max_iterations,
         };
-        let speed = Speed::rad_per_s(T::of(omega));
+        let at = Speed::rad_per_s(T::of(omega)).with_growth(growth);
         let (load, held) = (question.load.map(T::of), self.choices.held);
         // The solver's axial displacement does not have the growth of the rows' middle.
         let grown = [question.middle_growth, 0.0, 0.0, 0.0, 0.0];
-        let given = from_fn(|i| match held[i] {
+        let given: [_; 5] = from_fn(|i| match held[i] {
             Some(u) => Given::Displacement(T::of(u + grown[i])),
             None => Given::Load(load[i]),
         });
-        let solver = &mut self.solver;
+        let (spindle, solver) = (&self.spindle, &mut self.solver);
         let solved = match held {
-            [None, None, None, None, None] => solver.solve_at(load, speed, &growth, &settings),
-            _ => solver.solve_given(&given, speed, &growth, &settings),
+            [None, None, None, None, None] => solver.solve(spindle, load, at, &settings),
+            _ => solver.solve(spindle, given, at, &settings),
         };
         let solution = solved.map_err(narrowed)?;
         let mut answer = answer(
@@ -548,7 +546,7 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
 
 fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>(
     solution: &SpindleSolution<'_, T, R, N, M, D, E>,
-    ends: &[ShaftEnd<f64>],
+    ends: &[ShaftEnd],
     loaded_at: f64,
     choices: &Choices,
     closures: &[f64],
@@ -559,22 +557,29 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         _ => ends,
     };
     let at = ends.iter().map(|end| {
-        let end = ShaftEnd {
-            position: T::of(end.position - loaded_at),
-            flexibility: end.flexibility.map(|row| row.map(T::of)),
-        };
+        let x = T::of(end.position - loaded_at);
+        let mut compliance = wide(&solution.compliance_at(x));
+        let mut compliance_error = solution.compliance_error_at(x).map(T::to_f64);
+        let mut stiffness = wide(&solution.stiffness_at(x));
+        for (i, by) in end.flexibility.into_iter().enumerate() {
+            compliance_error[i] *= compliance[i][i] / (compliance[i][i] + by);
+            compliance[i][i] += by;
+            // A spring in series.
+            let (k, taken) = (stiffness, by / (1.0 + by * stiffness[i][i]));
+            stiffness = from_fn(|r| from_fn(|c| k[r][c] - k[r][i] * taken * k[i][c]));
+        }
         AtEnd {
-            displacement: solution.displacement_at(end.position).map(T::to_f64),
-            displacement_error: solution.displacement_error_at(end.position).to_f64(),
-            stiffness: wide(&solution.stiffness_at(&end)),
-            compliance: wide(&solution.compliance_at(&end)),
-            compliance_error: solution.compliance_error_at(&end).map(T::to_f64),
+            displacement: solution.displacement_at(x).map(T::to_f64),
+            displacement_error: solution.displacement_error_at(x).to_f64(),
+            stiffness,
+            compliance,
+            compliance_error,
         }
     });
-    let origin = ShaftEnd::rigid(T::of(0.0 - loaded_at));
+    let origin = T::of(0.0 - loaded_at);
     let displacement = match loaded_at {
         0.0 => solution.displacement,
-        _ => solution.displacement_at(origin.position),
+        _ => solution.displacement_at(origin),
     };
     let rows = solution.rows().zip(closures).map(|(row, closure)| {
         let displacement = solution.displacement_at(row.position);
@@ -584,7 +589,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         status: solution.status.name(),
         iterations: solution.iterations,
         displacement: displacement.map(T::to_f64),
-        stiffness: wide(&solution.stiffness_at(&origin)),
+        stiffness: wide(&solution.stiffness_at(origin)),
         load: solution.load.map(T::to_f64),
         at: at.collect(),
         spring_closure: solution.spring_closure().to_f64(),

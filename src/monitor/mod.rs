@@ -1099,7 +1099,7 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     estimate.speed = sample.speed;
     let nose = T::from_f32(settings.shaft.nose);
     estimate.displacement = solution.displacement_at(nose).map(T::to_f32);
-    let stiffness = solution.stiffness_of_shaft(nose);
+    let stiffness = solution.stiffness_at(nose);
     estimate.stiffness = stiffness.map(|row| row.map(T::to_f32));
     estimate.iterations = solution.iterations;
     estimate.error = [

@@ -123,7 +123,8 @@ pub struct KnownAnswer<
     M: Motion + Copy = Full,
     const D: usize = 5,
 > {
-    solver: SpindleSolver<'static, T, R, N, M, D>,
+    spindle: Spindle<'static, T, R, N, D>,
+    solver: SpindleSolver<T, R, N, M, D>,
     preload: f32,
     /// Solves that have ended, and steps of the one that has not.
     solves: u8,
@@ -146,7 +147,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
     /// Of this spindle, under an axial load (N) that it carries in normal use.
     pub fn new(spindle: Spindle<'static, T, R, N, D>, preload: f32) -> Self {
         Self {
-            solver: SpindleSolver::of(spindle),
+            spindle,
+            solver: SpindleSolver::of(),
             preload,
             solves: 0,
             steps: 0,
@@ -172,7 +174,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         sum.add(&self.sum.to_le_bytes());
         sum.add(&self.steps.to_le_bytes());
         self.steps += 1;
-        match self.solver.solve(load, speed, &settings) {
+        match self.solver.solve(&self.spindle, load, speed, &settings) {
             Err(Status::IterationLimit) if self.steps < MOST_STEPS => return None,
             Err(status) => sum.add(status.name().as_bytes()),
             Ok(solution) => add(&mut sum, &solution),

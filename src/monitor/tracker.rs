@@ -25,7 +25,7 @@ use crate::{Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver};
 #[derive(Debug, Clone)]
 struct Follower<T: Real + 'static, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
 {
-    solver: SpindleSolver<'static, T, R, N, M, D>,
+    solver: SpindleSolver<T, R, N, M, D>,
     /// Loads and speed of its last solve; none if it has no solution to go on from.
     at: Option<([f32; 5], f32)>,
     /// Solves since it was the nearer one.
@@ -44,6 +44,7 @@ pub(super) struct Tracker<
     M: Motion + Copy,
     const D: usize,
 > {
+    spindle: Spindle<'static, T, R, N, D>,
     followers: [Follower<T, R, N, M, D>; 2],
     scale: Scale,
     /// Solves in a row without an answer.
@@ -102,11 +103,12 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         settings: &MonitorSettings<R>,
     ) -> Self {
         let follower = Follower {
-            solver: SpindleSolver::of(spindle),
+            solver: SpindleSolver::of(),
             at: None,
             idle: 0,
         };
         Self {
+            spindle,
             followers: [follower.clone(), follower],
             scale: Scale::of(&settings.plausibility),
             failed: 0,
@@ -160,7 +162,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         other.idle = other.idle.saturating_add(1);
         near.idle = 0;
         let limit = settings.tick.max_iterations();
-        let (seen, iterations) = near.solve(load, speed, growth, settings, limit, see);
+        let (seen, iterations) =
+            near.solve(&self.spindle, load, speed, growth, settings, limit, see);
         self.iterations = iterations;
         // A copy takes some thousand cycles: in a tick that has them.
         if other.idle >= LONGEST_IDLE && iterations <= 1 {
@@ -196,7 +199,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
         let [first, second] = &mut self.followers;
         first.solver.reset();
         let limit = settings.tick.cold_iterations;
-        let (seen, iterations) = first.solve(load, speed, growth, settings, limit, see);
+        let (seen, iterations) =
+            first.solve(&self.spindle, load, speed, growth, settings, limit, see);
         self.iterations = iterations;
         if seen.is_ok() {
             second.take_from(first);
@@ -220,8 +224,10 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
     }
 
     /// A solve of at most `limit` iterations, and how many it took.
+    #[expect(clippy::too_many_arguments, reason = "a sample and its settings")]
     fn solve<Seen>(
         &mut self,
+        spindle: &Spindle<'static, T, R, N, D>,
         load: [f32; 5],
         speed: f32,
         growth: &[Growth<f32>; R],
@@ -243,7 +249,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
             radial: T::from_f32(of.radial),
             ball: T::from_f32(of.ball),
         });
-        match self.solver.solve_at(acting, rad_per_s, &grown, &effort) {
+        let at = rad_per_s.with_growth(grown);
+        match self.solver.solve(spindle, acting, at, &effort) {
             Ok(solution) => {
                 self.at = Some((load, speed));
                 (Ok(see(&solution)), solution.iterations)

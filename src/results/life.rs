@@ -32,9 +32,9 @@ use core::f64::consts::PI;
 /// // The catalogue's C, say 13,700 N. Without one: `B7005C.dynamic_load_rating(16)`.
 /// const RATING: LifeRating<f64> = LifeRating::<f64>::new(&B7005C, 16, 13_700.0);
 ///
-/// let mut solver = Solver::new(&BEARING);
+/// let mut solver = Solver::new();
 /// let (load, speed) = ([400.0, 300.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
-/// let life = solver.solve(load, speed, &Settings::default())?.rating_life(&RATING);
+/// let life = solver.solve(&BEARING, load, speed, &Settings::default())?.rating_life(&RATING);
 /// println!("L10 = {:.0} million revolutions, L10h = {:.0} h", life.million_revolutions, life.hours);
 /// assert!((life.hours * 60.0 * 0.012 / life.million_revolutions - 1.0).abs() < 1e-12);
 /// # Ok::<(), spindle_bearing::Status<f64>>(())

@@ -97,9 +97,9 @@ impl<'s, T: Real, M: Motion> Balls<'s, T, M> {
     /// ```
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
     /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
-    /// let mut solver = Solver::new(&bearing);
+    /// let mut solver = Solver::new();
     /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
-    /// let solution = solver.solve(load, speed, &Settings::default())?;
+    /// let solution = solver.solve(&bearing, load, speed, &Settings::default())?;
     /// for ball in solution.kinematics() {
     ///     println!("{:.2} GPa, {:.0} rad/s", ball.inner.peak_pressure / 1e9, ball.rotation);
     /// }
@@ -150,9 +150,9 @@ impl<'s, T: Real, M: Motion> Balls<'s, T, M> {
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};
     /// use spindle_bearing::{Limit, Limits};
     /// let bearing = Bearing::<f64, 16>::new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()))?;
-    /// let mut solver = Solver::new(&bearing);
+    /// let mut solver = Solver::new();
     /// let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rad_per_s(2000.0));
-    /// let solution = solver.solve(load, speed, &Settings::default())?;
+    /// let solution = solver.solve(&bearing, load, speed, &Settings::default())?;
     /// let limits = Limits { peak_pressure: 2e9, ..Limits::default() };
     /// let margins = solution.margins(&limits);
     /// // For the worst contact of each limit that is passed, a sentence.

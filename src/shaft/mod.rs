@@ -178,6 +178,8 @@ pub struct Layout<'b, T, const R: usize, const SET: bool, const E: usize> {
     pub preload_at_rest: T,
     /// The chain of an elastic shaft, `E = R`; a rigid one has none, `E = 0`.
     pub joints: [Joint<T>; E],
+    /// Mark of bearings and shaft: a solver that has solved others begins anew.
+    pub mark: u32,
 }
 
 impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
@@ -197,6 +199,7 @@ impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
             ball_count: c.balls,
             preload_at_rest: c.preload,
             joints: [],
+            mark: c.mark,
         }
     }
 }
@@ -213,6 +216,7 @@ impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
             ball_count,
             preload_at_rest,
             joints: [],
+            mark,
         } = self;
         Layout {
             bearings,
@@ -223,6 +227,7 @@ impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
             ball_count,
             preload_at_rest,
             joints,
+            mark,
         }
     }
 }

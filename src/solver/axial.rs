@@ -1,16 +1,16 @@
 //! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
 
 use crate::ball::contact::Point;
-use crate::ball::kinematics::{Full, Motion, Speed};
+use crate::ball::kinematics::{Full, Motion};
 use crate::ball::report::{BallState, Kinetics};
 use crate::bearing::{Azimuth, Bearing, Constants};
-use crate::growth::Growth;
 use crate::linalg::add;
 use crate::real::Real;
-use crate::shaft::Layout;
 use crate::shaft::axial::{AxialRest, Centres};
+use crate::shaft::{BearingRef, Layout};
 use crate::solver::problem::{
-    Given, Problem, Settings, check_tolerance, given_in_units, inertia, speed_and_growth,
+    Given, OperatingPoint, Problem, Settings, check_tolerance, given_in_units, inertia,
+    speed_and_growth,
 };
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::WarmStart;
@@ -18,7 +18,8 @@ use crate::status::Status;
 use core::fmt;
 use core::marker::PhantomData;
 
-/// A solver for one bearing under a purely axial load, tilts and radial displacements being zero.
+/// A solver for one bearing under a purely axial load, tilts and radial displacements being zero: the memory of one solve for the
+/// next.
 ///
 /// At rest it is a closed form; at speed the same loop as in [`Solver`](super::Solver), with one ball for all.
 ///
@@ -26,39 +27,44 @@ use core::marker::PhantomData;
 /// use spindle_bearing::{AxialSolver, Bearing, Design, Settings, Speed, Static};
 /// const BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::const_new(&Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians()));
 /// let settings = Settings::default();
-/// let mut at_rest = AxialSolver::<f32, 16, Static>::of(&BEARING);
-/// let k_rest = at_rest.solve(300.0, Speed::REST, &settings)?.stiffness();
-/// let mut at_speed = AxialSolver::new(&BEARING);
-/// let k_speed = at_speed.solve(300.0, Speed::rpm(20_000.0), &settings)?.stiffness();
+/// let mut at_rest = AxialSolver::<f32, Static>::of();
+/// let k_rest = at_rest.solve(&BEARING, 300.0, Speed::REST, &settings)?.stiffness();
+/// let mut at_speed = AxialSolver::new();
+/// let k_speed = at_speed.solve(&BEARING, 300.0, Speed::rpm(20_000.0), &settings)?.stiffness();
 /// assert!(k_speed < k_rest);
 /// # Ok::<(), spindle_bearing::Status<f32>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct AxialSolver<'b, T: Real, const N: usize, M: Motion = Full> {
-    bearing: &'b Bearing<T, N>,
+pub struct AxialSolver<T: Real, M: Motion = Full> {
     /// Of a bearing with one ball, which carries its share of the load.
     last: WarmStart<T, 1, 1, 1, 0>,
     motion: PhantomData<M>,
-    /// Root of the last solution at rest, above all without one, and the grooves' centres there.
+    /// Root of the last solution at rest, 0 without one, and the grooves' centres there.
     root: T,
     centres: Centres<T>,
 }
 
-impl<'b, T: Real, const N: usize> AxialSolver<'b, T, N> {
-    /// A solver for the bearing at speed, with all inertia loads and no race in control.
-    pub const fn new(bearing: &'b Bearing<T, N>) -> Self {
-        Self::of(bearing)
+impl<T: Real> AxialSolver<T> {
+    /// A solver for bearings at speed, with all inertia loads and no race in control.
+    pub const fn new() -> Self {
+        Self::of()
     }
 }
 
-impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
-    /// A solver for the motion that its type names. It is small: a static holds it as it is made.
-    pub const fn of(bearing: &'b Bearing<T, N>) -> Self {
+impl<T: Real, M: Motion> Default for AxialSolver<T, M> {
+    /// [`AxialSolver::of`].
+    fn default() -> Self {
+        Self::of()
+    }
+}
+
+impl<T: Real, M: Motion> AxialSolver<T, M> {
+    /// A solver for the motion that its type names.
+    pub const fn of() -> Self {
         Self {
-            bearing,
             last: WarmStart::COLD,
             motion: PhantomData,
-            root: T::HUGE,
+            root: T::ZERO,
             centres: Centres {
                 axial: T::ZERO,
                 excess: T::ZERO,
@@ -69,63 +75,58 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     /// Has the next solve start from nothing.
     pub fn reset(&mut self) {
         self.last.reset();
-        self.root = T::HUGE;
+        self.root = T::ZERO;
     }
 
-    /// The equilibrium under the axial load `Fx`, N, at a speed, from the last solution if that is near.
+    /// The equilibrium at a speed, under the axial load `Fx` (N), or where [`Given`] says the axial displacement (m), from the last
+    /// solution if that is near.
     ///
-    /// A negative load presses the balls on the other side of the grooves.
+    /// A negative load presses the balls on the other side of the grooves. `at` is a [`Speed`](crate::Speed), or one with the growth
+    /// of rings and balls.
     ///
     /// # Errors
     ///
     /// A [`Status`] that names why there is no answer.
-    #[inline]
-    pub fn solve(
-        &mut self,
-        load: T,
-        speed: Speed<T>,
-        settings: &Settings<T>,
-    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
-        self.run(Given::Load(load), speed, None, settings)
-    }
-
-    /// The equilibrium where the load (N) or the axial displacement (m) is given, and rings and balls have grown.
-    ///
-    /// # Errors
-    ///
-    /// As for [`AxialSolver::solve`].
-    pub fn solve_at(
-        &mut self,
-        given: Given<T>,
-        speed: Speed<T>,
-        growth: &Growth<T>,
-        settings: &Settings<T>,
-    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
-        self.run(given, speed, Some(growth), settings)
-    }
-
-    /// Inlined, so that what is known of its arguments costs no flash: no growth, and a load that is given.
     #[inline(always)]
-    fn run(
-        &mut self,
-        asked: Given<T>,
-        speed: Speed<T>,
-        growth: Option<&Growth<T>>,
+    pub fn solve<'s, const N: usize>(
+        &'s mut self,
+        bearing: &'s Bearing<T, N>,
+        load: impl Into<Given<T>>,
+        at: impl Into<OperatingPoint<T, 1>>,
         settings: &Settings<T>,
-    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
-        let c = &self.bearing.constants;
+    ) -> Result<AxialSolution<'s, T, M>, Status<T>> {
+        self.run(
+            bearing.layout().bearings[0],
+            load.into(),
+            &at.into(),
+            settings,
+        )
+    }
+
+    #[inline(always)]
+    fn run<'s>(
+        &'s mut self,
+        bearing: BearingRef<'s, T>,
+        asked: Given<T>,
+        at: &OperatingPoint<T, 1>,
+        settings: &Settings<T>,
+    ) -> Result<AxialSolution<'s, T, M>, Status<T>> {
+        let c = bearing.c;
         check_tolerance(settings.tolerance)?;
         let problem = Problem::new(settings.tolerance);
         let given = given_in_units(c, 0, c.balls, asked)?;
-        let none = Growth::NONE;
-        let growth = growth.unwrap_or(&none);
-        let (omega, growth) = speed_and_growth(c, speed, M::AT_SPEED, growth)?;
+        let [growth] = &at.growth;
+        let (omega, growth) = speed_and_growth(c, at.speed, M::AT_SPEED, growth)?;
         let size = match given {
             Given::Load(load) => load.abs().at_least(c.preload),
             Given::Displacement(_) => T::ZERO,
         };
         if matches!(given, Given::Load(_)) && !(size > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
+        }
+        if self.last.mark != c.mark {
+            self.last.mark = c.mark;
+            self.reset();
         }
         let s = if M::AT_SPEED {
             inertia(c, omega, c.balls, size)
@@ -134,25 +135,26 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         };
         if M::AT_SPEED && s > T::ZERO {
             let grown = self.last.points[0].set(c, s, size, growth, self.last.state.u[0]);
-            return self.at_speed(asked, given, grown, problem, settings);
+            return self.at_speed(bearing, asked, given, grown, problem, settings);
         }
         self.last.points[0] = Point::new(c, s, size, growth);
         if M::AT_SPEED {
             // Without its references, the last solution at speed is no start, however this solve ends.
             self.last.state.s = T::ZERO;
         }
-        self.at_rest(asked, given, settings)
+        self.at_rest(bearing, asked, given, settings)
     }
 
     /// Newton's method on the root of one ball's deformation.
     #[inline(always)]
-    fn at_rest(
-        &mut self,
+    fn at_rest<'s>(
+        &'s mut self,
+        bearing: BearingRef<'s, T>,
         asked: Given<T>,
         given: Given<T>,
         settings: &Settings<T>,
-    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
-        let c = &self.bearing.constants;
+    ) -> Result<AxialSolution<'s, T, M>, Status<T>> {
+        let c = bearing.c;
         let balls = AxialRest::new(c, &self.last.points[0].growth);
         let (mut iterations, mut left) = (0, T::ZERO);
         let (centres, contact, dx) = match given {
@@ -174,7 +176,12 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
                 let q = load.abs() / c.balls;
                 // Newton's steps leave what is of second order.
                 let limit = settings.max_iterations.max(1);
-                let found = balls.root(self.root, q, T::EPSILON, limit);
+                let from = if self.root > T::ZERO {
+                    self.root
+                } else {
+                    T::HUGE
+                };
+                let found = balls.root(from, q, T::EPSILON, limit);
                 self.root = found.root;
                 if !found.small {
                     return Err(Status::IterationLimit);
@@ -202,20 +209,22 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             },
             displacement: asked.displacement_or(dx * c.length),
             load: asked.load_or(contact.q * contact.n[0] * (c.force * c.balls)),
+            bearing,
             solver: self,
         })
     }
 
     /// The loop of any bearing, for one with a single ball.
-    fn at_speed(
-        &mut self,
+    fn at_speed<'s>(
+        &'s mut self,
+        bearing: BearingRef<'s, T>,
         asked: Given<T>,
         given: Given<T>,
         grown: T,
         mut problem: Problem<T, 1>,
         settings: &Settings<T>,
-    ) -> Result<AxialSolution<'_, T, N, M>, Status<T>> {
-        let c = &self.bearing.constants;
+    ) -> Result<AxialSolution<'s, T, M>, Status<T>> {
+        let c = bearing.c;
         let one = Constants {
             balls: T::ONE,
             ..*c
@@ -230,7 +239,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
         self.last
             .state
             .turn_to(&problem, self.last.points[0].s, grown);
-        let layout = Layout::alone(&one, self.first());
+        let layout = Layout::alone(&one, first(bearing.azimuths));
         let mut more = || true;
         let most = settings.max_iterations;
         let reached = self
@@ -243,14 +252,15 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
             error: state.errors(&reached.u, self.last.points[0].s),
             displacement: asked.displacement_or(reached.u[0] * c.length),
             load: asked.load_or(reached.load[0] * c.force * c.balls),
+            bearing,
             solver: self,
         })
     }
+}
 
-    /// Azimuth of the ball that stands for all.
-    fn first(&self) -> &'b [Azimuth<T>] {
-        self.bearing.azimuths.get(..1).unwrap_or_default()
-    }
+/// Azimuth of the ball that stands for all.
+fn first<T>(azimuths: &[Azimuth<T>]) -> &[Azimuth<T>] {
+    azimuths.get(..1).unwrap_or_default()
 }
 
 /// An equilibrium under a purely axial load, SI units.
@@ -259,7 +269,7 @@ impl<'b, T: Real, const N: usize, M: Motion> AxialSolver<'b, T, N, M> {
     derive(serde::Serialize),
     serde(bound = "T: serde::Serialize")
 )]
-pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion = Full> {
+pub struct AxialSolution<'s, T: Real, M: Motion = Full> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
     /// Iterations, those of starts included. An iteration condenses one ball.
@@ -271,10 +281,12 @@ pub struct AxialSolution<'s, T: Real, const N: usize, M: Motion = Full> {
     /// Axial force `Fx` on the inner ring, N; the reaction where the displacement was given.
     pub load: T,
     #[cfg_attr(feature = "serde", serde(skip))]
-    solver: &'s AxialSolver<'s, T, N, M>,
+    bearing: BearingRef<'s, T>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    solver: &'s AxialSolver<T, M>,
 }
 
-impl<T: Real, const N: usize, M: Motion> fmt::Debug for AxialSolution<'_, T, N, M> {
+impl<T: Real, M: Motion> fmt::Debug for AxialSolution<'_, T, M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("AxialSolution")
             .field("status", &self.status)
@@ -288,7 +300,7 @@ impl<T: Real, const N: usize, M: Motion> fmt::Debug for AxialSolution<'_, T, N, 
 }
 
 #[cfg(feature = "defmt")]
-impl<T: Real, const N: usize, M: Motion> defmt::Format for AxialSolution<'_, T, N, M> {
+impl<T: Real, M: Motion> defmt::Format for AxialSolution<'_, T, M> {
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(
             f,
@@ -303,12 +315,12 @@ impl<T: Real, const N: usize, M: Motion> defmt::Format for AxialSolution<'_, T, 
     }
 }
 
-impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
+impl<T: Real, M: Motion> AxialSolution<'_, T, M> {
     /// Axial stiffness `dFx/dx` at constant speed, N/m.
     pub fn stiffness(&self) -> T {
-        let (c, last) = (&self.solver.bearing.constants, &self.solver.last);
+        let (c, last) = (self.bearing.c, &self.solver.last);
         let k = if M::AT_SPEED && last.points[0].is_at_speed() {
-            let layout = Layout::alone(c, self.solver.first());
+            let layout = Layout::alone(c, first(self.bearing.azimuths));
             last.tangent::<M::Rule, _>(&layout)[0][0]
         } else {
             last.state.sum.k[0][0]
@@ -319,14 +331,14 @@ impl<T: Real, const N: usize, M: Motion> AxialSolution<'_, T, N, M> {
     /// State of the ball that stands for all, at the azimuth of the first one.
     pub fn ball(&self) -> BallState<T> {
         let (solver, p) = (self.solver, &self.solver.last.points[0]);
-        let c = &solver.bearing.constants;
+        let c = self.bearing.c;
         let kinetics = if M::AT_SPEED && p.is_at_speed() {
             let a = add(p.low, [solver.last.state.v[0], T::ZERO]);
             solver.last.balls[0][0].kinetics::<M::Rule>(c, p, a)
         } else {
             Kinetics::at_rest(c, &AxialRest::new(c, &p.growth).contact(&solver.centres))
         };
-        match solver.bearing.azimuths.first() {
+        match self.bearing.azimuths.first() {
             Some(first) => kinetics.state(c, first),
             None => BallState::default(),
         }

@@ -16,7 +16,10 @@ impl<T: Real, const D: usize> Control<T, D> {
     /// residual; `enough` is a part that makes no difference.
     #[inline(always)]
     fn review(&mut self, r: &[T; D], enough: T, rounded: impl Fn(T) -> bool) -> Option<[T; D]> {
-        let step = self.last.as_mut().filter(|step| step.work > T::ZERO)?;
+        let step = &mut self.last;
+        if !(step.work > T::ZERO) {
+            return None;
+        }
         let work = product(r, &step.du);
         let turned = work < -step.work;
         if step.damped && rounded(enough) {
@@ -203,8 +206,11 @@ impl<T: Real, const D: usize> State<T, D> {
         let (du, _, damped) = self.step::<E>(plane, problem, &r, radius, least);
         shaft.bend(&du, ds);
         let work = product(&r, &du);
-        self.attempt.control.last =
-            (!is_first && problem.overhang::<E>().is_none()).then_some(Step { du, work, damped });
+        self.attempt.control.last = if !is_first && problem.overhang::<E>().is_none() {
+            Step { du, work, damped }
+        } else {
+            Step::NONE
+        };
         self.advance(moved(plane, &du));
     }
 
@@ -287,11 +293,11 @@ impl<T: Real, const D: usize> State<T, D> {
                 }
             }
             // Where a given displacement leads a step, no work says how it went.
-            self.attempt.control.last =
-                problem
-                    .overhang::<E>()
-                    .is_none()
-                    .then_some(Step { du, work, damped });
+            self.attempt.control.last = if problem.overhang::<E>().is_none() {
+                Step { du, work, damped }
+            } else {
+                Step::NONE
+            };
             if time.is_up {
                 break;
             }

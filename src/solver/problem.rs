@@ -45,10 +45,10 @@ impl<T: Real> Settings<T> {
     ///
     /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
     /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
-    /// let (mut solver, speed) = (Solver::new(&BEARING), Speed::rpm(20_000.0));
-    /// solver.solve([500.0, 100.0, 0.0, 0.0, 1.0], speed, &Settings::default())?;
+    /// let (mut solver, speed) = (Solver::new(), Speed::rpm(20_000.0));
+    /// solver.solve(&BEARING, [500.0, 100.0, 0.0, 0.0, 1.0], speed, &Settings::default())?;
     /// // A tick later.
-    /// let solution = solver.solve([502.0, 104.0, 0.0, 0.0, 1.0], speed, &Settings::TICK)?;
+    /// let solution = solver.solve(&BEARING, [502.0, 104.0, 0.0, 0.0, 1.0], speed, &Settings::TICK)?;
     /// assert!(solution.error.stiffness <= 5e-3);
     /// # Ok::<(), spindle_bearing::Status<f32>>(())
     /// ```
@@ -71,24 +71,14 @@ impl<T: Real> Default for Settings<T> {
     }
 }
 
-/// Loads or displacements of the freedoms that the inner ring has in a [`Solver`](crate::Solver): 3 or 5 numbers.
-#[diagnostic::on_unimplemented(
-    message = "the inner ring has 3 freedoms (tilts locked) or 5, which `{Self}` does not fit",
-    note = "one freedom, along the axis, is that of `AxialSolver`"
-)]
-pub trait RingVector {}
-
-impl<T: Real> RingVector for [T; 3] {}
-impl<T: Real> RingVector for [T; 5] {}
-
 /// A load or a displacement that is given of a freedom of the inner ring.
 ///
 /// ```
-/// use spindle_bearing::{Bearing, Design, Given, Growth, Settings, Solver, Speed};
+/// use spindle_bearing::{Bearing, Design, Given, Settings, Solver, Speed};
 ///
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// static BEARING: Bearing<f64, 15> = Bearing::<f64, 15>::const_new(&DESIGN);
-/// let mut solver = Solver::new(&BEARING);
+/// let mut solver = Solver::new();
 /// // Pressed together by 10 um, without tilt; a radial load of 50 N.
 /// let given = [
 ///     Given::Displacement(10e-6),
@@ -97,7 +87,7 @@ impl<T: Real> RingVector for [T; 5] {}
 ///     Given::Displacement(0.0),
 ///     Given::Displacement(0.0),
 /// ];
-/// let solution = solver.solve_at(&given, Speed::rpm(10_000.0), &Growth::NONE, &Settings::default())?;
+/// let solution = solver.solve(&BEARING, given, Speed::rpm(10_000.0), &Settings::default())?;
 /// assert!(solution.load[0] > 100.0);
 /// # Ok::<(), spindle_bearing::Status<f64>>(())
 /// ```
@@ -131,6 +121,140 @@ impl<T> Given<T> {
     }
 }
 
+impl<T: Real> From<T> for Given<T> {
+    fn from(load: T) -> Self {
+        Self::Load(load)
+    }
+}
+
+/// Loads of a solve, for `D` freedoms.
+///
+/// Loads `[T; D]`, or a load or a displacement of each freedom, `[Given<T>; D]`, at the bearing's centre or at `x = 0` of a
+/// spindle's shaft. For five freedoms, [`ShaftLoad`](crate::ShaftLoad)s, each at its position.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no load for {D} freedoms",
+    note = "give as many numbers as the solver has freedoms, or as many `Given`; or a slice of `ShaftLoad`, for five"
+)]
+pub trait Loading<'a, T: Real, const D: usize>: Copy {
+    /// Displacements may be given.
+    #[doc(hidden)]
+    const GIVEN: bool = false;
+    /// At `x = 0`.
+    #[doc(hidden)]
+    fn given(self) -> [Given<T>; D];
+    /// Loads that have a position.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn placed(self) -> &'a [ShaftLoad<T>] {
+        &[]
+    }
+}
+
+impl<T: Real, const D: usize> Loading<'_, T, D> for [T; D] {
+    #[inline(always)]
+    fn given(self) -> [Given<T>; D] {
+        self.map(Given::Load)
+    }
+}
+
+impl<T: Real, const D: usize> Loading<'_, T, D> for [Given<T>; D] {
+    const GIVEN: bool = true;
+
+    #[inline(always)]
+    fn given(self) -> [Given<T>; D] {
+        self
+    }
+}
+
+/// A load on the shaft: one of a solve, like the cutting force at the tool, or one that acts at all times, like the pull of a belt.
+///
+/// See [`SpindleSolver::solve`](crate::SpindleSolver::solve) and [`Spindle::with_loads`](crate::Spindle::with_loads) for examples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ShaftLoad<T> {
+    /// Where it acts, m.
+    pub position: T,
+    /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) there.
+    pub load: [T; 5],
+}
+
+/// The sum of loads about the position `x`, m.
+pub fn about<T: Real>(loads: &[ShaftLoad<T>], x: T) -> [T; 5] {
+    let mut sum = [T::ZERO; 5];
+    for at in loads {
+        let mut load = at.load;
+        refer(at.position - x, &mut load);
+        sum = vector(|i| sum[i] + load[i]);
+    }
+    sum
+}
+
+impl<'a, T: Real> Loading<'a, T, 5> for &'a [ShaftLoad<T>] {
+    #[inline(always)]
+    fn given(self) -> [Given<T>; 5] {
+        about(self, T::ZERO).map(Given::Load)
+    }
+
+    #[inline(always)]
+    fn placed(self) -> &'a [ShaftLoad<T>] {
+        self
+    }
+}
+
+impl<'a, T: Real, const K: usize> Loading<'a, T, 5> for &'a [ShaftLoad<T>; K] {
+    #[inline(always)]
+    fn given(self) -> [Given<T>; 5] {
+        self.as_slice().given()
+    }
+
+    #[inline(always)]
+    fn placed(self) -> &'a [ShaftLoad<T>] {
+        self
+    }
+}
+
+/// Speed of the shaft, and growth of the rings and balls of `R` rows. A [`Speed`] alone is one without growth.
+///
+/// ```
+/// use spindle_bearing::{Bearing, Design, Growth, Settings, Solver, Speed};
+///
+/// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+/// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
+/// let growth = Growth { radial: 2e-6, ..Growth::NONE };
+/// let warm = Speed::rpm(10_000.0).with_growth([growth]);
+/// let mut solver = Solver::new();
+/// let solution = solver.solve(&BEARING, [300.0, 0.0, 0.0, 0.0, 0.0], warm, &Settings::default())?;
+/// # assert!(solution.displacement[0] < 0.0);
+/// # Ok::<(), spindle_bearing::Status<f32>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct OperatingPoint<T: Real, const R: usize> {
+    /// Speed of the shaft.
+    pub speed: Speed<T>,
+    /// Growth of each row.
+    pub growth: [Growth<T>; R],
+}
+
+impl<T: Real, const R: usize> From<Speed<T>> for OperatingPoint<T, R> {
+    #[inline(always)]
+    fn from(speed: Speed<T>) -> Self {
+        speed.with_growth([Growth::NONE; R])
+    }
+}
+
+impl<T: Real> Speed<T> {
+    /// At this speed, with this growth of each row.
+    #[inline(always)]
+    pub const fn with_growth<const R: usize>(self, growth: [Growth<T>; R]) -> OperatingPoint<T, R> {
+        OperatingPoint {
+            speed: self,
+            growth,
+        }
+    }
+}
+
 /// Load and prescribed displacements of a solve, in the units of the constants, referred to the shaft's centre.
 #[derive(Debug, Clone, Copy)]
 pub struct Problem<T, const D: usize> {
@@ -146,6 +270,8 @@ pub struct Problem<T, const D: usize> {
     pub overhang: Option<Piece<T>>,
     /// Largest change of the stiffness along the last step.
     pub tolerance: T,
+    /// Mark of loads that have a position, and deflect an elastic shaft between its rows.
+    pub placed: u32,
     /// Error of the balls' forces that is small enough, relative to the largest.
     pub enough: T,
     /// Unbalanced part of the load from which on a step is not the last one: it changes the stiffness by more than the
@@ -173,6 +299,7 @@ impl<T: Real, const D: usize> Problem<T, D> {
             prescribed: [None; D],
             is_free: true,
             overhang: None,
+            placed: 0,
             tolerance,
             enough: T::of(tuning::FORCE) * least,
             far: if tolerance < T::of(0.5 * tuning::COARSE) {

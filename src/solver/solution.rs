@@ -55,7 +55,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
             error: last.state.errors(&reached.u, last.points[0].s * c.balls),
             displacement: vector(|i| reached.u[i] * units(c, i).1),
             load: vector(|i| reached.load[i] * units(c, i).0),
-            speed: last.speed,
+            speed: Speed::rad_per_s(last.omega),
             bearing,
             last,
             row: last.row(&bearing.layout(), 0),
@@ -75,9 +75,9 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     /// use spindle_bearing::{Bearing, Design, LifeRating, Limits, Settings, Solver, Speed};
     /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
     /// let (bearing, rating) = (Bearing::<f64, 16>::new(&DESIGN)?, LifeRating::<f64>::new(&DESIGN, 16, 13_700.0));
-    /// let mut solver = Solver::new(&bearing);
+    /// let mut solver = Solver::new();
     /// let (load, speed) = ([300.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(12_000.0));
-    /// let summary = solver.solve(load, speed, &Settings::default())?.summary(&Limits::default(), &rating);
+    /// let summary = solver.solve(&bearing, load, speed, &Settings::default())?.summary(&Limits::default(), &rating);
     /// println!("{:.0} to {:.0} N on the inner race", summary.inner_force[0], summary.inner_force[1]);
     /// assert!((summary.force[0] - 300.0).abs() < 1e-6 && summary.margins.unloaded == 0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

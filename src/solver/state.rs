@@ -30,6 +30,8 @@ pub struct State<T, const D: usize> {
     /// Displacements that were given to it; none of them counts if it was free.
     pub prescribed: [Option<T>; D],
     pub is_free: bool,
+    /// Mark of its loads that had a position.
+    pub placed: u32,
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     pub weak: bool,
     /// The last attempt, and how it ended.
@@ -37,7 +39,7 @@ pub struct State<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> State<T, D> {
-    /// Of a solver without history.
+    /// Of a solver without history: all bits are zero, so that a static is in `.bss`.
     pub const COLD: Self = Self {
         u: [T::ZERO; D],
         v: [T::ZERO; D],
@@ -50,7 +52,8 @@ impl<T: Real, const D: usize> State<T, D> {
         load_scale: T::ZERO,
         s: T::ZERO,
         prescribed: [None; D],
-        is_free: true,
+        is_free: false,
+        placed: 0,
         weak: false,
         attempt: Attempt::NONE,
     };
@@ -66,7 +69,7 @@ impl<T: Real, const D: usize> State<T, D> {
         if self.attempt.termination == Termination::Unfinished
             && (grown > T::ZERO || s != self.s || !self.was(problem))
         {
-            (self.attempt.started, self.attempt.control.last) = (false, None);
+            (self.attempt.started, self.attempt.control.last) = (false, Step::NONE);
         }
     }
 
@@ -74,6 +77,7 @@ impl<T: Real, const D: usize> State<T, D> {
     fn was(&self, problem: &Problem<T, D>) -> bool {
         problem.load == self.load
             && problem.is_free == self.is_free
+            && problem.placed == self.placed
             && (self.is_free || problem.prescribed == self.prescribed)
     }
 
@@ -86,6 +90,8 @@ impl<T: Real, const D: usize> State<T, D> {
 /// How the loop ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Termination {
+    /// A figure is not a number, or the attempt has had its iterations and led to no equilibrium. None has begun yet.
+    Lost,
     /// The last step changes the stiffness by less than the tolerance.
     Converged,
     /// Rounding is larger than the tolerance.
@@ -94,8 +100,6 @@ pub enum Termination {
     Singular,
     /// The time was up.
     Unfinished,
-    /// A figure is not a number, or the attempt has had its iterations and led to no equilibrium.
-    Lost,
 }
 
 impl Termination {
@@ -135,11 +139,21 @@ impl<T: Real, const D: usize> Attempt<T, D> {
         started: false,
         taken: 0,
         termination: Termination::Lost,
-        report: StepReport::NONE,
+        report: StepReport {
+            estimate: Estimate {
+                k: T::ZERO,
+                relative: T::ZERO,
+                force: T::ZERO,
+                largest: T::ZERO,
+                cos: T::ZERO,
+            },
+            residual: T::ZERO,
+            step: T::ZERO,
+        },
         control: Control {
-            radius: T::ONE,
-            least: T::ONE,
-            last: None,
+            radius: T::ZERO,
+            least: T::ZERO,
+            last: Step::NONE,
         },
         back: false,
     };
@@ -151,7 +165,7 @@ impl<T: Real, const D: usize> Attempt<T, D> {
         self.report = StepReport::NONE;
         self.control.radius = T::of(L0 * tuning::FIRST_RADIUS);
         self.control.least = T::of(tuning::DAMPING);
-        self.control.last = None;
+        self.control.last = Step::NONE;
     }
 
     /// The attempt has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near. One from the last
@@ -219,12 +233,21 @@ pub struct Step<T, const D: usize> {
     pub damped: bool,
 }
 
+impl<T: Real, const D: usize> Step<T, D> {
+    /// No step, or one that has no work to be judged by.
+    pub const NONE: Self = Self {
+        du: [T::ZERO; D],
+        work: T::ZERO,
+        damped: false,
+    };
+}
+
 /// Step control: how long a step may be, and how strongly it is damped at least.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Control<T, const D: usize> {
     pub radius: T,
     pub least: T,
-    pub last: Option<Step<T, D>>,
+    pub last: Step<T, D>,
 }
 
 /// Estimated errors of a solution, relative.

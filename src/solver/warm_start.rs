@@ -11,10 +11,11 @@ use crate::shaft::elastic::{Bend, Joint, add, fold};
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change, sum_up};
 use crate::shaft::{Layout, Mount, Shaft};
 use crate::solver::problem::{
-    Given, Problem, Time, check_tolerance, given_in_units, inertia, speed_and_growth,
+    Given, OperatingPoint, Problem, Time, check_tolerance, given_in_units, inertia,
+    speed_and_growth,
 };
 use crate::solver::start::start;
-use crate::solver::state::{ErrorEstimate, State, Termination, are_finite, rounding};
+use crate::solver::state::{ErrorEstimate, State, Step, Termination, are_finite, rounding};
 use crate::status::{Quantity, Status};
 use core::marker::PhantomData;
 
@@ -27,7 +28,10 @@ pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize, co
     pub points: [Point<T>; R],
     /// Axial force by which rows of either facing hold each other.
     pub preload: T,
-    pub speed: Speed<T>,
+    /// Speed of the shaft, rad/s.
+    pub omega: T,
+    /// Mark of the bearings and shaft that were solved last.
+    pub mark: u32,
     /// What holds an elastic shaft bent.
     pub bends: [Bend<T, D>; E],
 }
@@ -50,13 +54,23 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         balls: [[Ball::NONE; N]; R],
         points: [Point::NONE; R],
         preload: T::ZERO,
-        speed: Speed::REST,
+        omega: T::ZERO,
+        mark: 0,
         bends: [Bend::NONE; E],
     };
 
     /// Has the next solve start from nothing.
     pub fn reset(&mut self) {
         self.state = State::COLD;
+    }
+
+    /// Turns to the bearings and shaft of this mark: from nothing, if they are others.
+    #[inline(always)]
+    pub fn turn_to(&mut self, mark: u32) {
+        if mark != self.mark {
+            self.mark = mark;
+            self.reset();
+        }
     }
 
     /// Refers what the balls handed over to a point that is nearer to the origin by `distance`, over `Rp`.
@@ -66,7 +80,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             refer(distance, force);
         }
         refer_stiffness(distance, &mut sum.k);
-        self.state.attempt.control.last = None;
+        self.state.attempt.control.last = Step::NONE;
     }
 
     /// Checks the input, turns it into the solver's units, and sets speed, growth and points of the rows.
@@ -78,13 +92,14 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         layout: &Layout<'_, T, R, SET, E>,
         given: &[Given<T>; D],
         to_centre: impl FnOnce(&mut [T; D]),
-        speed: Speed<T>,
-        growth: &[Growth<T>; R],
+        at: &OperatingPoint<T, R>,
+        placed: u32,
         tolerance: T,
     ) -> Result<Problem<T, D>, Status<T>> {
         let unit = layout.bearings[0].c;
         check_tolerance(tolerance)?;
         let mut problem = Problem::new(tolerance);
+        problem.placed = placed;
         for (i, given) in given.iter().enumerate() {
             match given_in_units(unit, i, layout.ball_count, *given)? {
                 Given::Load(load) => problem.load[i] = load,
@@ -96,14 +111,15 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         to_centre(&mut problem.load);
         let mut omega = T::ZERO;
         let mut grown = [Growth::NONE; R];
-        for ((grown, growth), row) in grown.iter_mut().zip(growth).zip(&layout.bearings) {
-            (omega, *grown) = speed_and_growth(row.c, speed, M::AT_SPEED, growth)?;
+        for ((grown, growth), row) in grown.iter_mut().zip(&at.growth).zip(&layout.bearings) {
+            (omega, *grown) = speed_and_growth(row.c, at.speed, M::AT_SPEED, growth)?;
         }
         problem.load_scale = norm(&problem.load).at_least(layout.preload_at_rest);
         // A ring that nothing presses and nothing holds floats in its clearance.
         if problem.is_free && !(problem.load_scale > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
         }
+        self.turn_to(layout.mark);
         let s = if M::AT_SPEED {
             inertia(unit, omega, layout.ball_count, problem.load_scale)
         } else {
@@ -117,7 +133,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             most = most.at_least(point.set(row.c, s, size, growth, axial + mount.closure));
         }
         self.state.turn_to(&problem, s, most);
-        self.speed = speed;
+        self.omega = at.speed.as_rad_per_s();
         Ok(problem)
     }
 
@@ -234,7 +250,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         layout: &Layout<'_, T, R, SET, E>,
     ) -> Option<Reached<T, D>> {
         let attempt = &self.state.attempt;
-        if attempt.termination != Termination::Unfinished {
+        if attempt.termination != Termination::Unfinished || self.mark != layout.mark {
             return None;
         }
         let reached = self.reached(layout, attempt.taken);
@@ -337,7 +353,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             azimuths: row.azimuths,
             balls: self.balls[i].get(..row.azimuths.len()).unwrap_or_default(),
             v: self.motion::<SET>(&layout.mounts[i], i),
-            speed: self.speed,
+            speed: Speed::rad_per_s(self.omega),
             motion: PhantomData,
         }
     }
@@ -378,6 +394,7 @@ impl<T: Real, const D: usize> State<T, D> {
         }
         self.attempt.termination = termination;
         (self.load, self.is_free, self.s) = (problem.load, problem.is_free, s);
+        self.placed = problem.placed;
         if !problem.is_free {
             self.prescribed = problem.prescribed;
         }

@@ -2,15 +2,16 @@
 
 use crate::linalg::{norm, refer, vector};
 use crate::real::Real;
+use crate::shaft::Layout;
 use crate::shaft::elastic::{Bend, Joint, Piece, forces, order};
-use crate::solver::problem::{Given, check, radius, units};
+use crate::solver::problem::{Given, ShaftLoad, about, check, radius, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
-use crate::spindle::sections::{OnShaft, Shaft, ShaftLoad, Support, of_freedoms};
-use crate::status::Quantity;
+use crate::spindle::sections::{OnShaft, Shaft, Support, of_freedoms};
+use crate::status::{Quantity, Status};
 use core::array::from_fn;
 
-/// A spindle with an elastic shaft: [`Spindle::elastic`]. Its solver is an [`ElasticSolver`](crate::ElasticSolver).
+/// A spindle with an elastic shaft: [`Spindle::elastic`]. Its solver is a [`SpindleSolver`](crate::SpindleSolver) with `E = R`.
 pub type ElasticSpindle<'b, T, const R: usize, const N: usize, const D: usize = 5> =
     Spindle<'b, T, R, N, D, R>;
 
@@ -68,6 +69,11 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
             mount.reach = row.c.plane;
         }
         set.layout.joints = set.joints_towards(centre);
+        let supports = set.layout.joints.iter().flat_map(|joint| joint.support);
+        let sections = shaft.sections.iter().flat_map(|section| section.numbers());
+        set.layout.mark = supports
+            .chain(sections)
+            .fold(set.layout.mark, |mark, number| number.mix(mark));
         Ok(set)
     }
 }
@@ -95,37 +101,57 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         }
         let unit = self.layout.bearings[0].c;
         for (number, load) in loads.iter().enumerate() {
-            let refused = |status| SpindleError::Load {
+            self.check_load(load).map_err(|status| SpindleError::Load {
                 load: number,
                 status,
-            };
-            let most = T::of(4096.0) * radius(unit);
-            check(Quantity::LoadPosition, load.position, most).map_err(refused)?;
-            for (i, load) in load.load.into_iter().enumerate() {
-                let most = T::of(512.0) * self.layout.ball_count * units(unit, i).0;
-                let [quantity, _] = Quantity::OF_FREEDOM[i];
-                check(quantity, load, most).map_err(refused)?;
-            }
+            })?;
         }
-        let mut sum = [T::ZERO; 5];
-        for load in loads {
-            let mut about_centre = load.load;
-            refer(load.position - self.centre, &mut about_centre);
-            sum = vector(|i| sum[i] + about_centre[i]);
-        }
+        let sum = about(loads, self.centre);
         for shaft in &mut self.shaft {
             (shaft.loads, shaft.load) = (loads, sum);
         }
         for (joint, shaft) in self.layout.joints.iter_mut().zip(&self.shaft) {
-            joint.constant = shaft.deflection_by_loads(unit, joint.position);
+            joint.constant = shaft.deflection_by(unit, joint.position, loads);
         }
+        self.layout.mark = mark(loads, self.layout.mark);
         Ok(self)
     }
 }
 
-impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
-    Spindle<'_, T, R, N, D, E>
+/// A mark with these loads mixed into it.
+fn mark<T: Real>(loads: &[ShaftLoad<T>], mark: u32) -> u32 {
+    let numbers = loads
+        .iter()
+        .flat_map(|at| [at.position].into_iter().chain(at.load));
+    numbers.fold(mark, |mark, number| number.mix(mark))
+}
+
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
+    Spindle<'b, T, R, N, D, E>
 {
+    /// How the rows sit, the shaft deflected by these loads, too, and a mark of them.
+    pub(super) fn under_loads(&self, loads: &[ShaftLoad<T>]) -> (Layout<'b, T, R, true, E>, u32) {
+        let (mut layout, unit) = (self.layout, self.layout.bearings[0].c);
+        for (joint, shaft) in layout.joints.iter_mut().zip(&self.shaft) {
+            let by_loads = shaft.deflection_by(unit, joint.position, loads);
+            joint.constant = vector(|i| joint.constant[i] + by_loads[i]);
+        }
+        (layout, mark(loads, 1))
+    }
+
+    /// Refuses a load or its position that is out of range.
+    pub(super) fn check_load(&self, at: &ShaftLoad<T>) -> Result<(), Status<T>> {
+        let unit = self.layout.bearings[0].c;
+        let farthest = T::of(4096.0) * radius(unit);
+        check(Quantity::LoadPosition, at.position, farthest)?;
+        for (i, load) in at.load.into_iter().enumerate() {
+            let most = T::of(512.0) * self.layout.ball_count * units(unit, i).0;
+            let [quantity, _] = Quantity::OF_FREEDOM[i];
+            check(quantity, load, most)?;
+        }
+        Ok(())
+    }
+
     /// The chain of rows that leads to the position `x` (m) on the shaft.
     pub(super) fn joints_towards(&self, x: T) -> [Joint<T>; E] {
         let mut joints = self.layout.joints;
@@ -161,17 +187,17 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         let shaft = self.shaft.first().filter(|_| self.centre != T::ZERO)?;
         let load: [T; 5] = vector(|i| given[i].load_or(T::ZERO) / units(unit, i).0);
         let by_load = shaft.piece(unit, self.centre, T::ZERO).deflection(&load);
-        let by_loads = shaft.deflection_by_loads(unit, T::ZERO);
+        let by_loads = shaft.deflection_by(unit, T::ZERO, shaft.loads);
         let piece = shaft.piece(unit, T::ZERO, self.centre);
         Some((piece, vector(|i| by_loads[i] + by_load[i])))
     }
 
-    /// Deflection of an elastic shaft at the position `x` (m) about its section at the centre, in the solver's units, under `load` (SI)
-    /// at `x = 0`, the forces of its rows and its constant loads; and the sizes of its parts.
+    /// Deflection of an elastic shaft at the position `x` (m) about its section at the centre, in the solver's units, under the loads
+    /// of a solve, the forces of its rows and its constant loads; and the sizes of its parts.
     pub(super) fn deflection_at(
         &self,
         x: T,
-        load: &[T; 5],
+        loads: &[ShaftLoad<T>],
         bends: &[Bend<T, D>; E],
     ) -> ([T; 5], T) {
         let (mut u, mut size) = ([T::ZERO; 5], T::ZERO);
@@ -183,9 +209,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             u = vector(|i| u[i] + part[i]);
             size += norm(&part);
         };
-        add(shaft.deflection_by_loads(unit, x));
-        let load = vector(|i| load[i] / units(unit, i).0);
-        add(shaft.deflection(unit, x, T::ZERO, &load));
+        add(shaft.deflection_by(unit, x, shaft.loads));
+        add(shaft.deflection_by(unit, x, loads));
         for (position, force) in forces(&self.layout.joints, bends) {
             add(shaft.deflection(unit, x, position, &vector(|i| -force[i])));
         }

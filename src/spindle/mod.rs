@@ -249,14 +249,14 @@ fn check_arranged<T: Real, const N: usize>(
 ///
 /// ```
 /// use spindle_bearing::{Arrangement, Bearing, Design};
-/// use spindle_bearing::{Preload, Settings, ShaftEnd, Speed, Spindle, SpindleSolver};
+/// use spindle_bearing::{Preload, Settings, Speed, Spindle, SpindleSolver};
 /// const DESIGN: Design = Design::angular_contact(11.906e-3, 90e-3, 15_f64.to_radians());
 /// const BEARING: Bearing<f64, 20> = Bearing::<f64, 20>::const_new(&DESIGN);
 /// let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.027, Preload::Force(294.0))?;
-/// let mut solver = SpindleSolver::new(pair);
+/// let mut solver = SpindleSolver::new();
 /// let load = [0.0, 200.0, 0.0, 0.0, 0.0];
-/// let solution = solver.solve(load, Speed::rpm(10_000.0), &Settings::default())?;
-/// let nose = solution.compliance_at(&ShaftEnd::rigid(-0.06));
+/// let solution = solver.solve(&pair, load, Speed::rpm(10_000.0), &Settings::default())?;
+/// let nose = solution.compliance_at(-0.06);
 /// println!("{:.0} N/um at the nose", 1e-6 / nose[1][1]);
 /// for row in solution.rows() {
 ///     println!("{:.0} N of preload", row.preload());
@@ -331,19 +331,19 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 5> {
 
 impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
     /// Rows of which some sit in a sleeve that slides along the shaft under a spring of this force (N), in an arrangement that
-    /// is checked. Its solver is a [`SprungSolver`](crate::SprungSolver).
+    /// is checked. Its solver is a [`SpindleSolver`](crate::SpindleSolver) with `D = 6`.
     ///
     /// ```
     /// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Preload, Settings, Speed};
-    /// use spindle_bearing::{SpindleSolver, SprungSolver, Spindle};
+    /// use spindle_bearing::{SpindleSolver, Spindle};
     ///
     /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
     /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
     /// let front = Mounted::new(&BEARING, 0.0, Facing::PlusX);
     /// let rear = Mounted::new(&BEARING, 0.1, Facing::MinusX).with(Preload::Spring);
     /// let set = Spindle::sprung(Arrangement::BackToBack, [front, rear], 200.0)?;
-    /// let mut solver: SprungSolver<'static, f32, 2, 15> = SpindleSolver::new(set);
-    /// let solution = solver.solve([0.0, 150.0, 0.0, 0.0, 0.0], Speed::rpm(20_000.0), &Settings::default())?;
+    /// let mut solver = SpindleSolver::new();
+    /// let solution = solver.solve(&set, [0.0, 150.0, 0.0, 0.0, 0.0], Speed::rpm(20_000.0), &Settings::default())?;
     /// assert!(solution.spring_closure() > 0.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -406,6 +406,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 ball_count: T::ZERO,
                 preload_at_rest: T::ZERO,
                 joints: [],
+                mark: spring.mix(0),
             },
             positions: rows.each_ref().map(|row| row.position),
             facings: rows.each_ref().map(|row| row.facing),
@@ -428,6 +429,12 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
                 closure: row.closure(),
                 sliding: row.slides(),
             };
+            layout.mark = mount
+                .closure
+                .mix(row.position.mix(facing.mix(layout.mark ^ c.mark)));
+            if mount.sliding {
+                layout.mark = !layout.mark;
+            }
             layout.ball_count += c.balls * (mount.force * mount.inertia);
             let axial = c.balls * force_at(c, mount.closure).at_least(T::ZERO);
             layout.preload_at_rest += mount.force * (axial + c.preload);

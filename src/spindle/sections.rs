@@ -5,7 +5,7 @@ use crate::design::{DesignError, Material, check, within};
 use crate::linalg::{moved, refer, vector};
 use crate::real::Real;
 use crate::shaft::elastic::Piece;
-use crate::solver::problem::{radius, units};
+use crate::solver::problem::{ShaftLoad, radius, units};
 use crate::spindle::error::SpindleError;
 use crate::status::Quantity;
 use core::f64::consts::PI;
@@ -57,6 +57,14 @@ pub(super) struct Flexible<T> {
     per: [T; 3],
 }
 
+impl<T: Copy> Flexible<T> {
+    /// All of its numbers.
+    pub(super) const fn numbers(&self) -> [T; 5] {
+        let [axial, bending, shear] = self.per;
+        [self.from, self.to, axial, bending, shear]
+    }
+}
+
 /// An elastic shaft: `K` hollow round sections of one material, ready for a [`Spindle`](crate::Spindle).
 ///
 /// It bends with shear (Timoshenko) and stretches. It has no mass, and no torsion. Outside of its sections and in gaps between them
@@ -64,7 +72,7 @@ pub(super) struct Flexible<T> {
 ///
 /// ```
 /// use spindle_bearing::{Arrangement, Bearing, Design, Material, Preload, Section, Settings};
-/// use spindle_bearing::{Shaft, ShaftEnd, Speed, Spindle, SpindleSolver, Support};
+/// use spindle_bearing::{Shaft, Speed, Spindle, SpindleSolver, Support};
 ///
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
@@ -74,9 +82,10 @@ pub(super) struct Flexible<T> {
 ///
 /// let rigid = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.1, Preload::Force(200.0))?;
 /// let housing = Support { radial: 4e8, ..Support::RIGID };
-/// let mut solver = SpindleSolver::new(rigid.elastic(&SHAFT, [housing; 2])?);
-/// let solution = solver.solve([0.0, 100.0, 0.0, 0.0, 0.0], Speed::rpm(10_000.0), &Settings::default())?;
-/// let nose = solution.compliance_at(&ShaftEnd::rigid(-0.03));
+/// let spindle = rigid.elastic(&SHAFT, [housing; 2])?;
+/// let mut solver = SpindleSolver::new();
+/// let solution = solver.solve(&spindle, [0.0, 100.0, 0.0, 0.0, 0.0], Speed::rpm(10_000.0), &Settings::default())?;
+/// let nose = solution.compliance_at(-0.03);
 /// assert!(1e-6 / nose[1][1] < 60.0); // N/um
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -290,19 +299,6 @@ impl<T: Real> Support<T> {
     }
 }
 
-/// A load that acts on the shaft at all times, like the pull of a belt.
-///
-/// See [`Spindle::with_loads`](crate::Spindle::with_loads) for an example.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ShaftLoad<T> {
-    /// Where it acts, m.
-    pub position: T,
-    /// Forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) there.
-    pub load: [T; 5],
-}
-
 /// An elastic shaft and its constant loads.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OnShaft<'b, T> {
@@ -374,10 +370,15 @@ impl<T: Real> OnShaft<'_, T> {
         moved((x - end) * per, &u)
     }
 
-    /// That of the constant loads.
-    pub(super) fn deflection_by_loads(&self, unit: &Constants<T>, x: T) -> [T; 5] {
+    /// Deflection by loads, about the section at its centre.
+    pub(super) fn deflection_by(
+        &self,
+        unit: &Constants<T>,
+        x: T,
+        loads: &[ShaftLoad<T>],
+    ) -> [T; 5] {
         let mut u = [T::ZERO; 5];
-        for at in self.loads {
+        for at in loads {
             let load = vector(|i| at.load[i] / units(unit, i).0);
             let by_load = self.deflection(unit, x, at.position, &load);
             u = vector(|i| u[i] + by_load[i]);

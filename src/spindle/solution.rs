@@ -14,7 +14,7 @@ use crate::results::serialize;
 use crate::results::summary::RowSummary;
 use crate::shaft::elastic::soften;
 use crate::shaft::row::{Sum, sum_up};
-use crate::solver::problem::{radius, stiffness_out, units};
+use crate::solver::problem::{ShaftLoad, radius, stiffness_out, units};
 use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::spindle::Spindle;
@@ -24,30 +24,6 @@ use core::array::from_fn;
 use core::fmt;
 use core::marker::PhantomData;
 use core::ops::Deref;
-
-/// A point on the shaft where the stiffness is wanted, like the nose.
-///
-/// See [`Spindle`](crate::Spindle) for an example.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ShaftEnd<T> {
-    /// Its position x, m.
-    pub position: T,
-    /// Flexibility of the shaft itself there, besides its motion as a rigid body: displacements (m, rad) per force (N) and
-    /// moment (N m), rows are displacements.
-    pub flexibility: [[T; 5]; 5],
-}
-
-impl<T: Real> ShaftEnd<T> {
-    /// A point of a rigid shaft.
-    pub const fn rigid(position: T) -> Self {
-        Self {
-            position,
-            flexibility: [[T::ZERO; 5]; 5],
-        }
-    }
-}
 
 /// An equilibrium of a spindle, SI units; loads and displacements refer to the shaft at `x = 0`.
 ///
@@ -74,13 +50,14 @@ pub struct SpindleSolution<
     pub load: [T; 5],
     /// Speed of the shaft.
     pub speed: Speed<T>,
-    /// Displacement of the spindle's centre, and stiffness about it with the force of the spring held.
+    /// Displacement of the spindle's centre.
     u: [T; 5],
     /// Error of that displacement, in the solver's unit of length.
     off: T,
-    pub(super) k: Matrix<T, 5>,
     /// Motion of the sleeve, m.
     slide: T,
+    /// Loads that have a position; none, where they act at `x = 0`.
+    placed: &'s [ShaftLoad<T>],
     spindle: &'s Spindle<'s, T, R, N, D, E>,
     last: &'s WarmStart<T, R, N, D, E>,
     motion: PhantomData<M>,
@@ -95,11 +72,11 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         last: &'s WarmStart<T, R, N, D, E>,
         reached: &Reached<T, D>,
         load: [T; 5],
+        placed: &'s [ShaftLoad<T>],
     ) -> Self {
         let Spindle { layout, centre, .. } = spindle;
         let unit = layout.bearings[0].c;
         let u = vector(|i| reached.u[i] * units(unit, i).1);
-        let k = held(&last.tangent::<M::Rule, _>(layout));
         let slide = if D == 6 {
             reached.u[5] * unit.length
         } else {
@@ -116,11 +93,11 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
             error,
             displacement: moved(-*centre, &u),
             load,
-            speed: last.speed,
+            speed: Speed::rad_per_s(last.omega),
             u,
             off,
-            k,
             slide,
+            placed,
             spindle,
             last,
             motion: PhantomData,
@@ -134,12 +111,12 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// Stiffness `dF/du` (rows are forces, columns displacements; N, N m per m, rad) of the shaft at `x = 0` and at
     /// constant speed: the exact tangent, which is not symmetric at speed. A spring keeps its force.
     pub fn stiffness(&self) -> [[T; 5]; 5] {
-        self.stiffness_of_shaft(T::ZERO)
+        self.stiffness_at(T::ZERO)
     }
 
     /// The stiffness at the position `x` (m) of the shaft.
     #[inline(always)]
-    pub(crate) fn stiffness_of_shaft(&self, x: T) -> Matrix<T, 5> {
+    pub fn stiffness_at(&self, x: T) -> [[T; 5]; 5] {
         let (k, near) = self.near(x);
         let unit = self.spindle.layout.bearings[0].c;
         if let Some(shaft) = self.spindle.shaft.first() {
@@ -156,18 +133,18 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// that is, m.
     #[inline(always)]
     fn near(&self, x: T) -> (Matrix<T, 5>, T) {
-        let centre = self.spindle.centre;
+        let (layout, centre) = (&self.spindle.layout, self.spindle.centre);
         let near = if E == 0 {
             centre
         } else {
             self.spindle.between_rows(x)
         };
-        if near == centre {
-            return (self.k, near);
-        }
-        let joints = self.spindle.joints_towards(near);
-        let layout = &self.spindle.layout;
-        let k = self.last.stiffness_towards::<M::Rule, _>(layout, &joints);
+        let k = if near == centre {
+            self.last.tangent::<M::Rule, _>(layout)
+        } else {
+            let joints = self.spindle.joints_towards(near);
+            self.last.stiffness_towards::<M::Rule, _>(layout, &joints)
+        };
         (held(&k), near)
     }
 
@@ -189,17 +166,17 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         matrix(|i, j| columns[j][i] * units(unit, i).1)
     }
 
-    /// Compliance at a point of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there, rows
-    /// are displacements. One over its diagonal is the stiffness that a force alone meets.
-    pub fn compliance_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
-        let (k, near) = self.near(end.position);
-        self.compliance_by(&inverse(&k), near, end)
+    /// Compliance at the position `x` (m) of the shaft: displacements (m, rad) per force (N) and moment (N m) that act there,
+    /// rows are displacements. One over its diagonal is the stiffness that a force alone meets.
+    pub fn compliance_at(&self, x: T) -> [[T; 5]; 5] {
+        let (k, near) = self.near(x);
+        self.compliance_by(&inverse(&k), near, x)
     }
 
-    /// The compliance at a point, by that of the rows about the point `near`, m.
-    fn compliance_by(&self, inverse: &Matrix<T, 5>, near: T, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
+    /// The compliance at the position `x`, by that of the rows about the point `near`, m.
+    fn compliance_by(&self, inverse: &Matrix<T, 5>, near: T, x: T) -> [[T; 5]; 5] {
         let unit = self.spindle.layout.bearings[0].c;
-        let d = end.position - near;
+        let d = x - near;
         let of = [unit.length, unit.tilt];
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
         let mut c: Matrix<T, 5> =
@@ -215,41 +192,20 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
             c[2][j] -= z[j];
         }
         if E > 0 {
-            add_to(&mut c, &self.flexibility(near, end.position));
+            add_to(&mut c, &self.flexibility(near, x));
         }
-        add_to(&mut c, &end.flexibility);
         c
-    }
-
-    /// Stiffness at a point of the shaft, as [`SpindleSolution::stiffness`] is at `x = 0`.
-    pub fn stiffness_at(&self, end: &ShaftEnd<T>) -> [[T; 5]; 5] {
-        if end.flexibility == [[T::ZERO; 5]; 5] {
-            return self.stiffness_of_shaft(end.position);
-        }
-        // In units that make the elements alike.
-        let unit = self.spindle.layout.bearings[0].c;
-        let scale = |i: usize| {
-            if i < 3 {
-                T::ONE
-            } else {
-                unit.length / unit.tilt
-            }
-        };
-        let scaled = |m: &Matrix<T, 5>| {
-            matrix(|i, j| m[i][j] * (unit.force / unit.length) * scale(i) * scale(j))
-        };
-        scaled(&inverse(&scaled(&self.compliance_at(end))))
     }
 
     /// Relative errors, estimated, of the diagonal of [`SpindleSolution::compliance_at`].
     ///
     /// They follow from that of the stiffness `K` where rows begin to hold the shaft, and the displacements `C` by forces there:
     /// `sum of abs(C_ij) K_jj^(1/2)`, squared, over the diagonal.
-    pub fn compliance_error_at(&self, end: &ShaftEnd<T>) -> [T; 5] {
+    pub fn compliance_error_at(&self, x: T) -> [T; 5] {
         let unit = self.spindle.layout.bearings[0].c;
-        let (k, near) = self.near(end.position);
-        let (inverse, lever) = (inverse(&k), (end.position - near) / radius(unit));
-        let c = self.compliance_by(&inverse, near, end);
+        let (k, near) = self.near(x);
+        let (inverse, lever) = (inverse(&k), (x - near) / radius(unit));
+        let c = self.compliance_by(&inverse, near, x);
         let rounding = T::of(8.0) * T::EPSILON;
         let mut sums = [T::ZERO; 5];
         for j in 0..5 {
@@ -280,7 +236,16 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     fn displaced(&self, x: T) -> ([T; 5], T) {
         let Spindle { layout, centre, .. } = self.spindle;
         let (unit, beyond, bends) = (layout.bearings[0].c, x - *centre, &self.last.bends);
-        let (deflection, bent) = self.spindle.deflection_at(x, &self.load, bends);
+        let at_origin = [ShaftLoad {
+            position: T::ZERO,
+            load: self.load,
+        }];
+        let loads = if self.placed.is_empty() {
+            &at_origin
+        } else {
+            self.placed
+        };
+        let (deflection, bent) = self.spindle.deflection_at(x, loads, bends);
         let rigid = moved(beyond, &self.u);
         let u = vector(|i| rigid[i] + deflection[i] * units(unit, i).1);
         let in_units = |u: &[T; 5]| norm(&vector::<T, 5>(|i| u[i] / units(unit, i).1));

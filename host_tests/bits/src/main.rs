@@ -38,19 +38,19 @@ impl Checksum {
         write!(self, "{answer:?}").unwrap();
     }
 
-    fn add_bearing<T: Real, M: Motion, const D: usize>(&mut self, bearing: &Bearing<T, N>)
-    where
-        [T; D]: RingVector,
-    {
-        let mut solver = Solver::<T, N, M, D>::of(bearing);
+    fn add_bearing<T: Real, M: Motion, const D: usize>(&mut self, bearing: &Bearing<T, N>) {
+        let mut solver = Solver::<T, N, M, D>::of();
         let (limits, rating) = (Limits::DEFAULT, rating());
         let speeds = if M::AT_SPEED { &RPM[..] } else { &RPM[..1] };
         for (&rpm, load) in speeds.iter().flat_map(|rpm| LOADS.map(|load| (rpm, load))) {
             solver.reset();
             // From nothing, and warm.
             for factor in [1.0, 1.02] {
-                let (load, speed) = (from_fn(|i| T::of(factor * load[i])), Speed::rpm(T::of(rpm)));
-                let s = solver.solve(load, speed, &Settings::DEFAULT).unwrap();
+                let load: [T; D] = from_fn(|i| T::of(factor * load[i]));
+                let speed = Speed::rpm(T::of(rpm));
+                let s = solver
+                    .solve(bearing, load, speed, &Settings::DEFAULT)
+                    .unwrap();
                 self.add((
                     s.snapshot(),
                     s.summary(&limits, &rating),
@@ -62,10 +62,12 @@ impl Checksum {
     }
 
     fn add_pair<T: Real, const D: usize>(&mut self, pair: Spindle<'_, T, 2, N, D>) {
-        let mut solver = SpindleSolver::<T, 2, N, Full, D>::of(pair);
+        let mut solver = SpindleSolver::<T, 2, N, Full, D>::of();
         for (rpm, load) in RPM.iter().flat_map(|rpm| LOADS.map(|load| (*rpm, load))) {
             let (load, speed) = (load.map(|x| T::of(0.5 * x)), Speed::rpm(T::of(rpm)));
-            let s = solver.solve(load, speed, &Settings::DEFAULT).unwrap();
+            let s = solver
+                .solve(&pair, load, speed, &Settings::DEFAULT)
+                .unwrap();
             self.add((s.snapshot(), s.summary(&Limits::DEFAULT, &[rating(); 2])));
         }
     }

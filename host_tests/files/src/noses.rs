@@ -2,17 +2,36 @@
 
 use crate::designs::{DesignFileError, Key, Reading, millimetres};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
-use spindle_bearing::ShaftEnd;
 use std::fmt;
 use toml::Spanned;
 
-/// A point on the shaft where stiffness and displacement are wanted.
+/// A point on the shaft where stiffness and displacement are wanted, like the nose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShaftEnd {
+    /// Its position x, m.
+    pub position: f64,
+    /// Flexibility of the shaft itself there, besides its motion as a rigid body: displacement of each freedom (m, rad) per its force
+    /// (N) or moment (N m).
+    pub flexibility: [f64; 5],
+}
+
+impl ShaftEnd {
+    /// A point of a rigid shaft, or of one that bends by its sections.
+    pub const fn rigid(position: f64) -> Self {
+        Self {
+            position,
+            flexibility: [0.0; 5],
+        }
+    }
+}
+
+/// A point on the shaft with a name.
 #[derive(Debug, Clone)]
 pub struct Nose {
     /// Its name: that of the plain `[nose]` is `nose`.
     pub name: String,
     /// Position, and flexibility on a rigid shaft.
-    pub end: ShaftEnd<f64>,
+    pub end: ShaftEnd,
 }
 
 /// Name of the plain `[nose]`.
@@ -96,7 +115,7 @@ impl EndKeys {
                 return Err(r.error(r.place(value.span()), message));
             }
             for i in freedoms {
-                end.flexibility[i][i] = said / 1e9;
+                end.flexibility[i] = said / 1e9;
             }
         }
         let name = name.to_owned();

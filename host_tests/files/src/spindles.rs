@@ -64,6 +64,7 @@ use crate::designs::{
     ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Place, Reading,
     micrometres, millimetres, read_text,
 };
+use crate::noses::ShaftEnd;
 use crate::noses::{Nose, NoseKeys, PLAIN};
 use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Plan, Question, Row};
 use crate::recordings::LoadRow;
@@ -71,8 +72,8 @@ use crate::shafts::{ShaftKeys, SupportKeys};
 use crate::units::celsius;
 use serde::Deserialize;
 use spindle_bearing::{
-    Arrangement, Design, Expansion, Facing, Growth, LifeRating, Material, Preload, ShaftEnd,
-    ShaftLoad, Support,
+    Arrangement, Design, Expansion, Facing, Growth, LifeRating, Material, Preload, ShaftLoad,
+    Support,
 };
 use std::path::Path;
 use toml::Spanned;
@@ -214,7 +215,7 @@ impl From<DesignFile> for SpindleFile {
 
 impl SpindleFile {
     /// The point of the plain `[nose]`.
-    pub fn nose(&self) -> Option<ShaftEnd<f64>> {
+    pub fn nose(&self) -> Option<ShaftEnd> {
         let plain = self.noses.first().filter(|nose| nose.name == PLAIN);
         plain.map(|nose| nose.end)
     }

@@ -9,7 +9,7 @@ use crate::common::{
 use arbitrary::{Arbitrary, Result, Unstructured};
 use spindle_bearing::{
     AxialSolver, Bearing, Centrifugal, Design, Full, Given, Growth, InnerRaceControl, Motion,
-    OuterRaceControl, Real, RingVector, Settings, Solver, Speed, Static,
+    OuterRaceControl, Real, Settings, Solver, Speed, Static,
 };
 use std::array::from_fn;
 use std::fmt::Debug;
@@ -112,15 +112,18 @@ fn with_ring<T: Real, const N: usize, M: Motion + Copy + Debug>(
 ) -> Ends {
     match run.scene[3] % 3 {
         0 => {
-            let fresh = || AxialSolver::<T, N, M>::of(bearing);
-            solve(run, N, fresh, AxialSolver::reset, ask_axial)
+            let fresh = AxialSolver::<T, M>::of;
+            let ask = |solver: &mut _, q: &_, settings: &_| ask_axial(bearing, solver, q, settings);
+            solve(run, N, fresh, AxialSolver::reset, ask)
         }
         1 => {
-            let fresh = || Solver::<T, N, M, 3>::of(bearing);
+            let fresh = Solver::<T, N, M, 3>::of;
+            let ask = |solver: &mut _, q: &_, settings: &_| ask(bearing, solver, q, settings);
             solve(run, N, fresh, Solver::reset, ask)
         }
         _ => {
-            let fresh = || Solver::<T, N, M, 5>::of(bearing);
+            let fresh = Solver::<T, N, M, 5>::of;
+            let ask = |solver: &mut _, q: &_, settings: &_| ask(bearing, solver, q, settings);
             solve(run, N, fresh, Solver::reset, ask)
         }
     }
@@ -137,16 +140,14 @@ struct Question<T> {
 
 /// Asks a solver of a ring with 3 or 5 freedoms.
 fn ask<T: Real, const N: usize, M: Motion, const D: usize>(
-    solver: &mut Solver<'_, T, N, M, D>,
+    bearing: &Bearing<T, N>,
+    solver: &mut Solver<T, N, M, D>,
     question: &Question<T>,
     settings: &Settings<T>,
-) -> Asked<T>
-where
-    [T; D]: RingVector,
-{
-    let given = from_fn(|i| question.given[i]);
-    let speed = Speed::rad_per_s(question.omega);
-    let s = solver.solve_at(&given, speed, &question.growth, settings)?;
+) -> Asked<T> {
+    let given: [Given<T>; D] = from_fn(|i| question.given[i]);
+    let at = Speed::rad_per_s(question.omega).with_growth([question.growth]);
+    let s = solver.solve(bearing, given, at, settings)?;
     assert!(s.inner_forces().eq(s.balls().map(|ball| ball.q_i)));
     let figures = s.stiffness().into_iter().flatten();
     let figures = figures.chain(s.displacement).chain(s.load);
@@ -161,12 +162,13 @@ where
 
 /// Asks a solver of a ring with one freedom.
 fn ask_axial<T: Real, const N: usize, M: Motion>(
-    solver: &mut AxialSolver<'_, T, N, M>,
+    bearing: &Bearing<T, N>,
+    solver: &mut AxialSolver<T, M>,
     question: &Question<T>,
     settings: &Settings<T>,
 ) -> Asked<T> {
-    let speed = Speed::rad_per_s(question.omega);
-    let s = solver.solve_at(question.given[0], speed, &question.growth, settings)?;
+    let at = Speed::rad_per_s(question.omega).with_growth([question.growth]);
+    let s = solver.solve(bearing, question.given[0], at, settings)?;
     Ok(Answer {
         status: s.status,
         iterations: s.iterations,

@@ -9,8 +9,8 @@ use crate::common::{
 use crate::shaft::{MOST_ROWS, Step};
 use crate::statics::{Place, assert_balances, assert_symmetric};
 use spindle_bearing::{
-    Arrangement, Bearing, Full, Growth, Motion, Mounted, Preload, Real, Settings, ShaftEnd, Speed,
-    Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status,
+    Arrangement, Bearing, Full, Growth, Motion, Mounted, Preload, Real, Settings, Speed, Spindle,
+    SpindleError, SpindleSolution, SpindleSolver, Static, Status,
 };
 use std::array::from_fn;
 
@@ -96,7 +96,7 @@ fn moving<T: Real, const R: usize, const D: usize>(
     }
 }
 
-type Shaft<'b, T, const R: usize, M, const D: usize> = SpindleSolver<'b, T, R, BALLS, M, D>;
+type Shaft<T, const R: usize, M, const D: usize> = SpindleSolver<T, R, BALLS, M, D>;
 
 /// A question to a solver.
 #[derive(Debug, Clone, Copy)]
@@ -112,8 +112,8 @@ struct Question<T, const R: usize> {
 fn answer<T: Real, const R: usize, M: Motion, const D: usize>(
     s: &SpindleSolution<'_, T, R, BALLS, M, D>,
 ) -> Answer<T> {
-    let nose = ShaftEnd::rigid(s.rows().next().map_or(T::ZERO, |row| row.position));
-    let matrices = [s.stiffness(), s.stiffness_at(&nose), s.compliance_at(&nose)];
+    let nose = s.rows().next().map_or(T::ZERO, |row| row.position);
+    let matrices = [s.stiffness(), s.stiffness_at(nose), s.compliance_at(nose)];
     let mut figures = Vec::new();
     figures.extend(matrices.as_flattened().as_flattened());
     figures.extend(s.displacement.into_iter().chain(s.load));
@@ -148,15 +148,15 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
         (row.facing, row.preload == Preload::Spring, pitch)
     });
     let rows: Vec<Place> = rows.collect();
-    let ask = |solver: &mut Shaft<'_, T, R, M, D>, q: &Question<T, R>, settings: &Settings<T>| {
+    let ask = |solver: &mut Shaft<T, R, M, D>, q: &Question<T, R>, settings: &Settings<T>| {
         let mut taken = 0;
         let more_time = || {
             taken += 1;
             q.cut.is_none_or(|cut| taken < u32::from(cut))
         };
-        let speed = Speed::rad_per_s(q.omega);
+        let at = Speed::rad_per_s(q.omega).with_growth(q.growth);
         let asked: Asked<T> = solver
-            .solve_while(q.load, speed, &q.growth, settings, more_time)
+            .solve_while(&spindle, q.load, at, settings, more_time)
             .map(|s| {
                 if s.status == Status::Converged {
                     assert_balances(&rows, spring, &s);
@@ -169,8 +169,8 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
         asked
     };
     // Something near, so that a solver would start from what it remembers.
-    let probe = |solver: &Shaft<'_, T, R, M, D>, near: &Question<T, R>| {
-        let unfinished = format!("{:?}", solver.unfinished().map(|s| answer(&s)));
+    let probe = |solver: &Shaft<T, R, M, D>, near: &Question<T, R>| {
+        let unfinished = format!("{:?}", solver.unfinished(&spindle).map(|s| answer(&s)));
         let question = Question {
             load: near.load.map(|load| load * T::of(0.9)),
             cut: None,
@@ -179,7 +179,7 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
         let asked = ask(&mut solver.clone(), &question, &Settings::default());
         format!("{unfinished}, {asked:?}")
     };
-    let fresh = Shaft::<T, R, M, D>::of(spindle);
+    let fresh = Shaft::<T, R, M, D>::of();
     let (mut solver, mut ends) = (fresh.clone(), Ends::new());
     let mut question = Question {
         load: from_fn(|i| T::of([1e-4, 1e-5, 0.0, 1e-6, 0.0][i] * scale.load[i])),
@@ -219,7 +219,7 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
         let most = settings.max_iterations.min(cut).max(1);
         let ended = inspect(ask(&mut solver, &question, &settings), most);
         ends.insert(ended.name());
-        match (&ended, solver.unfinished()) {
+        match (&ended, solver.unfinished(&spindle)) {
             (Status::IterationLimit, Some(s)) => {
                 assert_eq!(s.status, ended);
                 assert_finite(&answer(&s));

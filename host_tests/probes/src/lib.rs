@@ -7,9 +7,9 @@ use core::fmt::{self, Write};
 use core::hint::black_box;
 use core::marker::PhantomData;
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, ElasticSolver, Facing, Full, Given, Growth, Limit,
-    Limits, Material, Motion, Mounted, Preload, Real, RingVector, Section, Settings, Shaft, Solver,
-    Speed, Spindle, SpindleSolver, Support,
+    Arrangement, AxialSolver, Bearing, Design, Facing, Full, Given, Growth, Limit, Limits,
+    Material, Motion, Mounted, Preload, Real, Section, Settings, Shaft, Solver, Speed, Spindle,
+    SpindleSolver, Support,
 };
 
 /// Hands the table to a macro: `for_every_scene!(of_mine)`.
@@ -222,24 +222,27 @@ pub struct Ring<M, const ASKED: u8 = STIFFNESS>(PhantomData<M>);
 
 impl<T: Real, const N: usize, M: Motion, const D: usize, const ASKED: u8> Scene<T, N, D>
     for Ring<M, ASKED>
-where
-    [T; D]: RingVector,
 {
     const AT_SPEED: bool = M::AT_SPEED;
     type Solver<'b>
-        = Solver<'b, T, N, M, D>
+        = (&'b Bearing<T, N>, Solver<T, N, M, D>)
     where
         T: 'b;
 
     #[inline(always)]
     fn solver<'b>(bearing: &'b Bearing<T, N>, _: &Design) -> Option<Self::Solver<'b>> {
-        Some(Solver::of(bearing))
+        Some((bearing, Solver::of()))
     }
 
     #[inline(always)]
-    fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, D>) -> Option<Answer<T, D>> {
+    fn solve(
+        (bearing, solver): &mut Self::Solver<'_>,
+        question: &Question<T, D>,
+    ) -> Option<Answer<T, D>> {
         let (speed, settings) = question.terms();
-        let s = solver.solve(question.load, speed, &settings).ok()?;
+        let s = solver
+            .solve(bearing, question.load, speed, &settings)
+            .ok()?;
         match ASKED {
             BALLS => {
                 for ball in s.balls() {
@@ -265,19 +268,24 @@ pub struct Axial<M>(PhantomData<M>);
 impl<T: Real, const N: usize, M: Motion> Scene<T, N, 1> for Axial<M> {
     const AT_SPEED: bool = M::AT_SPEED;
     type Solver<'b>
-        = AxialSolver<'b, T, N, M>
+        = (&'b Bearing<T, N>, AxialSolver<T, M>)
     where
         T: 'b;
 
     #[inline(always)]
     fn solver<'b>(bearing: &'b Bearing<T, N>, _: &Design) -> Option<Self::Solver<'b>> {
-        Some(AxialSolver::of(bearing))
+        Some((bearing, AxialSolver::of()))
     }
 
     #[inline(always)]
-    fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 1>) -> Option<Answer<T, 1>> {
+    fn solve(
+        (bearing, solver): &mut Self::Solver<'_>,
+        question: &Question<T, 1>,
+    ) -> Option<Answer<T, 1>> {
         let (speed, settings) = question.terms();
-        let s = solver.solve(question.load[0], speed, &settings).ok()?;
+        let s = solver
+            .solve(bearing, question.load[0], speed, &settings)
+            .ok()?;
         Some(Answer::new(
             [s.displacement],
             [[s.stiffness()]],
@@ -307,13 +315,21 @@ fn rows<'b, T: Real, const R: usize, const N: usize>(
     })
 }
 
+/// A spindle and its solver.
+type OnBoard<'b, T, const R: usize, const N: usize, const F: usize, const E: usize> = (
+    Spindle<'b, T, R, N, F, E>,
+    SpindleSolver<T, R, N, Full, F, E>,
+);
+
 #[inline(always)]
 fn solve_shaft<T: Real, const R: usize, const N: usize, const F: usize, const E: usize>(
-    solver: &mut SpindleSolver<'_, T, R, N, Full, F, E>,
+    (spindle, solver): &mut OnBoard<'_, T, R, N, F, E>,
     question: &Question<T, 5>,
 ) -> Option<Answer<T, 5>> {
     let (speed, settings) = question.terms();
-    let s = solver.solve(question.load, speed, &settings).ok()?;
+    let s = solver
+        .solve(spindle, question.load, speed, &settings)
+        .ok()?;
     Some(Answer::new(s.displacement, s.stiffness(), s.iterations))
 }
 
@@ -322,7 +338,7 @@ pub struct Clamped<const R: usize>;
 
 impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Clamped<R> {
     type Solver<'b>
-        = SpindleSolver<'b, T, R, N, Full, 5>
+        = OnBoard<'b, T, R, N, 5, 0>
     where
         T: 'b;
 
@@ -332,7 +348,7 @@ impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Clamped<R> {
             Preload::Closure(T::of(0.02) * distance)
         });
         let spindle = Spindle::new(Arrangement::BackToBack, rows).ok()?;
-        Some(SpindleSolver::of(spindle))
+        Some((spindle, SpindleSolver::of()))
     }
 
     #[inline(always)]
@@ -376,7 +392,7 @@ impl OnShaft for f64 {
 
 impl<T: OnShaft, const N: usize, const R: usize> Scene<T, N, 5> for Elastic<R> {
     type Solver<'b>
-        = ElasticSolver<'b, T, R, N>
+        = OnBoard<'b, T, R, N, 5, R>
     where
         T: 'b;
 
@@ -392,7 +408,7 @@ impl<T: OnShaft, const N: usize, const R: usize> Scene<T, N, 5> for Elastic<R> {
             tilting: T::of(1e6),
         };
         let spindle = spindle.elastic(T::shaft(), [housing; R]).ok()?;
-        Some(SpindleSolver::of(spindle))
+        Some((spindle, SpindleSolver::of()))
     }
 
     #[inline(always)]
@@ -406,7 +422,7 @@ pub struct Sprung<const R: usize>;
 
 impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Sprung<R> {
     type Solver<'b>
-        = SpindleSolver<'b, T, R, N, Full, 6>
+        = OnBoard<'b, T, R, N, 6, 0>
     where
         T: 'b;
 
@@ -418,7 +434,7 @@ impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Sprung<R> {
         });
         let force = 0.3e6 * N as f64 * design.ball_diameter * design.ball_diameter;
         let spindle = Spindle::sprung(Arrangement::BackToBack, rows, T::of(force)).ok()?;
-        Some(SpindleSolver::of(spindle))
+        Some((spindle, SpindleSolver::of()))
     }
 
     #[inline(always)]
@@ -442,19 +458,17 @@ pub fn spoiled() {
 }
 
 /// Whatever a firmware calls of a bearing, on input that the compiler does not know.
-pub fn ring<T: Real, const N: usize, M: Motion, const D: usize>(bearing: &Bearing<T, N>)
-where
-    [T; D]: RingVector,
-{
-    let mut solver = Solver::<T, N, M, D>::of(bearing);
+pub fn ring<T: Real, const N: usize, M: Motion, const D: usize>(bearing: &Bearing<T, N>) {
+    let mut solver = Solver::<T, N, M, D>::of();
     while black_box(true) {
         let (load, speed) = black_box(([T::ONE; D], Speed::rad_per_s(T::ONE)));
         let settings = black_box(Settings::default());
         let solution = if black_box(true) {
-            solver.solve(load, speed, &settings)
+            solver.solve(bearing, load, speed, &settings)
         } else {
             let given = black_box([Given::Displacement(T::ONE); D]);
-            solver.solve_at(&given, speed, &black_box(Growth::NONE), &settings)
+            let at = black_box(speed.with_growth([Growth::NONE]));
+            solver.solve(bearing, given, at, &settings)
         };
         match solution {
             Ok(solution) => {

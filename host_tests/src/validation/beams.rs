@@ -2,8 +2,9 @@
 
 use super::case::{Case, with, with_matrix};
 use crate::spindles::Answer;
+use files::noses::ShaftEnd;
 use files::plan::ElasticShaft;
-use spindle_bearing::{Material, Section, ShaftEnd, Support};
+use spindle_bearing::{Material, Section, Support};
 use std::f64::consts::PI;
 
 /// The section from the nose to the last row, and its material, if the shaft is elastic.
@@ -43,7 +44,7 @@ pub fn shaft(case: &Case, rows: usize, last: f64) -> Option<ElasticShaft> {
 }
 
 /// The nose of a case and `x = 0`, if it has a nose.
-pub fn ends(case: &Case) -> Vec<ShaftEnd<f64>> {
+pub fn ends(case: &Case) -> Vec<ShaftEnd> {
     let nose = case.get("nose_mm").map(|mm| 1e-3 * mm);
     let positions = nose.into_iter().flat_map(|nose| [nose, 0.0]);
     positions.map(ShaftEnd::rigid).collect()

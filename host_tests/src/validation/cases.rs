@@ -10,12 +10,13 @@ use crate::spindles::{Balls, with_solver};
 use anyhow::{Context, anyhow};
 use files::catalogue;
 use files::designs::DesignFile;
+use files::noses::ShaftEnd;
 use files::plan::{Plan, Question, Row};
 use files::spindles::SpindleFile;
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload,
-    RatingLife, ShaftEnd, elliptic_integrals,
+    RatingLife, elliptic_integrals,
 };
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};

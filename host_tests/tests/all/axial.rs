@@ -212,15 +212,21 @@ fn errors_stated_at_rest_cover_what_rounding_of_growth_adds_to_a_small_displacem
 fn a_solve_at_speed_after_a_failed_one_at_rest_is_a_cold_one() {
     let bearing = Bearing::<f32, 16>::new(&B7005C).unwrap();
     let speed = Speed::rpm(20_000.0);
-    let (mut solver, mut cold) = (AxialSolver::new(&bearing), AxialSolver::new(&bearing));
-    solver.solve(300.0, speed, &Settings::default()).unwrap();
+    let (mut solver, mut cold) = (AxialSolver::new(), AxialSolver::new());
+    solver
+        .solve(&bearing, 300.0, speed, &Settings::default())
+        .unwrap();
     let one = Settings {
         max_iterations: 1,
         ..Settings::default()
     };
-    assert!(solver.solve(250.0, Speed::REST, &one).is_err());
-    let found = solver.solve(300.0, speed, &Settings::default()).unwrap();
+    assert!(solver.solve(&bearing, 250.0, Speed::REST, &one).is_err());
+    let found = solver
+        .solve(&bearing, 300.0, speed, &Settings::default())
+        .unwrap();
     let (iterations, k) = (found.iterations, found.stiffness());
-    let truth = cold.solve(300.0, speed, &Settings::default()).unwrap();
+    let truth = cold
+        .solve(&bearing, 300.0, speed, &Settings::default())
+        .unwrap();
     assert_eq!((iterations, k), (truth.iterations, truth.stiffness()));
 }

@@ -7,7 +7,7 @@ use host_tests::compare::stiffness_error;
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, with_solver};
 use rayon::prelude::*;
-use spindle_bearing::{Bearing, Design, FreeContact, Given, Growth, Settings, Solver, Speed};
+use spindle_bearing::{Bearing, Design, FreeContact, Growth, Settings, Solver, Speed};
 use std::array::from_fn;
 
 /// Eight balls, no clearance: what a newcomer tries first.
@@ -223,11 +223,11 @@ fn a_negative_clearance_is_a_growth_without_clearance() {
         ([400.0, 300.0, 0.0, 1.0, 0.0], 9000.0),
     ] {
         let speed = Speed::rpm(rpm);
-        let mut solver = Solver::new(&pressed);
-        let one = solver.solve(load, speed, &settings).unwrap();
-        let mut solver = Solver::new(&grown);
-        let given = load.map(Given::Load);
-        let other = solver.solve_at(&given, speed, &growth, &settings).unwrap();
+        let mut solver = Solver::new();
+        let one = solver.solve(&pressed, load, speed, &settings).unwrap();
+        let mut solver = Solver::new();
+        let at = speed.with_growth([growth]);
+        let other = solver.solve(&grown, load, at, &settings).unwrap();
         let largest = other.displacement[1].abs();
         for (a, b) in one.displacement.iter().zip(other.displacement) {
             assert!((a - b).abs() < 1e-11 * largest, "{a} {b}");
@@ -235,8 +235,10 @@ fn a_negative_clearance_is_a_growth_without_clearance() {
         assert!(stiffness_error(&one.stiffness(), &other.stiffness()) < 1e-11);
     }
     // Balls that are pressed without a load hold the ring in the middle.
-    let mut solver = Solver::new(&pressed);
-    let middle = solver.solve([0.0; 5], Speed::REST, &settings).unwrap();
+    let mut solver = Solver::new();
+    let middle = solver
+        .solve(&pressed, [0.0; 5], Speed::REST, &settings)
+        .unwrap();
     assert!(middle.displacement.iter().all(|u| u.abs() < 1e-18));
     assert!(middle.stiffness()[1][1] > 8e7);
 }

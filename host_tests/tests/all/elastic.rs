@@ -3,15 +3,14 @@
 use super::solves::{self, vector_error};
 use super::spindles::{displacement_of, largest, off_balance, random};
 use super::textbook::{unbalanced, unclosed};
+use files::noses::ShaftEnd;
 use files::plan::{ElasticShaft, Plan, Question};
 use host_tests::cases::{B7005C, Random, SolvedElastic, elastic};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
 use rayon::prelude::*;
-use spindle_bearing::{
-    Arrangement, Facing, Material, Preload, Section, ShaftEnd, ShaftLoad, Support,
-};
+use spindle_bearing::{Arrangement, Facing, Material, Preload, Section, ShaftLoad, Support};
 use std::array::from_fn;
 use std::f64::consts::PI;
 

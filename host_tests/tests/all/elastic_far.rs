@@ -2,15 +2,14 @@
 
 use super::elastic::random_elastic;
 use super::solves::{lengths, vector_error};
+use files::noses::ShaftEnd;
 use files::plan::{ElasticShaft, Plan, Question, Row};
 use host_tests::cases::{B7005C, Random};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
 use rayon::prelude::*;
-use spindle_bearing::{
-    Arrangement, Facing, Material, Preload, Section, ShaftEnd, ShaftLoad, Support,
-};
+use spindle_bearing::{Arrangement, Facing, Material, Preload, Section, ShaftLoad, Support};
 use std::array::from_fn;
 
 const DISTANCES: [f64; 7] = [0.125, 0.5, 1.0, 1.75, 5.0, 10.0, 30.0];

@@ -1,14 +1,15 @@
 //! Spindle files with an elastic shaft: their keys, and that their loads act where they stand.
 
 use files::designs::{DesignFileError, SHIPPED};
+use files::noses::ShaftEnd;
 use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use host_tests::cases::{B7005C, Random};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, Balls, with_solver};
 use spindle_bearing::{
-    Arrangement, Bearing, Growth, Material, Preload, Section, Settings, Shaft, ShaftEnd, ShaftLoad,
-    Speed, Spindle, SpindleError, SpindleSolver, Support,
+    Arrangement, Bearing, Growth, Material, Preload, Section, Settings, Shaft, ShaftLoad, Speed,
+    Spindle, SpindleError, SpindleSolver, Support,
 };
 use std::path::Path;
 
@@ -41,7 +42,7 @@ fn at_speed() -> LoadRow {
 
 fn solved(text: &str) -> Answer {
     let file = parsed(text).unwrap();
-    let ends: Vec<ShaftEnd<f64>> = file.noses.iter().map(|nose| nose.end).collect();
+    let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
     let free = Balls::Moving(Attitude::Raceless);
     let answer = with_solver(&file.plan, free, Precision::F64, |solver| {
         solver.solve(&file.question(&at_speed()), &ends)
@@ -118,17 +119,17 @@ fn a_file_means_what_the_library_is_told() {
         Preload::Force(200.0),
     );
     let spindle = rigid.unwrap().elastic(&shaft, [support, Support::RIGID]);
-    let mut solver: SpindleSolver<'_, f64, 2, 16, _, 5, 2> =
-        SpindleSolver::new(spindle.unwrap().with_loads(&loads).unwrap());
-    let solution = solver.solve_at([0.0; 5], Speed::rpm(RPM), &growth, &Settings::default());
+    let spindle = spindle.unwrap().with_loads(&loads).unwrap();
+    let mut solver = SpindleSolver::new();
+    let at = Speed::rpm(RPM).with_growth(growth);
+    let solution = solver.solve(&spindle, [0.0; 5], at, &Settings::default());
     let solution = solution.unwrap();
     let mut truth = vec![solution.displacement.to_vec()];
     truth.push(solution.stiffness().as_flattened().to_vec());
     for nose in [-0.04, -0.09] {
-        let end = ShaftEnd::rigid(nose);
         truth.push(solution.displacement_at(nose).to_vec());
-        truth.push(solution.stiffness_at(&end).as_flattened().to_vec());
-        truth.push(solution.compliance_at(&end).as_flattened().to_vec());
+        truth.push(solution.stiffness_at(nose).as_flattened().to_vec());
+        truth.push(solution.compliance_at(nose).as_flattened().to_vec());
     }
     for row in solution.rows() {
         truth.push(row.force.to_vec());
@@ -357,7 +358,7 @@ fn wild_values_end_in_an_answer_or_a_message() {
             }
         }
         let Ok(file) = parsed(&text) else { continue };
-        let ends: Vec<ShaftEnd<f64>> = file.noses.iter().map(|nose| nose.end).collect();
+        let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
         for precision in [Precision::F32, Precision::F64] {
             let free = Balls::Moving(Attitude::Raceless);
             let answer = with_solver(&file.plan, free, precision, |solver| {

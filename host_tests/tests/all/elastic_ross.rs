@@ -1,10 +1,10 @@
 //! Files of `recipes/ross_shaft.py`: sets on elastic shafts for ROSS, the rotor dynamics package.
 
+use files::noses::ShaftEnd;
 use host_tests::cases::elastic;
 use host_tests::dispatch::Precision;
 use host_tests::spindles::{Balls, with_solver};
 use serde_json::json;
-use spindle_bearing::ShaftEnd;
 use std::fs;
 
 #[test]

@@ -8,7 +8,7 @@ use host_tests::dispatch::Precision;
 use proptest::prelude::*;
 use rayon::prelude::*;
 use spindle_bearing::{
-    Arrangement, Bearing, Facing, Given, Growth, Mounted, Preload, Quantity, Real, Settings, Speed,
+    Arrangement, Bearing, Facing, Given, Mounted, Preload, Quantity, Real, Settings, Speed,
     Spindle, SpindleSolver, Status,
 };
 use std::array::from_fn;
@@ -36,24 +36,22 @@ fn given_displacements_are_met_and_their_reactions_hold_the_ring() {
 #[test]
 fn given_displacements_of_a_set_are_met_and_their_reactions_hold_it() {
     fn check<T: Real, const D: usize>(spindle: Spindle<'_, T, 2, 16, D>, tolerance: [f64; 3]) {
-        let mut solver = SpindleSolver::new(spindle);
-        let (speed, growth) = (Speed::rpm(T::of(12_000.0)), [Growth::NONE; 2]);
+        let mut solver = SpindleSolver::new();
+        let speed = Speed::rpm(T::of(12_000.0));
         let load = [60.0, 80.0, -30.0, 2.0, 5.0].map(T::of);
         let settings = Settings::default();
-        let free = solver.solve(load, speed, &settings).unwrap();
+        let free = solver.solve(&spindle, load, speed, &settings).unwrap();
         let (u, k) = (free.displacement, free.stiffness());
         for bits in 1..32_u8 {
             let is_held = |i: usize| bits >> i & 1 == 1;
-            let given = from_fn(|i| match is_held(i) {
+            let given: [_; 5] = from_fn(|i| match is_held(i) {
                 true => Given::Displacement(u[i]),
                 false => Given::Load(load[i]),
             });
             let off = |a: T, b: T, size: f64| (a.to_f64() - b.to_f64()).abs() / size;
             let far = [load.map(|x| T::of(1.3) * x), load][usize::from(bits % 2)];
-            solver.solve(far, speed, &settings).unwrap();
-            let found = solver
-                .solve_given(&given, speed, &growth, &settings)
-                .unwrap();
+            solver.solve(&spindle, far, speed, &settings).unwrap();
+            let found = solver.solve(&spindle, given, speed, &settings).unwrap();
             for i in 0..5 {
                 let (length, force) = if i < 3 { (1e-5, 100.0) } else { (1e-4, 10.0) };
                 assert!(
@@ -70,7 +68,7 @@ fn given_displacements_of_a_set_are_met_and_their_reactions_hold_it() {
                 }
             }
             // Nothing of another point of reference stays behind.
-            let again = solver.solve(load, speed, &settings).unwrap();
+            let again = solver.solve(&spindle, load, speed, &settings).unwrap();
             assert!((0..5).all(|i| off(again.displacement[i], u[i], 1e-4) < tolerance[0]));
         }
     }
@@ -138,8 +136,8 @@ fn given_displacements_are_answered_warm_as_cold() {
         let bearing = Bearing::<T, 16>::of(&B7005C).unwrap();
         let preload = Preload::Force(T::of(200.0));
         let pair = Spindle::pair(Arrangement::BackToBack, &bearing, T::of(0.1), preload).unwrap();
-        let (mut warm, mut cold) = (SpindleSolver::new(pair), SpindleSolver::new(pair));
-        let (growth, settings) = ([Growth::NONE; 2], Settings::default());
+        let (mut warm, mut cold) = (SpindleSolver::new(), SpindleSolver::new());
+        let settings = Settings::default();
         let mut random = Random::seeded(seed);
         for number in 0..500 {
             warm.reset();
@@ -157,17 +155,13 @@ fn given_displacements_are_answered_warm_as_cold() {
             let loads = load([100.0, 200.0, 200.0, 2.0, 2.0]);
             let displaced = load([5e-6, 5e-6, 5e-6, 1e-4, 1e-4]);
             let far = T::of(random.log_between(0.1, 10.0));
-            let given = from_fn(|i| match random.chance(0.5) {
+            let given: [_; 5] = from_fn(|i| match random.chance(0.5) {
                 true => Given::Displacement(far * displaced[i]),
                 false => Given::Load(loads[i]),
             });
-            warm.solve(before, speed, &settings).unwrap();
-            let warm = warm
-                .solve_given(&given, speed, &growth, &settings)
-                .map(|_| ());
-            let cold = cold
-                .solve_given(&given, speed, &growth, &settings)
-                .map(|_| ());
+            warm.solve(&pair, before, speed, &settings).unwrap();
+            let warm = warm.solve(&pair, given, speed, &settings).map(|_| ());
+            let cold = cold.solve(&pair, given, speed, &settings).map(|_| ());
             assert_eq!(warm.is_ok(), cold.is_ok(), "{given:?}: {warm:?}, {cold:?}");
         }
     }

@@ -2,13 +2,14 @@
 
 use super::solves::{self, Question};
 use files::designs::SHIPPED;
+use files::noses::ShaftEnd;
 use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, Balls, with_solver};
 use host_tests::telemetry::simulated::{monitor_settings::MONITOR, monitored};
-use spindle_bearing::{Expansion, Growth, ShaftEnd, Speed};
+use spindle_bearing::{Expansion, Growth, Speed};
 use std::path::Path;
 
 const LOAD: [f64; 5] = [60.0, 150.0, -40.0, 0.5, 1.0];
@@ -38,7 +39,7 @@ fn at(load: [f64; 5], speed_rpm: f64, temperatures: [f64; 2]) -> LoadRow {
 }
 
 fn solved(file: &SpindleFile, row: &LoadRow) -> Answer {
-    let ends: Vec<ShaftEnd<f64>> = file.noses.iter().map(|nose| nose.end).collect();
+    let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
     let free = Balls::Moving(Attitude::Raceless);
     let answer = with_solver(&file.plan, free, Precision::F64, |solver| {
         solver.solve(&file.question(row), &ends)

@@ -1,6 +1,7 @@
 //! Every key of a bearing's and a spindle's file, from text to number: against the library in SI units, and closed forms.
 
 use files::designs::{DesignFile, SHIPPED};
+use files::noses::ShaftEnd;
 use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use host_tests::cases::SKF6205;
@@ -9,8 +10,7 @@ use host_tests::dispatch::{Attitude, Precision};
 use host_tests::spindles::{Answer, Balls, with_solver};
 use spindle_bearing::{
     Arrangement, Bearing, Design, Facing, FreeContact, Growth, LifeRating, Limit, Material,
-    Mounted, Preload, Settings, Shaft, ShaftEnd, Speed, Spindle, SpindleSolution, SpindleSolver,
-    Support,
+    Mounted, Preload, Settings, Shaft, Speed, Spindle, SpindleSolution, SpindleSolver, Support,
 };
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -96,7 +96,7 @@ const WARM: [f64; 2] = [32.0, 27.0];
 type Figures = Vec<Vec<f64>>;
 
 fn solved(file: &SpindleFile, load: [f64; 5], speed_rpm: f64) -> Answer {
-    let ends: Vec<ShaftEnd<f64>> = file.noses.iter().map(|nose| nose.end).collect();
+    let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
     let free = Balls::Moving(Attitude::Raceless);
     let row = LoadRow {
         time_s: 0.0,
@@ -148,15 +148,20 @@ fn of_text(text: &str) -> Figures {
 fn of_library<const R: usize, const D: usize, const E: usize>(
     solution: &SpindleSolution<'_, f64, R, 16, spindle_bearing::Full, D, E>,
     closures: [f64; R],
-    nose: Option<ShaftEnd<f64>>,
+    nose: Option<ShaftEnd>,
     ratings: [LifeRating<f64>; R],
 ) -> Figures {
     let mut figures = vec![
         solution.displacement.to_vec(),
         solution.stiffness().as_flattened().to_vec(),
     ];
-    let compliance = nose.map(|nose| solution.compliance_at(&nose).as_flattened().to_vec());
-    figures.extend(compliance);
+    if let Some(nose) = nose {
+        let mut compliance = solution.compliance_at(nose.position);
+        for (i, by) in nose.flexibility.into_iter().enumerate() {
+            compliance[i][i] += by;
+        }
+        figures.push(compliance.as_flattened().to_vec());
+    }
     for ((row, closure), rating) in solution.rows().zip(closures).zip(ratings) {
         let forces = row.balls().map(|ball| (ball.q_i, ball.q_o));
         figures.push(row.force.to_vec());
@@ -244,9 +249,9 @@ impl Alone {
         let bearing = Bearing::<f64, N>::new(&self.design).unwrap();
         let row = Mounted::<f64, 16>::new(&bearing, 0.0, Facing::PlusX);
         let spindle = Spindle::new(Arrangement::ByRows, [row]).unwrap();
-        let mut solver = SpindleSolver::new(spindle);
+        let mut solver = SpindleSolver::new();
         let load = self.loads.about_origin();
-        let solution = solver.solve(load, Speed::rpm(RPM), &Settings::default());
+        let solution = solver.solve(&spindle, load, Speed::rpm(RPM), &Settings::default());
         let rating = LifeRating::<f64>::new(&self.design, N, self.rating);
         of_library(&solution.unwrap(), [0.0], None, [rating])
     }
@@ -353,27 +358,28 @@ impl Pair {
         let growth = [self.grown(0), self.grown(1)];
         let mut nose = ShaftEnd::rigid(self.nose);
         let [radial, axial] = self.flexibility;
-        (nose.flexibility[0][0], nose.flexibility[1][1]) = (axial, radial);
-        nose.flexibility[2][2] = radial;
+        nose.flexibility[..3].copy_from_slice(&[axial, radial, radial]);
         let ratings = [0, 1].map(|i| {
             let (design, balls) = (&self.designs[i], self.balls[i]);
             LifeRating::<f64>::new(design, balls, design.dynamic_load_rating(balls))
         });
-        let (load, speed) = (self.loads.about_origin(), Speed::rpm(RPM));
+        let (load, at) = (
+            self.loads.about_origin(),
+            Speed::rpm(RPM).with_growth(growth),
+        );
         let settings = Settings::default();
         match self.support {
             None => {
-                let mut solver = SpindleSolver::new(spindle);
-                let solution = solver.solve_at(load, speed, &growth, &settings).unwrap();
+                let mut solver = SpindleSolver::new();
+                let solution = solver.solve(&spindle, load, at, &settings).unwrap();
                 of_library(&solution, closures, Some(nose), ratings)
             }
             // The shaft is rigid: loads may act where they stand, or be referred.
             Some(support) => {
                 let shaft = Shaft::<f64, 2>::new(&[], &Material::STEEL).unwrap();
                 let spindle = spindle.elastic(&shaft, [support, Support::RIGID]).unwrap();
-                let mut solver: SpindleSolver<'_, f64, 2, 16, _, 5, 2> =
-                    SpindleSolver::new(spindle);
-                let solution = solver.solve_at(load, speed, &growth, &settings).unwrap();
+                let mut solver = SpindleSolver::new();
+                let solution = solver.solve(&spindle, load, at, &settings).unwrap();
                 of_library(&solution, closures, Some(nose), ratings)
             }
         }

@@ -10,13 +10,13 @@ use spindle_bearing::{
 };
 
 /// Damage per revolution under these loads, from an equilibrium with all the time it takes.
-fn truth(solver: &mut Solver<'_, f32, 16>, load: [f32; 5]) -> f64 {
+fn truth(solver: &mut Solver<f32, 16>, load: [f32; 5]) -> f64 {
     let effort = Settings {
         max_iterations: 500,
         ..Settings::default()
     };
     let solution = solver
-        .solve(load, Speed::rad_per_s(SPEED), &effort)
+        .solve(&BEARING, load, Speed::rad_per_s(SPEED), &effort)
         .unwrap_or_else(|status| panic!("{load:?}: {status}"));
     let forces: Vec<_> = solution.balls().map(|ball| (ball.q_i, ball.q_o)).collect();
     let weight = SETTINGS.rows[0].rating.weight_of(forces.into_iter());
@@ -31,7 +31,7 @@ fn counted(
 ) -> (f64, f64) {
     let mut rig = Rig::running(settings);
     let before = (rig.monitor.life().used(), rig.monitor.life().estimated());
-    let mut solver = Solver::new(&BEARING);
+    let mut solver = Solver::new();
     let mut sum = 0.0;
     for tick in 0..ticks {
         let sample = rig.sample(load(tick));
@@ -168,8 +168,8 @@ fn the_life_of_a_set_is_that_of_its_rows_together() {
 
     let preload = Preload::Force(300.0);
     let pair = Spindle::pair(Arrangement::BackToBack, &bearing, 0.1, preload).unwrap();
-    let mut solver = SpindleSolver::new(pair);
-    let solution = solver.solve([0.0; 5], speed, &settings).unwrap();
+    let mut solver = SpindleSolver::new();
+    let solution = solver.solve(&pair, [0.0; 5], speed, &settings).unwrap();
     let both = solution.rating_life(&[rating; 2]);
     for row in solution.rows() {
         let one = row.rating_life(&rating);
@@ -181,21 +181,21 @@ fn the_life_of_a_set_is_that_of_its_rows_together() {
     );
 
     let load = [400.0, 100.0, 0.0, 0.0, 1.0];
-    let mut plain = Solver::new(&bearing);
+    let mut plain = Solver::new();
     let plain = plain
-        .solve(load, speed, &settings)
+        .solve(&bearing, load, speed, &settings)
         .unwrap()
         .rating_life(&rating);
-    let mut single = SpindleSolver::new(Spindle::single(&bearing));
+    let (mut single, alone) = (SpindleSolver::new(), Spindle::single(&bearing));
     let single = single
-        .solve(load, speed, &settings)
+        .solve(&alone, load, speed, &settings)
         .unwrap()
         .rating_life(&[rating]);
     assert_eq!(plain, single);
 
-    let mut at_rest = Solver::new(&bearing);
+    let mut at_rest = Solver::new();
     let still = at_rest
-        .solve(load, Speed::REST, &settings)
+        .solve(&bearing, load, Speed::REST, &settings)
         .unwrap()
         .rating_life(&rating);
     assert!(still.hours.is_infinite() && still.million_revolutions.is_finite());

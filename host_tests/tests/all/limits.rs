@@ -35,14 +35,14 @@ pub fn solve<T: Real, M: Motion>(
     limits: &Limits<f64>,
 ) -> Option<(Margins<T>, Vec<BallState<T>>)> {
     let bearing = Bearing::<T, 16>::of(design).unwrap();
-    let mut solver = Solver::<T, 16, M>::of(&bearing);
+    let mut solver = Solver::<T, 16, M>::of();
     let limits = Limits {
         peak_pressure: T::of(limits.peak_pressure),
         friction: T::of(limits.friction),
     };
     let speed = Speed::rad_per_s(T::of(omega));
     let solution = solver
-        .solve(load.map(T::of), speed, &Settings::default())
+        .solve(&bearing, load.map(T::of), speed, &Settings::default())
         .ok()?;
     Some((solution.margins(&limits), solution.balls().collect()))
 }

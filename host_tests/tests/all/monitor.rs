@@ -26,7 +26,7 @@ use spindle_bearing::monitor::telemetry::{
 use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
 use spindle_bearing::monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Outcome, Readings};
 use spindle_bearing::record::{self, LoadRecord};
-use spindle_bearing::{Settings, ShaftEnd, Solver, Speed, Spindle, SpindleSolver};
+use spindle_bearing::{Settings, Solver, Speed, Spindle, SpindleSolver};
 use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::ops::Range;
@@ -353,9 +353,11 @@ fn assert_near(what: &str, reported: f32, own: f32, within: f32) {
 
 /// Solves the loads by itself, and compares the reported stiffness.
 fn assert_stiffness(reported: [f32; 5], load: [f32; 5], within: f32) {
-    let mut solver = Solver::new(&BEARING);
+    let mut solver = Solver::new();
     let speed = Speed::rad_per_s(SPEED);
-    let own = solver.solve(load, speed, &Settings::default()).unwrap();
+    let own = solver
+        .solve(&BEARING, load, speed, &Settings::default())
+        .unwrap();
     for (i, k) in reported.iter().enumerate() {
         assert_near("stiffness", k / own.stiffness()[i][i], 1.0, within);
     }
@@ -389,13 +391,13 @@ fn the_estimate_of_a_pair_is_its_spindles_own() {
     });
     // Loads are measured at x = 0, where the nose is.
     assert_eq!([MONITOR.shaft.loads_at, MONITOR.shaft.nose], [0.0; 2]);
-    let mut solver = SpindleSolver::new(spindle(&BEARING).unwrap());
-    let speed = Speed::rad_per_s(report.speed);
+    let (mut solver, spindle) = (SpindleSolver::new(), spindle(&BEARING).unwrap());
+    let at = Speed::rad_per_s(report.speed).with_growth(growth);
     let own = solver
-        .solve_at(report.load, speed, &growth, &Settings::default())
+        .solve(&spindle, report.load, at, &Settings::default())
         .unwrap();
 
-    let nose = own.compliance_at(&ShaftEnd::rigid(0.0));
+    let nose = own.compliance_at(0.0);
     for (i, &k) in report.nose.iter().enumerate() {
         assert_near("nose", k * nose[i][i], 1.0, 2e-3);
         let displacements = (report.displacement[i], own.displacement[i]);
@@ -428,9 +430,14 @@ fn the_estimate_is_the_solvers_own() {
     let (time, _) = *rig.host.estimates.last().unwrap();
     assert!(rig.time_us - time <= 20_000);
     assert_stiffness(rig.stiffness(), IDLE, 1e-3);
-    let mut solver = Solver::new(&BEARING);
+    let mut solver = Solver::new();
     let own = solver
-        .solve(IDLE, Speed::rad_per_s(SPEED), &Settings::default())
+        .solve(
+            &BEARING,
+            IDLE,
+            Speed::rad_per_s(SPEED),
+            &Settings::default(),
+        )
         .unwrap();
     assert_eq!(rig.host.balls.len(), 16);
     for (report, ball) in rig.host.balls.iter().zip(own.balls()) {

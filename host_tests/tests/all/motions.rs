@@ -17,10 +17,10 @@ const OMEGA: f64 = 1200.0;
 /// The loaded balls of a bearing turn as the model's page says, and their contacts are Hertz's.
 fn judge<M: Motion>(design: &Design, load: [f64; 5], omega: f64, rule: Attitude) {
     let bearing = Bearing::<f64, 16>::new(design).unwrap();
-    let mut solver = Solver::<f64, 16, M>::of(&bearing);
+    let mut solver = Solver::<f64, 16, M>::of();
     let settings = Settings::default();
     let solution = solver
-        .solve(load, Speed::rad_per_s(omega), &settings)
+        .solve(&bearing, load, Speed::rad_per_s(omega), &settings)
         .unwrap();
     let [inner, outer] = [Race::Inner, Race::Outer].map(|race| groove(design, race).1);
     let tau = design.ball_diameter / design.pitch_diameter;
@@ -108,11 +108,11 @@ fn balls_turn_and_touch_as_the_model_says() {
 #[test]
 fn a_slow_bearing_has_the_frequencies_of_the_textbook() {
     let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
-    let mut solver = Solver::new(&bearing);
+    let mut solver = Solver::new();
     let speed = Speed::rad_per_s(1e-6);
     let settings = Settings::default();
     let solution = solver
-        .solve([500.0, 0.0, 0.0, 0.0, 0.0], speed, &settings)
+        .solve(&bearing, [500.0, 0.0, 0.0, 0.0, 0.0], speed, &settings)
         .unwrap();
     let cos = solution.balls().next().unwrap().alpha_i.cos();
     let ratio = B7005C.ball_diameter / B7005C.pitch_diameter * cos;
@@ -151,15 +151,15 @@ fn assert_means(all: Vec<BallKinematics<f64>>, touching: Range<usize>, found: Fr
 fn frequencies_are_means_of_the_balls_that_the_inner_race_touches_or_of_all_if_it_touches_none() {
     let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
     let (settings, speed) = (Settings::default(), Speed::rpm(40_000.0));
-    let mut solver = Solver::new(&bearing);
-    let lifting = solver.solve(LIFTING, speed, &settings).unwrap();
+    let mut solver = Solver::new();
+    let lifting = solver.solve(&bearing, LIFTING, speed, &settings).unwrap();
     assert_means(lifting.kinematics().collect(), 1..16, lifting.frequencies());
 
     let held = Preload::Force(50.0);
     let pair = Spindle::pair(Arrangement::BackToBack, &bearing, 0.1, held).unwrap();
-    let mut solver = SpindleSolver::new(pair);
+    let mut solver = SpindleSolver::new();
     let pushed = solver
-        .solve([2000.0, 0.0, 0.0, 0.0, 0.0], speed, &settings)
+        .solve(&pair, [2000.0, 0.0, 0.0, 0.0, 0.0], speed, &settings)
         .unwrap();
     let lifted_off = pushed.rows().last().unwrap();
     assert_means(

@@ -4,14 +4,14 @@
 //! answers differ.
 
 use super::solves::{self, BALL_COUNTS, Found, GROWN, PRECISIONS, SKEW, ring_solver};
+use files::noses::ShaftEnd;
 use files::plan::Plan;
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::cases::{B7005C, Case, Random, public, sets};
 use host_tests::spindles::{Answer, Balls, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::{
-    Arrangement, Bearing, Given, Growth, Preload, Settings, Solver, Speed, Spindle, SpindleSolver,
-    Status,
+    Arrangement, Bearing, Given, Preload, Settings, Solver, Speed, Spindle, SpindleSolver, Status,
 };
 use std::fmt::Write;
 use std::path::Path;
@@ -131,7 +131,7 @@ fn solved_cases() -> Vec<Line> {
             }
         }
         for set in sets() {
-            let nose = spindle_bearing::ShaftEnd::rigid(-0.05);
+            let nose = ShaftEnd::rigid(-0.05);
             let (balls, question) = (Balls::Moving(set.attitude), &set.question);
             let found = with_solver(&set.plan, balls, precision, |solver| {
                 solver.solve(question, &[nose])
@@ -256,7 +256,7 @@ fn warm_bearings() -> Vec<Line> {
     let single = Bearing::<f32, 15>::new(&B7005C).unwrap();
     let double = Bearing::<f64, 15>::new(&B7005C).unwrap();
     let (mut narrow, mut wide) = (Checksum::new(), Checksum::new());
-    let (mut solver, mut precise) = (Solver::new(&single), Solver::new(&double));
+    let (mut solver, mut precise) = (Solver::new(), Solver::new());
     for (load, rpm, reset) in ticks() {
         if reset {
             solver.reset();
@@ -264,16 +264,16 @@ fn warm_bearings() -> Vec<Line> {
         }
         let given = load.map(|x| Given::Load(x as f32));
         let speed = Speed::rpm(rpm as f32);
-        match solver.solve_at(&given, speed, &Growth::NONE, &Settings::TICK) {
+        match solver.solve(&single, given, speed, &Settings::TICK) {
             Ok(solution) => figures!(narrow, solution),
             Err(status) => {
                 narrow.status(&status);
-                if let Some(reached) = solver.unfinished() {
+                if let Some(reached) = solver.unfinished(&single) {
                     figures!(narrow, reached);
                 }
             }
         }
-        match precise.solve(load, Speed::rpm(rpm), &Settings::default()) {
+        match precise.solve(&double, load, Speed::rpm(rpm), &Settings::default()) {
             Ok(solution) => figures!(wide, solution),
             Err(status) => wide.text(status.name()),
         }
@@ -288,17 +288,17 @@ fn warm_pair() -> Vec<Line> {
     let bearing = Bearing::<f32, 15>::new(&B7005C).unwrap();
     let (arrangement, preload) = (Arrangement::BackToBack, Preload::Force(200.0));
     let pair = Spindle::pair(arrangement, &bearing, 0.1, preload).unwrap();
-    let (mut sum, mut solver) = (Checksum::new(), SpindleSolver::new(pair));
+    let (mut sum, mut solver) = (Checksum::new(), SpindleSolver::new());
     for (load, rpm, reset) in ticks() {
         if reset {
             solver.reset();
         }
         let load = load.map(|x| x as f32);
-        match solver.solve(load, Speed::rpm(rpm as f32), &Settings::TICK) {
+        match solver.solve(&pair, load, Speed::rpm(rpm as f32), &Settings::TICK) {
             Ok(solution) => figures!(sum, solution),
             Err(status) => {
                 sum.status(&status);
-                if let Some(reached) = solver.unfinished() {
+                if let Some(reached) = solver.unfinished(&pair) {
                     figures!(sum, reached);
                 }
             }

@@ -4,6 +4,7 @@
 use files::designs::{DesignFile, SHIPPED};
 use files::fault::LoadsError;
 use files::import::Wanted;
+use files::noses::ShaftEnd;
 use files::plan::BALL_COUNTS;
 use files::plan::{Plan, Question};
 use files::recordings::{LoadRow, Loads};
@@ -12,7 +13,7 @@ use host_tests::cases::Random;
 use host_tests::dispatch::{self, Attitude, Precision};
 use host_tests::replay::{Job, Output, Summary, Table, replay};
 use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
-use spindle_bearing::{Design, FreeContact, Material, ShaftEnd, Status};
+use spindle_bearing::{Design, FreeContact, Material, Status};
 use std::io::Cursor;
 
 const HEADER: &str = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n";
@@ -169,7 +170,7 @@ fn bytes_that_are_no_text_are_refused_with_line_and_column() {
 struct Parrot(Answer);
 
 impl AnySpindleSolver for Parrot {
-    fn solve(&mut self, _: &Question, _: &[ShaftEnd<f64>]) -> Result<Answer, Status<f32>> {
+    fn solve(&mut self, _: &Question, _: &[ShaftEnd]) -> Result<Answer, Status<f32>> {
         Ok(self.0.clone())
     }
 

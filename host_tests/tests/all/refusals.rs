@@ -94,14 +94,14 @@ fn a_tolerance_that_is_none_is_named_and_one_of_0_ends_by_rounding() {
             tolerance: T::of(tolerance),
             ..Settings::default()
         };
-        let one = Solver::new(&bearing)
-            .solve(load, speed, &settings)
+        let one = Solver::new()
+            .solve(&bearing, load, speed, &settings)
             .map(|found| found.status);
-        let set = SpindleSolver::new(spindle.unwrap())
-            .solve(load, speed, &settings)
+        let set = SpindleSolver::new()
+            .solve(&spindle.unwrap(), load, speed, &settings)
             .map(|found| found.status);
-        let axial = AxialSolver::new(&bearing)
-            .solve(load[0], speed, &settings)
+        let axial = AxialSolver::new()
+            .solve(&bearing, load[0], speed, &settings)
             .map(|found| found.status);
         [one, set, axial]
     }
@@ -146,22 +146,26 @@ fn the_advice_to_a_ring_that_is_free_to_move_helps() {
     for rpm in [0.0, 10_000.0] {
         let speed = Speed::rpm(rpm);
         let under = |load| {
-            let mut solver = Solver::new(&bearing);
-            solver.solve(load, speed, &settings).map(|_| ())
+            let mut solver = Solver::new();
+            solver.solve(&bearing, load, speed, &settings).map(|_| ())
         };
         // On one ball, and between two.
         for (y, z, helps_to_hold) in [(10.0, 0.0, false), (10.0, 3.0, true)] {
             let advice = under([0.0, y, z, 0.0, 0.0]).unwrap_err().to_string();
             assert!(advice.contains("preload it by an axial load or by a row that faces it"));
             assert_eq!(advice.contains("hold the tilts"), helps_to_hold, "{advice}");
-            let mut held = Solver::<_, 7, Full, 3>::of(&bearing);
-            let held = held.solve([0.0, y, z], speed, &settings);
+            let mut held = Solver::<_, 7, Full, 3>::of();
+            let held = held.solve(&bearing, [0.0, y, z], speed, &settings);
             assert_eq!(held.is_ok(), helps_to_hold);
             assert_eq!(under([5.0, y, z, 0.0, 0.0]), Ok(()));
             let preload = Preload::Force(10.0);
             let pair = Spindle::pair(Arrangement::BackToBack, &bearing, 0.03, preload).unwrap();
-            let mut faced = SpindleSolver::new(pair);
-            assert!(faced.solve([0.0, y, z, 0.0, 0.0], speed, &settings).is_ok());
+            let mut faced = SpindleSolver::new();
+            assert!(
+                faced
+                    .solve(&pair, [0.0, y, z, 0.0, 0.0], speed, &settings)
+                    .is_ok()
+            );
         }
     }
 }
@@ -174,11 +178,11 @@ fn a_speed_that_is_no_number_is_named_without_a_load_too() {
     let spindle = Spindle::new(Arrangement::ByRows, [row]).unwrap();
     let (speed, settings) = (Speed::rpm(f64::NAN), Settings::default());
     for refused in [
-        Solver::new(&bearing)
-            .solve([0.0; 5], speed, &settings)
+        Solver::new()
+            .solve(&bearing, [0.0; 5], speed, &settings)
             .err(),
-        SpindleSolver::new(spindle)
-            .solve([0.0; 5], speed, &settings)
+        SpindleSolver::new()
+            .solve(&spindle, [0.0; 5], speed, &settings)
             .err(),
     ] {
         let quantity = refused.map(|status| match status {
@@ -196,13 +200,13 @@ fn balls_at_rest_refuse_a_speed() {
     let spindle = Spindle::new(Arrangement::ByRows, [axial]).unwrap();
     for omega in [1e-3, -4000.0] {
         let (speed, settings) = (Speed::rad_per_s(omega), Settings::default());
-        let mut one = Solver::<f64, 16, Static>::of(&bearing);
-        let mut all = AxialSolver::<f64, 16, Static>::of(&bearing);
-        let mut shaft = SpindleSolver::<f64, 1, 16, Static>::of(spindle);
+        let mut one = Solver::<f64, 16, Static>::of();
+        let mut all = AxialSolver::<f64, Static>::of();
+        let mut shaft = SpindleSolver::<f64, 1, 16, Static>::of();
         for refused in [
-            one.solve(SKEW, speed, &settings).err(),
-            all.solve(SKEW[0], speed, &settings).err(),
-            shaft.solve(SKEW, speed, &settings).err(),
+            one.solve(&bearing, SKEW, speed, &settings).err(),
+            all.solve(&bearing, SKEW[0], speed, &settings).err(),
+            shaft.solve(&spindle, SKEW, speed, &settings).err(),
         ] {
             let quantity = Quantity::Speed;
             let expected = Status::OutOfRange {
@@ -236,9 +240,9 @@ fn a_ring_on_one_or_two_balls_is_indeterminate() {
             ..B7005C
         };
         let bearing = Bearing::<f64, 3>::new(&design).unwrap();
-        let mut solver = Solver::<f64, 3, M>::of(&bearing);
+        let mut solver = Solver::<f64, 3, M>::of();
         let load = [0.0, 50.0, 0.0, 0.0, 0.0];
-        match solver.solve(load, Speed::REST, &Settings::default()) {
+        match solver.solve(&bearing, load, Speed::REST, &Settings::default()) {
             Err(Status::Indeterminate { loaded_balls, .. }) if loaded_balls == expected => {}
             other => panic!("on {expected}: {other:?}"),
         }

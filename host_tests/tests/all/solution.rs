@@ -5,21 +5,24 @@ use host_tests::cases::{B7005C, reference};
 use host_tests::compare::{Ball, Equilibrium};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::tolerances::allowed;
+use spindle_bearing::nalgebra::SVector;
 use spindle_bearing::{
-    Arrangement, Bearing, LifeRating, Limits, Preload, Settings, Solver, Speed, Spindle,
-    SpindleSolver,
+    Arrangement, Bearing, Design, FreeContact, LifeRating, Limits, Material, Preload, Section,
+    Settings, Shaft, ShaftLoad, Solver, Speed, Spindle, SpindleSolver, Support, matrix,
 };
+use std::array::from_fn;
 use std::f64::consts::PI;
-use std::mem::MaybeUninit;
 
 #[test]
 fn a_snapshot_is_what_the_reference_build_says() {
     let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
-    let mut solver = Solver::new(&bearing);
+    let mut solver = Solver::new();
     let reference = reference(&B7005C, 16);
     for rpm in [0.0, 20_000.0, -20_100.0] {
         let speed = Speed::rpm(rpm);
-        let solution = solver.solve(SKEW, speed, &Settings::default()).unwrap();
+        let solution = solver
+            .solve(&bearing, SKEW, speed, &Settings::default())
+            .unwrap();
         let copy = solution.snapshot();
         let attitude = Attitude::Raceless.into();
         let truth = reference.solve(SKEW, speed.as_rad_per_s(), attitude);
@@ -50,15 +53,14 @@ fn a_snapshot_is_what_the_reference_build_says() {
 #[test]
 fn a_matrix_of_nalgebra_makes_of_a_displacement_the_forces_that_the_stiffness_makes() {
     let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
-    let mut solver = Solver::new(&bearing);
+    let mut solver = Solver::new();
     let speed = Speed::rpm(20_000.0);
-    let solution = solver.solve(SKEW, speed, &Settings::default()).unwrap();
+    let solution = solver
+        .solve(&bearing, SKEW, speed, &Settings::default())
+        .unwrap();
     let copy = solution.snapshot();
     let (k, u) = (copy.stiffness, copy.displacement);
-    for force in [
-        solution.stiffness_matrix() * solution.displacement_vector(),
-        copy.stiffness_matrix() * copy.displacement_vector(),
-    ] {
+    for force in [matrix(&solution.stiffness()) * SVector::from(solution.displacement)] {
         for i in 0..5 {
             let parts = [0, 1, 2, 3, 4].map(|j| k[i][j] * u[j]);
             let (sum, size) = (
@@ -77,9 +79,9 @@ fn a_summary_is_what_the_balls_of_each_row_say() {
     let rating = LifeRating::<f64>::new(&B7005C, 16, 13_700.0);
     let (arrangement, preload) = (Arrangement::BackToBack, Preload::Force(200.0));
     let pair = Spindle::pair(arrangement, &bearing, 0.1, preload).unwrap();
-    let mut solver = SpindleSolver::new(pair);
+    let mut solver = SpindleSolver::new();
     let (load, limits) = ([100.0, 300.0, -50.0, 0.0, 2.0], Limits::default());
-    let solution = solver.solve(load, Speed::rpm(20_000.0), &Settings::default());
+    let solution = solver.solve(&pair, load, Speed::rpm(20_000.0), &Settings::default());
     let solution = solution.unwrap();
     let rows = solution.summary(&limits, &[rating; 2]);
     let near = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{a:e}, {b:e}");
@@ -131,21 +133,172 @@ fn a_summary_is_what_the_balls_of_each_row_say() {
     near(life_rate.powf(-0.9), life.million_revolutions);
 }
 
-/// A solver that is made in its place is the one that `new` makes.
+/// A solver that turns to another bearing or spindle gives the bits of a cold one. Two solvers share a spindle.
 #[test]
-fn a_solver_made_in_its_place_solves_like_any_other() {
-    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
-    let (arrangement, preload) = (Arrangement::BackToBack, Preload::Force(200.0));
-    let pair = Spindle::pair(arrangement, &bearing, 0.1, preload).unwrap();
+fn a_solver_that_turns_to_another_spindle_begins_anew() {
+    let steeper = Design {
+        free_contact: FreeContact::Angle(0.4),
+        ..B7005C
+    };
+    let bearings = [B7005C, steeper].map(|design| Bearing::<f64, 16>::new(&design).unwrap());
     let (speed, settings) = (Speed::rpm(20_000.0), Settings::default());
-    let mut place = MaybeUninit::<SpindleSolver<'_, f64, 2, 16>>::uninit();
-    let made = SpindleSolver::new_in(pair, &mut place);
-    let mut other = SpindleSolver::new(pair);
-    for load in [SKEW, [100.0, 300.0, -50.0, 0.0, 2.0]] {
-        let [a, b] = [&mut *made, &mut other].map(|solver| {
-            let solution = solver.solve(load, speed, &settings).unwrap();
-            solution.snapshot()
+    let mut turning = Solver::new();
+    for bearing in bearings.iter().cycle().take(4) {
+        let load = [800.0, 100.0, 0.0, 0.0, 1.0];
+        let cold = Solver::new()
+            .solve(bearing, load, speed, &settings)
+            .unwrap()
+            .snapshot();
+        assert!(turning.unfinished(bearing).is_none());
+        let found = turning.solve(bearing, load, speed, &settings).unwrap();
+        assert_eq!(found.snapshot(), cold);
+    }
+    let pair = |x: f64, force: f64, spring: bool| {
+        let preload = Preload::Force(force);
+        let rigid = Spindle::pair(Arrangement::BackToBack, &bearings[0], x, preload).unwrap();
+        let shaft = Shaft::<f64, 1>::new(&[], &Material::STEEL).unwrap();
+        let radial = if spring { 4e8 } else { f64::INFINITY };
+        let support = Support {
+            radial,
+            ..Support::RIGID
+        };
+        (rigid, shaft, support)
+    };
+    let mut turning = SpindleSolver::new();
+    for (x, force, spring) in [
+        (0.1, 200.0, true),
+        (0.1, 210.0, true),
+        (0.12, 210.0, true),
+        (0.12, 210.0, false),
+        (0.1, 200.0, true),
+    ] {
+        let (rigid, shaft, support) = pair(x, force, spring);
+        let spindle = rigid.elastic(&shaft, [support; 2]).unwrap();
+        for load in [SKEW, [100.0, 300.0, -50.0, 0.0, 2.0]] {
+            let cold = SpindleSolver::new()
+                .solve(&spindle, load, speed, &settings)
+                .unwrap()
+                .snapshot();
+            turning.solve(&spindle, load, speed, &settings).unwrap();
+            turning.reset();
+            let found = turning.solve(&spindle, load, speed, &settings).unwrap();
+            assert_eq!(found.snapshot(), cold);
+        }
+        let mut other = turning.clone();
+        let [a, b] = [&mut turning, &mut other].map(|solver| {
+            solver
+                .solve(&spindle, SKEW, speed, &settings)
+                .unwrap()
+                .snapshot()
         });
         assert_eq!(a, b);
     }
+    // Warm of the one before, and the bits of a cold one.
+    for (x, force, spring) in [
+        (0.1, 205.0, true),
+        (0.101, 205.0, true),
+        (0.101, 205.0, false),
+    ] {
+        let (rigid, shaft, support) = pair(x, force, spring);
+        let spindle = rigid.elastic(&shaft, [support; 2]).unwrap();
+        let cold = SpindleSolver::new()
+            .solve(&spindle, SKEW, speed, &settings)
+            .unwrap()
+            .snapshot();
+        let found = turning.solve(&spindle, SKEW, speed, &settings).unwrap();
+        assert_eq!(found.snapshot(), cold);
+    }
+}
+
+/// Loads that act elsewhere than at `x = 0` are the sum of forces and moments on a rigid shaft. An elastic one they deflect where they
+/// act: as loads that act there at all times.
+#[test]
+fn loads_act_where_they_stand() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let preload = Preload::Force(200.0);
+    let rigid = Spindle::pair(Arrangement::BackToBack, &bearing, 0.1, preload).unwrap();
+    let section = Section {
+        from: -0.06,
+        to: 0.16,
+        outer: 0.02,
+        inner: 0.0,
+    };
+    let shaft = Shaft::<f64, 1>::new(&[section], &Material::STEEL).unwrap();
+    let loads = [
+        ShaftLoad {
+            position: -0.05,
+            load: [-50.0, 120.0, -30.0, 0.0, 0.5],
+        },
+        ShaftLoad {
+            position: 0.06,
+            load: [0.0, 0.0, 60.0, 0.0, 0.0],
+        },
+        ShaftLoad {
+            position: 0.15,
+            load: [0.0, 40.0, -80.0, 0.0, 0.0],
+        },
+    ];
+    let (speed, settings) = (Speed::rpm(12_000.0), Settings::default());
+    let moved = loads.iter().fold([0.0; 5], |sum, at| {
+        let [fx, fy, fz, my, mz] = at.load;
+        let about = [fx, fy, fz, my - at.position * fz, mz + at.position * fy];
+        from_fn(|i| sum[i] + about[i])
+    });
+    let near = |a: &[f64], b: &[f64], part: f64| {
+        let size = b.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= part * size)
+    };
+    let mut solver = SpindleSolver::new();
+    let one = solver
+        .solve(&rigid, &loads, speed, &settings)
+        .unwrap()
+        .snapshot();
+    solver.reset();
+    let other = solver
+        .solve(&rigid, moved, speed, &settings)
+        .unwrap()
+        .snapshot();
+    assert!(near(&one.displacement, &other.displacement, 1e-12));
+
+    let elastic = rigid.elastic(&shaft, [Support::RIGID; 2]).unwrap();
+    let constant = elastic.with_loads(&loads).unwrap();
+    let (mut here, mut there) = (SpindleSolver::new(), SpindleSolver::new());
+    let truth = there.solve(&constant, [0.0; 5], speed, &settings).unwrap();
+    // From nothing, and from where other loads left it.
+    for others in [&loads[..], &loads[..1], &loads[..]] {
+        here.solve(&elastic, others, speed, &settings).unwrap();
+        let found = here.solve(&elastic, &loads, speed, &settings).unwrap();
+        for x in [-0.05, 0.0, 0.06, 0.15] {
+            assert!(
+                near(&found.displacement_at(x), &truth.displacement_at(x), 1e-10),
+                "{x}"
+            );
+        }
+        let forces = [&found, &truth].map(|s| s.rows().map(|row| row.force).collect::<Vec<_>>());
+        assert!(near(
+            forces[0].as_flattened(),
+            forces[1].as_flattened(),
+            1e-10
+        ));
+    }
+    let at_origin = here.solve(&elastic, moved, speed, &settings).unwrap();
+    let [of_tool, of_truth] = [&at_origin, &truth].map(|s| s.displacement_at(-0.05)[1]);
+    assert!(
+        (of_tool / of_truth - 1.0).abs() > 0.02,
+        "{of_tool} {of_truth}"
+    );
+
+    let refused = |position: f64, force: f64| {
+        let load = [ShaftLoad {
+            position,
+            load: [force, 0.0, 0.0, 0.0, 0.0],
+        }];
+        let status = SpindleSolver::new()
+            .solve(&elastic, &load, speed, &settings)
+            .unwrap_err();
+        status.to_string()
+    };
+    assert!(refused(f64::NAN, 1.0).contains("position"));
+    assert!(refused(1e9, 1.0).contains("position"));
+    assert!(refused(0.0, f64::INFINITY).contains("Fx"));
 }

@@ -230,11 +230,18 @@ pub trait AnySolver {
     }
 }
 
-impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver for Solver<'static, T, N, M, D> {
+/// A solver and its bearing.
+struct Asked<T: 'static, const N: usize, S>(&'static Bearing<T, N>, S);
+
+impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver
+    for Asked<T, N, Solver<T, N, M, D>>
+{
     fn ask(&mut self, q: &Question) -> Result<Found, Status<f32>> {
-        let (given, speed) = (from_fn(|i| q.narrow(i)), q.speed::<T, M>());
+        let given: [_; D] = from_fn(|i| q.narrow(i));
+        let at = q.speed::<T, M>().with_growth([q.growth()]);
         let s = self
-            .solve_at(&given, speed, &q.growth(), &Settings::default())
+            .1
+            .solve(self.0, given, at, &Settings::default())
             .map_err(narrowed)?;
         let mut k = identity();
         for (wide, row) in k.iter_mut().zip(s.stiffness()) {
@@ -252,15 +259,16 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver for Solver<'s
     }
 
     fn reset(&mut self) {
-        Solver::reset(self);
+        self.1.reset();
     }
 }
 
-impl<T: Real, const N: usize, M: Motion> AnySolver for AxialSolver<'static, T, N, M> {
+impl<T: Real, const N: usize, M: Motion> AnySolver for Asked<T, N, AxialSolver<T, M>> {
     fn ask(&mut self, q: &Question) -> Result<Found, Status<f32>> {
-        let (given, speed) = (q.narrow(0), q.speed::<T, M>());
+        let at = q.speed::<T, M>().with_growth([q.growth()]);
         let s = self
-            .solve_at(given, speed, &q.growth(), &Settings::default())
+            .1
+            .solve(self.0, q.narrow::<T>(0), at, &Settings::default())
             .map_err(narrowed)?;
         let mut k = identity();
         k[0][0] = s.stiffness().to_f64();
@@ -282,7 +290,7 @@ impl<T: Real, const N: usize, M: Motion> AnySolver for AxialSolver<'static, T, N
     }
 
     fn reset(&mut self) {
-        AxialSolver::reset(self);
+        self.1.reset();
     }
 }
 
@@ -291,9 +299,9 @@ fn of_motion<T: Real, const N: usize, M: Motion>(
     freedoms: usize,
 ) -> Box<dyn AnySolver> {
     match freedoms {
-        1 => Box::new(AxialSolver::<T, N, M>::of(bearing)),
-        3 => Box::new(Solver::<T, N, M, 3>::of(bearing)),
-        5 => Box::new(Solver::<T, N, M, 5>::of(bearing)),
+        1 => Box::new(Asked(bearing, AxialSolver::<T, M>::of())),
+        3 => Box::new(Asked(bearing, Solver::<T, N, M, 3>::of())),
+        5 => Box::new(Asked(bearing, Solver::<T, N, M, 5>::of())),
         _ => panic!("no ring has {freedoms} freedoms"),
     }
 }

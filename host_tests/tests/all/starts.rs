@@ -71,7 +71,7 @@ fn a_warm_solve_is_the_cold_one_to_the_errors_that_both_state() {
 #[test]
 fn a_tick_states_an_error_of_its_stiffness_that_is_true_and_at_most_5e_3() {
     let bearing = Bearing::<f32, 16>::new(&B7005C).unwrap();
-    let mut solver = Solver::new(&bearing);
+    let mut solver = Solver::new();
     let mut settings = Settings::default();
     for tick in 0..200 {
         let phase = 0.2 * f64::from(tick);
@@ -79,7 +79,7 @@ fn a_tick_states_an_error_of_its_stiffness_that_is_true_and_at_most_5e_3() {
         let load = [1000.0 + 200.0 * sin, 200.0 * cos, -80.0, 0.7, 3.0 * sin];
         let omega = 2094.0 + phase;
         let speed = Speed::rad_per_s(omega as f32);
-        let solution = solver.solve(load.map(|x| x as f32), speed, &settings);
+        let solution = solver.solve(&bearing, load.map(|x| x as f32), speed, &settings);
         let solution = solution.unwrap_or_else(|status| panic!("{tick}: {status}"));
         let k = solution.stiffness().map(|row| row.map(f64::from));
         let off = stiffness_error(&k, &cold(&B7005C, 16, Balls::Free, load, omega).k);
@@ -101,9 +101,9 @@ fn a_solve_that_ends_at_the_iteration_limit_is_gone_on_with_by_the_next_one() {
                 max_iterations,
                 ..Settings::default()
             };
-            let mut solver = Solver::new(&bearing);
-            let solved =
-                (0..100).find_map(|_| match solver.solve(load, Speed::rpm(rpm), &settings) {
+            let mut solver = Solver::new();
+            let solved = (0..100).find_map(|_| {
+                match solver.solve(&bearing, load, Speed::rpm(rpm), &settings) {
                     Ok(solution) => {
                         assert!(solution.iterations <= max_iterations);
                         Some(solution.displacement)
@@ -112,7 +112,8 @@ fn a_solve_that_ends_at_the_iteration_limit_is_gone_on_with_by_the_next_one() {
                         assert_eq!(status, Status::IterationLimit);
                         None
                     }
-                });
+                }
+            });
             let what = format!("{load:?} at {rpm} rpm, {max_iterations} iterations a solve");
             let u = solved.unwrap_or_else(|| panic!("{what}: never solved"));
             let e = vector_error(u, truth.u, lengths(&B7005C));
@@ -130,10 +131,10 @@ fn a_load_that_the_start_misses_is_answered_from_its_neighbours() {
         ..Design::angular_contact(9.525e-3, 46e-3, 40_f64.to_radians())
     };
     let bearing = Bearing::<f64, 12>::new(&design).unwrap();
-    let mut solver = Solver::new(&bearing);
+    let mut solver = Solver::new();
     let mut solve = |fx| {
         let load = [fx, 500.0, 0.0, 0.0, -1.0];
-        let found = solver.solve(load, Speed::rpm(10_000.0), &Settings::default());
+        let found = solver.solve(&bearing, load, Speed::rpm(10_000.0), &Settings::default());
         found.map(|found| found.displacement)
     };
     let truth = [-130.789e-6, 100.431e-6, 0.0, 0.0, 3.40967e-3];

@@ -25,7 +25,7 @@ fn cut(max_iterations: u16) -> Vec<Tick> {
         Bearing::<f32, 15>::new(&B7005C).unwrap(),
         Bearing::<f64, 15>::new(&B7005C).unwrap(),
     );
-    let (mut solver, mut judge) = (Solver::new(&single), Solver::new(&double));
+    let (mut solver, mut judge) = (Solver::new(), Solver::new());
     let settings = Settings {
         max_iterations,
         ..Settings::TICK
@@ -34,17 +34,18 @@ fn cut(max_iterations: u16) -> Vec<Tick> {
         .map(|tick| {
             let (sin, cos) = (TAU * 133.0 * f64::from(tick) / 1000.0).sin_cos();
             let load = [400.0 + 300.0 * sin, 100.0 + 200.0 * cos, 0.0, 0.0, 0.0];
-            let truth = judge.solve(load, Speed::rpm(20_000.0), &Settings::default());
+            let truth = judge.solve(&double, load, Speed::rpm(20_000.0), &Settings::default());
             let truth = truth.unwrap().stiffness();
             let load = load.map(|x| x as f32);
-            let (status, k, error) = match solver.solve(load, Speed::rpm(20_000.0), &settings) {
-                Ok(found) => (found.status, found.stiffness(), found.error),
-                Err(status) => {
-                    let found = solver.unfinished().unwrap();
-                    assert_eq!(found.status, status);
-                    (status, found.stiffness(), found.error)
-                }
-            };
+            let (status, k, error) =
+                match solver.solve(&single, load, Speed::rpm(20_000.0), &settings) {
+                    Ok(found) => (found.status, found.stiffness(), found.error),
+                    Err(status) => {
+                        let found = solver.unfinished(&single).unwrap();
+                        assert_eq!(found.status, status);
+                        (status, found.stiffness(), found.error)
+                    }
+                };
             Tick {
                 solved: status != Status::IterationLimit,
                 error: stiffness_error(&k.map(|row| row.map(f64::from)), &truth),
@@ -136,8 +137,8 @@ fn a_sprung_set_without_an_answer_states_errors_that_hold() {
     fn cut(max_iterations: u16, is_square: bool) -> [usize; 2] {
         let single = Bearing::<f32, 16>::new(&B7005C).unwrap();
         let double = Bearing::<f64, 16>::new(&B7005C).unwrap();
-        let mut solver = SpindleSolver::new(spindle(&single));
-        let mut judge = SpindleSolver::new(spindle(&double));
+        let (set, true_set) = (spindle(&single), spindle(&double));
+        let (mut solver, mut judge) = (SpindleSolver::new(), SpindleSolver::new());
         let mut random = Random::seeded(u64::from(max_iterations));
         let settings = Settings {
             max_iterations,
@@ -159,15 +160,16 @@ fn a_sprung_set_without_an_answer_states_errors_that_hold() {
             });
             load[0] += 30.0;
             let speed = Speed::rpm(20_000.0);
-            if solver.solve(load, speed, &settings).is_ok() {
+            if solver.solve(&set, load, speed, &settings).is_ok() {
                 continue;
             }
-            let Some(found) = solver.unfinished() else {
+            let Some(found) = solver.unfinished(&set) else {
                 continue;
             };
             let (u, q, k, stated) = figures(&found);
             judge.reset();
             let truth = judge.solve(
+                &true_set,
                 load.map(f64::from),
                 Speed::rpm(20_000.0),
                 &Settings::default(),
@@ -257,11 +259,13 @@ fn no_estimate_of_a_pair_that_cuts_is_older_than_3_ms() {
     let ages: Vec<usize> = cuts
         .par_iter()
         .map(|cut| {
-            let mut solver = SpindleSolver::new(monitored::spindle(bearing).unwrap());
+            let mut solver = SpindleSolver::new();
+            let spindle = monitored::spindle(bearing).unwrap();
             let mut settings = Settings::default();
             longest(cut.iter().map(|tick| {
                 let [x, y, z, my, mz, omega] = tick.map(|x| x as f32);
-                let solved = solver.solve([x, y, z, my, mz], Speed::rad_per_s(omega), &settings);
+                let speed = Speed::rad_per_s(omega);
+                let solved = solver.solve(&spindle, [x, y, z, my, mz], speed, &settings);
                 settings = Settings::TICK;
                 solved.is_ok()
             }))
@@ -277,7 +281,7 @@ fn no_load_that_changes_is_called_one_without_an_equilibrium() {
         let bearing = Bearing::<T, 16>::of(&B7005C).unwrap();
         let preload = Preload::Force(T::of(200.0));
         let pair = Spindle::pair(Arrangement::BackToBack, &bearing, T::of(0.1), preload);
-        let mut solver = SpindleSolver::new(pair.unwrap());
+        let (mut solver, pair) = (SpindleSolver::new(), pair.unwrap());
         let settings = Settings {
             max_iterations,
             tolerance: T::of(tolerance),
@@ -293,13 +297,18 @@ fn no_load_that_changes_is_called_one_without_an_equilibrium() {
             ];
             let load = load.map(|[middle, most]| T::of(middle + random.between(-most, most)));
             let speed = Speed::rpm(T::of(random.between(18_000.0, 22_000.0)));
-            let ended = solver.solve(load, speed, &settings).map(|_| ());
+            let ended = solver.solve(&pair, load, speed, &settings).map(|_| ());
             let goes_on = matches!(ended, Ok(()) | Err(Status::IterationLimit));
             assert!(goes_on, "{call}, {max_iterations} iterations: {ended:?}");
         }
         // The newest load has an equilibrium, whatever was chased before.
         let load = [0.0, 100.0, 0.0, 0.0, 0.0].map(T::of);
-        let solved = solver.solve(load, Speed::rpm(T::of(20_000.0)), &Settings::default());
+        let solved = solver.solve(
+            &pair,
+            load,
+            Speed::rpm(T::of(20_000.0)),
+            &Settings::default(),
+        );
         assert!(solved.is_ok());
     }
     (1..=4_u16).into_par_iter().for_each(|cap| {
@@ -324,19 +333,19 @@ fn a_problem_without_an_equilibrium_is_called_one_after_any_number_of_calls() {
         max_iterations: 3,
         ..Settings::default()
     };
-    let mut solver = Solver::new(&bearing);
-    let whole = solver.solve_at(&given, speed, &Growth::NONE, &Settings::default());
+    let mut solver = Solver::new();
+    let whole = solver.solve(&bearing, given, speed, &Settings::default());
     let whole = whole.map(|_| ()).unwrap_err();
     assert_eq!(whole.name(), "diverged");
     for (changes, calls) in [(false, 60), (true, 300)] {
-        let mut solver = Solver::new(&bearing);
+        let mut solver = Solver::new();
         let ended = (0..calls).find_map(|call| {
             let growth = Growth {
                 radial: if changes { 1e-9 * f64::from(call) } else { 0.0 },
                 ..Growth::NONE
             };
             let ended = solver
-                .solve_at(&given, speed, &growth, &settings)
+                .solve(&bearing, given, speed.with_growth([growth]), &settings)
                 .map(|_| ());
             (ended != Err(Status::IterationLimit)).then_some(ended)
         });
@@ -352,12 +361,12 @@ fn a_solve_in_parts_has_the_bits_of_one_in_a_piece() {
         ([200.0, 30.0, 0.0, 0.0, 0.0], 40_000.0),
         (SKEW, 0.0),
     ] {
-        let (given, speed) = (load.map(Given::Load), Speed::rpm(rpm));
-        let whole = Solver::new(&bearing)
-            .solve(load, speed, &Settings::default())
+        let speed = Speed::rpm(rpm);
+        let whole = Solver::new()
+            .solve(&bearing, load, speed, &Settings::default())
             .unwrap()
             .snapshot();
-        let mut solver = Solver::new(&bearing);
+        let mut solver = Solver::new();
         let found = (1..100).find_map(|passes| {
             let settings = Settings::default();
             let mut left = passes;
@@ -366,7 +375,7 @@ fn a_solve_in_parts_has_the_bits_of_one_in_a_piece() {
                 left -= 1;
                 left > 0
             };
-            let solved = solver.solve_while(&given, speed, &Growth::NONE, &settings, more_time);
+            let solved = solver.solve_while(&bearing, load, speed, &settings, more_time);
             solved.ok().map(|solution| solution.snapshot())
         });
         let found = found.unwrap();

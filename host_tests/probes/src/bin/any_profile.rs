@@ -9,10 +9,9 @@ probes::image!(scenes::run, proved: true);
 #[cfg(target_os = "none")]
 mod scenes {
     use core::hint::black_box;
-    use core::mem::MaybeUninit;
     use spindle_bearing::{
         Arrangement, Bearing, Design, Facing, Full, Growth, LifeRating, Limits, Mounted, Preload,
-        Settings, ShaftEnd, Speed, Spindle, SpindleSolver, SprungSolver,
+        Settings, Speed, Spindle, SpindleSolver,
     };
 
     const DESIGN: Design = Design::angular_contact(6.35e-3, 50e-3, 15_f64.to_radians());
@@ -42,20 +41,19 @@ mod scenes {
         black_box((spindle.closures(), spindle.positions()));
         let preload = black_box(Preload::Force(200.0));
         black_box(Spindle::pair(Arrangement::BackToBack, &ROW, 0.1, preload).is_ok());
-        let mut place = MaybeUninit::<SprungSolver<'static, f32, ROWS, BALLS>>::uninit();
-        let solver = SpindleSolver::new_in(spindle, &mut place);
+        let solver = &mut SpindleSolver::new();
         while black_box(true) {
             let (load, speed) = black_box(([1.0; 5], Speed::rpm(1.0)));
-            let growth = black_box([Growth::NONE; ROWS]);
-            let solved = solver.solve_at(load, speed, &growth, &black_box(Settings::TICK));
+            let at = speed.with_growth(black_box([Growth::NONE; ROWS]));
+            let solved = solver.solve(&spindle, load, at, &black_box(Settings::TICK));
             let status = solved.map_or_else(|status| status, |solution| solution.status);
             black_box(status);
-            let Some(solution) = solver.unfinished() else {
+            let Some(solution) = solver.unfinished(&spindle) else {
                 continue;
             };
-            let end = black_box(ShaftEnd::rigid(0.0));
-            black_box((solution.snapshot(), solution.compliance_at(&end)));
-            black_box((solution.stiffness_at(&end), solution.displacement_at(0.0)));
+            let x = black_box(0.0);
+            black_box((solution.snapshot(), solution.compliance_at(x)));
+            black_box((solution.stiffness_at(x), solution.displacement_at(x)));
             let (limits, ratings) = (Limits::default(), black_box([RATING; ROWS]));
             black_box((
                 solution.summary(&limits, &ratings),

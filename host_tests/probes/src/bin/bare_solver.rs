@@ -23,8 +23,8 @@ mod bare {
     use probes::{ring, spoiled};
     use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH, encode};
     use spindle_bearing::{
-        AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, RingVector, Settings,
-        Solver, Speed, Static,
+        AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, Settings, Solver, Speed,
+        Static,
     };
     use spindle_bearing::{
         InnerRaceControl, Limits, OuterRaceControl, RacewayControlFree, Real, elliptic_integrals,
@@ -61,11 +61,7 @@ mod bare {
         black_box(elliptic_integrals(black_box(0.5)));
     }
 
-    fn every_scene<T: Real, const N: usize>(bearing: &Bearing<T, N>)
-    where
-        [T; 3]: RingVector,
-        [T; 5]: RingVector,
-    {
+    fn every_scene<T: Real, const N: usize>(bearing: &Bearing<T, N>) {
         motion::<T, N, Static>(bearing);
         motion::<T, N, Centrifugal>(bearing);
         motion::<T, N, Full<RacewayControlFree>>(bearing);
@@ -73,26 +69,23 @@ mod bare {
         motion::<T, N, Full<InnerRaceControl>>(bearing);
     }
 
-    fn motion<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>)
-    where
-        [T; 3]: RingVector,
-        [T; 5]: RingVector,
-    {
+    fn motion<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>) {
         ring::<T, N, M, 5>(bearing);
         ring::<T, N, M, 3>(bearing);
         axial::<T, N, M>(bearing);
     }
 
     fn axial<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>) {
-        let mut solver = AxialSolver::<T, N, M>::of(bearing);
+        let mut solver = AxialSolver::<T, M>::of();
         while black_box(true) {
             let (load, speed) = black_box((T::ONE, Speed::rad_per_s(T::ONE)));
             let settings = black_box(Settings::default());
             let solution = if black_box(true) {
-                solver.solve(load, speed, &settings)
+                solver.solve(bearing, load, speed, &settings)
             } else {
                 let given = black_box(Given::Displacement(T::ONE));
-                solver.solve_at(given, speed, &black_box(Growth::NONE), &settings)
+                let at = black_box(speed.with_growth([Growth::NONE]));
+                solver.solve(bearing, given, at, &settings)
             };
             match solution {
                 Ok(solution) => {
@@ -112,7 +105,7 @@ mod bare {
 
     /// From bytes to stiffness, contact forces and limits.
     fn monitor() {
-        let mut solver = Solver::new(&monitored::BEARING);
+        let mut solver = Solver::new();
         let settings = black_box(Settings::default());
         let mut frames = FrameReader::<MESSAGE_LENGTH>::new();
         while black_box(true) {
@@ -120,7 +113,8 @@ mod bare {
                 None => {}
                 Some(Ok(record)) => {
                     let speed = Speed::rpm(record.speed_rpm);
-                    if let Ok(solution) = solver.solve(record.load(), speed, &settings) {
+                    let solved = solver.solve(&monitored::BEARING, record.load(), speed, &settings);
+                    if let Ok(solution) = solved {
                         black_box(solution.stiffness());
                         solution.inner_forces().for_each(|force| {
                             black_box(force);

@@ -67,7 +67,7 @@ fn three_freedoms_are_five_whose_tilts_are_held_at_nought() {
 
 #[test]
 fn one_ball_is_kept_where_one_stands_for_all() {
-    type One = AxialSolver<'static, f32, 16>;
-    type All = Solver<'static, f32, 16, Full, 3>;
+    type One = AxialSolver<f32>;
+    type All = Solver<f32, 16, Full, 3>;
     assert!(size_of::<One>() * 6 < size_of::<All>());
 }

@@ -3,12 +3,13 @@
 use crate::malformed::{self, HEADER};
 use files::designs::SHIPPED;
 use files::import::Wanted;
+use files::noses::ShaftEnd;
 use files::recordings::{LoadRow, Loads};
 use files::spindles::SpindleFile;
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::milling_cycle::RECORD;
 use host_tests::spindles::{AnySpindleSolver, Balls, with_solver};
-use spindle_bearing::{BallKinematics, BallState, LimitSet, ShaftEnd};
+use spindle_bearing::{BallKinematics, BallState, LimitSet};
 use std::f64::consts::PI;
 use std::io::{self, Cursor, Read, Write};
 use std::path::PathBuf;
@@ -141,7 +142,7 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
         true => (&["--balls", "--frequencies"], ""),
         false => (&["--balls", "--frequencies", "--rows", "--nose"], "row,"),
     };
-    let ends: Vec<ShaftEnd<f64>> = file.noses.iter().map(|nose| nose.end).collect();
+    let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
     let (out, mut files) = with_files(&args, options, &text);
     if file.is_bearing {
         files.extend([ROW_HEADER, NOSE_HEADER].map(|header| format!("{header}\n")));

@@ -44,12 +44,14 @@ type Truth = [Option<[[f64; 5]; 5]>; 2];
 pub fn truths(works: &[Work]) -> Result<Vec<Truth>> {
     let truth = |work: &Work| {
         let bearing = Bearing::<f64, BALLS>::new(&work.design)?;
-        let mut solver = Solver::new(&bearing);
+        let mut solver = Solver::new();
         let reference = cases::reference(&work.design, BALLS);
         let groove = (work.design.outer_groove_factor - 0.5) * work.design.ball_diameter;
         Ok(work.states.map(|(load, omega)| {
             let speed = Speed::rad_per_s(omega);
-            let solution = solver.solve(load, speed, &Settings::default()).ok()?;
+            let solution = solver
+                .solve(&bearing, load, speed, &Settings::default())
+                .ok()?;
             let centres: Vec<(f64, f64)> = solution
                 .balls()
                 .map(|ball| {
