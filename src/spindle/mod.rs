@@ -339,7 +339,7 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
     ///
     /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
     /// static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
-    /// let front = Mounted::new(&BEARING, 0.0, Facing::PlusX);
+    /// let front = Mounted::<f32, 15>::new(&BEARING, 0.0, Facing::PlusX);
     /// let rear = Mounted::new(&BEARING, 0.1, Facing::MinusX).with(Preload::Spring);
     /// let set = Spindle::sprung(Arrangement::BackToBack, [front, rear], 200.0)?;
     /// let mut solver = SpindleSolver::new();
