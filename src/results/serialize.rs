@@ -2,7 +2,7 @@
 
 use crate::real::Real;
 use crate::results::margins::{Limit, LimitSet, Margins};
-use serde::ser::SerializeStruct;
+use serde::ser::{SerializeMap, SerializeSeq, SerializeStruct};
 use serde::{Serialize, Serializer};
 
 /// A sequence of the array's elements.
@@ -24,7 +24,11 @@ pub fn rows<S: Serializer, T: Serialize, const R: usize, const C: usize>(
 /// The names of its limits.
 impl Serialize for LimitSet {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.iter())
+        let mut names = serializer.serialize_seq(Some(self.iter().count()))?;
+        for limit in self.iter() {
+            names.serialize_element(&limit)?;
+        }
+        names.end()
     }
 }
 
@@ -43,7 +47,16 @@ struct Worst<'a, T>(&'a Margins<T>);
 
 impl<T: Real + Serialize> Serialize for Worst<'_, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let worst = Limit::ALL.into_iter();
-        serializer.collect_map(worst.filter_map(|limit| Some((limit, self.0.get(limit)?))))
+        let worst = || {
+            Limit::ALL
+                .into_iter()
+                .filter_map(|limit| Some((limit, self.0.get(limit)?)))
+        };
+        // Formats without names need the number of entries first.
+        let mut map = serializer.serialize_map(Some(worst().count()))?;
+        for (limit, margin) in worst() {
+            map.serialize_entry(&limit, &margin)?;
+        }
+        map.end()
     }
 }

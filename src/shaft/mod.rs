@@ -250,6 +250,45 @@ pub struct GroupRow<'a, T> {
     pub balls: T,
 }
 
+/// How long a solve may go on.
+pub struct Time<'a> {
+    /// Most iterations; at least one is taken.
+    pub max_iterations: u16,
+    /// Iterations taken in this call.
+    pub taken: u16,
+    /// Asked after every row of balls.
+    pub more: &'a mut dyn FnMut() -> bool,
+    /// The time is used up.
+    pub is_up: bool,
+}
+
+/// A pass over the rows: it may be left between two of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pass<T> {
+    /// Relative change of `omega^2` that it follows.
+    pub ds: T,
+    /// Rows that it has condensed, and whether one of them is far from its balance.
+    pub rows: usize,
+    pub far: bool,
+    /// It is the first one of a start: it puts the balls to where they start.
+    pub starts: bool,
+}
+
+impl<T: Real> Pass<T> {
+    /// From the first row on, at the speed of the last pass.
+    pub const NONE: Self = Self {
+        ds: T::ZERO,
+        rows: 0,
+        far: false,
+        starts: false,
+    };
+
+    /// It has begun, or has to be the next one.
+    pub const fn is_open(&self) -> bool {
+        self.rows > 0 || self.starts
+    }
+}
+
 /// The rows of a shaft in one solve. Displacements and offsets are the groove plane's; forces are referred to the shaft's
 /// centre.
 pub struct Shaft<'a, T, const R: usize, const SET: bool, const E: usize, const D: usize> {
@@ -293,13 +332,31 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         })
     }
 
-    /// Has every ball follow to `v` and a relative change `ds` of `omega^2`, and condenses it there; whether all are near
-    /// their balance.
+    /// Has the balls of every row that the pass has not condensed yet follow to `v`, and condenses them there; whether it has come to
+    /// the end.
     #[inline(never)]
-    pub fn condense<A: Rule>(&mut self, v: &[T; D], ds: T) -> bool {
-        let mut near = true;
-        self.each(v, |row, _, v| near &= row.follow::<A>(v, ds));
-        near
+    pub fn condense<A: Rule>(
+        &mut self,
+        v: &[T; D],
+        pass: &mut Pass<T>,
+        time: &mut Time<'_>,
+    ) -> bool {
+        let mut number = 0;
+        self.each(v, |row, _, v| {
+            number += 1;
+            if number <= pass.rows || time.is_up {
+                return;
+            }
+            if pass.starts {
+                row.start::<A>(v);
+            }
+            pass.far |= !row.follow::<A>(v, pass.ds);
+            pass.rows = number;
+            if number < R {
+                time.is_up = !(time.more)();
+            }
+        });
+        pass.rows >= R
     }
 
     /// Sums the forces and slopes that the balls hand over.

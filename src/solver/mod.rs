@@ -109,11 +109,11 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solver<T, N, M, D> {
         self.solve_while(bearing, loads, at, settings, || true)
     }
 
-    /// [`Solver::solve`] for as long as there is `more_time`, which is asked after every iteration, and for
+    /// [`Solver::solve`] for as long as there is `more_time`, which is asked after every row of balls, and for
     /// [`Settings::max_iterations`] at most.
     ///
     /// A solve that is stopped is [`Status::IterationLimit`]. [`Solver::unfinished`] has the state that it reached, and the next
-    /// solve goes on from there towards its own load.
+    /// solve goes on from there towards its own load. For the same load and speed, it has the bits of a solve that is not stopped.
     ///
     /// ```
     /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed, Status};
@@ -166,7 +166,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solver<T, N, M, D> {
     }
 
     /// The state that a solve had reached when it ended as [`Status::IterationLimit`], marked with this status. None after any
-    /// other end, where figures are not finite, and where an attempt was given up without time for a start; the next solve begins
+    /// other end, between two rows of a pass, where figures are not finite, and where an attempt was given up without time for a start; the next solve begins
     /// one. Input that is refused changes nothing.
     ///
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that

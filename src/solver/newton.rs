@@ -4,8 +4,8 @@ use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
 use crate::linalg::{moved, norm, product, refer, vector};
 use crate::real::Real;
-use crate::shaft::Shaft;
-use crate::solver::problem::{Problem, Time};
+use crate::shaft::{Pass, Shaft, Time};
+use crate::solver::problem::Problem;
 use crate::solver::state::{Control, Estimate, State, Step, StepReport, Termination, rounding};
 use crate::tuning;
 
@@ -190,9 +190,10 @@ impl<T: Real, const D: usize> State<T, D> {
         problem: &Problem<T, D>,
         ds: T,
     ) {
-        if self.attempt.back {
+        if self.attempt.back || self.attempt.pass.is_open() {
             return;
         }
+        self.attempt.pass.ds = ds;
         let plane = shaft.layout.plane;
         self.stay(shaft);
         let r = self.unbalanced::<E>(problem, ds);
@@ -214,20 +215,22 @@ impl<T: Real, const D: usize> State<T, D> {
         self.advance(moved(plane, &du));
     }
 
-    /// Newton's method from where ring and balls are, until an end, or until the time is up.
+    /// Newton's method from where ring and balls are, until an end, or until the time is up, which is asked after every row.
     pub fn newton<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
         shaft: &mut Shaft<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
-        mut ds: T,
         time: &mut Time<'_>,
     ) -> Termination {
         let plane = shaft.layout.plane;
         while !self.attempt.is_used_up(time.taken) {
-            let near = shaft.condense::<A>(&self.v, ds);
+            if !shaft.condense::<A>(&self.v, &mut self.attempt.pass, time) {
+                return Termination::Unfinished;
+            }
+            let near = !self.attempt.pass.far;
+            self.attempt.pass = Pass::NONE;
             shaft.sum::<A>(&mut self.sum);
             (self.at, self.stale, self.plain) = (self.v, false, false);
-            ds = T::ZERO;
             (time.taken, self.attempt.taken) = (time.taken + 1, self.attempt.taken + 1);
             time.is_up = time.taken >= time.max_iterations || !(time.more)();
 

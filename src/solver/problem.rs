@@ -368,18 +368,6 @@ impl<T: Real, const D: usize> Problem<T, D> {
     }
 }
 
-/// How long a solve may go on.
-pub struct Time<'a> {
-    /// Most iterations; at least one is taken.
-    pub max_iterations: u16,
-    /// Iterations taken in this call.
-    pub taken: u16,
-    /// Asked after every pass over the balls.
-    pub more: &'a mut dyn FnMut() -> bool,
-    /// The time is used up.
-    pub is_up: bool,
-}
-
 /// Refuses a value that is not finite, or larger in magnitude than `limit`.
 pub fn check<T: Real>(quantity: Quantity, value: T, limit: T) -> Result<(), Status<T>> {
     if !value.is_finite() {

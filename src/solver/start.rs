@@ -1,7 +1,6 @@
 //! Where a solve starts that has no solution next to it.
 
 use crate::ball::contact::{Point, to_grid};
-use crate::ball::kinematics::Rule;
 use crate::bearing::{Constants, L0};
 use crate::linalg::{moved, vector};
 use crate::real::Real;
@@ -138,16 +137,9 @@ fn displaced<T: Real, const R: usize, const SET: bool, const E: usize, const D: 
     moved(shaft.layout.plane, &u)
 }
 
-/// Puts rows and balls where the axial load alone would, all balls of a row alike.
+/// Puts the shaft where the axial load alone would. The first pass puts the balls there, all balls of a row alike.
 #[inline(never)]
-pub(super) fn start<
-    T: Real,
-    A: Rule,
-    const R: usize,
-    const SET: bool,
-    const E: usize,
-    const D: usize,
->(
+pub(super) fn start<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>(
     state: &mut State<T, D>,
     shaft: &mut Shaft<'_, T, R, SET, E, D>,
     problem: &Problem<T, D>,
@@ -167,5 +159,5 @@ pub(super) fn start<
             bend.straighten(&joint.constant);
         }
     }
-    shaft.each(&state.v, |row, _, v| row.start::<A>(v));
+    state.attempt.pass.starts = true;
 }

@@ -3,8 +3,8 @@
 use crate::bearing::L0;
 use crate::linalg::{Factors, moved, norm, vector};
 use crate::real::Real;
-use crate::shaft::Shaft;
 use crate::shaft::row::Sum;
+use crate::shaft::{Pass, Shaft};
 use crate::solver::problem::Problem;
 use crate::status::Status;
 use crate::tuning;
@@ -30,7 +30,8 @@ pub struct State<T, const D: usize> {
     /// Displacements that were given to it; none of them counts if it was free.
     pub prescribed: [Option<T>; D],
     pub is_free: bool,
-    /// Mark of its loads that had a position.
+    /// Load that was asked for, about the point that it was asked for at, and mark of loads that had a position.
+    pub asked: [T; D],
     pub placed: u32,
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.
     pub weak: bool,
@@ -53,6 +54,7 @@ impl<T: Real, const D: usize> State<T, D> {
         s: T::ZERO,
         prescribed: [None; D],
         is_free: false,
+        asked: [T::ZERO; D],
         placed: 0,
         weak: false,
         attempt: Attempt::NONE,
@@ -61,7 +63,8 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Turns to the next problem, at its inertia and change of the growth.
     ///
     /// A solution is a start where the growth differs by no more than a unit of length, about a deformation. An unfinished
-    /// attempt at another problem goes on as one without a start, from where the shaft is.
+    /// attempt at another problem goes on as one without a start, from where the shaft is: a pass that was left begins anew, and a
+    /// start is given up.
     pub fn turn_to(&mut self, problem: &Problem<T, D>, s: T, grown: T) {
         if !(grown <= T::ONE) {
             self.load_scale = T::ZERO;
@@ -70,12 +73,16 @@ impl<T: Real, const D: usize> State<T, D> {
             && (grown > T::ZERO || s != self.s || !self.was(problem))
         {
             (self.attempt.started, self.attempt.control.last) = (false, Step::NONE);
+            if self.attempt.pass.starts {
+                self.load_scale = T::ZERO;
+            }
+            self.attempt.pass = Pass::NONE;
         }
     }
 
     /// Whether the last solve had these loads and displacements.
     fn was(&self, problem: &Problem<T, D>) -> bool {
-        problem.load == self.load
+        problem.load == self.asked
             && problem.is_free == self.is_free
             && problem.placed == self.placed
             && (self.is_free || problem.prescribed == self.prescribed)
@@ -131,6 +138,8 @@ pub struct Attempt<T, const D: usize> {
     pub control: Control<T, D>,
     /// After the last pass, the step before it was taken back.
     pub back: bool,
+    /// The next pass, or the one that has begun.
+    pub pass: Pass<T>,
 }
 
 impl<T: Real, const D: usize> Attempt<T, D> {
@@ -156,11 +165,13 @@ impl<T: Real, const D: usize> Attempt<T, D> {
             last: Step::NONE,
         },
         back: false,
+        pass: Pass::NONE,
     };
 
     /// Begins an attempt.
     pub fn begin(&mut self, started: bool) {
         (self.started, self.taken, self.back) = (started, 0, false);
+        self.pass = Pass::NONE;
         self.termination = Termination::Lost;
         self.report = StepReport::NONE;
         self.control.radius = T::of(L0 * tuning::FIRST_RADIUS);

@@ -9,10 +9,9 @@ use crate::real::Real;
 use crate::results::Balls;
 use crate::shaft::elastic::{Bend, Joint, add, fold};
 use crate::shaft::row::{Row, Sum, UNSEATED, stiffness_change, sum_up};
-use crate::shaft::{Layout, Mount, Shaft};
+use crate::shaft::{Layout, Mount, Shaft, Time};
 use crate::solver::problem::{
-    Given, OperatingPoint, Problem, Time, check_tolerance, given_in_units, inertia,
-    speed_and_growth,
+    Given, OperatingPoint, Problem, check_tolerance, given_in_units, inertia, speed_and_growth,
 };
 use crate::solver::start::start;
 use crate::solver::state::{ErrorEstimate, State, Step, Termination, are_finite, rounding};
@@ -250,7 +249,10 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         layout: &Layout<'_, T, R, SET, E>,
     ) -> Option<Reached<T, D>> {
         let attempt = &self.state.attempt;
-        if attempt.termination != Termination::Unfinished || self.mark != layout.mark {
+        if attempt.termination != Termination::Unfinished
+            || attempt.pass.is_open()
+            || self.mark != layout.mark
+        {
             return None;
         }
         let reached = self.reached(layout, attempt.taken);
@@ -369,7 +371,7 @@ impl<T: Real, const D: usize> State<T, D> {
     ) -> Termination {
         let s = shaft.s;
         let mut termination = Termination::Lost;
-        if self.is_near(shaft, problem) {
+        if self.attempt.pass.is_open() || self.is_near(shaft, problem) {
             if self.attempt.termination != Termination::Unfinished {
                 self.attempt.begin(false);
             }
@@ -379,7 +381,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 T::ZERO
             };
             self.predict(shaft, problem, ds);
-            termination = self.newton::<A, R, SET, E>(shaft, problem, ds, time);
+            termination = self.newton::<A, R, SET, E>(shaft, problem, time);
         } else {
             self.attempt.begin(false);
         }
@@ -389,12 +391,12 @@ impl<T: Real, const D: usize> State<T, D> {
         if !is_over && !time.is_up {
             is_over = true;
             self.attempt.begin(true);
-            start::<T, A, R, SET, E, D>(self, shaft, problem);
-            termination = self.newton::<A, R, SET, E>(shaft, problem, T::ZERO, time);
+            start(self, shaft, problem);
+            termination = self.newton::<A, R, SET, E>(shaft, problem, time);
         }
         self.attempt.termination = termination;
         (self.load, self.is_free, self.s) = (problem.load, problem.is_free, s);
-        self.placed = problem.placed;
+        (self.asked, self.placed) = (problem.load, problem.placed);
         if !problem.is_free {
             self.prescribed = problem.prescribed;
         }

@@ -39,7 +39,7 @@ fn read(folder: &Path, root: &str, parent: &str, modules: &mut BTreeMap<String, 
 
 /// Layers of the library, from the top: CONTRIBUTING.md draws them.
 const LAYERS: [&[&str]; 8] = [
-    &["in_place", "matrices"],
+    &["matrices"],
     &["spindle"],
     &["solver"],
     &["results"],

@@ -302,3 +302,29 @@ fn loads_act_where_they_stand() {
     assert!(refused(1e9, 1.0).contains("position"));
     assert!(refused(0.0, f64::INFINITY).contains("Fx"));
 }
+
+/// Results go into a format that has to know how many there are, such as postcard.
+#[test]
+fn results_are_written_by_a_format_without_names() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let mut solver = Solver::new();
+    let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rpm(20_000.0));
+    let solution = solver
+        .solve(&bearing, load, speed, &Settings::default())
+        .unwrap();
+    let rating = LifeRating::<f64>::new(&B7005C, 16, 13_700.0);
+    let limits = Limits {
+        peak_pressure: 2e9,
+        ..Limits::default()
+    };
+    let summary = solution.summary(&limits, &rating);
+    assert!(!summary.margins.passed().is_empty());
+    let mut bytes = [0; 4096];
+    for written in [
+        postcard::to_slice(&summary, &mut bytes).map(|bytes| bytes.len()),
+        postcard::to_slice(&summary.margins.passed(), &mut bytes).map(|bytes| bytes.len()),
+        postcard::to_slice(&solution.snapshot(), &mut bytes).map(|bytes| bytes.len()),
+    ] {
+        assert!(written.as_ref().is_ok_and(|length| *length > 0), "{written:?}");
+    }
+}

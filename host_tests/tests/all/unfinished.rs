@@ -7,8 +7,9 @@ use host_tests::milling_cycle::{Place, recorded};
 use host_tests::telemetry::simulated::monitored;
 use rayon::prelude::*;
 use spindle_bearing::{
-    Arrangement, Bearing, Design, Facing, Full, Given, Growth, Mounted, Preload, Real, Settings,
-    Solver, Speed, Spindle, SpindleSolution, SpindleSolver, SprungSpindle, Status,
+    Arrangement, Bearing, Design, Facing, Full, Given, Growth, Material, Mounted, Preload, Real,
+    Section, Settings, Shaft, ShaftLoad, Solver, Speed, Spindle, SpindleSolution, SpindleSolver,
+    SprungSpindle, Status, Support,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -382,4 +383,86 @@ fn a_solve_in_parts_has_the_bits_of_one_in_a_piece() {
         assert_eq!(found.displacement, whole.displacement);
         assert_eq!(found.stiffness, whole.stiffness);
     }
+}
+
+/// A solve that is left after every row of balls has the bits of one that is not: from nothing, warm, and with its loads elsewhere.
+/// No call takes more than a row.
+#[test]
+fn a_solve_that_is_left_after_every_row_has_the_bits_of_one_that_is_not() {
+    fn check<const R: usize, const D: usize, const E: usize>(
+        spindle: &Spindle<'_, f32, R, 16, D, E>,
+    ) {
+        let (mut whole, mut parts) = (SpindleSolver::new(), SpindleSolver::new());
+        let mut random = Random::seeded(7);
+        for step in 0..40 {
+            let most = [100.0, 200.0, 200.0, 2.0, 2.0];
+            let load = most.map(|most| random.between(-most, most) as f32);
+            let tool = [ShaftLoad {
+                position: -0.04,
+                load,
+            }];
+            let speed = Speed::rpm(random.between(0.0, 20_000.0) as f32);
+            if step % 8 == 0 {
+                whole.reset();
+                parts.reset();
+            }
+            let settings = [Settings::DEFAULT, Settings::TICK][step % 2];
+            let settings = Settings {
+                max_iterations: 100,
+                ..settings
+            };
+            let truth = whole.solve(spindle, &tool, speed, &settings);
+            let truth = truth.unwrap().snapshot();
+            let rows = usize::from(truth.iterations) * R;
+            let mut calls = 0;
+            let found = loop {
+                let mut asked = 0;
+                let more_time = || {
+                    asked += 1;
+                    false
+                };
+                let solved = parts.solve_while(spindle, &tool, speed, &settings, more_time);
+                let solved = solved.map(|solution| solution.snapshot());
+                assert!(asked <= 1);
+                calls += 1;
+                match solved {
+                    Ok(found) => break found,
+                    Err(status) => assert_eq!(status, Status::IterationLimit),
+                }
+                assert!(calls <= rows, "{calls} of {rows}");
+            };
+            assert_eq!(calls, rows);
+            assert_eq!(found.displacement, truth.displacement, "{step}");
+            assert_eq!(found.stiffness, truth.stiffness);
+            assert_eq!(found.rows, truth.rows);
+            assert_eq!(found.error, truth.error);
+        }
+    }
+    let bearing = Bearing::<f32, 16>::new(&B7005C).unwrap();
+    let pair = Arrangement::BackToBack;
+    let row = |at, facing| Mounted::new(&bearing, at, facing).with(Preload::Closure(3e-6));
+    let rows = [
+        row(0.0, Facing::PlusX),
+        row(0.02, Facing::PlusX),
+        row(0.12, Facing::MinusX),
+        row(0.14, Facing::MinusX),
+    ];
+    let four = Spindle::new(pair, rows).unwrap();
+    check(&four);
+    let section = Section {
+        from: -0.05,
+        to: 0.15,
+        outer: 0.025,
+        inner: 0.0,
+    };
+    let shaft = Shaft::<f32, 1>::new(&[section], &Material::STEEL).unwrap();
+    let housing = Support {
+        radial: 4e8,
+        ..Support::RIGID
+    };
+    check(&four.elastic(&shaft, [housing; 4]).unwrap());
+    let rear = Mounted::new(&bearing, 0.1, Facing::MinusX).with(Preload::Spring);
+    let sprung = Spindle::sprung(pair, [row(0.0, Facing::PlusX), rear], 200.0).unwrap();
+    check(&sprung);
+    check(&sprung.elastic(&shaft, [housing; 2]).unwrap());
 }
