@@ -4,7 +4,7 @@ use crate::ball::kinematics::{Full, Motion, Speed};
 use crate::growth::Growth;
 use crate::linalg::{moved, refer, vector};
 use crate::real::Real;
-use crate::solver::problem::{Given, Settings};
+use crate::solver::problem::{Given, Settings, radius};
 use crate::solver::state::are_finite;
 use crate::solver::warm_start::WarmStart;
 use crate::spindle::Spindle;
@@ -182,8 +182,8 @@ impl<'b, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let spring = Given::Load(self.spindle.spring);
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
         let to_centre = |load: &mut [T; D]| {
-            if let Some((piece, _)) = &overhang {
-                refer(-piece.length, load);
+            if overhang.is_some() {
+                refer(-at / radius(layout.bearings[0].c), load);
             }
             self.spindle.add_constant(load);
         };
