@@ -188,7 +188,22 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         let load: [T; 5] = vector(|i| given[i].load_or(T::ZERO) / units(unit, i).0);
         let by_load = shaft.piece(unit, self.centre, T::ZERO).deflection(&load);
         let by_loads = shaft.deflection_by(unit, T::ZERO, shaft.loads);
-        let piece = shaft.piece(unit, T::ZERO, self.centre);
+        let mut piece = shaft.piece(unit, T::ZERO, self.centre);
+        if !matches!(
+            given,
+            [_, Given::Displacement(_), ..] | [_, _, Given::Displacement(_), ..]
+        ) {
+            // Moments alone react, and turn the end. A lever would cost digits.
+            piece.length = T::ZERO;
+            let by_moment = piece.lean * piece.lean * piece.flexibility[1];
+            for (i, given) in given.iter().enumerate().skip(1) {
+                let turn = piece.flexibility[i] + by_moment;
+                piece.flexibility[i] = match given {
+                    Given::Displacement(_) => turn,
+                    Given::Load(_) => T::ZERO,
+                };
+            }
+        }
         Some((piece, vector(|i| by_loads[i] + by_load[i])))
     }
 

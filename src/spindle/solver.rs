@@ -3,7 +3,7 @@
 use crate::ball::kinematics::{Full, Motion};
 use crate::linalg::{moved, refer, vector};
 use crate::real::Real;
-use crate::solver::problem::{Given, Loading, OperatingPoint, Settings};
+use crate::solver::problem::{Given, Loading, OperatingPoint, Settings, radius};
 use crate::solver::state::are_finite;
 use crate::solver::warm_start::WarmStart;
 use crate::spindle::Spindle;
@@ -177,8 +177,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         let spring = Given::Load(spindle.spring);
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
         let to_centre = |load: &mut [T; D]| {
-            if let Some((piece, _)) = &overhang {
-                refer(-piece.length, load);
+            if overhang.is_some() {
+                refer(-point / radius(layout.bearings[0].c), load);
             }
             spindle.add_constant(load);
         };

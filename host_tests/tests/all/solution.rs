@@ -325,6 +325,9 @@ fn results_are_written_by_a_format_without_names() {
         postcard::to_slice(&summary.margins.passed(), &mut bytes).map(|bytes| bytes.len()),
         postcard::to_slice(&solution.snapshot(), &mut bytes).map(|bytes| bytes.len()),
     ] {
-        assert!(written.as_ref().is_ok_and(|length| *length > 0), "{written:?}");
+        assert!(
+            written.as_ref().is_ok_and(|length| *length > 0),
+            "{written:?}"
+        );
     }
 }
