@@ -125,8 +125,10 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
             return Err(Status::Unloaded);
         }
         if self.last.mark != c.mark {
-            self.last.mark = c.mark;
-            self.reset();
+            (self.last.mark, self.root) = (c.mark, T::ZERO);
+            if M::AT_SPEED {
+                self.last.reset();
+            }
         }
         let s = if M::AT_SPEED {
             inertia(c, omega, c.balls, size)
