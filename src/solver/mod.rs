@@ -1,6 +1,6 @@
 //! The equilibrium of a bearing under given loads.
 //!
-//! One solve, in the order of its steps: `problem` checks the input and turns it into the solver's units. Next to the last
+//! One solve (`solve`), in the order of its steps: `problem` checks the input and turns it into the solver's units. Next to the last
 //! solution (`warm_start`), the ring and the balls are predicted from it. Elsewhere a start puts them where the axial load
 //! alone would (`start`). The loop (`newton`) condenses every ball, and steps the ring until the step no longer changes the
 //! stiffness (`state` has the estimate). The result is a [`Solution`].
@@ -11,6 +11,7 @@ pub mod axial;
 mod newton;
 pub mod problem;
 pub mod solution;
+mod solve;
 mod start;
 pub mod state;
 pub mod warm_start;

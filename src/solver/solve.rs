@@ -1,0 +1,275 @@
+//! One solve, from the input to the end of its attempts: checks, the last solution or a start, refusals.
+
+use crate::ball::kinematics::{Motion, Rule};
+use crate::growth::Growth;
+use crate::linalg::{norm, vector};
+use crate::real::Real;
+use crate::shaft::row::{Row, UNSEATED};
+use crate::shaft::{Layout, Shaft, Time};
+use crate::solver::problem::{
+    Given, OperatingPoint, Problem, check_tolerance, given_in_units, inertia, speed_and_growth,
+};
+use crate::solver::start::start;
+use crate::solver::state::{State, Termination, are_finite};
+use crate::solver::warm_start::{Reached, WarmStart};
+use crate::status::{Quantity, Status};
+
+impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
+    WarmStart<T, R, N, D, E>
+{
+    /// Checks the input, turns it into the solver's units, and sets speed, growth and points of the rows.
+    ///
+    /// `to_centre` refers a load from the point where it is given to the shaft's centre. Refused input changes nothing: all
+    /// checks come before the first write.
+    pub fn problem<M: Motion, const SET: bool>(
+        &mut self,
+        layout: &Layout<'_, T, R, SET, E>,
+        given: &[Given<T>; D],
+        to_centre: impl FnOnce(&mut [T; D]),
+        at: &OperatingPoint<T, R>,
+        placed: u32,
+        tolerance: T,
+    ) -> Result<Problem<T, D>, Status<T>> {
+        let unit = layout.bearings[0].c;
+        check_tolerance(tolerance)?;
+        let mut problem = Problem::new(tolerance);
+        problem.placed = placed;
+        for (i, given) in given.iter().enumerate() {
+            match given_in_units(unit, i, layout.ball_count, *given)? {
+                Given::Load(load) => problem.load[i] = load,
+                Given::Displacement(u) => {
+                    (problem.prescribed[i], problem.is_free) = (Some(u), false)
+                }
+            }
+        }
+        to_centre(&mut problem.load);
+        let mut omega = T::ZERO;
+        let mut grown = [Growth::NONE; R];
+        for ((grown, growth), row) in grown.iter_mut().zip(&at.growth).zip(&layout.bearings) {
+            (omega, *grown) = speed_and_growth(row.c, at.speed, M::AT_SPEED, growth)?;
+        }
+        problem.load_scale = norm(&problem.load).at_least(layout.preload_at_rest);
+        // A ring that nothing presses and nothing holds floats in its clearance.
+        if problem.is_free && !(problem.load_scale > T::TINY.sqrt()) {
+            return Err(Status::Unloaded);
+        }
+        self.turn_to(layout.mark);
+        let s = if M::AT_SPEED {
+            inertia(unit, omega, layout.ball_count, problem.load_scale)
+        } else {
+            T::ZERO
+        };
+        let rows = layout.bearings.iter().zip(&layout.mounts);
+        let mut most = T::ZERO;
+        for ((row, mount), (point, growth)) in rows.zip(self.points.iter_mut().zip(grown)) {
+            let [axial, ..] = mount.motion::<D, SET>(&self.state.u);
+            let (s, size) = (s * mount.inertia, problem.load_scale / mount.force);
+            most = most.at_least(point.set(row.c, s, size, growth, axial + mount.closure));
+        }
+        self.state.turn_to(&problem, s, most);
+        self.omega = at.speed.as_rad_per_s();
+        Ok(problem)
+    }
+
+    /// Solves, and says where the shaft is, or why there is no answer.
+    pub fn run<A: Rule, const SET: bool>(
+        &mut self,
+        layout: &Layout<'_, T, R, SET, E>,
+        problem: &Problem<T, D>,
+        max_iterations: u16,
+        more: &mut dyn FnMut() -> bool,
+    ) -> Result<Reached<T, D>, Status<T>> {
+        let s = self.points[0].s;
+        let (mut bearings, mut balls) = (layout.bearings.iter(), self.balls.iter_mut());
+        let rows = self.points.each_mut().map(|p| {
+            let (row, balls) = (bearings.next(), balls.next());
+            let azimuths = row.map_or(&[][..], |row| row.azimuths);
+            Row {
+                c: row.map_or(layout.bearings[0].c, |row| row.c),
+                p,
+                azimuths,
+                balls: balls
+                    .and_then(|balls| balls.get_mut(..azimuths.len()))
+                    .unwrap_or_default(),
+            }
+        });
+        let mut shaft = Shaft {
+            rows,
+            layout,
+            s,
+            preload: &mut self.preload,
+            bends: &mut self.bends,
+        };
+        let mut time = Time {
+            max_iterations,
+            taken: 0,
+            more,
+            is_up: false,
+        };
+        let termination = self
+            .state
+            .find::<A, R, SET, E>(&mut shaft, problem, &mut time);
+        self.state
+            .refuse::<A, R, SET, E>(&shaft, problem, termination)?;
+        // Rounding may end a solve under a spring of next to no force, where no ball of the sleeve is pressed.
+        if D == 6 && !(self.state.sum.k[D - 1][D - 1] > T::ZERO) {
+            let (loaded_balls, free) = (shaft.loaded(), Quantity::Closure);
+            self.state = State::COLD;
+            return Err(Status::Indeterminate { loaded_balls, free });
+        }
+        let reached = self.reached(layout, time.taken);
+        if let Some(error) = &reached.error
+            && !(error.force <= T::ONE && error.stiffness <= T::ONE)
+        {
+            let loaded_balls = self.loaded();
+            let free = self.state.freest::<E>(problem);
+            self.state = State::COLD;
+            return Err(Status::Indeterminate { loaded_balls, free });
+        }
+        // A tangent of other than numbers makes no undamped step.
+        if are_finite(&reached.u) && are_finite(&reached.load) {
+            return Ok(reached);
+        }
+        self.state = State::COLD;
+        Err(Status::Diverged { residual: T::ONE })
+    }
+
+    /// Number of balls that carry.
+    #[cold]
+    fn loaded(&self) -> u16 {
+        let rows = self.balls.iter().zip(&self.points);
+        let loaded = rows.map(|(balls, p)| balls.iter().filter(|ball| ball.carries(p)).count());
+        loaded.sum::<usize>() as u16
+    }
+}
+
+impl<T: Real, const D: usize> State<T, D> {
+    /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
+    fn find<A: Rule, const R: usize, const SET: bool, const E: usize>(
+        &mut self,
+        shaft: &mut Shaft<'_, T, R, SET, E, D>,
+        problem: &Problem<T, D>,
+        time: &mut Time<'_>,
+    ) -> Termination {
+        let s = shaft.s;
+        let mut termination = Termination::Lost;
+        if self.attempt.pass.is_open() || self.is_near(shaft, problem) {
+            if self.attempt.termination != Termination::Unfinished {
+                self.attempt.begin(false);
+            }
+            let ds = if s > T::ZERO {
+                s / self.s - T::ONE
+            } else {
+                T::ZERO
+            };
+            self.predict(shaft, problem, ds);
+            termination = self.newton::<A, R, SET, E>(shaft, problem, time);
+        } else {
+            self.attempt.begin(false);
+        }
+        let mut is_over = termination.is_solved()
+            || termination == Termination::Unfinished
+            || self.attempt.started;
+        if !is_over && !time.is_up {
+            is_over = true;
+            self.attempt.begin(true);
+            start(self, shaft, problem);
+            termination = self.newton::<A, R, SET, E>(shaft, problem, time);
+        }
+        self.attempt.termination = termination;
+        (self.load, self.is_free, self.s) = (problem.load, problem.is_free, s);
+        (self.asked, self.placed) = (problem.load, problem.placed);
+        if !problem.is_free {
+            self.prescribed = problem.prescribed;
+        }
+        if is_over {
+            let size = problem.load_scale.at_least(norm(&self.sum.force));
+            self.load_scale = size.at_least(*shaft.preload);
+            return termination;
+        }
+        // There was no time for a start: the next solve has one.
+        self.load_scale = T::ZERO;
+        Termination::Unfinished
+    }
+
+    /// Whether the last solve ended so near that the next one may start there. Rows that hold each other stay pressed under
+    /// any load, but not by any displacement.
+    fn is_near<const R: usize, const SET: bool, const E: usize>(
+        &self,
+        shaft: &Shaft<'_, T, R, SET, E, D>,
+        problem: &Problem<T, D>,
+    ) -> bool {
+        let half = T::of(0.5);
+        let (s, balls) = (shaft.s, shaft.layout.ball_count);
+        let at = self.displacement(shaft.layout.plane);
+        let change: [T; D] = vector(|i| match problem.prescribed[i] {
+            None => problem.load[i] - self.load[i],
+            Some(u) => self.sum.k[i][i] * (u - at[i]),
+        });
+        let smaller = if problem.is_free {
+            self.load_scale
+                .at_most(problem.load_scale.at_least(*shaft.preload))
+        } else {
+            self.load_scale
+        };
+        self.load_scale > T::ZERO
+            && (shaft.layout.fixed.opposed && problem.is_free || norm(&change) <= smaller)
+            && (s - self.s).abs() * balls <= half * (self.s * balls + self.load_scale)
+            && (s > T::ZERO) == (self.s > T::ZERO)
+    }
+
+    /// Freedom in which the tangent resists least: the largest component after two inverse iterations.
+    #[cold]
+    #[inline(never)]
+    fn freest<const E: usize>(&mut self, problem: &Problem<T, D>) -> Quantity {
+        let largest = self.stiffest().at_least(T::EPSILON);
+        self.factor::<E>(problem, T::EPSILON.sqrt() * largest);
+        let free = |motion: [T; D]| {
+            vector(|i| match problem.prescribed[i] {
+                None => largest * motion[i],
+                Some(_) => T::ZERO,
+            })
+        };
+        let motion = self.factors.back_substitute(&free([T::ONE; D]));
+        let motion = free(self.factors.back_substitute(&free(motion)));
+        let mut freest = 0;
+        for i in 1..D {
+            if motion[i].abs() > motion[freest].abs() {
+                freest = i;
+            }
+        }
+        Quantity::OF_FREEDOM[freest][1]
+    }
+
+    /// Why there is no solution, if there is none.
+    fn refuse<A: Rule, const R: usize, const SET: bool, const E: usize>(
+        &mut self,
+        shaft: &Shaft<'_, T, R, SET, E, D>,
+        problem: &Problem<T, D>,
+        termination: Termination,
+    ) -> Result<(), Status<T>> {
+        let report = self.attempt.report;
+        let is_solved = termination.is_solved();
+        if is_solved && report.estimate.cos >= T::of(UNSEATED) {
+            return Ok(());
+        }
+        // Contacts more than 90 degrees apart do not hold a ball: that is why. An unfinished step says nothing of it.
+        let limit = if is_solved { T::of(UNSEATED) } else { T::ZERO };
+        let driven_out = shaft.furthest_apart::<A>(limit);
+        let status = match (termination, driven_out) {
+            (Termination::Singular, _) => Status::Indeterminate {
+                loaded_balls: shaft.loaded(),
+                free: self.freest::<E>(problem),
+            },
+            (Termination::Unfinished, _) => Status::IterationLimit,
+            (_, Some((ball, apart))) => Status::Unseated { ball, apart },
+            _ => Status::Diverged {
+                residual: report.residual,
+            },
+        };
+        if termination != Termination::Unfinished {
+            *self = Self::COLD;
+        }
+        Err(status)
+    }
+}
