@@ -62,7 +62,7 @@ pub fn condensed_of<T: Real>(contact: &Contact<T>) -> Condensed<T> {
 
 /// How a step `v` changes a contact that is open by `-delta`, or closed by no more than rounding.
 ///
-/// A contact that closes is taken for what it will be, with a deformation larger by rounding. Where both deformation and step
+/// A closing contact counts with its deformation after the step, plus rounding. Where both deformation and step
 /// are rounding, the contact touches without force, and no iteration tells more of it.
 #[cold]
 #[inline(never)]

@@ -232,7 +232,7 @@ impl<T: Real> Ball<T> {
     }
 
     /// The ball when the groove's centre is at `a`.
-    // In line, so that whoever looks at a ball has what it looks at in registers.
+    // In line: callers keep the result in registers.
     #[inline(always)]
     pub fn kinetics<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, a: Pair<T>) -> Kinetics<T> {
         if R::INERTIA && p.is_at_speed() {

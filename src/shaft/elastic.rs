@@ -155,7 +155,7 @@ pub fn soften<T: Real, const D: usize>(sum: &mut Sum<T, D>, springs: &[T; 5]) {
         if !(*flexibility > T::ZERO) {
             continue;
         }
-        // A row that pushes harder the further it moves may take more than all of a spring: the stiffness turns its sign.
+        // Behind a soft spring, a negative stiffness may turn its sign.
         let whole = T::ONE + *flexibility * sum.k[i][i];
         let per = T::ONE
             / if whole.abs() > T::EPSILON {
@@ -190,8 +190,7 @@ pub type AddRow<'a, T, const D: usize> = &'a mut dyn FnMut(&Joint<T>, &mut Sum<T
 
 /// Folds the rows' forces and slopes to the point of the shaft that the chain leads to.
 ///
-/// Forces are those that the balance after the next step has, at no motion of that point. Where there are no `bends`, slopes alone
-/// mean something.
+/// Forces are those after the next step if that point does not move. Without `bends`, only slopes have a meaning.
 #[inline(never)]
 pub fn fold<T: Real, const D: usize>(
     joints: &[Joint<T>],

@@ -298,7 +298,7 @@ pub struct Shaft<'a, T, const R: usize, const SET: bool, const E: usize, const D
     pub s: T,
     /// Axial force by which rows of either facing hold each other, besides the load.
     pub preload: &'a mut T,
-    /// What holds an elastic shaft bent.
+    /// Elastic state of each row: forces and deflection.
     pub bends: &'a mut [Bend<T, D>; E],
 }
 

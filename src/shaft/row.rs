@@ -216,8 +216,8 @@ impl<T: Real> Row<'_, T> {
         loaded.count() as u16
     }
 
-    /// The ball whose contacts are furthest apart, if the cosine of that angle is below `limit`, and the angle, rad. A
-    /// ball that does not carry is not meant until it is [`UNSEATED`].
+    /// The ball whose contacts are furthest apart, if the cosine of that angle is below `limit`, and the angle, rad. Balls
+    /// without force count only where they are [`UNSEATED`].
     #[cold]
     #[inline(never)]
     pub fn furthest<R: Rule>(&self, limit: T) -> Option<(u16, T)> {

@@ -274,7 +274,7 @@ fn first<T>(azimuths: &[Azimuth<T>]) -> &[Azimuth<T>] {
 pub struct AxialSolution<'s, T: Real, M: Motion = Full> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
-    /// Iterations, those of starts included. An iteration condenses one ball.
+    /// Iterations, those after a start included. An iteration condenses one ball.
     pub iterations: u16,
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,

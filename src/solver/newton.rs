@@ -273,14 +273,14 @@ impl<T: Real, const D: usize> State<T, D> {
             let planar = moved(plane, &du);
             self.attempt.report.step = length;
             self.advance(planar);
-            // A step that is to move the balance by so much changes the stiffness, too: no need to look.
+            // With a residual above `far`, the step changes the stiffness: no need to estimate it.
             let far = residual > problem.far;
             if !far || time.is_up {
                 self.estimate_change::<A, R, SET, E>(shaft, &planar, near && time.is_up);
             }
             let work = product(&r, &du);
             if damped {
-                // In balance, and no damping is too small to be followed further.
+                // Balanced, and the least damping is below rounding.
                 let stays = least < T::EPSILON || !(work > T::ZERO);
                 if stays && self.weak && rounded(shaft, problem.enough) {
                     return Termination::Singular;
@@ -341,8 +341,8 @@ impl<T: Real, const D: usize> State<T, D> {
         self.attempt.report.estimate = estimate;
     }
 
-    /// Whether rounding makes what is unbalanced, and what the step leaves of the balls' forces: rounding of a force, and of
-    /// one that touches without force the power 3/2 of that.
+    /// Whether rounding explains the residual and the error of forces. A ball that touches without force has an error of
+    /// rounding^(3/2).
     #[cold]
     #[inline(never)]
     fn is_rounded<const R: usize, const SET: bool, const E: usize>(
@@ -382,7 +382,7 @@ impl<T: Real, const D: usize> State<T, D> {
             && relative < T::of(tuning::COARSE)
             && self.is_rounded(shaft, problem, &report)
         {
-            // Such a step may lead far along a weak direction: the answer is where the balance was seen.
+            // Discard the step: along a weak direction it may be long. The residual was judged before it.
             self.stay(shaft);
             self.stale = false;
             Some(Termination::Rounded)

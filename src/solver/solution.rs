@@ -25,7 +25,7 @@ pub struct Solution<'s, T: Real, const N: usize, M: Motion = Full, const D: usiz
     /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
     /// [`Solver::unfinished`](crate::Solver::unfinished).
     pub status: Status<T>,
-    /// Iterations, those of starts included.
+    /// Iterations, those after a start included.
     pub iterations: u16,
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,
@@ -148,7 +148,7 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> defmt::Format
 pub struct Snapshot<T: Real, const N: usize, const D: usize> {
     /// How the solve ended.
     pub status: Status<T>,
-    /// Iterations, those of starts included.
+    /// Iterations, those after a start included.
     pub iterations: u16,
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,

@@ -1,4 +1,4 @@
-//! Where a solve starts that has no solution next to it.
+//! Cold start: the shaft under the axial load alone.
 
 use crate::ball::contact::{Point, to_grid};
 use crate::bearing::{Constants, L0};

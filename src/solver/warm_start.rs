@@ -25,7 +25,7 @@ pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize, co
     pub omega: T,
     /// Mark of the bearings and shaft that were solved last.
     pub mark: u32,
-    /// What holds an elastic shaft bent.
+    /// Elastic state of each row: forces and deflection.
     pub bends: [Bend<T, D>; E],
 }
 

@@ -162,7 +162,7 @@ const fn check_shaft(sections: &[Section], material: &Material) -> Result<(), Sh
     Ok(())
 }
 
-/// Flexibilities of sections that are checked. Those that there are not have no length, and make nothing flexible.
+/// Flexibilities of sections that are checked. Unused places have the length 0.
 const fn flexible<const K: usize>(
     sections: &[Section],
     material: &Material,

@@ -40,7 +40,7 @@ pub struct SpindleSolution<
     /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
     /// [`SpindleSolver::unfinished`](crate::SpindleSolver::unfinished).
     pub status: Status<T>,
-    /// Iterations, those of starts included. An iteration condenses every ball once.
+    /// Iterations, those after a start included. An iteration condenses every ball once.
     pub iterations: u16,
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,
@@ -129,8 +129,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         k
     }
 
-    /// The stiffness, in the solver's units, about the point of the shaft from which on nothing holds it to the position `x`; and where
-    /// that is, m.
+    /// Stiffness about the last point that rows hold on the way to the position `x`, in the solver's units; and that point, m.
     #[inline(always)]
     fn near(&self, x: T) -> (Matrix<T, 5>, T) {
         let (layout, centre) = (&self.spindle.layout, self.spindle.centre);
@@ -427,7 +426,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
 pub struct SpindleSnapshot<T: Real, const R: usize, const N: usize> {
     /// How the solve ended.
     pub status: Status<T>,
-    /// Iterations, those of starts included.
+    /// Iterations, those after a start included.
     pub iterations: u16,
     /// How far the figures below can be off.
     pub error: ErrorEstimate<T>,
