@@ -3,11 +3,11 @@
 use crate::compare::Equilibrium;
 use crate::dispatch::Attitude;
 use crate::reference::{self, Reference};
-use files::plan::{self, Plan, Question};
+use files::plan::{self, ElasticShaft, Plan, Question};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use spindle_bearing::{
-    Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, Section,
+    Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, Section, Support,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -213,7 +213,7 @@ struct MountedRow {
     growth: [f64; 3],
     preload_offset: Option<f64>,
     #[serde(default)]
-    support: Support,
+    support: SupportRow,
 }
 
 #[derive(Deserialize)]
@@ -307,83 +307,68 @@ pub fn sets() -> Vec<SolvedSet> {
 pub const ELASTIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/elastic.json");
 
 /// Axial, radial (N/m) and tilting (N m/rad) stiffness that holds an outer ring; none is rigid.
-pub type Support = [Option<f64>; 3];
+type SupportRow = [Option<f64>; 3];
 
-/// An elastic shaft, rigid outside its sections.
-#[derive(Debug, Clone, Deserialize)]
-pub struct ElasticShaft {
-    /// Young's modulus, Pa.
-    pub youngs_modulus: f64,
-    /// Poisson's ratio.
-    pub poissons_ratio: f64,
-    /// Start, end, outer and inner diameter of each section, m.
-    pub sections: Vec<[f64; 4]>,
+/// An elastic shaft, rigid outside its sections, each from, to, outer and inner diameter.
+#[derive(Deserialize)]
+struct ElasticRow {
+    youngs_modulus: f64,
+    poissons_ratio: f64,
+    sections: Vec<[f64; 4]>,
 }
 
-/// A solved set on an elastic shaft with elastic supports.
-#[derive(Debug, Clone)]
-pub struct SolvedElastic {
-    /// Bearings, load, and the shaft's answer at `x = 0`.
-    pub set: SolvedSet<SolvedElasticRow>,
-    /// The shaft.
-    pub shaft: ElasticShaft,
-    /// What holds the outer ring of each row.
-    pub supports: Vec<Support>,
-    /// Position of the nose, m.
-    pub nose: f64,
-    /// The shaft's answer there.
-    pub at_nose: SolvedNose,
-}
-
-impl SolvedElastic {
-    /// The spindle with its shaft and supports.
-    pub fn plan(&self) -> Plan {
+impl ElasticRow {
+    fn shaft(&self, supports: &[SupportRow]) -> ElasticShaft {
         let section = |&[from, to, outer, inner]: &[f64; 4]| Section {
             from,
             to,
             outer,
             inner,
         };
-        let support = |&[axial, radial, tilting]: &Support| spindle_bearing::Support {
-            axial: axial.unwrap_or(f64::INFINITY),
-            radial: radial.unwrap_or(f64::INFINITY),
-            tilting: tilting.unwrap_or(f64::INFINITY),
+        let support = |row: &SupportRow| {
+            let [axial, radial, tilting] = row.map(|k| k.unwrap_or(f64::INFINITY));
+            Support {
+                axial,
+                radial,
+                tilting,
+            }
         };
-        let shaft = plan::ElasticShaft {
-            sections: self.shaft.sections.iter().map(section).collect(),
+        ElasticShaft {
+            sections: self.sections.iter().map(section).collect(),
             material: Material {
-                youngs_modulus: self.shaft.youngs_modulus,
-                poissons_ratio: self.shaft.poissons_ratio,
+                youngs_modulus: self.youngs_modulus,
+                poissons_ratio: self.poissons_ratio,
                 ..Material::STEEL
             },
-            supports: self.supports.iter().map(support).collect(),
+            supports: supports.iter().map(support).collect(),
             loads: Vec::new(),
             loaded_at: 0.0,
-        };
-        Plan {
-            shaft: Some(shaft),
-            ..self.set.plan.clone()
         }
-    }
-
-    /// The spindle, as the reference build calls it.
-    pub fn reference(&self) -> reference::spindle::Spindle {
-        let growth = &self.set.question.growth;
-        reference_spindle(&self.set.plan, growth, &self.supports, Some(&self.shaft))
     }
 }
 
-/// A spindle, as the reference build calls it. Growth and supports are none where there are fewer than rows.
+/// A solved set on an elastic shaft with elastic supports.
+#[derive(Debug, Clone)]
+pub struct SolvedElastic {
+    /// Bearings, shaft, load, and the shaft's answer at `x = 0`.
+    pub set: SolvedSet<SolvedElasticRow>,
+    /// Position of the nose, m.
+    pub nose: f64,
+    /// The shaft's answer there.
+    pub at_nose: SolvedNose,
+}
+
+/// A spindle, as the reference build calls it. Growth is none where there are fewer than rows.
 ///
 /// # Panics
 ///
-/// If a row is preloaded by a force.
-pub fn reference_spindle(
-    plan: &Plan,
-    growth: &[Growth<f64>],
-    supports: &[Support],
-    shaft: Option<&ElasticShaft>,
-) -> reference::spindle::Spindle {
+/// If a row is preloaded by a force, or a bearing refused.
+pub fn reference_spindle(plan: &Plan, growth: &[Growth<f64>]) -> reference::spindle::Solver {
+    let shaft = plan.shaft.as_ref();
+    let support = |index: usize| {
+        let support = shaft.and_then(|shaft| shaft.supports.get(index));
+        support.unwrap_or(&Support::RIGID)
+    };
     let row = |(index, row): (usize, &plan::Row)| {
         let growth = growth.get(index).unwrap_or(&Growth::NONE);
         let closure = match row.preload {
@@ -391,28 +376,32 @@ pub fn reference_spindle(
             Preload::Spring => None,
             other => panic!("{other:?} is no closure"),
         };
+        let held = support(index);
         reference::spindle::Row {
             bearing: reference_bearing(&row.design, row.balls),
             position: row.position,
-            facing: match row.facing {
-                Facing::PlusX => 1.0,
-                Facing::MinusX => -1.0,
-            },
+            facing: row.facing.sign(),
             closure: closure.unwrap_or(0.0),
             growth: [growth.axial, growth.radial, growth.ball],
             slides: closure.is_none(),
-            support: supports.get(index).copied().unwrap_or_default(),
+            support: [held.axial, held.radial, held.tilting],
         }
     };
-    reference::spindle::Spindle {
+    let spindle = reference::spindle::Spindle {
         rows: plan.rows.iter().enumerate().map(row).collect(),
         shaft: shaft.map(|shaft| reference::spindle::Shaft {
-            youngs_modulus: shaft.youngs_modulus,
-            poissons_ratio: shaft.poissons_ratio,
-            sections: shaft.sections.clone(),
+            youngs_modulus: shaft.material.youngs_modulus,
+            poissons_ratio: shaft.material.poissons_ratio,
+            sections: (shaft.sections.iter())
+                .map(|section| [section.from, section.to, section.outer, section.inner])
+                .collect(),
         }),
         spring: plan.spring,
-    }
+        loads: (shaft.iter().flat_map(|shaft| &shaft.loads))
+            .map(|at| (at.position, at.load))
+            .collect(),
+    };
+    reference::spindle::Solver::new(&spindle).unwrap_or_else(|e| panic!("{spindle:?}: {e}"))
 }
 
 /// Displacement and flexibility of the shaft at a nose.
@@ -441,7 +430,7 @@ pub struct SolvedElasticRow {
 
 #[derive(Deserialize)]
 struct ShaftRow {
-    shaft: ElasticShaft,
+    shaft: ElasticRow,
     nose: f64,
 }
 
@@ -452,15 +441,17 @@ struct ShaftRow {
 /// If the file is not there or is not what it should be.
 pub fn elastic() -> Vec<SolvedElastic> {
     type Rows = ((usize, SetRow<SolvedElasticRow>), ShaftRow);
-    let solved = |((number, mut set), on): Rows| SolvedElastic {
-        supports: set.rows.iter().map(|row| row.support).collect(),
-        shaft: on.shaft,
-        nose: on.nose,
-        at_nose: set.expect.nose.take().expect("a solved nose"),
-        set: {
-            let name = format!("elastic {number} ({})", set.layout);
-            set.solved(name)
-        },
+    let solved = |((number, mut row), on): Rows| {
+        let supports: Vec<_> = row.rows.iter().map(|row| row.support).collect();
+        let at_nose = row.expect.nose.take().expect("a solved nose");
+        let name = format!("elastic {number} ({})", row.layout);
+        let mut set = row.solved(name);
+        set.plan.shaft = Some(on.shaft.shaft(&supports));
+        SolvedElastic {
+            set,
+            nose: on.nose,
+            at_nose,
+        }
     };
     // Not flattened: serde_json refuses numbers there, if a program asks it for any precision.
     let sets = read(ELASTIC).into_iter().enumerate();

@@ -278,7 +278,7 @@ fn with_equilibrium(case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
 fn of_ross(case: Case) -> anyhow::Result<Case> {
     let set = &elastic()[case["set"] as usize];
     let balls = Balls::Moving(set.set.attitude);
-    let answer = with_solver(&set.plan(), balls, Precision::F64, |solver| {
+    let answer = with_solver(&set.set.plan, balls, Precision::F64, |solver| {
         solver.solve(&set.set.question, &[ShaftEnd::rigid(set.nose)])
     })?;
     let answer = answer.map_err(|status| anyhow!("{}: {status}", set.set.name))?;

@@ -55,7 +55,7 @@ fn solved_elastic_sets_are_solved_in_both_precisions() {
         for (precision, bounds) in bounds {
             let ends = [ShaftEnd::rigid(case.nose)];
             let balls = Balls::Moving(case.set.attitude);
-            let found = with_solver(&case.plan(), balls, precision, |solver| {
+            let found = with_solver(&case.set.plan, balls, precision, |solver| {
                 solver.solve(&case.set.question, &ends)
             });
             let name = &case.set.name;

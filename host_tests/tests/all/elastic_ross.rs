@@ -18,9 +18,10 @@ fn flexibilities_are_written_for_ross() {
         if case.set.plan.spring.is_some() || number == 25 {
             continue;
         }
+        let shaft = case.set.plan.shaft.as_ref().unwrap();
         let balls = Balls::Moving(case.set.attitude);
         let end = ShaftEnd::rigid(case.nose);
-        let found = with_solver(&case.plan(), balls, Precision::F64, |solver| {
+        let found = with_solver(&case.set.plan, balls, Precision::F64, |solver| {
             solver.solve(&case.set.question, &[end])
         });
         let found = found.unwrap().unwrap();
@@ -29,9 +30,9 @@ fn flexibilities_are_written_for_ross() {
             |(row, found)| json!({ "position": row.position, "stiffness": found.stiffness_on_shaft }),
         );
         let spindle = json!({
-            "youngs_modulus": case.shaft.youngs_modulus,
-            "poissons_ratio": case.shaft.poissons_ratio,
-            "sections": case.shaft.sections,
+            "youngs_modulus": shaft.material.youngs_modulus,
+            "poissons_ratio": shaft.material.poissons_ratio,
+            "sections": shaft.sections.iter().map(|s| [s.from, s.to, s.outer, s.inner]).collect::<Vec<_>>(),
             "rows": rows.collect::<Vec<_>>(),
             "noses": [{ "position": case.nose, "flexibility": found.at[0].compliance }],
         });
