@@ -1,6 +1,6 @@
 //! Bearings under load to judge solvers by: solved ones from a file, and random ones.
 
-use crate::compare::Equilibrium;
+use crate::compare::{Ball, Equilibrium};
 use crate::dispatch::Attitude;
 use crate::reference::{self, Reference};
 use files::plan::{self, ElasticShaft, Plan, Question};
@@ -165,7 +165,7 @@ pub const SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/sets.json");
 
 /// A solved set of bearings on one shaft.
 #[derive(Debug, Clone)]
-pub struct SolvedSet<R = SolvedRow> {
+pub struct SolvedSet {
     /// Its name in failure messages.
     pub name: String,
     /// Rows, arrangement and spring.
@@ -181,28 +181,45 @@ pub struct SolvedSet<R = SolvedRow> {
     /// Closure that a spring makes, m.
     pub spring_closure: Option<f64>,
     /// The rows.
-    pub rows: Vec<R>,
+    pub rows: Vec<SolvedRow>,
+    /// Position of the nose of an elastic shaft, m, and the shaft's answer there.
+    pub nose: Option<(f64, SolvedNose)>,
 }
 
-/// Load and ball forces of a row of a solved set.
+/// Load, motion and balls of a row of a solved set.
 #[derive(Debug, Clone, Deserialize)]
 pub struct SolvedRow {
     /// Load on its inner ring, in the row's own frame.
     #[serde(rename = "F")]
     pub load: [f64; 5],
-    /// Per ball: inner and outer contact angle, inner and outer contact force, centrifugal force, gyroscopic moment.
-    pub balls: Vec<[f64; 6]>,
+    /// Displacement of an elastic shaft at the row, in the shaft's frame, m and rad.
+    #[serde(rename = "w")]
+    pub displacement: Option<[f64; 5]>,
+    /// The balls; on an elastic shaft without inertia loads.
+    pub balls: Vec<Ball>,
+}
+
+impl SolvedSet {
+    /// The solution, as far as it is compared: the balls are those of all rows.
+    pub fn truth(&self) -> Equilibrium {
+        let balls = self.rows.iter().flat_map(|row| &row.balls);
+        Equilibrium {
+            displacement: self.displacement,
+            stiffness: self.stiffness,
+            balls: balls.copied().collect(),
+        }
+    }
 }
 
 #[derive(Deserialize)]
-struct SetRow<R> {
+struct SetRow {
     layout: String,
     attitude: Attitude,
     rows: Vec<MountedRow>,
     load: [f64; 5],
     speed_rpm: f64,
     spring_force: Option<f64>,
-    expect: SetExpect<R>,
+    expect: SetExpect,
 }
 
 #[derive(Deserialize)]
@@ -217,11 +234,11 @@ struct MountedRow {
 }
 
 #[derive(Deserialize)]
-struct SetExpect<R> {
+struct SetExpect {
     u: [f64; 5],
     #[serde(rename = "K")]
     stiffness: [[f64; 5]; 5],
-    rows: Vec<R>,
+    rows: Vec<SolvedRow>,
     spring_offset: Option<f64>,
     nose: Option<SolvedNose>,
 }
@@ -263,8 +280,8 @@ impl MountedRow {
     }
 }
 
-impl<R> SetRow<R> {
-    fn solved(self, name: String) -> SolvedSet<R> {
+impl SetRow {
+    fn solved(self, name: String) -> SolvedSet {
         SolvedSet {
             name,
             plan: Plan {
@@ -285,6 +302,7 @@ impl<R> SetRow<R> {
             stiffness: self.expect.stiffness,
             spring_closure: self.expect.spring_offset,
             rows: self.expect.rows,
+            nose: None,
         }
     }
 }
@@ -295,7 +313,7 @@ impl<R> SetRow<R> {
 ///
 /// If the file is not there or is not what it should be.
 pub fn sets() -> Vec<SolvedSet> {
-    let numbered = read::<SetRow<SolvedRow>>(SETS).into_iter().enumerate();
+    let numbered = read::<SetRow>(SETS).into_iter().enumerate();
     let solved = numbered.map(|(number, set)| {
         let name = format!("set {number} ({})", set.layout);
         set.solved(name)
@@ -345,17 +363,6 @@ impl ElasticRow {
             loaded_at: 0.0,
         }
     }
-}
-
-/// A solved set on an elastic shaft with elastic supports.
-#[derive(Debug, Clone)]
-pub struct SolvedElastic {
-    /// Bearings, shaft, load, and the shaft's answer at `x = 0`.
-    pub set: SolvedSet<SolvedElasticRow>,
-    /// Position of the nose, m.
-    pub nose: f64,
-    /// The shaft's answer there.
-    pub at_nose: SolvedNose,
 }
 
 /// A spindle, as the reference build calls it. Growth is none where there are fewer than rows.
@@ -415,19 +422,6 @@ pub struct SolvedNose {
     pub flexibility: [[f64; 5]; 5],
 }
 
-/// Load, motion and ball forces of a row on an elastic shaft.
-#[derive(Debug, Clone, Deserialize)]
-pub struct SolvedElasticRow {
-    /// Load on its inner ring, in the row's own frame.
-    #[serde(rename = "F")]
-    pub load: [f64; 5],
-    /// Displacement of the shaft at the row, in the shaft's frame, m and rad.
-    #[serde(rename = "w")]
-    pub displacement: [f64; 5],
-    /// Per ball: inner and outer contact angle, inner and outer contact force.
-    pub balls: Vec<[f64; 4]>,
-}
-
 #[derive(Deserialize)]
 struct ShaftRow {
     shaft: ElasticRow,
@@ -439,19 +433,15 @@ struct ShaftRow {
 /// # Panics
 ///
 /// If the file is not there or is not what it should be.
-pub fn elastic() -> Vec<SolvedElastic> {
-    type Rows = ((usize, SetRow<SolvedElasticRow>), ShaftRow);
-    let solved = |((number, mut row), on): Rows| {
+pub fn elastic() -> Vec<SolvedSet> {
+    let solved = |((number, mut row), on): ((usize, SetRow), ShaftRow)| {
         let supports: Vec<_> = row.rows.iter().map(|row| row.support).collect();
-        let at_nose = row.expect.nose.take().expect("a solved nose");
+        let nose = row.expect.nose.take();
         let name = format!("elastic {number} ({})", row.layout);
         let mut set = row.solved(name);
         set.plan.shaft = Some(on.shaft.shaft(&supports));
-        SolvedElastic {
-            set,
-            nose: on.nose,
-            at_nose,
-        }
+        set.nose = nose.map(|nose| (on.nose, nose));
+        set
     };
     // Not flattened: serde_json refuses numbers there, if a program asks it for any precision.
     let sets = read(ELASTIC).into_iter().enumerate();

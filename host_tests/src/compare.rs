@@ -21,7 +21,7 @@ pub struct Race {
 
 /// A ball, as far as it is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(from = "[f64; 6]")]
+#[serde(from = "Vec<f64>")]
 pub struct Ball {
     /// Contact at the inner race.
     pub inner: Race,
@@ -167,6 +167,15 @@ pub fn stiffness_error(found: &[[f64; 5]; 5], truth: &[[f64; 5]; 5]) -> f64 {
         }
     }
     error
+}
+
+/// The first of the six figures; the others are 0.
+impl From<Vec<f64>> for Ball {
+    fn from(figures: Vec<f64>) -> Self {
+        Self::from(std::array::from_fn(|i| {
+            figures.get(i).copied().unwrap_or(0.0)
+        }))
+    }
 }
 
 /// Inner and outer contact angle, inner and outer contact force, `Fc`, `Mg`.
