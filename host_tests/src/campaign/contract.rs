@@ -110,6 +110,8 @@ const OF_SETS: &[Promise] = &[
         |of| vec![share(of, |r| matches!(r.verdict, Verdict::Failed(_)), |_| true)], [&[0.0], &[0.0]]),
     ("missed, %", &[Moderate, WarmJumps], missed, [&[0.3], &[0.3]]),
     ("missed, %", &[Random], missed, [&[2.0], &[1.0]]),
+    ("unjudged, %", &[Moderate, ZeroLoads, WarmJumps], unjudged, [&[0.2], &[0.2]]),
+    ("unjudged, %", &[Random], unjudged, [&[0.8], &[0.8]]),
     ("wrong, %", &Family::OF_SETS, |of| vec![share(of, Record::deceives, |_| true)], [&[0.0], &[0.0]]),
 ];
 
