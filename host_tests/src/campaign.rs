@@ -7,6 +7,7 @@ pub mod families;
 pub mod judge;
 pub mod page;
 pub mod report;
+pub mod sets;
 
 use crate::progress::Progress;
 use families::{Family, Trial};
@@ -20,6 +21,8 @@ pub struct Plan {
     pub seed: u64,
     /// Solves of each precision to count, over all families.
     pub solves: usize,
+    /// Sets of bearings are solved in the place of bearings.
+    pub of_sets: bool,
     /// Families to take; the solves of the other families are left out.
     pub families: Vec<Family>,
     /// Refusals of a family that the reference build looks into with its own search, the first ones;
@@ -33,11 +36,28 @@ impl Plan {
     /// Seed of the committed report.
     pub const SEED: u64 = 1;
 
+    /// Families of which bearings or sets are drawn.
+    pub const fn all(of_sets: bool) -> &'static [Family] {
+        if of_sets {
+            &Family::OF_SETS
+        } else {
+            &Family::ALL
+        }
+    }
+
     /// Cases of a family: every family gets as many solves as any other.
     pub fn cases(&self, family: Family) -> usize {
         self.solves
-            .div_ceil(Family::ALL.len())
+            .div_ceil(Self::all(self.of_sets).len())
             .div_ceil(family.ticks())
+    }
+
+    /// The case of this family and number.
+    pub fn trial(&self, family: Family, index: usize) -> Trial {
+        match self.of_sets {
+            true => Trial::of_set(self.seed, family, index),
+            false => Trial::new(self.seed, family, index),
+        }
     }
 }
 
@@ -50,7 +70,7 @@ pub fn run(plan: &Plan, progress: &dyn Progress) -> Vec<Record> {
     for &family in &plan.families {
         progress.stage(family.name());
         let judged = |index| {
-            let trial = Trial::new(plan.seed, family, index);
+            let trial = plan.trial(family, index);
             let judged = judge::judge(&trial, index % plan.followed == 0);
             progress.done(family.ticks());
             judged.into_iter().map(|solve| solve.records)
@@ -62,7 +82,7 @@ pub fn run(plan: &Plan, progress: &dyn Progress) -> Vec<Record> {
         let open = solves.iter_mut().filter(|solve| solve.iter().any(is_open));
         let open: Vec<_> = open.take(plan.searches.unwrap_or(usize::MAX)).collect();
         open.into_par_iter().for_each(|solve| {
-            judge::search(&Trial::new(plan.seed, family, solve[0].index), solve);
+            judge::search(&plan.trial(family, solve[0].index), solve);
         });
         records.extend(solves.into_iter().flatten());
     }
@@ -76,5 +96,7 @@ pub fn in_full(trial: &Trial) -> String {
         judge::search(trial, &mut solve.records);
     }
     let (case, ticks, known) = (&trial.case, &trial.ticks, trial.known);
-    format!("{case:#?}\n{ticks:#?}\nmade from {known:?}\n{judged:#?}\n")
+    let set = trial.set.as_ref();
+    let set = set.map(|set| (&set.plan, &set.growth, set.held));
+    format!("{case:#?}\n{set:#?}\n{ticks:#?}\nmade from {known:?}\n{judged:#?}\n")
 }

@@ -1,13 +1,13 @@
 //! Bearings under load to judge solvers by: solved ones from a file, and random ones.
 
-use crate::compare::Equilibrium;
+use crate::compare::{Ball, Equilibrium};
 use crate::dispatch::Attitude;
 use crate::reference::{self, Reference};
-use files::plan::{self, Plan, Question};
+use files::plan::{self, ElasticShaft, Plan, Question};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use spindle_bearing::{
-    Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, Section,
+    Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, Section, Support,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -165,7 +165,7 @@ pub const SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/sets.json");
 
 /// A solved set of bearings on one shaft.
 #[derive(Debug, Clone)]
-pub struct SolvedSet<R = SolvedRow> {
+pub struct SolvedSet {
     /// Its name in failure messages.
     pub name: String,
     /// Rows, arrangement and spring.
@@ -181,28 +181,45 @@ pub struct SolvedSet<R = SolvedRow> {
     /// Closure that a spring makes, m.
     pub spring_closure: Option<f64>,
     /// The rows.
-    pub rows: Vec<R>,
+    pub rows: Vec<SolvedRow>,
+    /// Position of the nose of an elastic shaft, m, and the shaft's answer there.
+    pub nose: Option<(f64, SolvedNose)>,
 }
 
-/// Load and ball forces of a row of a solved set.
+/// Load, motion and balls of a row of a solved set.
 #[derive(Debug, Clone, Deserialize)]
 pub struct SolvedRow {
     /// Load on its inner ring, in the row's own frame.
     #[serde(rename = "F")]
     pub load: [f64; 5],
-    /// Per ball: inner and outer contact angle, inner and outer contact force, centrifugal force, gyroscopic moment.
-    pub balls: Vec<[f64; 6]>,
+    /// Displacement of an elastic shaft at the row, in the shaft's frame, m and rad.
+    #[serde(rename = "w")]
+    pub displacement: Option<[f64; 5]>,
+    /// The balls; on an elastic shaft without inertia loads.
+    pub balls: Vec<Ball>,
+}
+
+impl SolvedSet {
+    /// The solution, as far as it is compared: the balls are those of all rows.
+    pub fn truth(&self) -> Equilibrium {
+        let balls = self.rows.iter().flat_map(|row| &row.balls);
+        Equilibrium {
+            displacement: self.displacement,
+            stiffness: self.stiffness,
+            balls: balls.copied().collect(),
+        }
+    }
 }
 
 #[derive(Deserialize)]
-struct SetRow<R> {
+struct SetRow {
     layout: String,
     attitude: Attitude,
     rows: Vec<MountedRow>,
     load: [f64; 5],
     speed_rpm: f64,
     spring_force: Option<f64>,
-    expect: SetExpect<R>,
+    expect: SetExpect,
 }
 
 #[derive(Deserialize)]
@@ -213,15 +230,15 @@ struct MountedRow {
     growth: [f64; 3],
     preload_offset: Option<f64>,
     #[serde(default)]
-    support: Support,
+    support: SupportRow,
 }
 
 #[derive(Deserialize)]
-struct SetExpect<R> {
+struct SetExpect {
     u: [f64; 5],
     #[serde(rename = "K")]
     stiffness: [[f64; 5]; 5],
-    rows: Vec<R>,
+    rows: Vec<SolvedRow>,
     spring_offset: Option<f64>,
     nose: Option<SolvedNose>,
 }
@@ -263,8 +280,8 @@ impl MountedRow {
     }
 }
 
-impl<R> SetRow<R> {
-    fn solved(self, name: String) -> SolvedSet<R> {
+impl SetRow {
+    fn solved(self, name: String) -> SolvedSet {
         SolvedSet {
             name,
             plan: Plan {
@@ -285,6 +302,7 @@ impl<R> SetRow<R> {
             stiffness: self.expect.stiffness,
             spring_closure: self.expect.spring_offset,
             rows: self.expect.rows,
+            nose: None,
         }
     }
 }
@@ -295,7 +313,7 @@ impl<R> SetRow<R> {
 ///
 /// If the file is not there or is not what it should be.
 pub fn sets() -> Vec<SolvedSet> {
-    let numbered = read::<SetRow<SolvedRow>>(SETS).into_iter().enumerate();
+    let numbered = read::<SetRow>(SETS).into_iter().enumerate();
     let solved = numbered.map(|(number, set)| {
         let name = format!("set {number} ({})", set.layout);
         set.solved(name)
@@ -307,83 +325,57 @@ pub fn sets() -> Vec<SolvedSet> {
 pub const ELASTIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/elastic.json");
 
 /// Axial, radial (N/m) and tilting (N m/rad) stiffness that holds an outer ring; none is rigid.
-pub type Support = [Option<f64>; 3];
+type SupportRow = [Option<f64>; 3];
 
-/// An elastic shaft, rigid outside its sections.
-#[derive(Debug, Clone, Deserialize)]
-pub struct ElasticShaft {
-    /// Young's modulus, Pa.
-    pub youngs_modulus: f64,
-    /// Poisson's ratio.
-    pub poissons_ratio: f64,
-    /// Start, end, outer and inner diameter of each section, m.
-    pub sections: Vec<[f64; 4]>,
+/// An elastic shaft, rigid outside its sections, each from, to, outer and inner diameter.
+#[derive(Deserialize)]
+struct ElasticRow {
+    youngs_modulus: f64,
+    poissons_ratio: f64,
+    sections: Vec<[f64; 4]>,
 }
 
-/// A solved set on an elastic shaft with elastic supports.
-#[derive(Debug, Clone)]
-pub struct SolvedElastic {
-    /// Bearings, load, and the shaft's answer at `x = 0`.
-    pub set: SolvedSet<SolvedElasticRow>,
-    /// The shaft.
-    pub shaft: ElasticShaft,
-    /// What holds the outer ring of each row.
-    pub supports: Vec<Support>,
-    /// Position of the nose, m.
-    pub nose: f64,
-    /// The shaft's answer there.
-    pub at_nose: SolvedNose,
-}
-
-impl SolvedElastic {
-    /// The spindle with its shaft and supports.
-    pub fn plan(&self) -> Plan {
+impl ElasticRow {
+    fn shaft(&self, supports: &[SupportRow]) -> ElasticShaft {
         let section = |&[from, to, outer, inner]: &[f64; 4]| Section {
             from,
             to,
             outer,
             inner,
         };
-        let support = |&[axial, radial, tilting]: &Support| spindle_bearing::Support {
-            axial: axial.unwrap_or(f64::INFINITY),
-            radial: radial.unwrap_or(f64::INFINITY),
-            tilting: tilting.unwrap_or(f64::INFINITY),
+        let support = |row: &SupportRow| {
+            let [axial, radial, tilting] = row.map(|k| k.unwrap_or(f64::INFINITY));
+            Support {
+                axial,
+                radial,
+                tilting,
+            }
         };
-        let shaft = plan::ElasticShaft {
-            sections: self.shaft.sections.iter().map(section).collect(),
+        ElasticShaft {
+            sections: self.sections.iter().map(section).collect(),
             material: Material {
-                youngs_modulus: self.shaft.youngs_modulus,
-                poissons_ratio: self.shaft.poissons_ratio,
+                youngs_modulus: self.youngs_modulus,
+                poissons_ratio: self.poissons_ratio,
                 ..Material::STEEL
             },
-            supports: self.supports.iter().map(support).collect(),
+            supports: supports.iter().map(support).collect(),
             loads: Vec::new(),
             loaded_at: 0.0,
-        };
-        Plan {
-            shaft: Some(shaft),
-            ..self.set.plan.clone()
         }
-    }
-
-    /// The spindle, as the reference build calls it.
-    pub fn reference(&self) -> reference::spindle::Spindle {
-        let growth = &self.set.question.growth;
-        reference_spindle(&self.set.plan, growth, &self.supports, Some(&self.shaft))
     }
 }
 
-/// A spindle, as the reference build calls it. Growth and supports are none where there are fewer than rows.
+/// A spindle, as the reference build calls it. Growth is none where there are fewer than rows.
 ///
 /// # Panics
 ///
-/// If a row is preloaded by a force.
-pub fn reference_spindle(
-    plan: &Plan,
-    growth: &[Growth<f64>],
-    supports: &[Support],
-    shaft: Option<&ElasticShaft>,
-) -> reference::spindle::Spindle {
+/// If a row is preloaded by a force, or a bearing refused.
+pub fn reference_spindle(plan: &Plan, growth: &[Growth<f64>]) -> reference::spindle::Solver {
+    let shaft = plan.shaft.as_ref();
+    let support = |index: usize| {
+        let support = shaft.and_then(|shaft| shaft.supports.get(index));
+        support.unwrap_or(&Support::RIGID)
+    };
     let row = |(index, row): (usize, &plan::Row)| {
         let growth = growth.get(index).unwrap_or(&Growth::NONE);
         let closure = match row.preload {
@@ -391,28 +383,32 @@ pub fn reference_spindle(
             Preload::Spring => None,
             other => panic!("{other:?} is no closure"),
         };
+        let held = support(index);
         reference::spindle::Row {
             bearing: reference_bearing(&row.design, row.balls),
             position: row.position,
-            facing: match row.facing {
-                Facing::PlusX => 1.0,
-                Facing::MinusX => -1.0,
-            },
+            facing: row.facing.sign(),
             closure: closure.unwrap_or(0.0),
             growth: [growth.axial, growth.radial, growth.ball],
             slides: closure.is_none(),
-            support: supports.get(index).copied().unwrap_or_default(),
+            support: [held.axial, held.radial, held.tilting],
         }
     };
-    reference::spindle::Spindle {
+    let spindle = reference::spindle::Spindle {
         rows: plan.rows.iter().enumerate().map(row).collect(),
         shaft: shaft.map(|shaft| reference::spindle::Shaft {
-            youngs_modulus: shaft.youngs_modulus,
-            poissons_ratio: shaft.poissons_ratio,
-            sections: shaft.sections.clone(),
+            youngs_modulus: shaft.material.youngs_modulus,
+            poissons_ratio: shaft.material.poissons_ratio,
+            sections: (shaft.sections.iter())
+                .map(|section| [section.from, section.to, section.outer, section.inner])
+                .collect(),
         }),
         spring: plan.spring,
-    }
+        loads: (shaft.iter().flat_map(|shaft| &shaft.loads))
+            .map(|at| (at.position, at.load))
+            .collect(),
+    };
+    reference::spindle::Solver::new(&spindle).unwrap_or_else(|e| panic!("{spindle:?}: {e}"))
 }
 
 /// Displacement and flexibility of the shaft at a nose.
@@ -426,22 +422,9 @@ pub struct SolvedNose {
     pub flexibility: [[f64; 5]; 5],
 }
 
-/// Load, motion and ball forces of a row on an elastic shaft.
-#[derive(Debug, Clone, Deserialize)]
-pub struct SolvedElasticRow {
-    /// Load on its inner ring, in the row's own frame.
-    #[serde(rename = "F")]
-    pub load: [f64; 5],
-    /// Displacement of the shaft at the row, in the shaft's frame, m and rad.
-    #[serde(rename = "w")]
-    pub displacement: [f64; 5],
-    /// Per ball: inner and outer contact angle, inner and outer contact force.
-    pub balls: Vec<[f64; 4]>,
-}
-
 #[derive(Deserialize)]
 struct ShaftRow {
-    shaft: ElasticShaft,
+    shaft: ElasticRow,
     nose: f64,
 }
 
@@ -450,17 +433,15 @@ struct ShaftRow {
 /// # Panics
 ///
 /// If the file is not there or is not what it should be.
-pub fn elastic() -> Vec<SolvedElastic> {
-    type Rows = ((usize, SetRow<SolvedElasticRow>), ShaftRow);
-    let solved = |((number, mut set), on): Rows| SolvedElastic {
-        supports: set.rows.iter().map(|row| row.support).collect(),
-        shaft: on.shaft,
-        nose: on.nose,
-        at_nose: set.expect.nose.take().expect("a solved nose"),
-        set: {
-            let name = format!("elastic {number} ({})", set.layout);
-            set.solved(name)
-        },
+pub fn elastic() -> Vec<SolvedSet> {
+    let solved = |((number, mut row), on): ((usize, SetRow), ShaftRow)| {
+        let supports: Vec<_> = row.rows.iter().map(|row| row.support).collect();
+        let nose = row.expect.nose.take();
+        let name = format!("elastic {number} ({})", row.layout);
+        let mut set = row.solved(name);
+        set.plan.shaft = Some(on.shaft.shaft(&supports));
+        set.nose = nose.map(|nose| (on.nose, nose));
+        set
     };
     // Not flattened: serde_json refuses numbers there, if a program asks it for any precision.
     let sets = read(ELASTIC).into_iter().enumerate();

@@ -19,13 +19,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
 {
     /// Checks the input, turns it into the solver's units, and sets speed, growth and points of the rows.
     ///
-    /// `to_centre` refers a load from the point where it is given to the shaft's centre. Refused input changes nothing: all
+    /// `to_centre` refers loads and displacements from the point where they are given to the shaft's centre. Refused input changes nothing: all
     /// checks come before the first write.
     pub fn problem<M: Motion, const SET: bool>(
         &mut self,
         layout: &Layout<'_, T, R, SET, E>,
         given: &[Given<T>; D],
-        to_centre: impl FnOnce(&mut [T; D]),
+        to_centre: impl FnOnce(&mut Problem<T, D>),
         at: &OperatingPoint<T, R>,
         placed: u32,
         tolerance: T,
@@ -42,7 +42,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
                 }
             }
         }
-        to_centre(&mut problem.load);
+        to_centre(&mut problem);
         let mut omega = T::ZERO;
         let mut grown = [Growth::NONE; R];
         for ((grown, growth), row) in grown.iter_mut().zip(&at.growth).zip(&layout.bearings) {

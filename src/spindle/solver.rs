@@ -3,7 +3,7 @@
 use crate::ball::kinematics::{Full, Motion};
 use crate::linalg::{moved, refer, vector};
 use crate::real::Real;
-use crate::solver::problem::{Given, Loading, OperatingPoint, Settings, radius};
+use crate::solver::problem::{Given, Loading, OperatingPoint, Problem, Settings, radius};
 use crate::solver::state::are_finite;
 use crate::solver::warm_start::WarmStart;
 use crate::spindle::Spindle;
@@ -145,9 +145,9 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
         let unit = layout.bearings[0].c;
         // From x = 0 to the centre.
-        let to_centre = |load: &mut [T; D]| {
-            refer(-spindle.centre * unit.tilt / unit.length, load);
-            spindle.add_constant(load);
+        let to_centre = |problem: &mut Problem<T, D>| {
+            refer(-spindle.centre * unit.tilt / unit.length, &mut problem.load);
+            spindle.add_constant(&mut problem.load);
         };
         let tolerance = settings.tolerance;
         let problem = self
@@ -176,28 +176,23 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         let overhang = spindle.overhang(given);
         let spring = Given::Load(spindle.spring);
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
-        let to_centre = |load: &mut [T; D]| {
-            if overhang.is_some() {
-                refer(-point / radius(layout.bearings[0].c), load);
-            }
-            spindle.add_constant(load);
-        };
-        self.last.turn_to(layout.mark);
-        self.last.refer(shift);
-        let tolerance = settings.tolerance;
-        let problem = self
-            .last
-            .problem::<M, _>(&layout, &all, to_centre, at, 0, tolerance);
-        let most = settings.max_iterations;
-        let solved = problem.and_then(|mut problem| {
+        let to_centre = |problem: &mut Problem<T, D>| {
             if let Some((piece, deflection)) = overhang {
+                refer(-point / radius(layout.bearings[0].c), &mut problem.load);
                 for (held, of_loads) in problem.prescribed.iter_mut().zip(deflection) {
                     *held = held.map(|u| u - of_loads);
                 }
                 problem.overhang = Some(piece);
             }
-            self.last.run::<M::Rule, _>(&layout, &problem, most, more)
-        });
+            spindle.add_constant(&mut problem.load);
+        };
+        let tolerance = settings.tolerance;
+        let problem = self
+            .last
+            .problem::<M, _>(&layout, &all, to_centre, at, 0, tolerance)?;
+        let most = settings.max_iterations;
+        self.last.refer(shift);
+        let solved = self.last.run::<M::Rule, _>(&layout, &problem, most, more);
         self.last.refer(-shift);
         let mut reached = solved?;
         let mut load = spindle.load_at_origin(&reached.load, point);

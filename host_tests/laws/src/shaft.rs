@@ -1,8 +1,8 @@
 //! Spindles to try, and steps to take with them.
 
-use crate::common::{design, number, settings, several, signed};
+use crate::common::{design, magnitude, number, settings, several, signed};
 use arbitrary::{Arbitrary, Result, Unstructured};
-use spindle_bearing::{Design, Facing, Preload, Settings};
+use spindle_bearing::{Design, Facing, Preload, Section, Settings, Support};
 
 /// Most rows of a spindle.
 pub(crate) const MOST_ROWS: usize = 4;
@@ -19,6 +19,8 @@ pub struct Run {
     pub(crate) rows: Vec<Row>,
     /// Force of the spring, if there is one, relative to what the first bearing can take.
     pub(crate) spring: Option<f64>,
+    /// The shaft, if it is elastic.
+    pub(crate) shaft: Option<Elastic>,
     /// The default, or these.
     pub(crate) settings: Option<Settings<f64>>,
     pub(crate) steps: Vec<Step>,
@@ -26,11 +28,13 @@ pub struct Run {
 
 impl Arbitrary<'_> for Run {
     fn arbitrary(u: &mut Unstructured) -> Result<Self> {
+        let scene: [u8; 3] = u.arbitrary()?;
         Ok(Self {
-            scene: u.arbitrary()?,
+            scene,
             designs: designs(u)?,
             rows: rows(u)?,
             spring: spring(u)?,
+            shaft: (scene[0] >= 160).then(|| elastic(u)).transpose()?,
             settings: settings(u)?,
             steps: steps(u)?,
         })
@@ -48,6 +52,13 @@ pub(crate) struct Row {
     pub(crate) preload: Preload<f64>,
 }
 
+/// An elastic shaft: one section, and the support of every row. Lengths are over the first bearing's pitch diameter.
+#[derive(Debug)]
+pub(crate) struct Elastic {
+    pub(crate) section: Section,
+    pub(crate) support: Support<f64>,
+}
+
 /// Numbers relative to what the first bearing can take.
 #[derive(Debug)]
 pub(crate) enum Step {
@@ -57,6 +68,8 @@ pub(crate) enum Step {
     Nudge([f64; 5], f64),
     /// Axial and radial growth of every row's rings, growth of its balls: for the solves to come.
     Grow([[f64; 3]; MOST_ROWS]),
+    /// Displacements that are given in the place of loads, for the solves to come: these are not cut.
+    Hold([Option<f64>; 5]),
     /// Iterations after which the solves to come are cut.
     Cut(Option<u8>),
     Reset,
@@ -107,11 +120,38 @@ fn spring(u: &mut Unstructured) -> Result<Option<f64>> {
     })
 }
 
+fn elastic(u: &mut Unstructured) -> Result<Elastic> {
+    let outer = magnitude(u, 0.01, 3.0)?;
+    let from = number(u, -5.0, 5.0)?;
+    Ok(Elastic {
+        section: Section {
+            from,
+            to: from + magnitude(u, 1e-3, 30.0)?,
+            outer,
+            inner: outer * number(u, 0.0, 0.99)?,
+        },
+        support: Support {
+            axial: magnitude(u, 1e4, 1e15)?,
+            radial: magnitude(u, 1e4, 1e15)?,
+            tilting: magnitude(u, 0.1, 1e12)?,
+        },
+    })
+}
+
+/// A displacement in the place of every other load.
+fn held(u: &mut Unstructured) -> Result<Option<f64>> {
+    Ok(match u.arbitrary()? {
+        true => Some(signed(u, 1e-9, 3.0)?),
+        false => None,
+    })
+}
+
 fn steps(u: &mut Unstructured) -> Result<Vec<Step>> {
     let mut steps = Vec::new();
     while steps.len() < MOST_STEPS && !u.is_empty() {
         steps.push(match u.int_in_range(0..=9)? {
-            0..=3 => Step::Solve(several(|_| signed(u, 1e-9, 10.0))?, signed(u, 1e-4, 3.0)?),
+            0..=2 => Step::Solve(several(|_| signed(u, 1e-9, 10.0))?, signed(u, 1e-4, 3.0)?),
+            3 => Step::Hold(several(|_| held(u))?),
             4..=6 => Step::Nudge(several(|_| signed(u, 0.3, 3.0))?, signed(u, 0.3, 3.0)?),
             7 => Step::Grow(several(|_| several(|_| signed(u, 1e-6, 0.3)))?),
             8 => Step::Cut(u.arbitrary()?),

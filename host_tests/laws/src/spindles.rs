@@ -9,8 +9,9 @@ use crate::common::{
 use crate::shaft::{MOST_ROWS, Step};
 use crate::statics::{Place, assert_balances, assert_symmetric};
 use spindle_bearing::{
-    Arrangement, Bearing, Full, Growth, Motion, Mounted, Preload, Real, Settings, Speed, Spindle,
-    SpindleError, SpindleSolution, SpindleSolver, Static, Status,
+    Arrangement, Bearing, Full, Given, Growth, Material, Motion, Mounted, Preload, Real, Section,
+    Settings, Shaft, Speed, Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status,
+    Support,
 };
 use std::array::from_fn;
 
@@ -71,10 +72,11 @@ fn of_rows<T: Real, const R: usize>(run: &Run, mounted: &[Mounted<'_, T, BALLS>]
     let named = [ByRows, ByRows, ByRows, BackToBack, FaceToFace, Tandem];
     let arrangement = named[usize::from(run.scene[2]) % named.len()];
     let ends = match run.spring {
-        None => Spindle::<T, R, BALLS>::new(arrangement, rows).map(|spindle| moving(run, spindle)),
+        None => Spindle::<T, R, BALLS>::new(arrangement, rows)
+            .and_then(|spindle| on_shaft(run, spindle)),
         Some(force) => {
             let force = T::of(force * Scale::of(&run.designs[0], BALLS).load[0]);
-            Spindle::sprung(arrangement, rows, force).map(|spindle| moving(run, spindle))
+            Spindle::sprung(arrangement, rows, force).and_then(|spindle| on_shaft(run, spindle))
         }
     };
     ends.unwrap_or_else(|error| {
@@ -86,22 +88,56 @@ fn of_rows<T: Real, const R: usize>(run: &Run, mounted: &[Mounted<'_, T, BALLS>]
     })
 }
 
-fn moving<T: Real, const R: usize, const D: usize>(
+/// On its elastic shaft, if it has one. Pairs alone are compiled for that.
+fn on_shaft<T: Real, const R: usize, const D: usize>(
     run: &Run,
     spindle: Spindle<'_, T, R, BALLS, D>,
+) -> Result<Ends, SpindleError<T>> {
+    let Some(elastic) = run.shaft.as_ref().filter(|_| R == 2) else {
+        return Ok(moving(run, spindle));
+    };
+    if const { R == 2 } {
+        let size = run.designs[0].pitch_diameter;
+        let of = &elastic.section;
+        let [from, to, outer, inner] = [of.from, of.to, of.outer, of.inner].map(|x| x * size);
+        let section = Section {
+            from,
+            to,
+            outer,
+            inner,
+        };
+        let Ok(shaft) = Shaft::<T, 1>::new(&[section], &Material::STEEL) else {
+            return Ok(Ends::from(["rows"]));
+        };
+        let support = Support {
+            axial: T::of(elastic.support.axial),
+            radial: T::of(elastic.support.radial),
+            tilting: T::of(elastic.support.tilting),
+        };
+        return Ok(moving(run, spindle.elastic(&shaft, [support; R])?));
+    }
+    unreachable!("pairs alone")
+}
+
+fn moving<T: Real, const R: usize, const D: usize, const E: usize>(
+    run: &Run,
+    spindle: Spindle<'_, T, R, BALLS, D, E>,
 ) -> Ends {
     match run.scene[1] % 2 {
-        0 => solve::<T, R, Static, D>(run, spindle),
-        _ => solve::<T, R, Full, D>(run, spindle),
+        0 => solve::<T, R, Static, D, E>(run, spindle),
+        _ => solve::<T, R, Full, D, E>(run, spindle),
     }
 }
 
-type Shaft<T, const R: usize, M, const D: usize> = SpindleSolver<T, R, BALLS, M, D>;
+type Solver<T, const R: usize, M, const D: usize, const E: usize> =
+    SpindleSolver<T, R, BALLS, M, D, E>;
 
 /// A question to a solver.
 #[derive(Debug, Clone, Copy)]
 struct Question<T, const R: usize> {
     load: [T; 5],
+    /// Displacements in the place of loads.
+    held: [Option<T>; 5],
     omega: T,
     growth: [Growth<T>; R],
     /// Iterations after which it is cut.
@@ -109,8 +145,8 @@ struct Question<T, const R: usize> {
 }
 
 /// Every figure of a solution.
-fn answer<T: Real, const R: usize, M: Motion, const D: usize>(
-    s: &SpindleSolution<'_, T, R, BALLS, M, D>,
+fn answer<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>(
+    s: &SpindleSolution<'_, T, R, BALLS, M, D, E>,
 ) -> Answer<T> {
     let nose = s.rows().next().map_or(T::ZERO, |row| row.position);
     let matrices = [s.stiffness(), s.stiffness_at(nose), s.compliance_at(nose)];
@@ -136,9 +172,9 @@ fn answer<T: Real, const R: usize, M: Motion, const D: usize>(
 }
 
 /// Takes the steps of a run.
-fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
+fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize, const E: usize>(
     run: &Run,
-    spindle: Spindle<'_, T, R, BALLS, D>,
+    spindle: Spindle<'_, T, R, BALLS, D, E>,
 ) -> Ends {
     let scale = Scale::of(&run.designs[0], BALLS);
     let spring = T::of(run.spring.unwrap_or(0.0) * scale.load[0]);
@@ -148,28 +184,36 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
         (row.facing, row.preload == Preload::Spring, pitch)
     });
     let rows: Vec<Place> = rows.collect();
-    let ask = |solver: &mut Shaft<T, R, M, D>, q: &Question<T, R>, settings: &Settings<T>| {
+    let ask = |solver: &mut Solver<T, R, M, D, E>, q: &Question<T, R>, settings: &Settings<T>| {
         let mut taken = 0;
         let more_time = || {
             taken += 1;
             q.cut.is_none_or(|cut| taken < u32::from(cut))
         };
         let at = Speed::rad_per_s(q.omega).with_growth(q.growth);
-        let asked: Asked<T> = solver
-            .solve_while(&spindle, q.load, at, settings, more_time)
-            .map(|s| {
-                if s.status == Status::Converged {
-                    assert_balances(&rows, spring, &s);
-                }
-                if q.omega == T::ZERO {
-                    assert_symmetric(&s);
-                }
-                answer(&s)
-            });
+        let solved = match q.held {
+            [None, None, None, None, None] => {
+                solver.solve_while(&spindle, q.load, at, settings, more_time)
+            }
+            held => {
+                let given: [_; 5] =
+                    from_fn(|i| held[i].map_or(Given::Load(q.load[i]), Given::Displacement));
+                solver.solve_while(&spindle, given, at, settings, more_time)
+            }
+        };
+        let asked: Asked<T> = solved.map(|s| {
+            if s.status == Status::Converged {
+                assert_balances(&rows, spring, &s);
+            }
+            if q.omega == T::ZERO {
+                assert_symmetric(&s);
+            }
+            answer(&s)
+        });
         asked
     };
     // Something near, so that a solver would start from what it remembers.
-    let probe = |solver: &Shaft<T, R, M, D>, near: &Question<T, R>| {
+    let probe = |solver: &Solver<T, R, M, D, E>, near: &Question<T, R>| {
         let unfinished = format!("{:?}", solver.unfinished(&spindle).map(|s| answer(&s)));
         let question = Question {
             load: near.load.map(|load| load * T::of(0.9)),
@@ -179,10 +223,11 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
         let asked = ask(&mut solver.clone(), &question, &Settings::default());
         format!("{unfinished}, {asked:?}")
     };
-    let fresh = Shaft::<T, R, M, D>::of();
+    let fresh = Solver::<T, R, M, D, E>::of();
     let (mut solver, mut ends) = (fresh.clone(), Ends::new());
     let mut question = Question {
         load: from_fn(|i| T::of([1e-4, 1e-5, 0.0, 1e-6, 0.0][i] * scale.load[i])),
+        held: [None; 5],
         omega: T::ZERO,
         growth: [Growth::NONE; R],
         cut: None,
@@ -202,6 +247,11 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
                 question.growth = from_fn(of_row);
                 continue;
             }
+            Step::Hold(held) => {
+                let scaled = |i: usize| held[i].map(|u| T::of(u * scale.displacement[i]));
+                question.held = from_fn(scaled);
+                continue;
+            }
             Step::Cut(cut) => {
                 question.cut = *cut;
                 continue;
@@ -215,7 +265,9 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize>(
                 question.omega = question.omega * T::of(*factor);
             }
         }
-        let cut = question.cut.map_or(u16::MAX, u16::from);
+        let is_cut = question.held.iter().all(Option::is_none);
+        let cut = question.cut.filter(|_| is_cut);
+        let cut = cut.map_or(u16::MAX, u16::from);
         let most = settings.max_iterations.min(cut).max(1);
         let ended = inspect(ask(&mut solver, &question, &settings), most);
         ends.insert(ended.name());

@@ -6,10 +6,17 @@ use spindle_bearing::{Facing, Motion, Real, SpindleSolution};
 pub type Place = (Facing, bool, f64);
 
 /// Rows carry the load, and those in a sleeve its spring, as well as the contact forces are said to be known.
-pub fn assert_balances<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
+pub fn assert_balances<
+    T: Real,
+    const R: usize,
+    const N: usize,
+    M: Motion,
+    const D: usize,
+    const E: usize,
+>(
     rows: &[Place],
     spring: T,
-    s: &SpindleSolution<'_, T, R, N, M, D>,
+    s: &SpindleSolution<'_, T, R, N, M, D, E>,
 ) {
     let (mut left, mut sliding) = (s.load.map(T::to_f64), spring.to_f64());
     let (mut pressed, mut largest, mut arm) = (0, 0.0, 0.0);
@@ -37,8 +44,15 @@ pub fn assert_balances<T: Real, const R: usize, const N: usize, M: Motion, const
 }
 
 /// At rest, the stiffness has a potential, as well as it is said to be known.
-pub fn assert_symmetric<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
-    s: &SpindleSolution<'_, T, R, N, M, D>,
+pub fn assert_symmetric<
+    T: Real,
+    const R: usize,
+    const N: usize,
+    M: Motion,
+    const D: usize,
+    const E: usize,
+>(
+    s: &SpindleSolution<'_, T, R, N, M, D, E>,
 ) {
     let k = s.stiffness().map(|row| row.map(T::to_f64));
     for i in 0..5 {

@@ -1,5 +1,6 @@
 //! The promises of the solver to its users, which every campaign is held against.
 
+use super::Plan;
 use super::families::Family::{self, *};
 use super::judge::{PRECISIONS, Record, Verdict};
 use super::report::{covered, errors, name, part, ratios, share, table};
@@ -102,10 +103,26 @@ const PROMISES: &[Promise] = &[
         |of| vec![share(of, Record::deceives, |r| r.errors.is_some())], [&[0.3], &[0.01]]),
 ];
 
+/// Of sets of bearings, an answer is wrong if it is off by more than its errors say: see [`Record::deceives`].
+#[rustfmt::skip]
+const OF_SETS: &[Promise] = &[
+    ("panics, figures not finite, solves past 100 iterations, wrong reasons", &Family::OF_SETS,
+        |of| vec![share(of, |r| matches!(r.verdict, Verdict::Failed(_)), |_| true)], [&[0.0], &[0.0]]),
+    ("missed, %", &[Moderate, WarmJumps], missed, [&[0.3], &[0.3]]),
+    ("missed, %", &[Random], missed, [&[2.0], &[1.0]]),
+    ("unjudged, %", &[Moderate, ZeroLoads, WarmJumps], unjudged, [&[0.2], &[0.2]]),
+    ("unjudged, %", &[Random], unjudged, [&[0.8], &[0.8]]),
+    ("wrong, %", &Family::OF_SETS, |of| vec![share(of, Record::deceives, |_| true)], [&[0.0], &[0.0]]),
+];
+
+const fn promised(of_sets: bool) -> &'static [Promise] {
+    if of_sets { OF_SETS } else { PROMISES }
+}
+
 /// The promises that a campaign of all families does not keep, in words.
-pub fn broken(records: &[Record]) -> Vec<String> {
+pub fn broken(records: &[Record], of_sets: bool) -> Vec<String> {
     let mut broken = Vec::new();
-    for &(text, families, figures, bounds) in PROMISES {
+    for &(text, families, figures, bounds) in promised(of_sets) {
         let each = families.iter().map(|family| Some(*family));
         for family in each.chain(families.is_empty().then_some(None)) {
             for (precision, most) in PRECISIONS.into_iter().zip(bounds) {
@@ -128,7 +145,7 @@ pub fn broken(records: &[Record]) -> Vec<String> {
 }
 
 /// The promises, as a table.
-pub fn promises() -> String {
+pub fn promises(of_sets: bool) -> String {
     let bound = |most: &f64| match *most {
         f64::INFINITY => "-".to_owned(),
         most if most < 1e-3 && most > 0.0 => format!("{most:e}"),
@@ -137,12 +154,12 @@ pub fn promises() -> String {
     let row = |&(text, families, _, bounds): &Promise| {
         let families: Vec<&str> = match families {
             [] => vec!["all together"],
-            families if families.len() == Family::ALL.len() => vec!["every family"],
+            families if families == Plan::all(of_sets) => vec!["every family"],
             families => families.iter().map(|family| family.name()).collect(),
         };
         let [f32, f64] = bounds.map(|most| most.iter().map(bound).collect::<Vec<_>>().join(" / "));
         vec![text.to_owned(), families.join(", "), f32, f64]
     };
-    let rows: Vec<Vec<String>> = PROMISES.iter().map(row).collect();
+    let rows: Vec<Vec<String>> = promised(of_sets).iter().map(row).collect();
     table(&["largest", "of", "f32", "f64"], &rows)
 }

@@ -3,6 +3,7 @@
 //! A family, an index and the campaign's seed give one case for ever, whatever the solver does. Where a load has to be that
 //! of a known displacement, the reference build's law gives it.
 
+use super::sets::Set;
 use crate::cases::{Case, Random, rad_per_s};
 use crate::dispatch::Attitude;
 use crate::reference::Reference;
@@ -59,6 +60,14 @@ families! {
 }
 
 impl Family {
+    /// Families of which sets of bearings are drawn, too.
+    pub const OF_SETS: [Self; 4] = [
+        Self::Moderate,
+        Self::Random,
+        Self::ZeroLoads,
+        Self::WarmJumps,
+    ];
+
     /// Solves of a case that are counted.
     pub const fn ticks(self) -> usize {
         match self {
@@ -93,6 +102,8 @@ pub struct Trial {
     pub case: Case,
     /// The bearing, prepared by the reference build.
     pub reference: Reference,
+    /// The set of bearings that is solved in the place of this bearing.
+    pub set: Option<Set>,
     /// Solved by the solver for bearings at rest, in closed form for every ball.
     pub at_rest: bool,
     /// Loads and speeds, one after the other; only the last [`Family::ticks`] count.
@@ -539,8 +550,26 @@ impl Tick {
 }
 
 impl Trial {
-    /// The case of this family and number, in the campaign of this seed.
+    /// The bearing of this family and number, in the campaign of this seed.
     pub fn new(seed: u64, family: Family, index: usize) -> Self {
+        Self::draw(seed, family, index).0
+    }
+
+    /// The set of this family and number: of its bearing, under its loads.
+    pub fn of_set(seed: u64, family: Family, index: usize) -> Self {
+        let (mut trial, mut draft) = Self::draw(seed, family, index);
+        let capacity = draft.capacity();
+        let set = Set::draw(&mut draft.r, &draft.design, draft.balls, capacity);
+        if set.plan.rows.len() > 4 {
+            // Outer race control is compiled for one to four rows.
+            trial.case.attitude = Attitude::Raceless;
+        }
+        trial.case.name.insert_str(0, "set of ");
+        trial.set = Some(set);
+        trial
+    }
+
+    fn draw(seed: u64, family: Family, index: usize) -> (Self, Draft) {
         // One draw scrambles what would otherwise be overlapping sequences.
         let place = ((family as u64) << 56) ^ index as u64;
         let mut r = Random::seeded(Random::seeded(seed).bits() ^ place);
@@ -575,10 +604,11 @@ impl Trial {
             ticks = ticks.iter().map(Tick::rounded).collect();
         }
         let at_rest = ticks.iter().all(|tick| tick.omega == 0.0) && draft.r.chance(0.5);
-        Self {
+        let trial = Self {
             family,
             index,
             reference: draft.reference(),
+            set: None,
             case: Case {
                 name: format!("{} {index}", family.name()),
                 balls: draft.balls,
@@ -590,6 +620,7 @@ impl Trial {
             at_rest,
             ticks,
             known,
-        }
+        };
+        (trial, draft)
     }
 }

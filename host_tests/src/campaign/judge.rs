@@ -2,12 +2,15 @@
 
 use super::balance::{centres, residual};
 use super::families::{Family, Tick, Trial};
+use super::sets::Set;
 use crate::compare::{Ball, Equilibrium};
 use crate::dispatch::Precision;
+use crate::reference::spindle::Start;
 use crate::reference::{self, Failure, Solution, small_solve};
-use crate::spindles::{self, Balls, with_solver};
-use files::plan::Plan;
-use spindle_bearing::BallState;
+use crate::spindles::{self, Balls, Choices, with_solver};
+use files::noses::ShaftEnd;
+use files::plan::{Plan, Question};
+use spindle_bearing::{BallState, Design, Growth};
 use std::array::from_fn;
 use std::f64::consts::PI;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -24,6 +27,9 @@ const APART: f64 = 1e-6;
 
 /// An answer deceives if an error is larger than the first of these and than so many times its own estimate.
 const DECEIVES: (f64, f64) = (1e-3, 30.0);
+
+/// Errors of the reference build of sets, which works in doubles. A smaller error of a set counts as none.
+const OF_SETS: f64 = 1e-10;
 
 /// A centrifugal force that makes no difference, of the largest contact force.
 const NEGLIGIBLE: f64 = 1e-16;
@@ -42,24 +48,17 @@ pub struct Answer {
 
 impl Answer {
     fn equilibrium(&self) -> Option<Equilibrium> {
-        let figures = self.figures.as_ref()?;
-        Some(Equilibrium {
-            displacement: figures.displacement,
-            stiffness: figures.stiffness,
-            balls: self.balls().iter().map(Ball::from).collect(),
-        })
+        self.figures.as_ref().map(equilibrium)
     }
 
-    /// The balls, where there are figures.
-    fn balls(&self) -> &[BallState<f64>] {
-        match &self.figures {
-            Some(figures) => &figures.rows[0].balls,
-            None => &[],
-        }
+    /// The balls of all rows, where there are figures.
+    fn balls(&self) -> Vec<BallState<f64>> {
+        let rows = self.figures.iter().flat_map(|figures| &figures.rows);
+        rows.flat_map(|row| &row.balls).copied().collect()
     }
 
-    /// Fault that must never be, if the answer to this tick has one.
-    fn failure(&self, tick: &Tick) -> Option<&'static str> {
+    /// Fault that must never be, if the answer to this tick has one. A set may stand without a load.
+    fn failure(&self, tick: &Tick, is_set: bool) -> Option<&'static str> {
         let status = self.status;
         let is_finite = tick.load.iter().chain([&tick.omega]).all(|x| x.is_finite());
         // Inputs are checked in their order: one before the input in question may be out of range.
@@ -76,7 +75,7 @@ impl Answer {
                 "input that is not finite was not refused",
             ),
             (
-                !by_input && status != "unloaded" && tick.load == [0.0; 5],
+                !by_input && !is_set && status != "unloaded" && tick.load == [0.0; 5],
                 "no load, and not refused as such",
             ),
             (
@@ -99,7 +98,7 @@ impl Answer {
             let stiffness = figures.stiffness.as_flattened().iter();
             stiffness.chain(&figures.displacement).copied()
         });
-        let of_balls = self.balls().iter().flat_map(|b| {
+        let of_balls = self.balls().into_iter().flat_map(|b| {
             let contacts = [b.alpha_i, b.alpha_o, b.q_i, b.q_o, b.delta_i, b.delta_o];
             let rest = [b.azimuth, b.centrifugal_force, b.gyroscopic_moment];
             contacts.into_iter().chain(rest)
@@ -183,7 +182,7 @@ pub struct Judged {
     /// The answers.
     pub answers: [Answer; 2],
     /// The equilibrium that each answer was compared with.
-    pub truths: [Option<Solution>; 2],
+    pub truths: [Option<Equilibrium>; 2],
     /// The record of each for the report.
     pub records: [Record; 2],
 }
@@ -191,14 +190,28 @@ pub struct Judged {
 /// All solves of a case in a precision; panics become answers.
 fn answers(trial: &Trial, precision: Precision) -> Vec<Answer> {
     let case = &trial.case;
-    let plan = Plan::alone(&case.design, case.balls);
+    let (plan, growth, held) = match &trial.set {
+        Some(set) => (set.plan.clone(), set.growth.clone(), set.held),
+        None => (Plan::alone(&case.design, case.balls), Vec::new(), [None; 5]),
+    };
     let balls = match trial.at_rest {
         true => Balls::Static,
         false => Balls::Moving(case.attitude),
     };
     with_solver(&plan, balls, precision, |solver| {
+        solver.choose(&Choices {
+            held,
+            ..Choices::default()
+        });
         let mut solve = |tick: &Tick| {
-            let solve = AssertUnwindSafe(|| solver.load(tick.load, tick.omega));
+            let question = Question {
+                load: tick.load,
+                omega: tick.omega,
+                growth: growth.clone(),
+                middle_growth: 0.0,
+            };
+            let ends = [ShaftEnd::rigid(0.0)];
+            let solve = AssertUnwindSafe(|| solver.solve(&question, &ends));
             let (status, figures) = match catch_unwind(solve) {
                 Ok(Ok(figures)) => (figures.status, Some(figures)),
                 Ok(Err(status)) => (status.name(), None),
@@ -223,34 +236,72 @@ fn seen(tick: &Tick, precision: Precision) -> Tick {
     }
 }
 
+/// An answer, as the reference build of sets starts from it. Growth is none where there are fewer than rows.
+pub fn start(plan: &Plan, growth: &[Growth<f64>], answer: &spindles::Answer) -> Start {
+    let rows = answer.rows.iter().zip(&plan.rows).enumerate();
+    let rows = rows.map(|(index, (found, row))| {
+        let ball = growth.get(index).map_or(0.0, |growth| growth.ball);
+        let grown = Design {
+            outer_groove_factor: row.design.outer_groove_factor
+                - 0.5 * ball / row.design.ball_diameter,
+            ..row.design
+        };
+        let centres = centres(&grown, &found.balls).into_iter();
+        (found.force, centres.map(|(x, r)| [x, r]).collect())
+    });
+    Start {
+        displacement: answer.displacement,
+        sleeve: answer.spring_closure,
+        rows: rows.collect(),
+    }
+}
+
+/// An answer, as far as it is compared: the balls are those of all rows.
+pub fn equilibrium(answer: &spindles::Answer) -> Equilibrium {
+    let balls = answer.rows.iter().flat_map(|row| &row.balls);
+    Equilibrium {
+        displacement: answer.displacement,
+        stiffness: answer.stiffness,
+        balls: balls.map(Ball::from).collect(),
+    }
+}
+
 /// The equilibrium that the reference build reaches from an answer.
-fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Solution> {
-    let u = answer.figures.as_ref()?.displacement;
-    let centres = centres(&trial.case.design, answer.balls());
-    let (reference, attitude) = (&trial.reference, trial.case.reference_attitude());
-    let near = |omega| {
-        let found = reference.polish_near(tick.load, omega, attitude, u, &centres);
-        physical(trial, found)
+fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Equilibrium> {
+    let figures = answer.figures.as_ref()?;
+    let (u, balls) = (figures.displacement, answer.balls());
+    let attitude = trial.case.reference_attitude();
+    let centres = centres(&trial.case.design, &balls);
+    let near = |omega| match &trial.set {
+        Some(set) => {
+            let question = set.question(tick.load, omega, attitude);
+            set.reference
+                .polish(&question, &start(&set.plan, &set.growth, figures))
+                .ok()
+        }
+        None => {
+            let found = (trial.reference).polish_near(tick.load, omega, attitude, u, &centres);
+            physical(trial, found)
+        }
     };
     near(tick.omega).or_else(|| {
         // A ball that is off the inner race and hardly turns is held by next to nothing. Its place makes
         // no difference: it may as well be judged at rest.
-        let largest =
-            |of: fn(&BallState<f64>) -> f64| answer.balls().iter().map(of).fold(0.0, f64::max);
+        let largest = |of: fn(&BallState<f64>) -> f64| balls.iter().map(of).fold(0.0, f64::max);
         if largest(|b| b.centrifugal_force) <= NEGLIGIBLE * largest(|b| b.q_o) {
             near(0.0)
-        } else if trial.known.is_some() {
+        } else if trial.known.is_some() || trial.set.is_some() {
             // Slow, and of little use to cases that have a known equilibrium.
             None
         } else {
-            let found = reference.polish(tick.load, tick.omega, attitude, u, &centres);
+            let found = (trial.reference).polish(tick.load, tick.omega, attitude, u, &centres);
             physical(trial, found)
         }
     })
 }
 
 /// The equilibrium that the load was made from.
-fn known(trial: &Trial, tick: &Tick) -> Option<Solution> {
+fn known(trial: &Trial, tick: &Tick) -> Option<Equilibrium> {
     let u = trial.known?;
     let (reference, attitude) = (&trial.reference, trial.case.reference_attitude());
     let mut centres = Vec::new();
@@ -263,38 +314,43 @@ fn known(trial: &Trial, tick: &Tick) -> Option<Solution> {
 
 /// An equilibrium, if it is one of the bearing and not just of its equations. Newton may run away to
 /// contacts that are wound round the ball or deeper than the grooves' centres are apart.
-fn physical(trial: &Trial, found: Result<Solution, Failure>) -> Option<Solution> {
+fn physical(trial: &Trial, found: Result<Solution, Failure>) -> Option<Equilibrium> {
     let deepest = trial.case.design.centre_distance();
     let truth = found.ok()?;
     let is_physical = |ball: &reference::BallState| {
         [ball.alpha_i, ball.alpha_o].iter().all(|a| a.abs() <= PI)
             && [ball.delta_i, ball.delta_o].iter().all(|d| *d <= deepest)
     };
-    truth.balls.iter().all(is_physical).then_some(truth)
+    let is_all = truth.balls.iter().all(is_physical);
+    is_all.then(|| Equilibrium::from(&truth))
 }
 
 /// Errors of displacement, force and stiffness; an error that is not a number is infinite.
-fn errors(trial: &Trial, found: &Equilibrium, truth: &Solution) -> [f64; 3] {
+fn errors(trial: &Trial, found: &Equilibrium, truth: &Equilibrium) -> [f64; 3] {
     let case = &trial.case;
-    let truth = Equilibrium::from(truth);
-    let e = found.errors(&truth, case.design.ball_diameter, case.pitch_radius());
-    [e.displacement, e.force, e.stiffness].map(|e| if e.is_nan() { f64::INFINITY } else { e })
+    let e = found.errors(truth, case.design.ball_diameter, case.pitch_radius());
+    [e.displacement, e.force, e.stiffness].map(|e| match e {
+        e if e.is_nan() => f64::INFINITY,
+        e if trial.set.is_some() && e <= OF_SETS => 0.0,
+        e => e,
+    })
 }
 
 /// Whether an equilibrium leaves the ring free to move in some direction, as far as this precision tells.
 /// Fewer than three balls carry by more than rounding of the largest force, or the stiffness has no inverse.
-fn is_indeterminate(truth: &Solution, pitch_radius: f64, precision: Precision) -> bool {
+fn is_indeterminate(truth: &Equilibrium, pitch_radius: f64, precision: Precision) -> bool {
     let epsilon = match precision {
         Precision::F32 => f64::from(f32::EPSILON),
         Precision::F64 => f64::EPSILON,
     };
-    let largest = truth.balls.iter().map(|ball| ball.q_i).fold(0.0, f64::max);
-    let carries = |ball: &&reference::BallState| ball.q_i > 10.0 * epsilon * largest;
-    if truth.balls.iter().filter(carries).count() < 3 {
+    let forces = || truth.balls.iter().map(|ball| ball.inner.force);
+    let largest = forces().fold(0.0, f64::max);
+    let carries = |force: &f64| *force > 10.0 * epsilon * largest;
+    if forces().filter(carries).count() < 3 {
         return true;
     }
     let unit = [1.0, 1.0, 1.0, pitch_radius, pitch_radius];
-    let k: [[f64; 5]; 5] = from_fn(|i| from_fn(|j| truth.k[i][j] / (unit[i] * unit[j])));
+    let k: [[f64; 5]; 5] = from_fn(|i| from_fn(|j| truth.stiffness[i][j] / (unit[i] * unit[j])));
     let one = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.0 }));
     let norm = |m: &[[f64; 5]; 5]| {
         let rows = m.map(|row| row.map(f64::abs).iter().sum());
@@ -304,7 +360,7 @@ fn is_indeterminate(truth: &Solution, pitch_radius: f64, precision: Precision) -
 }
 
 /// Verdict on a solve without an answer though there is an equilibrium.
-fn refused(truth: &Solution, trial: &Trial, status: &str, precision: Precision) -> Verdict {
+fn refused(truth: &Equilibrium, trial: &Trial, status: &str, precision: Precision) -> Verdict {
     if status == "indeterminate" && is_indeterminate(truth, trial.case.pitch_radius(), precision) {
         Verdict::RightlyRefused
     } else {
@@ -328,7 +384,7 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
     let same = ticks[0] == ticks[1];
     let mut records = [0, 1].map(|p| {
         let figures = answers[p].figures.as_ref();
-        let failure = answers[p].failure(&ticks[p]);
+        let failure = answers[p].failure(&ticks[p], trial.set.is_some());
         Record {
             family: trial.family,
             index: trial.index,
@@ -339,7 +395,9 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
             verdict: failure.map_or(Verdict::Undecided, Verdict::Failed),
             errors: None,
             estimate: figures.map(|f| f.error),
-            residual: figures.map(|_| residual(trial, &ticks[p], answers[p].balls())),
+            residual: figures
+                .filter(|_| trial.set.is_none())
+                .map(|_| residual(trial, &ticks[p], &answers[p].balls())),
             from_rest: None,
         }
     });
@@ -357,7 +415,7 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
             continue;
         };
         let shared = truths[1].clone().filter(|_| same);
-        let is_near = |truth: &Solution| errors(trial, &found, truth).iter().all(|e| *e <= FAR);
+        let is_near = |truth: &Equilibrium| errors(trial, &found, truth).iter().all(|e| *e <= FAR);
         let near = shared.clone().filter(is_near);
         let own = near.or_else(|| polished(trial, &ticks[p], &answers[p]));
         truths[p] = own.or(shared).or_else(|| known(trial, &ticks[p]));
@@ -368,9 +426,10 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
         records[p].verdict = Verdict::Judged;
         records[p].errors = Some(errors(trial, &found, truth));
         // Warm solves have a history, which may lead to another equilibrium.
-        if is_followed && !trial.family.is_warm() && ticks[p].omega != 0.0 {
+        let is_followed = is_followed && trial.set.is_none() && !trial.family.is_warm();
+        if is_followed && ticks[p].omega != 0.0 {
             records[p].from_rest = from_rest(ticks[p]).map(|meant| {
-                let [u, q, _] = errors(trial, &Equilibrium::from(truth), &meant);
+                let [u, q, _] = errors(trial, truth, &Equilibrium::from(&meant));
                 u.max(q) <= APART
             });
         }
@@ -383,7 +442,9 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
         }
         let status = records[p].status;
         // These were looked at before; only absurd inputs lie out of range.
-        let by_rule = matches!(status, "not-finite" | "unloaded")
+        let may_be_unloaded = trial.set.as_ref().is_none_or(Set::is_loose);
+        let by_rule = status == "not-finite"
+            || status == "unloaded" && may_be_unloaded
             || status == "out-of-range" && trial.family == Family::AnyBits;
         let shared = truths[1 - p].clone().filter(|_| same);
         if by_rule {
@@ -413,6 +474,12 @@ fn kept<R: Clone>(of: impl Fn(&Tick) -> R) -> impl FnMut(Tick) -> R {
 pub fn search(trial: &Trial, records: &mut [Record; 2]) {
     let mut search = kept(|tick| {
         let attitude = trial.case.reference_attitude();
+        if let Some(set) = &trial.set {
+            return (set
+                .reference
+                .search(&set.question(tick.load, tick.omega, attitude)))
+            .ok();
+        }
         let found = trial.reference.search(tick.load, tick.omega, attitude);
         physical(trial, found)
     });

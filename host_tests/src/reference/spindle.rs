@@ -16,6 +16,7 @@
 use super::ball::{Linear, Station, Unknowns};
 use super::linear::dense_solve;
 use super::{Attitude, Bearing, Failure, Reference, Task};
+use crate::compare::{Ball, Equilibrium};
 use crate::double_double::Dd;
 use core::array::from_fn;
 use core::f64::consts::PI;
@@ -29,6 +30,8 @@ pub struct Spindle {
     pub shaft: Option<Shaft>,
     /// Axial force on the rows that slide, N.
     pub spring: Option<f64>,
+    /// Constant loads: where each acts, m, and `Fx, Fy, Fz, My, Mz`, N and N m.
+    pub loads: Vec<(f64, [f64; 5])>,
 }
 
 /// A row of balls.
@@ -46,8 +49,8 @@ pub struct Row {
     pub growth: [f64; 3],
     /// True in the sleeve that the spring presses.
     pub slides: bool,
-    /// Axial, radial (N/m) and tilting (N m/rad) stiffness that holds the outer ring; none is rigid.
-    pub support: [Option<f64>; 3],
+    /// Axial, radial (N/m) and tilting (N m/rad) stiffness that holds the outer ring; infinite is rigid.
+    pub support: [f64; 3],
 }
 
 /// A straight shaft, rigid outside its sections.
@@ -61,41 +64,29 @@ pub struct Shaft {
     pub sections: Vec<[f64; 4]>,
 }
 
-/// Equilibrium of a spindle.
+/// Quantities at `x = 0`, and the speed.
+#[derive(Debug, Clone, Copy)]
+pub struct Question {
+    /// `Fx, Fy, Fz, My, Mz`, N and N m.
+    pub load: [f64; 5],
+    /// Displacements in the place of loads, m and rad.
+    pub held: [Option<f64>; 5],
+    /// Shaft speed, rad/s.
+    pub omega: f64,
+    /// Rule for the balls' attitude.
+    pub attitude: Attitude,
+}
+
+/// Answer of another program, as a start.
 #[derive(Debug, Clone)]
-pub struct Solution {
+pub struct Start {
     /// Displacement of the shaft at `x = 0`, m and rad.
     pub displacement: [f64; 5],
-    /// Stiffness there, rows are forces; with the spring's force held.
-    pub stiffness: [[f64; 5]; 5],
     /// Closure of the sleeve, m.
-    pub sleeve: Option<f64>,
-    /// The rows.
-    pub rows: Vec<RowState>,
-    /// The points that were asked for.
-    pub points: Vec<PointState>,
-    /// Newton steps.
-    pub iterations: usize,
-}
-
-/// A row in equilibrium.
-#[derive(Debug, Clone)]
-pub struct RowState {
-    /// Load on the inner ring about the row's centre, in its own frame, N and N m.
-    pub force: [f64; 5],
-    /// Displacement of the shaft at the row, in the shaft's frame, m and rad.
-    pub displacement: [f64; 5],
-    /// Per ball: inner and outer contact angle, rad, inner and outer contact force, N.
-    pub balls: Vec<[f64; 4]>,
-}
-
-/// The shaft at a point.
-#[derive(Debug, Clone)]
-pub struct PointState {
-    /// Displacement, m and rad.
-    pub displacement: [f64; 5],
-    /// Displacement by force, 5x5.
-    pub flexibility: [[f64; 5]; 5],
+    pub sleeve: f64,
+    /// Of each row: load on the inner ring in its own frame, N and N m, and ball centres from the outer groove's curvature
+    /// centre, axial and radial, m.
+    pub rows: Vec<([f64; 5], Vec<[f64; 2]>)>,
 }
 
 impl Shaft {
@@ -146,9 +137,9 @@ fn motion(map: &Map, p: &[f64]) -> [f64; 5] {
 }
 
 /// A row as it is solved.
+#[derive(Debug, Clone)]
 struct Mounted {
     bearing: Reference,
-    position: f64,
     closure: f64,
     /// Motion of the inner ring against the outer one, in the row's own frame.
     map: Map,
@@ -169,10 +160,11 @@ struct State {
     balls: Vec<Vec<[f64; 2]>>,
 }
 
-/// Loads by unknown, speed and rule of attitude.
+/// Loads by unknown, displacements in the place of the first ones, speed and rule of attitude.
 #[derive(Clone)]
 struct Problem {
     load: Vec<f64>,
+    held: [Option<f64>; 5],
     omega: f64,
     attitude: Attitude,
 }
@@ -188,7 +180,6 @@ struct LinearBall {
 /// All equations, with the balls condensed: `matrix dp = right`.
 struct Linearised {
     balls: Vec<Vec<LinearBall>>,
-    forces: Vec<[f64; 5]>,
     matrix: Vec<Vec<f64>>,
     right: Vec<f64>,
     /// Norm of the residual, N.
@@ -197,36 +188,39 @@ struct Linearised {
     largest: f64,
 }
 
-/// Solver of a spindle. It starts from its last solution.
+/// Solver of a spindle.
+#[derive(Debug, Clone)]
 pub struct Solver {
     rows: Vec<Mounted>,
-    /// Position of every node, and the motion of the shaft there.
-    nodes: Vec<(f64, Map)>,
-    points: Vec<f64>,
     /// Stiffness of elements and supports: two unknowns, and an entry of `S`.
     springs: Vec<(usize, usize, f64)>,
     /// 1 for an unknown that is a length, the pitch radius for a tilt.
     units: Vec<f64>,
+    /// Constant loads and the spring's force, by unknown.
+    load: Vec<f64>,
     spring: Option<f64>,
-    state: Option<State>,
 }
 
 /// Index of the sleeve's closure in the unknowns, after the motion at `x = 0`.
 const SLEEVE: usize = 5;
 
+/// Strides of a cold start from its first load to the load that is asked for, failed ones included.
+const MOST_STRIDES: usize = 20;
+
 impl Solver {
-    /// Prepares a spindle. `points`, m: where answers are wanted, and where loads act besides `x = 0` and the rows.
+    /// Prepares a spindle.
     ///
     /// # Errors
     /// [`Failure::Input`] for a bearing that cannot be built, and for no bearing.
-    pub fn new(spindle: &Spindle, points: &[f64]) -> Result<Self, Failure> {
+    pub fn new(spindle: &Spindle) -> Result<Self, Failure> {
         let first = spindle.rows.first().ok_or(Failure::Input("no rows"))?;
         let lever = 0.5 * first.bearing.pitch_diameter;
         let shaft = spindle.shaft.as_ref();
         let rows = spindle.rows.iter().map(|row| row.position);
         let sections = shaft.iter().flat_map(|shaft| &shaft.sections);
         let ends = sections.flat_map(|section| [section[0], section[1]]);
-        let mut positions: Vec<f64> = rows.chain(points.iter().copied()).chain(ends).collect();
+        let loads = spindle.loads.iter().map(|load| load.0);
+        let mut positions: Vec<f64> = rows.chain(loads).chain(ends).collect();
         positions.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         positions.dedup();
 
@@ -257,7 +251,8 @@ impl Solver {
         for row in &spindle.rows {
             let mut map = at(&nodes, row.position)?.clone();
             for (i, kind) in [0, 1, 1, 2, 2].into_iter().enumerate() {
-                if let Some(stiffness) = row.support[kind] {
+                let stiffness = row.support[kind];
+                if stiffness.is_finite() {
                     let n = units.len();
                     springs.push((n, n, stiffness));
                     map.push((n, from_fn(|j| if i == j { -1.0 } else { 0.0 })));
@@ -278,60 +273,77 @@ impl Solver {
             bearing.a0 = [bearing.a0[0] + axial, bearing.a0[1] + radial];
             mounted.push(Mounted {
                 bearing,
-                position: row.position,
                 closure: row.closure,
                 map,
             });
         }
+        let mut load = vec![0.0; units.len()];
+        for (x, force) in &spindle.loads {
+            let map = at(&nodes, *x)?.iter();
+            map.for_each(|(k, column)| load[*k] += dot(column, force));
+        }
+        if let Some(spring) = spindle.spring {
+            load[SLEEVE] += spring;
+        }
         Ok(Self {
             rows: mounted,
-            nodes,
-            points: points.to_vec(),
             springs,
             units,
+            load,
             spring: spindle.spring,
-            state: None,
         })
     }
 
-    /// Makes the next solve a cold one.
-    pub fn reset(&mut self) {
-        self.state = None;
+    fn problem(&self, question: &Question) -> Problem {
+        let mut load = self.load.clone();
+        for (load, (at_0, held)) in load.iter_mut().zip(question.load.iter().zip(question.held)) {
+            *load = if held.is_some() { 0.0 } else { *load + at_0 };
+        }
+        Problem {
+            load,
+            held: question.held,
+            omega: question.omega,
+            attitude: question.attitude,
+        }
     }
 
-    /// Equilibrium under loads: where each acts, m, and `Fx, Fy, Fz, My, Mz`, N and N m; at `omega` rad/s.
+    /// Equilibrium that Newton reaches from the answer of another program.
     ///
     /// # Errors
-    /// [`Failure::Input`] for a load that acts at no row, no point and not at `x = 0`; else why there is none.
-    pub fn solve(
-        &mut self,
-        loads: &[(f64, [f64; 5])],
-        omega: f64,
-        attitude: Attitude,
-    ) -> Result<Solution, Failure> {
-        let mut load = vec![0.0; self.units.len()];
-        for (x, force) in loads {
-            let map = at(&self.nodes, *x)?;
-            map.iter()
-                .for_each(|(k, column)| load[*k] += dot(column, force));
+    /// Why there is none.
+    pub fn polish(&self, question: &Question, start: &Start) -> Result<Equilibrium, Failure> {
+        let problem = self.problem(question);
+        // Shaft and supports are bent as the forces of rows and loads bend them.
+        let free = 5 + usize::from(self.spring.is_some());
+        let mut force = self.load.clone();
+        for (row, (of_row, _)) in self.rows.iter().zip(&start.rows) {
+            let map = row.map.iter();
+            map.for_each(|(k, column)| force[*k] -= dot(column, of_row));
         }
-        if let Some(spring) = self.spring {
-            load[SLEEVE] = spring;
+        let mut lines = vec![vec![0.0; force.len() - free + 1]; force.len() - free];
+        for (line, force) in lines.iter_mut().zip(&force[free..]) {
+            *line.last_mut().ok_or(Failure::Singular)? = *force;
         }
-        let problem = Problem {
-            load,
-            omega,
-            attitude,
-        };
-        let last = self.state.take();
-        let warm = last.and_then(|state| self.newton(state, &problem).ok());
-        let (state, linear, iterations) = match warm {
-            Some(found) => found,
-            None => self.cold(&problem)?,
-        };
-        let solution = self.report(&state.p, &linear, iterations)?;
-        self.state = Some(state);
-        Ok(solution)
+        for &(i, j, k) in &self.springs {
+            lines[i - free][j - free] += k;
+        }
+        let bent = dense_solve(lines).ok_or(Failure::Singular)?.concat();
+        let mut p = start.displacement.to_vec();
+        p.extend(self.spring.map(|_| start.sleeve));
+        p.extend(bent);
+        let balls = start.rows.iter().map(|(_, centres)| centres.clone());
+        let balls = balls.collect();
+        let (state, linear) = self.newton(State { p, balls }, &problem)?;
+        self.report(&state.p, &linear)
+    }
+
+    /// Equilibrium from a cold start.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn search(&self, question: &Question) -> Result<Equilibrium, Failure> {
+        let (state, linear) = self.cold(&self.problem(question))?;
+        self.report(&state.p, &linear)
     }
 
     /// Linearises everything at a state; none where a turning ball is off the outer race.
@@ -344,7 +356,7 @@ impl Solver {
             matrix[i][j] += k;
         }
         let mut condensed = vec![0.0; n];
-        let (mut balls, mut forces) = (Vec::new(), Vec::new());
+        let mut balls = Vec::new();
         let (mut squares, mut largest) = (0.0, 0.0_f64);
         for (row, centres) in self.rows.iter().zip(&state.balls) {
             let bearing = &row.bearing;
@@ -381,7 +393,9 @@ impl Solver {
                 }
             }
             balls.push(of_row);
-            forces.push(force);
+        }
+        for i in (0..5).filter(|i| problem.held[*i].is_some()) {
+            (unbalanced[i], condensed[i]) = (0.0, 0.0);
         }
         for ((r, load), unit) in unbalanced.iter().zip(&problem.load).zip(&self.units) {
             squares += (r / unit).powi(2);
@@ -389,7 +403,6 @@ impl Solver {
         }
         Some(Linearised {
             balls,
-            forces,
             matrix,
             right: unbalanced
                 .iter()
@@ -402,10 +415,15 @@ impl Solver {
     }
 
     /// Changes of all unknowns: a Newton step.
-    fn step(&self, at: &Linearised) -> Option<State> {
+    fn step(&self, at: &Linearised, problem: &Problem) -> Option<State> {
         let lines = at.matrix.iter().zip(&at.right);
         let lines = lines.map(|(line, right)| [&line[..], &[*right]].concat());
-        let p = dense_solve(lines.collect())?.concat();
+        let mut lines: Vec<_> = lines.collect();
+        for i in (0..5).filter(|i| problem.held[*i].is_some()) {
+            lines[i].fill(0.0);
+            lines[i][i] = 1.0;
+        }
+        let p = dense_solve(lines)?.concat();
         let rows = self.rows.iter().zip(&at.balls).map(|(row, balls)| {
             let du = motion(&row.map, &p);
             let step = |(ball, station): (&LinearBall, &Station)| {
@@ -435,11 +453,9 @@ impl Solver {
     }
 
     /// Newton on everything at once, with shorter steps where the residual does not fall.
-    fn newton(
-        &self,
-        mut state: State,
-        problem: &Problem,
-    ) -> Result<(State, Linearised, usize), Failure> {
+    fn newton(&self, mut state: State, problem: &Problem) -> Result<(State, Linearised), Failure> {
+        let held = state.p.iter_mut().zip(&problem.held);
+        held.for_each(|(p, held)| *p = held.unwrap_or(*p));
         let bearing = &self.rows[0].bearing;
         let (length, contact) = ((bearing.li + bearing.lo).hi, bearing.outer.k.hi);
         let at_rest = problem.omega == 0.0;
@@ -449,15 +465,15 @@ impl Solver {
         let mut at = self.linearise(&state, problem).ok_or(Failure::Stalled)?;
         let count = at.balls.iter().flatten().count() as f64;
         let mut last = f64::INFINITY;
-        for iteration in 0..60 {
+        for _ in 0..60 {
             let size = at.residual / at.largest;
             // Rounding of lengths, of which deformations are differences.
             let rounding = length / (at.largest / contact).powf(2.0 / 3.0);
             if size <= 1e-15 * (1.0 + rounding) * count || size < 1e-10 && size > 0.1 * last {
-                return Ok((state, at, iteration));
+                return Ok((state, at));
             }
             last = size;
-            let step = self.step(&at).ok_or(Failure::Singular)?;
+            let step = self.step(&at, problem).ok_or(Failure::Singular)?;
             let better = (0..24).find_map(|halvings| {
                 let part = 0.5_f64.powi(halvings);
                 let mut next = state.clone();
@@ -477,7 +493,7 @@ impl Solver {
             });
             match better {
                 Some(found) => (state, at) = found,
-                None if size < 1e-10 => return Ok((state, at, iteration)),
+                None if size < 1e-10 => return Ok((state, at)),
                 None => break,
             }
         }
@@ -486,7 +502,7 @@ impl Solver {
 
     /// A cold start from a shaft that has not moved, with the sleeve where it balances the spring; along the load where
     /// that is too far away.
-    fn cold(&self, problem: &Problem) -> Result<(State, Linearised, usize), Failure> {
+    fn cold(&self, problem: &Problem) -> Result<(State, Linearised), Failure> {
         let mut state = State {
             p: vec![0.0; self.units.len()],
             balls: self
@@ -515,32 +531,31 @@ impl Solver {
             (state.p[0], start[0]) = (facing * pressed.u[0], facing * share);
         }
         self.place(&mut state, problem).ok_or(Failure::Stalled)?;
-        let (mut done, mut stride, mut steps) = (0.0, 1.0, 0);
-        loop {
+        let first = state.p.clone();
+        let (mut done, mut stride) = (0.0, 1.0);
+        for _ in 0..MOST_STRIDES {
             let goal = f64::min(done + stride, 1.0);
             let mut part = problem.clone();
             let loads = part.load.iter_mut().zip(&start);
             loads.for_each(|(load, start)| *load = goal * *load + (1.0 - goal) * start);
+            let held = part.held.iter_mut().zip(&first);
+            held.for_each(|(held, p)| *held = held.map(|u| goal * u + (1.0 - goal) * p));
             match self.newton(state.clone(), &part) {
-                Ok((found, linear, iterations)) => {
-                    steps += iterations;
+                Ok((found, linear)) => {
                     if goal == 1.0 {
-                        return Ok((found, linear, steps));
+                        return Ok((found, linear));
                     }
                     (state, done, stride) = (found, goal, 2.0 * stride);
                 }
-                Err(failure) if stride < 1e-3 => return Err(failure),
                 Err(_) => stride *= 0.25,
             }
         }
+        Err(Failure::Stalled)
     }
 
-    fn report(
-        &self,
-        p: &[f64],
-        linear: &Linearised,
-        iterations: usize,
-    ) -> Result<Solution, Failure> {
+    /// The equilibrium, if it is one of the bearings and not of their equations alone: Newton may run away to contacts that are
+    /// wound round the ball or deeper than the grooves' centres are apart.
+    fn report(&self, p: &[f64], linear: &Linearised) -> Result<Equilibrium, Failure> {
         let matrix = &linear.matrix;
         // Everything but the motion at x = 0 is condensed.
         let rest = matrix[5..]
@@ -551,40 +566,25 @@ impl Solver {
             let followed = matrix[i][5..].iter().zip(&follows);
             matrix[i][j] - followed.map(|(k, by)| k * by[j]).sum::<f64>()
         };
-        let rows = self.rows.iter().zip(&linear.balls).zip(&linear.forces);
-        let rows = rows.map(|((row, balls), force)| {
-            let ball = |ball: &LinearBall| {
-                let ([alpha_i, alpha_o, ..], [q_i, q_o]) = (ball.unknowns, ball.linear.terms.q);
-                [alpha_i, alpha_o, q_i.v, q_o.v]
-            };
-            Ok(RowState {
-                force: *force,
-                displacement: motion(at(&self.nodes, row.position)?, p),
-                balls: balls.iter().map(ball).collect(),
-            })
-        });
-        let points = self.points.iter().map(|x| {
-            let map = at(&self.nodes, *x)?;
-            let mut lines: Vec<_> = matrix
-                .iter()
-                .map(|line| [&line[..], &[0.0; 5]].concat())
-                .collect();
-            map.iter()
-                .for_each(|(k, column)| lines[*k][matrix.len()..].copy_from_slice(column));
-            let moved = dense_solve(lines).ok_or(Failure::Singular)?;
-            let by_force = |i: usize, j: usize| map.iter().map(|(k, a)| a[i] * moved[*k][j]).sum();
-            Ok(PointState {
-                displacement: motion(map, p),
-                flexibility: from_fn(|i| from_fn(|j| by_force(i, j))),
-            })
-        });
-        Ok(Solution {
+        let mut found = Vec::new();
+        for (row, balls) in self.rows.iter().zip(&linear.balls) {
+            let deepest = (row.bearing.li + row.bearing.lo).hi;
+            for ball in balls {
+                let [alpha_i, alpha_o, delta_i, delta_o] = ball.unknowns;
+                let terms = &ball.linear.terms;
+                if alpha_i.abs().max(alpha_o.abs()) > PI || delta_i.max(delta_o) > deepest {
+                    return Err(Failure::Stalled);
+                }
+                let [q_i, q_o] = terms.q;
+                found.push(Ball::from([
+                    alpha_i, alpha_o, q_i.v, q_o.v, terms.fc.v, terms.mg.v,
+                ]));
+            }
+        }
+        Ok(Equilibrium {
             displacement: from_fn(|i| p[i]),
             stiffness: from_fn(|i| from_fn(|j| condensed(i, j))),
-            sleeve: self.spring.map(|_| p[SLEEVE]),
-            rows: rows.collect::<Result<_, _>>()?,
-            points: points.collect::<Result<_, _>>()?,
-            iterations,
+            balls: found,
         })
     }
 }

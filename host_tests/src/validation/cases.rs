@@ -278,11 +278,12 @@ fn with_equilibrium(case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
 /// A set of `cases/elastic.json` that ROSS has found the flexibility of, with ours.
 fn of_ross(case: Case) -> anyhow::Result<Case> {
     let set = &elastic()[case["set"] as usize];
-    let balls = Balls::Moving(set.set.attitude);
-    let answer = with_solver(&set.plan(), balls, Precision::F64, |solver| {
-        solver.solve(&set.set.question, &[ShaftEnd::rigid(set.nose)])
+    let balls = Balls::Moving(set.attitude);
+    let (nose, _) = set.nose.as_ref().context("the set has no nose")?;
+    let answer = with_solver(&set.plan, balls, Precision::F64, |solver| {
+        solver.solve(&set.question, &[ShaftEnd::rigid(*nose)])
     })?;
-    let answer = answer.map_err(|status| anyhow!("{}: {status}", set.set.name))?;
+    let answer = answer.map_err(|status| anyhow!("{}: {status}", set.name))?;
     Ok(with_matrix(case, "c_nose", answer.at[0].compliance))
 }
 

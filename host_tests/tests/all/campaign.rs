@@ -6,11 +6,12 @@ use host_tests::campaign::judge::{Record, Verdict, judge};
 use host_tests::campaign::{Plan, contract, run};
 use host_tests::dispatch::Precision;
 
-fn small_campaign(seed: u64, solves: usize) -> Vec<Record> {
+fn small_campaign(seed: u64, solves: usize, of_sets: bool) -> Vec<Record> {
     let plan = Plan {
         seed,
         solves,
-        families: Family::ALL.to_vec(),
+        of_sets,
+        families: Plan::all(of_sets).to_vec(),
         // They take seconds.
         searches: Some(0),
         followed: 5,
@@ -18,22 +19,27 @@ fn small_campaign(seed: u64, solves: usize) -> Vec<Record> {
     run(&plan, &())
 }
 
-fn assert_kept(records: &[Record]) {
-    let broken = contract::broken(records);
+fn assert_kept(records: &[Record], of_sets: bool) {
+    let broken = contract::broken(records, of_sets);
     assert!(broken.is_empty(), "\n{}", broken.join("\n"));
 }
 
 #[test]
 fn a_small_campaign_keeps_the_promises() {
-    assert_kept(&small_campaign(Plan::SEED, 20_000));
+    assert_kept(&small_campaign(Plan::SEED, 20_000, false), false);
+}
+
+#[test]
+fn a_small_campaign_of_sets_keeps_the_promises() {
+    assert_kept(&small_campaign(Plan::SEED, 2000, true), true);
 }
 
 /// Answers that are not what they say are so few that it takes more seeds to count them.
 #[test]
 #[ignore = "a minute; `.ci/run` runs it with CI_LONG=1"]
 fn four_seeds_keep_the_promises() {
-    let records = (1..=4).flat_map(|seed| small_campaign(seed, 21_430));
-    assert_kept(&records.collect::<Vec<_>>());
+    let records = (1..=4).flat_map(|seed| small_campaign(seed, 21_430, false));
+    assert_kept(&records.collect::<Vec<_>>(), false);
 }
 
 /// Loads that people type have an answer wherever three balls carry. Every refusal is looked into.
@@ -42,6 +48,7 @@ fn loads_that_people_type_are_solved() {
     let plan = Plan {
         seed: Plan::SEED,
         solves: 3000 * Family::ALL.len(),
+        of_sets: false,
         families: vec![Typed],
         searches: None,
         followed: usize::MAX,

@@ -33,26 +33,64 @@ pub(super) fn shares(ticks: u32, force: impl Fn(u32) -> [f64; 3]) -> [f64; 2] {
     ]
 }
 
-/// Every tooth presses the shaft with a half-sine of a radial load, on top of the preload. Teeth follow each other
-/// without a pause, or with one as long as a tooth's time in the cut.
-#[test]
-fn loads_of_passing_teeth_are_solved_in_the_tick_that_brings_them() {
-    const TICKS: u32 = 3000;
-    let mut cases = Vec::new();
+/// Ticks of teeth and of ramps, 1 ms each.
+pub(super) const TICKS: u32 = 3000;
+
+/// Part of a tooth's largest load at a tick, a half-sine: of teeth that come so often, for a part of the time between them.
+pub(super) fn tooth(tick: u32, per_second: f64, in_cut: f64) -> f64 {
+    // A little off the rate of the ticks, which thereby meet every part of the half-sine.
+    let phase = (per_second * 1.0007e-3 * f64::from(tick)).fract();
+    (std::f64::consts::PI * phase.min(in_cut) / in_cut).sin()
+}
+
+/// Teeth per second, the largest load of each, N, and the part of the time that each cuts: they follow each other without a
+/// pause, or with one as long as a tooth's time in the cut.
+pub(super) fn teeth() -> Vec<(f64, f64, f64)> {
+    let mut teeth = Vec::new();
     for per_second in [50.0, 125.0, 200.0, 400.0] {
         for amplitude in [200.0, 500.0, 1000.0] {
-            cases.extend([1.0, 0.5].map(|in_cut| (per_second, amplitude, in_cut)));
+            teeth.extend([1.0, 0.5].map(|in_cut| (per_second, amplitude, in_cut)));
         }
     }
-    let stale: Vec<_> = cases
+    teeth
+}
+
+/// Force at a tick that goes from 0 to 2,500 N and back by so many N/ms, in this direction.
+pub(super) fn ramp(tick: u32, rate: f64, along: [f64; 3]) -> [f64; 3] {
+    const FORCE: f64 = 2500.0;
+    /// At each end, ms: not in step with the ticks.
+    const PAUSE: f64 = 20.3;
+    let rise = FORCE / rate;
+    let at = f64::from(tick) % (2.0 * (rise + PAUSE));
+    let up = (at - PAUSE).clamp(0.0, rise);
+    let down = (at - 2.0 * PAUSE - rise).clamp(0.0, rise);
+    along.map(|part| part * rate * (up - down))
+}
+
+/// Rates of ramps, N/ms, and their directions: along the shaft, and each radial one.
+pub(super) fn ramps() -> Vec<(f64, [f64; 3])> {
+    let directions = [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+        [0.0, 0.6, 0.8],
+    ];
+    let mut ramps = Vec::new();
+    for rate in [50.0, 100.0, 200.0] {
+        ramps.extend(directions.map(|along| (rate, along)));
+    }
+    ramps
+}
+
+/// Every tooth presses the shaft with a radial load, on top of the preload.
+#[test]
+fn loads_of_passing_teeth_are_solved_in_the_tick_that_brings_them() {
+    let stale: Vec<_> = teeth()
         .into_par_iter()
         .map(|(per_second, amplitude, in_cut)| {
-            let force = |tick: u32| {
-                // A little off the rate of the ticks, which thereby meet every part of the half-sine.
-                let phase = (per_second * 1.0007e-3 * f64::from(tick)).fract();
-                let part = (std::f64::consts::PI * phase.min(in_cut) / in_cut).sin();
-                [0.0, amplitude * part, 0.0]
-            };
+            let force = |tick| [0.0, amplitude * tooth(tick, per_second, in_cut), 0.0];
             (shares(TICKS, force), per_second, amplitude, in_cut)
         })
         // A pair has three iterations in a tick: the hardest of these cuts take more in one tick of a hundred.

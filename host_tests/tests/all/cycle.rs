@@ -1,6 +1,6 @@
 //! The recorded cycle, a row a tick, with the shipped settings; and loads that rise and fall as fast as there.
 
-use super::cutting::shares;
+use super::cutting::{TICKS, ramp, ramps, shares};
 use super::monitor::Rig;
 use files::recordings::LoadRow;
 use host_tests::milling_cycle::{CRASH, DRILLING, Place, recorded};
@@ -126,37 +126,12 @@ fn drilling_in_the_cycle_neither_teaches_the_baseline_nor_is_lost_preload() {
     }
 }
 
-/// From idling to 2,500 N more and back, by up to 200 N/ms, in each radial direction and along the shaft.
+/// From idling to 2,500 N more and back.
 #[test]
 fn ramps_are_solved_in_the_tick_that_brings_them() {
-    const TICKS: u32 = 3000;
-    const FORCE: f64 = 2500.0;
-    /// At each end, ms: not in step with the ticks.
-    const PAUSE: f64 = 20.3;
-    let directions = [
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, -1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [0.0, 0.0, -1.0],
-        [0.0, 0.6, 0.8],
-    ];
-    let mut cases = Vec::new();
-    for rate in [50.0, 100.0, 200.0] {
-        cases.extend(directions.map(|along| (rate, along)));
-    }
-    let stale: Vec<_> = cases
+    let stale: Vec<_> = ramps()
         .into_par_iter()
-        .map(|(rate, along)| {
-            let rise = FORCE / rate;
-            let force = |tick: u32| {
-                let at = f64::from(tick) % (2.0 * (rise + PAUSE));
-                let up = (at - PAUSE).clamp(0.0, rise);
-                let down = (at - 2.0 * PAUSE - rise).clamp(0.0, rise);
-                along.map(|part| part * rate * (up - down))
-            };
-            (shares(TICKS, force), rate, along)
-        })
+        .map(|(rate, along)| (shares(TICKS, |tick| ramp(tick, rate, along)), rate, along))
         .filter(|([bearing, pair], ..)| !(*bearing >= 0.999 && *pair >= 0.997))
         .collect();
     assert!(stale.is_empty(), "{stale:?}");

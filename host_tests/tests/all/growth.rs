@@ -34,11 +34,13 @@ fn rows_of_solved_sets_have_their_loads_and_displacements() {
             assert!(u < 1e-9 && load < 1e-10, "{name}: {u:e}, {load:e}");
             for found in [&by_load, &by_displacement] {
                 let largest = found.largest_force();
-                for (found, [alpha_i, _, q_i, q_o, ..]) in found.balls.iter().zip(&solved.balls) {
+                for (found, truth) in found.balls.iter().zip(&solved.balls) {
+                    let (alpha_i, q_i) = (truth.inner.angle, truth.inner.force);
+                    let q_o = truth.outer.force;
                     let force = (found.q_i - q_i).abs().max((found.q_o - q_o).abs()) / largest;
                     let angle = (found.alpha_i - alpha_i).abs();
                     assert!(force < 1e-10, "{name}: {force:e}");
-                    assert!(*q_i == 0.0 || angle < 1e-10, "{name}: {angle:e}");
+                    assert!(q_i == 0.0 || angle < 1e-10, "{name}: {angle:e}");
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! Rating life that the monitor counts, against the life under the loads as they are.
 
+use super::cutting::tooth;
 use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use rayon::prelude::*;
 use spindle_bearing::monitor::settings::MonitorSettings;
@@ -45,10 +46,9 @@ fn counted(
     (used / (revolutions * sum), estimated / used)
 }
 
-/// The idling loads and a tooth's half-sine of these in every `1 / per_second`, off the rate of the ticks.
+/// The idling loads and a tooth's loads of these.
 fn teeth(tick: u32, per_second: f64, amplitude: [f32; 5]) -> [f32; 5] {
-    let phase = (per_second * 1.0007e-3 * f64::from(tick)).fract();
-    let part = (std::f64::consts::PI * phase).sin() as f32;
+    let part = tooth(tick, per_second, 1.0) as f32;
     std::array::from_fn(|i| IDLE[i] + amplitude[i] * part)
 }
 

@@ -13,7 +13,6 @@ mod edges;
 mod elastic;
 mod elastic_far;
 mod elastic_files;
-mod elastic_reference;
 mod elastic_ross;
 mod foreign;
 mod frames;

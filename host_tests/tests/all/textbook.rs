@@ -1,4 +1,4 @@
-//! The textbook's equations: balance of a ball and of the ring on its balls, and their geometry.
+//! The textbook's equations: balance of a ball and of the ring on its balls.
 
 use host_tests::campaign::balance::friction;
 use host_tests::compare::worse;
@@ -67,22 +67,6 @@ pub fn carried(design: &Design, rule: Attitude, balls: &[BallState<f64>]) -> [f6
 pub fn unbalanced(design: &Design, rule: Attitude, balls: &[BallState<f64>]) -> f64 {
     balls.iter().fold(0.0, |most, ball| {
         let (_, [axial, radial]) = forces(design, rule, ball);
-        worse(most, axial.hypot(radial))
-    })
-}
-
-/// By how much the triangles of the grooves' and the balls' centres do not close at the displacement `u` of the ring, m.
-pub fn unclosed(design: &Design, [dx, dy, dz, ty, tz]: [f64; 5], balls: &[BallState<f64>]) -> f64 {
-    let ([li, lo], [rp, zp]) = (groove_centres(design), inner_centre(design));
-    let (l0, (sin0, cos0)) = (design.centre_distance(), free_angle(design));
-    // Between the races at rest, a ball without force has no place of its own.
-    let placed = balls.iter().filter(|ball| ball.q_i > 0.0 || ball.q_o > 0.0);
-    placed.fold(0.0, |most, ball| {
-        let (sin, cos) = ball.azimuth.sin_cos();
-        let ((si, ci), (so, co)) = (ball.alpha_i.sin_cos(), ball.alpha_o.sin_cos());
-        let [ri, ro] = [li + ball.delta_i, lo + ball.delta_o];
-        let axial = l0 * sin0 + dx + rp * (ty * sin - tz * cos) - ri * si - ro * so;
-        let radial = l0 * cos0 + (dy + zp * tz) * cos + (dz - zp * ty) * sin - ri * ci - ro * co;
         worse(most, axial.hypot(radial))
     })
 }

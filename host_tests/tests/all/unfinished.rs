@@ -1,5 +1,6 @@
 //! Solves that are stopped: the states that they have reached, and how the next one goes on from there.
 
+use super::cutting::{TICKS, ramp, ramps, teeth, tooth};
 use super::solves::{SKEW, lengths, vector_error};
 use host_tests::cases::{B7005C, Random};
 use host_tests::compare::stiffness_error;
@@ -11,7 +12,7 @@ use spindle_bearing::{
     Section, Settings, Shaft, ShaftLoad, Solver, Speed, Spindle, SpindleSolution, SpindleSolver,
     SprungSpindle, Status, Support,
 };
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// A tick of one bearing: whether it was solved, and the errors of its stiffness, true and as stated.
 struct Tick {
@@ -209,46 +210,18 @@ fn a_sprung_set_without_an_answer_states_errors_that_hold() {
 /// Passing teeth, ramps and the recorded cycle on the monitored pair, at 1 kHz.
 #[test]
 fn no_estimate_of_a_pair_that_cuts_is_older_than_3_ms() {
-    let teeth = [50.0, 125.0, 200.0, 400.0]
-        .into_iter()
-        .flat_map(|per_second| {
-            [200.0, 500.0, 1000.0]
-                .into_iter()
-                .flat_map(move |amplitude| {
-                    [1.0, 0.5].map(|in_cut| -> Vec<[f64; 6]> {
-                        let force = |tick: u32| {
-                            let phase: f64 = (per_second * 1.0007e-3 * f64::from(tick)).fract();
-                            let y = 0.55 * amplitude * (PI * phase.min(in_cut) / in_cut).sin();
-                            [0.0, y, 0.0, 0.0, -0.05 * y, 1500.0]
-                        };
-                        (0..3000).map(force).collect()
-                    })
-                })
-        });
-    // From idling to 2,500 N more and back, in each direction.
-    let ramps = [50.0, 100.0, 200.0].into_iter().flat_map(|rate| {
-        const FORCE: f64 = 2500.0;
-        const PAUSE: f64 = 20.3;
-        [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, -1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, -1.0],
-            [0.0, 0.6, 0.8],
-        ]
-        .map(|along| -> Vec<[f64; 6]> {
-            let rise = FORCE / rate;
-            let force = |tick: u32| {
-                let at = f64::from(tick) % (2.0 * (rise + PAUSE));
-                let up = (at - PAUSE).clamp(0.0, rise);
-                let down = (at - 2.0 * PAUSE - rise).clamp(0.0, rise);
-                let [x, y, z] = along.map(|part| 0.55 * part * rate * (up - down));
-                [x, y, z, 0.05 * z, -0.05 * y, 1500.0]
-            };
-            (0..3000).map(force).collect()
-        })
+    let cut = |force: &dyn Fn(u32) -> [f64; 3]| -> Vec<[f64; 6]> {
+        let load = |tick| {
+            let [x, y, z] = force(tick).map(|force| 0.55 * force);
+            [x, y, z, 0.05 * z, -0.05 * y, 1500.0]
+        };
+        (0..TICKS).map(load).collect()
+    };
+    let teeth = teeth().into_iter().map(|(per_second, amplitude, in_cut)| {
+        cut(&|tick| [0.0, amplitude * tooth(tick, per_second, in_cut), 0.0])
     });
+    let ramps = ramps().into_iter();
+    let ramps = ramps.map(|(rate, along)| cut(&|tick| ramp(tick, rate, along)));
     let cycle = recorded(Place::Nose).into_iter().map(|row| {
         let [x, y, z, my, mz] = row.load;
         [x, y, z, my, mz, row.omega()]

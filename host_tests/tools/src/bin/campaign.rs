@@ -2,15 +2,16 @@
 
 use anyhow::{Context, ensure};
 use clap::Parser;
-use host_tests::campaign::families::{Family, Trial};
+use host_tests::campaign::families::Family;
 use host_tests::campaign::{Plan, contract, in_full, page, run};
 use std::io::Write;
 use std::path::PathBuf;
 use tools::arguments::family;
 use tools::bar::Bar;
 
-/// The page that `--write` writes.
+/// The pages that `--write` writes.
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/campaign.md");
+const PAGE_OF_SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/campaign_sets.md");
 
 /// Refusals of a family that the reference build looks into: a second or two each.
 const SEARCHES: usize = 10;
@@ -22,6 +23,9 @@ struct Args {
     /// Solves of each precision, over all families
     #[arg(long, default_value_t = 1_000_000)]
     cases: usize,
+    /// Sets of bearings on one shaft in the place of bearings, each with a family's bearing and loads
+    #[arg(long)]
+    sets: bool,
     /// Seed of the cases
     #[arg(long, default_value_t = Plan::SEED)]
     seed: u64,
@@ -34,7 +38,7 @@ struct Args {
     /// Has the reference build look into every refusal, a second or two each.
     #[arg(long)]
     judge_all: bool,
-    /// Writes docs/campaign.md
+    /// Writes docs/campaign.md, or docs/campaign_sets.md
     #[arg(long, conflicts_with = "family")]
     write: bool,
     /// Writes a line for every solve that is worth a look.
@@ -44,22 +48,26 @@ struct Args {
 
 fn main() -> anyhow::Result<()> {
     let args = Args::parse();
-    if let Some(index) = args.case {
-        ensure!(args.family.len() == 1, "--case needs one --family");
-        print!("{}", in_full(&Trial::new(args.seed, args.family[0], index)));
-        return Ok(());
-    }
+    let all = Plan::all(args.sets);
+    let is_drawn = args.family.iter().all(|family| all.contains(family));
+    ensure!(is_drawn, "no sets are drawn of this family");
     let plan = Plan {
         seed: args.seed,
         solves: args.cases,
+        of_sets: args.sets,
         families: if args.family.is_empty() {
-            Family::ALL.to_vec()
+            all.to_vec()
         } else {
             args.family
         },
         searches: (!args.judge_all).then_some(SEARCHES),
         followed: 20,
     };
+    if let Some(index) = args.case {
+        ensure!(plan.families.len() == 1, "--case needs one --family");
+        print!("{}", in_full(&plan.trial(plan.families[0], index)));
+        return Ok(());
+    }
     // They are counted; a message each would tear the bar.
     std::panic::set_hook(Box::new(|_| {}));
     let bar = Bar::new("{bar:40} {pos} of {len} solves, {msg}, {eta} left")?;
@@ -70,13 +78,15 @@ fn main() -> anyhow::Result<()> {
     let page = page::page(&plan, &records);
     if args.write {
         let first = format!(
-            "<!-- Made from commit {} by `cargo campaign --cases {} --seed {}{} --write`. -->\n\n",
+            "<!-- Made from commit {} by `cargo campaign{} --cases {} --seed {}{} --write`. -->\n\n",
             tools::commit(),
+            if args.sets { " --sets" } else { "" },
             args.cases,
             args.seed,
             if args.judge_all { " --judge-all" } else { "" },
         );
-        std::fs::write(PAGE, first + &page).with_context(|| format!("cannot write {PAGE}"))?;
+        let path = if args.sets { PAGE_OF_SETS } else { PAGE };
+        std::fs::write(path, first + &page).with_context(|| format!("cannot write {path}"))?;
     }
     // A reader that has seen enough is no failure.
     let _ = writeln!(std::io::stdout(), "{page}");
@@ -85,8 +95,8 @@ fn main() -> anyhow::Result<()> {
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     // A promise is about all families.
-    if plan.families == Family::ALL {
-        let broken = contract::broken(&records);
+    if plan.families == all {
+        let broken = contract::broken(&records, args.sets);
         ensure!(broken.is_empty(), "not kept:\n{}", broken.join("\n"));
     }
     Ok(())
