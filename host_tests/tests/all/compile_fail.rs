@@ -101,12 +101,14 @@ fn library(folder: &Path) -> PathBuf {
     folder.join("debug/libspindle_bearing.rlib")
 }
 
-/// Compiles an item; the error is the compiler's words if it refuses.
-fn compile(item: &str, library: &Path) -> Result<(), String> {
+/// Compiles an item by this name, with code, since some errors come with that; the error is the compiler's words if it refuses.
+fn compile(name: &str, item: &str, library: &Path) -> Result<(), String> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let mut compiler = Command::new(rustc)
         .args(["--edition", "2024", "--crate-type", "lib"])
-        .args(["--emit", "asm=-", "-L"])
+        .args(["--emit", "asm", "--crate-name", name, "--out-dir"])
+        .arg(library.with_file_name("items"))
+        .arg("-L")
         .arg(library.with_file_name("deps"))
         .arg("--extern")
         .arg(format!("spindle_bearing={}", library.display()))
@@ -129,9 +131,11 @@ fn compile(item: &str, library: &Path) -> Result<(), String> {
 fn what_makes_no_sense_does_not_compile_and_is_told_why() {
     let library = library(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("compile_fail"));
     let items: Vec<_> = items().collect();
-    items.into_par_iter().for_each(|([good, bad], expected)| {
-        compile(&good, &library).unwrap_or_else(|said| panic!("{good}\n{said}"));
-        let said = compile(&bad, &library).expect_err(&bad);
+    let items = items.into_par_iter().enumerate();
+    items.for_each(|(number, ([good, bad], expected))| {
+        let name = format!("item_{number}");
+        compile(&name, &good, &library).unwrap_or_else(|said| panic!("{good}\n{said}"));
+        let said = compile(&name, &bad, &library).expect_err(&bad);
         // Line breaks depend on the width that the compiler prints for.
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         for part in expected.split("; ") {
