@@ -26,19 +26,23 @@ PROGRAM = """
 use spindle_bearing::*;
 const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
+const SOLID: Section = Section { from: -0.03, to: 0.1, outer: 0.025, inner: 0.0 };
+static SHAFT: Shaft<f32, 1> = Shaft::<f32, 1>::const_new(&[SOLID], &Material::STEEL);
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let (set, ticks) = (arguments.next().unwrap() == "pair", arguments.next().unwrap().parse().unwrap());
+    let (scene, ticks) = (arguments.next().unwrap(), arguments.next().unwrap().parse().unwrap());
     let speed = Speed::rpm(20_000.0);
     let pair = Spindle::pair(Arrangement::BackToBack, &BEARING, 0.1, Preload::Force(200.0)).unwrap();
-    let (mut one, mut two) = (Solver::new(), SpindleSolver::new());
+    let housing = Support { axial: 5e8, radial: 5e8, tilting: 1e6 };
+    let elastic = pair.elastic(&SHAFT, [housing; 2]).unwrap();
+    let (mut one, mut two, mut bent) = (Solver::new(), SpindleSolver::new(), SpindleSolver::new());
     for tick in 0..ticks {
         let load = [500.0, 100.0 + 4.0 * tick as f32, 0.0, 0.0, 1.0];
         let settings = if tick == 0 { Settings::default() } else { Settings::TICK };
-        let k = if set {
-            two.solve(&pair, load, speed, &settings).unwrap().stiffness()
-        } else {
-            one.solve(&BEARING, load, speed, &settings).unwrap().stiffness()
+        let k = match &*scene {
+            "elastic" => bent.solve(&elastic, load, speed, &settings).unwrap().stiffness(),
+            "pair" => two.solve(&pair, load, speed, &settings).unwrap().stiffness(),
+            _ => one.solve(&BEARING, load, speed, &settings).unwrap().stiffness(),
         };
         assert!(k[0][0] > 0.0);
     }
@@ -85,22 +89,23 @@ def main():
         flags = {**os.environ, "RUSTFLAGS": "-C instrument-coverage", "CARGO_TARGET_DIR": str(folder / "target")}
         run("cargo", "build", "--quiet", cwd=folder, env=flags)
         ways = {}
-        for scene in ["bearing", "pair"]:
+        for scene in ["bearing", "pair", "elastic"]:
             few, more = (counts(folder, folder / "target/debug/warm", tools, scene, n) for n in ("2", "3"))
             way = {(f, line) for (f, line), n in more.items() if n > few[f, line] and f.name not in PRIMITIVE_FILES}
             named = {(str(f.relative_to(ROOT)), line, name(f, line)) for f, line in way}
             ways[scene] = {of for of in named if of[-1] and of[-1] not in PRIMITIVES}
-    bearing, pair = ways["bearing"], ways["pair"]
-    beyond = pair - bearing
+    bearing, pair, elastic = ways["bearing"], ways["pair"], ways["elastic"]
+    of = lambda way: {file for file, *_ in way}
     for title, way, files in [
-        ("a bearing", bearing, {f for f, *_ in bearing}),
-        ("a pair, beyond a bearing", beyond, {f for f, *_ in pair} - {f for f, *_ in bearing}),
+        ("a bearing", bearing, of(bearing)),
+        ("a pair, beyond a bearing", pair - bearing, of(pair) - of(bearing)),
+        ("an elastic pair", elastic, of(elastic)),
     ]:
         print(f"{title}: {len(way)} functions, {len(files)} files")
         if "--list" in sys.argv:
             for file in sorted({f for f, *_ in way}):
                 print(f"  {file}: {', '.join(sorted(n for f, _, n in way if f == file))}")
-    verbs = collections.Counter(n for *_, n in bearing | pair)
+    verbs = collections.Counter(n for *_, n in bearing | pair | elastic)
     print(f"most definitions of a verb: {', '.join(f'{n} {v}' for v, n in verbs.most_common(5))}")
 
 
