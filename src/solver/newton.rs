@@ -103,7 +103,7 @@ impl<T: Real, const D: usize> State<T, D> {
             self.factors.factor(&self.sum.k, damping);
             return;
         }
-        let mut k = problem.stiffness_given::<E>(&self.sum.k);
+        let mut k = problem.tangent_given::<E>(&self.sum.k);
         for (i, held) in problem.prescribed.iter().enumerate() {
             if held.is_some() {
                 k[i] = [T::ZERO; D];
@@ -147,7 +147,7 @@ impl<T: Real, const D: usize> State<T, D> {
             let mut is_long = false;
             if let Some(piece) = problem.overhang::<E>() {
                 // Back to the centre. Damping moves no displacement that is given: a step is as long as it may be.
-                let k = problem.stiffness_given::<E>(&self.sum.k);
+                let k = problem.tangent_given::<E>(&self.sum.k);
                 let mut force: [T; D] = vector(|i| product(&k[i], &du));
                 refer(-piece.length, &mut force);
                 let (at_centre, bent) = (moved(piece.length, &du), piece.deflection(&force));

@@ -326,9 +326,9 @@ impl<T: Real, const D: usize> Problem<T, D> {
         }
     }
 
-    /// The stiffness where displacements are given, from that about the shaft's centre.
+    /// The tangent where displacements are given, from that about the shaft's centre.
     #[inline(always)]
-    pub fn stiffness_given<const E: usize>(&self, k: &Matrix<T, D>) -> Matrix<T, D> {
+    pub fn tangent_given<const E: usize>(&self, k: &Matrix<T, D>) -> Matrix<T, D> {
         let Some(piece) = self.overhang::<E>() else {
             return *k;
         };

@@ -133,11 +133,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     #[inline(always)]
     fn near(&self, x: T) -> (Matrix<T, 5>, T) {
         let (layout, centre) = (&self.spindle.layout, self.spindle.centre);
-        let near = if E == 0 {
-            centre
-        } else {
-            self.spindle.between_rows(x)
-        };
+        if E == 0 {
+            return (held(&self.last.tangent::<M::Rule, _>(layout)), centre);
+        }
+        let near = self.spindle.between_rows(x);
         let k = if near == centre {
             self.last.tangent::<M::Rule, _>(layout)
         } else {

@@ -68,7 +68,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
     ///
     /// `loads` are `[Fx, Fy, Fz, My, Mz]` (N, N m) on the shaft at `x = 0`, or a [`Given`] each, or [`ShaftLoad`](crate::ShaftLoad)s, each at its
     /// position. On an elastic shaft the place of a load counts: moved to `x = 0` by hand, it deflects the shaft otherwise. `at` is a
-    /// [`Speed`], or one with the growth of each row.
+    /// [`Speed`](crate::Speed), or one with the growth of each row.
     ///
     /// The solve starts from the last solution if that is near. After [`Status::IterationLimit`] it goes on from where the
     /// last one ended, if load and speed are near. [`SpindleSolution::load`] has reactions where displacements are given.
