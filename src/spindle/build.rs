@@ -299,7 +299,7 @@ pub mod $module {
                 joints: [],
                 mark: mix(0, spring),
             },
-            positions: [$t::ZERO; R],
+            positions: [first.position; R],
             facings: [first.facing; R],
             spring,
             centre: $t::ZERO,

@@ -196,30 +196,20 @@ pub mod $module {
         let (low, high) = (at_most(near, far), at_least(near, far));
         let (mut tilting, mut first, mut axial) = ($t::ZERO, $t::ZERO, $t::ZERO);
         let mut rest = sections;
-        while let [section, others @ ..] = rest {
-            let (from, to) = (at_least(section.from, low), at_most(section.to, high));
-            if to > from {
-                let [of_axial, of_bending, _] = section.per;
-                let length = to - from;
-                axial += length * of_axial;
-                tilting += length * of_bending;
-                first += length * of_bending * middle(from, to, far);
-            }
-            rest = others;
+        while let Some((length, middle, per)) = next_part(&mut rest, low, high, far) {
+            let [of_axial, of_bending, _] = *per;
+            axial += length * of_axial;
+            tilting += length * of_bending;
+            first += length * of_bending * middle;
         }
         // The elastic centre, from the far end, and what a force shifts there.
         let centre = ratio(first, tilting);
         let mut lateral = $t::ZERO;
         rest = sections;
-        while let [section, others @ ..] = rest {
-            let (from, to) = (at_least(section.from, low), at_most(section.to, high));
-            if to > from {
-                let [_, of_bending, of_shear] = section.per;
-                let (length, off) = (to - from, middle(from, to, far) - centre);
-                let spread = off * off + length * length * of(1.0 / 12.0);
-                lateral += length * (of_bending * spread + of_shear);
-            }
-            rest = others;
+        while let Some((length, middle, per)) = next_part(&mut rest, low, high, far) {
+            let ([_, of_bending, of_shear], off) = (*per, middle - centre);
+            let spread = off * off + length * length * of(1.0 / 12.0);
+            lateral += length * (of_bending * spread + of_shear);
         }
         let at_end = lateral + first * centre;
         let stiffness = unit.force / unit.length;
@@ -234,10 +224,23 @@ pub mod $module {
         }
     }
 
-    /// Distance from the middle to the far end.
+    /// The next section that has a part between two positions: its length, the distance from its middle to the far end, and the
+    /// flexibilities.
     #[inline(always)]
-    $($const)? fn middle$(<$any: Real>)?(from: $t, to: $t, far: $t) -> $t {
-        ((far - from) + (far - to)) * of(0.5)
+    $($const)? fn next_part<'s $(, $any: Real)?>(
+        rest: &mut &'s [Flexible<$t>],
+        low: $t,
+        high: $t,
+        far: $t,
+    ) -> Option<($t, $t, &'s [$t; 3])> {
+        while let [section, others @ ..] = *rest {
+            *rest = others;
+            let (from, to) = (at_least(section.from, low), at_most(section.to, high));
+            if to > from {
+                return Some((to - from, ((far - from) + (far - to)) * of(0.5), &section.per));
+            }
+        }
+        None
     }
 
     #[inline(always)]
@@ -322,6 +325,7 @@ pub mod $module {
 
     /// Deflection of the shaft at the position `x` (m) by `load` at the position `at`, both in the solver's units, about the section
     /// at its centre.
+    #[inline(never)]
     pub $($const)? fn deflection$(<$any: Real>)?(
         shaft: &OnShaft<'_, $t>,
         unit: &Constants<$t>,

@@ -102,7 +102,8 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
     }
 }
 
-/// Bearings on a shaft, rigid or elastic, ready to be solved: immutable, made once.
+/// Bearings on a shaft, rigid or elastic, ready to be solved: immutable, made once, by the compiler where the rows are known there
+/// (`Spindle::const_new`).
 ///
 /// `R` rows of at most `N` balls. `D` is 5, the shaft's freedoms, or 6 where a sleeve slides under a spring: a
 /// [`SprungSpindle`].
