@@ -1,6 +1,6 @@
 //! Two bearings back to back, followed in an application for RTIC 2.
 //!
-//! The compiler makes the pair, and the solver in a static, all of whose bits are zero. A constant load is in the place of a measured one.
+//! The compiler makes the pair and the solver, all of whose bits are zero. A constant load is in the place of a measured one.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
