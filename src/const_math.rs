@@ -1,7 +1,7 @@
-//! Elementary functions in `f64` that the compiler can evaluate.
+//! Elementary functions that the compiler can evaluate.
 //!
 //! A design is turned into solver constants by `const fn`s, so that firmware carries numbers and
-//! not the code that made them. `core` has no such functions for `const` yet. These are good to
+//! not the code that made them. `core` has no such functions for `const` yet. Those in `f64` are good to
 //! about one unit in the last place, and give the same bits at compile time and at run time.
 
 /// Square root of a finite, non-negative number, by Newton's method.
@@ -19,6 +19,36 @@ pub(crate) const fn sqrt(x: f64) -> f64 {
     }
     y
 }
+
+macro_rules! exact_sqrt {
+    ($name:ident, $t:ident, $bits:ident, $wide:ident) => {
+        /// Square root of a number's magnitude, correctly rounded by integers: the hardware's own bits.
+        pub(crate) const fn $name(x: $t) -> $t {
+            const FRACTION: u32 = $t::MANTISSA_DIGITS - 1;
+            const BIAS: u32 = $t::MAX_EXP as u32 - 1;
+            const UP: $t = (1_u64 << 60) as $t;
+            const DOWN: $t = 1.0 / (1_u64 << 30) as $t;
+            let x = x.abs();
+            if !(x > 0.0 && x.is_finite()) {
+                return x;
+            }
+            if x < $t::MIN_POSITIVE {
+                return $name(x * UP) * DOWN;
+            }
+            let exponent = (x.to_bits() >> FRACTION) as u32;
+            let digits = x.to_bits() & ((1 << FRACTION) - 1) | (1 << FRACTION);
+            // An even power of two is left, and the root has a digit more than the result. It is never half way between two results:
+            // the square of a root that ends in 1 ends in 1.
+            let odd = (exponent + BIAS) % 2;
+            let root = ((digits as $wide) << (FRACTION + 2 + odd)).isqrt() as $bits;
+            let half = (exponent + BIAS - odd) / 2;
+            root.div_ceil(2) as $t * $t::from_bits(((half - FRACTION) as $bits) << FRACTION)
+        }
+    };
+}
+
+exact_sqrt!(sqrt_f32, f32, u32, u64);
+exact_sqrt!(sqrt_f64, f64, u64, u128);
 
 /// Cube root of a finite, non-negative number, likewise.
 pub(crate) const fn cbrt(x: f64) -> f64 {
@@ -152,6 +182,34 @@ mod tests {
             let x = 1.7 * 10f64.powi(exponent);
             assert!((sqrt(x) / x.sqrt() - 1.0).abs() < 3e-16, "sqrt {x}");
             assert!((cbrt(x) / x.cbrt() - 1.0).abs() < 5e-16, "cbrt {x}");
+        }
+    }
+
+    #[test]
+    fn exact_roots_have_the_hardwares_bits() {
+        for i in 0..2_000_000_u64 {
+            let bits = i.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let (x, y) = (f32::from_bits((bits >> 32) as u32), f64::from_bits(bits));
+            if !x.is_nan() {
+                assert_eq!(sqrt_f32(x).to_bits(), x.abs().sqrt().to_bits(), "{x}");
+            }
+            if !y.is_nan() {
+                assert_eq!(sqrt_f64(y).to_bits(), y.abs().sqrt().to_bits(), "{y}");
+            }
+        }
+        // Squares and their neighbours.
+        for i in 1..4096_u32 {
+            let (x, y) = (f64::from(i * i), f64::from(i) * f64::from(1 << 14 | i));
+            for y in [x.next_down(), x, x.next_up(), (y * y).next_down(), y * y] {
+                assert_eq!(sqrt_f64(y).to_bits(), y.sqrt().to_bits(), "{y}");
+                assert_eq!(sqrt_f32(y as f32).to_bits(), (y as f32).sqrt().to_bits());
+            }
+        }
+        for x in [0.0, 1e-45, f32::MIN_POSITIVE, f32::MAX, f32::INFINITY] {
+            assert_eq!(sqrt_f32(x), x.sqrt());
+        }
+        for x in [0.0, 5e-324, f64::MIN_POSITIVE, f64::MAX, f64::INFINITY] {
+            assert_eq!(sqrt_f64(x), x.sqrt());
         }
     }
 

@@ -1,6 +1,6 @@
 //! Two bearings back to back, followed in an application for RTIC 2.
 //!
-//! The solver lives in a static that the compiler makes, all of its bits zero. A constant load is in the place of a measured one.
+//! The compiler makes the pair and the solver, all of whose bits are zero. A constant load is in the place of a measured one.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -15,8 +15,10 @@ mod app {
     use cortex_m::peripheral::syst::SystClkSource;
     use defmt_rtt as _;
     use spindle_bearing::nalgebra::SMatrix;
-    use spindle_bearing::{Arrangement, Bearing, Design, Limit, Limits, Preload, Settings};
-    use spindle_bearing::{Speed, Spindle, SpindleSolution, SpindleSolver, Status, matrix};
+    use spindle_bearing::{Arrangement, Bearing, Design, Facing, Limit, Limits, Mounted, Preload};
+    use spindle_bearing::{
+        Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status, matrix,
+    };
 
     const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
     static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&DESIGN);
@@ -25,7 +27,14 @@ mod app {
         peak_pressure: 2e9,
         ..Limits::DEFAULT
     };
-    type Pair = Spindle<'static, f32, 2, 15>;
+    const PRELOAD: Preload<f32> = Preload::Force(200.0);
+    static PAIR: Spindle<f32, 2, 15> = Spindle::<f32, 2, 15>::const_new(
+        Arrangement::BackToBack,
+        [
+            Mounted::new(&BEARING, 0.0, Facing::PlusX).with(PRELOAD),
+            Mounted::new(&BEARING, 0.1, Facing::MinusX).with(PRELOAD),
+        ],
+    );
     type Solver = SpindleSolver<f32, 2, 15>;
 
     #[shared]
@@ -33,7 +42,6 @@ mod app {
 
     #[local]
     struct Local {
-        pair: Pair,
         solver: &'static mut Solver,
         /// Ticks since the last good estimate.
         age: u32,
@@ -41,19 +49,10 @@ mod app {
 
     #[init(local = [memory: Solver = Solver::new()])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let pair = Spindle::pair(
-            Arrangement::BackToBack,
-            &BEARING,
-            0.1,
-            Preload::Force(200.0),
-        );
-        let Ok(pair) = pair else {
-            panic!("these rows hold no shaft")
-        };
         let solver = cx.local.memory;
         // The first solve has no solution to start from, and takes its time.
         let _ = solver
-            .solve(&pair, [0.0; 5], SPEED, &Settings::DEFAULT)
+            .solve(&PAIR, [0.0; 5], SPEED, &Settings::DEFAULT)
             .is_ok();
         // A tick of 1 ms of the 16 MHz that the core starts with.
         let mut timer = cx.core.SYST;
@@ -61,12 +60,7 @@ mod app {
         timer.set_reload(16_000 - 1);
         timer.enable_counter();
         timer.enable_interrupt();
-        let local = Local {
-            pair,
-            solver,
-            age: 0,
-        };
-        (Shared {}, local)
+        (Shared {}, Local { solver, age: 0 })
     }
 
     /// Stiffness, how far it can be off, and whether a contact is pressed too hard.
@@ -80,18 +74,16 @@ mod app {
         )
     }
 
-    #[task(binds = SysTick, local = [pair, solver, age])]
+    #[task(binds = SysTick, local = [solver, age])]
     fn tick(cx: tick::Context) {
-        let tick::LocalResources {
-            pair, solver, age, ..
-        } = cx.local;
+        let tick::LocalResources { solver, age, .. } = cx.local;
         let load = [0.0, 150.0, 0.0, 0.0, 0.0];
         let found = match solver
-            .solve(pair, load, SPEED, &Settings::TICK)
+            .solve(&PAIR, load, SPEED, &Settings::TICK)
             .map(|s| estimate(&s))
         {
             // The state that this tick has reached; the next one goes on from there.
-            Err(Status::IterationLimit) => solver.unfinished(pair).map(|s| estimate(&s)),
+            Err(Status::IterationLimit) => solver.unfinished(&PAIR).map(|s| estimate(&s)),
             found => found.inspect_err(|status| defmt::warn!("{}", status)).ok(),
         };
         *age = age.saturating_add(1);

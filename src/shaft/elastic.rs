@@ -128,26 +128,6 @@ impl<T: Real, const D: usize> Bend<T, D> {
     };
 }
 
-/// Puts the joints into the order of the chain that leads to the position `x`, m: those below it, then those above, the outermost
-/// first.
-#[inline(never)]
-pub fn order<T: Real>(joints: &mut [Joint<T>], x: T) {
-    let is_before = |a: T, b: T| match (a < x, b < x) {
-        (true, true) => a < b,
-        (false, false) => a > b,
-        (is_below, _) => is_below,
-    };
-    let mut rest = joints;
-    while let Some((first, others)) = rest.split_first_mut() {
-        for other in others.iter_mut() {
-            if is_before(other.position, first.position) {
-                core::mem::swap(first, other);
-            }
-        }
-        rest = others;
-    }
-}
-
 /// Forces and slopes by the motion of the springs' near end, from those by the motion of their far end.
 #[inline(never)]
 pub fn soften<T: Real, const D: usize>(sum: &mut Sum<T, D>, springs: &[T; 5]) {

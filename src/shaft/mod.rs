@@ -206,7 +206,7 @@ impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
 
 impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
     /// These rows on an elastic shaft.
-    pub fn with_joints(self, joints: [Joint<T>; R]) -> Layout<'b, T, R, true, R> {
+    pub const fn with_joints(self, joints: [Joint<T>; R]) -> Layout<'b, T, R, true, R> {
         let Self {
             bearings,
             mounts,

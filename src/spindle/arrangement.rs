@@ -26,6 +26,11 @@ impl Facing {
         }
     }
 
+    /// Both are one direction.
+    pub(super) const fn is(self, other: Self) -> bool {
+        self as u8 == other as u8
+    }
+
     /// `+x` or `-x`.
     pub const fn name(self) -> &'static str {
         match self {
@@ -77,11 +82,11 @@ impl Arrangement {
     }
 
     /// Whether two rows may stand to each other like this, the first one at the smaller x.
-    pub(super) fn allows(self, first: Facing, second: Facing) -> bool {
+    pub(super) const fn allows(self, first: Facing, second: Facing) -> bool {
         match self {
-            Self::BackToBack => !(first == Facing::MinusX && second == Facing::PlusX),
-            Self::FaceToFace => !(first == Facing::PlusX && second == Facing::MinusX),
-            Self::Tandem => first == second,
+            Self::BackToBack => !matches!((first, second), (Facing::MinusX, Facing::PlusX)),
+            Self::FaceToFace => !matches!((first, second), (Facing::PlusX, Facing::MinusX)),
+            Self::Tandem => first.is(second),
             Self::ByRows => true,
         }
     }

@@ -1,15 +1,22 @@
 //! A spindle whose shaft bends, on supports that give way.
 
+use crate::bearing::Constants;
+use crate::design::check;
 use crate::linalg::{norm, refer, vector};
-use crate::real::Real;
+use crate::real::{Float, Real};
 use crate::shaft::Layout;
-use crate::shaft::elastic::{Bend, Joint, Piece, forces, order};
-use crate::solver::problem::{Given, ShaftLoad, about, check, radius, units};
+use crate::shaft::elastic::{Bend, Joint, Piece, forces};
+use crate::solver::problem::{Given, ShaftLoad, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
-use crate::spindle::sections::{OnShaft, Shaft, Support, of_freedoms};
+use crate::spindle::sections::{Flexible, OnShaft, Shaft, Support, of_freedoms};
 use crate::status::{Quantity, Status};
-use core::array::from_fn;
+use any::{deflection, deflection_by, piece};
+
+/// Least stiffness of a support along and across the axis, N/m: less is mostly N/um.
+const LEAST: f64 = 1e5;
+/// Least stiffness against tilting, N m/rad. Self-aligning supports have next to none.
+const LEAST_TILTING: f64 = 1.0;
 
 /// A spindle with an elastic shaft: [`Spindle::elastic`]. Its solver is a [`SpindleSolver`](crate::SpindleSolver) with `E = R`.
 pub type ElasticSpindle<'b, T, const R: usize, const N: usize, const D: usize = 5> =
@@ -28,53 +35,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
         shaft: &'b Shaft<T, K>,
         supports: [Support<T>; R],
     ) -> Result<ElasticSpindle<'b, T, R, N, D>, SpindleError<T>> {
-        for (row, support) in supports.iter().enumerate() {
-            support.check(row)?;
-        }
-        let centre = self.between_rows(T::ZERO);
-        let (layout, _) = self.about(centre);
-        let unit = layout.bearings[0].c;
-        let (axial, tilting) = (unit.force / unit.length, unit.moment / unit.tilt);
-        let joints = from_fn(|row| {
-            let rigid = Support::RIGID;
-            let support = supports.get(row).unwrap_or(&rigid);
-            Joint {
-                row,
-                position: self.positions.get(row).copied().unwrap_or(T::ZERO),
-                support: of_freedoms([
-                    axial / support.axial,
-                    axial / support.radial,
-                    tilting / support.tilting,
-                ]),
-                constant: [T::ZERO; 5],
-                piece: Piece::NONE,
-                is_last: false,
-            }
-        });
-        let on_shaft = OnShaft {
-            sections: &shaft.sections,
-            loads: &[],
-            load: [T::ZERO; 5],
-            centre,
-        };
-        let mut set = Spindle {
-            layout: layout.with_joints(joints),
-            positions: self.positions,
-            facings: self.facings,
-            spring: self.spring,
-            centre,
-            shaft: [on_shaft; R],
-        };
-        for (mount, row) in set.layout.mounts.iter_mut().zip(&layout.bearings) {
-            mount.reach = row.c.plane;
-        }
-        set.layout.joints = set.joints_towards(centre);
-        let supports = set.layout.joints.iter().flat_map(|joint| joint.support);
-        let sections = shaft.sections.iter().flat_map(|section| section.numbers());
-        set.layout.mark = supports
-            .chain(sections)
-            .fold(set.layout.mark, |mark, number| number.mix(mark));
-        Ok(set)
+        any::elastic(self, &shaft.sections, &supports)
     }
 }
 
@@ -95,37 +56,386 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
     /// # Errors
     ///
     /// [`SpindleError::Load`], for a load or a position that is out of range; [`SpindleError::HasLoads`] on a second call.
-    pub fn with_loads(mut self, loads: &'b [ShaftLoad<T>]) -> Result<Self, SpindleError<T>> {
-        if self.shaft.iter().any(|shaft| !shaft.loads.is_empty()) {
-            return Err(SpindleError::HasLoads);
-        }
-        let unit = self.layout.bearings[0].c;
-        for (number, load) in loads.iter().enumerate() {
-            self.check_load(load).map_err(|status| SpindleError::Load {
-                load: number,
-                status,
-            })?;
-        }
-        let sum = about(loads, self.centre);
-        for shaft in &mut self.shaft {
-            (shaft.loads, shaft.load) = (loads, sum);
-        }
-        for (joint, shaft) in self.layout.joints.iter_mut().zip(&self.shaft) {
-            joint.constant = shaft.deflection_by(unit, joint.position, loads);
-        }
-        self.layout.mark = mark(loads, self.layout.mark);
-        Ok(self)
+    pub fn with_loads(self, loads: &'b [ShaftLoad<T>]) -> Result<Self, SpindleError<T>> {
+        any::with_loads(self, loads)
     }
 }
 
-/// A mark with these loads mixed into it.
-fn mark<T: Real>(loads: &[ShaftLoad<T>], mark: u32) -> u32 {
-    let numbers = loads
-        .iter()
-        .flat_map(|at| [at.position].into_iter().chain(at.load));
-    numbers.fold(mark, |mark, number| number.mix(mark))
+/// `elastic!(module, precision, [if generic], [if const])`, as in `build.rs`.
+macro_rules! elastic {
+    ($module:ident, $t:ident, [$($any:ident)?], [$($const:tt)?]) => {
+/// Elastic shafts in this precision.
+pub mod $module {
+    use super::*;
+    use crate::spindle::build::$module::{at_least, at_most, check, mix, of, radius};
+
+    /// Rows on an elastic shaft of such sections, each on its support.
+    pub $($const)? fn elastic<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize>(
+        rigid: Spindle<'b, $t, R, N, D>,
+        sections: &'b [Flexible<$t>],
+        supports: &[Support<$t>; R],
+    ) -> Result<ElasticSpindle<'b, $t, R, N, D>, SpindleError<$t>> {
+        let Spindle { mut layout, positions, facings, spring, .. } = rigid;
+        let unit = layout.bearings[0].c;
+        let (axial, tilting) = (unit.force / unit.length, unit.moment / unit.tilt);
+        let mut joints = [Joint {
+            row: 0,
+            position: $t::ZERO,
+            support: [$t::ZERO; 5],
+            constant: [$t::ZERO; 5],
+            piece: Piece::NONE,
+            is_last: false,
+        }; R];
+        let mut row = 0;
+        while row < R {
+            let support = &supports[row];
+            check!(check_support(row, support));
+            (joints[row].row, joints[row].position) = (row, positions[row]);
+            joints[row].support = of_freedoms([
+                axial / support.axial,
+                axial / support.radial,
+                tilting / support.tilting,
+            ]);
+            layout.mounts[row].reach = layout.bearings[row].c.plane;
+            row += 1;
+        }
+        let centre = between(&positions, $t::ZERO);
+        layout.plane += (rigid.centre - centre) / radius(unit);
+        let joints = towards(joints, sections, unit, centre);
+        row = 0;
+        while row < R {
+            layout.mark = mix_all(layout.mark, &joints[row].support);
+            row += 1;
+        }
+        let mut rest = sections;
+        while let [section, others @ ..] = rest {
+            layout.mark = mix_all(layout.mark, &section.numbers());
+            rest = others;
+        }
+        Ok(Spindle {
+            layout: layout.with_joints(joints),
+            positions,
+            facings,
+            spring,
+            centre,
+            shaft: [OnShaft { sections, loads: &[], load: [$t::ZERO; 5], centre }; R],
+        })
+    }
+
+    $($const)? fn check_support$(<$any: Real>)?(row: usize, support: &Support<$t>) -> Result<(), SpindleError<$t>> {
+        let all = [
+            (Quantity::AxialSupport, support.axial, of(LEAST)),
+            (Quantity::RadialSupport, support.radial, of(LEAST)),
+            (Quantity::TiltingSupport, support.tilting, of(LEAST_TILTING)),
+        ];
+        let mut rest = all.as_slice();
+        while let [(quantity, value, least), others @ ..] = rest {
+            if !(*value >= *least) {
+                let (quantity, value, least) = (*quantity, *value, *least);
+                return Err(SpindleError::Support { row, quantity, value, least });
+            }
+            rest = others;
+        }
+        Ok(())
+    }
+
+    /// The position between the rows that is nearest to `x`, m.
+    pub $($const)? fn between<$($any: Real,)? const R: usize>(positions: &[$t; R], x: $t) -> $t {
+        let (mut low, mut high, mut row) = ($t::INFINITY, -$t::INFINITY, 0);
+        while row < R {
+            (low, high) = (at_most(low, positions[row]), at_least(high, positions[row]));
+            row += 1;
+        }
+        at_most(at_least(x, low), high)
+    }
+
+    /// The chain of rows that leads to the position `x` (m) on the shaft: those below it, then those above, the outermost first.
+    pub $($const)? fn towards<$($any: Real,)? const E: usize>(
+        mut joints: [Joint<$t>; E],
+        sections: &[Flexible<$t>],
+        unit: &Constants<$t>,
+        x: $t,
+    ) -> [Joint<$t>; E] {
+        let mut first = 0;
+        while first < E {
+            let mut other = first + 1;
+            while other < E {
+                let (a, b) = (joints[other].position, joints[first].position);
+                let is_before = match (a < x, b < x) {
+                    (true, true) => a < b,
+                    (false, false) => a > b,
+                    (is_below, _) => is_below,
+                };
+                if is_before {
+                    (joints[first], joints[other]) = (joints[other], joints[first]);
+                }
+                other += 1;
+            }
+            first += 1;
+        }
+        let (mut next, mut rest) = (None::<$t>, joints.as_mut_slice());
+        while let [others @ .., joint] = rest {
+            let (near, is_last) = match next {
+                Some(inner) if (inner < x) == (joint.position < x) => (inner, false),
+                _ => (x, true),
+            };
+            joint.is_last = is_last;
+            joint.piece = piece(sections, unit, near, joint.position);
+            (next, rest) = (Some(joint.position), others);
+        }
+        joints
+    }
+
+    /// The piece of a shaft between the positions `near` and `far`, m.
+    pub $($const)? fn piece$(<$any: Real>)?(
+        sections: &[Flexible<$t>],
+        unit: &Constants<$t>,
+        near: $t,
+        far: $t,
+    ) -> Piece<$t> {
+        let (low, high) = (at_most(near, far), at_least(near, far));
+        let (mut tilting, mut first, mut axial) = ($t::ZERO, $t::ZERO, $t::ZERO);
+        let mut rest = sections;
+        while let Some((length, middle, per)) = next_part(&mut rest, low, high, far) {
+            let [of_axial, of_bending, _] = *per;
+            axial += length * of_axial;
+            tilting += length * of_bending;
+            first += length * of_bending * middle;
+        }
+        // The elastic centre, from the far end, and what a force shifts there.
+        let centre = ratio(first, tilting);
+        let mut lateral = $t::ZERO;
+        rest = sections;
+        while let Some((length, middle, per)) = next_part(&mut rest, low, high, far) {
+            let ([_, of_bending, of_shear], off) = (*per, middle - centre);
+            let spread = off * off + length * length * of(1.0 / 12.0);
+            lateral += length * (of_bending * spread + of_shear);
+        }
+        let at_end = lateral + first * centre;
+        let stiffness = unit.force / unit.length;
+        Piece {
+            length: (far - near) / radius(unit),
+            lean: ratio(first, at_end) * radius(unit),
+            flexibility: of_freedoms([
+                axial * stiffness,
+                at_end * stiffness,
+                tilting * ratio(lateral, at_end) * (unit.moment / unit.tilt),
+            ]),
+        }
+    }
+
+    /// The next section that has a part between two positions: its length, the distance from its middle to the far end, and the
+    /// flexibilities.
+    #[inline(always)]
+    $($const)? fn next_part<'s $(, $any: Real)?>(
+        rest: &mut &'s [Flexible<$t>],
+        low: $t,
+        high: $t,
+        far: $t,
+    ) -> Option<($t, $t, &'s [$t; 3])> {
+        while let [section, others @ ..] = *rest {
+            *rest = others;
+            let (from, to) = (at_least(section.from, low), at_most(section.to, high));
+            if to > from {
+                return Some((to - from, ((far - from) + (far - to)) * of(0.5), &section.per));
+            }
+        }
+        None
+    }
+
+    #[inline(always)]
+    $($const)? fn ratio$(<$any: Real>)?(a: $t, b: $t) -> $t {
+        if b > $t::ZERO { a / b } else { $t::ZERO }
+    }
+
+    /// The shaft under loads that act on it at all times.
+    pub $($const)? fn with_loads<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize>(
+        mut set: ElasticSpindle<'b, $t, R, N, D>,
+        loads: &'b [ShaftLoad<$t>],
+    ) -> Result<ElasticSpindle<'b, $t, R, N, D>, SpindleError<$t>> {
+        if !set.shaft[0].loads.is_empty() {
+            return Err(SpindleError::HasLoads);
+        }
+        let unit = set.layout.bearings[0].c;
+        let (mut sum, mut load, mut rest) = ([$t::ZERO; 5], 0, loads);
+        while let [at, others @ ..] = rest {
+            if let Err(status) = check_load(unit, set.layout.ball_count, at) {
+                return Err(SpindleError::Load { load, status });
+            }
+            sum = plus(&sum, &refer(at.position - set.centre, &at.load));
+            (load, rest) = (load + 1, others);
+        }
+        let shaft = OnShaft { loads, load: sum, ..set.shaft[0] };
+        set.shaft = [shaft; R];
+        let mut row = 0;
+        while row < R {
+            let x = set.layout.joints[row].position;
+            set.layout.joints[row].constant = deflection_by(&shaft, unit, x, loads);
+            row += 1;
+        }
+        set.layout.mark = mark(loads, set.layout.mark);
+        Ok(set)
+    }
+
+    /// Refuses a load or its position that is out of range.
+    pub $($const)? fn check_load$(<$any: Real>)?(
+        unit: &Constants<$t>,
+        ball_count: $t,
+        at: &ShaftLoad<$t>,
+    ) -> Result<(), Status<$t>> {
+        check!(check(Quantity::LoadPosition, at.position, radius(unit) * of(4096.0)));
+        let mut i = 0;
+        while i < 5 {
+            let most = ball_count * of(512.0) * units(unit)[i];
+            check!(check(Quantity::OF_FREEDOM[i][0], at.load[i], most));
+            i += 1;
+        }
+        Ok(())
+    }
+
+    /// Units of the five forces.
+    #[inline(always)]
+    $($const)? fn units$(<$any: Real>)?(unit: &Constants<$t>) -> [$t; 5] {
+        [unit.force, unit.force, unit.force, unit.moment, unit.moment]
+    }
+
+    #[inline(always)]
+    $($const)? fn plus$(<$any: Real>)?(a: &[$t; 5], b: &[$t; 5]) -> [$t; 5] {
+        let (mut sum, mut i) = (*a, 0);
+        while i < 5 {
+            sum[i] += b[i];
+            i += 1;
+        }
+        sum
+    }
+
+    /// A force about a point that is nearer to the origin by `distance`; turns with those that go with a shift, by that lean.
+    #[inline(always)]
+    $($const)? fn refer$(<$any: Real>)?(distance: $t, force: &[$t; 5]) -> [$t; 5] {
+        let [x, y, z, my, mz] = *force;
+        [x, y, z, my - distance * z, mz + distance * y]
+    }
+
+    /// The motion of a point that is further along the axis by `distance`; a force where turns count from those that go with a shift.
+    #[inline(always)]
+    $($const)? fn moved$(<$any: Real>)?(distance: $t, u: &[$t; 5]) -> [$t; 5] {
+        let [x, y, z, ty, tz] = *u;
+        [x, y + distance * tz, z - distance * ty, ty, tz]
+    }
+
+    /// Deflection of the shaft at the position `x` (m) by `load` at the position `at`, both in the solver's units, about the section
+    /// at its centre.
+    #[inline(never)]
+    pub $($const)? fn deflection$(<$any: Real>)?(
+        shaft: &OnShaft<'_, $t>,
+        unit: &Constants<$t>,
+        x: $t,
+        at: $t,
+        load: &[$t; 5],
+    ) -> [$t; 5] {
+        let [of_x, of_load] = [x - shaft.centre, at - shaft.centre];
+        if !(of_x * of_load > $t::ZERO) {
+            return [$t::ZERO; 5];
+        }
+        // Beyond the nearer of both, nothing bends.
+        let is_nearer = at_least(of_x, -of_x) < at_least(of_load, -of_load);
+        let end = if is_nearer { x } else { at };
+        let per = $t::ONE / radius(unit);
+        let piece = piece(shaft.sections, unit, shaft.centre, end);
+        // As `Piece::deflection`.
+        let mut u = moved(piece.lean, &refer((at - end) * per, load));
+        let mut i = 0;
+        while i < 5 {
+            u[i] = piece.flexibility[i] * u[i];
+            i += 1;
+        }
+        moved((x - end) * per, &refer(piece.lean, &u))
+    }
+
+    /// Deflection by loads, about the section at its centre.
+    pub $($const)? fn deflection_by$(<$any: Real>)?(
+        shaft: &OnShaft<'_, $t>,
+        unit: &Constants<$t>,
+        x: $t,
+        loads: &[ShaftLoad<$t>],
+    ) -> [$t; 5] {
+        let (mut u, mut rest) = ([$t::ZERO; 5], loads);
+        while let [at, others @ ..] = rest {
+            let (mut load, mut i) = (at.load, 0);
+            while i < 5 {
+                load[i] = load[i] / units(unit)[i];
+                i += 1;
+            }
+            u = plus(&u, &deflection(shaft, unit, x, at.position, &load));
+            rest = others;
+        }
+        u
+    }
+
+    /// A mark with these loads mixed into it.
+    pub $($const)? fn mark$(<$any: Real>)?(loads: &[ShaftLoad<$t>], mut mark: u32) -> u32 {
+        let mut rest = loads;
+        while let [at, others @ ..] = rest {
+            mark = mix_all(mix(mark, at.position), &at.load);
+            rest = others;
+        }
+        mark
+    }
+
+    $($const)? fn mix_all$(<$any: Real>)?(mut mark: u32, numbers: &[$t; 5]) -> u32 {
+        let mut i = 0;
+        while i < 5 {
+            mark = mix(mark, numbers[i]);
+            i += 1;
+        }
+        mark
+    }
+}
+    };
 }
 
+elastic!(any, T, [T], []);
+elastic!(single, f32, [], [const]);
+elastic!(double, f64, [], [const]);
+
+macro_rules! const_elastic {
+    ($t:ident, $module:ident) => {
+        impl<'b, const R: usize, const N: usize, const D: usize> Spindle<'b, $t, R, N, D> {
+            /// [`Spindle::elastic`] for a shaft and supports that the compiler knows.
+            ///
+            /// # Panics
+            ///
+            /// For a support that is too soft, with [`SpindleError::reason`].
+            pub const fn const_elastic<const K: usize>(
+                self,
+                shaft: &'b Shaft<$t, K>,
+                supports: [Support<$t>; R],
+            ) -> ElasticSpindle<'b, $t, R, N, D> {
+                match $module::elastic(self, &shaft.sections, &supports) {
+                    Ok(set) => set,
+                    Err(error) => panic!("{}", error.reason()),
+                }
+            }
+        }
+
+        impl<'b, const R: usize, const N: usize, const D: usize> ElasticSpindle<'b, $t, R, N, D> {
+            /// [`Spindle::with_loads`] for loads that the compiler knows.
+            ///
+            /// # Panics
+            ///
+            /// For loads that are out of range, and on a second call, with [`SpindleError::reason`].
+            pub const fn const_with_loads(self, loads: &'b [ShaftLoad<$t>]) -> Self {
+                match $module::with_loads(self, loads) {
+                    Ok(set) => set,
+                    Err(error) => panic!("{}", error.reason()),
+                }
+            }
+        }
+    };
+}
+
+const_elastic!(f32, single);
+const_elastic!(f64, double);
 impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     Spindle<'b, T, R, N, D, E>
 {
@@ -133,51 +443,26 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
     pub(super) fn under_loads(&self, loads: &[ShaftLoad<T>]) -> (Layout<'b, T, R, true, E>, u32) {
         let (mut layout, unit) = (self.layout, self.layout.bearings[0].c);
         for (joint, shaft) in layout.joints.iter_mut().zip(&self.shaft) {
-            let by_loads = shaft.deflection_by(unit, joint.position, loads);
+            let by_loads = deflection_by(shaft, unit, joint.position, loads);
             joint.constant = vector(|i| joint.constant[i] + by_loads[i]);
         }
-        (layout, mark(loads, 1))
+        (layout, any::mark(loads, 1))
     }
 
     /// Refuses a load or its position that is out of range.
     pub(super) fn check_load(&self, at: &ShaftLoad<T>) -> Result<(), Status<T>> {
-        let unit = self.layout.bearings[0].c;
-        let farthest = T::of(4096.0) * radius(unit);
-        check(Quantity::LoadPosition, at.position, farthest)?;
-        for (i, load) in at.load.into_iter().enumerate() {
-            let most = T::of(512.0) * self.layout.ball_count * units(unit, i).0;
-            let [quantity, _] = Quantity::OF_FREEDOM[i];
-            check(quantity, load, most)?;
-        }
-        Ok(())
+        any::check_load(self.layout.bearings[0].c, self.layout.ball_count, at)
     }
 
     /// The chain of rows that leads to the position `x` (m) on the shaft.
     pub(super) fn joints_towards(&self, x: T) -> [Joint<T>; E] {
-        let mut joints = self.layout.joints;
-        order(&mut joints, x);
-        let Some(shaft) = self.shaft.first() else {
-            return joints;
-        };
-        let unit = self.layout.bearings[0].c;
-        let mut next = None::<T>;
-        for joint in joints.iter_mut().rev() {
-            let inner = next.filter(|inner| (*inner < x) == (joint.position < x));
-            joint.is_last = inner.is_none();
-            let near = inner.unwrap_or(x);
-            joint.piece = shaft.piece(unit, near, joint.position);
-            next = Some(joint.position);
-        }
-        joints
+        let sections = self.shaft.first().map_or(&[][..], |shaft| shaft.sections);
+        any::towards(self.layout.joints, sections, self.layout.bearings[0].c, x)
     }
 
     /// The position between the rows that is nearest to `x`, m.
     pub(super) fn between_rows(&self, x: T) -> T {
-        let (mut low, mut high) = (T::INFINITY, -T::INFINITY);
-        for position in &self.positions {
-            (low, high) = (low.at_most(*position), high.at_least(*position));
-        }
-        x.at_least(low).at_most(high)
+        any::between(&self.positions, x)
     }
 
     /// The piece of an elastic shaft from `x = 0` to its centre, if it is not there; and how far loads move its end at `x = 0`: these,
@@ -186,9 +471,9 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         let unit = self.layout.bearings[0].c;
         let shaft = self.shaft.first().filter(|_| self.centre != T::ZERO)?;
         let load: [T; 5] = vector(|i| given[i].load_or(T::ZERO) / units(unit, i).0);
-        let by_load = shaft.piece(unit, self.centre, T::ZERO).deflection(&load);
-        let by_loads = shaft.deflection_by(unit, T::ZERO, shaft.loads);
-        let mut piece = shaft.piece(unit, T::ZERO, self.centre);
+        let by_load = piece(shaft.sections, unit, self.centre, T::ZERO).deflection(&load);
+        let by_loads = deflection_by(shaft, unit, T::ZERO, shaft.loads);
+        let mut piece = piece(shaft.sections, unit, T::ZERO, self.centre);
         if !matches!(
             given,
             [_, Given::Displacement(_), ..] | [_, _, Given::Displacement(_), ..]
@@ -224,10 +509,10 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
             u = vector(|i| u[i] + part[i]);
             size += norm(&part);
         };
-        add(shaft.deflection_by(unit, x, shaft.loads));
-        add(shaft.deflection_by(unit, x, loads));
+        add(deflection_by(shaft, unit, x, shaft.loads));
+        add(deflection_by(shaft, unit, x, loads));
         for (position, force) in forces(&self.layout.joints, bends) {
-            add(shaft.deflection(unit, x, position, &vector(|i| -force[i])));
+            add(deflection(shaft, unit, x, position, &vector(|i| -force[i])));
         }
         (u, size)
     }

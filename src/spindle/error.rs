@@ -85,52 +85,121 @@ pub enum SpindleError<T> {
     HasLoads,
 }
 
+impl<T> SpindleError<T> {
+    /// Condition that the rows must fulfil. A literal, for the compiler's error about a spindle in a `const`, which has no numbers.
+    pub const fn reason(&self) -> &'static str {
+        use Quantity as Q;
+        match self {
+            Self::NoRow => "a spindle needs a row of balls",
+            Self::Row { status, .. } | Self::Load { status, .. } => match status {
+                Status::NotFinite { quantity, .. } | Status::OutOfRange { quantity, .. } => {
+                    match quantity {
+                        Q::RowPosition => "a row must be within 4096 of its radii Rp of x = 0",
+                        Q::Closure => {
+                            "closure e of a row must be at most a quarter of the distance L0 of the groove centres, besides \
+                             half its play"
+                        }
+                        Q::PreloadForce | Q::SpringForce => {
+                            "force of a preload or spring must be at most that which presses all balls of a row by a 64th of \
+                             the distance L0 of the groove centres"
+                        }
+                        Q::LoadPosition => "a constant load must be within 4096 radii Rp of x = 0",
+                        _ => {
+                            "a constant load must be at most that which presses all balls by the distance L0 of the groove centres"
+                        }
+                    }
+                }
+                _ => "a figure of a row is out of range",
+            },
+            Self::NoForce { .. } => {
+                "a row is preloaded by a force that presses nothing: give a positive force, or a closure"
+            }
+            Self::TooNear { .. } => {
+                "two rows are nearer to each other than half a ball's diameter: check the positions"
+            }
+            Self::NotArranged { arrangement, .. } => match arrangement {
+                Arrangement::BackToBack => {
+                    "back to back, rows at smaller x face +x and rows at larger x face -x"
+                }
+                Arrangement::FaceToFace => {
+                    "face to face, rows at smaller x face -x and rows at larger x face +x"
+                }
+                Arrangement::Tandem | Arrangement::ByRows => "in tandem, all rows face one way",
+            },
+            Self::NotHeld => {
+                "all rows slide under the spring, and nothing holds the shaft along its axis: clamp one of them"
+            }
+            Self::Unopposed { .. } => {
+                "a row is preloaded, but no clamped row faces it: turn a row round, or load the shaft instead"
+            }
+            Self::NothingSlides => {
+                "there is a spring, but no row slides: hold a row by `Preload::Spring`"
+            }
+            Self::NoSpring { .. } => {
+                "a row slides, but there is no spring: build the spindle by `Spindle::sprung`"
+            }
+            Self::Support { quantity, .. } => match quantity {
+                Q::TiltingSupport => {
+                    "tilting stiffness of a support must be 1 N m/rad at least; an infinite one is rigid"
+                }
+                _ => {
+                    "axial and radial stiffness of a support must be 1e5 N/m at least; an infinite one is rigid"
+                }
+            },
+            Self::HasLoads => "the shaft has constant loads already: give all of them in one call",
+        }
+    }
+}
+
 impl<T: Real> fmt::Display for SpindleError<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoRow => f.write_str("a spindle needs a row of balls"),
             Self::Row { row, status } => write!(f, "row {row}: {status}"),
             Self::NoForce { row, force } => write!(
                 f,
                 "row {row} is preloaded by {force} N: give a positive force, or a closure"
             ),
-            Self::TooNear { row, distance, least } => write!(
+            Self::TooNear {
+                row,
+                distance,
+                least,
+            } => write!(
                 f,
                 "row {row}: another row is {distance:e} m away, nearer than half a ball's diameter, {least:e} m: check \
                  the positions"
             ),
-            Self::NotArranged { arrangement, row, facing } => {
-                write!(f, "row {row} faces {}, which is not {}: ", facing.name(), arrangement.name())?;
-                f.write_str(match arrangement {
-                    Arrangement::BackToBack => {
-                        "there, rows at smaller x face +x and rows at larger x face -x"
-                    }
-                    Arrangement::FaceToFace => {
-                        "there, rows at smaller x face -x and rows at larger x face +x"
-                    }
-                    Arrangement::Tandem | Arrangement::ByRows => "there, all rows face one way",
-                })
-            }
-            Self::NotHeld => f.write_str(
-                "all rows slide under the spring, and nothing holds the shaft along its axis: clamp one of them",
+            Self::NotArranged {
+                arrangement,
+                row,
+                facing,
+            } => write!(
+                f,
+                "row {row} faces {}, which is not {}: {}",
+                facing.name(),
+                arrangement.name(),
+                self.reason()
             ),
             Self::Unopposed { row } => write!(
                 f,
                 "row {row} is preloaded, but no clamped row faces it: turn a row round, or load the shaft instead"
             ),
-            Self::NothingSlides => {
-                f.write_str("there is a spring, but no row slides: hold a row by `Preload::Spring`")
-            }
             Self::NoSpring { row } => write!(
                 f,
                 "row {row} slides, but there is no spring: build the spindle by `Spindle::sprung`"
             ),
-            Self::Support { row, quantity, value, least } => write!(
+            Self::Support {
+                row,
+                quantity,
+                value,
+                least,
+            } => write!(
                 f,
                 "row {row}: {quantity} is {value:e}, but must be {least:e} at least; an infinite one is rigid"
             ),
             Self::Load { load, status } => write!(f, "constant load {load}: {status}"),
-            Self::HasLoads => f.write_str("the shaft has constant loads already: give all of them in one call"),
+            Self::NoRow | Self::NotHeld | Self::NothingSlides | Self::HasLoads => {
+                f.write_str(self.reason())
+            }
         }
     }
 }

@@ -1,12 +1,8 @@
 //! An elastic shaft in its sections, the supports of rows, and constant loads.
 
-use crate::bearing::Constants;
 use crate::design::{DesignError, Material, check, within};
-use crate::linalg::{moved, refer, vector};
 use crate::real::Real;
-use crate::shaft::elastic::Piece;
-use crate::solver::problem::{ShaftLoad, radius, units};
-use crate::spindle::error::SpindleError;
+use crate::solver::problem::ShaftLoad;
 use crate::status::Quantity;
 use core::f64::consts::PI;
 use core::fmt;
@@ -50,11 +46,11 @@ impl core::error::Error for ShaftError {}
 /// Flexibility of a section per metre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Flexible<T> {
-    from: T,
-    to: T,
+pub struct Flexible<T> {
+    pub from: T,
+    pub to: T,
     /// `1/EA`, `1/EI` and `1/(kappa G A)`.
-    per: [T; 3],
+    pub per: [T; 3],
 }
 
 impl<T: Copy> Flexible<T> {
@@ -271,37 +267,11 @@ impl<T: Real> Support<T> {
         radial: T::INFINITY,
         tilting: T::INFINITY,
     };
-
-    /// Least stiffness along and across the axis, N/m: less is mostly N/um.
-    const LEAST: f64 = 1e5;
-    /// Least stiffness against tilting, N m/rad. Self-aligning supports have next to none.
-    const LEAST_TILTING: f64 = 1.0;
-
-    pub(super) fn check(&self, row: usize) -> Result<(), SpindleError<T>> {
-        use Quantity as Q;
-        let all = [
-            (Q::AxialSupport, self.axial, Self::LEAST),
-            (Q::RadialSupport, self.radial, Self::LEAST),
-            (Q::TiltingSupport, self.tilting, Self::LEAST_TILTING),
-        ];
-        for (quantity, value, least) in all {
-            let least = T::of(least);
-            if !(value >= least) {
-                return Err(SpindleError::Support {
-                    row,
-                    quantity,
-                    value,
-                    least,
-                });
-            }
-        }
-        Ok(())
-    }
 }
 
 /// An elastic shaft and its constant loads.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct OnShaft<'b, T> {
+pub struct OnShaft<'b, T> {
     pub sections: &'b [Flexible<T>],
     pub loads: &'b [ShaftLoad<T>],
     /// Sum of the loads about the shaft's centre.
@@ -311,78 +281,6 @@ pub(super) struct OnShaft<'b, T> {
 }
 
 /// Axial, lateral and tilting flexibility as those of the five freedoms.
-pub(super) fn of_freedoms<T: Real>([axial, lateral, tilting]: [T; 3]) -> [T; 5] {
+pub(super) const fn of_freedoms<T: Copy>([axial, lateral, tilting]: [T; 3]) -> [T; 5] {
     [axial, lateral, lateral, tilting, tilting]
-}
-
-impl<T: Real> OnShaft<'_, T> {
-    /// The piece between the positions `near` and `far`, m.
-    pub(super) fn piece(&self, unit: &Constants<T>, near: T, far: T) -> Piece<T> {
-        let (low, high) = (near.at_most(far), near.at_least(far));
-        let parts = || {
-            self.sections.iter().filter_map(|section| {
-                let (from, to) = (section.from.at_least(low), section.to.at_most(high));
-                let middle = T::of(0.5) * ((far - from) + (far - to));
-                (to > from).then_some((to - from, middle, &section.per))
-            })
-        };
-        let (mut tilting, mut first, mut axial) = (T::ZERO, T::ZERO, T::ZERO);
-        for (length, middle, [of_axial, of_bending, _]) in parts() {
-            axial += length * *of_axial;
-            tilting += length * *of_bending;
-            first += length * *of_bending * middle;
-        }
-        // The elastic centre, from the far end, and what a force shifts there.
-        let ratio = |a: T, b: T| if b > T::ZERO { a / b } else { T::ZERO };
-        let centre = ratio(first, tilting);
-        let mut lateral = T::ZERO;
-        for (length, middle, [_, of_bending, of_shear]) in parts() {
-            let off = middle - centre;
-            let spread = off * off + length * length * T::of(1.0 / 12.0);
-            lateral += length * (*of_bending * spread + *of_shear);
-        }
-        let at_end = lateral + first * centre;
-        let stiffness = unit.force / unit.length;
-        Piece {
-            length: (far - near) / radius(unit),
-            lean: ratio(first, at_end) * radius(unit),
-            flexibility: of_freedoms([
-                axial * stiffness,
-                at_end * stiffness,
-                tilting * ratio(lateral, at_end) * (unit.moment / unit.tilt),
-            ]),
-        }
-    }
-
-    /// Deflection of the shaft at the position `x` (m) by `load` at the position `at`, both in the solver's units, about the section
-    /// at its centre.
-    pub(super) fn deflection(&self, unit: &Constants<T>, x: T, at: T, load: &[T; 5]) -> [T; 5] {
-        let [of_x, of_load] = [x - self.centre, at - self.centre];
-        if !(of_x * of_load > T::ZERO) {
-            return [T::ZERO; 5];
-        }
-        // Beyond the nearer of both, nothing bends.
-        let end = if of_x.abs() < of_load.abs() { x } else { at };
-        let per = T::ONE / radius(unit);
-        let mut load = *load;
-        refer((at - end) * per, &mut load);
-        let u = self.piece(unit, self.centre, end).deflection(&load);
-        moved((x - end) * per, &u)
-    }
-
-    /// Deflection by loads, about the section at its centre.
-    pub(super) fn deflection_by(
-        &self,
-        unit: &Constants<T>,
-        x: T,
-        loads: &[ShaftLoad<T>],
-    ) -> [T; 5] {
-        let mut u = [T::ZERO; 5];
-        for at in loads {
-            let load = vector(|i| at.load[i] / units(unit, i).0);
-            let by_load = self.deflection(unit, x, at.position, &load);
-            u = vector(|i| u[i] + by_load[i]);
-        }
-        u
-    }
 }

@@ -19,6 +19,7 @@ use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::spindle::Spindle;
 use crate::spindle::arrangement::Facing;
+use crate::spindle::elastic::any::piece;
 use crate::status::Status;
 use core::array::from_fn;
 use core::fmt;
@@ -121,7 +122,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let unit = self.spindle.layout.bearings[0].c;
         if let Some(shaft) = self.spindle.shaft.first() {
             let mut sum = Sum { k, ..Sum::NONE };
-            sum.end(&shaft.piece(unit, x, near));
+            sum.end(&piece(shaft.sections, unit, x, near));
             return stiffness_out(unit, &sum.k);
         }
         let mut k = stiffness_out(unit, &k);
@@ -152,7 +153,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let Some(shaft) = self.spindle.shaft.first() else {
             return [[T::ZERO; 5]; 5];
         };
-        let piece = shaft.piece(unit, near, x);
+        let piece = piece(shaft.sections, unit, near, x);
         let columns: Matrix<T, 5> = matrix(|j, i| {
             if i == j {
                 T::ONE / units(unit, j).0

@@ -60,6 +60,47 @@ const DESIGNS: [(usize, &str, &str); 6] = [
     (2, "first_ball: 0.0", "ball count N must be 3 to 1000"),
 ];
 
+/// A spindle that the compiler makes.
+const SPINDLE: &str = "\
+static BEARING: Bearing<f32, 16> = Bearing::<f32, 16>::const_new(&Design::angular_contact(6.35e-3, 36e-3, 0.26));
+static SHAFT: Shaft<f32, 0> = Shaft::<f32, 0>::const_new(&[], &Material::STEEL);
+static BELT: [ShaftLoad<f32>; 1] = [ShaftLoad { position: 0.15, load: [0.0, 0.0, -80.0, 0.0, 0.0] }];
+const FRONT: Mounted<f32, 16> = Mounted::new(&BEARING, 0.0, Facing::PlusX);
+const REAR: Mounted<f32, 16> = Mounted::new(&BEARING, 0.1, Facing::MinusX);
+const HOUSING: Support<f32> = Support { radial: 4e8, ..Support::RIGID };
+pub static CLAMPED: ElasticSpindle<f32, 2, 16> = Spindle::<f32, 2, 16>::const_new(
+    Arrangement::BackToBack,
+    [FRONT, REAR.with(Preload::Force(200.0))],
+)
+.const_elastic(&SHAFT, [HOUSING; 2])
+.const_with_loads(&BELT);
+pub static SPRUNG: SprungSpindle<f32, 2, 16> = SprungSpindle::<f32, 2, 16>::const_sprung(
+    Arrangement::ByRows,
+    [FRONT, REAR.with(Preload::Spring)],
+    200.0,
+);";
+
+/// A part of that, another one in its place, and what is said to it.
+#[rustfmt::skip]
+const SPINDLES: [[&str; 3]; 16] = [
+    ["0.1, Facing", "1e4, Facing", "a row must be within 4096 of its radii Rp of x = 0"],
+    ["0.1, Facing", "f32::NAN, Facing", "a row must be within 4096 of its radii Rp of x = 0"],
+    ["0.1, Facing", "1e-3, Facing", "two rows are nearer to each other than half a ball's diameter: check the positions"],
+    ["0.1, Facing", "-0.1, Facing", "back to back, rows at smaller x face +x and rows at larger x face -x"],
+    ["BackToBack", "Tandem", "in tandem, all rows face one way"],
+    ["Force(200.0)", "Force(0.0)", "a force that presses nothing: give a positive force, or a closure"],
+    ["Force(200.0)", "Force(1e9)", "force of a preload or spring must be at most"],
+    ["Force(200.0)", "Closure(1e-3)", "closure e of a row must be at most a quarter of the distance L0 of the groove centres"],
+    ["Force(200.0)", "Spring", "a row slides, but there is no spring: build the spindle by `Spindle::sprung`"],
+    ["Preload::Spring", "Preload::Force(200.0)", "there is a spring, but no row slides: hold a row by `Preload::Spring`"],
+    ["[FRONT, REAR.with(Preload::Spring", "[FRONT.with(Preload::Spring), REAR.with(Preload::Spring", "all rows slide under the spring"],
+    ["[FRONT, REAR.with(Preload::Spring", "[FRONT.with(Preload::Force(9.0)), REAR.with(Preload::Spring", "a row is preloaded, but no clamped row faces it"],
+    ["radial: 4e8", "radial: 4e4", "axial and radial stiffness of a support must be 1e5 N/m at least"],
+    ["position: 0.15", "position: 1e4", "a constant load must be within 4096 radii Rp of x = 0"],
+    ["-80.0", "-1e9", "a constant load must be at most that which presses all balls"],
+    [".const_with_loads(&BELT)", ".const_with_loads(&BELT).const_with_loads(&BELT)", "the shaft has constant loads already"],
+];
+
 /// Every item in its good and its bad form, and what is said to the bad one.
 fn items() -> impl Iterator<Item = ([String; 2], String)> {
     let solvers = SOLVERS.into_iter().map(|[good, bad, said]| {
@@ -79,13 +120,17 @@ fn items() -> impl Iterator<Item = ([String; 2], String)> {
         let good = item(balls.max(3), "first_ball: 0.0");
         ([good, item(balls, change)], said.to_owned())
     });
+    let spindles = SPINDLES.into_iter().map(|[part, other, said]| {
+        let bad = SPINDLE.replace(part, other);
+        ([SPINDLE.to_owned(), bad], said.to_owned())
+    });
     // The library adds no method to a number.
     let number = [
         "pub fn number(x: f32) -> f32 { x.max(1.0) }",
         "pub fn number(x: f32) -> f32 { x.at_least(1.0) }",
     ];
     let number = (number.map(str::to_owned), "no method named".to_owned());
-    solvers.chain(designs).chain([number])
+    solvers.chain(designs).chain(spindles).chain([number])
 }
 
 /// The library, compiled for programs to link.

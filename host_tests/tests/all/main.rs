@@ -5,6 +5,7 @@ mod balance;
 mod campaign;
 mod catalogue;
 mod compile_fail;
+mod constants;
 mod corpus;
 mod cutting;
 mod cycle;

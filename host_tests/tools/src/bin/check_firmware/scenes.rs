@@ -87,7 +87,8 @@ impl Part {
             Self::Spindle => &["spindle_bearing::spindle::", ">::assemble", ">::turned"],
             Self::Elastic => &[
                 "spindle_bearing::shaft::elastic::",
-                "spindle_bearing::spindle::sections::",
+                "spindle_bearing::spindle::elastic::any::piece",
+                "spindle_bearing::spindle::elastic::any::deflection",
             ],
             Self::Design => &[
                 "spindle_bearing::hertz::",
