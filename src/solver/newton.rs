@@ -207,11 +207,10 @@ impl<T: Real, const D: usize> State<T, D> {
         let (du, _, damped) = self.step::<E>(plane, problem, &r, radius, least);
         shaft.bend(&du, ds);
         let work = product(&r, &du);
-        self.attempt.control.last = if !is_first && problem.overhang::<E>().is_none() {
-            Step { du, work, damped }
-        } else {
-            Step::NONE
-        };
+        self.attempt.control.last = Step { du, work, damped };
+        if is_first || problem.overhang::<E>().is_some() {
+            self.attempt.control.last.work = T::ZERO;
+        }
         self.advance(moved(plane, &du));
     }
 
@@ -296,11 +295,9 @@ impl<T: Real, const D: usize> State<T, D> {
                 }
             }
             // Where a given displacement leads a step, no work says how it went.
-            self.attempt.control.last = if problem.overhang::<E>().is_none() {
-                Step { du, work, damped }
-            } else {
-                Step::NONE
-            };
+            let led = problem.overhang::<E>().is_some();
+            let work = if led { T::ZERO } else { work };
+            self.attempt.control.last = Step { du, work, damped };
             if time.is_up {
                 break;
             }

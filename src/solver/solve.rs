@@ -177,10 +177,10 @@ impl<T: Real, const D: usize> State<T, D> {
             termination = self.newton::<A, R, SET, E>(shaft, problem, time);
         }
         self.attempt.termination = termination;
-        (self.load, self.is_free, self.s) = (problem.load, problem.is_free, s);
-        (self.asked, self.placed) = (problem.load, problem.placed);
-        if !problem.is_free {
-            self.prescribed = problem.prescribed;
+        (self.load, self.s) = (problem.load, s);
+        if termination == Termination::Unfinished {
+            (self.asked, self.placed) = (problem.load, problem.placed);
+            (self.is_free, self.prescribed) = (problem.is_free, problem.prescribed);
         }
         if is_over {
             let size = problem.load_scale.at_least(norm(&self.sum.force));

@@ -72,7 +72,7 @@ impl<T: Real, const D: usize> State<T, D> {
         if self.attempt.termination == Termination::Unfinished
             && (grown > T::ZERO || s != self.s || !self.was(problem))
         {
-            (self.attempt.started, self.attempt.control.last) = (false, Step::NONE);
+            (self.attempt.started, self.attempt.control.last.work) = (false, T::ZERO);
             if self.attempt.pass.starts {
                 self.load_scale = T::ZERO;
             }
@@ -162,7 +162,11 @@ impl<T: Real, const D: usize> Attempt<T, D> {
         control: Control {
             radius: T::ZERO,
             least: T::ZERO,
-            last: Step::NONE,
+            last: Step {
+                du: [T::ZERO; D],
+                work: T::ZERO,
+                damped: false,
+            },
         },
         back: false,
         pass: Pass::NONE,
@@ -176,7 +180,7 @@ impl<T: Real, const D: usize> Attempt<T, D> {
         self.report = StepReport::NONE;
         self.control.radius = T::of(L0 * tuning::FIRST_RADIUS);
         self.control.least = T::of(tuning::DAMPING);
-        self.control.last = Step::NONE;
+        self.control.last.work = T::ZERO;
     }
 
     /// The attempt has had its iterations: [`tuning::ATTEMPT`], or twice as many where the balance is near. One from the last
@@ -236,21 +240,13 @@ impl<T: Real> StepReport<T> {
     };
 }
 
-/// A step of the ring, referred to the shaft's centre, and the work that the unbalanced force before it was to do.
+/// A step of the ring, referred to the shaft's centre, and the work that the unbalanced force before it was to do: 0 where nothing
+/// judges the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step<T, const D: usize> {
     pub du: [T; D],
     pub work: T,
     pub damped: bool,
-}
-
-impl<T: Real, const D: usize> Step<T, D> {
-    /// No step, or one that has no work to be judged by.
-    pub const NONE: Self = Self {
-        du: [T::ZERO; D],
-        work: T::ZERO,
-        damped: false,
-    };
 }
 
 /// Step control: how long a step may be, and how strongly it is damped at least.

@@ -9,7 +9,7 @@ use crate::results::Balls;
 use crate::shaft::elastic::{Bend, Joint, add, fold};
 use crate::shaft::row::{Sum, stiffness_change, sum_up};
 use crate::shaft::{Layout, Mount};
-use crate::solver::state::{ErrorEstimate, State, Step, Termination, are_finite, rounding};
+use crate::solver::state::{ErrorEstimate, State, Termination, are_finite, rounding};
 use core::marker::PhantomData;
 
 /// Position and balls after the last solve of a shaft in `R` rows of at most `N` balls, with `D` freedoms.
@@ -73,7 +73,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             refer(distance, force);
         }
         refer_stiffness(distance, &mut sum.k);
-        self.state.attempt.control.last = Step::NONE;
+        self.state.attempt.control.last.work = T::ZERO;
     }
 
     /// How far the figures of an elastic shaft at the displacement `u` can be off.
