@@ -1,4 +1,4 @@
-//! Beside `in_place`, the one module with `unsafe`: square roots that lower to the FPU's own instruction.
+//! The one module with `unsafe`: square roots that lower to the FPU's own instruction.
 //!
 //! `core` has no stable square root and `libm` computes it in software even where the target has
 //! `vsqrt`. The C names are known to the compiler, which replaces a call by the instruction; on a

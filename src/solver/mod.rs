@@ -92,7 +92,8 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solver<T, N, M, D> {
 
     /// The equilibrium at a speed, under loads or where some displacements are given in their place.
     ///
-    /// `loads` are `[Fx, Fy, Fz, My, Mz]` (N, N m), or a [`Given`](crate::Given) each; with locked tilts, the first three.
+    /// `loads` are `[Fx, Fy, Fz, My, Mz]` (N, N m), or a [`Given`](crate::Given) each; with locked tilts, the first three. For five
+    /// freedoms, [`ShaftLoad`](crate::ShaftLoad)s, too.
     /// `at` is a [`Speed`](crate::Speed), or one with the growth of rings and balls. The solve starts from the last solution if
     /// that is near. After [`Status::IterationLimit`] it goes on from where the last one ended, if load and speed are near. With all
     /// displacements given, [`Solution::load`] is the bearing's load-displacement relation.
@@ -166,9 +167,11 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solver<T, N, M, D> {
         Ok(solution)
     }
 
-    /// The state that a solve had reached when it ended as [`Status::IterationLimit`], marked with this status. None after any
-    /// other end, between two rows of a pass, where figures are not finite, and where an attempt was given up without time for a start; the next solve begins
-    /// one. Input that is refused changes nothing.
+    /// The state that a solve had reached when it ended as [`Status::IterationLimit`], marked with this status. Input that is
+    /// refused changes nothing.
+    ///
+    /// `None` after any other end. Also between two rows of a pass, where a figure is not finite, and where no time was left for a
+    /// start, which the next solve begins.
     ///
     /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
     /// of the stiffness is 1 or more, nothing is known of it.

@@ -19,8 +19,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
 {
     /// Checks the input, turns it into the solver's units, and sets speed, growth and points of the rows.
     ///
-    /// `to_centre` refers loads and displacements from the point where they are given to the shaft's centre. Refused input changes nothing: all
-    /// checks come before the first write.
+    /// `to_centre` refers loads and displacements from the point where they are given to the shaft's centre. Refused input changes
+    /// nothing: all checks come before the first write.
     pub fn problem<M: Motion, const SET: bool>(
         &mut self,
         layout: &Layout<'_, T, R, SET, E>,

@@ -73,6 +73,8 @@ impl<T: Real, const D: usize> State<T, D> {
             && (grown > T::ZERO || s != self.s || !self.was(problem))
         {
             (self.attempt.started, self.attempt.control.last.work) = (false, T::ZERO);
+            // Loads at other places deflect an elastic shaft before the next pass.
+            self.attempt.back &= problem.placed == self.placed;
             if self.attempt.pass.starts {
                 self.load_scale = T::ZERO;
             }

@@ -68,6 +68,9 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
 
     /// Refers what the balls handed over to a point that is nearer to the origin by `distance`, over `Rp`.
     pub fn refer(&mut self, distance: T) {
+        if distance == T::ZERO {
+            return;
+        }
         let State { sum, load, .. } = &mut self.state;
         for force in [&mut sum.force, &mut sum.by_speed, load] {
             refer(distance, force);

@@ -130,7 +130,7 @@ impl<T> SpindleError<T> {
                 "all rows slide under the spring, and nothing holds the shaft along its axis: clamp one of them"
             }
             Self::Unopposed { .. } => {
-                "a row is preloaded, but no clamped row faces it: turn a row round, or load the shaft instead"
+                "a row is preloaded, but no clamped row faces it, or rows in the sleeve face both ways: turn a row round, or load the shaft instead"
             }
             Self::NothingSlides => {
                 "there is a spring, but no row slides: hold a row by `Preload::Spring`"
@@ -181,7 +181,7 @@ impl<T: Real> fmt::Display for SpindleError<T> {
             ),
             Self::Unopposed { row } => write!(
                 f,
-                "row {row} is preloaded, but no clamped row faces it: turn a row round, or load the shaft instead"
+                "row {row} is preloaded, but no clamped row faces it, or rows in the sleeve face both ways: turn a row round, or load the shaft instead"
             ),
             Self::NoSpring { row } => write!(
                 f,

@@ -1,6 +1,6 @@
 //! Bearings on a shaft, rigid or elastic.
 //!
-//! The shaft's axis is x, and loads act at `x = 0`. A row sits at its position with its balls pressed by a load on the shaft in
+//! The shaft's axis is x, and loads act at `x = 0`, or at positions of their own. A row sits at its position with its balls pressed by a load on the shaft in
 //! `+x` or in `-x`. Rows that face each other hold the shaft with a preload: outer rings that are clamped closer than the
 //! free bearings would stand, or a sleeve that a spring pushes.
 //!

@@ -53,8 +53,8 @@ pub struct SpindleSolution<
     pub speed: Speed<T>,
     /// Displacement of the spindle's centre.
     u: [T; 5],
-    /// Error of that displacement, in the solver's unit of length.
-    off: T,
+    /// Error of that displacement, of an elastic shaft, in the solver's unit of length.
+    pub(super) off: T,
     /// Motion of the sleeve, m.
     slide: T,
     /// Loads that have a position; none, where they act at `x = 0`.
@@ -250,7 +250,12 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let in_units = |u: &[T; 5]| norm(&vector::<T, 5>(|i| u[i] / units(unit, i).1));
         let lever = T::ONE + beyond.abs() / radius(unit);
         let rounding = T::of(8.0) * T::EPSILON * (lever * in_units(&self.u) + bent);
-        let error = (lever * self.off + rounding) / in_units(&u).at_least(T::TINY);
+        let off = if E > 0 {
+            self.off
+        } else {
+            self.error.displacement * in_units(&self.u)
+        };
+        let error = (lever * off + rounding) / in_units(&u).at_least(T::TINY);
         (u, error)
     }
 

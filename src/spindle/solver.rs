@@ -1,7 +1,7 @@
 //! The equilibrium of a shaft in its bearings.
 
 use crate::ball::kinematics::{Full, Motion};
-use crate::linalg::{moved, refer, vector};
+use crate::linalg::{moved, norm, refer, vector};
 use crate::real::Real;
 use crate::solver::problem::{Given, Loading, OperatingPoint, Problem, Settings, radius};
 use crate::solver::state::are_finite;
@@ -66,8 +66,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
 
     /// The equilibrium at a speed, under loads or where some displacements are given in their place.
     ///
-    /// `loads` are `[Fx, Fy, Fz, My, Mz]` (N, N m) on the shaft at `x = 0`, or a [`Given`] each, or [`ShaftLoad`](crate::ShaftLoad)s, each at its
-    /// position. On an elastic shaft the place of a load counts: moved to `x = 0` by hand, it deflects the shaft otherwise. `at` is a
+    /// `loads` are `[Fx, Fy, Fz, My, Mz]` (N, N m) on the shaft at `x = 0`, or a [`Given`] each, or
+    /// [`ShaftLoad`](crate::ShaftLoad)s, each at its position. On an elastic shaft the place of a load counts: moved to `x = 0` by hand, it deflects the shaft otherwise. `at` is a
     /// [`Speed`](crate::Speed), or one with the growth of each row.
     ///
     /// The solve starts from the last solution if that is near. After [`Status::IterationLimit`] it goes on from where the
@@ -208,7 +208,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
     /// The state that a solve had reached when it ended as [`Status::IterationLimit`]: as
     /// [`Solver::unfinished`](crate::Solver::unfinished).
     ///
-    /// Loads that had a position count there as if they acted at `x = 0`.
+    /// Of an elastic shaft, displacements are not known where the loads had positions: their stated error is 1 then.
     pub fn unfinished<'s>(
         &'s self,
         spindle: &'s Spindle<'_, T, R, N, D, E>,
@@ -216,7 +216,10 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         let Spindle { layout, centre, .. } = spindle;
         let reached = self.last.unfinished::<M::Rule, _>(layout)?;
         let load = spindle.load_at_origin(&reached.load, *centre);
-        let solution = SpindleSolution::new(spindle, &self.last, &reached, load, &[]);
+        let mut solution = SpindleSolution::new(spindle, &self.last, &reached, load, &[]);
+        if self.last.state.placed != 0 {
+            (solution.error.displacement, solution.off) = (T::ONE, norm(&reached.u));
+        }
         // A sleeve that no ball holds makes the shaft's stiffness 0 / 0.
         let is_finite = solution.stiffness().iter().all(|row| are_finite(row));
         is_finite.then_some(solution)

@@ -8,7 +8,7 @@ use host_tests::tolerances::allowed;
 use spindle_bearing::nalgebra::SVector;
 use spindle_bearing::{
     Arrangement, Bearing, Design, FreeContact, LifeRating, Limits, Material, Preload, Section,
-    Settings, Shaft, ShaftLoad, Solver, Speed, Spindle, SpindleSolver, Support, matrix,
+    Settings, Shaft, ShaftLoad, Solver, Speed, Spindle, SpindleSolver, Status, Support, matrix,
 };
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -281,6 +281,28 @@ fn loads_act_where_they_stand() {
             1e-10
         ));
     }
+    // What a stopped solve says of displacements where its loads had places, is that they are not known.
+    here.reset();
+    let stopped = here.solve(&elastic, &loads, speed, &Settings::TICK);
+    assert_eq!(stopped.err(), Some(Status::IterationLimit));
+    let reached = here.unfinished(&elastic).unwrap();
+    assert!(reached.error.displacement >= 1.0 && reached.displacement_error_at(-0.05) > 0.5);
+    // Elsewhere on a rigid shaft, the error of a solve to a tick's tolerance is no smaller than at the rows.
+    let mut ticks = SpindleSolver::new();
+    ticks.solve(&rigid, moved, speed, &settings).unwrap();
+    let near_by = moved.map(|load| 1.05 * load);
+    let tick = ticks
+        .solve(&rigid, near_by, speed, &Settings::TICK)
+        .unwrap();
+    let precise = solver.solve(&rigid, near_by, speed, &settings).unwrap();
+    for x in [-0.05, 0.0, 0.15] {
+        let (found, true_u) = (tick.displacement_at(x), precise.displacement_at(x));
+        assert!(
+            near(&found[..3], &true_u[..3], tick.displacement_error_at(x)),
+            "{x}"
+        );
+    }
+    assert!(tick.displacement_error_at(0.05) > 0.5 * tick.error.displacement);
     let at_origin = here.solve(&elastic, moved, speed, &settings).unwrap();
     let [of_tool, of_truth] = [&at_origin, &truth].map(|s| s.displacement_at(-0.05)[1]);
     assert!(
