@@ -70,7 +70,7 @@ impl<T: Real> Piece<T> {
     }
 }
 
-/// A force, in place, where turns count from those that go with a shift, by `lean`.
+/// Counts the turns of a force, in place, beyond the turns that go with a shift, by `lean`.
 #[inline(always)]
 fn lean<T: Real, const D: usize>(lean: T, force: &mut [T; D]) {
     force[1] += lean * force[4];
@@ -84,7 +84,7 @@ fn to_near_end<T: Real, const D: usize>(piece: &Piece<T>, force: &mut [T; D]) {
     refer(piece.length, force);
 }
 
-/// A motion whose turns count from those that go with its shift, with all of its turns.
+/// A motion with all of its turns, from one with the turns beyond those of its shift.
 #[inline(always)]
 fn turned<T: Real, const D: usize>(lean: T, u: &[T; D]) -> [T; D] {
     let mut u = *u;
@@ -195,7 +195,7 @@ pub fn fold<T: Real, const D: usize>(
         if piece.is_elastic() {
             side.lean(piece.lean);
             lean(piece.lean, &mut bending);
-            // Rounding parts the rows' forces from that which bends the piece: next to nothing, and far where the piece is soft.
+            // Rounding makes the rows' forces differ a little from the force that bends the piece. Behind a soft piece, this little is much.
             side.force = vector(|i| side.force[i] + (bending[i] - bend.bending[i]));
             soften(&mut side, &piece.flexibility);
             (bend.outer, bending) = (side, bend.bending);
@@ -323,7 +323,7 @@ fn refer_diagonal<T: Real, const D: usize>(distance: T, k: &mut [T; D]) {
     k[3] += square * k[2];
 }
 
-/// A diagonal's change where turns count from those that go with a shift, or back.
+/// A diagonal's change with turns beyond the turns of a shift, or back.
 #[inline(never)]
 fn lean_diagonal<T: Real, const D: usize>(lean: T, k: &mut [T; D]) {
     let square = lean * lean;

@@ -453,7 +453,7 @@ build!(double, f64, [], [const], {
 macro_rules! const_new {
     ($t:ident, $module:ident) => {
         impl<'b, const R: usize, const N: usize> Spindle<'b, $t, R, N> {
-            /// [`Spindle::new`] for rows that the compiler knows: those that cannot hold a shaft are a compile error that says why.
+            /// [`Spindle::new`] for rows that the compiler knows. Rows that cannot hold a shaft are a compile error that says why.
             ///
             /// The precision is written at the call, too, since there is one such function for each.
             ///

@@ -309,14 +309,16 @@ pub mod $module {
         sum
     }
 
-    /// A force about a point that is nearer to the origin by `distance`; turns with those that go with a shift, by that lean.
+    /// Refers a force to a point that is nearer to the origin by `distance`. With a lean in the place of the distance, adds the turns that
+    /// go with a shift.
     #[inline(always)]
     $($const)? fn refer$(<$any: Real>)?(distance: $t, force: &[$t; 5]) -> [$t; 5] {
         let [x, y, z, my, mz] = *force;
         [x, y, z, my - distance * z, mz + distance * y]
     }
 
-    /// The motion of a point that is further along the axis by `distance`; a force where turns count from those that go with a shift.
+    /// Motion of a point that is further along the axis by `distance`. With a lean, the force where turns are counted beyond the turns
+    /// that go with a shift.
     #[inline(always)]
     $($const)? fn moved$(<$any: Real>)?(distance: $t, u: &[$t; 5]) -> [$t; 5] {
         let [x, y, z, ty, tz] = *u;
@@ -537,7 +539,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         }
     }
 
-    /// Loads of a solve at `x = 0`, SI, from those that its rows carry about the position `x` (m), in the solver's units.
+    /// Loads of a solve at `x = 0`, SI, from the loads that its rows carry about the position `x` (m), in the solver's units.
     pub(super) fn load_at_origin(&self, carried: &[T; D], x: T) -> [T; 5] {
         let (unit, constant) = (self.layout.bearings[0].c, self.constant_load());
         let mut load = vector(|i| carried[i] * units(unit, i).0 - constant[i]);
