@@ -190,10 +190,13 @@ impl<T: Real, const D: usize> State<T, D> {
         problem: &Problem<T, D>,
         ds: T,
     ) {
-        if self.attempt.back || self.attempt.pass.is_open() {
+        if self.attempt.pass.is_open() {
             return;
         }
         self.attempt.pass.ds = ds;
+        if self.attempt.back {
+            return;
+        }
         let plane = shaft.layout.plane;
         self.stay(shaft);
         let r = self.unbalanced::<E>(problem, ds);
