@@ -75,7 +75,7 @@ pub struct Constants<T> {
     pub grooves: [Groove<T>; 2],
     /// They are the same to either side of the balls.
     pub symmetric: bool,
-    /// Mark of this bearing: a solver that has solved another one begins anew.
+    /// Mark of this bearing: a solver that has solved another one starts cold.
     pub mark: u32,
 }
 

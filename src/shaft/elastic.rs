@@ -103,7 +103,7 @@ pub struct Bend<T, const D: usize> {
     /// Force of the row that bends the shaft, and its change by the last step.
     force: [T; D],
     force_step: [T; D],
-    /// Those of all rows from here outwards that bend the piece, at that end and by that lean, and their change by the last step.
+    /// Forces of all rows from here outwards that bend the piece, at that end and by that lean, and their change by the last step.
     bending: [T; D],
     bending_step: [T; D],
     /// Deflection of the row, and where the balls were condensed last.

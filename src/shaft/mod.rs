@@ -178,7 +178,7 @@ pub struct Layout<'b, T, const R: usize, const SET: bool, const E: usize> {
     pub preload_at_rest: T,
     /// The chain of an elastic shaft, `E = R`; a rigid one has none, `E = 0`.
     pub joints: [Joint<T>; E],
-    /// Mark of bearings and shaft: a solver that has solved others begins anew.
+    /// Mark of bearings and shaft: a solver that has solved others starts cold.
     pub mark: u32,
 }
 

@@ -28,7 +28,7 @@ use core::marker::PhantomData;
 /// A solver for one bearing: the memory of one solve for the next, and nothing else.
 ///
 /// `M` is how the balls move, `D` the number of freedoms of the inner ring: 5, or 3 where the tilts are locked. The bearing is
-/// handed to each solve. A solver that has solved another bearing begins anew.
+/// handed to each solve. A solver that has solved another bearing starts cold.
 ///
 /// ```
 /// use spindle_bearing::{Bearing, Design, Settings, Solver, Speed};

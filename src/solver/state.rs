@@ -63,7 +63,7 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Turns to the next problem, at its inertia and change of the growth.
     ///
     /// A solution is a start where the growth differs by no more than a unit of length, about a deformation. An unfinished
-    /// attempt at another problem goes on as one without a start, from where the shaft is: a pass that was left begins anew, and a
+    /// attempt at another problem goes on as one without a start, from where the shaft is: a pass that was left begins again, and a
     /// start is given up.
     pub fn turn_to(&mut self, problem: &Problem<T, D>, s: T, grown: T) {
         if !(grown <= T::ONE) {

@@ -15,7 +15,7 @@ use core::marker::PhantomData;
 /// A solver for one spindle: the memory of one solve for the next, and nothing else.
 ///
 /// `M` is how the balls move, as for [`Solver`](crate::Solver). The other types are those of the [`Spindle`], which is handed to each
-/// solve. A solver that has solved another spindle begins anew. Two solvers may share a spindle. In firmware, a solver lies in a
+/// solve. A solver that has solved another spindle starts cold. Two solvers may share a spindle. In firmware, a solver lies in a
 /// static, all of its bits zero.
 #[derive(Debug, Clone)]
 pub struct SpindleSolver<

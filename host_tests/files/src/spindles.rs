@@ -11,7 +11,7 @@
 //! bearing = "7014c.toml"         # a design file beside this one, or its keys under [row.design]
 //! position_mm = 0
 //! facing = "+x"                  # an axial load in +x on the shaft presses its balls
-//! # preload_offset_um = 10.3     # or the closure of this row; those of two rows that face each other add up
+//! # preload_offset_um = 10.3     # or the closure of this row; closures of two rows that face each other add up
 //! # spring = true                # this row slides under the spring
 //! radial_growth_um = 2           # and axial_growth_um, ball_growth_um; may be left out
 //! # What holds the outer ring; what is left out is rigid:

@@ -53,7 +53,7 @@ fn results(plan: &Plan, records: &[Record]) -> String {
     table(&head, &rows)
 }
 
-/// What is said of bearings alone, after the figures.
+/// Text about bearings alone, after the figures.
 const BEARINGS: &str = "## Not solved
 
 There is one start. Some loads with an equilibrium end as `diverged` or `unseated` from there:
@@ -73,7 +73,7 @@ few-balls has such answers. Double precision finds another equilibrium of some, 
 from there.
 ";
 
-/// What is said of sets in the place of the families and of what is not solved.
+/// Text about sets, in the place of the texts about families and unsolved loads.
 const SETS: &str = "A set has one to eight rows of a family's bearing, of which one side may have smaller balls; the loads act at `x = 0`, between
 the rows or in front of them. Three in ten sets with two sides are sprung. Half of all stand on an elastic shaft, half of
 whose supports are elastic, too; half have grown. A quarter have some displacements given in the place of loads.

@@ -106,8 +106,8 @@ fn pair(distance: f64, to_the_end: bool) -> Plan {
     }
 }
 
-/// A load far in front or behind is solved in as many iterations as one at the rows, and the rows feel its moment; as a constant load,
-/// and as the reaction to the displacement that it makes.
+/// A load far in front or behind is solved in as many iterations as one at the rows, which feel its moment. So is a constant load, and
+/// the reaction to the displacement that the load makes.
 #[test]
 fn a_load_far_away_is_its_moment_at_the_rows() {
     let free = Attitude::Raceless;

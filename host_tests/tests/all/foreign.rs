@@ -64,7 +64,7 @@ fn open_points(description: &str) -> Vec<&str> {
     lines.filter_map(|line| line.split(" = ").next()).collect()
 }
 
-/// A description with these keys written anew; keys with an empty value are left out.
+/// A description with these keys rewritten; keys with an empty value are left out.
 fn filled(description: &str, fill: &BTreeMap<String, String>) -> String {
     let lines = description.lines().map(|line| {
         let key = line.split(" = ").next().unwrap_or_default();
