@@ -75,13 +75,13 @@ pub struct Constants<T> {
     pub grooves: [Groove<T>; 2],
     /// They are the same to either side of the balls.
     pub symmetric: bool,
-    /// Mark of this bearing: a solver that has solved another one starts cold.
-    pub mark: u32,
+    /// Fingerprint of this bearing: a solver that has solved another one starts cold.
+    pub fingerprint: u32,
 }
 
-/// A mark with a number mixed into it.
-pub const fn mix(mark: u32, bits: u64) -> u32 {
-    let mixed = (mark as u64 ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+/// A fingerprint with a number mixed into it.
+pub const fn mix(fingerprint: u32, bits: u64) -> u32 {
+    let mixed = (fingerprint as u64 ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     (mixed ^ (mixed >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9) as u32 ^ (mixed >> 32) as u32
 }
 
@@ -234,13 +234,13 @@ const fn in_doubles(
         design.first_ball,
         balls as f64,
     ];
-    let (mut mark, mut i) = (0, 0);
+    let (mut fingerprint, mut i) = (0, 0);
     while i < numbers.len() {
-        mark = mix(mark, numbers[i].to_bits());
+        fingerprint = mix(fingerprint, numbers[i].to_bits());
         i += 1;
     }
     Ok(Constants {
-        mark,
+        fingerprint,
         n0,
         play: L0 * L0 * nearer * (2.0 - nearer),
         preload: balls as f64 * kn * pressed * sqrt(pressed),
@@ -336,7 +336,7 @@ macro_rules! bearing {
                     ball_radius: c.ball_radius as $t,
                     grooves: [rounded(&c.grooves[0]), rounded(&c.grooves[1])],
                     symmetric: c.symmetric,
-                    mark: c.mark,
+                    fingerprint: c.fingerprint,
                 };
                 let mut azimuths = [Azimuth { cos: 0.0, sin: 0.0 }; N];
                 let (s0, c0) = sin_cos(design.first_ball);

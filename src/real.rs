@@ -102,8 +102,8 @@ pub trait Float:
     fn powf(self, exponent: Self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// The mark of a bearing or spindle with this number mixed into it.
-    fn mix(self, mark: u32) -> u32;
+    /// The fingerprint of a bearing or spindle with this number mixed into it.
+    fn mix(self, fingerprint: u32) -> u32;
 
     /// This number, or `other` if that is larger; an `if`, which is half the price of `fmaxf`.
     #[inline(always)]
@@ -209,8 +209,8 @@ macro_rules! real {
                 $t::is_finite(self)
             }
             #[inline]
-            fn mix(self, mark: u32) -> u32 {
-                mix(mark, self.to_bits().into())
+            fn mix(self, fingerprint: u32) -> u32 {
+                mix(fingerprint, self.to_bits().into())
             }
             fn bearing<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError> {
                 Bearing::<$t, N>::new(design)

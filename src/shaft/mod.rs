@@ -178,8 +178,8 @@ pub struct Layout<'b, T, const R: usize, const SET: bool, const E: usize> {
     pub preload_at_rest: T,
     /// The chain of an elastic shaft, `E = R`; a rigid one has none, `E = 0`.
     pub joints: [Joint<T>; E],
-    /// Mark of bearings and shaft: a solver that has solved others starts cold.
-    pub mark: u32,
+    /// Fingerprint of bearings and shaft: a solver that has solved others starts cold.
+    pub fingerprint: u32,
 }
 
 impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
@@ -199,7 +199,7 @@ impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
             ball_count: c.balls,
             preload_at_rest: c.preload,
             joints: [],
-            mark: c.mark,
+            fingerprint: c.fingerprint,
         }
     }
 }
@@ -216,7 +216,7 @@ impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
             ball_count,
             preload_at_rest,
             joints: [],
-            mark,
+            fingerprint,
         } = self;
         Layout {
             bearings,
@@ -227,7 +227,7 @@ impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
             ball_count,
             preload_at_rest,
             joints,
-            mark,
+            fingerprint,
         }
     }
 }

@@ -124,8 +124,8 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
         if matches!(given, Given::Load(_)) && !(size > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
         }
-        if self.last.mark != c.mark {
-            (self.last.mark, self.root) = (c.mark, T::ZERO);
+        if self.last.fingerprint != c.fingerprint {
+            (self.last.fingerprint, self.root) = (c.fingerprint, T::ZERO);
             if M::AT_SPEED {
                 self.last.reset();
             }

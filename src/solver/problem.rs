@@ -270,7 +270,7 @@ pub struct Problem<T, const D: usize> {
     pub overhang: Option<Piece<T>>,
     /// Largest change of the stiffness along the last step.
     pub tolerance: T,
-    /// Mark of loads that have a position, and deflect an elastic shaft between its rows.
+    /// Fingerprint of loads that have a position, and deflect an elastic shaft between its rows.
     pub placed: u32,
     /// Error of the balls' forces that is small enough, relative to the largest.
     pub enough: T,

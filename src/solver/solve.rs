@@ -53,7 +53,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         if problem.is_free && !(problem.load_scale > T::TINY.sqrt()) {
             return Err(Status::Unloaded);
         }
-        self.turn_to(layout.mark);
+        self.turn_to(layout.fingerprint);
         let s = if M::AT_SPEED {
             inertia(unit, omega, layout.ball_count, problem.load_scale)
         } else {

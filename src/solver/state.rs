@@ -30,7 +30,7 @@ pub struct State<T, const D: usize> {
     /// Displacements that were given to it; none of them counts if it was free.
     pub prescribed: [Option<T>; D],
     pub is_free: bool,
-    /// Load that was asked for, about the point that it was asked for at, and mark of loads that had a position.
+    /// Load that was asked for, about the point that it was asked for at, and fingerprint of loads that had a position.
     pub asked: [T; D],
     pub placed: u32,
     /// A pivot of the undamped tangent is no more than rounding: nothing holds the shaft in some direction.

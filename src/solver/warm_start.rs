@@ -23,8 +23,8 @@ pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize, co
     pub preload: T,
     /// Speed of the shaft, rad/s.
     pub omega: T,
-    /// Mark of the bearings and shaft that were solved last.
-    pub mark: u32,
+    /// Fingerprint of the bearings and shaft that were solved last.
+    pub fingerprint: u32,
     /// Elastic state of each row: forces and deflection.
     pub bends: [Bend<T, D>; E],
 }
@@ -48,7 +48,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         points: [Point::NONE; R],
         preload: T::ZERO,
         omega: T::ZERO,
-        mark: 0,
+        fingerprint: 0,
         bends: [Bend::NONE; E],
     };
 
@@ -57,11 +57,11 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         self.state = State::COLD;
     }
 
-    /// Turns to the bearings and shaft of this mark: from nothing, if they are others.
+    /// Turns to the bearings and shaft of this fingerprint: from nothing, if they are others.
     #[inline(always)]
-    pub fn turn_to(&mut self, mark: u32) {
-        if mark != self.mark {
-            self.mark = mark;
+    pub fn turn_to(&mut self, fingerprint: u32) {
+        if fingerprint != self.fingerprint {
+            self.fingerprint = fingerprint;
             self.reset();
         }
     }
@@ -123,7 +123,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         let attempt = &self.state.attempt;
         if attempt.termination != Termination::Unfinished
             || attempt.pass.is_open()
-            || self.mark != layout.mark
+            || self.fingerprint != layout.fingerprint
         {
             return None;
         }

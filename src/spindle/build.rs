@@ -297,7 +297,7 @@ pub mod $module {
                 ball_count: $t::ZERO,
                 preload_at_rest: $t::ZERO,
                 joints: [],
-                mark: mix(0, spring),
+                fingerprint: mix(0, spring),
             },
             positions: [first.position; R],
             facings: [first.facing; R],
@@ -329,9 +329,9 @@ pub mod $module {
                 closure: closure(row),
                 sliding: row.slides(),
             };
-            layout.mark = mix(mix(mix(layout.mark ^ c.mark, facing), row.position), mount.closure);
+            layout.fingerprint = mix(mix(mix(layout.fingerprint ^ c.fingerprint, facing), row.position), mount.closure);
             if mount.sliding {
-                layout.mark = !layout.mark;
+                layout.fingerprint = !layout.fingerprint;
             }
             layout.ball_count += c.balls * (mount.force * mount.inertia);
             let axial = c.balls * at_least(force_at(c, mount.closure), $t::ZERO);
@@ -421,8 +421,8 @@ build!(any, T, [T], [], {
     }
 
     #[inline(always)]
-    pub fn mix<T: Real>(mark: u32, x: T) -> u32 {
-        x.mix(mark)
+    pub fn mix<T: Real>(fingerprint: u32, x: T) -> u32 {
+        x.mix(fingerprint)
     }
 });
 
@@ -433,8 +433,8 @@ build!(single, f32, [], [const], {
         x as f32
     }
 
-    pub const fn mix(mark: u32, x: f32) -> u32 {
-        mix_bits(mark, x.to_bits() as u64)
+    pub const fn mix(fingerprint: u32, x: f32) -> u32 {
+        mix_bits(fingerprint, x.to_bits() as u64)
     }
 });
 
@@ -445,8 +445,8 @@ build!(double, f64, [], [const], {
         x
     }
 
-    pub const fn mix(mark: u32, x: f64) -> u32 {
-        mix_bits(mark, x.to_bits())
+    pub const fn mix(fingerprint: u32, x: f64) -> u32 {
+        mix_bits(fingerprint, x.to_bits())
     }
 });
 

@@ -104,12 +104,12 @@ pub mod $module {
         let joints = towards(joints, sections, unit, centre);
         row = 0;
         while row < R {
-            layout.mark = mix_all(layout.mark, &joints[row].support);
+            layout.fingerprint = mix_all(layout.fingerprint, &joints[row].support);
             row += 1;
         }
         let mut rest = sections;
         while let [section, others @ ..] = rest {
-            layout.mark = mix_all(layout.mark, &section.numbers());
+            layout.fingerprint = mix_all(layout.fingerprint, &section.numbers());
             rest = others;
         }
         Ok(Spindle {
@@ -273,7 +273,7 @@ pub mod $module {
             set.layout.joints[row].constant = deflection_by(&shaft, unit, x, loads);
             row += 1;
         }
-        set.layout.mark = mark(loads, set.layout.mark);
+        set.layout.fingerprint = fingerprint(loads, set.layout.fingerprint);
         Ok(set)
     }
 
@@ -374,23 +374,23 @@ pub mod $module {
         u
     }
 
-    /// A mark with these loads mixed into it.
-    pub $($const)? fn mark$(<$any: Real>)?(loads: &[ShaftLoad<$t>], mut mark: u32) -> u32 {
+    /// A fingerprint with these loads mixed into it.
+    pub $($const)? fn fingerprint$(<$any: Real>)?(loads: &[ShaftLoad<$t>], mut fingerprint: u32) -> u32 {
         let mut rest = loads;
         while let [at, others @ ..] = rest {
-            mark = mix_all(mix(mark, at.position), &at.load);
+            fingerprint = mix_all(mix(fingerprint, at.position), &at.load);
             rest = others;
         }
-        mark
+        fingerprint
     }
 
-    $($const)? fn mix_all$(<$any: Real>)?(mut mark: u32, numbers: &[$t; 5]) -> u32 {
+    $($const)? fn mix_all$(<$any: Real>)?(mut fingerprint: u32, numbers: &[$t; 5]) -> u32 {
         let mut i = 0;
         while i < 5 {
-            mark = mix(mark, numbers[i]);
+            fingerprint = mix(fingerprint, numbers[i]);
             i += 1;
         }
-        mark
+        fingerprint
     }
 }
     };
@@ -441,14 +441,14 @@ const_elastic!(f64, double);
 impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     Spindle<'b, T, R, N, D, E>
 {
-    /// How the rows sit, the shaft deflected by these loads, too, and a mark of them.
+    /// How the rows sit, the shaft deflected by these loads, too, and a fingerprint of them.
     pub(super) fn under_loads(&self, loads: &[ShaftLoad<T>]) -> (Layout<'b, T, R, true, E>, u32) {
         let (mut layout, unit) = (self.layout, self.layout.bearings[0].c);
         for (joint, shaft) in layout.joints.iter_mut().zip(&self.shaft) {
             let by_loads = deflection_by(shaft, unit, joint.position, loads);
             joint.constant = vector(|i| joint.constant[i] + by_loads[i]);
         }
-        (layout, any::mark(loads, 1))
+        (layout, any::fingerprint(loads, 1))
     }
 
     /// Refuses a load or its position that is out of range.

@@ -1,8 +1,8 @@
 //! Bearings on a shaft, rigid or elastic.
 //!
-//! The shaft's axis is x, and loads act at `x = 0`, or at positions of their own. A row sits at its position with its balls pressed by a load on the shaft in
-//! `+x` or in `-x`. Rows that face each other hold the shaft with a preload: outer rings that are clamped closer than the
-//! free bearings would stand, or a sleeve that a spring pushes.
+//! The shaft's axis is x, and loads act at `x = 0`, or at positions of their own. A row sits at its position, its balls pressed by
+//! a load on the shaft in `+x` or in `-x`. Rows that face each other hold the shaft with a preload: outer rings that are clamped
+//! closer than the free bearings would stand, or a sleeve that a spring pushes.
 //!
 //! All rows' balls are condensed into one system of the shaft's five freedoms, and a sixth for a sleeve, in the loop that
 //! solves a single bearing. [`Spindle`] is what does not change, [`SpindleSolver`] solves it, [`SpindleSolution`] is what

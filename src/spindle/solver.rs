@@ -67,8 +67,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
     /// The equilibrium at a speed, under loads or where some displacements are given in their place.
     ///
     /// `loads` are `[Fx, Fy, Fz, My, Mz]` (N, N m) on the shaft at `x = 0`, or a [`Given`] each, or
-    /// [`ShaftLoad`](crate::ShaftLoad)s, each at its position. On an elastic shaft the place of a load counts: moved to `x = 0` by hand, it deflects the shaft otherwise. `at` is a
-    /// [`Speed`](crate::Speed), or one with the growth of each row.
+    /// [`ShaftLoad`](crate::ShaftLoad)s, each at its position. On an elastic shaft the place of a load counts: moved to `x = 0` by
+    /// hand, it deflects the shaft otherwise. `at` is a [`Speed`](crate::Speed), or one with the growth of each row.
     ///
     /// The solve starts from the last solution if that is near. After [`Status::IterationLimit`] it goes on from where the
     /// last one ended, if load and speed are near. [`SpindleSolution::load`] has reactions where displacements are given.
@@ -134,7 +134,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
             spindle.check_load(load)?;
         }
         let deflected;
-        let (layout, mark) = if E > 0 && !placed.is_empty() {
+        let (layout, fingerprint) = if E > 0 && !placed.is_empty() {
             deflected = spindle.under_loads(placed);
             (&deflected.0, deflected.1)
         } else {
@@ -150,9 +150,9 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
             spindle.add_constant(&mut problem.load);
         };
         let tolerance = settings.tolerance;
-        let problem = self
-            .last
-            .problem::<M, _>(layout, &all, to_centre, &at, mark, tolerance)?;
+        let problem =
+            self.last
+                .problem::<M, _>(layout, &all, to_centre, &at, fingerprint, tolerance)?;
         let most = settings.max_iterations;
         let reached = self.last.run::<M::Rule, _>(layout, &problem, most, more)?;
         let load = given.map(|given| given.load_or(T::ZERO));
