@@ -16,7 +16,7 @@
 //! | balls | [`Balls`] of a solution: [`BallState`], [`BallKinematics`], [`Frequencies`] |
 //! | physical limits | [`Limits`], [`Margins`]; a row at a glance: [`RowSummary`] |
 //! | rating life | [`LifeRating`], [`RatingLife`] |
-//! | how the balls move: at rest, under centrifugal force, with all inertia loads | [`Motion`]: [`Static`], [`Centrifugal`], [`Full`] |
+//! | how the balls move: at rest, under centrifugal force, with all inertia loads | [`Motion`]: [`Static`], [`Centrifugal`], and [`RacewayControlFree`], [`OuterRaceControl`] or [`InnerRaceControl`] |
 //!
 //! Inside, imports go down these layers. `CONTRIBUTING.md` of the repository draws them and says where a first change goes.
 //!
@@ -63,8 +63,7 @@ pub mod monitor;
 pub mod record;
 
 pub use ball::kinematics::{
-    Centrifugal, Full, InnerRaceControl, Motion, OuterRaceControl, RacewayControlFree, Speed,
-    Static,
+    Centrifugal, InnerRaceControl, Motion, OuterRaceControl, RacewayControlFree, Speed, Static,
 };
 pub use ball::report::{BallKinematics, BallState, ContactPatch};
 pub use bearing::Bearing;

@@ -6,7 +6,7 @@
 use super::Precision;
 use super::monitor_settings::{IDLE, KEY, MONITOR};
 use super::monitored::{BALLS, BEARING, ROWS, spindle};
-use spindle_bearing::Full;
+use spindle_bearing::RacewayControlFree;
 use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::command::{Command, PortReader, Received};
 use spindle_bearing::monitor::loads::{FrameCounts, FramedLoads, LoadSource};
@@ -54,7 +54,7 @@ impl Sensors for FramedLoads {
 
 /// The monitor with its sensors.
 pub struct Chain<S = FramedLoads> {
-    monitor: Monitor<ROWS, BALLS, Full, FRAMES, Precision>,
+    monitor: Monitor<ROWS, BALLS, RacewayControlFree, FRAMES, Precision>,
     sensors: S,
     port: PortReader,
     /// The newest temperatures of the port, until they are taken.

@@ -7,10 +7,10 @@ use files::designs::short;
 use files::noses::ShaftEnd;
 use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
-    BallKinematics, BallState, Centrifugal, Facing, Frequencies, Full, Given, Growth,
-    InnerRaceControl, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity,
-    RacewayControlFree, Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed, Spindle,
-    SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
+    BallKinematics, BallState, Centrifugal, Facing, Frequencies, Given, Growth, InnerRaceControl,
+    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity, RacewayControlFree,
+    Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed, Spindle, SpindleError,
+    SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -422,15 +422,15 @@ fn of_balls<T: Real, const R: usize, const D: usize, const E: usize>(
             hand_over::<T, R, Centrifugal, D, E>(spindle, false, loaded_at, hand);
         }
         Balls::Moving(Attitude::Inner) if const { R <= 2 } => {
-            hand_over::<T, R, Full<InnerRaceControl>, D, E>(spindle, false, loaded_at, hand);
+            hand_over::<T, R, InnerRaceControl, D, E>(spindle, false, loaded_at, hand);
         }
         Balls::Moving(Attitude::Outer) if const { R <= 4 } => {
-            hand_over::<T, R, Full<OuterRaceControl>, D, E>(spindle, false, loaded_at, hand);
+            hand_over::<T, R, OuterRaceControl, D, E>(spindle, false, loaded_at, hand);
         }
         // At rest, all are alike.
         Balls::Static | Balls::Moving(Attitude::Raceless) => {
             let at_rest = balls == Balls::Static;
-            hand_over::<T, R, Full<RacewayControlFree>, D, E>(spindle, at_rest, loaded_at, hand);
+            hand_over::<T, R, RacewayControlFree, D, E>(spindle, at_rest, loaded_at, hand);
         }
         Balls::Centrifugal | Balls::Moving(_) => {
             let refused = match balls {

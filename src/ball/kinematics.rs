@@ -204,11 +204,12 @@ impl<R: Rule> Rule for Frictionless<R> {
     }
 }
 
-/// How the balls move: [`Static`], [`Centrifugal`] or [`Full`].
+/// How the balls move: [`Static`], [`Centrifugal`], or with all inertia loads and an attitude rule, [`RacewayControlFree`],
+/// [`OuterRaceControl`] or [`InnerRaceControl`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a motion of the balls",
     label = "not a motion",
-    note = "a motion is `Static`, `Centrifugal<A>` or `Full<A>`, with an attitude rule `A`"
+    note = "a motion is `Static`, `Centrifugal<A>`, or an attitude rule `A` alone"
 )]
 pub trait Motion: Copy + Send + 'static {
     /// The rule of their attitude.
@@ -227,10 +228,6 @@ pub struct Static;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Centrifugal<A = RacewayControlFree>(PhantomData<A>);
 
-/// The bearing at speed with all inertia loads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Full<A = RacewayControlFree>(PhantomData<A>);
-
 impl Motion for Static {
     type Rule = AtRest;
 }
@@ -239,8 +236,16 @@ impl<A: Rule> Motion for Centrifugal<A> {
     type Rule = Frictionless<A>;
 }
 
-impl<A: Rule> Motion for Full<A> {
-    type Rule = A;
+impl Motion for RacewayControlFree {
+    type Rule = Self;
+}
+
+impl Motion for OuterRaceControl {
+    type Rule = Self;
+}
+
+impl Motion for InnerRaceControl {
+    type Rule = Self;
 }
 
 /// Speed of the shaft.

@@ -138,7 +138,7 @@ use crate::real::{Float, Real};
 use crate::results::life::damage_of_weight;
 use crate::results::margins::{Limit, Limits};
 use crate::spindle::solution::{compliances, preloads};
-use crate::{Facing, Full, Motion, Spindle, SpindleSolution};
+use crate::{Facing, Motion, RacewayControlFree, Spindle, SpindleSolution};
 use availability::Availability;
 use command::{AnswerCode, Desk};
 use embedded_storage::nor_flash::NorFlash;
@@ -344,7 +344,7 @@ impl Every {
 pub struct Monitor<
     const R: usize,
     const N: usize,
-    M: Motion + Copy = Full,
+    M: Motion + Copy = RacewayControlFree,
     const FRAMES: usize = 12,
     T: Real + 'static = f32,
     const D: usize = 5,

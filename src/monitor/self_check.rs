@@ -6,7 +6,9 @@
 use crate::framing::CHECKSUM;
 use crate::real::Real;
 use crate::results::margins::Limits;
-use crate::{Full, Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status};
+use crate::{
+    Motion, RacewayControlFree, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status,
+};
 use crc::Digest;
 
 /// A checksum of many pieces: CRC-32 (ISO-HDLC), as frames have it.
@@ -120,7 +122,7 @@ pub struct KnownAnswer<
     T: Real + 'static,
     const R: usize,
     const N: usize,
-    M: Motion + Copy = Full,
+    M: Motion + Copy = RacewayControlFree,
     const D: usize = 5,
 > {
     spindle: Spindle<'static, T, R, N, D>,

@@ -9,7 +9,7 @@ pub mod summary;
 
 use crate::ball::Ball;
 use crate::ball::contact::Point;
-use crate::ball::kinematics::{Full, Motion, Speed};
+use crate::ball::kinematics::{Motion, RacewayControlFree, Speed};
 use crate::ball::report::{BallKinematics, BallState, Kinetics};
 use crate::bearing::{Azimuth, Constants};
 use crate::linalg::Matrix;
@@ -22,7 +22,7 @@ use core::marker::PhantomData;
 
 /// The balls of a solved row: what a [`Solution`](crate::Solution) and a [`RowSolution`](crate::RowSolution) say of them.
 #[derive(Debug, Clone, Copy)]
-pub struct Balls<'s, T: Real, M = Full> {
+pub struct Balls<'s, T: Real, M = RacewayControlFree> {
     pub(crate) c: &'s Constants<T>,
     pub(crate) p: &'s Point<T>,
     pub(crate) azimuths: &'s [Azimuth<T>],

@@ -1,7 +1,7 @@
 //! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
 
 use crate::ball::contact::Point;
-use crate::ball::kinematics::{Full, Motion};
+use crate::ball::kinematics::{Motion, RacewayControlFree};
 use crate::ball::report::{BallState, Kinetics};
 use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::linalg::add;
@@ -35,7 +35,7 @@ use core::marker::PhantomData;
 /// # Ok::<(), spindle_bearing::Status<f32>>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct AxialSolver<T: Real, M: Motion = Full> {
+pub struct AxialSolver<T: Real, M: Motion = RacewayControlFree> {
     /// Of a bearing with one ball, which carries its share of the load.
     last: WarmStart<T, 1, 1, 1, 0>,
     motion: PhantomData<M>,
@@ -271,7 +271,7 @@ fn first<T>(azimuths: &[Azimuth<T>]) -> &[Azimuth<T>] {
     derive(serde::Serialize),
     serde(bound = "T: serde::Serialize")
 )]
-pub struct AxialSolution<'s, T: Real, M: Motion = Full> {
+pub struct AxialSolution<'s, T: Real, M: Motion = RacewayControlFree> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
     /// Iterations, those after a start included. An iteration condenses one ball.

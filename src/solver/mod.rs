@@ -16,7 +16,7 @@ mod start;
 pub mod state;
 pub mod warm_start;
 
-use crate::ball::kinematics::{Full, Motion};
+use crate::ball::kinematics::{Motion, RacewayControlFree};
 use crate::bearing::Bearing;
 use crate::real::Real;
 use crate::solver::problem::{Loading, OperatingPoint, Settings};
@@ -51,7 +51,7 @@ use core::marker::PhantomData;
 /// static SOLVER: ConstStaticCell<Solver<f32, 16>> = ConstStaticCell::new(Solver::new());
 /// ```
 #[derive(Debug, Clone)]
-pub struct Solver<T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
+pub struct Solver<T: Real, const N: usize, M: Motion = RacewayControlFree, const D: usize = 5> {
     last: WarmStart<T, 1, N, D, 0>,
     motion: PhantomData<M>,
 }

@@ -1,6 +1,6 @@
 //! Solution of a bearing.
 
-use crate::ball::kinematics::{Full, Motion, Speed};
+use crate::ball::kinematics::{Motion, RacewayControlFree, Speed};
 use crate::ball::report::BallState;
 use crate::bearing::Bearing;
 use crate::linalg::vector;
@@ -21,7 +21,8 @@ use core::ops::Deref;
 /// An equilibrium, SI units; loads and displacements refer to the bearing centre.
 ///
 /// See [`Solver`](crate::Solver) for an example, and [`Balls::kinematics`] for the balls.
-pub struct Solution<'s, T: Real, const N: usize, M: Motion = Full, const D: usize = 5> {
+pub struct Solution<'s, T: Real, const N: usize, M: Motion = RacewayControlFree, const D: usize = 5>
+{
     /// How the solve ended: `Converged`, `PrecisionLimit`, or `IterationLimit` of
     /// [`Solver::unfinished`](crate::Solver::unfinished).
     pub status: Status<T>,

@@ -1,6 +1,6 @@
 //! Solution of a spindle.
 
-use crate::ball::kinematics::{Full, Motion, Speed};
+use crate::ball::kinematics::{Motion, RacewayControlFree, Speed};
 use crate::ball::report::BallState;
 use crate::linalg::{
     Factors, Matrix, add_to, matrix, moved, norm, product, refer, refer_stiffness, vector,
@@ -34,7 +34,7 @@ pub struct SpindleSolution<
     T: Real,
     const R: usize,
     const N: usize,
-    M: Motion = Full,
+    M: Motion = RacewayControlFree,
     const D: usize = 5,
     const E: usize = 0,
 > {
@@ -483,7 +483,7 @@ pub struct RowSnapshot<T: Real, const N: usize> {
 /// A row of a solved spindle, in its own frame: x points where an axial load presses its balls. SI units.
 ///
 /// See [`Spindle`](crate::Spindle) for an example.
-pub struct RowSolution<'s, T: Real, M: Motion = Full> {
+pub struct RowSolution<'s, T: Real, M: Motion = RacewayControlFree> {
     /// Position of its centre on the shaft, m.
     pub position: T,
     /// Forces (N) and moments (N m) of the shaft on its inner ring, about its centre.

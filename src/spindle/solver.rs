@@ -1,6 +1,6 @@
 //! The equilibrium of a shaft in its bearings.
 
-use crate::ball::kinematics::{Full, Motion};
+use crate::ball::kinematics::{Motion, RacewayControlFree};
 use crate::linalg::{moved, norm, refer, vector};
 use crate::real::Real;
 use crate::solver::problem::{Given, Loading, OperatingPoint, Problem, Settings, radius};
@@ -22,7 +22,7 @@ pub struct SpindleSolver<
     T: Real,
     const R: usize,
     const N: usize,
-    M: Motion = Full,
+    M: Motion = RacewayControlFree,
     const D: usize = 5,
     const E: usize = 0,
 > {
@@ -31,7 +31,7 @@ pub struct SpindleSolver<
 }
 
 impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
-    SpindleSolver<T, R, N, Full, D, E>
+    SpindleSolver<T, R, N, RacewayControlFree, D, E>
 {
     /// A solver for spindles at speed, with all inertia loads and no race in control.
     pub const fn new() -> Self {

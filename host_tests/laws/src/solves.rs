@@ -8,8 +8,8 @@ use crate::common::{
 };
 use arbitrary::{Arbitrary, Result, Unstructured};
 use spindle_bearing::{
-    AxialSolver, Bearing, Centrifugal, Design, Full, Given, Growth, InnerRaceControl, Motion,
-    OuterRaceControl, Real, Settings, Solver, Speed, Static,
+    AxialSolver, Bearing, Centrifugal, Design, Given, Growth, InnerRaceControl, Motion,
+    OuterRaceControl, RacewayControlFree, Real, Settings, Solver, Speed, Static,
 };
 use std::array::from_fn;
 use std::fmt::Debug;
@@ -99,9 +99,9 @@ fn in_precision<T: Real, const N: usize>(run: &Run) -> Ends {
         Ok(bearing) => match run.scene[2] % 5 {
             0 => with_ring::<T, N, Static>(run, &bearing),
             1 => with_ring::<T, N, Centrifugal>(run, &bearing),
-            2 => with_ring::<T, N, Full>(run, &bearing),
-            3 => with_ring::<T, N, Full<OuterRaceControl>>(run, &bearing),
-            _ => with_ring::<T, N, Full<InnerRaceControl>>(run, &bearing),
+            2 => with_ring::<T, N, RacewayControlFree>(run, &bearing),
+            3 => with_ring::<T, N, OuterRaceControl>(run, &bearing),
+            _ => with_ring::<T, N, InnerRaceControl>(run, &bearing),
         },
     }
 }

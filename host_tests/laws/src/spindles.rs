@@ -9,9 +9,9 @@ use crate::common::{
 use crate::shaft::{MOST_ROWS, Step};
 use crate::statics::{Place, assert_balances, assert_symmetric};
 use spindle_bearing::{
-    Arrangement, Bearing, Full, Given, Growth, Material, Motion, Mounted, Preload, Real, Section,
-    Settings, Shaft, Speed, Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status,
-    Support,
+    Arrangement, Bearing, Given, Growth, Material, Motion, Mounted, Preload, RacewayControlFree,
+    Real, Section, Settings, Shaft, Speed, Spindle, SpindleError, SpindleSolution, SpindleSolver,
+    Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -125,7 +125,7 @@ fn moving<T: Real, const R: usize, const D: usize, const E: usize>(
 ) -> Ends {
     match run.scene[1] % 2 {
         0 => solve::<T, R, Static, D, E>(run, spindle),
-        _ => solve::<T, R, Full, D, E>(run, spindle),
+        _ => solve::<T, R, RacewayControlFree, D, E>(run, spindle),
     }
 }
 

@@ -7,9 +7,9 @@ use core::fmt::{self, Write};
 use core::hint::black_box;
 use core::marker::PhantomData;
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Facing, Full, Given, Growth, Limit, Limits,
-    Material, Motion, Mounted, Preload, Real, Section, Settings, Shaft, Solver, Speed, Spindle,
-    SpindleSolver, Support,
+    Arrangement, AxialSolver, Bearing, Design, Facing, Given, Growth, Limit, Limits, Material,
+    Motion, Mounted, Preload, RacewayControlFree, Real, Section, Settings, Shaft, Solver, Speed,
+    Spindle, SpindleSolver, Support,
 };
 
 /// Hands the table to a macro: `for_every_scene!(of_mine)`.
@@ -26,10 +26,10 @@ macro_rules! for_every_scene {
             0 "axial-static" 1: Axial<Static>;
                 "speed, radial displacements, tilts",
                 [Spindle, Elastic, Speed, Friction, RaceControl, RacewayControlFree, Iteration, Radial, Tilts, Balls, Limits];
-            1 "axial-full" 1: Axial<Full>;
+            1 "axial-full" 1: Axial<RacewayControlFree>;
                 "radial displacements, tilts",
                 [Spindle, Elastic, RaceControl, Radial, Tilts, Balls, Limits];
-            2 "translations-full" 3: Ring<Full>;
+            2 "translations-full" 3: Ring<RacewayControlFree>;
                 "tilts",
                 [Spindle, Elastic, RaceControl, Tilts, Balls, Limits];
             3 "static" 5: Ring<Static>;
@@ -38,19 +38,19 @@ macro_rules! for_every_scene {
             4 "centrifugal" 5: Ring<Centrifugal>;
                 "friction",
                 [Spindle, Elastic, Friction, RaceControl, Balls, Limits];
-            5 "outer" 5: Ring<Full<OuterRaceControl>>;
+            5 "outer" 5: Ring<OuterRaceControl>;
                 "free attitude: outer race control",
                 [Spindle, Elastic, RacewayControlFree, Balls, Limits];
-            6 "inner" 5: Ring<Full<InnerRaceControl>>;
+            6 "inner" 5: Ring<InnerRaceControl>;
                 "free attitude: inner race control",
                 [Spindle, Elastic, RacewayControlFree, Balls, Limits];
-            7 "displacement" 5: Ring<Full, { probes::DISPLACEMENT }>;
+            7 "displacement" 5: Ring<RacewayControlFree, { probes::DISPLACEMENT }>;
                 "stiffness asked for",
                 [Spindle, Elastic, RaceControl, Stiffness, Balls, Limits];
-            8 "balls" 5: Ring<Full, { probes::BALLS }>;
+            8 "balls" 5: Ring<RacewayControlFree, { probes::BALLS }>;
                 "nothing; states of balls besides",
                 [Spindle, Elastic, RaceControl, Limits];
-            9 "limits" 5: Ring<Full, { probes::LIMITS }>;
+            9 "limits" 5: Ring<RacewayControlFree, { probes::LIMITS }>;
                 "nothing; limits besides",
                 [Spindle, Elastic, RaceControl];
             10 "pair" 5: Clamped<2>;
@@ -68,7 +68,7 @@ macro_rules! for_every_scene {
             14 "elastic-four-rows" 5: Elastic<4>;
                 "nothing; two pairs on an elastic shaft, whose supports give way",
                 [RaceControl, Balls, Limits];
-            15 "full" 5: Ring<Full>;
+            15 "full" 5: Ring<RacewayControlFree>;
                 "nothing",
                 [Spindle, Elastic, RaceControl, Balls, Limits];
         }
@@ -318,7 +318,7 @@ fn rows<'b, T: Real, const R: usize, const N: usize>(
 /// A spindle and its solver.
 type OnBoard<'b, T, const R: usize, const N: usize, const F: usize, const E: usize> = (
     Spindle<'b, T, R, N, F, E>,
-    SpindleSolver<T, R, N, Full, F, E>,
+    SpindleSolver<T, R, N, RacewayControlFree, F, E>,
 );
 
 #[inline(always)]

@@ -17,19 +17,18 @@ const SOLVERS: [[&str; 3]; 4] = [
         "is not an attitude rule; choose `RacewayControlFree`, `OuterRaceControl` or `InnerRaceControl`",
     ],
     [
-        "AxialSolver<f32, Full<OuterRaceControl>>",
         "AxialSolver<f32, OuterRaceControl>",
-        "is not a motion of the balls; \
-         a motion is `Static`, `Centrifugal<A>` or `Full<A>`, with an attitude rule `A`",
+        "AxialSolver<f32, f64>",
+        "is not a motion of the balls; a motion is `Static`, `Centrifugal<A>`, or an attitude rule `A` alone",
     ],
     [
-        "Solver<f32, 16, Full<OuterRaceControl>>",
+        "Solver<f32, 16, OuterRaceControl>",
         "Solver<f32, 16, Static<OuterRaceControl>>",
         "struct takes 0 generic arguments",
     ],
     [
-        "Solver<f32, 16, Full, 3>",
-        "Solver<f32, 16, Full, 2>",
+        "Solver<f32, 16, RacewayControlFree, 3>",
+        "Solver<f32, 16, RacewayControlFree, 2>",
         "the inner ring has 3 freedoms (tilts locked) or 5; one, along the axis, is that of `AxialSolver`",
     ],
 ];

@@ -146,7 +146,7 @@ fn of_text(text: &str) -> Figures {
 
 /// Figures of the library, in SI units.
 fn of_library<const R: usize, const D: usize, const E: usize>(
-    solution: &SpindleSolution<'_, f64, R, 16, spindle_bearing::Full, D, E>,
+    solution: &SpindleSolution<'_, f64, R, 16, spindle_bearing::RacewayControlFree, D, E>,
     closures: [f64; R],
     nose: Option<ShaftEnd>,
     ratings: [LifeRating<f64>; R],

@@ -7,12 +7,12 @@ use spindle_bearing::{
     BallState, Bearing, Design, FreeContact, HertzContact, InnerRaceControl, Limit, Limits,
     Margins, Material, OuterRaceControl, Race, Real,
 };
-use spindle_bearing::{Centrifugal, Full, Motion, Settings, Solver, Speed, Static};
+use spindle_bearing::{Centrifugal, Motion, RacewayControlFree, Settings, Solver, Speed, Static};
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_2;
 
-type Outer = Full<OuterRaceControl>;
-type Inner = Full<InnerRaceControl>;
+type Outer = OuterRaceControl;
+type Inner = InnerRaceControl;
 
 /// Limits that everything passes.
 pub const NOTHING: Limits<f64> = Limits {
@@ -114,7 +114,7 @@ type Solve<'s> = &'s dyn Fn(&Design, Scene, &Limits<f64>) -> Option<Seen>;
 fn for_every_motion(check: &dyn Fn(Solve<'_>)) {
     check(&|d, s, l| solve::<f64, Static>(d, s, l));
     check(&|d, s, l| solve::<f64, Centrifugal>(d, s, l));
-    check(&|d, s, l| solve::<f64, Full>(d, s, l));
+    check(&|d, s, l| solve::<f64, RacewayControlFree>(d, s, l));
     check(&|d, s, l| solve::<f64, Outer>(d, s, l));
     check(&|d, s, l| solve::<f64, Inner>(d, s, l));
 }
@@ -171,7 +171,7 @@ fn friction_demand_is_the_models_share_of_the_gyroscopic_moment() {
         // Without a gyroscopic moment, nothing calls for friction.
         (Attitude::Outer, solve::<f64, Static> as fn(&_, _, &_) -> _),
         (Attitude::Raceless, solve::<f64, Centrifugal>),
-        (Attitude::Raceless, solve::<f64, Full>),
+        (Attitude::Raceless, solve::<f64, RacewayControlFree>),
         (Attitude::Outer, solve::<f64, Outer>),
         (Attitude::Inner, solve::<f64, Inner>),
     ] {
@@ -212,7 +212,7 @@ fn shoulders_are_passed_where_the_contact_angles_say() {
                 outer_shoulder_angle: r.between(free, Design::HIGHEST_SHOULDER.min(free + 0.5)),
                 ..base
             };
-            let Some(found) = solve::<f64, Full>(&design, scene, &NOTHING) else {
+            let Some(found) = solve::<f64, RacewayControlFree>(&design, scene, &NOTHING) else {
                 continue;
             };
             // Steeper than the shoulder by so much; farther than a quarter turn on the other side counts for nothing.
@@ -313,7 +313,7 @@ fn rest_and_speed_nought_pass_the_same_limits() {
     };
     for (load, _) in scenes(7, 60) {
         let rest = solve::<f64, Static>(&design, (load, 0.0), &Limits::default());
-        let nought = solve::<f64, Full>(&design, (load, 0.0), &Limits::default());
+        let nought = solve::<f64, RacewayControlFree>(&design, (load, 0.0), &Limits::default());
         if let (Some((rest, _)), Some((nought, _))) = (rest, nought) {
             let [a, b] = [rest, nought].map(|margins| (margins.passed(), margins.unloaded));
             assert_eq!(a, b, "{load:?}");
@@ -324,7 +324,7 @@ fn rest_and_speed_nought_pass_the_same_limits() {
 #[test]
 fn a_pull_reverses_an_angular_contact_bearing_and_not_a_deep_groove_one() {
     let pull = ([-400.0, 0.0, 0.0, 0.0, 0.0], rad_per_s(3000.0));
-    let (margins, _) = solve::<f64, Full>(&B7005C, pull, &Limits::default()).unwrap();
+    let (margins, _) = solve::<f64, RacewayControlFree>(&B7005C, pull, &Limits::default()).unwrap();
     assert!(margins.passed().contains(Limit::Reversal));
     assert!(!margins.passed().contains(Limit::Shoulder));
 
@@ -336,8 +336,8 @@ fn a_pull_reverses_an_angular_contact_bearing_and_not_a_deep_groove_one() {
         ..B7005C
     };
     let push = (pull.0.map(|f| -f), pull.1);
-    let (pulled, _) = solve::<f64, Full>(&deep, pull, &Limits::default()).unwrap();
-    let (pushed, _) = solve::<f64, Full>(&deep, push, &Limits::default()).unwrap();
+    let (pulled, _) = solve::<f64, RacewayControlFree>(&deep, pull, &Limits::default()).unwrap();
+    let (pushed, _) = solve::<f64, RacewayControlFree>(&deep, push, &Limits::default()).unwrap();
     assert_eq!(pulled.passed(), pushed.passed());
     assert_eq!(pulled.get(Limit::Reversal), None);
     for limit in [Limit::Shoulder, Limit::Truncation] {

@@ -5,9 +5,9 @@ use super::solves::{LIFTING, SKEW};
 use host_tests::cases::{B218, B7005C};
 use host_tests::dispatch::Attitude;
 use spindle_bearing::{
-    Arrangement, BallKinematics, Bearing, Design, Frequencies, Full, HertzContact,
-    InnerRaceControl, Motion, OuterRaceControl, Preload, Race, RacewayControlFree, Settings,
-    Solver, Speed, Spindle, SpindleSolver,
+    Arrangement, BallKinematics, Bearing, Design, Frequencies, HertzContact, InnerRaceControl,
+    Motion, OuterRaceControl, Preload, Race, RacewayControlFree, Settings, Solver, Speed, Spindle,
+    SpindleSolver,
 };
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -96,10 +96,10 @@ fn balls_turn_and_touch_as_the_model_says() {
         (&B218, SKEW.map(|load| 15.0 * load)),
         (&B7005C, LIFTING),
     ] {
-        judge::<Full<RacewayControlFree>>(design, load, OMEGA, Attitude::Raceless);
-        judge::<Full<OuterRaceControl>>(design, load, OMEGA, Attitude::Outer);
+        judge::<RacewayControlFree>(design, load, OMEGA, Attitude::Raceless);
+        judge::<OuterRaceControl>(design, load, OMEGA, Attitude::Outer);
         if load[0] > 100.0 {
-            judge::<Full<InnerRaceControl>>(design, load, OMEGA, Attitude::Inner);
+            judge::<InnerRaceControl>(design, load, OMEGA, Attitude::Inner);
         }
     }
 }

@@ -6,8 +6,9 @@ use host_tests::campaign::families::{Family, Trial};
 use host_tests::cases::{B218, B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Full, Given, Motion, Mounted,
-    Preload, Quantity, Real, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
+    Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Given, Motion, Mounted,
+    Preload, Quantity, RacewayControlFree, Real, Settings, Solver, Speed, Spindle, SpindleSolver,
+    Static, Status,
 };
 use std::f64::consts::PI;
 
@@ -154,7 +155,7 @@ fn the_advice_to_a_ring_that_is_free_to_move_helps() {
             let advice = under([0.0, y, z, 0.0, 0.0]).unwrap_err().to_string();
             assert!(advice.contains("preload it by an axial load or by a row that faces it"));
             assert_eq!(advice.contains("hold the tilts"), helps_to_hold, "{advice}");
-            let mut held = Solver::<_, 7, Full, 3>::of();
+            let mut held = Solver::<_, 7, RacewayControlFree, 3>::of();
             let held = held.solve(&bearing, [0.0, y, z], speed, &settings);
             assert_eq!(held.is_ok(), helps_to_hold);
             assert_eq!(under([5.0, y, z, 0.0, 0.0]), Ok(()));
@@ -249,8 +250,8 @@ fn a_ring_on_one_or_two_balls_is_indeterminate() {
     }
     assert_indeterminate::<Static>(0.0, 1);
     assert_indeterminate::<Static>(PI / 3.0, 2);
-    assert_indeterminate::<Full>(0.0, 1);
-    assert_indeterminate::<Full>(PI / 3.0, 2);
+    assert_indeterminate::<RacewayControlFree>(0.0, 1);
+    assert_indeterminate::<RacewayControlFree>(PI / 3.0, 2);
 }
 
 #[test]

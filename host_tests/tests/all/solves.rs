@@ -4,8 +4,9 @@ use host_tests::compare::{Ball, Equilibrium, Errors, worse};
 use host_tests::dispatch::{Attitude, Precision, narrowed, widened};
 use proptest::strategy::Strategy;
 use spindle_bearing::{
-    AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, Full, Given, Growth,
-    InnerRaceControl, Motion, OuterRaceControl, Real, Settings, Solver, Speed, Static, Status,
+    AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, Given, Growth,
+    InnerRaceControl, Motion, OuterRaceControl, RacewayControlFree, Real, Settings, Solver, Speed,
+    Static, Status,
 };
 use std::array::from_fn;
 use std::f64::consts::TAU;
@@ -319,9 +320,9 @@ fn of_count<T: Real, const N: usize>(
         Balls::CentrifugalOuter => {
             of_motion::<T, N, Centrifugal<OuterRaceControl>>(bearing, freedoms)
         }
-        Balls::Free => of_motion::<T, N, Full>(bearing, freedoms),
-        Balls::Outer => of_motion::<T, N, Full<OuterRaceControl>>(bearing, freedoms),
-        Balls::Inner => of_motion::<T, N, Full<InnerRaceControl>>(bearing, freedoms),
+        Balls::Free => of_motion::<T, N, RacewayControlFree>(bearing, freedoms),
+        Balls::Outer => of_motion::<T, N, OuterRaceControl>(bearing, freedoms),
+        Balls::Inner => of_motion::<T, N, InnerRaceControl>(bearing, freedoms),
     }
 }
 

@@ -4,7 +4,7 @@ use super::limits::{NOTHING, close, contacts, groove, scenes, shoulder, solve};
 use host_tests::cases::{B218, B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
 use host_tests::tolerances::allowed;
-use spindle_bearing::{Centrifugal, Full, Motion, Static};
+use spindle_bearing::{Centrifugal, Motion, RacewayControlFree, Static};
 use spindle_bearing::{Design, InnerRaceControl, Limit, Limits, Margins, OuterRaceControl, Real};
 
 /// The number between `off` and `on` at which a limit is first passed, to the last bits.
@@ -41,7 +41,7 @@ fn a_limit_is_passed_where_its_value_reaches_what_is_allowed() {
     };
     let solved = |axial| {
         let scene = ([axial, 0.0, 0.0, 0.0, 0.0], rad_per_s(100.0));
-        solve::<f64, Full>(&design, scene, &limits).unwrap()
+        solve::<f64, RacewayControlFree>(&design, scene, &limits).unwrap()
     };
     let pushed = |axial| solved(axial).0;
     let range = (100.0, 10_000.0);
@@ -60,7 +60,9 @@ fn a_limit_is_passed_where_its_value_reaches_what_is_allowed() {
 
     threshold((10.0, 1000.0), (Limit::Friction, 0.02), |rpm| {
         let scene = ([200.0, 0.0, 0.0, 0.0, 0.0], rad_per_s(rpm));
-        solve::<f64, Full>(&B218, scene, &limits).unwrap().0
+        solve::<f64, RacewayControlFree>(&B218, scene, &limits)
+            .unwrap()
+            .0
     });
 }
 
@@ -72,7 +74,7 @@ fn limits_that_are_infinite_or_no_numbers_are_never_passed() {
             friction: value,
         };
         for scene in scenes(8, 20) {
-            if let Some((margins, _)) = solve::<f64, Full>(&B7005C, scene, &limits) {
+            if let Some((margins, _)) = solve::<f64, RacewayControlFree>(&B7005C, scene, &limits) {
                 let passed = margins.passed();
                 assert!(!passed.contains(Limit::PeakPressure) && !passed.contains(Limit::Friction));
             }
@@ -97,8 +99,8 @@ fn single_precision_sees_what_double_precision_sees() {
     };
     let mut compared = 0;
     for scene in scenes(9, 300) {
-        let double = solve::<f64, Full>(&design, scene, &limits);
-        let single = solve::<f32, Full>(&design, scene, &limits);
+        let double = solve::<f64, RacewayControlFree>(&design, scene, &limits);
+        let single = solve::<f32, RacewayControlFree>(&design, scene, &limits);
         let (Some((double, _)), Some((single, _))) = (double, single) else {
             continue;
         };
@@ -168,11 +170,11 @@ fn every_value_is_a_number() {
     }
     check::<f32, Static>();
     check::<f32, Centrifugal>();
-    check::<f32, Full>();
-    check::<f32, Full<OuterRaceControl>>();
-    check::<f32, Full<InnerRaceControl>>();
-    check::<f64, Full>();
-    check::<f64, Full<InnerRaceControl>>();
+    check::<f32, RacewayControlFree>();
+    check::<f32, OuterRaceControl>();
+    check::<f32, InnerRaceControl>();
+    check::<f64, RacewayControlFree>();
+    check::<f64, InnerRaceControl>();
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -181,7 +183,7 @@ fn every_value_is_a_number() {
 #[test]
 fn names_and_sentences() {
     let calm = ([300.0, 20.0, 0.0, 0.0, 0.0], rad_per_s(3000.0));
-    let (margins, _) = solve::<f64, Full>(&B7005C, calm, &Limits::default()).unwrap();
+    let (margins, _) = solve::<f64, RacewayControlFree>(&B7005C, calm, &Limits::default()).unwrap();
     assert!(margins.passed().is_empty());
     assert_eq!(margins.to_string(), "");
 
@@ -190,7 +192,7 @@ fn names_and_sentences() {
         peak_pressure: 5e8,
         ..Limits::default()
     };
-    let (margins, _) = solve::<f64, Full>(&B7005C, hard, &limits).unwrap();
+    let (margins, _) = solve::<f64, RacewayControlFree>(&B7005C, hard, &limits).unwrap();
     let set = margins.passed();
     assert!(
         set.contains(Limit::PeakPressure) && set.contains(Limit::InnerContact),

@@ -8,9 +8,9 @@ use host_tests::milling_cycle::{Place, recorded};
 use host_tests::telemetry::simulated::monitored;
 use rayon::prelude::*;
 use spindle_bearing::{
-    Arrangement, Bearing, Design, Facing, Full, Given, Growth, Material, Mounted, Preload, Real,
-    Section, Settings, Shaft, ShaftLoad, Solver, Speed, Spindle, SpindleSolution, SpindleSolver,
-    SprungSpindle, Status, Support,
+    Arrangement, Bearing, Design, Facing, Given, Growth, Material, Mounted, Preload,
+    RacewayControlFree, Real, Section, Settings, Shaft, ShaftLoad, Solver, Speed, Spindle,
+    SpindleSolution, SpindleSolver, SprungSpindle, Status, Support,
 };
 use std::f64::consts::TAU;
 
@@ -110,7 +110,7 @@ fn a_tick_without_an_answer_has_a_stiffness_within_the_error_that_it_states() {
 /// Figures of a sprung pair: displacements, contact forces, stiffness, and their stated errors.
 type Figures = ([f64; 5], Vec<f64>, [[f64; 5]; 5], [f64; 3]);
 
-fn figures<T: Real>(found: &SpindleSolution<'_, T, 2, 16, Full, 6>) -> Figures {
+fn figures<T: Real>(found: &SpindleSolution<'_, T, 2, 16, RacewayControlFree, 6>) -> Figures {
     let forces = found.rows().flat_map(|row| {
         let forces = row
             .balls()

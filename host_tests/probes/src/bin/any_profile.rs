@@ -10,8 +10,8 @@ probes::image!(scenes::run, proved: true);
 mod scenes {
     use core::hint::black_box;
     use spindle_bearing::{
-        Arrangement, Bearing, Design, Facing, Full, Growth, LifeRating, Limits, Mounted, Preload,
-        Settings, Speed, Spindle, SpindleSolver,
+        Arrangement, Bearing, Design, Facing, Growth, LifeRating, Limits, Mounted, Preload,
+        RacewayControlFree, Settings, Speed, Spindle, SpindleSolver,
     };
 
     const DESIGN: Design = Design::angular_contact(6.35e-3, 50e-3, 15_f64.to_radians());
@@ -26,7 +26,7 @@ mod scenes {
         if option_env!("BARE_SOLVER").is_some() {
             return probes::spoiled();
         }
-        probes::ring::<f32, 16, Full, 5>(&SINGLE);
+        probes::ring::<f32, 16, RacewayControlFree, 5>(&SINGLE);
         spindle();
     }
 

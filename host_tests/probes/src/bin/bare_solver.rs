@@ -23,8 +23,8 @@ mod bare {
     use probes::{ring, spoiled};
     use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH, encode};
     use spindle_bearing::{
-        AxialSolver, Bearing, Centrifugal, Full, Given, Growth, Motion, Settings, Solver, Speed,
-        Static,
+        AxialSolver, Bearing, Centrifugal, Given, Growth, Motion, RacewayControlFree, Settings,
+        Solver, Speed, Static,
     };
     use spindle_bearing::{
         InnerRaceControl, Limits, OuterRaceControl, RacewayControlFree, Real, elliptic_integrals,
@@ -64,9 +64,9 @@ mod bare {
     fn every_scene<T: Real, const N: usize>(bearing: &Bearing<T, N>) {
         motion::<T, N, Static>(bearing);
         motion::<T, N, Centrifugal>(bearing);
-        motion::<T, N, Full<RacewayControlFree>>(bearing);
-        motion::<T, N, Full<OuterRaceControl>>(bearing);
-        motion::<T, N, Full<InnerRaceControl>>(bearing);
+        motion::<T, N, RacewayControlFree>(bearing);
+        motion::<T, N, OuterRaceControl>(bearing);
+        motion::<T, N, InnerRaceControl>(bearing);
     }
 
     fn motion<T: Real, const N: usize, M: Motion>(bearing: &Bearing<T, N>) {

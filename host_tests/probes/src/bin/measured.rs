@@ -21,7 +21,7 @@ mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
     use probes::{Answer, Axial, Clamped, Elastic, Precision, Question, Ring, Scene, Sprung};
-    use spindle_bearing::{Bearing, Centrifugal, Full, Static};
+    use spindle_bearing::{Bearing, Centrifugal, RacewayControlFree, Static};
     use spindle_bearing::{Design, FreeContact, InnerRaceControl, Material, OuterRaceControl};
 
     /// Balls of a row.

@@ -4,7 +4,7 @@ use crate::solves::{Balls, Question, lengths, ring_solver, size, vector_error};
 use host_tests::cases::{B218, B7005C, SKF6205};
 use host_tests::dispatch::Precision::{F32, F64};
 use host_tests::tolerances::allowed_at;
-use spindle_bearing::{AxialSolver, Design, Full, Solver};
+use spindle_bearing::{AxialSolver, Design, RacewayControlFree, Solver};
 
 /// Loads from light to heavy, for a bearing of this size.
 fn loads(design: &Design) -> impl Iterator<Item = [f64; 5]> {
@@ -68,6 +68,6 @@ fn three_freedoms_are_five_whose_tilts_are_held_at_nought() {
 #[test]
 fn one_ball_is_kept_where_one_stands_for_all() {
     type One = AxialSolver<f32>;
-    type All = Solver<f32, 16, Full, 3>;
+    type All = Solver<f32, 16, RacewayControlFree, 3>;
     assert!(size_of::<One>() * 6 < size_of::<All>());
 }

@@ -10,7 +10,7 @@ use host_tests::campaign::report::{Spread, name};
 use host_tests::dispatch::Precision;
 use probes::{Axial, Clamped, Elastic, Question, Ring, Sprung};
 use rayon::prelude::*;
-use spindle_bearing::{Bearing, Centrifugal, Full, Real, Settings, Static};
+use spindle_bearing::{Bearing, Centrifugal, RacewayControlFree, Real, Settings, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -252,14 +252,14 @@ const MOTIONS: [(&str, &str, Motion); 3] = [
         "Under centrifugal force alone; for one or two rows",
         Motion::Centrifugal,
     ),
-    ("full", "With all inertia loads", Motion::Full),
+    ("full", "With all inertia loads", Motion::RacewayControlFree),
 ];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Motion {
     Static,
     Centrifugal,
-    Full,
+    RacewayControlFree,
 }
 
 /// How long a record counts before a pause.
@@ -468,7 +468,7 @@ fn run(args: &Args) -> Result<Summary> {
         args.design().display()
     );
     let balls = match args.motion {
-        Motion::Full => Balls::Moving(args.attitude),
+        Motion::RacewayControlFree => Balls::Moving(args.attitude),
         _ if args.attitude != Attitude::Raceless => bail!(
             "--attitude makes no difference without gyroscopic moments; leave out it or --motion"
         ),
