@@ -117,11 +117,12 @@ pub struct Design {
 /// A design that cannot be built: which quantity, its value, and the range it must lie in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DesignError {
     /// The quantity at fault.
     pub quantity: Quantity,
     /// Its value (SI; not a number stays not a number).
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub value: f64,
     /// Smallest value allowed.
     pub least: f64,

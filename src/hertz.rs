@@ -35,7 +35,7 @@ pub const fn elliptic_integrals(m: f64) -> (f64, f64) {
 /// The contact between a ball and the groove of one ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct HertzContact {
     /// `K` of `Q = K delta^(3/2)`, N/m^1.5.

@@ -47,6 +47,8 @@ mod linalg;
 mod matrices;
 mod real;
 mod results;
+#[cfg(feature = "serde")]
+mod serialize;
 mod shaft;
 mod solver;
 mod spindle;
@@ -75,20 +77,20 @@ pub use results::Balls;
 pub use results::frequencies::Frequencies;
 pub use results::life::{LifeRating, RatingLife};
 pub use results::margins::{Limit, LimitSet, Limits, Margin, Margins, Race};
+pub use results::snapshot::{RowSnapshot, Snapshot};
 pub use results::summary::RowSummary;
 pub use solver::Solver;
 pub use solver::axial::{AxialSolution, AxialSolver};
 pub use solver::problem::{Given, Loading, OperatingPoint, Settings, ShaftLoad};
-pub use solver::solution::{Snapshot, Solution};
-pub use solver::state::ErrorEstimate;
+pub use solver::solution::Solution;
 pub use spindle::arrangement::{Arrangement, Facing};
 pub use spindle::elastic::ElasticSpindle;
 pub use spindle::error::SpindleError;
 pub use spindle::sections::{Section, Shaft, ShaftError, Support};
-pub use spindle::solution::{RowSnapshot, RowSolution, SpindleSnapshot, SpindleSolution};
+pub use spindle::solution::{RowSolution, SpindleSolution};
 pub use spindle::solver::SpindleSolver;
 pub use spindle::{Mounted, Preload, Spindle, SprungSpindle};
-pub use status::{Quantity, Status};
+pub use status::{ErrorEstimate, Quantity, Status};
 
 // Both are in signatures.
 #[cfg(feature = "record")]
@@ -96,24 +98,26 @@ pub use heapless;
 #[cfg(feature = "nalgebra")]
 pub use {matrices::matrix, nalgebra};
 
-/// Public data is `Format`; designs, settings and results are `Serialize`, as Cargo.toml promises: that compiles.
+/// Public data is `Format`; designs, settings and results are `Serialize` and `Deserialize`, as Cargo.toml promises: that compiles.
 #[cfg(all(test, feature = "defmt", feature = "serde"))]
 #[rustfmt::skip]
 mod data {
     use crate::*;
 
     const fn format<T: defmt::Format>() {}
-    const fn both<T: defmt::Format + serde::Serialize>() {}
+    const fn written<T: defmt::Format + serde::Serialize>() {}
+    const fn both<T: defmt::Format + serde::Serialize + serde::de::DeserializeOwned>() {}
 
     const _: () = {
         both::<(Design, DesignError, FreeContact, Material, Expansion, HertzContact)>();
         both::<(Growth<f32>, Speed<f32>, Settings<f32>, Given<f32>, Quantity, Status<f32>)>();
         both::<(BallState<f32>, BallKinematics<f32>, ContactPatch<f32>, Frequencies<f32>, ErrorEstimate<f32>)>();
         both::<(Limits<f32>, Limit, LimitSet, Margin<f32>, Margins<f32>, Race)>();
-        both::<(LifeRating<f32>, RatingLife<f32>, RowSummary<f32>, AxialSolution<'_, f32>)>();
+        both::<(LifeRating<f32>, RatingLife<f32>, RowSummary<f32>)>();
+        written::<AxialSolution<'_, f32>>();
         both::<(Arrangement, Facing, Preload<f32>, SpindleError<f32>)>();
         both::<(Section, ShaftError, ShaftLoad<f32>, Support<f32>)>();
-        both::<(Snapshot<f32, 40, 5>, SpindleSnapshot<f32, 2, 40>, RowSnapshot<f32, 40>)>();
+        both::<(Snapshot<f32, 2, 40>, RowSnapshot<f32, 40>)>();
         format::<OperatingPoint<f32, 2>>();
         format::<(Bearing<f32, 16>, Mounted<'_, f32, 16>, Spindle<'_, f32, 2, 16>)>();
         format::<(Shaft<f32, 1>, ElasticSpindle<'_, f32, 2, 16>)>();

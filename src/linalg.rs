@@ -158,7 +158,7 @@ pub fn refer_stiffness<T: Real, const D: usize>(distance: T, k: &mut Matrix<T, D
 /// Length of a vector over the freedoms.
 #[inline(never)]
 pub fn norm<T: Real, const D: usize>(a: &[T; D]) -> T {
-    product(a, a).sqrt()
+    product(a, a).sqrt_abs()
 }
 
 /// Lower and upper factor of a matrix, in one; the pivots inverted.

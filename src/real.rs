@@ -4,6 +4,7 @@ use crate::bearing::{Bearing, mix};
 use crate::design::{Design, DesignError};
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use core::str::FromStr;
 
 /// `defmt::Format` where the feature is on, nothing where it is off.
 #[cfg(feature = "defmt")]
@@ -31,6 +32,8 @@ pub trait Float:
     + Debug
     + Display
     + LowerExp
+    + FromStr
+    + Into<f64>
     + Default
     + Print
     + PartialEq
@@ -91,9 +94,9 @@ pub trait Float:
     /// Widens to a double (for reports and errors).
     fn to_f64(self) -> f64;
     /// Square root of the magnitude; the hardware's own where there is one.
-    fn sqrt(self) -> Self;
+    fn sqrt_abs(self) -> Self;
     /// Cube root of a normal positive number; 0 of anything smaller.
-    fn cbrt(self) -> Self;
+    fn cbrt_or_zero(self) -> Self;
     /// Absolute value.
     fn abs(self) -> Self;
     /// Angle of the vector `(x, self)`, rad.
@@ -176,11 +179,11 @@ macro_rules! real {
                 self as f64
             }
             #[inline(always)]
-            fn sqrt(self) -> Self {
+            fn sqrt_abs(self) -> Self {
                 $sqrt(self)
             }
             #[inline(never)]
-            fn cbrt(self) -> Self {
+            fn cbrt_or_zero(self) -> Self {
                 if !(self >= Self::TINY) {
                     return 0.0;
                 }

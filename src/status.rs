@@ -1,4 +1,4 @@
-//! How a solve can end, and the names of the quantities that it can complain of.
+//! How a solve can end, how far its figures can be off, and the names of quantities that it can complain of.
 
 use core::fmt;
 
@@ -7,7 +7,7 @@ macro_rules! quantities {
         /// A quantity that a design or a measurement gives, by its symbol in the model.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
         #[non_exhaustive]
         pub enum Quantity {
             $(#[doc = concat!($name, ".")] $quantity,)*
@@ -115,8 +115,12 @@ impl fmt::Display for Quantity {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Serialize),
-    serde(rename_all = "kebab-case")
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case"),
+    serde(bound(
+        serialize = "T: crate::serialize::Written",
+        deserialize = "T: crate::serialize::Read<'de>"
+    ))
 )]
 #[non_exhaustive]
 pub enum Status<T> {
@@ -143,6 +147,7 @@ pub enum Status<T> {
         /// Which input.
         quantity: Quantity,
         /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
         value: T,
     },
     /// An input lies outside the range in which the model means anything.
@@ -242,3 +247,17 @@ impl<T: fmt::Display + fmt::LowerExp> fmt::Display for Status<T> {
 }
 
 impl<T: fmt::Debug + fmt::Display + fmt::LowerExp> core::error::Error for Status<T> {}
+
+/// Estimated errors of a solution, relative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ErrorEstimate<T> {
+    /// Of displacements: of the largest component, tilts taken at the pitch radius.
+    pub displacement: T,
+    /// Of contact forces: of the largest.
+    pub force: T,
+    /// Of the stiffness: an element's error over the root of the two diagonal elements.
+    pub stiffness: T,
+}

@@ -1,8 +1,8 @@
 //! Sums over a whole recording: rating life, worst pressure, least preload, time beyond each limit.
 
-use crate::spindles::Answer;
+use crate::spindles::{Answer, LIFT_OFF};
 use serde::Serialize;
-use spindle_bearing::{Limit, LimitSet, RatingLife};
+use spindle_bearing::{Limit, RatingLife};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -103,8 +103,8 @@ impl Damage {
 pub struct Record {
     time: Option<f64>,
     turns_per_s: f64,
-    /// Its rows and limits that are passed, if it has an answer.
-    answer: Option<(Vec<RowRecord>, LimitSet)>,
+    /// Its rows and names of the limits that are passed, if it has an answer.
+    answer: Option<(Vec<RowRecord>, Vec<&'static str>)>,
 }
 
 #[derive(Debug)]
@@ -128,7 +128,7 @@ impl Record {
                     preload: row.preload,
                 }
             });
-            (rows.collect(), answer.limits())
+            (rows.collect(), answer.passed())
         });
         Self {
             time: time.filter(|time| time.is_finite()),
@@ -199,7 +199,7 @@ impl Lifetime {
         self.back_in_time += u64::from(step < 0.0);
         self.step = if step < 0.0 { self.step } else { step };
         let step = self.step;
-        let Some((rows, limits)) = record.answer else {
+        let Some((rows, passed)) = record.answer else {
             return;
         };
         let turns = record.turns_per_s;
@@ -212,9 +212,9 @@ impl Lifetime {
             sum.damage.add(row.weight, turns * step);
             sum.even.add(row.weight, turns);
         }
-        for limit in limits.iter() {
-            *self.beyond_s.entry(limit.name()).or_default() += step;
-            *self.even_beyond_s.entry(limit.name()).or_default() += 1.0;
+        for limit in passed {
+            *self.beyond_s.entry(limit).or_default() += step;
+            *self.even_beyond_s.entry(limit).or_default() += 1.0;
         }
     }
 
@@ -233,8 +233,8 @@ impl Lifetime {
         for row in &mut self.rows {
             [row.l10_mrev, row.l10_h] = row.damage.life(self.duration_s);
         }
-        for limit in Limit::ALL {
-            self.beyond_s.entry(limit.name()).or_default();
+        for name in Limit::ALL.map(Limit::name).into_iter().chain([LIFT_OFF]) {
+            self.beyond_s.entry(name).or_default();
         }
     }
 }

@@ -397,7 +397,7 @@ impl Sheet {
                 (_, Err(_)) => Ok(()),
                 (Figure::Status, Ok(answer)) => text.write_str(answer.status),
                 (Figure::Iterations, Ok(answer)) => write!(text, "{}", answer.iterations),
-                (Figure::Limits, Ok(answer)) => write!(text, "{}", answer.limits()),
+                (Figure::Limits, Ok(answer)) => text.write_str(&answer.passed().join(" ")),
                 (Figure::Life, Ok(_)) => match line.life.map(|life| life[index]) {
                     Some(life) if life.is_finite() => Precision::F32.write(text, life),
                     _ => Ok(()),

@@ -8,9 +8,9 @@ use files::noses::ShaftEnd;
 use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
 use spindle_bearing::{
     BallKinematics, BallState, Centrifugal, Facing, Frequencies, Given, Growth, InnerRaceControl,
-    LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity, RacewayControlFree,
-    Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed, Spindle, SpindleError,
-    SpindleSolution, SpindleSolver, Static, Status, Support,
+    Limit, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity,
+    RacewayControlFree, Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed, Spindle,
+    SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -24,6 +24,9 @@ pub enum Balls {
     /// At speed.
     Moving(Attitude),
 }
+
+/// Word of [`Answer::passed`] for a row that has lifted off.
+pub const LIFT_OFF: &str = "lift-off";
 
 /// An equilibrium, widened to double.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,10 +52,13 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// Limits that any row has passed.
-    pub fn limits(&self) -> LimitSet {
+    /// Names of the limits that any row has passed, and `lift-off` where one has lifted off.
+    pub fn passed(&self) -> Vec<&'static str> {
         let limits = self.rows.iter().map(|row| row.limits);
-        limits.fold(LimitSet::default(), LimitSet::union)
+        let limits = limits.fold(LimitSet::default(), LimitSet::union);
+        let lifted_off = self.rows.iter().any(|row| row.lifted_off);
+        let lifted_off = lifted_off.then_some(LIFT_OFF);
+        limits.iter().map(Limit::name).chain(lifted_off).collect()
     }
 }
 
@@ -615,7 +621,7 @@ fn row_answer<T: Real, M: Motion>(
         force: row.force.map(T::to_f64),
         preload: row.preload().to_f64(),
         limits: match wants(parts::LIMITS) {
-            true => row.limits(&limits),
+            true => row.margins(&limits).passed(),
             false => LimitSet::default(),
         },
         lifted_off: row.is_lifted_off(),

@@ -69,7 +69,7 @@ pub fn condensed_of<T: Real>(contact: &Contact<T>) -> Condensed<T> {
 pub fn grazing<T: Real>(v: T, delta: T, k: T, rounding: T) -> Change<T> {
     let depth = delta + v.at_least(T::ZERO) + rounding;
     // Ahead of the branch: see `sqrt`.
-    let slope = T::of(1.5) * k * depth.sqrt();
+    let slope = T::of(1.5) * k * depth.sqrt_abs();
     let (relative, slope) = if depth > T::ZERO {
         (T::ONE, slope)
     } else {

@@ -73,12 +73,12 @@ impl<T: Real> Contact<T> {
     /// The contact along the vector `v`, whose squared length exceeds the undeformed contact's by `excess`.
     #[inline(always)]
     pub fn along(v: Pair<T>, excess: T, length: T, k: T) -> Self {
-        let r = dot(v, v).at_least(T::TINY).sqrt();
+        let r = dot(v, v).at_least(T::TINY).sqrt_abs();
         let both = r + length;
         let inverse = T::ONE / (r * both);
         let (delta, per_r) = (inverse * r * excess, inverse * both);
         let depth = delta.at_least(T::ZERO);
-        let root = depth.sqrt();
+        let root = depth.sqrt_abs();
         let stiffness = k * root;
         let q = stiffness * depth;
         Self {
@@ -123,7 +123,7 @@ impl<T: Real> Curvature<T> {
         let growth = if relative.abs() < T::of(0.1) {
             relative * (T::of(0.5) - relative * (T::of(0.125) - T::of(0.0625) * relative))
         } else {
-            (T::ONE + relative).at_least(T::ZERO).sqrt() - T::ONE
+            (T::ONE + relative).at_least(T::ZERO).sqrt_abs() - T::ONE
         };
         [self.slope * growth, g2 * v[1], g2 * v[0]]
     }
@@ -207,7 +207,7 @@ impl<T: Real> Point<T> {
         let far = T::of(1.5 * L0);
         let near = axial.at_most(far).at_least(-far);
         let centres = [c.centre[0] + near, c.centre[1]].map(to_grid);
-        let length = dot(centres, centres).at_least(T::ONE).sqrt();
+        let length = dot(centres, centres).at_least(T::ONE).sqrt_abs();
         self.refer(
             c,
             axial,

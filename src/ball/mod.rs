@@ -279,7 +279,7 @@ impl<T: Real> Ball<T> {
             return Change {
                 turn,
                 relative: inner.relative + (turn + turn),
-                off: (beyond + sunk) * l.ho + T::of(1.5) * beyond * beyond.sqrt(),
+                off: (beyond + sunk) * l.ho + T::of(1.5) * beyond * beyond.sqrt_abs(),
                 cos: l.cd,
                 ..inner
             };
@@ -334,7 +334,7 @@ impl<T: Real> Ball<T> {
         let [ri2, ro2] = dots([v, v], [xv, xv]);
         let (vv, xx) = (add(v, p.inner.vector), add(xv, p.outer.vector));
         let [ei, eo] = dots([vv, y], [xx, self.x]);
-        let (ri, ro) = ((ri2 + T::TINY).sqrt(), (ro2 + T::TINY).sqrt());
+        let (ri, ro) = ((ri2 + T::TINY).sqrt_abs(), (ro2 + T::TINY).sqrt_abs());
         let (ei, eo) = (p.inner.excess + ei, p.outer.excess + eo);
         let (si_, so_) = (ri + p.li, ro + p.lo);
         let (ii, oo) = (ri * si_, ro * so_);
@@ -354,7 +354,7 @@ impl<T: Real> Ball<T> {
         };
         let do_ = do_.at_least(T::LEAST);
         let [cd, sd] = turn([so, co], n);
-        let (zi, zo) = (ki * di.sqrt(), do_.sqrt());
+        let (zi, zo) = (ki * di.sqrt_abs(), do_.sqrt_abs());
 
         // One division for six quotients.
         let kwi = c.kw * di;

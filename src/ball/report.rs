@@ -11,7 +11,7 @@ use crate::real::Real;
 /// See [`Balls::kinematics`](crate::Balls::kinematics) for an example; [`Balls::balls`](crate::Balls::balls) gives these.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BallState<T> {
     /// Azimuth `phi`, rad from +y towards +z.
@@ -37,7 +37,7 @@ pub struct BallState<T> {
 /// Where a ball touches a race, SI units; all 0 where it does not.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ContactPatch<T> {
     /// Peak pressure, Pa.
@@ -56,7 +56,7 @@ pub struct ContactPatch<T> {
 /// See [`Balls::kinematics`](crate::Balls::kinematics) for an example.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BallKinematics<T> {
     /// Speed `omega_m` about the bearing's axis, rad/s: the cage speed.
@@ -92,7 +92,7 @@ impl<T: Real> Kinetics<T> {
     pub fn at_rest(c: &Constants<T>, both: &Contact<T>) -> Self {
         let part = |delta: T| Contact {
             delta,
-            root: delta.at_least(T::ZERO).sqrt(),
+            root: delta.at_least(T::ZERO).sqrt_abs(),
             ..*both
         };
         let outer = part(both.delta * c.outer_share);
@@ -225,7 +225,7 @@ impl<T: Real> Kinetics<T> {
         };
         BallKinematics {
             cage_speed: self.mu * omega,
-            rotation: (along * along + across * across).sqrt() * (omega.abs() / c.tau),
+            rotation: (along * along + across * across).sqrt_abs() * (omega.abs() / c.tau),
             attitude: across.atan2(along),
             inner: patch(&self.inner, &c.grooves[0], spin_to_roll(orbit_i, [si, ci])),
             outer: patch(&self.outer, &c.grooves[1], spin_to_roll(orbit_o, [so, co])),

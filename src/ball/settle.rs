@@ -16,13 +16,13 @@ use crate::tuning;
 /// On the outer race, if it does not reach the inner one there. Else it is at the apex of the triangle of both
 /// contacts' lengths, or on the line between the grooves' centres.
 fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> {
-    let root = fc.cbrt();
+    let root = fc.cbrt_or_zero();
     let off = [T::ZERO, p.lo + root * root];
     let to_inner = sub(a, off);
     if dot(to_inner, to_inner) <= p.li * p.li {
         return off;
     }
-    let length = dot(a, a).at_least(T::TINY).sqrt();
+    let length = dot(a, a).at_least(T::TINY).sqrt_abs();
     let e = scale(T::ONE / length, a);
     let (mut d_i, mut d_o) = (T::ZERO, root * root);
     let mut x = off;
@@ -35,7 +35,7 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
             return scale(ro, e);
         }
         let along = T::of(0.5) * (length + (ro - ri) * (ro + ri) / length);
-        let height = (ro * ro - along * along).at_least(T::ZERO).sqrt();
+        let height = (ro * ro - along * along).at_least(T::ZERO).sqrt_abs();
         // Bent outwards, where the centrifugal force pulls.
         let side = if e[0] < T::ZERO { -height } else { height };
         x = add(scale(along, e), scale(side, [-e[1], e[0]]));
@@ -43,7 +43,7 @@ fn chain<T: Real>(c: &Constants<T>, p: &Point<T>, a: Pair<T>, fc: T) -> Pair<T> 
         let ni = scale(T::ONE / ri, sub(a, x));
         let sd = (ni[0] * no[1] - ni[1] * no[0]).abs().at_least(T::of(1e-3));
         let (qi, qo) = (fc * no[0].abs() / sd, fc * ni[0].abs() / sd);
-        let (wi, wo) = ((qi / c.ki).cbrt(), qo.cbrt());
+        let (wi, wo) = ((qi / c.ki).cbrt_or_zero(), qo.cbrt_or_zero());
         d_i = wi * wi;
         d_o = wo * wo;
     }
@@ -116,7 +116,7 @@ fn bounded<T: Real>(m: &Matrix2<T>, r: Pair<T>, most: T) -> Pair<T> {
         inverse * (m11 * r[0] - m[0][1] * r[1]),
         inverse * (m00 * r[1] - m[1][0] * r[0]),
     ];
-    let length = dot(step, step).sqrt();
+    let length = dot(step, step).sqrt_abs();
     if length > most {
         scale(most / length, step)
     } else {

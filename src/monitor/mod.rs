@@ -148,7 +148,7 @@ use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport,
-    InputsReport, Outbox, Payload, ROWS_PER_FRAME, RetentionReport, RowPlace, RowReport,
+    InputsReport, LIFT_OFF, Outbox, Payload, ROWS_PER_FRAME, RetentionReport, RowPlace, RowReport,
     RowsReport, ShaftReport, StartReport, StatusCode,
 };
 use temperature::Temperatures;
@@ -1131,7 +1131,7 @@ fn share_preload<const R: usize>(
     for (row, preload) in rows.iter_mut().zip(preloads(&axial, facings)) {
         row.preload = preload;
         if !(row.axial > 0.0) {
-            *limits |= 1 << Limit::LiftOff as u8;
+            *limits |= LIFT_OFF;
         }
         range = [range[0].at_most(preload), range[1].at_least(preload)];
     }

@@ -195,19 +195,28 @@ pub struct EstimateReport {
     pub iterations: u16,
     /// Estimated relative errors of displacement, contact forces and stiffness.
     pub error: [f32; 3],
-    /// Physical limits that were passed, one bit each in the order of [`Limit::ALL`] from the lowest.
+    /// Physical limits that were passed, one bit each in the order of [`Limit::ALL`] from the lowest, and [`LIFT_OFF`].
     pub limits: u8,
 }
 
 impl EstimateReport {
-    /// The physical limits that were passed, the most serious first.
-    pub fn passed(&self) -> impl Iterator<Item = Limit> {
+    /// Names of the physical limits that were passed, the most serious first, and `lift-off`.
+    pub fn passed(&self) -> impl Iterator<Item = &'static str> {
         let bits = self.limits;
-        Limit::ALL
+        let passed = Limit::ALL
             .into_iter()
-            .filter(move |limit| bits & (1 << *limit as u8) != 0)
+            .filter(move |limit| bits & (1 << *limit as u8) != 0);
+        let lifted_off = (bits & LIFT_OFF != 0).then_some("lift-off");
+        passed.map(Limit::name).chain(lifted_off)
     }
 }
+
+/// Bit of [`EstimateReport::limits`]: a row has lifted off, and no preload is left.
+pub const LIFT_OFF: u8 = 1 << 6;
+const _: () = assert!(
+    Limit::ALL.len() <= 6,
+    "their bits are below that of lift-off"
+);
 
 /// Forces and preload of the rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,7 @@ use crate::real::Real;
 /// angle are off by as much as the angles change under load and speed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Frequencies<T> {
     /// Turns of the cage (FTF).

@@ -52,12 +52,21 @@ pub struct LifeRating<T = f32> {
 /// Basic rating life under a constant load at a constant speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "T: crate::serialize::Written",
+        deserialize = "T: crate::serialize::Read<'de>"
+    ))
+)]
 #[non_exhaustive]
 pub struct RatingLife<T> {
     /// `L10`, million revolutions; infinite without forces.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub million_revolutions: T,
     /// `L10h`, hours at the speed of the solution; infinite at rest.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub hours: T,
 }
 
@@ -143,7 +152,7 @@ impl<T: Real> LifeRating<T> {
         for (q_i, q_o) in forces {
             let (i, o) = (T::ZERO.at_least(q_i), T::ZERO.at_least(q_o));
             inner += i * i * i;
-            outer += o * o * o * o.cbrt();
+            outer += o * o * o * o.cbrt_or_zero();
             balls += T::ONE;
         }
         self.weight(T::ONE, inner, outer, balls)
@@ -158,9 +167,9 @@ impl<T: Real> LifeRating<T> {
         let (i, o) = (unit / self.inner, unit / self.outer);
         let per_ball = T::ONE / balls;
         let inner = i * i * i * (inner * per_ball);
-        let outer = o * o * o * o.cbrt() * (outer * per_ball);
+        let outer = o * o * o * o.cbrt_or_zero() * (outer * per_ball);
         // (mean of cubes)^(10/9).
-        let inner = inner * inner.cbrt().cbrt();
+        let inner = inner * inner.cbrt_or_zero().cbrt_or_zero();
         inner + outer
     }
 }

@@ -6,6 +6,8 @@
 
 use crate::ball::report::Kinetics;
 use crate::bearing::Constants;
+#[cfg(feature = "serde")]
+use crate::const_math::sin_cos;
 use crate::linalg::Pair;
 use crate::real::Real;
 use core::fmt;
@@ -15,12 +17,21 @@ use core::fmt;
 /// See [`Balls::margins`](crate::Balls::margins) for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "T: crate::serialize::Written",
+        deserialize = "T: crate::serialize::Read<'de>"
+    ))
+)]
 pub struct Limits<T> {
     /// Peak contact pressure, Pa.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub peak_pressure: T,
     /// Friction force over contact force, `T/Q`. The friction carries the gyroscopic moment: a lubricant that cannot
     /// supply it lets the balls slip.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub friction: T,
 }
 
@@ -55,7 +66,7 @@ impl<T: Real> Default for Limits<T> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Serialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "kebab-case")
 )]
 pub enum Race {
@@ -80,7 +91,7 @@ impl Race {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Serialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "kebab-case")
 )]
 #[non_exhaustive]
@@ -102,21 +113,17 @@ pub enum Limit {
     Friction,
     /// Gap between the races of a ball that is off the inner one, m, against 0. A ball without a gap may be off, too.
     InnerContact,
-    /// A row of a spindle has lifted off: no preload is left, and its balls carry no axial force in its direction. Of rows
-    /// alone, see [`RowSolution::limits`](crate::RowSolution::limits).
-    LiftOff,
 }
 
 impl Limit {
     /// All limits, the most serious first.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 6] = [
         Self::PeakPressure,
         Self::Shoulder,
         Self::Truncation,
         Self::Reversal,
         Self::Friction,
         Self::InnerContact,
-        Self::LiftOff,
     ];
 
     /// Short name in lower case, as tables print it.
@@ -128,7 +135,6 @@ impl Limit {
             Self::Reversal => "reversal",
             Self::Friction => "friction",
             Self::InnerContact => "inner-contact",
-            Self::LiftOff => "lift-off",
         }
     }
 }
@@ -202,7 +208,7 @@ impl defmt::Format for LimitSet {
 /// The worst contact in view of one [`Limit`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Margin<T> {
     /// Its value, SI units: see [`Limit`].
@@ -216,6 +222,18 @@ pub struct Margin<T> {
 /// How near an equilibrium is to its limits, and which are passed: see [`Balls::margins`](crate::Balls::margins).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        from = "MarginsData<T>",
+        into = "MarginsData<T>",
+        bound(
+            serialize = "T: Real + crate::serialize::Written",
+            deserialize = "T: Real + crate::serialize::Read<'de>"
+        )
+    )
+)]
 pub struct Margins<T> {
     limits: Limits<T>,
     /// One for each limit; of minus infinity where there is none.
@@ -349,7 +367,7 @@ impl<T: Real> fmt::Display for Margins<T> {
                 Limit::Truncation => ("contact truncated by", " m"),
                 Limit::Reversal => ("reversed contact of the sine", ""),
                 Limit::Friction => ("friction demand", " of the force"),
-                Limit::InnerContact | Limit::LiftOff => ("gap", " m"),
+                Limit::InnerContact => ("gap", " m"),
             };
             f.write_str(if i == 0 { "" } else { "; " })?;
             let (race, allowed) = (race.name(), self.allowed(limit));
@@ -363,5 +381,122 @@ impl<T: Real> fmt::Display for Margins<T> {
             write!(f, " ({} ball{plural} unloaded)", self.unloaded)?;
         }
         Ok(())
+    }
+}
+
+/// [`Margins`] as `serde` data: the limits that are passed, and the worst contact of each.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(bound(
+    serialize = "T: Real + crate::serialize::Written",
+    deserialize = "T: Real + crate::serialize::Read<'de>"
+))]
+struct MarginsData<T> {
+    limits: Limits<T>,
+    passed: LimitSet,
+    worst: Worst<T>,
+    unloaded: u16,
+}
+
+/// A margin for each of [`Limit::ALL`].
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+struct Worst<T> {
+    peak_pressure: Option<Margin<T>>,
+    shoulder: Option<Margin<T>>,
+    truncation: Option<Margin<T>>,
+    reversal: Option<Margin<T>>,
+    friction: Option<Margin<T>>,
+    inner_contact: Option<Margin<T>>,
+}
+
+#[cfg(feature = "serde")]
+impl<T: Real> From<Margins<T>> for MarginsData<T> {
+    fn from(margins: Margins<T>) -> Self {
+        Self {
+            limits: margins.limits,
+            passed: margins.passed(),
+            worst: Worst {
+                peak_pressure: margins.get(Limit::PeakPressure),
+                shoulder: margins.get(Limit::Shoulder),
+                truncation: margins.get(Limit::Truncation),
+                reversal: margins.get(Limit::Reversal),
+                friction: margins.get(Limit::Friction),
+                inner_contact: margins.get(Limit::InnerContact),
+            },
+            unloaded: margins.unloaded,
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<T: Real> From<MarginsData<T>> for Margins<T> {
+    fn from(data: MarginsData<T>) -> Self {
+        let mut margins = Self::new(data.limits);
+        margins.unloaded = data.unloaded;
+        let Worst {
+            peak_pressure,
+            shoulder,
+            truncation,
+            reversal,
+            friction,
+            inner_contact,
+        } = data.worst;
+        let all = [
+            peak_pressure,
+            shoulder,
+            truncation,
+            reversal,
+            friction,
+            inner_contact,
+        ];
+        for (worst, read) in margins.worst.iter_mut().zip(all) {
+            *worst = read.unwrap_or(*worst);
+        }
+        if let Some(shoulder) = shoulder {
+            let (sin, cos) = sin_cos(shoulder.value.to_f64());
+            margins.past = [T::of(sin), T::of(cos)];
+        }
+        margins
+    }
+}
+
+/// The names of its limits.
+#[cfg(feature = "serde")]
+impl serde::Serialize for LimitSet {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeSeq;
+        let mut names = serializer.serialize_seq(Some(self.iter().count()))?;
+        for limit in self.iter() {
+            names.serialize_element(&limit)?;
+        }
+        names.end()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for LimitSet {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Names;
+        impl<'de> serde::de::Visitor<'de> for Names {
+            type Value = LimitSet;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("names of limits")
+            }
+
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(
+                self,
+                mut names: A,
+            ) -> Result<LimitSet, A::Error> {
+                let mut set = LimitSet::default();
+                while let Some(limit) = names.next_element()? {
+                    set = set.with(limit);
+                }
+                Ok(set)
+            }
+        }
+        deserializer.deserialize_seq(Names)
     }
 }

@@ -3,8 +3,7 @@
 pub mod frequencies;
 pub mod life;
 pub mod margins;
-#[cfg(feature = "serde")]
-pub mod serialize;
+pub mod snapshot;
 pub mod summary;
 
 use crate::ball::Ball;
@@ -17,6 +16,7 @@ use crate::real::Real;
 use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limits, Margins};
+use crate::results::snapshot::RowSnapshot;
 use crate::shaft::row::{Sum, groove, stiffness_change};
 use core::marker::PhantomData;
 
@@ -58,8 +58,8 @@ impl<'s, T: Real, M: Motion> Balls<'s, T, M> {
         balls.map(|(kinetics, at)| kinetics.state(c, at))
     }
 
-    /// States and cage speeds of the first `K` balls.
-    pub(crate) fn copy<const K: usize>(&self) -> ([BallState<T>; K], [T; K]) {
+    /// A copy with the first `K` balls of a row under this force, of which so much is preload.
+    pub(crate) fn copy<const K: usize>(&self, force: [T; 5], preload: T) -> RowSnapshot<T, K> {
         let (mut states, mut cage_speeds) = ([BallState::default(); K], [T::ZERO; K]);
         let copies = states.iter_mut().zip(&mut cage_speeds);
         let balls = self.kinetics_of_balls().zip(self.azimuths);
@@ -67,7 +67,13 @@ impl<'s, T: Real, M: Motion> Balls<'s, T, M> {
             *state = kinetics.state(self.c, at);
             *cage_speed = kinetics.mu * self.speed.as_rad_per_s();
         }
-        (states, cage_speeds)
+        RowSnapshot {
+            force,
+            preload,
+            ball_count: self.balls.len(),
+            balls: states,
+            cage_speeds,
+        }
     }
 
     /// Forces on the inner and the outer contact of every ball, N.

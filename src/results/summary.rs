@@ -12,8 +12,14 @@ use crate::results::margins::{Limits, Margins};
 /// for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[cfg_attr(feature = "serde", serde(bound = "T: Real + serde::Serialize"))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "T: Real + crate::serialize::Written",
+        deserialize = "T: Real + crate::serialize::Read<'de>"
+    ))
+)]
 #[non_exhaustive]
 pub struct RowSummary<T> {
     /// Least and largest force of the inner contacts, N; 0 of a ball off the inner race.
@@ -66,7 +72,7 @@ impl<T: Real> RowSummary<T> {
     pub(crate) fn share<const R: usize>(rows: &mut [Self; R], preloads: &[T; R]) {
         let magnitudes = rows.each_ref().map(|row| {
             let [axial, y, z] = row.force;
-            [axial.abs(), (y * y + z * z).sqrt()]
+            [axial.abs(), (y * y + z * z).sqrt_abs()]
         });
         let mut all = [T::TINY; 2];
         for [axial, radial] in &magnitudes {
@@ -103,7 +109,7 @@ impl<T: Real> RowSummary<T> {
             let (q, [sin, cos]) = (kinetics.inner.q, kinetics.inner.n);
             let outer_force = kinetics.outer.q;
             inner += q * q * q;
-            outer += outer_force * outer_force * outer_force * outer_force.cbrt();
+            outer += outer_force * outer_force * outer_force * outer_force.cbrt_or_zero();
             balls += T::ONE;
             let friction = kinetics.friction[0];
             force[0] += c.force * (q * sin + friction * cos);

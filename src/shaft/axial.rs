@@ -84,7 +84,7 @@ impl<T: Real> AxialRest<T> {
     pub fn centres(&self, root: T) -> Centres<T> {
         let square = root * root;
         Centres {
-            axial: (self.gap + square).sqrt(),
+            axial: (self.gap + square).sqrt_abs(),
             excess: self.preload + square,
         }
     }
@@ -110,7 +110,7 @@ impl<T: Real> AxialRest<T> {
     #[inline(always)]
     pub fn root(&self, from: T, q: T, part: T, limit: u16) -> Loaded<T> {
         // There, d exceeds 1 + q / Kn, and the sine of the contact angle 1/3.
-        let above = (T::of(8.0 * L0) * (T::ONE + q / self.kn)).sqrt();
+        let above = (T::of(8.0 * L0) * (T::ONE + q / self.kn)).sqrt_abs();
         let mut root = from.at_most(above);
         let (mut step, mut iterations) = (root, 0);
         loop {

@@ -10,139 +10,10 @@ pub mod row;
 use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
 use crate::bearing::{Azimuth, Bearing, Constants};
-use crate::linalg::{moved, vector};
+use crate::linalg::vector;
 use crate::real::Real;
 use crate::shaft::elastic::{Bend, Joint};
-use crate::shaft::row::{Changes, Row, Sum, sum_up};
-
-/// How a row sits on the shaft.
-///
-/// Shaft and row have frames and units of their own; the shaft has the units of its first row. A row that faces
-/// against the axis is mirrored. Its motion is `r P v` with the shaft's motion `v` of the groove plane, the force on the shaft
-/// `phi P^T F`:
-///
-/// `P v = (s vx + e, vy + l vtz, vz - l vty, s m vty, s m vtz)`
-///
-/// with the motion `e` of the row's sleeve towards its balls, if that slides.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mount<T> {
-    /// `s`: 1, or -1 for a row that faces against the axis.
-    pub facing: T,
-    /// `r` and `phi`: the shaft's unit of length over the row's, the row's unit of force over the shaft's.
-    pub length: T,
-    pub force: T,
-    /// `l`: the row's groove plane beyond the shaft's, over the shaft's `Rp`.
-    pub lever: T,
-    /// The row's groove plane beyond the shaft's centre, on an elastic shaft beyond the row's own, in the row's own direction and
-    /// over its own `Rp`.
-    pub reach: T,
-    /// `m`: `Rp` of the row over the shaft's.
-    pub arm: T,
-    /// Inertia `m dm omega^2 / 2` of a ball over a ball's in the first row, each in its row's unit of force.
-    pub inertia: T,
-    /// Closure, in the row's unit of length.
-    pub closure: T,
-    /// The row's sleeve slides under a spring.
-    pub sliding: bool,
-}
-
-impl<T: Real> Mount<T> {
-    /// Of a bearing alone.
-    pub const PLAIN: Self = Self {
-        facing: T::ONE,
-        length: T::ONE,
-        force: T::ONE,
-        lever: T::ZERO,
-        reach: T::ZERO,
-        arm: T::ONE,
-        inertia: T::ONE,
-        closure: T::ZERO,
-        sliding: false,
-    };
-
-    /// The row's motion when the shaft makes the motion `v`.
-    #[inline(always)]
-    pub fn motion<const D: usize, const SET: bool>(&self, v: &[T; D]) -> [T; 5] {
-        if SET { self.turned(v) } else { in_full(v) }
-    }
-
-    #[inline(never)]
-    fn turned<const D: usize>(&self, v: &[T; D]) -> [T; 5] {
-        let mut own = in_full(v);
-        if D == 6 && self.sliding {
-            own[0] += self.facing * v[5];
-        }
-        if D >= 5 {
-            own[1] += self.lever * own[4];
-            own[2] -= self.lever * own[3];
-        }
-        self.own(own)
-    }
-
-    /// A motion of the row's groove plane in its own direction and units.
-    #[inline(always)]
-    fn own(&self, mut u: [T; 5]) -> [T; 5] {
-        let r = self.length;
-        u[0] = r * (self.facing * u[0]);
-        u[1] = r * u[1];
-        u[2] = r * u[2];
-        let turn = r * (self.facing * self.arm);
-        u[3] = turn * u[3];
-        u[4] = turn * u[4];
-        u
-    }
-
-    /// The row's motion when its centre makes the motion `u` on an elastic shaft.
-    #[inline(never)]
-    pub fn of_centre(&self, u: &[T; 5]) -> [T; 5] {
-        self.own(moved(self.facing * self.arm * self.reach, u))
-    }
-
-    /// Adds the row's forces and slopes, at its groove plane, to the shaft's about its centre.
-    #[inline(never)]
-    pub fn assemble<const D: usize>(&self, own: &mut Sum<T, 5>, sum: &mut Sum<T, D>) {
-        let turn = self.facing * self.arm;
-        let mirror = [self.facing, T::ONE, T::ONE, turn, turn];
-        let slides = D == 6 && self.sliding;
-        own.refer(self.reach);
-        let forces = [
-            (&own.force, &mut sum.force),
-            (&own.by_speed, &mut sum.by_speed),
-        ];
-        for (own, sum) in forces {
-            for i in 0..5 {
-                sum[i] += self.force * (mirror[i] * own[i]);
-            }
-            if slides {
-                sum[5] += self.force * own[0];
-            }
-        }
-        let (own, k) = (&own.k, &mut sum.k);
-        let unit = self.force * self.length;
-        for i in 0..5 {
-            for j in 0..5 {
-                k[i][j] += unit * (mirror[i] * mirror[j] * own[i][j]);
-            }
-        }
-        if slides {
-            for i in 0..5 {
-                k[i][5] += unit * (mirror[i] * own[i][0]);
-                k[5][i] += unit * (mirror[i] * own[0][i]);
-            }
-            k[5][5] += unit * own[0][0];
-        }
-    }
-}
-
-/// A displacement with all five freedoms; the others are 0.
-#[inline(always)]
-fn in_full<T: Real, const D: usize>(v: &[T; D]) -> [T; 5] {
-    let mut full = [T::ZERO; 5];
-    for (full, v) in full.iter_mut().zip(v) {
-        *full = *v;
-    }
-    full
-}
+use crate::shaft::row::{Changes, Mount, Row, Sum, in_full, sum_up};
 
 /// Rows that hold the shaft together, or slide together.
 #[derive(Debug, Clone, Copy)]
@@ -162,11 +33,19 @@ pub struct BearingRef<'b, T> {
     pub azimuths: &'b [Azimuth<T>],
 }
 
+/// A bearing at its place on the shaft.
+#[derive(Debug, Clone, Copy)]
+pub struct Placed<'b, T> {
+    pub bearing: BearingRef<'b, T>,
+    pub mount: Mount<T>,
+    /// Position of its centre, m.
+    pub position: T,
+}
+
 /// Bearings and how they sit on the shaft: all that no solve changes.
 #[derive(Debug, Clone, Copy)]
 pub struct Layout<'b, T, const R: usize, const SET: bool, const E: usize> {
-    pub bearings: [BearingRef<'b, T>; R],
-    pub mounts: [Mount<T>; R],
+    pub rows: [Placed<'b, T>; R],
     /// Rows that are fixed, and rows that slide.
     pub fixed: Group<T>,
     pub sliding: Option<Group<T>>,
@@ -187,8 +66,11 @@ impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
     #[inline(always)]
     pub fn alone(c: &'b Constants<T>, azimuths: &'b [Azimuth<T>]) -> Self {
         Self {
-            bearings: [BearingRef { c, azimuths }],
-            mounts: [Mount::PLAIN],
+            rows: [Placed {
+                bearing: BearingRef { c, azimuths },
+                mount: Mount::PLAIN,
+                position: T::ZERO,
+            }],
             fixed: Group {
                 first: 0,
                 balls: c.balls,
@@ -208,8 +90,7 @@ impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
     /// These rows on an elastic shaft.
     pub const fn with_joints(self, joints: [Joint<T>; R]) -> Layout<'b, T, R, true, R> {
         let Self {
-            bearings,
-            mounts,
+            rows,
             fixed,
             sliding,
             plane,
@@ -219,8 +100,7 @@ impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
             fingerprint,
         } = self;
         Layout {
-            bearings,
-            mounts,
+            rows,
             fixed,
             sliding,
             plane,
@@ -305,18 +185,17 @@ pub struct Shaft<'a, T, const R: usize, const SET: bool, const E: usize, const D
 impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
     Shaft<'_, T, R, SET, E, D>
 {
-    /// Every row, how it sits, and its motion when the shaft has the motion `v`.
+    /// Every row, and its motion when the shaft has the motion `v`.
     #[inline(always)]
-    pub fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T>, &Mount<T>, &[T; 5])) {
+    pub fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T>, &[T; 5])) {
         // Not `zip`, which the compiler unrolls.
-        let (mut mounts, mut bends) = (self.layout.mounts.iter(), self.bends.iter());
+        let mut bends = self.bends.iter();
         for row in self.rows.iter_mut() {
-            let Some(mount) = mounts.next() else { return };
-            let mut own = mount.motion::<D, SET>(v);
+            let mut own = row.mount.motion::<D, SET>(v);
             if let Some(bend) = bends.next() {
-                elastic::add(&mut own, T::ONE, &mount.of_centre(&bend.deflection));
+                elastic::add(&mut own, T::ONE, &row.mount.of_centre(&bend.deflection));
             }
-            f(row, mount, &own);
+            f(row, &own);
         }
     }
 
@@ -327,7 +206,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         Some(GroupRow {
             c: row.c,
             p: row.p,
-            mount: self.layout.mounts.get(group.first)?,
+            mount: row.mount,
             balls: group.balls,
         })
     }
@@ -342,7 +221,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         time: &mut Time<'_>,
     ) -> bool {
         let mut number = 0;
-        self.each(v, |row, _, v| {
+        self.each(v, |row, v| {
             number += 1;
             if number <= pass.rows || time.is_up {
                 return;
@@ -369,26 +248,24 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             return;
         }
         let mut sides = [T::ZERO; 2];
-        let mut add = |row: &Row<'_, T>, mount: &Mount<T>, sum: &mut Sum<T, D>| {
+        let mut add = |row: &Row<'_, T>, sum: &mut Sum<T, D>| {
             let mut own = Sum::<T, 5>::NONE;
             sum_up::<T, A, 5>(row.balls, row.azimuths, &mut own);
-            sides[usize::from(mount.facing < T::ZERO)] += mount.force * own.force[0];
-            mount.assemble(&mut own, sum);
+            sides[usize::from(row.mount.facing < T::ZERO)] += row.mount.force * own.force[0];
+            row.mount.assemble(&mut own, sum);
         };
-        let (rows, mounts) = (&self.rows, &self.layout.mounts);
+        let rows = &self.rows;
         if E > 0 {
             let mut add_row = |joint: &Joint<T>, sum: &mut Sum<T, D>| {
-                if let (Some(row), Some(mount)) = (rows.get(joint.row), mounts.get(joint.row)) {
-                    add(row, mount, sum);
+                if let Some(row) = rows.get(joint.row) {
+                    add(row, sum);
                 }
             };
             elastic::fold(&self.layout.joints, self.bends, &mut add_row, sum);
         } else {
             *sum = Sum::NONE;
-            let mut mounts = mounts.iter();
             for row in rows {
-                let Some(mount) = mounts.next() else { break };
-                add(row, mount, sum);
+                add(row, sum);
             }
         }
         *self.preload = sides[0].at_most(sides[1]).at_least(T::ZERO);
@@ -405,7 +282,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             cos: T::ONE,
         };
         if !SET {
-            let own = self.rows[0].changes::<A>(&self.layout.mounts[0].motion::<D, SET>(du));
+            let own = self.rows[0].changes::<A>(&in_full(du));
             return Changes {
                 k: vector(|i| own.k[i]),
                 relative: own.relative,
@@ -414,12 +291,11 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                 cos: own.cos,
             };
         }
-        let (mut mounts, mut bends) = (self.layout.mounts.iter(), self.bends.iter());
+        let mut bends = self.bends.iter();
         let mut of_rows = [[T::ZERO; D]; E];
         let mut rows = of_rows.iter_mut();
         for row in self.rows.iter() {
-            let Some(mount) = mounts.next() else { break };
-            let (bend, of_row) = (bends.next(), rows.next());
+            let (mount, bend, of_row) = (row.mount, bends.next(), rows.next());
             let step = match bend {
                 Some(bend) => mount.of_centre(&bend.moved),
                 None => mount.motion::<D, SET>(du),
@@ -456,9 +332,9 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
     #[inline(always)]
     pub fn bend(&mut self, du: &[T; D], ds: T) {
         if E > 0 {
-            let mounts = &self.layout.mounts;
-            let slide = |row: usize| match mounts.get(row) {
-                Some(mount) if D == 6 && mount.sliding => mount.facing * du[5],
+            let rows = &self.layout.rows;
+            let slide = |row: usize| match rows.get(row) {
+                Some(row) if D == 6 && row.mount.sliding => row.mount.facing * du[5],
                 _ => T::ZERO,
             };
             elastic::unfold(&self.layout.joints, self.bends, &slide, du, ds);

@@ -1,4 +1,4 @@
-//! The ring: forces and slopes of all balls summed over the azimuth.
+//! A row: how it sits on the shaft, and the forces and slopes of its balls, summed over the azimuth.
 //!
 //! Order of freedoms: axial, radial y, radial z, tilt about y, tilt about z, radial displacements and moments referred to
 //! the groove plane. A solver has the first `D` of them: 1, 3 or 5.
@@ -9,7 +9,7 @@ use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
 use crate::ball::settle::{ALONE, settle};
 use crate::bearing::{Azimuth, Constants};
-use crate::linalg::{Matrix, Pair, add, refer, refer_stiffness};
+use crate::linalg::{Matrix, Pair, add, moved, refer, refer_stiffness};
 use crate::real::Real;
 use crate::tuning;
 
@@ -161,12 +161,142 @@ impl<T: Real, const D: usize> Sum<T, D> {
     }
 }
 
+/// How a row sits on the shaft.
+///
+/// Shaft and row have frames and units of their own; the shaft has the units of its first row. A row that faces
+/// against the axis is mirrored. Its motion is `r P v` with the shaft's motion `v` of the groove plane, the force on the shaft
+/// `phi P^T F`:
+///
+/// `P v = (s vx + e, vy + l vtz, vz - l vty, s m vty, s m vtz)`
+///
+/// with the motion `e` of the row's sleeve towards its balls, if that slides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mount<T> {
+    /// `s`: 1, or -1 for a row that faces against the axis.
+    pub facing: T,
+    /// `r` and `phi`: the shaft's unit of length over the row's, the row's unit of force over the shaft's.
+    pub length: T,
+    pub force: T,
+    /// `l`: the row's groove plane beyond the shaft's, over the shaft's `Rp`.
+    pub lever: T,
+    /// The row's groove plane beyond the shaft's centre, on an elastic shaft beyond the row's own, in the row's own direction and
+    /// over its own `Rp`.
+    pub reach: T,
+    /// `m`: `Rp` of the row over the shaft's.
+    pub arm: T,
+    /// Inertia `m dm omega^2 / 2` of a ball over a ball's in the first row, each in its row's unit of force.
+    pub inertia: T,
+    /// Closure, in the row's unit of length.
+    pub closure: T,
+    /// The row's sleeve slides under a spring.
+    pub sliding: bool,
+}
+
+impl<T: Real> Mount<T> {
+    /// Of a bearing alone.
+    pub const PLAIN: Self = Self {
+        facing: T::ONE,
+        length: T::ONE,
+        force: T::ONE,
+        lever: T::ZERO,
+        reach: T::ZERO,
+        arm: T::ONE,
+        inertia: T::ONE,
+        closure: T::ZERO,
+        sliding: false,
+    };
+
+    /// The row's motion when the shaft makes the motion `v`.
+    #[inline(always)]
+    pub fn motion<const D: usize, const SET: bool>(&self, v: &[T; D]) -> [T; 5] {
+        if SET { self.turned(v) } else { in_full(v) }
+    }
+
+    #[inline(never)]
+    fn turned<const D: usize>(&self, v: &[T; D]) -> [T; 5] {
+        let mut own = in_full(v);
+        if D == 6 && self.sliding {
+            own[0] += self.facing * v[5];
+        }
+        if D >= 5 {
+            own[1] += self.lever * own[4];
+            own[2] -= self.lever * own[3];
+        }
+        self.own(own)
+    }
+
+    /// A motion of the row's groove plane in its own direction and units.
+    #[inline(always)]
+    fn own(&self, mut u: [T; 5]) -> [T; 5] {
+        let r = self.length;
+        u[0] = r * (self.facing * u[0]);
+        u[1] = r * u[1];
+        u[2] = r * u[2];
+        let turn = r * (self.facing * self.arm);
+        u[3] = turn * u[3];
+        u[4] = turn * u[4];
+        u
+    }
+
+    /// The row's motion when its centre makes the motion `u` on an elastic shaft.
+    #[inline(never)]
+    pub fn of_centre(&self, u: &[T; 5]) -> [T; 5] {
+        self.own(moved(self.facing * self.arm * self.reach, u))
+    }
+
+    /// Adds the row's forces and slopes, at its groove plane, to the shaft's about its centre.
+    #[inline(never)]
+    pub fn assemble<const D: usize>(&self, own: &mut Sum<T, 5>, sum: &mut Sum<T, D>) {
+        let turn = self.facing * self.arm;
+        let mirror = [self.facing, T::ONE, T::ONE, turn, turn];
+        let slides = D == 6 && self.sliding;
+        own.refer(self.reach);
+        let forces = [
+            (&own.force, &mut sum.force),
+            (&own.by_speed, &mut sum.by_speed),
+        ];
+        for (own, sum) in forces {
+            for i in 0..5 {
+                sum[i] += self.force * (mirror[i] * own[i]);
+            }
+            if slides {
+                sum[5] += self.force * own[0];
+            }
+        }
+        let (own, k) = (&own.k, &mut sum.k);
+        let unit = self.force * self.length;
+        for i in 0..5 {
+            for j in 0..5 {
+                k[i][j] += unit * (mirror[i] * mirror[j] * own[i][j]);
+            }
+        }
+        if slides {
+            for i in 0..5 {
+                k[i][5] += unit * (mirror[i] * own[i][0]);
+                k[5][i] += unit * (mirror[i] * own[0][i]);
+            }
+            k[5][5] += unit * own[0][0];
+        }
+    }
+}
+
+/// A displacement with all five freedoms; the others are 0.
+#[inline(always)]
+pub fn in_full<T: Real, const D: usize>(v: &[T; D]) -> [T; 5] {
+    let mut full = [T::ZERO; 5];
+    for (full, v) in full.iter_mut().zip(v) {
+        *full = *v;
+    }
+    full
+}
+
 /// Cosine of the largest angle between a ball's contacts, 150 degrees: the cage speed has its pole at 180.
 pub const UNSEATED: f64 = -0.866;
 
 /// One row of balls: a bearing at a point of speed and growth.
 pub struct Row<'s, T> {
     pub c: &'s Constants<T>,
+    pub mount: &'s Mount<T>,
     pub p: &'s mut Point<T>,
     pub azimuths: &'s [Azimuth<T>],
     pub balls: &'s mut [Ball<T>],

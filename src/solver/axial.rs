@@ -12,9 +12,8 @@ use crate::solver::problem::{
     Given, OperatingPoint, Problem, Settings, check_tolerance, given_in_units, inertia,
     speed_and_growth,
 };
-use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::WarmStart;
-use crate::status::Status;
+use crate::status::{ErrorEstimate, Status};
 use core::fmt;
 use core::marker::PhantomData;
 
@@ -96,7 +95,7 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'s, T, M>, Status<T>> {
         self.run(
-            bearing.layout().bearings[0],
+            bearing.layout().rows[0].bearing,
             load.into(),
             &at.into(),
             settings,
@@ -121,7 +120,7 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
             Given::Load(load) => load.abs().at_least(c.preload),
             Given::Displacement(_) => T::ZERO,
         };
-        if matches!(given, Given::Load(_)) && !(size > T::TINY.sqrt()) {
+        if matches!(given, Given::Load(_)) && !(size > T::TINY.sqrt_abs()) {
             return Err(Status::Unloaded);
         }
         if self.last.fingerprint != c.fingerprint {
@@ -136,10 +135,12 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
             T::ZERO
         };
         if M::AT_SPEED && s > T::ZERO {
-            let grown = self.last.points[0].set(c, s, size, growth, self.last.state.u[0]);
+            let grown = self.last.rows[0]
+                .point
+                .set(c, s, size, growth, self.last.state.u[0]);
             return self.at_speed(bearing, asked, given, grown, problem, settings);
         }
-        self.last.points[0] = Point::new(c, s, size, growth);
+        self.last.rows[0].point = Point::new(c, s, size, growth);
         if M::AT_SPEED {
             // Without its references, the last solution at speed is no start, however this solve ends.
             self.last.state.s = T::ZERO;
@@ -157,7 +158,7 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
         settings: &Settings<T>,
     ) -> Result<AxialSolution<'s, T, M>, Status<T>> {
         let c = bearing.c;
-        let balls = AxialRest::new(c, &self.last.points[0].growth);
+        let balls = AxialRest::new(c, &self.last.rows[0].point.growth);
         let (mut iterations, mut left) = (0, T::ZERO);
         let (centres, contact, dx) = match given {
             Given::Displacement(dx) => {
@@ -165,8 +166,8 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
                 (centres, balls.contact(&centres), dx)
             }
             // Balls that carry without a load hold the ring in the middle.
-            Given::Load(load) if !(load.abs() > T::TINY.sqrt()) => {
-                let growth = self.last.points[0].growth.axial;
+            Given::Load(load) if !(load.abs() > T::TINY.sqrt_abs()) => {
+                let growth = self.last.rows[0].point.growth.axial;
                 let centres = balls.centres_at(-growth);
                 let contact = balls.contact(&centres);
                 if !(contact.q > T::ZERO) {
@@ -240,7 +241,7 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
         }
         self.last
             .state
-            .turn_to(&problem, self.last.points[0].s, grown);
+            .turn_to(&problem, self.last.rows[0].point.s, grown);
         let layout = Layout::alone(&one, first(bearing.azimuths));
         let mut more = || true;
         let most = settings.max_iterations;
@@ -251,7 +252,7 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
         Ok(AxialSolution {
             status: state.attempt.termination.status(),
             iterations: reached.iterations,
-            error: state.errors(&reached.u, self.last.points[0].s),
+            error: state.errors(&reached.u, self.last.rows[0].point.s),
             displacement: asked.displacement_or(reached.u[0] * c.length),
             load: asked.load_or(reached.load[0] * c.force * c.balls),
             bearing,
@@ -321,7 +322,7 @@ impl<T: Real, M: Motion> AxialSolution<'_, T, M> {
     /// Axial stiffness `dFx/dx` at constant speed, N/m.
     pub fn stiffness(&self) -> T {
         let (c, last) = (self.bearing.c, &self.solver.last);
-        let k = if M::AT_SPEED && last.points[0].is_at_speed() {
+        let k = if M::AT_SPEED && last.rows[0].point.is_at_speed() {
             let layout = Layout::alone(c, first(self.bearing.azimuths));
             last.tangent::<M::Rule, _>(&layout)[0][0]
         } else {
@@ -332,11 +333,11 @@ impl<T: Real, M: Motion> AxialSolution<'_, T, M> {
 
     /// State of the ball that stands for all, at the azimuth of the first one.
     pub fn ball(&self) -> BallState<T> {
-        let (solver, p) = (self.solver, &self.solver.last.points[0]);
+        let (solver, p) = (self.solver, &self.solver.last.rows[0].point);
         let c = self.bearing.c;
         let kinetics = if M::AT_SPEED && p.is_at_speed() {
             let a = add(p.low, [solver.last.state.v[0], T::ZERO]);
-            solver.last.balls[0][0].kinetics::<M::Rule>(c, p, a)
+            solver.last.rows[0].balls[0].kinetics::<M::Rule>(c, p, a)
         } else {
             Kinetics::at_rest(c, &AxialRest::new(c, &p.growth).contact(&solver.centres))
         };

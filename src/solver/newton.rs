@@ -32,7 +32,7 @@ impl<T: Real, const D: usize> Control<T, D> {
         }
         if work < T::of(-tuning::REJECT) * step.work {
             // Back to where the unbalanced force turned round, were it to grow with the cube.
-            let part = (step.work / (step.work - work)).cbrt();
+            let part = (step.work / (step.work - work)).cbrt_or_zero();
             let part = part.at_least(T::of(0.25));
             let whole = step.du;
             step.du = whole.map(|x| part * x);
@@ -174,7 +174,7 @@ impl<T: Real, const D: usize> State<T, D> {
                     .at_least(floating)
                     .at_least(T::TINY);
             }
-            if !(damping < T::ONE / T::TINY.sqrt()) {
+            if !(damping < T::ONE / T::TINY.sqrt_abs()) {
                 return ([T::ZERO; D], T::ZERO, true);
             }
         }
@@ -203,7 +203,7 @@ impl<T: Real, const D: usize> State<T, D> {
         let Control { radius, least, .. } = self.attempt.control;
         let is_first = self.attempt.taken == 0;
         let radius = if is_first {
-            T::ONE / T::TINY.sqrt()
+            T::ONE / T::TINY.sqrt_abs()
         } else {
             radius
         };
@@ -352,7 +352,7 @@ impl<T: Real, const D: usize> State<T, D> {
         report: &StepReport<T>,
     ) -> bool {
         let of_ball = rounding(report.estimate.largest, &self.at);
-        let most = problem.enough.at_least(of_ball * of_ball.sqrt());
+        let most = problem.enough.at_least(of_ball * of_ball.sqrt_abs());
         report.estimate.force <= most
             && report.residual < report.rounding(shaft, problem, &self.at, T::ONE)
     }

@@ -418,7 +418,7 @@ pub fn speed_and_growth<T: Real>(
     growth: &Growth<T>,
 ) -> Result<(T, Growth<T>), Status<T>> {
     let limit = if at_speed {
-        (T::of(2048.0) / c.inertia).sqrt()
+        (T::of(2048.0) / c.inertia).sqrt_abs()
     } else {
         T::ZERO
     };

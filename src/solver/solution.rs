@@ -1,20 +1,17 @@
 //! Solution of a bearing.
 
 use crate::ball::kinematics::{Motion, RacewayControlFree, Speed};
-use crate::ball::report::BallState;
 use crate::bearing::Bearing;
 use crate::linalg::vector;
 use crate::real::Real;
 use crate::results::Balls;
 use crate::results::life::LifeRating;
 use crate::results::margins::Limits;
-#[cfg(feature = "serde")]
-use crate::results::serialize;
+use crate::results::snapshot::Snapshot;
 use crate::results::summary::RowSummary;
 use crate::solver::problem::{stiffness_out, units};
-use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
-use crate::status::Status;
+use crate::status::{ErrorEstimate, Status};
 use core::fmt;
 use core::ops::Deref;
 
@@ -53,7 +50,9 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
         Self {
             status: last.state.attempt.termination.status(),
             iterations: reached.iterations,
-            error: last.state.errors(&reached.u, last.points[0].s * c.balls),
+            error: last
+                .state
+                .errors(&reached.u, last.rows[0].point.s * c.balls),
             displacement: vector(|i| reached.u[i] * units(c, i).1),
             load: vector(|i| reached.load[i] * units(c, i).0),
             speed: Speed::rad_per_s(last.omega),
@@ -91,13 +90,13 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
     }
 
     /// A copy that borrows nothing.
-    pub fn snapshot(&self) -> Snapshot<T, N, D> {
+    pub fn snapshot(&self) -> Snapshot<T, 1, N, D> {
         self.copy()
     }
 
     /// A copy with the first `K` balls.
-    fn copy<const K: usize>(&self) -> Snapshot<T, K, D> {
-        let (balls, cage_speeds) = self.row.copy();
+    fn copy<const K: usize>(&self) -> Snapshot<T, 1, K, D> {
+        let (_, force) = self.last.row_force(&self.bearing.layout(), 0, &self.row);
         Snapshot {
             status: self.status,
             iterations: self.iterations,
@@ -106,8 +105,8 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
             load: self.load,
             speed: self.speed,
             stiffness: self.stiffness(),
-            balls,
-            cage_speeds,
+            spring_closure: T::ZERO,
+            rows: [self.row.copy(force, T::ZERO)],
         }
     }
 }
@@ -135,39 +134,4 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> defmt::Format
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(f, "{}", self.copy::<0>());
     }
-}
-
-/// A [`Solution`] that borrows nothing, SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(bound = "T: serde::Serialize")
-)]
-#[non_exhaustive]
-pub struct Snapshot<T: Real, const N: usize, const D: usize> {
-    /// How the solve ended.
-    pub status: Status<T>,
-    /// Iterations, those after a start included.
-    pub iterations: u16,
-    /// How far the figures below can be off.
-    pub error: ErrorEstimate<T>,
-    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the inner ring.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
-    pub displacement: [T; D],
-    /// Forces (N) and moments (N m) on the inner ring.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
-    pub load: [T; D],
-    /// Speed of the shaft.
-    pub speed: Speed<T>,
-    /// Stiffness `dF/du`, rows are forces.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::rows"))]
-    pub stiffness: [[T; D]; D],
-    /// States of the balls, in the order of their azimuths.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
-    pub balls: [BallState<T>; N],
-    /// Cage speed `omega_m` of every ball, rad/s: see [`Balls::cage_speeds`](crate::Balls::cage_speeds).
-    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
-    pub cage_speeds: [T; N],
 }

@@ -5,13 +5,13 @@ use crate::growth::Growth;
 use crate::linalg::{norm, vector};
 use crate::real::Real;
 use crate::shaft::row::{Row, UNSEATED};
-use crate::shaft::{Layout, Shaft, Time};
+use crate::shaft::{Layout, Placed, Shaft, Time};
 use crate::solver::problem::{
     Given, OperatingPoint, Problem, check_tolerance, given_in_units, inertia, speed_and_growth,
 };
 use crate::solver::start::start;
 use crate::solver::state::{State, Termination, are_finite};
-use crate::solver::warm_start::{Reached, WarmStart};
+use crate::solver::warm_start::{Reached, RowState, WarmStart};
 use crate::status::{Quantity, Status};
 
 impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
@@ -30,7 +30,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         placed: u32,
         tolerance: T,
     ) -> Result<Problem<T, D>, Status<T>> {
-        let unit = layout.bearings[0].c;
+        let unit = layout.rows[0].bearing.c;
         check_tolerance(tolerance)?;
         let mut problem = Problem::new(tolerance);
         problem.placed = placed;
@@ -45,12 +45,12 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         to_centre(&mut problem);
         let mut omega = T::ZERO;
         let mut grown = [Growth::NONE; R];
-        for ((grown, growth), row) in grown.iter_mut().zip(&at.growth).zip(&layout.bearings) {
-            (omega, *grown) = speed_and_growth(row.c, at.speed, M::AT_SPEED, growth)?;
+        for ((grown, growth), row) in grown.iter_mut().zip(&at.growth).zip(&layout.rows) {
+            (omega, *grown) = speed_and_growth(row.bearing.c, at.speed, M::AT_SPEED, growth)?;
         }
         problem.load_scale = norm(&problem.load).at_least(layout.preload_at_rest);
         // A ring that nothing presses and nothing holds floats in its clearance.
-        if problem.is_free && !(problem.load_scale > T::TINY.sqrt()) {
+        if problem.is_free && !(problem.load_scale > T::TINY.sqrt_abs()) {
             return Err(Status::Unloaded);
         }
         self.turn_to(layout.fingerprint);
@@ -59,12 +59,15 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         } else {
             T::ZERO
         };
-        let rows = layout.bearings.iter().zip(&layout.mounts);
         let mut most = T::ZERO;
-        for ((row, mount), (point, growth)) in rows.zip(self.points.iter_mut().zip(grown)) {
+        let rows = self.rows.iter_mut().zip(grown);
+        for (Placed { bearing, mount, .. }, (row, growth)) in layout.rows.iter().zip(rows) {
             let [axial, ..] = mount.motion::<D, SET>(&self.state.u);
             let (s, size) = (s * mount.inertia, problem.load_scale / mount.force);
-            most = most.at_least(point.set(row.c, s, size, growth, axial + mount.closure));
+            most = most.at_least(
+                row.point
+                    .set(bearing.c, s, size, growth, axial + mount.closure),
+            );
         }
         self.state.turn_to(&problem, s, most);
         self.omega = at.speed.as_rad_per_s();
@@ -79,18 +82,17 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         max_iterations: u16,
         more: &mut dyn FnMut() -> bool,
     ) -> Result<Reached<T, D>, Status<T>> {
-        let s = self.points[0].s;
-        let (mut bearings, mut balls) = (layout.bearings.iter(), self.balls.iter_mut());
-        let rows = self.points.each_mut().map(|p| {
-            let (row, balls) = (bearings.next(), balls.next());
-            let azimuths = row.map_or(&[][..], |row| row.azimuths);
+        let s = self.rows[0].point.s;
+        let mut placed = layout.rows.iter();
+        let rows = self.rows.each_mut().map(|row| {
+            let Placed { bearing, mount, .. } = placed.next().unwrap_or(&layout.rows[0]);
+            let balls = row.balls.get_mut(..bearing.azimuths.len());
             Row {
-                c: row.map_or(layout.bearings[0].c, |row| row.c),
-                p,
-                azimuths,
-                balls: balls
-                    .and_then(|balls| balls.get_mut(..azimuths.len()))
-                    .unwrap_or_default(),
+                c: bearing.c,
+                mount,
+                p: &mut row.point,
+                azimuths: bearing.azimuths,
+                balls: balls.unwrap_or_default(),
             }
         });
         let mut shaft = Shaft {
@@ -137,9 +139,11 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     /// Number of balls that carry.
     #[cold]
     fn loaded(&self) -> u16 {
-        let rows = self.balls.iter().zip(&self.points);
-        let loaded = rows.map(|(balls, p)| balls.iter().filter(|ball| ball.carries(p)).count());
-        loaded.sum::<usize>() as u16
+        let loaded = |row: &RowState<T, N>| {
+            let balls = row.balls.iter();
+            balls.filter(|ball| ball.carries(&row.point)).count()
+        };
+        self.rows.iter().map(loaded).sum::<usize>() as u16
     }
 }
 
@@ -223,7 +227,7 @@ impl<T: Real, const D: usize> State<T, D> {
     #[inline(never)]
     fn freest<const E: usize>(&mut self, problem: &Problem<T, D>) -> Quantity {
         let largest = self.stiffest().at_least(T::EPSILON);
-        self.factor::<E>(problem, T::EPSILON.sqrt() * largest);
+        self.factor::<E>(problem, T::EPSILON.sqrt_abs() * largest);
         let free = |motion: [T; D]| {
             vector(|i| match problem.prescribed[i] {
                 None => largest * motion[i],

@@ -43,10 +43,10 @@ impl<T: Real> Pressing<T> {
             return Self { force, side };
         }
         if D >= 3 {
-            force += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt();
+            force += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt_abs();
         }
         if D == 5 {
-            force += (load[3] * load[3] + load[4] * load[4]).sqrt();
+            force += (load[3] * load[3] + load[4] * load[4]).sqrt_abs();
         }
         Self { force, side }
     }
@@ -77,12 +77,12 @@ fn distance<T: Real>(c: &Constants<T>, p: &Point<T>, q: T) -> T {
         let (sin, cos) = ((t + t) * per, (one - t * t) * per);
         let inner = q / sin;
         let outwards = inner * cos + p.s * cage;
-        let outer = (q * q + outwards * outwards).at_least(T::TINY).sqrt();
+        let outer = (q * q + outwards * outwards).at_least(T::TINY).sqrt_abs();
         let together = (outwards * cos + q * sin) / outer;
         let mu = (one - c.tau * cos) / (one + together).at_least(T::of(0.1));
         cage = mu * mu;
         let deformed = |q: T| {
-            let root = q.cbrt();
+            let root = q.cbrt_or_zero();
             root * root
         };
         let ri = p.li + deformed(inner / c.ki);
@@ -151,8 +151,8 @@ pub(super) fn start<T: Real, const R: usize, const SET: bool, const E: usize, co
     for bend in shaft.bends.iter_mut() {
         *bend = Bend::NONE;
     }
-    shaft.each(&state.u, |row, mount, u| {
-        row.p.start(row.c, u[0] + mount.closure)
+    shaft.each(&state.u, |row, u| {
+        row.p.start(row.c, u[0] + row.mount.closure)
     });
     for joint in &shaft.layout.joints {
         if let Some(bend) = shaft.bends.get_mut(joint.row) {

@@ -6,7 +6,7 @@ use crate::real::Real;
 use crate::shaft::row::Sum;
 use crate::shaft::{Pass, Shaft};
 use crate::solver::problem::Problem;
-use crate::status::Status;
+use crate::status::{ErrorEstimate, Status};
 use crate::tuning;
 
 /// Position of the shaft and sum of its balls, kept between solves, in the units of the constants.
@@ -259,27 +259,6 @@ pub struct Control<T, const D: usize> {
     pub last: Step<T, D>,
 }
 
-/// Estimated errors of a solution, relative.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct ErrorEstimate<T> {
-    /// Of displacements: of the largest component, tilts taken at the pitch radius.
-    pub displacement: T,
-    /// Of contact forces: of the largest.
-    pub force: T,
-    /// Of the stiffness: an element's error over the root of the two diagonal elements.
-    pub stiffness: T,
-}
-
-impl<T: Real> ErrorEstimate<T> {
-    /// Every figure is a number.
-    pub(super) fn is_finite(&self) -> bool {
-        are_finite(&[self.displacement, self.force, self.stiffness])
-    }
-}
-
 /// Estimated errors after the last step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate<T> {
@@ -306,7 +285,7 @@ impl<T: Real> Estimate<T> {
 /// from the reference, or of a unit of length.
 #[inline(never)]
 pub fn rounding<T: Real, const D: usize>(force: T, v: &[T; D]) -> T {
-    let root = force.cbrt();
+    let root = force.cbrt_or_zero();
     let deformation = (root * root).at_least(T::EPSILON);
     let offset = T::ONE + norm(v);
     T::ROUNDING * (T::ONE + offset / deformation)

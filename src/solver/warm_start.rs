@@ -7,18 +7,18 @@ use crate::linalg::{Matrix, add_to, moved, product, refer, refer_stiffness, vect
 use crate::real::Real;
 use crate::results::Balls;
 use crate::shaft::elastic::{Bend, Joint, add, fold};
-use crate::shaft::row::{Sum, stiffness_change, sum_up};
-use crate::shaft::{Layout, Mount};
-use crate::solver::state::{ErrorEstimate, State, Termination, are_finite, rounding};
+use crate::shaft::row::{Mount, Sum, stiffness_change, sum_up};
+use crate::shaft::{BearingRef, Layout, Placed};
+use crate::solver::problem::units;
+use crate::solver::state::{State, Termination, are_finite, rounding};
+use crate::status::ErrorEstimate;
 use core::marker::PhantomData;
 
 /// Position and balls after the last solve of a shaft in `R` rows of at most `N` balls, with `D` freedoms.
 #[derive(Debug, Clone, Copy)]
 pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize, const E: usize> {
     pub state: State<T, D>,
-    pub balls: [[Ball<T>; N]; R],
-    /// Speed, growth and references of every row.
-    pub points: [Point<T>; R],
+    pub rows: [RowState<T, N>; R],
     /// Axial force by which rows of either facing hold each other.
     pub preload: T,
     /// Speed of the shaft, rad/s.
@@ -27,6 +27,13 @@ pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize, co
     pub fingerprint: u32,
     /// Elastic state of each row: forces and deflection.
     pub bends: [Bend<T, D>; E],
+}
+
+/// A row after a solve: its balls, and their speed, growth and references.
+#[derive(Debug, Clone, Copy)]
+pub struct RowState<T: Real, const N: usize> {
+    pub point: Point<T>,
+    pub balls: [Ball<T>; N],
 }
 
 /// Displacement of the shaft's centre, load that the rows carry there, and iterations so far.
@@ -38,14 +45,34 @@ pub struct Reached<T, const D: usize> {
     pub error: Option<ErrorEstimate<T>>,
 }
 
+impl<T: Real, const N: usize> RowState<T, N> {
+    /// The balls of this bearing.
+    #[inline(always)]
+    pub fn balls(&self, bearing: &BearingRef<'_, T>) -> &[Ball<T>] {
+        self.balls.get(..bearing.azimuths.len()).unwrap_or_default()
+    }
+
+    /// [`stiffness_change`] of its balls.
+    #[inline(always)]
+    fn stiffness_change<A: Rule, const D: usize>(
+        &self,
+        bearing: &BearingRef<'_, T>,
+        v: &[T; 5],
+    ) -> Sum<T, D> {
+        stiffness_change::<T, A, D>(&self.point, self.balls(bearing), bearing.azimuths, v)
+    }
+}
+
 impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     WarmStart<T, R, N, D, E>
 {
     /// Of a solver that has not solved yet.
     pub const COLD: Self = Self {
         state: State::COLD,
-        balls: [[Ball::NONE; N]; R],
-        points: [Point::NONE; R],
+        rows: [RowState {
+            point: Point::NONE,
+            balls: [Ball::NONE; N],
+        }; R],
         preload: T::ZERO,
         omega: T::ZERO,
         fingerprint: 0,
@@ -86,7 +113,9 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         layout: &Layout<'_, T, R, SET, E>,
         u: &[T; D],
     ) -> ErrorEstimate<T> {
-        let mut error = self.state.errors(u, self.points[0].s * layout.ball_count);
+        let mut error = self
+            .state
+            .errors(u, self.rows[0].point.s * layout.ball_count);
         // A row's motion is a difference of the shaft's and its deflection.
         let mut offset = T::ZERO;
         for u in self.bends.iter().flat_map(|bend| &bend.deflection) {
@@ -128,8 +157,9 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             return None;
         }
         let reached = self.reached(layout, attempt.taken);
-        let inertia = self.points[0].s * layout.ball_count;
-        let is_finite = self.state.errors(&reached.u, inertia).is_finite()
+        let inertia = self.rows[0].point.s * layout.ball_count;
+        let errors = self.state.errors(&reached.u, inertia);
+        let is_finite = are_finite(&[errors.displacement, errors.force, errors.stiffness])
             && are_finite(&reached.u)
             && are_finite(&reached.load)
             && self
@@ -152,15 +182,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             return self.stiffness_towards::<A, SET>(layout, &layout.joints);
         }
         let mut change = Sum::NONE;
-        let rows = layout.bearings.iter().zip(&layout.mounts);
-        for ((row, mount), (p, balls)) in rows.zip(self.points.iter().zip(&self.balls)) {
-            let balls = balls.get(..row.azimuths.len()).unwrap_or_default();
+        for (Placed { bearing, mount, .. }, row) in layout.rows.iter().zip(&self.rows) {
             let v = mount.motion::<D, SET>(&self.state.v);
             if SET {
-                let mut own = stiffness_change::<T, A, 5>(p, balls, row.azimuths, &v);
+                let mut own = row.stiffness_change::<A, 5>(bearing, &v);
                 mount.assemble(&mut own, &mut change);
             } else {
-                change = stiffness_change::<T, A, D>(p, balls, row.azimuths, &v);
+                change = row.stiffness_change::<A, D>(bearing, &v);
                 refer_stiffness(layout.plane, &mut change.k);
             }
         }
@@ -176,23 +204,16 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         joints: &[Joint<T>; E],
     ) -> Matrix<T, D> {
         let mut add_row = |joint: &Joint<T>, sum: &mut Sum<T, D>| {
-            let (row, mount) = (joint.row, layout.mounts.get(joint.row));
-            let (balls, p, bearing) = (
-                self.balls.get(row),
-                self.points.get(row),
-                layout.bearings.get(row),
-            );
-            let (Some(mount), Some(balls), Some(p), Some(bearing)) = (mount, balls, p, bearing)
+            let (Some(placed), Some(row)) = (layout.rows.get(joint.row), self.rows.get(joint.row))
             else {
                 return;
             };
-            let azimuths = bearing.azimuths;
-            let balls = balls.get(..azimuths.len()).unwrap_or_default();
+            let (bearing, mount) = (&placed.bearing, &placed.mount);
             let mut own = Sum::<T, 5>::NONE;
-            sum_up::<T, A, 5>(balls, azimuths, &mut own);
+            sum_up::<T, A, 5>(row.balls(bearing), bearing.azimuths, &mut own);
             if self.state.stale {
-                let v = self.motion::<SET>(mount, row);
-                own.add(&stiffness_change::<T, A, 5>(p, balls, azimuths, &v));
+                let v = self.motion::<SET>(mount, joint.row);
+                own.add(&row.stiffness_change::<A, 5>(bearing, &v));
             }
             mount.assemble(&mut own, sum);
         };
@@ -220,15 +241,34 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     ) -> Balls<'s, T, M> {
         // The compiler sees the range, even where it does not inline this.
         let i = i.min(R - 1);
-        let row = &layout.bearings[i];
+        let (Placed { bearing, mount, .. }, row) = (&layout.rows[i], &self.rows[i]);
         Balls {
-            c: row.c,
-            p: &self.points[i],
-            azimuths: row.azimuths,
-            balls: self.balls[i].get(..row.azimuths.len()).unwrap_or_default(),
-            v: self.motion::<SET>(&layout.mounts[i], i),
+            c: bearing.c,
+            p: &row.point,
+            azimuths: bearing.azimuths,
+            balls: row.balls(bearing),
+            v: self.motion::<SET>(mount, i),
             speed: Speed::rad_per_s(self.omega),
             motion: PhantomData,
         }
+    }
+
+    /// Sum of a row's balls where they were condensed; and the force on its inner ring after the last step, about its centre, SI.
+    pub fn row_force<M: Motion, const SET: bool>(
+        &self,
+        layout: &Layout<'_, T, R, SET, E>,
+        i: usize,
+        row: &Balls<'_, T, M>,
+    ) -> (Sum<T, 5>, [T; 5]) {
+        let (mount, c) = (&layout.rows[i.min(R - 1)].mount, row.c);
+        let mut sum = Sum::NONE;
+        sum_up::<T, M::Rule, 5>(row.balls, row.azimuths, &mut sum);
+        let du = match self.bends.get(i) {
+            Some(bend) => mount.of_centre(&bend.moved),
+            None => mount.motion::<D, SET>(&vector(|i| self.state.v[i] - self.state.at[i])),
+        };
+        let mut force: [T; 5] = vector(|i| sum.force[i] + product(&sum.k[i], &du));
+        refer(c.plane, &mut force);
+        (sum, vector(|i| force[i] * units(c, i).0))
     }
 }

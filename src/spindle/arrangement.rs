@@ -26,6 +26,15 @@ impl Facing {
         }
     }
 
+    /// By its sign.
+    pub(super) fn of<T: Real>(sign: T) -> Self {
+        if sign < T::ZERO {
+            Self::MinusX
+        } else {
+            Self::PlusX
+        }
+    }
+
     /// Both are one direction.
     pub(super) const fn is(self, other: Self) -> bool {
         self as u8 == other as u8

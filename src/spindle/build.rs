@@ -7,9 +7,11 @@ use crate::bearing::{Bearing, Constants, L0, mix as mix_bits};
 use crate::const_math::{sqrt_f32, sqrt_f64};
 use crate::design::check;
 use crate::real::{Float, Real};
-use crate::shaft::{Group, Layout, Mount};
+use crate::shaft::row::Mount;
+use crate::shaft::{Group, Layout, Placed};
 use crate::spindle::arrangement::{Arrangement, Facing};
 use crate::spindle::error::SpindleError;
+use crate::spindle::sections::OnShaft;
 use crate::spindle::{Mounted, Preload, Spindle, SprungSpindle};
 use crate::status::{Quantity, Status};
 
@@ -289,8 +291,11 @@ pub mod $module {
         let rp = radius(unit);
         let mut set = Spindle {
             layout: Layout {
-                bearings: [first.bearing; R],
-                mounts: [Mount::PLAIN; R],
+                rows: [Placed {
+                    bearing: first.bearing,
+                    mount: Mount::PLAIN,
+                    position: first.position,
+                }; R],
                 fixed,
                 sliding,
                 plane: $t::ZERO,
@@ -299,11 +304,9 @@ pub mod $module {
                 joints: [],
                 fingerprint: mix(0, spring),
             },
-            positions: [first.position; R],
-            facings: [first.facing; R],
             spring,
             centre: $t::ZERO,
-            shaft: [],
+            shaft: OnShaft::NONE,
         };
         let (layout, mut count, mut i) = (&mut set.layout, $t::ZERO, 0);
         while i < R {
@@ -336,8 +339,8 @@ pub mod $module {
             layout.ball_count += c.balls * (mount.force * mount.inertia);
             let axial = c.balls * at_least(force_at(c, mount.closure), $t::ZERO);
             layout.preload_at_rest += mount.force * (axial + c.preload);
-            (layout.bearings[i], layout.mounts[i]) = (row.bearing, mount);
-            (set.positions[i], set.facings[i]) = (row.position, row.facing);
+            let Mounted { bearing, position, .. } = *row;
+            layout.rows[i] = Placed { bearing, mount, position };
             i += 1;
         }
         set
@@ -417,7 +420,7 @@ build!(any, T, [T], [], {
 
     #[inline(always)]
     fn sqrt<T: Real>(x: T) -> T {
-        x.sqrt()
+        x.sqrt_abs()
     }
 
     #[inline(always)]

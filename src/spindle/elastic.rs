@@ -4,8 +4,8 @@ use crate::bearing::Constants;
 use crate::design::check;
 use crate::linalg::{norm, refer, vector};
 use crate::real::{Float, Real};
-use crate::shaft::Layout;
 use crate::shaft::elastic::{Bend, Joint, Piece, forces};
+use crate::shaft::{Layout, Placed};
 use crate::solver::problem::{Given, ShaftLoad, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
@@ -75,8 +75,8 @@ pub mod $module {
         sections: &'b [Flexible<$t>],
         supports: &[Support<$t>; R],
     ) -> Result<ElasticSpindle<'b, $t, R, N, D>, SpindleError<$t>> {
-        let Spindle { mut layout, positions, facings, spring, .. } = rigid;
-        let unit = layout.bearings[0].c;
+        let Spindle { mut layout, spring, .. } = rigid;
+        let unit = layout.rows[0].bearing.c;
         let (axial, tilting) = (unit.force / unit.length, unit.moment / unit.tilt);
         let mut joints = [Joint {
             row: 0,
@@ -90,16 +90,16 @@ pub mod $module {
         while row < R {
             let support = &supports[row];
             check!(check_support(row, support));
-            (joints[row].row, joints[row].position) = (row, positions[row]);
+            (joints[row].row, joints[row].position) = (row, layout.rows[row].position);
             joints[row].support = of_freedoms([
                 axial / support.axial,
                 axial / support.radial,
                 tilting / support.tilting,
             ]);
-            layout.mounts[row].reach = layout.bearings[row].c.plane;
+            layout.rows[row].mount.reach = layout.rows[row].bearing.c.plane;
             row += 1;
         }
-        let centre = between(&positions, $t::ZERO);
+        let centre = between(&layout.rows, $t::ZERO);
         layout.plane += (rigid.centre - centre) / radius(unit);
         let joints = towards(joints, sections, unit, centre);
         row = 0;
@@ -114,11 +114,9 @@ pub mod $module {
         }
         Ok(Spindle {
             layout: layout.with_joints(joints),
-            positions,
-            facings,
             spring,
             centre,
-            shaft: [OnShaft { sections, loads: &[], load: [$t::ZERO; 5], centre }; R],
+            shaft: OnShaft { sections, loads: &[], load: [$t::ZERO; 5], centre },
         })
     }
 
@@ -140,10 +138,11 @@ pub mod $module {
     }
 
     /// The position between the rows that is nearest to `x`, m.
-    pub $($const)? fn between<$($any: Real,)? const R: usize>(positions: &[$t; R], x: $t) -> $t {
+    pub $($const)? fn between<$($any: Real,)? const R: usize>(rows: &[Placed<'_, $t>; R], x: $t) -> $t {
         let (mut low, mut high, mut row) = ($t::INFINITY, -$t::INFINITY, 0);
         while row < R {
-            (low, high) = (at_most(low, positions[row]), at_least(high, positions[row]));
+            let x = rows[row].position;
+            (low, high) = (at_most(low, x), at_least(high, x));
             row += 1;
         }
         at_most(at_least(x, low), high)
@@ -253,10 +252,10 @@ pub mod $module {
         mut set: ElasticSpindle<'b, $t, R, N, D>,
         loads: &'b [ShaftLoad<$t>],
     ) -> Result<ElasticSpindle<'b, $t, R, N, D>, SpindleError<$t>> {
-        if !set.shaft[0].loads.is_empty() {
+        if !set.shaft.loads.is_empty() {
             return Err(SpindleError::HasLoads);
         }
-        let unit = set.layout.bearings[0].c;
+        let unit = set.layout.rows[0].bearing.c;
         let (mut sum, mut load, mut rest) = ([$t::ZERO; 5], 0, loads);
         while let [at, others @ ..] = rest {
             if let Err(status) = check_load(unit, set.layout.ball_count, at) {
@@ -265,12 +264,11 @@ pub mod $module {
             sum = plus(&sum, &refer(at.position - set.centre, &at.load));
             (load, rest) = (load + 1, others);
         }
-        let shaft = OnShaft { loads, load: sum, ..set.shaft[0] };
-        set.shaft = [shaft; R];
+        (set.shaft.loads, set.shaft.load) = (loads, sum);
         let mut row = 0;
         while row < R {
             let x = set.layout.joints[row].position;
-            set.layout.joints[row].constant = deflection_by(&shaft, unit, x, loads);
+            set.layout.joints[row].constant = deflection_by(&set.shaft, unit, x, loads);
             row += 1;
         }
         set.layout.fingerprint = fingerprint(loads, set.layout.fingerprint);
@@ -443,9 +441,9 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
 {
     /// How the rows sit, the shaft deflected by these loads, too, and a fingerprint of them.
     pub(super) fn under_loads(&self, loads: &[ShaftLoad<T>]) -> (Layout<'b, T, R, true, E>, u32) {
-        let (mut layout, unit) = (self.layout, self.layout.bearings[0].c);
-        for (joint, shaft) in layout.joints.iter_mut().zip(&self.shaft) {
-            let by_loads = deflection_by(shaft, unit, joint.position, loads);
+        let (mut layout, unit) = (self.layout, self.layout.rows[0].bearing.c);
+        for joint in &mut layout.joints {
+            let by_loads = deflection_by(&self.shaft, unit, joint.position, loads);
             joint.constant = vector(|i| joint.constant[i] + by_loads[i]);
         }
         (layout, any::fingerprint(loads, 1))
@@ -453,25 +451,31 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
 
     /// Refuses a load or its position that is out of range.
     pub(super) fn check_load(&self, at: &ShaftLoad<T>) -> Result<(), Status<T>> {
-        any::check_load(self.layout.bearings[0].c, self.layout.ball_count, at)
+        any::check_load(self.layout.rows[0].bearing.c, self.layout.ball_count, at)
     }
 
     /// The chain of rows that leads to the position `x` (m) on the shaft.
     pub(super) fn joints_towards(&self, x: T) -> [Joint<T>; E] {
-        let sections = self.shaft.first().map_or(&[][..], |shaft| shaft.sections);
-        any::towards(self.layout.joints, sections, self.layout.bearings[0].c, x)
+        any::towards(
+            self.layout.joints,
+            self.shaft.sections,
+            self.layout.rows[0].bearing.c,
+            x,
+        )
     }
 
     /// The position between the rows that is nearest to `x`, m.
     pub(super) fn between_rows(&self, x: T) -> T {
-        any::between(&self.positions, x)
+        any::between(&self.layout.rows, x)
     }
 
     /// The piece of an elastic shaft from `x = 0` to its centre, if it is not there; and how far loads move its end at `x = 0`: these,
     /// and the constant ones.
     pub(super) fn overhang(&self, given: &[Given<T>; 5]) -> Option<(Piece<T>, [T; 5])> {
-        let unit = self.layout.bearings[0].c;
-        let shaft = self.shaft.first().filter(|_| self.centre != T::ZERO)?;
+        if E == 0 || self.centre == T::ZERO {
+            return None;
+        }
+        let (unit, shaft) = (self.layout.rows[0].bearing.c, &self.shaft);
         let load: [T; 5] = vector(|i| given[i].load_or(T::ZERO) / units(unit, i).0);
         let by_load = piece(shaft.sections, unit, self.centre, T::ZERO).deflection(&load);
         let by_loads = deflection_by(shaft, unit, T::ZERO, shaft.loads);
@@ -503,10 +507,10 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         bends: &[Bend<T, D>; E],
     ) -> ([T; 5], T) {
         let (mut u, mut size) = ([T::ZERO; 5], T::ZERO);
-        let Some(shaft) = self.shaft.first() else {
+        if E == 0 {
             return (u, size);
-        };
-        let unit = self.layout.bearings[0].c;
+        }
+        let (unit, shaft) = (self.layout.rows[0].bearing.c, &self.shaft);
         let mut add = |part: [T; 5]| {
             u = vector(|i| u[i] + part[i]);
             size += norm(&part);
@@ -521,7 +525,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
 
     /// Flexibility of a row's support, SI.
     pub(super) fn support_of(&self, row: usize) -> [T; 5] {
-        let unit = self.layout.bearings[0].c;
+        let unit = self.layout.rows[0].bearing.c;
         let joint = self.layout.joints.iter().find(|joint| joint.row == row);
         vector(|i| {
             let (force, length) = units(unit, i);
@@ -532,7 +536,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
     /// Adds the constant loads to a load in the solver's units.
     pub(super) fn add_constant(&self, load: &mut [T; D]) {
         if E > 0 {
-            let (unit, constant) = (self.layout.bearings[0].c, self.constant_load());
+            let (unit, constant) = (self.layout.rows[0].bearing.c, self.shaft.load);
             for i in 0..5 {
                 load[i] += constant[i] / units(unit, i).0;
             }
@@ -541,14 +545,9 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
 
     /// Loads of a solve at `x = 0`, SI, from the loads that its rows carry about the position `x` (m), in the solver's units.
     pub(super) fn load_at_origin(&self, carried: &[T; D], x: T) -> [T; 5] {
-        let (unit, constant) = (self.layout.bearings[0].c, self.constant_load());
+        let (unit, constant) = (self.layout.rows[0].bearing.c, self.shaft.load);
         let mut load = vector(|i| carried[i] * units(unit, i).0 - constant[i]);
         refer(x, &mut load);
         load
-    }
-
-    /// Constant loads on an elastic shaft, about its centre, SI.
-    fn constant_load(&self) -> [T; 5] {
-        self.shaft.first().map_or([T::ZERO; 5], |shaft| shaft.load)
     }
 }

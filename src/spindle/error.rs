@@ -11,8 +11,12 @@ use core::fmt;
 #[non_exhaustive]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Serialize),
-    serde(rename_all = "kebab-case")
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case"),
+    serde(bound(
+        serialize = "T: crate::serialize::Written",
+        deserialize = "T: crate::serialize::Read<'de>"
+    ))
 )]
 pub enum SpindleError<T> {
     /// There is no row.
@@ -29,6 +33,7 @@ pub enum SpindleError<T> {
         /// Which row.
         row: usize,
         /// The force, N.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
         force: T,
     },
     /// Two rows are nearer to each other than half a ball's diameter.
@@ -36,6 +41,7 @@ pub enum SpindleError<T> {
         /// One of them.
         row: usize,
         /// Their distance, m.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
         distance: T,
         /// Least distance, m.
         least: T,
@@ -70,6 +76,7 @@ pub enum SpindleError<T> {
         /// Which stiffness.
         quantity: Quantity,
         /// Its value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
         value: T,
         /// Least value.
         least: T,

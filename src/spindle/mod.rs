@@ -17,9 +17,8 @@ pub mod solution;
 pub mod solver;
 
 use crate::bearing::Bearing;
-use crate::linalg::vector;
 use crate::real::Real;
-use crate::shaft::{BearingRef, Layout};
+use crate::shaft::{BearingRef, Layout, Placed};
 use crate::solver::problem::radius;
 use crate::spindle::arrangement::Facing;
 use crate::spindle::sections::OnShaft;
@@ -128,15 +127,13 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
 #[derive(Debug, Clone, Copy)]
 pub struct Spindle<'b, T, const R: usize, const N: usize, const D: usize = 5, const E: usize = 0> {
     layout: Layout<'b, T, R, true, E>,
-    positions: [T; R],
-    facings: [Facing; R],
     /// Force of the spring, N.
     spring: T,
     /// Position of the shaft's centre, m: the mean of the rows'; of an elastic shaft, the point between them that is nearest to
     /// `x = 0`.
     centre: T,
-    /// The elastic shaft, at each of its rows.
-    shaft: [OnShaft<'b, T>; E],
+    /// The elastic shaft; without sections and loads if it is rigid.
+    shaft: OnShaft<'b, T>,
 }
 
 /// A spindle of which some rows sit in a sleeve that slides under a spring: [`Spindle::sprung`].
@@ -149,27 +146,31 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
     /// returned, over `Rp`.
     fn about(&self, x: T) -> (Layout<'b, T, R, true, E>, T) {
         let (mut layout, beyond) = (self.layout, self.centre - x);
-        let distance = beyond / radius(layout.bearings[0].c);
+        let distance = beyond / radius(layout.rows[0].bearing.c);
         layout.plane += distance;
-        for (mount, row) in layout.mounts.iter_mut().zip(&layout.bearings) {
-            mount.reach += mount.facing * (beyond / radius(row.c));
+        for Placed { bearing, mount, .. } in &mut layout.rows {
+            mount.reach += mount.facing * (beyond / radius(bearing.c));
         }
         (layout, distance)
     }
 
     /// Closure `e` of each clamped row (m), given, or made by the preload force; 0 for a row that slides.
     pub fn closures(&self) -> [T; R] {
-        vector(|i| self.layout.mounts[i].closure * self.layout.bearings[i].c.length)
+        self.rows(|row| row.mount.closure * row.bearing.c.length)
     }
 
     /// Positions of the rows on the shaft, m.
     pub fn positions(&self) -> [T; R] {
-        self.positions
+        self.rows(|row| row.position)
     }
 
     /// How the rows face.
     pub fn facings(&self) -> [Facing; R] {
-        self.facings
+        self.rows(|row| Facing::of(row.mount.facing))
+    }
+
+    fn rows<X>(&self, of: impl FnMut(&Placed<'b, T>) -> X) -> [X; R] {
+        self.layout.rows.each_ref().map(of)
     }
 }
 
@@ -194,8 +195,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize> de
         defmt::write!(
             f,
             "{} facing {}, closures {}",
-            self.positions,
-            self.facings,
+            self.positions(),
+            self.facings(),
             self.closures()
         );
     }

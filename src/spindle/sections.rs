@@ -27,7 +27,7 @@ pub struct Section {
 /// A shaft that cannot be built: which section, counted from 0, and which of its figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShaftError {
     /// The section at fault; that of the material is the first.
     pub section: usize,
@@ -278,6 +278,16 @@ pub struct OnShaft<'b, T> {
     pub load: [T; 5],
     /// Position of that, m.
     pub centre: T,
+}
+
+impl<T: Real> OnShaft<'_, T> {
+    /// Of a rigid shaft.
+    pub const NONE: Self = Self {
+        sections: &[],
+        loads: &[],
+        load: [T::ZERO; 5],
+        centre: T::ZERO,
+    };
 }
 
 /// Axial, lateral and tilting flexibility as those of the five freedoms.

@@ -1,26 +1,21 @@
 //! Solution of a spindle.
 
 use crate::ball::kinematics::{Motion, RacewayControlFree, Speed};
-use crate::ball::report::BallState;
-use crate::linalg::{
-    Factors, Matrix, add_to, matrix, moved, norm, product, refer, refer_stiffness, vector,
-};
+use crate::linalg::{Factors, Matrix, add_to, matrix, moved, norm, refer_stiffness, vector};
 use crate::real::Real;
 use crate::results::Balls;
 use crate::results::life::{LifeRating, RatingLife};
-use crate::results::margins::{Limit, LimitSet, Limits};
-#[cfg(feature = "serde")]
-use crate::results::serialize;
+use crate::results::margins::Limits;
+use crate::results::snapshot::Snapshot;
 use crate::results::summary::RowSummary;
 use crate::shaft::elastic::soften;
-use crate::shaft::row::{Sum, sum_up};
+use crate::shaft::row::Sum;
 use crate::solver::problem::{ShaftLoad, radius, stiffness_out, units};
-use crate::solver::state::ErrorEstimate;
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::spindle::Spindle;
 use crate::spindle::arrangement::Facing;
 use crate::spindle::elastic::any::piece;
-use crate::status::Status;
+use crate::status::{ErrorEstimate, Status};
 use core::array::from_fn;
 use core::fmt;
 use core::marker::PhantomData;
@@ -76,14 +71,14 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         placed: &'s [ShaftLoad<T>],
     ) -> Self {
         let Spindle { layout, centre, .. } = spindle;
-        let unit = layout.bearings[0].c;
+        let unit = layout.rows[0].bearing.c;
         let u = vector(|i| reached.u[i] * units(unit, i).1);
         let slide = if D == 6 {
             reached.u[5] * unit.length
         } else {
             T::ZERO
         };
-        let inertia = last.points[0].s * layout.ball_count;
+        let inertia = last.rows[0].point.s * layout.ball_count;
         let (error, off) = match &reached.error {
             Some(error) if E > 0 => (*error, error.displacement * norm(&reached.u)),
             _ => (last.state.errors(&reached.u, inertia), T::ZERO),
@@ -119,10 +114,10 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     #[inline(always)]
     pub fn stiffness_at(&self, x: T) -> [[T; 5]; 5] {
         let (k, near) = self.near(x);
-        let unit = self.spindle.layout.bearings[0].c;
-        if let Some(shaft) = self.spindle.shaft.first() {
+        let unit = self.spindle.layout.rows[0].bearing.c;
+        if E > 0 {
             let mut sum = Sum { k, ..Sum::NONE };
-            sum.end(&piece(shaft.sections, unit, x, near));
+            sum.end(&piece(self.spindle.shaft.sections, unit, x, near));
             return stiffness_out(unit, &sum.k);
         }
         let mut k = stiffness_out(unit, &k);
@@ -149,11 +144,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
 
     /// Flexibility of an elastic shaft at its end `x`, beyond the point `near`, m; SI.
     fn flexibility(&self, near: T, x: T) -> Matrix<T, 5> {
-        let unit = self.spindle.layout.bearings[0].c;
-        let Some(shaft) = self.spindle.shaft.first() else {
-            return [[T::ZERO; 5]; 5];
-        };
-        let piece = piece(shaft.sections, unit, near, x);
+        let unit = self.spindle.layout.rows[0].bearing.c;
+        let piece = piece(self.spindle.shaft.sections, unit, near, x);
         let columns: Matrix<T, 5> = matrix(|j, i| {
             if i == j {
                 T::ONE / units(unit, j).0
@@ -174,7 +166,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
 
     /// The compliance at the position `x`, by that of the rows about the point `near`, m.
     fn compliance_by(&self, inverse: &Matrix<T, 5>, near: T, x: T) -> [[T; 5]; 5] {
-        let unit = self.spindle.layout.bearings[0].c;
+        let unit = self.spindle.layout.rows[0].bearing.c;
         let d = x - near;
         let of = [unit.length, unit.tilt];
         let per = [T::ONE / unit.force, T::ONE / unit.moment];
@@ -201,7 +193,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// They follow from that of the stiffness `K` where rows begin to hold the shaft, and the displacements `C` by forces there:
     /// `sum of abs(C_ij) K_jj^(1/2)`, squared, over the diagonal.
     pub fn compliance_error_at(&self, x: T) -> [T; 5] {
-        let unit = self.spindle.layout.bearings[0].c;
+        let unit = self.spindle.layout.rows[0].bearing.c;
         let (k, near) = self.near(x);
         let (inverse, lever) = (inverse(&k), (x - near) / radius(unit));
         let c = self.compliance_by(&inverse, near, x);
@@ -209,7 +201,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let mut sums = [T::ZERO; 5];
         for j in 0..5 {
             let by_force = moved(lever, &vector::<T, 5>(|i| inverse[i][j]));
-            sums = vector(|i| sums[i] + by_force[i].abs() * k[j][j].abs().sqrt());
+            sums = vector(|i| sums[i] + by_force[i].abs() * k[j][j].abs().sqrt_abs());
         }
         vector(|i| {
             let (force, length) = units(unit, i);
@@ -234,7 +226,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// Displacement at the position `x` (m), and its error.
     fn displaced(&self, x: T) -> ([T; 5], T) {
         let Spindle { layout, centre, .. } = self.spindle;
-        let (unit, beyond, bends) = (layout.bearings[0].c, x - *centre, &self.last.bends);
+        let (unit, beyond, bends) = (layout.rows[0].bearing.c, x - *centre, &self.last.bends);
         let at_origin = [ShaftLoad {
             position: T::ZERO,
             load: self.load,
@@ -299,13 +291,13 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     }
 
     /// A copy that borrows nothing.
-    pub fn snapshot(&self) -> SpindleSnapshot<T, R, N> {
+    pub fn snapshot(&self) -> Snapshot<T, R, N> {
         self.copy()
     }
 
     /// A copy with the first `K` balls of every row.
-    fn copy<const K: usize>(&self) -> SpindleSnapshot<T, R, K> {
-        SpindleSnapshot {
+    fn copy<const K: usize>(&self) -> Snapshot<T, R, K> {
+        Snapshot {
             status: self.status,
             iterations: self.iterations,
             error: self.error,
@@ -314,7 +306,9 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
             speed: self.speed,
             stiffness: self.stiffness(),
             spring_closure: self.slide,
-            rows: self.solved_rows().map(|row| row.copy()),
+            rows: self
+                .solved_rows()
+                .map(|row| row.view.copy(row.force, row.preload)),
         }
     }
 
@@ -333,28 +327,17 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     fn row(&self, i: usize) -> RowSolution<'_, T, M> {
         // As in `WarmStart::row`.
         let i = i.min(R - 1);
-        let (spindle, state) = (self.spindle, &self.last.state);
-        let mount = &spindle.layout.mounts[i];
-        let c = spindle.layout.bearings[i].c;
-        let view = self.view(i);
-        let mut sum = Sum::NONE;
-        sum_up::<T, M::Rule, 5>(view.balls, view.azimuths, &mut sum);
-        // What the tangent says of the force after the last step.
-        let du = match self.last.bends.get(i) {
-            Some(bend) => mount.of_centre(&bend.moved),
-            None => mount.motion::<D, true>(&vector(|i| state.v[i] - state.at[i])),
-        };
-        let mut force: [T; 5] = vector(|i| sum.force[i] + product(&sum.k[i], &du));
-        refer(c.plane, &mut force);
+        let (spindle, view) = (self.spindle, self.view(i));
+        let (sum, force) = self.last.row_force(&spindle.layout, i, &view);
         RowSolution {
-            position: spindle.positions[i],
-            force: vector(|i| force[i] * units(c, i).0),
-            facing: spindle.facings[i],
+            position: spindle.layout.rows[i].position,
+            force,
+            facing: Facing::of(spindle.layout.rows[i].mount.facing),
             preload: T::ZERO,
             support: spindle.support_of(i),
             view,
             sum,
-            stale: state.stale,
+            stale: self.last.state.stale,
         }
     }
 }
@@ -419,67 +402,6 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
     }
 }
 
-/// A [`SpindleSolution`] that borrows nothing, SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(bound = "T: serde::Serialize")
-)]
-#[non_exhaustive]
-pub struct SpindleSnapshot<T: Real, const R: usize, const N: usize> {
-    /// How the solve ended.
-    pub status: Status<T>,
-    /// Iterations, those after a start included.
-    pub iterations: u16,
-    /// How far the figures below can be off.
-    pub error: ErrorEstimate<T>,
-    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the shaft at `x = 0`.
-    pub displacement: [T; 5],
-    /// Forces (N) and moments (N m) on the shaft at `x = 0`.
-    pub load: [T; 5],
-    /// Speed of the shaft.
-    pub speed: Speed<T>,
-    /// Stiffness `dF/du` at `x = 0`, rows are forces.
-    pub stiffness: [[T; 5]; 5],
-    /// [`SpindleSolution::spring_closure`], m.
-    pub spring_closure: T,
-    /// The rows, in their order.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
-    pub rows: [RowSnapshot<T, N>; R],
-}
-
-/// A [`RowSolution`] that borrows nothing, in the row's own frame, SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(bound = "T: serde::Serialize")
-)]
-#[non_exhaustive]
-pub struct RowSnapshot<T: Real, const N: usize> {
-    /// Position of its centre on the shaft, m.
-    pub position: T,
-    /// How it faces: its x is the shaft's or against it.
-    pub facing: Facing,
-    /// Forces (N) and moments (N m) of the shaft on its inner ring, about its centre.
-    pub force: [T; 5],
-    /// [`RowSolution::preload`], N.
-    pub preload: T,
-    /// [`RowSolution::stiffness`], rows are forces.
-    pub stiffness: [[T; 5]; 5],
-    /// Number of its balls: beyond them, the arrays below are 0.
-    pub ball_count: usize,
-    /// States of the balls, in the order of their azimuths.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
-    pub balls: [BallState<T>; N],
-    /// Cage speed `omega_m` of every ball, rad/s.
-    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize::array"))]
-    pub cage_speeds: [T; N],
-}
-
 /// A row of a solved spindle, in its own frame: x points where an axial load presses its balls. SI units.
 ///
 /// See [`Spindle`](crate::Spindle) for an example.
@@ -532,31 +454,6 @@ impl<T: Real, M: Motion> RowSolution<'_, T, M> {
         soften(&mut sum, &self.support);
         sum.k
     }
-
-    /// A copy with the first `K` balls.
-    fn copy<const K: usize>(&self) -> RowSnapshot<T, K> {
-        let (balls, cage_speeds) = self.view.copy();
-        RowSnapshot {
-            position: self.position,
-            facing: self.facing,
-            force: self.force,
-            preload: self.preload,
-            stiffness: self.stiffness(),
-            ball_count: self.view.balls.len(),
-            balls,
-            cage_speeds,
-        }
-    }
-
-    /// The limits that it has passed, and [`Limit::LiftOff`] where the row has lifted off.
-    pub fn limits(&self, limits: &Limits<T>) -> LimitSet {
-        let passed = self.margins(limits).passed();
-        if self.is_lifted_off() {
-            passed.with(Limit::LiftOff)
-        } else {
-            passed
-        }
-    }
 }
 
 /// A row has balls.
@@ -571,7 +468,7 @@ impl<'s, T: Real, M: Motion> Deref for RowSolution<'s, T, M> {
 /// Without the balls, whose arrays are empty.
 impl<T: Real, M: Motion> fmt::Debug for RowSolution<'_, T, M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.copy::<0>().fmt(f)
+        self.view.copy::<0>(self.force, self.preload).fmt(f)
     }
 }
 
@@ -579,6 +476,6 @@ impl<T: Real, M: Motion> fmt::Debug for RowSolution<'_, T, M> {
 #[cfg(feature = "defmt")]
 impl<T: Real, M: Motion> defmt::Format for RowSolution<'_, T, M> {
     fn format(&self, f: defmt::Formatter<'_>) {
-        defmt::write!(f, "{}", self.copy::<0>());
+        defmt::write!(f, "{}", self.view.copy::<0>(self.force, self.preload));
     }
 }

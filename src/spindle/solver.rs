@@ -143,7 +143,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         // The sixth freedom is the sleeve's.
         let spring = Given::Load(spindle.spring);
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
-        let unit = layout.bearings[0].c;
+        let unit = layout.rows[0].bearing.c;
         // From x = 0 to the centre.
         let to_centre = |problem: &mut Problem<T, D>| {
             refer(-spindle.centre * unit.tilt / unit.length, &mut problem.load);
@@ -178,7 +178,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
         let to_centre = |problem: &mut Problem<T, D>| {
             if let Some((piece, deflection)) = overhang {
-                refer(-point / radius(layout.bearings[0].c), &mut problem.load);
+                refer(-point / radius(layout.rows[0].bearing.c), &mut problem.load);
                 for (held, of_loads) in problem.prescribed.iter_mut().zip(deflection) {
                     *held = held.map(|u| u - of_loads);
                 }

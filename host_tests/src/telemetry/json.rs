@@ -6,7 +6,6 @@
 use super::decoder::{Event, Gap};
 use anyhow::Result;
 use serde::Serialize;
-use spindle_bearing::Limit;
 use spindle_bearing::monitor::telemetry::{Frame, Payload, encode};
 use spindle_bearing::monitor::{Alarm, Mark};
 use std::io::Write;
@@ -54,7 +53,7 @@ fn names(payload: &Payload) -> Vec<&'static str> {
     match payload {
         Payload::Estimate(report) => {
             let marks = report.marks.iter().map(Mark::name);
-            marks.chain(report.passed().map(Limit::name)).collect()
+            marks.chain(report.passed()).collect()
         }
         Payload::Health(report) => report.marks.iter().map(Mark::name).collect(),
         Payload::Start(report) => report.latched().map(Alarm::name).collect(),

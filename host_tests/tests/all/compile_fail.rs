@@ -123,13 +123,19 @@ fn items() -> impl Iterator<Item = ([String; 2], String)> {
         let bad = SPINDLE.replace(part, other);
         ([SPINDLE.to_owned(), bad], said.to_owned())
     });
-    // The library adds no method to a number.
-    let number = [
-        "pub fn number(x: f32) -> f32 { x.max(1.0) }",
-        "pub fn number(x: f32) -> f32 { x.at_least(1.0) }",
+    // The library adds no method to a number. Of any precision, a root would be that of the magnitude.
+    let numbers = [
+        [
+            "pub fn number(x: f32) -> f32 { x.max(1.0) }",
+            "pub fn number(x: f32) -> f32 { x.at_least(1.0) }",
+        ],
+        [
+            "pub fn root<T: Real>(x: T) -> f64 { f64::sqrt(x.into()) }",
+            "pub fn root<T: Real>(x: T) -> T { x.sqrt() }",
+        ],
     ];
-    let number = (number.map(str::to_owned), "no method named".to_owned());
-    solvers.chain(designs).chain(spindles).chain([number])
+    let numbers = numbers.map(|items| (items.map(str::to_owned), "no method named".to_owned()));
+    solvers.chain(designs).chain(spindles).chain(numbers)
 }
 
 /// The library, compiled for programs to link.

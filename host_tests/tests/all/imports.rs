@@ -51,6 +51,7 @@ const LAYERS: [&[&str]; 8] = [
         "design",
         "hertz",
         "const_math",
+        "serialize",
         "sqrt",
         "status",
         "tuning",

@@ -704,8 +704,8 @@ fn shoulders_are_where_the_file_says() {
     let text = bearing();
     let free = text.replace("= 48", "= 89").replace("= 47.5", "= 89");
     let passes = |text: &str| {
-        let limits = solved(&parsed(text), LOAD, RPM).limits();
-        limits.contains(Limit::Shoulder)
+        let rows = solved(&parsed(text), LOAD, RPM).rows;
+        rows[0].limits.contains(Limit::Shoulder)
     };
     assert!(!passes(&free));
     let balls = &solved(&parsed(&free), LOAD, RPM).rows[0].balls;

@@ -81,7 +81,8 @@ impl Checksum {
             self.numbers(&row.force);
             self.numbers(&[row.preload]);
             self.numbers(row.stiffness.as_flattened());
-            self.word(u64::from(row.limits.bits()) << 1 | u64::from(row.lifted_off));
+            let off = u64::from(row.lifted_off);
+            self.word(u64::from(row.limits.bits()) << 1 | off << 7 | off);
             self.balls(&row.balls);
             for motion in &row.motions {
                 self.numbers(&[motion.cage_speed, motion.rotation, motion.attitude]);

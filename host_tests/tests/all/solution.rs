@@ -5,13 +5,16 @@ use host_tests::cases::{B7005C, reference};
 use host_tests::compare::{Ball, Equilibrium};
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::tolerances::allowed;
+use serde::{Serialize, de::DeserializeOwned};
 use spindle_bearing::nalgebra::SVector;
 use spindle_bearing::{
-    Arrangement, Bearing, Design, FreeContact, LifeRating, Limits, Material, Preload, Section,
-    Settings, Shaft, ShaftLoad, Solver, Speed, Spindle, SpindleSolver, Status, Support, matrix,
+    Arrangement, Bearing, Design, FreeContact, LifeRating, Limit, Limits, Material, Preload,
+    RowSummary, Section, Settings, Shaft, ShaftLoad, Snapshot, Solver, Speed, Spindle,
+    SpindleSolver, Status, Support, matrix,
 };
 use std::array::from_fn;
 use std::f64::consts::PI;
+use std::fmt::Debug;
 
 #[test]
 fn a_snapshot_is_what_the_reference_build_says() {
@@ -24,22 +27,26 @@ fn a_snapshot_is_what_the_reference_build_says() {
             .solve(&bearing, SKEW, speed, &Settings::default())
             .unwrap();
         let copy = solution.snapshot();
+        let [row] = copy.rows;
+        // A bearing alone is one row, which has its load.
+        let off = from_fn::<_, 5, _>(|i| row.force[i] - SKEW[i]);
+        assert!(off.iter().all(|off| off.abs() < 1e-9), "{off:?}");
         let attitude = Attitude::Raceless.into();
         let truth = reference.solve(SKEW, speed.as_rad_per_s(), attitude);
         let found = Equilibrium {
             displacement: copy.displacement,
             stiffness: copy.stiffness,
-            balls: copy.balls.iter().map(Ball::from).collect(),
+            balls: row.balls.iter().map(Ball::from).collect(),
         };
         let (d, radius) = (B7005C.ball_diameter, 0.5 * B7005C.pitch_diameter);
         let errors = found.errors(&Equilibrium::from(&truth.unwrap()), d, radius);
         assert!(errors.within(allowed(Precision::F64)), "{rpm}: {errors}");
         assert_eq!((copy.load, copy.speed), (SKEW, speed));
-        assert!(solution.inner_forces().eq(copy.balls.map(|ball| ball.q_i)));
+        assert!(solution.inner_forces().eq(row.balls.map(|ball| ball.q_i)));
         // Cage speeds fit the centrifugal forces.
         let half_m_dm = B7005C.ball.density * PI * d.powi(3) / 12.0 * B7005C.pitch_diameter;
-        assert!(solution.cage_speeds().eq(copy.cage_speeds));
-        for (ball, cage_speed) in copy.balls.iter().zip(copy.cage_speeds) {
+        assert!(solution.cage_speeds().eq(row.cage_speeds));
+        for (ball, cage_speed) in row.balls.iter().zip(row.cage_speeds) {
             let expected = (ball.centrifugal_force / half_m_dm).sqrt().copysign(rpm);
             assert!(
                 (cage_speed - expected).abs() <= 1e-12 * expected.abs(),
@@ -325,31 +332,62 @@ fn loads_act_where_they_stand() {
     assert!(refused(0.0, f64::INFINITY).contains("Fx"));
 }
 
-/// Results go into a format that has to know how many there are, such as postcard.
+/// Results are read back as they were written, by a format with names and by one without: infinite numbers, numbers that are none,
+/// and balls of any number, too.
 #[test]
-fn results_are_written_by_a_format_without_names() {
-    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
-    let mut solver = Solver::new();
-    let (load, speed) = ([6000.0, 0.0, 0.0, 0.0, 0.0], Speed::rpm(20_000.0));
-    let solution = solver
-        .solve(&bearing, load, speed, &Settings::default())
-        .unwrap();
+fn results_are_read_as_they_were_written() {
+    fn again<T: Serialize + DeserializeOwned + Debug>(written: &T) {
+        let expected = format!("{written:?}");
+        let text = serde_json::to_string(written).unwrap();
+        let read: T = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}"));
+        assert_eq!(format!("{read:?}"), expected);
+        let mut bytes = [0; 16384];
+        let bytes = postcard::to_slice(written, &mut bytes).unwrap();
+        let read: T = postcard::from_bytes(bytes).unwrap();
+        assert_eq!(format!("{read:?}"), expected);
+    }
+    let bearing = Bearing::<f64, 40>::new(&Design {
+        pitch_diameter: 90e-3,
+        ..B7005C
+    });
+    let (bearing, mut solver) = (bearing.unwrap(), Solver::new());
+    let (load, speed) = ([30_000.0, 0.0, 0.0, 0.0, 0.0], Speed::rpm(10_000.0));
+    let settings = Settings::default();
+    let solution = solver.solve(&bearing, load, speed, &settings).unwrap();
+    again(&solution.snapshot());
     let rating = LifeRating::<f64>::new(&B7005C, 16, 13_700.0);
     let limits = Limits {
-        peak_pressure: 2e9,
-        ..Limits::default()
+        peak_pressure: 1e9,
+        friction: f64::INFINITY,
     };
-    let summary = solution.summary(&limits, &rating);
-    assert!(!summary.margins.passed().is_empty());
-    let mut bytes = [0; 4096];
-    for written in [
-        postcard::to_slice(&summary, &mut bytes).map(|bytes| bytes.len()),
-        postcard::to_slice(&summary.margins.passed(), &mut bytes).map(|bytes| bytes.len()),
-        postcard::to_slice(&solution.snapshot(), &mut bytes).map(|bytes| bytes.len()),
-    ] {
-        assert!(
-            written.as_ref().is_ok_and(|length| *length > 0),
-            "{written:?}"
-        );
-    }
+    let mut summary = solution.summary(&limits, &rating);
+    let passed = summary.margins.passed();
+    assert!(passed.contains(Limit::PeakPressure));
+    again(&passed);
+    again(&limits);
+    // Once read, the shoulder's angle may differ in its last digit.
+    let text = serde_json::to_string(&summary).unwrap();
+    let read: RowSummary<f64> = serde_json::from_str(&text).unwrap();
+    let angles =
+        [summary.margins, read.margins].map(|margins| margins.get(Limit::Shoulder).unwrap());
+    assert!((angles[0].value - angles[1].value).abs() < 1e-15);
+    assert_eq!(read.margins.passed(), passed);
+    assert_eq!(read.margins.to_string(), summary.margins.to_string());
+    summary.margins = read.margins;
+    assert_eq!(read, summary);
+    again(&solution.kinematics().next());
+    again(&solution.frequencies());
+    let text = serde_json::to_string(&solution.snapshot()).unwrap();
+    let at_rest = solver
+        .solve(&bearing, load, Speed::REST, &settings)
+        .unwrap();
+    let life = at_rest.rating_life(&rating);
+    assert!(life.hours.is_infinite());
+    again(&life);
+    again(&Bearing::<f32, 40>::new(&B7005C).unwrap_err());
+    let refused = solver.solve(&bearing, [f64::NAN; 5], Speed::REST, &settings);
+    again(&refused.unwrap_err());
+    // An array of another length is refused.
+    assert!(serde_json::from_str::<Snapshot<f64, 1, 39>>(&text).is_err());
+    assert!(serde_json::from_str::<Snapshot<f64, 1, 41>>(&text).is_err());
 }

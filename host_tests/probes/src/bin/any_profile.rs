@@ -61,7 +61,7 @@ mod scenes {
             ));
             for row in solution.rows() {
                 black_box((row.preload(), row.force, row.stiffness()));
-                black_box((row.limits(&limits).bits(), row.frequencies()));
+                black_box((row.margins(&limits).passed().bits(), row.frequencies()));
                 row.inner_forces().for_each(|force| {
                     black_box(force);
                 });

@@ -129,7 +129,7 @@ fn header(state: &State) -> Vec<Line<'static>> {
         doubts += &format!(", doubted: {}", report.marks);
     }
     for limit in report.passed() {
-        doubts += &format!(", past a limit: {}", limit.name());
+        doubts += &format!(", past a limit: {limit}");
     }
     vec![
         Line::from(vec![time, loads.into()]),

@@ -20,10 +20,7 @@ pub fn row(time_us: u64, report: &EstimateReport) -> String {
         direction(report.coupling_row),
         direction(report.coupling_column)
     );
-    let limits: String = report
-        .passed()
-        .map(|limit| format!(" {}", limit.name()))
-        .collect();
+    let limits: String = report.passed().map(|limit| format!(" {limit}")).collect();
     let marks: String = report
         .marks
         .iter()

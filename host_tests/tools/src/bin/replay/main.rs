@@ -365,7 +365,8 @@ Results, one row for each row of LOADS.csv, SI units:
   limits          physical limits that are passed, a blank between two of them; empty if none is:
                   peak-pressure (of a contact); shoulder (a contact's centre is past it); truncation
                   (of a contact ellipse by the shoulder); reversal (of a contact angle); friction
-                  (more is called for, gross slip suspected); inner-contact (lost by a ball)
+                  (more is called for, gross slip suspected); inner-contact (lost by a ball);
+                  lift-off (no preload is left)
   fx_n .. speed_rpm  loads and speed, copied
   t_inner_c, t_outer_c  at the end, of a spindle with [heat]; reaction_fx_n .. with --given
   l10_mrev, l10_h    basic rating life by ISO/TS 16281 under this load, million revolutions and hours;
