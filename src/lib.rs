@@ -26,7 +26,7 @@
 //! | `spindle` | bearings on a shaft, as a user builds them |
 //! | `solver` | public solvers, problem, Newton's loop, starts, what one solve leaves for the next |
 //! | `results` | what a solved row shows: summary, margins, life, frequencies |
-//! | `shaft` | rows on their mounts: their motion, sum of forces and stiffness |
+//! | `rows` | rows on their mounts: their motion, sum of forces and stiffness |
 //! | `ball` | one ball for a given ring: contacts, kinematics, linearised and condensed |
 //! | `real`, `linalg`, `growth` | numbers, vectors, matrices; growth of rings and balls |
 //! | `bearing`, `design` | the constants of a design |
@@ -47,9 +47,9 @@ mod linalg;
 mod matrices;
 mod real;
 mod results;
+mod rows;
 #[cfg(feature = "serde")]
 mod serialize;
-mod shaft;
 mod solver;
 mod spindle;
 #[allow(unsafe_code, reason = "an instruction that has no safe name")]

@@ -15,6 +15,7 @@
 //! Positions are a reference, whose deformations are known to twice the working precision, plus a small offset:
 //! `|X|^2 - lo^2 = e + (2 Xr + x).x`, so that a deformation keeps the digits that a difference of lengths would lose.
 
+pub mod at_rest;
 pub mod condensed;
 pub mod contact;
 pub mod kinematics;

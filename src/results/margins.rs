@@ -443,7 +443,7 @@ impl<T: Real> From<MarginsData<T>> for Margins<T> {
             friction,
             inner_contact,
         } = data.worst;
-        let all = [
+        let all: [_; Limit::ALL.len()] = [
             peak_pressure,
             shoulder,
             truncation,

@@ -17,7 +17,7 @@ use crate::results::frequencies::Frequencies;
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limits, Margins};
 use crate::results::snapshot::RowSnapshot;
-use crate::shaft::row::{Sum, groove, stiffness_change};
+use crate::rows::row::{Sum, groove, stiffness_change};
 use core::marker::PhantomData;
 
 /// The balls of a solved row: what a [`Solution`](crate::Solution) and a [`RowSolution`](crate::RowSolution) say of them.

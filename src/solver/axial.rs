@@ -1,13 +1,13 @@
 //! The equilibrium under a purely axial load: all balls are alike, and one is solved for.
 
+use crate::ball::at_rest::{AxialRest, Centres};
 use crate::ball::contact::Point;
 use crate::ball::kinematics::{Motion, RacewayControlFree};
 use crate::ball::report::{BallState, Kinetics};
 use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::linalg::add;
 use crate::real::Real;
-use crate::shaft::axial::{AxialRest, Centres};
-use crate::shaft::{BearingRef, Layout};
+use crate::rows::{BearingRef, Layout};
 use crate::solver::problem::{
     Given, OperatingPoint, Problem, Settings, check_tolerance, given_in_units, inertia,
     speed_and_growth,

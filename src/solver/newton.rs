@@ -4,7 +4,7 @@ use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
 use crate::linalg::{moved, norm, product, refer, vector};
 use crate::real::Real;
-use crate::shaft::{Pass, Shaft, Time};
+use crate::rows::{Pass, Rows, Time};
 use crate::solver::problem::Problem;
 use crate::solver::state::{Control, Estimate, State, Step, StepReport, Termination, rounding};
 use crate::tuning;
@@ -68,11 +68,11 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Goes back to where the balls were condensed.
     fn stay<const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &mut Shaft<'_, T, R, SET, E, D>,
+        rows: &mut Rows<'_, T, R, SET, E, D>,
     ) {
         self.v = self.at;
-        for bend in shaft.bends.iter_mut() {
-            bend.stay();
+        for deflection in rows.deflections.iter_mut() {
+            deflection.stay();
         }
     }
 
@@ -186,7 +186,7 @@ impl<T: Real, const D: usize> State<T, D> {
     /// `ds` is the relative change of `omega^2`.
     pub fn predict<const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &mut Shaft<'_, T, R, SET, E, D>,
+        rows: &mut Rows<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         ds: T,
     ) {
@@ -197,8 +197,8 @@ impl<T: Real, const D: usize> State<T, D> {
         if self.attempt.back {
             return;
         }
-        let plane = shaft.layout.plane;
-        self.stay(shaft);
+        let plane = rows.layout.plane;
+        self.stay(rows);
         let r = self.unbalanced::<E>(problem, ds);
         let Control { radius, least, .. } = self.attempt.control;
         let is_first = self.attempt.taken == 0;
@@ -208,7 +208,7 @@ impl<T: Real, const D: usize> State<T, D> {
             radius
         };
         let (du, _, damped) = self.step::<E>(plane, problem, &r, radius, least);
-        shaft.bend(&du, ds);
+        rows.deflect(&du, ds);
         let work = product(&r, &du);
         self.attempt.control.last = Step { du, work, damped };
         if is_first || problem.overhang::<E>().is_some() {
@@ -220,24 +220,24 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Newton's method from where ring and balls are, until an end, or until the time is up, which is asked after every row.
     pub fn newton<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &mut Shaft<'_, T, R, SET, E, D>,
+        rows: &mut Rows<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         time: &mut Time<'_>,
     ) -> Termination {
-        let plane = shaft.layout.plane;
+        let plane = rows.layout.plane;
         while !self.attempt.is_used_up(time.taken) {
-            if !shaft.condense::<A>(&self.v, &mut self.attempt.pass, time) {
+            if !rows.condense::<A>(&self.v, &mut self.attempt.pass, time) {
                 return Termination::Unfinished;
             }
             let near = !self.attempt.pass.far;
             self.attempt.pass = Pass::NONE;
-            shaft.sum::<A>(&mut self.sum);
+            rows.sum::<A>(&mut self.sum);
             (self.at, self.stale, self.plain) = (self.v, false, false);
             (time.taken, self.attempt.taken) = (time.taken + 1, self.attempt.taken + 1);
             time.is_up = time.taken >= time.max_iterations || !(time.more)();
 
             let r = self.unbalanced::<E>(problem, T::ZERO);
-            let mut size = problem.load_scale.at_least(*shaft.preload);
+            let mut size = problem.load_scale.at_least(*rows.preload);
             if !problem.is_free {
                 size = size.at_least(norm(&self.sum.force));
             }
@@ -251,46 +251,46 @@ impl<T: Real, const D: usize> State<T, D> {
             self.attempt.report.residual = residual;
             let stalled = !(residual < T::of(0.5) * before.residual);
             let at = self.at;
-            let rounded = |shaft: &Shaft<'_, T, R, SET, E, D>, most| {
-                stalled && residual < before.rounding(shaft, problem, &at, most)
+            let rounded = |rows: &Rows<'_, T, R, SET, E, D>, most| {
+                stalled && residual < before.rounding(rows, problem, &at, most)
             };
             let control = &mut self.attempt.control;
-            let back = control.review(&r, problem.enough, |most| rounded(shaft, most));
+            let back = control.review(&r, problem.enough, |most| rounded(rows, most));
             let Control { radius, least, .. } = *control;
             self.attempt.back = back.is_some();
             if let Some(back) = back {
-                for bend in shaft.bends.iter_mut() {
-                    bend.end_step();
+                for deflection in rows.deflections.iter_mut() {
+                    deflection.end_step();
                 }
                 let planar = moved(plane, &back);
                 self.advance(planar);
                 if time.is_up {
-                    self.estimate_change::<A, R, SET, E>(shaft, &planar, near);
+                    self.estimate_change::<A, R, SET, E>(rows, &planar, near);
                     break;
                 }
                 continue;
             }
             let (du, length, damped) = self.step::<E>(plane, problem, &r, radius, least);
-            shaft.bend(&du, T::ZERO);
+            rows.deflect(&du, T::ZERO);
             let planar = moved(plane, &du);
             self.attempt.report.step = length;
             self.advance(planar);
             // With a residual above `far`, the step changes the stiffness: no need to estimate it.
             let far = residual > problem.far;
             if !far || time.is_up {
-                self.estimate_change::<A, R, SET, E>(shaft, &planar, near && time.is_up);
+                self.estimate_change::<A, R, SET, E>(rows, &planar, near && time.is_up);
             }
             let work = product(&r, &du);
             if damped {
                 // Balanced, and the least damping is below rounding.
                 let stays = least < T::EPSILON || !(work > T::ZERO);
-                if stays && self.weak && rounded(shaft, problem.enough) {
+                if stays && self.weak && rounded(rows, problem.enough) {
                     return Termination::Singular;
                 }
             } else if near && !far {
-                match self.verdict(shaft, problem, &before) {
+                match self.verdict(rows, problem, &before) {
                     None => {}
-                    Some(Termination::Rounded) if !problem.is_held_by(shaft) => {
+                    Some(Termination::Rounded) if !problem.is_held_by(rows) => {
                         return Termination::Singular;
                     }
                     _ if self.weak => return Termination::Singular,
@@ -317,11 +317,11 @@ impl<T: Real, const D: usize> State<T, D> {
     #[inline(always)]
     fn estimate_change<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &Shaft<'_, T, R, SET, E, D>,
+        rows: &Rows<'_, T, R, SET, E, D>,
         planar: &[T; D],
         may_correct: bool,
     ) {
-        let changes = shaft.changes::<A>(planar);
+        let changes = rows.changes::<A>(planar);
         // The largest quotient, with one division.
         let (mut change, mut element) = (T::ZERO, T::ONE);
         for i in 0..D {
@@ -347,20 +347,20 @@ impl<T: Real, const D: usize> State<T, D> {
     #[inline(never)]
     fn is_rounded<const R: usize, const SET: bool, const E: usize>(
         &self,
-        shaft: &Shaft<'_, T, R, SET, E, D>,
+        rows: &Rows<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         report: &StepReport<T>,
     ) -> bool {
         let of_ball = rounding(report.estimate.largest, &self.at);
         let most = problem.enough.at_least(of_ball * of_ball.sqrt_abs());
         report.estimate.force <= most
-            && report.residual < report.rounding(shaft, problem, &self.at, T::ONE)
+            && report.residual < report.rounding(rows, problem, &self.at, T::ONE)
     }
 
     /// How the loop ends with the last step, if that was small enough.
     fn verdict<const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &mut Shaft<'_, T, R, SET, E, D>,
+        rows: &mut Rows<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         before: &StepReport<T>,
     ) -> Option<Termination> {
@@ -380,10 +380,10 @@ impl<T: Real, const D: usize> State<T, D> {
             Some(Termination::Converged)
         } else if stalled
             && relative < T::of(tuning::COARSE)
-            && self.is_rounded(shaft, problem, &report)
+            && self.is_rounded(rows, problem, &report)
         {
             // Discard the step: along a weak direction it may be long. The residual was judged before it.
-            self.stay(shaft);
+            self.stay(rows);
             self.stale = false;
             Some(Termination::Rounded)
         } else {

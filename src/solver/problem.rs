@@ -6,9 +6,9 @@ use crate::bearing::Constants;
 use crate::growth::Growth;
 use crate::linalg::{Matrix, matrix, moved, refer, vector};
 use crate::real::Real;
-use crate::shaft::Shaft;
-use crate::shaft::elastic::Piece;
-use crate::shaft::row::Sum;
+use crate::rows::Rows;
+use crate::rows::elastic::Piece;
+use crate::rows::row::Sum;
 use crate::status::{Quantity, Status};
 use crate::tuning;
 
@@ -358,13 +358,13 @@ impl<T: Real, const D: usize> Problem<T, D> {
     #[inline(never)]
     pub fn is_held_by<const R: usize, const SET: bool, const E: usize>(
         &self,
-        shaft: &Shaft<'_, T, R, SET, E, D>,
+        rows: &Rows<'_, T, R, SET, E, D>,
     ) -> bool {
         let mut free = 0;
         for held in &self.prescribed {
             free += u16::from(held.is_none());
         }
-        2 * shaft.loaded() >= free
+        2 * rows.loaded() >= free
     }
 }
 

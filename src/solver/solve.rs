@@ -4,8 +4,8 @@ use crate::ball::kinematics::{Motion, Rule};
 use crate::growth::Growth;
 use crate::linalg::{norm, vector};
 use crate::real::Real;
-use crate::shaft::row::{Row, UNSEATED};
-use crate::shaft::{Layout, Placed, Shaft, Time};
+use crate::rows::row::{Row, UNSEATED};
+use crate::rows::{Layout, Placed, Rows, Time};
 use crate::solver::problem::{
     Given, OperatingPoint, Problem, check_tolerance, given_in_units, inertia, speed_and_growth,
 };
@@ -95,12 +95,12 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
                 balls: balls.unwrap_or_default(),
             }
         });
-        let mut shaft = Shaft {
+        let mut rows = Rows {
             rows,
             layout,
             s,
             preload: &mut self.preload,
-            bends: &mut self.bends,
+            deflections: &mut self.deflections,
         };
         let mut time = Time {
             max_iterations,
@@ -110,12 +110,12 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         };
         let termination = self
             .state
-            .find::<A, R, SET, E>(&mut shaft, problem, &mut time);
+            .find::<A, R, SET, E>(&mut rows, problem, &mut time);
         self.state
-            .refuse::<A, R, SET, E>(&shaft, problem, termination)?;
+            .refuse::<A, R, SET, E>(&rows, problem, termination)?;
         // Rounding may end a solve under a spring of next to no force, where no ball of the sleeve is pressed.
         if D == 6 && !(self.state.sum.k[D - 1][D - 1] > T::ZERO) {
-            let (loaded_balls, free) = (shaft.loaded(), Quantity::Closure);
+            let (loaded_balls, free) = (rows.loaded(), Quantity::Closure);
             self.state = State::COLD;
             return Err(Status::Indeterminate { loaded_balls, free });
         }
@@ -151,13 +151,13 @@ impl<T: Real, const D: usize> State<T, D> {
     /// One solve: from the last solution or an unfinished attempt, if that is near, or from a start.
     fn find<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &mut Shaft<'_, T, R, SET, E, D>,
+        rows: &mut Rows<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         time: &mut Time<'_>,
     ) -> Termination {
-        let s = shaft.s;
+        let s = rows.s;
         let mut termination = Termination::Lost;
-        if self.attempt.pass.is_open() || self.is_near(shaft, problem) {
+        if self.attempt.pass.is_open() || self.is_near(rows, problem) {
             if self.attempt.termination != Termination::Unfinished {
                 self.attempt.begin(false);
             }
@@ -166,8 +166,8 @@ impl<T: Real, const D: usize> State<T, D> {
             } else {
                 T::ZERO
             };
-            self.predict(shaft, problem, ds);
-            termination = self.newton::<A, R, SET, E>(shaft, problem, time);
+            self.predict(rows, problem, ds);
+            termination = self.newton::<A, R, SET, E>(rows, problem, time);
         } else {
             self.attempt.begin(false);
         }
@@ -177,8 +177,8 @@ impl<T: Real, const D: usize> State<T, D> {
         if !is_over && !time.is_up {
             is_over = true;
             self.attempt.begin(true);
-            start(self, shaft, problem);
-            termination = self.newton::<A, R, SET, E>(shaft, problem, time);
+            start(self, rows, problem);
+            termination = self.newton::<A, R, SET, E>(rows, problem, time);
         }
         self.attempt.termination = termination;
         (self.load, self.s) = (problem.load, s);
@@ -188,7 +188,7 @@ impl<T: Real, const D: usize> State<T, D> {
         }
         if is_over {
             let size = problem.load_scale.at_least(norm(&self.sum.force));
-            self.load_scale = size.at_least(*shaft.preload);
+            self.load_scale = size.at_least(*rows.preload);
             return termination;
         }
         // There was no time for a start: the next solve has one.
@@ -200,24 +200,24 @@ impl<T: Real, const D: usize> State<T, D> {
     /// any load, but not by any displacement.
     fn is_near<const R: usize, const SET: bool, const E: usize>(
         &self,
-        shaft: &Shaft<'_, T, R, SET, E, D>,
+        rows: &Rows<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
     ) -> bool {
         let half = T::of(0.5);
-        let (s, balls) = (shaft.s, shaft.layout.ball_count);
-        let at = self.displacement(shaft.layout.plane);
+        let (s, balls) = (rows.s, rows.layout.ball_count);
+        let at = self.displacement(rows.layout.plane);
         let change: [T; D] = vector(|i| match problem.prescribed[i] {
             None => problem.load[i] - self.load[i],
             Some(u) => self.sum.k[i][i] * (u - at[i]),
         });
         let smaller = if problem.is_free {
             self.load_scale
-                .at_most(problem.load_scale.at_least(*shaft.preload))
+                .at_most(problem.load_scale.at_least(*rows.preload))
         } else {
             self.load_scale
         };
         self.load_scale > T::ZERO
-            && (shaft.layout.fixed.opposed && problem.is_free || norm(&change) <= smaller)
+            && (rows.layout.fixed.opposed && problem.is_free || norm(&change) <= smaller)
             && (s - self.s).abs() * balls <= half * (self.s * balls + self.load_scale)
             && (s > T::ZERO) == (self.s > T::ZERO)
     }
@@ -248,7 +248,7 @@ impl<T: Real, const D: usize> State<T, D> {
     /// Why there is no solution, if there is none.
     fn refuse<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
-        shaft: &Shaft<'_, T, R, SET, E, D>,
+        rows: &Rows<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         termination: Termination,
     ) -> Result<(), Status<T>> {
@@ -259,10 +259,10 @@ impl<T: Real, const D: usize> State<T, D> {
         }
         // Contacts more than 90 degrees apart do not hold a ball: that is why. An unfinished step says nothing of it.
         let limit = if is_solved { T::of(UNSEATED) } else { T::ZERO };
-        let driven_out = shaft.furthest_apart::<A>(limit);
+        let driven_out = rows.furthest_apart::<A>(limit);
         let status = match (termination, driven_out) {
             (Termination::Singular, _) => Status::Indeterminate {
-                loaded_balls: shaft.loaded(),
+                loaded_balls: rows.loaded(),
                 free: self.freest::<E>(problem),
             },
             (Termination::Unfinished, _) => Status::IterationLimit,

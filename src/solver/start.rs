@@ -4,8 +4,8 @@ use crate::ball::contact::{Point, to_grid};
 use crate::bearing::{Constants, L0};
 use crate::linalg::{moved, vector};
 use crate::real::Real;
-use crate::shaft::elastic::Bend;
-use crate::shaft::{GroupRow, Shaft};
+use crate::rows::elastic::Deflection;
+use crate::rows::{GroupRow, Rows};
 use crate::solver::problem::Problem;
 use crate::solver::state::State;
 
@@ -28,18 +28,18 @@ impl<T: Real> Pressing<T> {
     /// moment are added, so that no ball is unloaded at first.
     #[inline(never)]
     fn of<const R: usize, const SET: bool, const E: usize, const D: usize>(
-        shaft: &Shaft<'_, T, R, SET, E, D>,
+        rows: &Rows<'_, T, R, SET, E, D>,
         fixed: &GroupRow<'_, T>,
         problem: &Problem<T, D>,
     ) -> Self {
         let load = &problem.load;
         let mut own = fixed.mount.facing * load[0];
-        if let Some(sliding) = shaft.group(shaft.layout.sliding) {
+        if let Some(sliding) = rows.group(rows.layout.sliding) {
             own -= fixed.mount.facing * sliding.mount.facing * spring(problem);
         }
         let side = if own < T::ZERO { -T::ONE } else { T::ONE };
         let mut force = own.abs();
-        if D == 6 || shaft.layout.fixed.opposed {
+        if D == 6 || rows.layout.fixed.opposed {
             return Self { force, side };
         }
         if D >= 3 {
@@ -101,7 +101,7 @@ fn distance<T: Real>(c: &Constants<T>, p: &Point<T>, q: T) -> T {
 /// spring. Rows that hold each other stay where they are.
 #[inline(never)]
 fn displaced<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>(
-    shaft: &Shaft<'_, T, R, SET, E, D>,
+    rows: &Rows<'_, T, R, SET, E, D>,
     problem: &Problem<T, D>,
 ) -> [T; D] {
     // A displacement of the shaft from one of a row.
@@ -109,15 +109,15 @@ fn displaced<T: Real, const R: usize, const SET: bool, const E: usize, const D: 
         (pressed.displacement(rows) - rows.mount.closure) / rows.mount.length
     };
     let mut u = [T::ZERO; D];
-    if let Some(holding) = shaft
-        .group(Some(shaft.layout.fixed))
-        .filter(|_| !shaft.layout.fixed.opposed)
+    if let Some(holding) = rows
+        .group(Some(rows.layout.fixed))
+        .filter(|_| !rows.layout.fixed.opposed)
     {
-        let pressed = Pressing::of(shaft, &holding, problem);
+        let pressed = Pressing::of(rows, &holding, problem);
         u[0] = holding.mount.facing * shifted(&holding, pressed);
     }
     if D == 6
-        && let Some(sliding) = shaft.group(shaft.layout.sliding)
+        && let Some(sliding) = rows.group(rows.layout.sliding)
     {
         let (force, side) = (spring(problem), T::ONE);
         u[5] = shifted(&sliding, Pressing { force, side }) - sliding.mount.facing * u[0];
@@ -134,29 +134,29 @@ fn displaced<T: Real, const R: usize, const SET: bool, const E: usize, const D: 
     for (u, held) in u.iter_mut().zip(held) {
         *u = held.unwrap_or(*u);
     }
-    moved(shaft.layout.plane, &u)
+    moved(rows.layout.plane, &u)
 }
 
 /// Puts the shaft where the axial load alone would. The first pass puts the balls there, all balls of a row alike.
 #[inline(never)]
 pub(super) fn start<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>(
     state: &mut State<T, D>,
-    shaft: &mut Shaft<'_, T, R, SET, E, D>,
+    rows: &mut Rows<'_, T, R, SET, E, D>,
     problem: &Problem<T, D>,
 ) {
-    let u = displaced(shaft, problem);
+    let u = displaced(rows, problem);
     // Offsets count from the axial part.
     state.u = vector(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
     state.v = vector(|i| u[i] - state.u[i]);
-    for bend in shaft.bends.iter_mut() {
-        *bend = Bend::NONE;
+    for deflection in rows.deflections.iter_mut() {
+        *deflection = Deflection::NONE;
     }
-    shaft.each(&state.u, |row, u| {
+    rows.each(&state.u, |row, u| {
         row.p.start(row.c, u[0] + row.mount.closure)
     });
-    for joint in &shaft.layout.joints {
-        if let Some(bend) = shaft.bends.get_mut(joint.row) {
-            bend.straighten(&joint.constant);
+    for joint in &rows.layout.joints {
+        if let Some(deflection) = rows.deflections.get_mut(joint.row) {
+            deflection.straighten(&joint.constant);
         }
     }
     state.attempt.pass.starts = true;

@@ -3,8 +3,8 @@
 use crate::bearing::L0;
 use crate::linalg::{Factors, moved, norm, vector};
 use crate::real::Real;
-use crate::shaft::row::Sum;
-use crate::shaft::{Pass, Shaft};
+use crate::rows::row::Sum;
+use crate::rows::{Pass, Rows};
 use crate::solver::problem::Problem;
 use crate::status::{ErrorEstimate, Status};
 use crate::tuning;
@@ -214,17 +214,14 @@ impl<T: Real> StepReport<T> {
     #[inline(never)]
     pub fn rounding<const R: usize, const SET: bool, const E: usize, const D: usize>(
         &self,
-        shaft: &Shaft<'_, T, R, SET, E, D>,
+        rows: &Rows<'_, T, R, SET, E, D>,
         problem: &Problem<T, D>,
         v: &[T; D],
         most: T,
     ) -> T {
         let largest = self.estimate.largest;
-        let size = problem
-            .load_scale
-            .at_least(*shaft.preload)
-            .at_least(largest);
-        let forces = shaft.layout.ball_count * largest / size;
+        let size = problem.load_scale.at_least(*rows.preload).at_least(largest);
+        let forces = rows.layout.ball_count * largest / size;
         rounding(largest, v).at_most(most) * forces.at_least(T::ONE)
     }
 

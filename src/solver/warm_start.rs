@@ -6,9 +6,9 @@ use crate::ball::kinematics::{Motion, Rule, Speed};
 use crate::linalg::{Matrix, add_to, moved, product, refer, refer_stiffness, vector};
 use crate::real::Real;
 use crate::results::Balls;
-use crate::shaft::elastic::{Bend, Joint, add, fold};
-use crate::shaft::row::{Mount, Sum, stiffness_change, sum_up};
-use crate::shaft::{BearingRef, Layout, Placed};
+use crate::rows::elastic::{Deflection, Joint, add, fold};
+use crate::rows::row::{Mount, Sum, stiffness_change, sum_up};
+use crate::rows::{BearingRef, Layout, Placed};
 use crate::solver::problem::units;
 use crate::solver::state::{State, Termination, are_finite, rounding};
 use crate::status::ErrorEstimate;
@@ -26,7 +26,7 @@ pub struct WarmStart<T: Real, const R: usize, const N: usize, const D: usize, co
     /// Fingerprint of the bearings and shaft that were solved last.
     pub fingerprint: u32,
     /// Elastic state of each row: forces and deflection.
-    pub bends: [Bend<T, D>; E],
+    pub deflections: [Deflection<T, D>; E],
 }
 
 /// A row after a solve: its balls, and their speed, growth and references.
@@ -76,7 +76,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         preload: T::ZERO,
         omega: T::ZERO,
         fingerprint: 0,
-        bends: [Bend::NONE; E],
+        deflections: [Deflection::NONE; E],
     };
 
     /// Has the next solve start from nothing.
@@ -118,7 +118,11 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             .errors(u, self.rows[0].point.s * layout.ball_count);
         // A row's motion is a difference of the shaft's and its deflection.
         let mut offset = T::ZERO;
-        for u in self.bends.iter().flat_map(|bend| &bend.deflection) {
+        for u in self
+            .deflections
+            .iter()
+            .flat_map(|deflection| &deflection.now)
+        {
             offset = offset.at_least(u.abs());
         }
         let rounding = rounding(self.state.attempt.report.estimate.largest, &[offset]);
@@ -226,8 +230,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     #[inline(always)]
     fn motion<const SET: bool>(&self, mount: &Mount<T>, row: usize) -> [T; 5] {
         let mut v = mount.motion::<D, SET>(&self.state.v);
-        if let Some(bend) = self.bends.get(row) {
-            add(&mut v, T::ONE, &mount.of_centre(&bend.deflection));
+        if let Some(deflection) = self.deflections.get(row) {
+            add(&mut v, T::ONE, &mount.of_centre(&deflection.now));
         }
         v
     }
@@ -263,8 +267,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         let (mount, c) = (&layout.rows[i.min(R - 1)].mount, row.c);
         let mut sum = Sum::NONE;
         sum_up::<T, M::Rule, 5>(row.balls, row.azimuths, &mut sum);
-        let du = match self.bends.get(i) {
-            Some(bend) => mount.of_centre(&bend.moved),
+        let du = match self.deflections.get(i) {
+            Some(deflection) => mount.of_centre(&deflection.moved),
             None => mount.motion::<D, SET>(&vector(|i| self.state.v[i] - self.state.at[i])),
         };
         let mut force: [T; 5] = vector(|i| sum.force[i] + product(&sum.k[i], &du));

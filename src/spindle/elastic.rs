@@ -4,8 +4,8 @@ use crate::bearing::Constants;
 use crate::design::check;
 use crate::linalg::{norm, refer, vector};
 use crate::real::{Float, Real};
-use crate::shaft::elastic::{Bend, Joint, Piece, forces};
-use crate::shaft::{Layout, Placed};
+use crate::rows::elastic::{Deflection, Joint, Piece, forces};
+use crate::rows::{Layout, Placed};
 use crate::solver::problem::{Given, ShaftLoad, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
@@ -504,7 +504,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         &self,
         x: T,
         loads: &[ShaftLoad<T>],
-        bends: &[Bend<T, D>; E],
+        deflections: &[Deflection<T, D>; E],
     ) -> ([T; 5], T) {
         let (mut u, mut size) = ([T::ZERO; 5], T::ZERO);
         if E == 0 {
@@ -517,7 +517,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         };
         add(deflection_by(shaft, unit, x, shaft.loads));
         add(deflection_by(shaft, unit, x, loads));
-        for (position, force) in forces(&self.layout.joints, bends) {
+        for (position, force) in forces(&self.layout.joints, deflections) {
             add(deflection(shaft, unit, x, position, &vector(|i| -force[i])));
         }
         (u, size)

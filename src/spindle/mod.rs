@@ -18,7 +18,7 @@ pub mod solver;
 
 use crate::bearing::Bearing;
 use crate::real::Real;
-use crate::shaft::{BearingRef, Layout, Placed};
+use crate::rows::{BearingRef, Layout, Placed};
 use crate::solver::problem::radius;
 use crate::spindle::arrangement::Facing;
 use crate::spindle::sections::OnShaft;

@@ -8,8 +8,8 @@ use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::Limits;
 use crate::results::snapshot::Snapshot;
 use crate::results::summary::RowSummary;
-use crate::shaft::elastic::soften;
-use crate::shaft::row::Sum;
+use crate::rows::elastic::soften;
+use crate::rows::row::Sum;
 use crate::solver::problem::{ShaftLoad, radius, stiffness_out, units};
 use crate::solver::warm_start::{Reached, WarmStart};
 use crate::spindle::Spindle;
@@ -226,7 +226,11 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// Displacement at the position `x` (m), and its error.
     fn displaced(&self, x: T) -> ([T; 5], T) {
         let Spindle { layout, centre, .. } = self.spindle;
-        let (unit, beyond, bends) = (layout.rows[0].bearing.c, x - *centre, &self.last.bends);
+        let (unit, beyond, deflections) = (
+            layout.rows[0].bearing.c,
+            x - *centre,
+            &self.last.deflections,
+        );
         let at_origin = [ShaftLoad {
             position: T::ZERO,
             load: self.load,
@@ -236,7 +240,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         } else {
             self.placed
         };
-        let (deflection, bent) = self.spindle.deflection_at(x, loads, bends);
+        let (deflection, bent) = self.spindle.deflection_at(x, loads, deflections);
         let rigid = moved(beyond, &self.u);
         let u = vector(|i| rigid[i] + deflection[i] * units(unit, i).1);
         let in_units = |u: &[T; 5]| norm(&vector::<T, 5>(|i| u[i] / units(unit, i).1));

@@ -43,7 +43,7 @@ const LAYERS: [&[&str]; 8] = [
     &["spindle"],
     &["solver"],
     &["results"],
-    &["shaft"],
+    &["rows"],
     &["ball"],
     &["real", "linalg", "growth"],
     &[

@@ -75,8 +75,8 @@ impl Part {
                 "atan",
             ],
             Self::Iteration => &[
-                "spindle_bearing::shaft::row::",
-                "spindle_bearing::shaft::Shaft",
+                "spindle_bearing::rows::row::",
+                "spindle_bearing::rows::Rows",
                 "spindle_bearing::solver::newton::",
             ],
             Self::RaceControl => &["OuterRaceControl as", "InnerRaceControl as"],
@@ -86,7 +86,7 @@ impl Part {
             Self::Limits => &["spindle_bearing::results::margins::"],
             Self::Spindle => &["spindle_bearing::spindle::", ">::assemble", ">::turned"],
             Self::Elastic => &[
-                "spindle_bearing::shaft::elastic::",
+                "spindle_bearing::rows::elastic::",
                 "spindle_bearing::spindle::elastic::any::piece",
                 "spindle_bearing::spindle::elastic::any::deflection",
             ],

@@ -3,7 +3,6 @@
 //! A bearing is a shaft with one row, in the frame and the units of that row. `SET` says whether rows have mounts of their own;
 //! a bearing alone has [`Mount::PLAIN`], and its loop leaves that arithmetic out.
 
-pub mod axial;
 pub mod elastic;
 pub mod row;
 
@@ -12,8 +11,8 @@ use crate::ball::kinematics::Rule;
 use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::linalg::vector;
 use crate::real::Real;
-use crate::shaft::elastic::{Bend, Joint};
-use crate::shaft::row::{Changes, Mount, Row, Sum, in_full, sum_up};
+use crate::rows::elastic::{Deflection, Joint};
+use crate::rows::row::{Changes, Mount, Row, Sum, in_full, sum_up};
 
 /// Rows that hold the shaft together, or slide together.
 #[derive(Debug, Clone, Copy)]
@@ -171,7 +170,7 @@ impl<T: Real> Pass<T> {
 
 /// The rows of a shaft in one solve. Displacements and offsets are the groove plane's; forces are referred to the shaft's
 /// centre.
-pub struct Shaft<'a, T, const R: usize, const SET: bool, const E: usize, const D: usize> {
+pub struct Rows<'a, T, const R: usize, const SET: bool, const E: usize, const D: usize> {
     pub rows: [Row<'a, T>; R],
     pub layout: &'a Layout<'a, T, R, SET, E>,
     /// Inertia `m dm omega^2 / 2` of a ball of the first row.
@@ -179,21 +178,21 @@ pub struct Shaft<'a, T, const R: usize, const SET: bool, const E: usize, const D
     /// Axial force by which rows of either facing hold each other, besides the load.
     pub preload: &'a mut T,
     /// Elastic state of each row: forces and deflection.
-    pub bends: &'a mut [Bend<T, D>; E],
+    pub deflections: &'a mut [Deflection<T, D>; E],
 }
 
 impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
-    Shaft<'_, T, R, SET, E, D>
+    Rows<'_, T, R, SET, E, D>
 {
     /// Every row, and its motion when the shaft has the motion `v`.
     #[inline(always)]
     pub fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T>, &[T; 5])) {
         // Not `zip`, which the compiler unrolls.
-        let mut bends = self.bends.iter();
+        let mut deflections = self.deflections.iter();
         for row in self.rows.iter_mut() {
             let mut own = row.mount.motion::<D, SET>(v);
-            if let Some(bend) = bends.next() {
-                elastic::add(&mut own, T::ONE, &row.mount.of_centre(&bend.deflection));
+            if let Some(deflection) = deflections.next() {
+                elastic::add(&mut own, T::ONE, &row.mount.of_centre(&deflection.now));
             }
             f(row, &own);
         }
@@ -261,7 +260,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                     add(row, sum);
                 }
             };
-            elastic::fold(&self.layout.joints, self.bends, &mut add_row, sum);
+            elastic::fold(&self.layout.joints, self.deflections, &mut add_row, sum);
         } else {
             *sum = Sum::NONE;
             for row in rows {
@@ -291,19 +290,19 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                 cos: own.cos,
             };
         }
-        let mut bends = self.bends.iter();
+        let mut deflections = self.deflections.iter();
         let mut of_rows = [[T::ZERO; D]; E];
         let mut rows = of_rows.iter_mut();
         for row in self.rows.iter() {
-            let (mount, bend, of_row) = (row.mount, bends.next(), rows.next());
-            let step = match bend {
-                Some(bend) => mount.of_centre(&bend.moved),
+            let (mount, deflection, of_row) = (row.mount, deflections.next(), rows.next());
+            let step = match deflection {
+                Some(deflection) => mount.of_centre(&deflection.moved),
                 None => mount.motion::<D, SET>(du),
             };
             let own = row.changes::<A>(&step);
             let k = mount.force * mount.length;
             // From the row's groove plane to the shaft's, or to the row's centre.
-            let lever = match bend {
+            let lever = match deflection {
                 Some(_) => mount.arm * mount.reach,
                 None => mount.lever,
             };
@@ -323,21 +322,21 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             all.cos = all.cos.at_most(own.cos);
         }
         if E > 0 {
-            all.k = elastic::diagonal(&self.layout.joints, self.bends, &of_rows);
+            all.k = elastic::diagonal(&self.layout.joints, self.deflections, &of_rows);
         }
         all
     }
 
     /// Bends an elastic shaft by the step `du` of its section at its centre, and a relative change `ds` of `omega^2`.
     #[inline(always)]
-    pub fn bend(&mut self, du: &[T; D], ds: T) {
+    pub fn deflect(&mut self, du: &[T; D], ds: T) {
         if E > 0 {
             let rows = &self.layout.rows;
             let slide = |row: usize| match rows.get(row) {
                 Some(row) if D == 6 && row.mount.sliding => row.mount.facing * du[5],
                 _ => T::ZERO,
             };
-            elastic::unfold(&self.layout.joints, self.bends, &slide, du, ds);
+            elastic::unfold(&self.layout.joints, self.deflections, &slide, du, ds);
         }
     }
 

@@ -12,7 +12,7 @@
 
 use crate::linalg::{moved, product, refer, vector};
 use crate::real::Real;
-use crate::shaft::row::Sum;
+use crate::rows::row::Sum;
 
 /// A row on an elastic shaft, its support, and the shaft from there to the next row towards its centre.
 ///
@@ -95,34 +95,34 @@ fn turned<T: Real, const D: usize>(lean: T, u: &[T; D]) -> [T; D] {
 
 /// A row's part of the fold, and what holds the shaft bent.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bend<T, const D: usize> {
+pub struct Deflection<T, const D: usize> {
     /// Changes of force of the row behind its support, and of all rows from here outwards behind the piece of shaft, at its far end
     /// and by its lean.
-    held: Sum<T, D>,
-    outer: Sum<T, D>,
+    behind_support: Sum<T, D>,
+    behind_piece: Sum<T, D>,
     /// Force of the row that bends the shaft, and its change by the last step.
     force: [T; D],
     force_step: [T; D],
     /// Forces of all rows from here outwards that bend the piece, at that end and by that lean, and their change by the last step.
-    bending: [T; D],
-    bending_step: [T; D],
-    /// Deflection of the row, and where the balls were condensed last.
-    pub deflection: [T; 5],
+    carried: [T; D],
+    carried_step: [T; D],
+    /// Deflection of the row, and the one where the balls were condensed last.
+    pub now: [T; 5],
     before: [T; 5],
     /// Motion of the row since.
     pub moved: [T; 5],
 }
 
-impl<T: Real, const D: usize> Bend<T, D> {
+impl<T: Real, const D: usize> Deflection<T, D> {
     /// Of a straight shaft without load.
     pub const NONE: Self = Self {
-        held: Sum::NONE,
-        outer: Sum::NONE,
+        behind_support: Sum::NONE,
+        behind_piece: Sum::NONE,
         force: [T::ZERO; D],
         force_step: [T::ZERO; D],
-        bending: [T::ZERO; D],
-        bending_step: [T::ZERO; D],
-        deflection: [T::ZERO; 5],
+        carried: [T::ZERO; D],
+        carried_step: [T::ZERO; D],
+        now: [T::ZERO; 5],
         before: [T::ZERO; 5],
         moved: [T::ZERO; 5],
     };
@@ -174,38 +174,42 @@ pub type AddRow<'a, T, const D: usize> = &'a mut dyn FnMut(&Joint<T>, &mut Sum<T
 #[inline(never)]
 pub fn fold<T: Real, const D: usize>(
     joints: &[Joint<T>],
-    bends: &mut [Bend<T, D>],
+    deflections: &mut [Deflection<T, D>],
     add_row: AddRow<'_, T, D>,
     sum: &mut Sum<T, D>,
 ) {
     *sum = Sum::NONE;
-    let mut scratch = Bend::NONE;
-    let (mut side, mut bending) = (Sum::NONE, [T::ZERO; D]);
+    let mut scratch = Deflection::NONE;
+    let (mut side, mut carried) = (Sum::NONE, [T::ZERO; D]);
     for joint in joints {
-        let bend = bends.get_mut(joint.row).unwrap_or(&mut scratch);
-        bend.held = Sum::NONE;
-        add_row(joint, &mut bend.held);
-        add(&mut bend.force, T::ONE, &bend.force_step);
-        add(&mut bend.bending, T::ONE, &bend.bending_step);
-        add(&mut bend.held.force, -T::ONE, &bend.force);
-        add(&mut bending, T::ONE, &bend.force);
-        soften(&mut bend.held, &joint.support);
-        side.add(&bend.held);
+        let deflection = deflections.get_mut(joint.row).unwrap_or(&mut scratch);
+        deflection.behind_support = Sum::NONE;
+        add_row(joint, &mut deflection.behind_support);
+        add(&mut deflection.force, T::ONE, &deflection.force_step);
+        add(&mut deflection.carried, T::ONE, &deflection.carried_step);
+        add(
+            &mut deflection.behind_support.force,
+            -T::ONE,
+            &deflection.force,
+        );
+        add(&mut carried, T::ONE, &deflection.force);
+        soften(&mut deflection.behind_support, &joint.support);
+        side.add(&deflection.behind_support);
         let piece = &joint.piece;
         if piece.is_elastic() {
             side.lean(piece.lean);
-            lean(piece.lean, &mut bending);
+            lean(piece.lean, &mut carried);
             // Rounding makes the rows' forces differ a little from the force that bends the piece. Behind a soft piece, this little is much.
-            side.force = vector(|i| side.force[i] + (bending[i] - bend.bending[i]));
+            side.force = vector(|i| side.force[i] + (carried[i] - deflection.carried[i]));
             soften(&mut side, &piece.flexibility);
-            (bend.outer, bending) = (side, bend.bending);
+            (deflection.behind_piece, carried) = (side, deflection.carried);
         }
         side.move_by(piece);
-        to_near_end(piece, &mut bending);
+        to_near_end(piece, &mut carried);
         if joint.is_last {
             sum.add(&side);
-            add(&mut sum.force, T::ONE, &bending);
-            (side, bending) = (Sum::NONE, [T::ZERO; D]);
+            add(&mut sum.force, T::ONE, &carried);
+            (side, carried) = (Sum::NONE, [T::ZERO; D]);
         }
     }
 }
@@ -229,53 +233,53 @@ fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
 #[inline(never)]
 pub fn unfold<T: Real, const D: usize>(
     joints: &[Joint<T>],
-    bends: &mut [Bend<T, D>],
+    deflections: &mut [Deflection<T, D>],
     slide: &dyn Fn(usize) -> T,
     du: &[T; D],
     ds: T,
 ) {
-    let (mut u, mut deflection) = (*du, [T::ZERO; 5]);
+    let (mut u, mut bent) = (*du, [T::ZERO; 5]);
     for joint in joints.iter().rev() {
-        let Some(bend) = bends.get_mut(joint.row) else {
+        let Some(deflection) = deflections.get_mut(joint.row) else {
             return;
         };
         if joint.is_last {
-            (u, deflection) = (*du, [T::ZERO; 5]);
+            (u, bent) = (*du, [T::ZERO; 5]);
         }
         let piece = &joint.piece;
-        (u, deflection) = (moved(piece.length, &u), moved(piece.length, &deflection));
+        (u, bent) = (moved(piece.length, &u), moved(piece.length, &bent));
         if piece.is_elastic() {
-            (u, deflection) = (turned(-piece.lean, &u), turned(-piece.lean, &deflection));
-            bend.bending_step = bend.outer.after(&u, ds);
+            (u, bent) = (turned(-piece.lean, &u), turned(-piece.lean, &bent));
+            deflection.carried_step = deflection.behind_piece.after(&u, ds);
             for (i, flexibility) in piece.flexibility.iter().enumerate() {
-                let step = bend.bending_step[i];
+                let step = deflection.carried_step[i];
                 u[i] -= *flexibility * step;
-                deflection[i] -= *flexibility * (bend.bending[i] + step);
+                bent[i] -= *flexibility * (deflection.carried[i] + step);
             }
-            (u, deflection) = (turned(piece.lean, &u), turned(piece.lean, &deflection));
+            (u, bent) = (turned(piece.lean, &u), turned(piece.lean, &bent));
         }
-        bend.force_step = bend.held.after(&u, ds);
-        bend.before = bend.deflection;
+        deflection.force_step = deflection.behind_support.after(&u, ds);
+        deflection.before = deflection.now;
         for (i, flexibility) in joint.support.iter().enumerate() {
-            bend.moved[i] = u[i] - *flexibility * bend.force_step[i];
-            let given = *flexibility * bend.force(i);
-            bend.deflection[i] = (joint.constant[i] + deflection[i]) - given;
+            deflection.moved[i] = u[i] - *flexibility * deflection.force_step[i];
+            let given = *flexibility * deflection.force(i);
+            deflection.now[i] = (joint.constant[i] + bent[i]) - given;
         }
-        bend.moved[0] += slide(joint.row);
+        deflection.moved[0] += slide(joint.row);
     }
 }
 
 /// Forces of the rows that bend the shaft as it is bent, with the rows' positions.
 pub fn forces<'a, T: Real, const D: usize>(
     joints: &'a [Joint<T>],
-    bends: &'a [Bend<T, D>],
+    deflections: &'a [Deflection<T, D>],
 ) -> impl Iterator<Item = (T, [T; D])> + 'a {
     let mut beyond = [T::ZERO; D];
     joints.iter().filter_map(move |joint| {
-        let (bend, piece) = (bends.get(joint.row)?, &joint.piece);
-        let mut all = vector(|i| beyond[i] + bend.force(i));
+        let (deflection, piece) = (deflections.get(joint.row)?, &joint.piece);
+        let mut all = vector(|i| beyond[i] + deflection.force(i));
         if piece.is_elastic() {
-            all = vector(|i| bend.bending[i] + bend.bending_step[i]);
+            all = vector(|i| deflection.carried[i] + deflection.carried_step[i]);
             lean(-piece.lean, &mut all);
         }
         let force = vector(|i| all[i] - beyond[i]);
@@ -289,21 +293,26 @@ pub fn forces<'a, T: Real, const D: usize>(
 #[inline(never)]
 pub fn diagonal<T: Real, const D: usize>(
     joints: &[Joint<T>],
-    bends: &[Bend<T, D>],
+    deflections: &[Deflection<T, D>],
     rows: &[[T; D]],
 ) -> [T; D] {
     let (mut all, mut side) = ([T::ZERO; D], [T::ZERO; D]);
     for joint in joints {
-        let (Some(bend), Some(row)) = (bends.get(joint.row), rows.get(joint.row)) else {
+        let (Some(deflection), Some(row)) = (deflections.get(joint.row), rows.get(joint.row))
+        else {
             break;
         };
         let mut change = *row;
-        bend.held.soften_change(&joint.support, &mut change);
+        deflection
+            .behind_support
+            .soften_change(&joint.support, &mut change);
         add(&mut side, T::ONE, &change);
         let piece = &joint.piece;
         if piece.is_elastic() {
             lean_diagonal(piece.lean, &mut side);
-            bend.outer.soften_change(&piece.flexibility, &mut side);
+            deflection
+                .behind_piece
+                .soften_change(&piece.flexibility, &mut side);
             lean_diagonal(piece.lean, &mut side);
         }
         refer_diagonal(piece.length, &mut side);
@@ -413,24 +422,24 @@ fn softened<T: Real, const D: usize>(i: usize, k: &[T; D], springs: &[T; 5], far
     dot(&parts.map(|part| part * part), far)
 }
 
-impl<T: Real, const D: usize> Bend<T, D> {
+impl<T: Real, const D: usize> Deflection<T, D> {
     /// Bends by constant loads alone, from straight.
     pub fn straighten(&mut self, constant: &[T; 5]) {
-        add(&mut self.deflection, T::ONE, constant);
+        add(&mut self.now, T::ONE, constant);
         add(&mut self.before, T::ONE, constant);
     }
 
     /// Goes back to where the balls were condensed.
     #[inline(never)]
     pub fn stay(&mut self) {
-        self.deflection = self.before;
+        self.now = self.before;
         self.end_step();
     }
 
     /// Takes no more of the last step than its deflection, which the balls have followed.
     #[inline(never)]
     pub fn end_step(&mut self) {
-        (self.force_step, self.bending_step) = ([T::ZERO; D], [T::ZERO; D]);
+        (self.force_step, self.carried_step) = ([T::ZERO; D], [T::ZERO; D]);
         self.moved = [T::ZERO; 5];
     }
 
