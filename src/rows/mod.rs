@@ -6,13 +6,12 @@
 pub mod elastic;
 pub mod row;
 
-use crate::ball::contact::Point;
 use crate::ball::kinematics::Rule;
 use crate::bearing::{Azimuth, Bearing, Constants};
 use crate::linalg::vector;
 use crate::real::Real;
 use crate::rows::elastic::{Deflection, Joint};
-use crate::rows::row::{Changes, Mount, Row, Sum, in_full, sum_up};
+use crate::rows::row::{Estimate, Mount, Row, Sum, in_full, sum_up};
 
 /// Rows that hold the shaft together, or slide together.
 #[derive(Debug, Clone, Copy)]
@@ -119,16 +118,6 @@ impl<T: Real, const N: usize> Bearing<T, N> {
     }
 }
 
-/// A group of rows, as a start sees it by its first row.
-#[derive(Debug, Clone, Copy)]
-pub struct GroupRow<'a, T> {
-    pub c: &'a Constants<T>,
-    pub p: &'a Point<T>,
-    pub mount: &'a Mount<T>,
-    /// Number of its balls.
-    pub balls: T,
-}
-
 /// How long a solve may go on.
 pub struct Time<'a> {
     /// Most iterations; at least one is taken.
@@ -198,16 +187,9 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         }
     }
 
-    /// A group of rows by its first row, if there is such a group.
-    pub fn group(&self, group: Option<Group<T>>) -> Option<GroupRow<'_, T>> {
-        let group = group?;
-        let row = self.rows.get(group.first)?;
-        Some(GroupRow {
-            c: row.c,
-            p: row.p,
-            mount: row.mount,
-            balls: group.balls,
-        })
+    /// The first row of a group.
+    pub fn first_of(&self, group: &Group<T>) -> Option<&Row<'_, T>> {
+        self.rows.get(group.first)
     }
 
     /// Has the balls of every row that the pass has not condensed yet follow to `v`, and condenses them there; whether it has come to
@@ -270,26 +252,14 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         *self.preload = sides[0].at_most(sides[1]).at_least(T::ZERO);
     }
 
-    /// Changes of the rows along a step `du`.
+    /// Changes of the stiffness's diagonal along a step `du`, and the rest of their estimate; its force is the largest error.
     #[inline(never)]
-    pub fn changes<A: Rule>(&self, du: &[T; D]) -> Changes<T, D> {
-        let mut all = Changes {
-            k: [T::ZERO; D],
-            relative: T::ZERO,
-            force_error: T::ZERO,
-            largest: T::TINY,
-            cos: T::ONE,
-        };
+    pub fn changes<A: Rule>(&self, du: &[T; D]) -> ([T; D], Estimate<T>) {
         if !SET {
-            let own = self.rows[0].changes::<A>(&in_full(du));
-            return Changes {
-                k: vector(|i| own.k[i]),
-                relative: own.relative,
-                force_error: own.force_error,
-                largest: own.largest,
-                cos: own.cos,
-            };
+            let (k, estimate) = self.rows[0].changes::<A>(&in_full(du));
+            return (vector(|i| k[i]), estimate);
         }
+        let (mut k, mut all) = ([T::ZERO; D], Estimate::<T>::NONE);
         let mut deflections = self.deflections.iter();
         let mut of_rows = [[T::ZERO; D]; E];
         let mut rows = of_rows.iter_mut();
@@ -299,32 +269,32 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                 Some(deflection) => mount.of_centre(&deflection.moved),
                 None => mount.motion::<D, SET>(du),
             };
-            let own = row.changes::<A>(&step);
-            let k = mount.force * mount.length;
+            let (own, estimate) = row.changes::<A>(&step);
+            let unit = mount.force * mount.length;
             // From the row's groove plane to the shaft's, or to the row's centre.
             let lever = match deflection {
                 Some(_) => mount.arm * mount.reach,
                 None => mount.lever,
             };
             let (arm, lever) = (mount.arm * mount.arm, lever * lever);
-            let to = of_row.unwrap_or(&mut all.k);
-            to[0] += k * own.k[0];
-            to[1] += k * own.k[1];
-            to[2] += k * own.k[2];
-            to[3] += k * (arm * own.k[3] + lever * own.k[2]);
-            to[4] += k * (arm * own.k[4] + lever * own.k[1]);
+            let to = of_row.unwrap_or(&mut k);
+            to[0] += unit * own[0];
+            to[1] += unit * own[1];
+            to[2] += unit * own[2];
+            to[3] += unit * (arm * own[3] + lever * own[2]);
+            to[4] += unit * (arm * own[4] + lever * own[1]);
             if D == 6 && mount.sliding {
-                to[5] += k * own.k[0];
+                to[5] += unit * own[0];
             }
-            all.relative = all.relative.at_least(own.relative);
-            all.force_error = all.force_error.at_least(mount.force * own.force_error);
-            all.largest = all.largest.at_least(mount.force * own.largest);
-            all.cos = all.cos.at_most(own.cos);
+            all.relative = all.relative.at_least(estimate.relative);
+            all.force = all.force.at_least(mount.force * estimate.force);
+            all.largest = all.largest.at_least(mount.force * estimate.largest);
+            all.cos = all.cos.at_most(estimate.cos);
         }
         if E > 0 {
-            all.k = elastic::diagonal(&self.layout.joints, self.deflections, &of_rows);
+            k = elastic::diagonal(&self.layout.joints, self.deflections, &of_rows);
         }
-        all
+        (k, all)
     }
 
     /// Bends an elastic shaft by the step `du` of its section at its centre, and a relative change `ds` of `omega^2`.

@@ -335,7 +335,7 @@ impl<T: Real> Row<'_, T> {
             first.x = self.p.move_outer(self.c, first.x);
         }
         for ball in others {
-            ball.clone_from(first);
+            *ball = *first;
         }
     }
 
@@ -369,23 +369,21 @@ impl<T: Real> Row<'_, T> {
     ///
     /// Every ball's part changes with the relative change of its deformations, and with the turn of its normals.
     #[inline(never)]
-    pub fn changes<R: Rule>(&self, du: &[T; 5]) -> Changes<T, 5> {
-        let mut sums = [T::ZERO; 5];
-        let (mut relative, mut force_error) = (T::ZERO, T::ZERO);
-        let (mut largest, mut cos) = (T::TINY, T::ONE);
+    pub fn changes<R: Rule>(&self, du: &[T; 5]) -> ([T; 5], Estimate<T>) {
+        let (mut sums, mut all) = ([T::ZERO; 5], Estimate::<T>::NONE);
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter() {
             let Some(at) = azimuths.next() else { break };
             let change = ball.change::<R>(self.c, self.p, shift(du, at));
             let turn = change.turn + change.turn;
             let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
-            relative = relative.at_least(change.relative);
-            cos = cos.at_most(change.cos);
+            all.relative = all.relative.at_least(change.relative);
+            all.cos = all.cos.at_most(change.cos);
             let [axial, radial] = ball.condensed.force;
             let force = axial.abs() + radial.abs();
-            largest = largest.at_least(force);
+            all.largest = all.largest.at_least(force);
             let second_order = change.relative * change.relative * force;
-            force_error = force_error.at_least(second_order + change.off);
+            all.force = all.force.at_least(second_order + change.off);
             let mixed = turn * change.h[1];
             let (axial, radial) = (change.depth * change.h[0], change.depth * change.h[2]);
             let (axial, radial) = (axial + mixed, radial + mixed);
@@ -397,29 +395,39 @@ impl<T: Real> Row<'_, T> {
             sums[4] += zz;
         }
         sums[0] = sums[3] + sums[4];
-        Changes {
-            k: sums,
-            relative,
-            force_error,
-            largest,
-            cos,
-        }
+        (sums, all)
     }
 }
 
-/// Changes of rows of balls along a step.
-#[derive(Debug, Clone, Copy)]
-pub struct Changes<T, const D: usize> {
-    /// Changes of the stiffness's diagonal.
-    pub k: [T; D],
+/// Estimated errors after a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate<T> {
+    /// Change of the stiffness along the step, relative to its diagonal.
+    pub k: T,
     /// Largest relative change of a ball's stiffness.
     pub relative: T,
-    /// Largest error of second order of a ball's force after the step.
-    pub force_error: T,
-    /// Largest force of a ball on the ring.
+    /// Error of the balls' forces, of second order, relative to the largest.
+    pub force: T,
+    /// The largest force of a ball on the ring.
     pub largest: T,
     /// Least cosine of the angle between the contacts of a ball.
     pub cos: T,
+}
+
+impl<T: Real> Estimate<T> {
+    /// Of no ball.
+    pub const NONE: Self = Self {
+        k: T::ZERO,
+        relative: T::ZERO,
+        force: T::ZERO,
+        largest: T::TINY,
+        cos: T::ONE,
+    };
+
+    /// Error of the stiffness that its correction along the step leaves: what is of second order, and a small part of the first.
+    pub fn corrected(&self) -> T {
+        self.k * (self.relative + T::of(tuning::CORRECTED))
+    }
 }
 
 /// Change of the stiffness along the ring's motion to `v`, referred to the groove plane. Opposite balls together where

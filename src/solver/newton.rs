@@ -4,9 +4,10 @@ use crate::ball::kinematics::Rule;
 use crate::bearing::L0;
 use crate::linalg::{moved, norm, product, refer, vector};
 use crate::real::Real;
+use crate::rows::row::Estimate;
 use crate::rows::{Pass, Rows, Time};
 use crate::solver::problem::Problem;
-use crate::solver::state::{Control, Estimate, State, Step, StepReport, Termination, rounding};
+use crate::solver::state::{Control, State, Step, StepReport, Termination, rounding};
 use crate::tuning;
 
 impl<T: Real, const D: usize> Control<T, D> {
@@ -321,22 +322,17 @@ impl<T: Real, const D: usize> State<T, D> {
         planar: &[T; D],
         may_correct: bool,
     ) {
-        let changes = rows.changes::<A>(planar);
+        let (changes, mut estimate) = rows.changes::<A>(planar);
         // The largest quotient, with one division.
         let (mut change, mut element) = (T::ZERO, T::ONE);
         for i in 0..D {
             let diagonal = self.sum.k[i][i].abs().at_least(T::TINY);
-            if changes.k[i] * element > change * diagonal {
-                (change, element) = (changes.k[i], diagonal);
+            if changes[i] * element > change * diagonal {
+                (change, element) = (changes[i], diagonal);
             }
         }
-        let estimate = Estimate {
-            k: T::of(3.0) * (change / element),
-            relative: changes.relative,
-            force: changes.force_error / changes.largest,
-            largest: changes.largest,
-            cos: changes.cos,
-        };
+        estimate.k = T::of(3.0) * (change / element);
+        estimate.force = estimate.force / estimate.largest;
         self.stale = may_correct && estimate.corrected() < estimate.k;
         self.attempt.report.estimate = estimate;
     }

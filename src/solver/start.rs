@@ -5,7 +5,8 @@ use crate::bearing::{Constants, L0};
 use crate::linalg::{moved, vector};
 use crate::real::Real;
 use crate::rows::elastic::Deflection;
-use crate::rows::{GroupRow, Rows};
+use crate::rows::row::Row;
+use crate::rows::{Group, Rows};
 use crate::solver::problem::Problem;
 use crate::solver::state::State;
 
@@ -29,12 +30,12 @@ impl<T: Real> Pressing<T> {
     #[inline(never)]
     fn of<const R: usize, const SET: bool, const E: usize, const D: usize>(
         rows: &Rows<'_, T, R, SET, E, D>,
-        fixed: &GroupRow<'_, T>,
+        fixed: &Row<'_, T>,
         problem: &Problem<T, D>,
     ) -> Self {
         let load = &problem.load;
         let mut own = fixed.mount.facing * load[0];
-        if let Some(sliding) = rows.group(rows.layout.sliding) {
+        if let Some(sliding) = rows.layout.sliding.and_then(|group| rows.first_of(&group)) {
             own -= fixed.mount.facing * sliding.mount.facing * spring(problem);
         }
         let side = if own < T::ZERO { -T::ONE } else { T::ONE };
@@ -52,11 +53,11 @@ impl<T: Real> Pressing<T> {
     }
 
     /// Axial displacement of the rows that carry this at their speed, in their own frame.
-    fn displacement(&self, rows: &GroupRow<'_, T>) -> T {
+    fn displacement(&self, row: &Row<'_, T>, group: &Group<T>) -> T {
         // Of none, the contacts have no direction.
-        let q = (self.force / (rows.balls * rows.mount.force)).at_least(T::EPSILON);
-        let [axial, _] = rows.c.n0.map(|n| T::of(L0) * n);
-        self.side * distance(rows.c, rows.p, q) - axial - rows.p.growth.axial
+        let q = (self.force / (group.balls * row.mount.force)).at_least(T::EPSILON);
+        let [axial, _] = row.c.n0.map(|n| T::of(L0) * n);
+        self.side * distance(row.c, row.p, q) - axial - row.p.growth.axial
     }
 }
 
@@ -105,22 +106,23 @@ fn displaced<T: Real, const R: usize, const SET: bool, const E: usize, const D: 
     problem: &Problem<T, D>,
 ) -> [T; D] {
     // A displacement of the shaft from one of a row.
-    let shifted = |rows: &GroupRow<'_, T>, pressed: Pressing<T>| {
-        (pressed.displacement(rows) - rows.mount.closure) / rows.mount.length
+    let shifted = |row: &Row<'_, T>, group: &Group<T>, pressed: Pressing<T>| {
+        (pressed.displacement(row, group) - row.mount.closure) / row.mount.length
     };
     let mut u = [T::ZERO; D];
-    if let Some(holding) = rows
-        .group(Some(rows.layout.fixed))
-        .filter(|_| !rows.layout.fixed.opposed)
+    let fixed = &rows.layout.fixed;
+    if !fixed.opposed
+        && let Some(holding) = rows.first_of(fixed)
     {
-        let pressed = Pressing::of(rows, &holding, problem);
-        u[0] = holding.mount.facing * shifted(&holding, pressed);
+        let pressed = Pressing::of(rows, holding, problem);
+        u[0] = holding.mount.facing * shifted(holding, fixed, pressed);
     }
     if D == 6
-        && let Some(sliding) = rows.group(rows.layout.sliding)
+        && let Some(group) = &rows.layout.sliding
+        && let Some(sliding) = rows.first_of(group)
     {
         let (force, side) = (spring(problem), T::ONE);
-        u[5] = shifted(&sliding, Pressing { force, side }) - sliding.mount.facing * u[0];
+        u[5] = shifted(sliding, group, Pressing { force, side }) - sliding.mount.facing * u[0];
     }
     // Beyond an overhang, the first steps lead to them.
     let held = problem

@@ -3,7 +3,7 @@
 use crate::bearing::L0;
 use crate::linalg::{Factors, moved, norm, vector};
 use crate::real::Real;
-use crate::rows::row::Sum;
+use crate::rows::row::{Estimate, Sum};
 use crate::rows::{Pass, Rows};
 use crate::solver::problem::Problem;
 use crate::status::{ErrorEstimate, Status};
@@ -254,28 +254,6 @@ pub struct Control<T, const D: usize> {
     pub radius: T,
     pub least: T,
     pub last: Step<T, D>,
-}
-
-/// Estimated errors after the last step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate<T> {
-    /// Change of the stiffness along the step, relative to its diagonal.
-    pub k: T,
-    /// Largest relative change of a ball's stiffness.
-    pub relative: T,
-    /// Error of the balls' forces, of second order, relative to the largest.
-    pub force: T,
-    /// The largest force of a ball on the ring.
-    pub largest: T,
-    /// Least cosine of the angle between the contacts of a ball.
-    pub cos: T,
-}
-
-impl<T: Real> Estimate<T> {
-    /// Error of the stiffness that its correction along the step leaves: what is of second order, and a small part of the first.
-    pub fn corrected(&self) -> T {
-        self.k * (self.relative + T::of(tuning::CORRECTED))
-    }
 }
 
 /// Rounding error of the force of a ball, relative to it: its deformation is a difference of numbers like the ring's offset `v`
