@@ -135,16 +135,15 @@ impl DesignError {
     /// `const`, which has no numbers.
     pub const fn reason(&self) -> &'static str {
         use Quantity as Q;
+        if let Some(range) = range_in_words(self.quantity) {
+            return range;
+        }
         match self.quantity {
-            Q::BallCount => "ball count N must be 3 to 1000",
             Q::BallDiameter => {
                 "ball diameter D must be 0.0001 to 0.2 metres, and the balls must have room beside each other, \
                  D <= dm sin(pi/N)"
             }
             Q::PitchDiameter => "pitch diameter dm must be 1.01 to 10000 ball diameters",
-            Q::InnerGrooveFactor => "inner groove factor fi must be 0.501 to 0.7",
-            Q::OuterGrooveFactor => "outer groove factor fo must be 0.501 to 0.7",
-            Q::ContactAngle => "free contact angle alpha0 must be 0 to 1.4 rad",
             Q::DiametralClearance => {
                 "diametral clearance Pd must be -0.5 to 1.66 times the distance L0 of the groove centres"
             }
@@ -154,12 +153,6 @@ impl DesignError {
             Q::OuterShoulderAngle => {
                 "outer shoulder's angle theta_o must be the free contact angle to 90 degrees"
             }
-            Q::FirstBall => "azimuth phi_0 of the first ball must be -7 to 7 rad",
-            Q::RingYoungsModulus => "Young's modulus E of the rings must be 1e6 to 1e13 Pa",
-            Q::RingPoissonsRatio => "Poisson's ratio nu of the rings must be 0 to 0.5",
-            Q::BallYoungsModulus => "Young's modulus Eb of the balls must be 1e6 to 1e13 Pa",
-            Q::BallPoissonsRatio => "Poisson's ratio nub of the balls must be 0 to 0.5",
-            Q::BallDensity => "density rho of the balls must be 1 to 1e5 kg/m^3",
             Q::SectionCount => "more sections than the shaft has room for",
             Q::SectionStart => {
                 "a section of the shaft must begin within 100 metres, and not within another section"
@@ -171,8 +164,6 @@ impl DesignError {
             Q::InnerDiameter => {
                 "inner diameter of a section must be 0 to 0.999 times its outer one"
             }
-            Q::ShaftYoungsModulus => "Young's modulus E of the shaft must be 1e6 to 1e13 Pa",
-            Q::ShaftPoissonsRatio => "Poisson's ratio nu of the shaft must be 0 to 0.5",
             // No quantity of a design.
             _ => "this bearing cannot be built",
         }
@@ -198,6 +189,48 @@ impl core::fmt::Display for DesignError {
 }
 
 impl core::error::Error for DesignError {}
+
+/// Quantities whose range is fixed. Its numbers stand here alone: the words for the compiler are made of them.
+macro_rules! ranges {
+    ($($quantity:ident: $least:literal to $most:literal $unit:literal, $name:literal;)*) => {
+        const fn range(quantity: Quantity) -> [f64; 2] {
+            match quantity {
+                $(Quantity::$quantity => [$least as f64, $most as f64],)*
+                _ => [f64::NEG_INFINITY, f64::INFINITY],
+            }
+        }
+
+        const fn range_in_words(quantity: Quantity) -> Option<&'static str> {
+            match quantity {
+                $(Quantity::$quantity => {
+                    Some(concat!($name, " must be ", $least, " to ", $most, $unit))
+                })*
+                _ => None,
+            }
+        }
+    };
+}
+
+ranges! {
+    BallCount: 3 to 1000 "", "ball count N";
+    InnerGrooveFactor: 0.501 to 0.7 "", "inner groove factor fi";
+    OuterGrooveFactor: 0.501 to 0.7 "", "outer groove factor fo";
+    ContactAngle: 0 to 1.4 " rad", "free contact angle alpha0";
+    FirstBall: -7 to 7 " rad", "azimuth phi_0 of the first ball";
+    RingYoungsModulus: 1e6 to 1e13 " Pa", "Young's modulus E of the rings";
+    RingPoissonsRatio: 0 to 0.5 "", "Poisson's ratio nu of the rings";
+    BallYoungsModulus: 1e6 to 1e13 " Pa", "Young's modulus Eb of the balls";
+    BallPoissonsRatio: 0 to 0.5 "", "Poisson's ratio nub of the balls";
+    BallDensity: 1 to 1e5 " kg/m^3", "density rho of the balls";
+    ShaftYoungsModulus: 1e6 to 1e13 " Pa", "Young's modulus E of the shaft";
+    ShaftPoissonsRatio: 0 to 0.5 "", "Poisson's ratio nu of the shaft";
+}
+
+/// [`within`] the fixed range of a quantity.
+pub(crate) const fn in_range(quantity: Quantity, value: f64) -> Result<(), DesignError> {
+    let [least, most] = range(quantity);
+    within(quantity, value, least, most)
+}
 
 /// `Ok` if `least <= value <= most`; a value that is not a number is refused, too.
 pub(crate) const fn within(
@@ -301,7 +334,7 @@ impl Design {
     /// The first quantity that is out of its range, with its value.
     pub const fn check(&self, balls: usize) -> Result<(), DesignError> {
         use Quantity as Q;
-        check!(within(Q::BallCount, balls as f64, 3.0, 1000.0));
+        check!(in_range(Q::BallCount, balls as f64));
         let (d, dm) = (self.ball_diameter, self.pitch_diameter);
         check!(within(Q::BallDiameter, d, 1e-4, 0.2));
         check!(within(Q::PitchDiameter, dm, 1.01 * d, 1e4 * d));
@@ -309,12 +342,12 @@ impl Design {
         let room = dm * sin_cos_turns(1, 2 * balls as u32).0;
         check!(within(Q::BallDiameter, d, 1e-4, room));
         let (fi, fo) = (self.inner_groove_factor, self.outer_groove_factor);
-        check!(within(Q::InnerGrooveFactor, fi, 0.501, 0.7));
-        check!(within(Q::OuterGrooveFactor, fo, 0.501, 0.7));
+        check!(in_range(Q::InnerGrooveFactor, fi));
+        check!(in_range(Q::OuterGrooveFactor, fo));
         // The unloaded balls, at least, must lie in their grooves.
         let least = match self.free_contact {
             FreeContact::Angle(angle) => {
-                check!(within(Q::ContactAngle, angle, 0.0, 1.4));
+                check!(in_range(Q::ContactAngle, angle));
                 angle
             }
             FreeContact::DiametralClearance(pd) => {
@@ -328,12 +361,12 @@ impl Design {
         let (inner, outer) = (self.inner_shoulder_angle, self.outer_shoulder_angle);
         check!(within(Q::InnerShoulderAngle, inner, least, most));
         check!(within(Q::OuterShoulderAngle, outer, least, most));
-        check!(within(Q::FirstBall, self.first_ball, -7.0, 7.0));
+        check!(in_range(Q::FirstBall, self.first_ball));
         let (ring, ball) = (&self.ring, &self.ball);
-        check!(within(Q::RingYoungsModulus, ring.youngs_modulus, 1e6, 1e13));
-        check!(within(Q::RingPoissonsRatio, ring.poissons_ratio, 0.0, 0.5));
-        check!(within(Q::BallYoungsModulus, ball.youngs_modulus, 1e6, 1e13));
-        check!(within(Q::BallPoissonsRatio, ball.poissons_ratio, 0.0, 0.5));
-        within(Q::BallDensity, ball.density, 1.0, 1e5)
+        check!(in_range(Q::RingYoungsModulus, ring.youngs_modulus));
+        check!(in_range(Q::RingPoissonsRatio, ring.poissons_ratio));
+        check!(in_range(Q::BallYoungsModulus, ball.youngs_modulus));
+        check!(in_range(Q::BallPoissonsRatio, ball.poissons_ratio));
+        in_range(Q::BallDensity, ball.density)
     }
 }

@@ -105,7 +105,6 @@ mod data {
     use crate::*;
 
     const fn format<T: defmt::Format>() {}
-    const fn written<T: defmt::Format + serde::Serialize>() {}
     const fn both<T: defmt::Format + serde::Serialize + serde::de::DeserializeOwned>() {}
 
     const _: () = {
@@ -114,13 +113,13 @@ mod data {
         both::<(BallState<f32>, BallKinematics<f32>, ContactPatch<f32>, Frequencies<f32>, ErrorEstimate<f32>)>();
         both::<(Limits<f32>, Limit, LimitSet, Margin<f32>, Margins<f32>, Race)>();
         both::<(LifeRating<f32>, RatingLife<f32>, RowSummary<f32>)>();
-        written::<AxialSolution<'_, f32>>();
         both::<(Arrangement, Facing, Preload<f32>, SpindleError<f32>)>();
         both::<(Section, ShaftError, ShaftLoad<f32>, Support<f32>)>();
         both::<(Snapshot<f32, 2, 40>, RowSnapshot<f32, 40>)>();
         format::<OperatingPoint<f32, 2>>();
         format::<(Bearing<f32, 16>, Mounted<'_, f32, 16>, Spindle<'_, f32, 2, 16>)>();
         format::<(Shaft<f32, 1>, ElasticSpindle<'_, f32, 2, 16>)>();
+        format::<AxialSolution<'_, f32>>();
         format::<(Solution<'_, f32, 16>, RowSolution<'_, f32>, SpindleSolution<'_, f32, 2, 16>)>();
         format::<(RacewayControlFree, OuterRaceControl, InnerRaceControl)>();
     };

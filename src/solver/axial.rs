@@ -267,11 +267,6 @@ fn first<T>(azimuths: &[Azimuth<T>]) -> &[Azimuth<T>] {
 }
 
 /// An equilibrium under a purely axial load, SI units.
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(bound = "T: serde::Serialize")
-)]
 pub struct AxialSolution<'s, T: Real, M: Motion = RacewayControlFree> {
     /// How the solve ended: `Converged` or `PrecisionLimit`.
     pub status: Status<T>,
@@ -283,9 +278,7 @@ pub struct AxialSolution<'s, T: Real, M: Motion = RacewayControlFree> {
     pub displacement: T,
     /// Axial force `Fx` on the inner ring, N; the reaction where the displacement was given.
     pub load: T,
-    #[cfg_attr(feature = "serde", serde(skip))]
     bearing: BearingRef<'s, T>,
-    #[cfg_attr(feature = "serde", serde(skip))]
     solver: &'s AxialSolver<T, M>,
 }
 

@@ -127,7 +127,7 @@ impl<T: Real, const D: usize> State<T, D> {
     ) -> ([T; D], T, bool) {
         let mut damping = T::ZERO;
         loop {
-            if damping > T::ZERO || !self.plain {
+            if damping > T::ZERO || !(self.plain && problem.is_free) {
                 self.factor::<E>(problem, damping);
             }
             let mut b = *r;

@@ -1,6 +1,6 @@
 //! An elastic shaft in its sections, the supports of rows, and constant loads.
 
-use crate::design::{DesignError, Material, check, within};
+use crate::design::{DesignError, Material, check, in_range, within};
 use crate::real::Real;
 use crate::solver::problem::ShaftLoad;
 use crate::status::Quantity;
@@ -134,8 +134,8 @@ impl Section {
 
 const fn check_shaft(sections: &[Section], material: &Material) -> Result<(), ShaftError> {
     use Quantity as Q;
-    let error = match within(Q::ShaftYoungsModulus, material.youngs_modulus, 1e6, 1e13) {
-        Ok(()) => within(Q::ShaftPoissonsRatio, material.poissons_ratio, 0.0, 0.5),
+    let error = match in_range(Q::ShaftYoungsModulus, material.youngs_modulus) {
+        Ok(()) => in_range(Q::ShaftPoissonsRatio, material.poissons_ratio),
         Err(error) => Err(error),
     };
     if let Err(error) = error {
