@@ -281,16 +281,23 @@ impl Cut {
     fn force_of(&self, tool: &Tool, turns: f64) -> [f64; 3] {
         let teeth = f64::from(tool.teeth);
         let passed = turns * teeth;
-        let part = passed.fract() / self.engaged;
-        if part >= 1.0 {
-            return [0.0; 3];
-        }
         let is_last = passed.rem_euclid(teeth) >= teeth - 1.0 && tool.teeth > 1;
         let run_out = if is_last { RUN_OUT } else { 1.0 };
-        let force = self.force * run_out * libm::sin(PI * part);
+        let force = self.force * run_out * tooth(passed, self.engaged);
         // The force turns with the tooth.
+        let part = passed.fract() / self.engaged;
         let at = self.towards + TAU * self.engaged / teeth * (part - 0.5);
         [AXIAL * force, force * libm::cos(at), force * libm::sin(at)]
+    }
+}
+
+/// Part of a tooth's largest load after so many teeth have passed, a half-sine: each cuts for a part of the time between two.
+pub fn tooth(passed: f64, engaged: f64) -> f64 {
+    let part = passed.fract() / engaged;
+    if part < 1.0 {
+        libm::sin(PI * part)
+    } else {
+        0.0
     }
 }
 
@@ -308,7 +315,7 @@ fn presence([start, end]: [f64; 2], time: f64) -> f64 {
 
 /// Value at `x` of a curve through points, each piece of it shaped by `shape`. Beyond the points, it
 /// is the first or last point's.
-fn curve(points: &[(f64, f64)], x: f64, shape: impl Fn(f64) -> f64) -> f64 {
+pub fn curve(points: &[(f64, f64)], x: f64, shape: impl Fn(f64) -> f64) -> f64 {
     let after = points.partition_point(|point| point.0 <= x);
     let (x0, y0) = points[after.saturating_sub(1)];
     let (x1, y1) = points[after.min(points.len() - 1)];

@@ -2,6 +2,7 @@
 
 use super::monitor::{IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_nose, at_speed};
 use super::retained::idling;
+use host_tests::milling_cycle::{curve, tooth};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use rayon::prelude::*;
 use spindle_bearing::monitor::baseline::Baseline;
@@ -20,85 +21,84 @@ fn share<const R: usize>(rig: Rig<R>, ticks: u32, load: impl Fn(u32) -> [f32; 5]
     f64::from((0..ticks).filter(fresh).count() as u32) / f64::from(ticks)
 }
 
-/// Shares of a single bearing and of the shipped pair, under a force (N) on the front bearing besides the idling loads.
-pub(super) fn shares(ticks: u32, force: impl Fn(u32) -> [f64; 3]) -> [f64; 2] {
-    let on_bearing = |tick| {
-        let [x, y, z] = force(tick).map(|force| force as f32);
-        let [fx, fy, fz, my, mz] = IDLE;
-        [fx + x, fy + y, fz + z, my, mz]
-    };
-    [
-        share(Rig::new(&ON_BEARING), ticks, on_bearing),
-        share(Rig::shipped(), ticks, |tick| at_nose(force(tick))),
-    ]
-}
-
-/// Ticks of teeth and of ramps, 1 ms each.
+/// Ticks of a cut, 1 ms each.
 pub(super) const TICKS: u32 = 3000;
 
-/// Part of a tooth's largest load at a tick, a half-sine: of teeth that come so often, for a part of the time between them.
-pub(super) fn tooth(tick: u32, per_second: f64, in_cut: f64) -> f64 {
-    // A little off the rate of the ticks, which thereby meet every part of the half-sine.
-    let phase = (per_second * 1.0007e-3 * f64::from(tick)).fract();
-    (std::f64::consts::PI * phase.min(in_cut) / in_cut).sin()
+/// Teeth that have passed at a tick: a little off the rate of the ticks, which thereby meet every part of a half-sine.
+pub(super) fn passed(tick: u32, per_second: f64) -> f64 {
+    per_second * 1.0007e-3 * f64::from(tick)
 }
 
-/// Teeth per second, the largest load of each, N, and the part of the time that each cuts: they follow each other without a
-/// pause, or with one as long as a tooth's time in the cut.
-pub(super) fn teeth() -> Vec<(f64, f64, f64)> {
-    let mut teeth = Vec::new();
+/// Teeth or ramps.
+pub(super) struct Cut {
+    name: String,
+    /// Force at a tick, N.
+    pub(super) force: Box<dyn Fn(u32) -> [f64; 3] + Send + Sync>,
+    /// Least share of ticks that a pair solves in time. It has three iterations in a tick: the hardest cuts take more in one tick of a
+    /// hundred.
+    least: f64,
+}
+
+/// Cuts of all kinds.
+pub(super) fn cuts() -> Vec<Cut> {
+    let mut cuts = Vec::new();
+    // Teeth follow each other without a pause, or with one as long as a tooth's time in the cut.
     for per_second in [50.0, 125.0, 200.0, 400.0] {
-        for amplitude in [200.0, 500.0, 1000.0] {
-            teeth.extend([1.0, 0.5].map(|in_cut| (per_second, amplitude, in_cut)));
+        for (amplitude, least) in [(200.0, 0.999), (500.0, 0.999), (1000.0, 0.99)] {
+            for in_cut in [1.0, 0.5] {
+                let part = move |tick| tooth(passed(tick, per_second), in_cut);
+                cuts.push(Cut {
+                    name: format!("{per_second} teeth/s of {amplitude} N, {in_cut} in the cut"),
+                    force: Box::new(move |tick| [0.0, amplitude * part(tick), 0.0]),
+                    least,
+                });
+            }
         }
     }
-    teeth
-}
-
-/// Force at a tick that goes from 0 to 2,500 N and back by so many N/ms, in this direction.
-pub(super) fn ramp(tick: u32, rate: f64, along: [f64; 3]) -> [f64; 3] {
+    // From idling to so much more and back, along the shaft and in each radial direction.
     const FORCE: f64 = 2500.0;
     /// At each end, ms: not in step with the ticks.
     const PAUSE: f64 = 20.3;
-    let rise = FORCE / rate;
-    let at = f64::from(tick) % (2.0 * (rise + PAUSE));
-    let up = (at - PAUSE).clamp(0.0, rise);
-    let down = (at - 2.0 * PAUSE - rise).clamp(0.0, rise);
-    along.map(|part| part * rate * (up - down))
-}
-
-/// Rates of ramps, N/ms, and their directions: along the shaft, and each radial one.
-pub(super) fn ramps() -> Vec<(f64, [f64; 3])> {
-    let directions = [
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, -1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [0.0, 0.0, -1.0],
-        [0.0, 0.6, 0.8],
-    ];
-    let mut ramps = Vec::new();
     for rate in [50.0, 100.0, 200.0] {
-        ramps.extend(directions.map(|along| (rate, along)));
+        for along in [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, -1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+            [0.0, 0.6, 0.8],
+        ] {
+            let rise = FORCE / rate;
+            let [up, high, low] = [PAUSE, PAUSE + rise, 2.0 * PAUSE + rise];
+            let course = [(up, 0.0), (high, FORCE), (low, FORCE), (low + rise, 0.0)];
+            let force = move |tick| {
+                let at = f64::from(tick) % (2.0 * (rise + PAUSE));
+                along.map(|part| part * curve(&course, at, |part| part))
+            };
+            cuts.push(Cut {
+                name: format!("{rate} N/ms along {along:?}"),
+                force: Box::new(force),
+                least: 0.997,
+            });
+        }
     }
-    ramps
+    cuts
 }
 
-/// Every tooth presses the shaft with a radial load, on top of the preload.
+/// Of a single bearing and of the shipped pair, under a force on the front bearing besides the idling loads.
 #[test]
-fn loads_of_passing_teeth_are_solved_in_the_tick_that_brings_them() {
-    let stale: Vec<_> = teeth()
-        .into_par_iter()
-        .map(|(per_second, amplitude, in_cut)| {
-            let force = |tick| [0.0, amplitude * tooth(tick, per_second, in_cut), 0.0];
-            (shares(TICKS, force), per_second, amplitude, in_cut)
-        })
-        // A pair has three iterations in a tick: the hardest of these cuts take more in one tick of a hundred.
-        .filter(|([bearing, pair], _, amplitude, _)| {
-            let most = if *amplitude < 1000.0 { 0.999 } else { 0.99 };
-            !(*bearing >= 0.999 && *pair >= most)
-        })
-        .collect();
+fn loads_of_passing_teeth_and_ramps_are_solved_in_the_tick_that_brings_them() {
+    let stale = |Cut { name, force, least }: Cut| {
+        let on_bearing = |tick| {
+            let [x, y, z] = force(tick).map(|force| force as f32);
+            let [fx, fy, fz, my, mz] = IDLE;
+            [fx + x, fy + y, fz + z, my, mz]
+        };
+        let bearing = share(Rig::new(&ON_BEARING), TICKS, on_bearing);
+        let pair = share(Rig::shipped(), TICKS, |tick| at_nose(force(tick)));
+        (!(bearing >= 0.999 && pair >= least)).then_some((name, bearing, pair))
+    };
+    let stale: Vec<_> = cuts().into_par_iter().filter_map(stale).collect();
     assert!(stale.is_empty(), "{stale:?}");
 }
 
@@ -126,14 +126,14 @@ fn raises<const R: usize>(
 #[test]
 fn a_pressure_above_the_limit_is_one_alarm() {
     type Radial<'a> = &'a dyn Fn(u32) -> f32;
-    let tooth = |tick: u32| 2500.0 * (std::f32::consts::PI * (0.125 * tick as f32).fract()).sin();
+    let teeth = |tick| (2500.0 * tooth(0.125 * f64::from(tick), 1.0)) as f32;
     // Loads change in several ticks, as the shaft's inertia has them.
     let crash = |tick: u32| match tick {
         0..95 => (600.0 * tick as f32).min(4500.0),
         _ => 0.0,
     };
     let cases: [(u32, Radial, AlarmState); 3] = [
-        (1000, &tooth, AlarmState::Raised),
+        (1000, &teeth, AlarmState::Raised),
         (600, &crash, AlarmState::Latched),
         (500, &|_| 300.0, AlarmState::Clear),
     ];

@@ -1,12 +1,10 @@
-//! The recorded cycle, a row a tick, with the shipped settings; and loads that rise and fall as fast as there.
+//! The recorded cycle, a row a tick, with the shipped settings.
 
-use super::cutting::{TICKS, ramp, ramps, shares};
 use super::monitor::Rig;
 use files::recordings::LoadRow;
 use host_tests::milling_cycle::{CRASH, DRILLING, Place, recorded};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use host_tests::telemetry::simulated::monitored::ROWS;
-use rayon::prelude::*;
 use spindle_bearing::monitor::baseline::BANDS;
 use spindle_bearing::monitor::judgement::AlarmChange;
 use spindle_bearing::monitor::learning::Learning;
@@ -124,15 +122,4 @@ fn drilling_in_the_cycle_neither_teaches_the_baseline_nor_is_lost_preload() {
         };
         assert!(is_possible, "{state:?} at {}", row.time_s);
     }
-}
-
-/// From idling to 2,500 N more and back.
-#[test]
-fn ramps_are_solved_in_the_tick_that_brings_them() {
-    let stale: Vec<_> = ramps()
-        .into_par_iter()
-        .map(|(rate, along)| (shares(TICKS, |tick| ramp(tick, rate, along)), rate, along))
-        .filter(|([bearing, pair], ..)| !(*bearing >= 0.999 && *pair >= 0.997))
-        .collect();
-    assert!(stale.is_empty(), "{stale:?}");
 }

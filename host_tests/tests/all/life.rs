@@ -1,7 +1,8 @@
 //! Rating life that the monitor counts, against the life under the loads as they are.
 
-use super::cutting::tooth;
+use super::cutting::passed;
 use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
+use host_tests::milling_cycle::tooth;
 use rayon::prelude::*;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::{Life, Mark, Marks, Readings};
@@ -48,7 +49,7 @@ fn counted(
 
 /// The idling loads and a tooth's loads of these.
 fn teeth(tick: u32, per_second: f64, amplitude: [f32; 5]) -> [f32; 5] {
-    let part = tooth(tick, per_second, 1.0) as f32;
+    let part = tooth(passed(tick, per_second), 1.0) as f32;
     std::array::from_fn(|i| IDLE[i] + amplitude[i] * part)
 }
 

@@ -1,6 +1,6 @@
 //! Solves that are stopped: the states that they have reached, and how the next one goes on from there.
 
-use super::cutting::{TICKS, ramp, ramps, teeth, tooth};
+use super::cutting::{TICKS, cuts};
 use super::solves::{SKEW, lengths, vector_error};
 use host_tests::cases::{B7005C, Random};
 use host_tests::compare::stiffness_error;
@@ -217,16 +217,12 @@ fn no_estimate_of_a_pair_that_cuts_is_older_than_3_ms() {
         };
         (0..TICKS).map(load).collect()
     };
-    let teeth = teeth().into_iter().map(|(per_second, amplitude, in_cut)| {
-        cut(&|tick| [0.0, amplitude * tooth(tick, per_second, in_cut), 0.0])
-    });
-    let ramps = ramps().into_iter();
-    let ramps = ramps.map(|(rate, along)| cut(&|tick| ramp(tick, rate, along)));
+    let of_tool = cuts().into_iter().map(|of| cut(&of.force));
     let cycle = recorded(Place::Nose).into_iter().map(|row| {
         let [x, y, z, my, mz] = row.load;
         [x, y, z, my, mz, row.omega()]
     });
-    let cuts: Vec<Vec<[f64; 6]>> = teeth.chain(ramps).chain([cycle.collect()]).collect();
+    let cuts: Vec<Vec<[f64; 6]>> = of_tool.chain([cycle.collect()]).collect();
     let bearing: &'static Bearing<f32, 16> = Box::leak(Box::new(
         Bearing::<f32, 16>::new(&monitored::DESIGN).unwrap(),
     ));
