@@ -1,13 +1,14 @@
 //! Bearings under load to judge solvers by: solved ones from a file, and random ones.
 
-use crate::compare::{Ball, Equilibrium};
+use crate::compare::{self, Equilibrium};
 use crate::dispatch::Attitude;
-use crate::reference::{self, Reference};
+use crate::reference::{Reference, Task};
 use files::plan::{self, ElasticShaft, Plan, Question};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use spindle_bearing::{
-    Arrangement, Design, Facing, FreeContact, Growth, Material, Preload, Section, Support,
+    Arrangement, BallState, Design, Facing, FreeContact, Growth, Material, Preload, Section,
+    Support,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -182,8 +183,8 @@ pub struct SolvedSet {
     pub spring_closure: Option<f64>,
     /// The rows.
     pub rows: Vec<SolvedRow>,
-    /// Position of the nose of an elastic shaft, m, and the shaft's answer there.
-    pub nose: Option<(f64, SolvedNose)>,
+    /// The shaft's answer at its nose, if it is elastic: at the end of the question.
+    pub nose: Option<SolvedNose>,
 }
 
 /// Load, motion and balls of a row of a solved set.
@@ -196,7 +197,8 @@ pub struct SolvedRow {
     #[serde(rename = "w")]
     pub displacement: Option<[f64; 5]>,
     /// The balls; on an elastic shaft without inertia loads.
-    pub balls: Vec<Ball>,
+    #[serde(deserialize_with = "compare::balls")]
+    pub balls: Vec<BallState<f64>>,
 }
 
 impl SolvedSet {
@@ -285,18 +287,14 @@ impl SetRow {
         SolvedSet {
             name,
             plan: Plan {
-                rows: self.rows.iter().map(MountedRow::row).collect(),
                 arrangement: arrangement(&self.layout),
                 spring: self.spring_force,
-                mounted_preload: None,
-                shaft: None,
+                ..Plan::of(self.rows.iter().map(MountedRow::row).collect())
             },
             attitude: self.attitude,
             question: Question {
-                load: self.load,
-                omega: rad_per_s(self.speed_rpm),
                 growth: self.rows.iter().map(MountedRow::growth).collect(),
-                middle_growth: 0.0,
+                ..Question::load(self.load, rad_per_s(self.speed_rpm))
             },
             displacement: self.expect.u,
             stiffness: self.expect.stiffness,
@@ -352,63 +350,17 @@ impl ElasticRow {
             }
         };
         ElasticShaft {
-            sections: self.sections.iter().map(section).collect(),
             material: Material {
                 youngs_modulus: self.youngs_modulus,
                 poissons_ratio: self.poissons_ratio,
                 ..Material::STEEL
             },
-            supports: supports.iter().map(support).collect(),
-            loads: Vec::new(),
-            loaded_at: 0.0,
+            ..ElasticShaft::of(
+                self.sections.iter().map(section).collect(),
+                supports.iter().map(support).collect(),
+            )
         }
     }
-}
-
-/// A spindle, as the reference build calls it. Growth is none where there are fewer than rows.
-///
-/// # Panics
-///
-/// If a row is preloaded by a force, or a bearing refused.
-pub fn reference_spindle(plan: &Plan, growth: &[Growth<f64>]) -> reference::spindle::Solver {
-    let shaft = plan.shaft.as_ref();
-    let support = |index: usize| {
-        let support = shaft.and_then(|shaft| shaft.supports.get(index));
-        support.unwrap_or(&Support::RIGID)
-    };
-    let row = |(index, row): (usize, &plan::Row)| {
-        let growth = growth.get(index).unwrap_or(&Growth::NONE);
-        let closure = match row.preload {
-            Preload::Closure(closure) => Some(closure),
-            Preload::Spring => None,
-            other => panic!("{other:?} is no closure"),
-        };
-        let held = support(index);
-        reference::spindle::Row {
-            bearing: reference_bearing(&row.design, row.balls),
-            position: row.position,
-            facing: row.facing.sign(),
-            closure: closure.unwrap_or(0.0),
-            growth: [growth.axial, growth.radial, growth.ball],
-            slides: closure.is_none(),
-            support: [held.axial, held.radial, held.tilting],
-        }
-    };
-    let spindle = reference::spindle::Spindle {
-        rows: plan.rows.iter().enumerate().map(row).collect(),
-        shaft: shaft.map(|shaft| reference::spindle::Shaft {
-            youngs_modulus: shaft.material.youngs_modulus,
-            poissons_ratio: shaft.material.poissons_ratio,
-            sections: (shaft.sections.iter())
-                .map(|section| [section.from, section.to, section.outer, section.inner])
-                .collect(),
-        }),
-        spring: plan.spring,
-        loads: (shaft.iter().flat_map(|shaft| &shaft.loads))
-            .map(|at| (at.position, at.load))
-            .collect(),
-    };
-    reference::spindle::Solver::new(&spindle).unwrap_or_else(|e| panic!("{spindle:?}: {e}"))
 }
 
 /// Displacement and flexibility of the shaft at a nose.
@@ -440,7 +392,8 @@ pub fn elastic() -> Vec<SolvedSet> {
         let name = format!("elastic {number} ({})", row.layout);
         let mut set = row.solved(name);
         set.plan.shaft = Some(on.shaft.shaft(&supports));
-        set.nose = nose.map(|nose| (on.nose, nose));
+        set.nose = nose;
+        set.question = set.question.at(on.nose);
         set
     };
     // Not flattened: serde_json refuses numbers there, if a program asks it for any precision.
@@ -574,19 +527,9 @@ impl Case {
         reference(&self.design, self.balls)
     }
 
-    /// The rule for the attitude, as the reference build calls it.
-    pub fn reference_attitude(&self) -> reference::Attitude {
-        self.attitude.into()
-    }
-}
-
-impl From<Attitude> for reference::Attitude {
-    fn from(attitude: Attitude) -> Self {
-        match attitude {
-            Attitude::Raceless => Self::Raceless,
-            Attitude::Outer => Self::Outer,
-            Attitude::Inner => Self::Inner,
-        }
+    /// The case, as the reference build is asked.
+    pub fn task(&self) -> Task {
+        Task::new(self.load, self.omega, self.attitude)
     }
 }
 
@@ -596,36 +539,5 @@ impl From<Attitude> for reference::Attitude {
 ///
 /// If it refuses the design.
 pub fn reference(design: &Design, balls: usize) -> Reference {
-    let bearing = reference_bearing(design, balls);
-    Reference::new(&bearing).unwrap_or_else(|e| panic!("{bearing:?}: {e}"))
-}
-
-/// A design, as the reference build calls it.
-pub fn reference_bearing(design: &Design, balls: usize) -> reference::Bearing {
-    let ((sin_alpha0, cos_alpha0), clearance) = match design.free_contact {
-        FreeContact::Angle(angle) => (angle.sin_cos(), None),
-        FreeContact::DiametralClearance(clearance) => {
-            let versine = clearance.max(0.0) / (2.0 * design.centre_distance());
-            let sine = (versine * (2.0 - versine)).sqrt();
-            ((sine, 1.0 - versine), Some(clearance))
-        }
-    };
-    let material = |m: Material| reference::Material {
-        youngs_modulus: m.youngs_modulus,
-        poissons_ratio: m.poissons_ratio,
-        density: m.density,
-    };
-    reference::Bearing {
-        balls,
-        ball_diameter: design.ball_diameter,
-        pitch_diameter: design.pitch_diameter,
-        inner_groove_factor: design.inner_groove_factor,
-        outer_groove_factor: design.outer_groove_factor,
-        cos_alpha0,
-        sin_alpha0,
-        clearance,
-        first_ball: design.first_ball,
-        ring: material(design.ring),
-        ball: material(design.ball),
-    }
+    Reference::new(design, balls).unwrap_or_else(|e| panic!("{design:?}: {e}"))
 }

@@ -7,31 +7,8 @@
 //! | force | over the largest contact force; centrifugal forces and `Mg / D` included |
 //! | stiffness | of `K_ij`, over `sqrt(abs(K_ii K_jj))` |
 
-use serde::Deserialize;
-use spindle_bearing::BallState;
-
-/// One contact of a ball.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Race {
-    /// Contact angle, rad.
-    pub angle: f64,
-    /// Contact force, N.
-    pub force: f64,
-}
-
-/// A ball, as far as it is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(from = "Vec<f64>")]
-pub struct Ball {
-    /// Contact at the inner race.
-    pub inner: Race,
-    /// Contact at the outer race.
-    pub outer: Race,
-    /// `Fc`, N.
-    pub centrifugal_force: f64,
-    /// `Mg`, N m.
-    pub gyroscopic_moment: f64,
-}
+use serde::{Deserialize, Deserializer};
+use spindle_bearing::{BallState, Design};
 
 /// A solution, whoever found it; the letters are as in the files of solved cases.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -43,7 +20,8 @@ pub struct Equilibrium {
     #[serde(rename = "K")]
     pub stiffness: [[f64; 5]; 5],
     /// The balls.
-    pub balls: Vec<Ball>,
+    #[serde(deserialize_with = "balls")]
+    pub balls: Vec<BallState<f64>>,
 }
 
 /// Distance of two solutions.
@@ -95,15 +73,16 @@ impl std::fmt::Display for Errors {
 }
 
 impl Equilibrium {
-    /// Distance of `self` from `truth`, of a bearing with this ball diameter and pitch radius.
+    /// Distance of `self` from `truth`, of a bearing of this design.
     ///
     /// # Panics
     ///
     /// If they have different numbers of balls.
-    pub fn errors(&self, truth: &Self, ball_diameter: f64, pitch_radius: f64) -> Errors {
+    pub fn errors(&self, truth: &Self, design: &Design) -> Errors {
         assert_eq!(self.balls.len(), truth.balls.len(), "number of balls");
         let mut errors = Errors::default();
 
+        let pitch_radius = 0.5 * design.pitch_diameter;
         let unit = [1.0, 1.0, 1.0, pitch_radius, pitch_radius];
         let lengths = |u: &[f64; 5]| -> [f64; 5] { std::array::from_fn(|i| u[i] * unit[i]) };
         let (found, true_one) = (lengths(&self.displacement), lengths(&truth.displacement));
@@ -114,14 +93,17 @@ impl Equilibrium {
 
         let largest = truth.largest_force();
         for (a, b) in self.balls.iter().zip(&truth.balls) {
-            for (a, b) in [(a.inner, b.inner), (a.outer, b.outer)] {
-                if b.force > 0.0 {
-                    errors.contact_angle = worse(errors.contact_angle, (a.angle - b.angle).abs());
+            for (turned, pressed, force) in [
+                (a.alpha_i - b.alpha_i, b.q_i > 0.0, a.q_i - b.q_i),
+                (a.alpha_o - b.alpha_o, b.q_o > 0.0, a.q_o - b.q_o),
+            ] {
+                if pressed {
+                    errors.contact_angle = worse(errors.contact_angle, turned.abs());
                 }
-                errors.force = worse(errors.force, (a.force - b.force).abs() / largest);
+                errors.force = worse(errors.force, force.abs() / largest);
             }
             let centrifugal = a.centrifugal_force - b.centrifugal_force;
-            let gyroscopic = (a.gyroscopic_moment - b.gyroscopic_moment) / ball_diameter;
+            let gyroscopic = (a.gyroscopic_moment - b.gyroscopic_moment) / design.ball_diameter;
             errors.force = worse(errors.force, centrifugal.abs() / largest);
             errors.force = worse(errors.force, gyroscopic.abs() / largest);
         }
@@ -141,12 +123,12 @@ impl Equilibrium {
     pub fn largest_force(&self) -> f64 {
         self.balls
             .iter()
-            .fold(0.0, |m, b| worse(worse(m, b.inner.force), b.outer.force))
+            .fold(0.0, |m, b| worse(worse(m, b.q_i), b.q_o))
     }
 
     /// Balls off the inner race.
     pub fn unloaded_balls(&self) -> usize {
-        self.balls.iter().filter(|b| b.inner.force <= 0.0).count()
+        self.balls.iter().filter(|b| b.q_i <= 0.0).count()
     }
 }
 
@@ -169,31 +151,18 @@ pub fn stiffness_error(found: &[[f64; 5]; 5], truth: &[[f64; 5]; 5]) -> f64 {
     error
 }
 
-/// The first of the six figures; the others are 0.
-impl From<Vec<f64>> for Ball {
-    fn from(figures: Vec<f64>) -> Self {
-        Self::from(std::array::from_fn(|i| {
-            figures.get(i).copied().unwrap_or(0.0)
-        }))
-    }
-}
-
-/// Inner and outer contact angle, inner and outer contact force, `Fc`, `Mg`.
-impl From<[f64; 6]> for Ball {
-    fn from([alpha_i, alpha_o, q_i, q_o, fc, mg]: [f64; 6]) -> Self {
-        let race = |angle, force| Race { angle, force };
-        Self {
-            inner: race(alpha_i, q_i),
-            outer: race(alpha_o, q_o),
-            centrifugal_force: fc,
-            gyroscopic_moment: mg,
-        }
-    }
-}
-
-impl From<&BallState<f64>> for Ball {
-    fn from(b: &BallState<f64>) -> Self {
-        let (fc, mg) = (b.centrifugal_force, b.gyroscopic_moment);
-        Self::from([b.alpha_i, b.alpha_o, b.q_i, b.q_o, fc, mg])
-    }
+/// Balls as the files of solved cases have them: inner and outer contact angle, inner and outer contact force, `Fc`, `Mg`; the
+/// last ones may be left out.
+pub fn balls<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<BallState<f64>>, D::Error> {
+    let ball = |figures: Vec<f64>| {
+        let of = |i: usize| figures.get(i).copied().unwrap_or(0.0);
+        // Not made at once: states of the library may grow.
+        let mut ball = BallState::default();
+        (ball.alpha_i, ball.alpha_o) = (of(0), of(1));
+        (ball.q_i, ball.q_o) = (of(2), of(3));
+        (ball.centrifugal_force, ball.gyroscopic_moment) = (of(4), of(5));
+        ball
+    };
+    let figures: Vec<Vec<f64>> = Deserialize::deserialize(from)?;
+    Ok(figures.into_iter().map(ball).collect())
 }

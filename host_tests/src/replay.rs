@@ -2,10 +2,9 @@
 
 use crate::dispatch::Precision;
 use crate::lifetime::{Lifetime, Record};
-use crate::spindles::{Answer, AnySpindleSolver, AtEnd, Choices, RowAnswer, parts};
+use crate::spindles::{Answer, AnySolver, AtEnd, Choices, RowAnswer, parts};
 use files::fault::{BadRow, LoadsError};
 use files::noses::Nose;
-use files::noses::ShaftEnd;
 use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use rayon::prelude::*;
@@ -290,6 +289,8 @@ pub struct Job<'j> {
     pub select: Vec<String>,
     /// Limits, tolerance and iterations.
     pub choices: Choices,
+    /// Displacements at `x = 0` that are given in the place of loads, m and rad.
+    pub held: [Option<f64>; 5],
     /// A record counts until the next one, however long the logger paused.
     pub holds_pauses: bool,
     /// Sums over the whole recording.
@@ -395,7 +396,7 @@ impl Sheet {
                 },
                 (Figure::Status, Err(status)) => text.write_str(status),
                 (_, Err(_)) => Ok(()),
-                (Figure::Status, Ok(answer)) => text.write_str(answer.status),
+                (Figure::Status, Ok(answer)) => text.write_str(answer.status.name()),
                 (Figure::Iterations, Ok(answer)) => write!(text, "{}", answer.iterations),
                 (Figure::Limits, Ok(answer)) => text.write_str(&answer.passed().join(" ")),
                 (Figure::Life, Ok(_)) => match line.life.map(|life| life[index]) {
@@ -438,7 +439,7 @@ struct Solved {
 /// A recording that ends in a fault, columns that there are not, or an output that fails.
 pub fn replay(
     mut job: Job<'_>,
-    solver: &mut dyn AnySpindleSolver,
+    solver: &mut dyn AnySolver,
     rows: impl Iterator<Item = Result<LoadRow, LoadsError>> + Send,
     outputs: Vec<Output<'_>>,
 ) -> Result<Summary, ReplayError> {
@@ -448,7 +449,7 @@ pub fn replay(
         wanted = parts::LIMITS | parts::BALLS | parts::MOTIONS;
     }
     for (table, out) in outputs {
-        let mut columns = table.columns(job.file, job.choices.held != [None; 5]);
+        let mut columns = table.columns(job.file, job.held != [None; 5]);
         if table == Table::Results && !job.select.is_empty() {
             columns = select(columns, &job.select).map_err(ReplayError::Select)?;
         }
@@ -469,13 +470,13 @@ pub fn replay(
     let has_life = columns.any(|column| matches!(column.figure, Figure::Life));
     let replay = Replay {
         file: job.file,
+        held: job.held,
         precision: job.precision,
         cold: job.cold,
         by_angles,
         is_summed: lifetime.is_some(),
         is_weighed: lifetime.is_some() || has_life,
         ratings: job.file.ratings(),
-        ends: job.file.noses.iter().map(|nose| nose.end).collect(),
         sheets,
     };
     let mut written = Written {
@@ -578,6 +579,7 @@ impl Written<'_> {
 /// How blocks are solved.
 struct Replay<'r> {
     file: &'r SpindleFile,
+    held: [Option<f64>; 5],
     precision: Precision,
     cold: bool,
     /// Frequencies are those of balls that roll as they were solved at rest.
@@ -587,13 +589,12 @@ struct Replay<'r> {
     /// Lives are wanted.
     is_weighed: bool,
     ratings: Vec<LifeRating<f64>>,
-    ends: Vec<ShaftEnd>,
     sheets: Vec<Sheet>,
 }
 
 impl Replay<'_> {
     /// Solves a block, from a cold start on.
-    fn solve(&self, solver: &mut dyn AnySpindleSolver, block: &[Read]) -> Solved {
+    fn solve(&self, solver: &mut dyn AnySolver, block: &[Read]) -> Solved {
         let mut solved = Solved {
             texts: vec![String::new(); self.sheets.len()],
             ..Solved::default()
@@ -609,12 +610,14 @@ impl Replay<'_> {
     }
 
     /// Solves a record, and adds its lines.
-    fn add(&self, solver: &mut dyn AnySpindleSolver, row: &Read, solved: &mut Solved) {
+    fn add(&self, solver: &mut dyn AnySolver, row: &Read, solved: &mut Solved) {
         let (file, summary) = (self.file, &mut solved.summary);
         summary.rows += 1;
         let (given, mut answer) = match row {
             Ok(row) => {
-                let answer = solver.solve(&file.question(row), &self.ends);
+                let mut question = file.question(row);
+                question.held = self.held;
+                let answer = solver.solve(&question);
                 let answer = answer.map_err(|status| {
                     let why = || (row.time_s, status.to_string());
                     summary.first_refusal.get_or_insert_with(why);

@@ -1,16 +1,17 @@
-//! Spindles whose rows, ball counts and precision are known at run time only. A bearing is a spindle with one row.
+//! Spindles whose rows, ball counts and precision are known at run time only. A bearing is a spindle with one row; what of
+//! questions and answers does not depend on that is for solvers of bearings, too.
 
+use crate::compare::Equilibrium;
 use crate::dispatch::{
     Attitude, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
 use files::designs::short;
-use files::noses::ShaftEnd;
-use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question};
+use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question, ShaftEnd};
 use spindle_bearing::{
-    BallKinematics, BallState, Centrifugal, Facing, Frequencies, Given, Growth, InnerRaceControl,
-    Limit, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload, Quantity,
-    RacewayControlFree, Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed, Spindle,
-    SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
+    BallKinematics, BallState, Centrifugal, ErrorEstimate, Facing, Frequencies, RacewayControlFree, Given,
+    Growth, InnerRaceControl, Limit, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
+    Quantity, Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed,
+    Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -21,8 +22,35 @@ pub enum Balls {
     Static,
     /// At speed under centrifugal force alone.
     Centrifugal,
-    /// At speed.
-    Moving(Attitude),
+    /// At speed under centrifugal force and outer race control: of bearings alone.
+    CentrifugalOuter,
+    /// At speed with all inertia loads, and no race in control.
+    Free,
+    /// At speed with all inertia loads, under outer race control.
+    Outer,
+    /// At speed with all inertia loads, under inner race control.
+    Inner,
+}
+
+impl Balls {
+    /// The rule for the axis about which a ball turns, where that matters.
+    pub fn rule(self) -> Attitude {
+        match self {
+            Self::Centrifugal | Self::Free => Attitude::Raceless,
+            Self::Static | Self::CentrifugalOuter | Self::Outer => Attitude::Outer,
+            Self::Inner => Attitude::Inner,
+        }
+    }
+}
+
+impl From<Attitude> for Balls {
+    fn from(attitude: Attitude) -> Self {
+        match attitude {
+            Attitude::Raceless => Self::Free,
+            Attitude::Outer => Self::Outer,
+            Attitude::Inner => Self::Inner,
+        }
+    }
 }
 
 /// Word of [`Answer::passed`] for a row that has lifted off.
@@ -31,8 +59,8 @@ pub const LIFT_OFF: &str = "lift-off";
 /// An equilibrium, widened to double.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
-    /// How the solve ended, in a word.
-    pub status: &'static str,
+    /// How the solve ended.
+    pub status: Status<f32>,
     /// Iterations.
     pub iterations: u16,
     /// Displacement of the shaft at `x = 0`.
@@ -60,6 +88,16 @@ impl Answer {
         let lifted_off = lifted_off.then_some(LIFT_OFF);
         limits.iter().map(Limit::name).chain(lifted_off).collect()
     }
+
+    /// The answer, as far as it is compared: the balls are those of all rows.
+    pub fn equilibrium(&self) -> Equilibrium {
+        let balls = self.rows.iter().flat_map(|row| &row.balls);
+        Equilibrium {
+            displacement: self.displacement,
+            stiffness: self.stiffness,
+            balls: balls.copied().collect(),
+        }
+    }
 }
 
 /// Displacement, stiffness and compliance of a point on the shaft.
@@ -78,7 +116,7 @@ pub struct AtEnd {
 }
 
 /// Load, stiffness and balls of a row.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct RowAnswer {
     /// Force on its inner ring, in its own frame.
     pub force: [f64; 5],
@@ -129,8 +167,6 @@ pub struct Choices {
     pub tolerance: Option<f64>,
     /// Most iterations.
     pub max_iterations: u16,
-    /// Displacements of the shaft that are given in the place of loads, m and rad.
-    pub held: [Option<f64>; 5],
     /// Parts of an answer that are worked out: a sum of [`parts`].
     pub parts: u8,
 }
@@ -141,20 +177,55 @@ impl Default for Choices {
             limits: Limits::DEFAULT,
             tolerance: None,
             max_iterations: Settings::<f64>::DEFAULT.max_iterations,
-            held: [None; 5],
             parts: parts::ALL,
         }
     }
 }
 
-/// A solver for a spindle.
-pub trait AnySpindleSolver: Send {
-    /// Solves; `ends` are the points at which stiffness and compliance are wanted besides `x = 0`.
+impl Choices {
+    /// The settings in a precision.
+    pub fn settings<T: Real>(&self) -> Settings<T> {
+        let tolerance = self.tolerance.map(T::of);
+        Settings {
+            tolerance: tolerance.unwrap_or(Settings::<T>::DEFAULT.tolerance),
+            max_iterations: self.max_iterations,
+        }
+    }
+}
+
+/// Loads, or displacements, of the first `D` freedoms.
+pub fn given<T: Real, const D: usize>(question: &Question) -> [Given<T>; D] {
+    from_fn(|i| match question.held[i] {
+        Some(u) => Given::Displacement(T::of(u)),
+        None => Given::Load(T::of(question.load[i])),
+    })
+}
+
+/// Growth of the first `R` rows.
+pub fn growths<T: Real, const R: usize>(question: &Question) -> [Growth<T>; R] {
+    from_fn(|i| match question.growth.get(i) {
+        Some(growth) => Growth {
+            axial: T::of(growth.axial),
+            radial: T::of(growth.radial),
+            ball: T::of(growth.ball),
+        },
+        None => Growth::NONE,
+    })
+}
+
+/// Estimated errors of displacement, force and stiffness in doubles.
+pub fn in_doubles<T: Real>(error: &ErrorEstimate<T>) -> [f64; 3] {
+    [error.displacement, error.force, error.stiffness].map(T::to_f64)
+}
+
+/// A solver for a spindle or a bearing.
+pub trait AnySolver: Send {
+    /// Solves.
     ///
     /// # Errors
     ///
     /// Why there is no answer.
-    fn solve(&mut self, question: &Question, ends: &[ShaftEnd]) -> Result<Answer, Status<f32>>;
+    fn solve(&mut self, question: &Question) -> Result<Answer, Status<f32>>;
 
     /// Makes the next solves so.
     fn choose(&mut self, choices: &Choices);
@@ -162,8 +233,18 @@ pub trait AnySpindleSolver: Send {
     /// Makes the next solve a cold one.
     fn reset(&mut self);
 
-    /// Another solver for the spindle, with its choices.
-    fn copy(&self) -> Box<dyn AnySpindleSolver + '_>;
+    /// Another solver, with its choices.
+    fn copy(&self) -> Box<dyn AnySolver + '_>;
+
+    /// Solves what must have an answer.
+    ///
+    /// # Panics
+    ///
+    /// If it has none.
+    fn answer(&mut self, question: &Question) -> Answer {
+        let answer = self.solve(question);
+        answer.unwrap_or_else(|status| panic!("{question:?}: {status}"))
+    }
 
     /// Solves for a load at `x = 0`, N and N m, at a speed in rad/s.
     ///
@@ -171,13 +252,7 @@ pub trait AnySpindleSolver: Send {
     ///
     /// Why there is no answer.
     fn load(&mut self, load: [f64; 5], omega: f64) -> Result<Answer, Status<f32>> {
-        let question = Question {
-            load,
-            omega,
-            growth: Vec::new(),
-            middle_growth: 0.0,
-        };
-        self.solve(&question, &[ShaftEnd::rigid(0.0)])
+        self.solve(&Question::load(load, omega).at(0.0))
     }
 }
 
@@ -190,12 +265,12 @@ pub fn with_solver<O>(
     plan: &Plan,
     balls: Balls,
     precision: Precision,
-    f: impl FnOnce(&mut dyn AnySpindleSolver) -> O,
+    f: impl FnOnce(&mut dyn AnySolver) -> O,
 ) -> Result<O, BuildError> {
     let closed = closed(plan)?;
     let plan = closed.as_ref().unwrap_or(plan);
     let (mut f, mut outcome) = (Some(f), None);
-    let mut hand = |solver: &mut dyn AnySpindleSolver| outcome = f.take().map(|f| f(solver));
+    let mut hand = |solver: &mut dyn AnySolver| outcome = f.take().map(|f| f(solver));
     match precision {
         Precision::F32 => with::<f32>(plan, balls, &mut hand)?,
         Precision::F64 => with::<f64>(plan, balls, &mut hand)?,
@@ -235,7 +310,7 @@ fn closed(plan: &Plan) -> Result<Option<Plan>, BuildError> {
 /// The closure of all rows that gives this force between the rows that face `+x` and the others. The solver's rows are
 /// ground for that force.
 fn mounted_closure(
-    solver: &mut dyn AnySpindleSolver,
+    solver: &mut dyn AnySolver,
     plan: &Plan,
     force: f64,
     growth: &[Growth<f64>],
@@ -246,13 +321,11 @@ fn mounted_closure(
             ..*growth
         });
         let question = Question {
-            load: [0.0; 5],
-            omega: 0.0,
             growth: grown.collect(),
-            middle_growth: 0.0,
+            ..Question::default()
         };
         solver.reset();
-        solver.solve(&question, &[]).map(|answer| answer.rows)
+        solver.solve(&question).map(|answer| answer.rows)
     };
     let ground = solve(&|_| 0.0).ok()?;
     let mut preload = |closure: f64| {
@@ -282,7 +355,7 @@ fn mounted_closure(
 }
 
 /// Takes a solver, whoever asked for it: without the type of a closure, a solver is compiled once.
-type Hand<'h> = &'h mut dyn FnMut(&mut dyn AnySpindleSolver);
+type Hand<'h> = &'h mut dyn FnMut(&mut dyn AnySolver);
 
 fn with<T: Real>(plan: &Plan, balls: Balls, hand: Hand<'_>) -> Result<(), BuildError> {
     let bearings = plan.rows.iter().enumerate();
@@ -427,29 +500,25 @@ fn of_balls<T: Real, const R: usize, const D: usize, const E: usize>(
         Balls::Centrifugal if const { R <= 2 && E == 0 } => {
             hand_over::<T, R, Centrifugal, D, E>(spindle, false, loaded_at, hand);
         }
-        Balls::Moving(Attitude::Inner) if const { R <= 2 } => {
+        Balls::Inner if const { R <= 2 } => {
             hand_over::<T, R, InnerRaceControl, D, E>(spindle, false, loaded_at, hand);
         }
-        Balls::Moving(Attitude::Outer) if const { R <= 4 } => {
+        Balls::Outer if const { R <= 4 } => {
             hand_over::<T, R, OuterRaceControl, D, E>(spindle, false, loaded_at, hand);
         }
         // At rest, all are alike.
-        Balls::Static | Balls::Moving(Attitude::Raceless) => {
+        Balls::Static | Balls::Free => {
             let at_rest = balls == Balls::Static;
             hand_over::<T, R, RacewayControlFree, D, E>(spindle, at_rest, loaded_at, hand);
         }
-        Balls::Centrifugal | Balls::Moving(_) => {
+        _ => {
             let refused = match balls {
-                Balls::Centrifugal if E > 0 => {
+                Balls::Inner => "inner race control is for one or two rows: leave --attitude out",
+                Balls::Outer => "outer race control is for one to four rows: leave --attitude out",
+                _ if E > 0 => {
                     "centrifugal force alone is not for elastic shafts: leave --motion out"
                 }
-                Balls::Centrifugal => {
-                    "centrifugal force alone is for one or two rows: leave --motion out"
-                }
-                Balls::Moving(Attitude::Inner) => {
-                    "inner race control is for one or two rows: leave --attitude out"
-                }
-                _ => "outer race control is for one to four rows: leave --attitude out",
+                _ => "centrifugal force alone is for one or two rows: leave --motion out",
             };
             return Err(BuildError::Spindle(format!("{R} rows: {refused}")));
         }
@@ -487,43 +556,27 @@ struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: u
     loaded_at: f64,
 }
 
-impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpindleSolver
+impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySolver
     for Chosen<'_, T, R, M, D, E>
 {
-    fn solve(&mut self, question: &Question, ends: &[ShaftEnd]) -> Result<Answer, Status<f32>> {
-        let growth = from_fn(|i| match question.growth.get(i) {
-            Some(growth) => Growth {
-                axial: T::of(growth.axial),
-                radial: T::of(growth.radial),
-                ball: T::of(growth.ball),
-            },
-            None => Growth::NONE,
-        });
+    fn solve(&mut self, question: &Question) -> Result<Answer, Status<f32>> {
         let omega = if self.at_rest { 0.0 } else { question.omega };
-        let settings = Settings {
-            tolerance: self
-                .choices
-                .tolerance
-                .map_or(Settings::<T>::DEFAULT.tolerance, T::of),
-            max_iterations: self.choices.max_iterations,
-        };
-        let at = Speed::rad_per_s(T::of(omega)).with_growth(growth);
-        let (load, held) = (question.load.map(T::of), self.choices.held);
+        let settings = self.choices.settings();
+        let at = Speed::rad_per_s(T::of(omega)).with_growth(growths(question));
         // The solver's axial displacement does not have the growth of the rows' middle.
-        let grown = [question.middle_growth, 0.0, 0.0, 0.0, 0.0];
-        let given: [_; 5] = from_fn(|i| match held[i] {
-            Some(u) => Given::Displacement(T::of(u + grown[i])),
-            None => Given::Load(load[i]),
-        });
+        let mut moved = question.clone();
+        moved.held[0] = moved.held[0].map(|u| u + question.middle_growth);
         let (spindle, solver) = (&self.spindle, &mut self.solver);
-        let solved = match held {
-            [None, None, None, None, None] => solver.solve(spindle, load, at, &settings),
-            _ => solver.solve(spindle, given, at, &settings),
+        let solved = match question.held {
+            [None, None, None, None, None] => {
+                solver.solve(spindle, question.load.map(T::of), at, &settings)
+            }
+            _ => solver.solve(spindle, given::<T, 5>(&moved), at, &settings),
         };
         let solution = solved.map_err(narrowed)?;
         let mut answer = answer(
             &solution,
-            ends,
+            &question.ends,
             self.loaded_at,
             &self.choices,
             &self.closures,
@@ -545,7 +598,7 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySpin
         self.solver.reset();
     }
 
-    fn copy(&self) -> Box<dyn AnySpindleSolver + '_> {
+    fn copy(&self) -> Box<dyn AnySolver + '_> {
         Box::new(self.clone())
     }
 }
@@ -592,7 +645,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         row_answer(&row, displacement, *closure, choices)
     });
     Answer {
-        status: solution.status.name(),
+        status: narrowed(solution.status),
         iterations: solution.iterations,
         displacement: displacement.map(T::to_f64),
         stiffness: wide(&solution.stiffness_at(origin)),
@@ -600,7 +653,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
         at: at.collect(),
         spring_closure: solution.spring_closure().to_f64(),
         rows: rows.collect(),
-        error: [error.displacement, error.force, error.stiffness].map(T::to_f64),
+        error: in_doubles(error),
     }
 }
 

@@ -1,29 +1,10 @@
 //! Noses of a spindle file: points on the shaft by name, `[nose]` and `[nose.tool]`.
 
 use crate::designs::{DesignFileError, Key, Reading, millimetres};
+use crate::plan::ShaftEnd;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::fmt;
 use toml::Spanned;
-
-/// A point on the shaft where stiffness and displacement are wanted, like the nose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ShaftEnd {
-    /// Its position x, m.
-    pub position: f64,
-    /// Flexibility of the shaft itself there, besides its motion as a rigid body: displacement of each freedom (m, rad) per its force
-    /// (N) or moment (N m).
-    pub flexibility: [f64; 5],
-}
-
-impl ShaftEnd {
-    /// A point of a rigid shaft, or of one that bends by its sections.
-    pub const fn rigid(position: f64) -> Self {
-        Self {
-            position,
-            flexibility: [0.0; 5],
-        }
-    }
-}
 
 /// A point on the shaft with a name.
 #[derive(Debug, Clone)]

@@ -4,6 +4,7 @@ use spindle_bearing::{
     Arrangement, Design, DesignError, Facing, Growth, Material, Preload, Section, ShaftLoad,
     Support,
 };
+use std::array::from_fn;
 use std::fmt;
 use std::ops::RangeInclusive;
 
@@ -61,25 +62,43 @@ pub struct ElasticShaft {
     pub loaded_at: f64,
 }
 
+impl ElasticShaft {
+    /// A shaft of steel, loaded at `x = 0` alone.
+    pub fn of(sections: Vec<Section>, supports: Vec<Support<f64>>) -> Self {
+        Self {
+            sections,
+            material: Material::STEEL,
+            supports,
+            loads: Vec::new(),
+            loaded_at: 0.0,
+        }
+    }
+}
+
 /// Largest number of sections of a shaft.
 pub const MOST_SECTIONS: usize = 64;
 
 impl Plan {
-    /// A bearing as the only row, which has the bits of a plain solver.
-    pub fn alone(design: &Design, balls: usize) -> Self {
+    /// Rows on a rigid shaft, in an arrangement of their own.
+    pub fn of(rows: Vec<Row>) -> Self {
         Self {
-            rows: vec![Row {
-                balls,
-                design: *design,
-                position: 0.0,
-                facing: Facing::PlusX,
-                preload: Preload::Closure(0.0),
-            }],
+            rows,
             arrangement: Arrangement::ByRows,
             spring: None,
             mounted_preload: None,
             shaft: None,
         }
+    }
+
+    /// A bearing as the only row, which has the bits of a plain solver.
+    pub fn alone(design: &Design, balls: usize) -> Self {
+        Self::of(vec![Row {
+            balls,
+            design: *design,
+            position: 0.0,
+            facing: Facing::PlusX,
+            preload: Preload::Closure(0.0),
+        }])
     }
 
     /// Middle between the outermost rows, from which lengths grow with heat, m.
@@ -96,11 +115,33 @@ impl Plan {
     }
 }
 
+/// A point on the shaft where stiffness and displacement are wanted, like the nose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShaftEnd {
+    /// Its position x, m.
+    pub position: f64,
+    /// Flexibility of the shaft itself there, besides its motion as a rigid body: displacement of each freedom (m, rad) per its force
+    /// (N) or moment (N m).
+    pub flexibility: [f64; 5],
+}
+
+impl ShaftEnd {
+    /// A point of a rigid shaft, or of one that bends by its sections.
+    pub const fn rigid(position: f64) -> Self {
+        Self {
+            position,
+            flexibility: [0.0; 5],
+        }
+    }
+}
+
 /// Load, speed and growth that a spindle is solved for.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Question {
     /// `Fx, Fy, Fz, My, Mz` on the shaft at [`Plan::loaded_at`], N and N m.
     pub load: [f64; 5],
+    /// Displacements there that are given in the place of loads, m and rad.
+    pub held: [Option<f64>; 5],
     /// Shaft speed, rad/s.
     pub omega: f64,
     /// Growth of each row; none if there are fewer than rows.
@@ -108,6 +149,44 @@ pub struct Question {
     /// Axial growth of the shaft against the housing at the rows' middle from `x = 0` on, m. It is left out of `growth`, which
     /// counts from that middle, and is part of the displacement.
     pub middle_growth: f64,
+    /// Points of the shaft at which stiffness and compliance are wanted besides `x = 0`.
+    pub ends: Vec<ShaftEnd>,
+}
+
+impl Question {
+    /// A load at a speed, rad/s, on rows that have not grown.
+    pub fn load(load: [f64; 5], omega: f64) -> Self {
+        Self {
+            load,
+            omega,
+            ..Self::default()
+        }
+    }
+
+    /// The displacements `u` in the place of the loads of freedoms that are `held`.
+    #[must_use]
+    pub fn holding(self, held: [bool; 5], u: [f64; 5]) -> Self {
+        Self {
+            held: from_fn(|i| held[i].then_some(u[i])),
+            ..self
+        }
+    }
+
+    /// With a point of the shaft that is wanted, too, and that does not yield.
+    #[must_use]
+    pub fn at(mut self, x: f64) -> Self {
+        self.ends.push(ShaftEnd::rigid(x));
+        self
+    }
+
+    /// Rows that have all grown alike.
+    #[must_use]
+    pub fn grown(self, growth: Growth<f64>) -> Self {
+        Self {
+            growth: vec![growth; MOST_ROWS],
+            ..self
+        }
+    }
 }
 
 /// Why a spindle cannot be built.

@@ -64,9 +64,8 @@ use crate::designs::{
     ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Place, Reading,
     micrometres, millimetres, read_text,
 };
-use crate::noses::ShaftEnd;
 use crate::noses::{Nose, NoseKeys, PLAIN};
-use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Plan, Question, Row};
+use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Plan, Question, Row, ShaftEnd};
 use crate::recordings::LoadRow;
 use crate::shafts::{ShaftKeys, SupportKeys};
 use crate::units::celsius;
@@ -430,7 +429,7 @@ impl SpindleFile {
         })
     }
 
-    /// The load, speed and growth that a row of loads stands for.
+    /// The load, speed and growth that a row of loads stands for, at the noses.
     pub fn question(&self, row: &LoadRow) -> Question {
         let omega = row.omega();
         let middle = self.plan.middle();
@@ -452,10 +451,10 @@ impl SpindleFile {
         });
         let middle_growth = |(expansion, warmer)| Growth::by_length(expansion, middle, warmer);
         Question {
-            load: self.loading.about_origin(row.load),
-            omega,
             growth: growth.collect(),
             middle_growth: heat.map_or(0.0, |heat| middle_growth(heat).axial),
+            ends: self.noses.iter().map(|nose| nose.end).collect(),
+            ..Question::load(self.loading.about_origin(row.load), omega)
         }
     }
 

@@ -452,7 +452,7 @@ impl Draft {
         for _ in 0..40 {
             let u = [0.5 * (low + high), dy, dz, ty, tz];
             let (load, depths) = reference
-                .rough_law(u, omega, self.attitude.into(), &mut centres)
+                .rough_law(u, omega, self.attitude, &mut centres)
                 .ok()?;
             let loaded = depths.iter().filter(|depth| **depth > 0.0).count();
             match loaded.cmp(&wanted) {
@@ -468,7 +468,7 @@ impl Draft {
     fn opening(&mut self) -> Option<Drawn> {
         let reference = self.reference();
         let omega = self.rest_or_speed(0.5, 1.5e6);
-        let attitude = self.attitude.into();
+        let attitude = self.attitude;
         let (l0, sin, cos) = self.grooves();
         let depth = l0 * self.r.log_between(1e-5, 3e-2);
         let radial = depth * self.r.between(0.1, 1.5);
@@ -532,7 +532,7 @@ impl Draft {
     fn at(&self, u: [f64; 5], omega: f64) -> Option<Drawn> {
         let law = self
             .reference()
-            .rough_law(u, omega, self.attitude.into(), &mut Vec::new());
+            .rough_law(u, omega, self.attitude, &mut Vec::new());
         let (load, _) = law.ok()?;
         Some((Tick { load, omega }, Some(u)))
     }

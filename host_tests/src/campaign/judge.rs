@@ -1,18 +1,15 @@
 //! One case: solved in both precisions, and judged by the reference build.
 
-use super::balance::{centres, residual};
+use super::balance::residual;
 use super::families::{Family, Tick, Trial};
 use super::sets::Set;
-use crate::compare::{Ball, Equilibrium};
+use crate::compare::Equilibrium;
 use crate::dispatch::Precision;
-use crate::reference::spindle::Start;
-use crate::reference::{self, Failure, Solution, small_solve};
-use crate::spindles::{self, Balls, Choices, with_solver};
-use files::noses::ShaftEnd;
+use crate::reference::{Failure, Task, small_solve};
+use crate::spindles::{self, Balls, with_solver};
 use files::plan::{Plan, Question};
-use spindle_bearing::{BallState, Design, Growth};
+use spindle_bearing::BallState;
 use std::array::from_fn;
-use std::f64::consts::PI;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Most iterations a solve may take: the limit of the default settings.
@@ -48,7 +45,7 @@ pub struct Answer {
 
 impl Answer {
     fn equilibrium(&self) -> Option<Equilibrium> {
-        self.figures.as_ref().map(equilibrium)
+        self.figures.as_ref().map(spindles::Answer::equilibrium)
     }
 
     /// The balls of all rows, where there are figures.
@@ -196,24 +193,18 @@ fn answers(trial: &Trial, precision: Precision) -> Vec<Answer> {
     };
     let balls = match trial.at_rest {
         true => Balls::Static,
-        false => Balls::Moving(case.attitude),
+        false => case.attitude.into(),
     };
     with_solver(&plan, balls, precision, |solver| {
-        solver.choose(&Choices {
-            held,
-            ..Choices::default()
-        });
         let mut solve = |tick: &Tick| {
             let question = Question {
-                load: tick.load,
-                omega: tick.omega,
+                held,
                 growth: growth.clone(),
-                middle_growth: 0.0,
+                ..Question::load(tick.load, tick.omega)
             };
-            let ends = [ShaftEnd::rigid(0.0)];
-            let solve = AssertUnwindSafe(|| solver.solve(&question, &ends));
+            let solve = AssertUnwindSafe(|| solver.solve(&question));
             let (status, figures) = match catch_unwind(solve) {
-                Ok(Ok(figures)) => (figures.status, Some(figures)),
+                Ok(Ok(figures)) => (figures.status.name(), Some(figures)),
                 Ok(Err(status)) => (status.name(), None),
                 Err(_) => {
                     // A panic may leave the solver in any state.
@@ -236,52 +227,22 @@ fn seen(tick: &Tick, precision: Precision) -> Tick {
     }
 }
 
-/// An answer, as the reference build of sets starts from it. Growth is none where there are fewer than rows.
-pub fn start(plan: &Plan, growth: &[Growth<f64>], answer: &spindles::Answer) -> Start {
-    let rows = answer.rows.iter().zip(&plan.rows).enumerate();
-    let rows = rows.map(|(index, (found, row))| {
-        let ball = growth.get(index).map_or(0.0, |growth| growth.ball);
-        let grown = Design {
-            outer_groove_factor: row.design.outer_groove_factor
-                - 0.5 * ball / row.design.ball_diameter,
-            ..row.design
-        };
-        let centres = centres(&grown, &found.balls).into_iter();
-        (found.force, centres.map(|(x, r)| [x, r]).collect())
-    });
-    Start {
-        displacement: answer.displacement,
-        sleeve: answer.spring_closure,
-        rows: rows.collect(),
-    }
-}
-
-/// An answer, as far as it is compared: the balls are those of all rows.
-pub fn equilibrium(answer: &spindles::Answer) -> Equilibrium {
-    let balls = answer.rows.iter().flat_map(|row| &row.balls);
-    Equilibrium {
-        displacement: answer.displacement,
-        stiffness: answer.stiffness,
-        balls: balls.map(Ball::from).collect(),
-    }
+/// The question of a tick at a speed, as the reference build is asked.
+fn task(trial: &Trial, tick: &Tick, omega: f64) -> Task {
+    let held = trial.set.as_ref().map_or([None; 5], |set| set.held);
+    Task::new(tick.load, omega, trial.case.attitude).holding(held)
 }
 
 /// The equilibrium that the reference build reaches from an answer.
 fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Equilibrium> {
     let figures = answer.figures.as_ref()?;
     let (u, balls) = (figures.displacement, answer.balls());
-    let attitude = trial.case.reference_attitude();
-    let centres = centres(&trial.case.design, &balls);
-    let near = |omega| match &trial.set {
-        Some(set) => {
-            let question = set.question(tick.load, omega, attitude);
-            set.reference
-                .polish(&question, &start(&set.plan, &set.growth, figures))
-                .ok()
-        }
-        None => {
-            let found = (trial.reference).polish_near(tick.load, omega, attitude, u, &centres);
-            physical(trial, found)
+    let centres = trial.reference.centres(&balls);
+    let near = |omega| {
+        let task = task(trial, tick, omega);
+        match &trial.set {
+            Some(set) => set.reference.polish(&task, figures).ok(),
+            None => physical(trial, trial.reference.polish_near(&task, u, &centres)),
         }
     };
     near(tick.omega).or_else(|| {
@@ -294,8 +255,8 @@ fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Equilibrium> 
             // Slow, and of little use to cases that have a known equilibrium.
             None
         } else {
-            let found = (trial.reference).polish(tick.load, tick.omega, attitude, u, &centres);
-            physical(trial, found)
+            let task = task(trial, tick, tick.omega);
+            physical(trial, trial.reference.polish(&task, u, &centres))
         }
     })
 }
@@ -303,32 +264,22 @@ fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Equilibrium> 
 /// The equilibrium that the load was made from.
 fn known(trial: &Trial, tick: &Tick) -> Option<Equilibrium> {
     let u = trial.known?;
-    let (reference, attitude) = (&trial.reference, trial.case.reference_attitude());
-    let mut centres = Vec::new();
-    let law = reference.rough_law(u, tick.omega, attitude, &mut centres);
+    let (reference, mut centres) = (&trial.reference, Vec::new());
+    let law = reference.rough_law(u, tick.omega, trial.case.attitude, &mut centres);
     law.ok()?;
-    let centres: Vec<(f64, f64)> = centres.iter().map(|x| (x[0], x[1])).collect();
-    let found = reference.polish_near(tick.load, tick.omega, attitude, u, &centres);
-    physical(trial, found)
+    let task = task(trial, tick, tick.omega);
+    physical(trial, reference.polish_near(&task, u, &centres))
 }
 
-/// An equilibrium, if it is one of the bearing and not just of its equations. Newton may run away to
-/// contacts that are wound round the ball or deeper than the grooves' centres are apart.
-fn physical(trial: &Trial, found: Result<Solution, Failure>) -> Option<Equilibrium> {
-    let deepest = trial.case.design.centre_distance();
-    let truth = found.ok()?;
-    let is_physical = |ball: &reference::BallState| {
-        [ball.alpha_i, ball.alpha_o].iter().all(|a| a.abs() <= PI)
-            && [ball.delta_i, ball.delta_o].iter().all(|d| *d <= deepest)
-    };
-    let is_all = truth.balls.iter().all(is_physical);
-    is_all.then(|| Equilibrium::from(&truth))
+/// An equilibrium, if it is one of the bearing and not just of its equations.
+fn physical(trial: &Trial, found: Result<Equilibrium, Failure>) -> Option<Equilibrium> {
+    let is_physical = |truth: &Equilibrium| trial.reference.are_physical(&truth.balls);
+    found.ok().filter(is_physical)
 }
 
 /// Errors of displacement, force and stiffness; an error that is not a number is infinite.
 fn errors(trial: &Trial, found: &Equilibrium, truth: &Equilibrium) -> [f64; 3] {
-    let case = &trial.case;
-    let e = found.errors(truth, case.design.ball_diameter, case.pitch_radius());
+    let e = found.errors(truth, &trial.case.design);
     [e.displacement, e.force, e.stiffness].map(|e| match e {
         e if e.is_nan() => f64::INFINITY,
         e if trial.set.is_some() && e <= OF_SETS => 0.0,
@@ -343,7 +294,7 @@ fn is_indeterminate(truth: &Equilibrium, pitch_radius: f64, precision: Precision
         Precision::F32 => f64::from(f32::EPSILON),
         Precision::F64 => f64::EPSILON,
     };
-    let forces = || truth.balls.iter().map(|ball| ball.inner.force);
+    let forces = || truth.balls.iter().map(|ball| ball.q_i);
     let largest = forces().fold(0.0, f64::max);
     let carries = |force: &f64| *force > 10.0 * epsilon * largest;
     if forces().filter(carries).count() < 3 {
@@ -403,9 +354,8 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
     });
     let mut truths = [None, None];
     let mut from_rest = kept(|tick| {
-        let attitude = trial.case.reference_attitude();
-        let found = trial.reference.from_rest(tick.load, tick.omega, attitude);
-        found.ok()
+        let task = task(trial, tick, tick.omega);
+        trial.reference.from_rest(&task).ok()
     });
 
     // Double precision first: its equilibrium is the truth of both.
@@ -429,7 +379,7 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
         let is_followed = is_followed && trial.set.is_none() && !trial.family.is_warm();
         if is_followed && ticks[p].omega != 0.0 {
             records[p].from_rest = from_rest(ticks[p]).map(|meant| {
-                let [u, q, _] = errors(trial, truth, &Equilibrium::from(&meant));
+                let [u, q, _] = errors(trial, truth, &meant);
                 u.max(q) <= APART
             });
         }
@@ -473,15 +423,11 @@ fn kept<R: Clone>(of: impl Fn(&Tick) -> R) -> impl FnMut(Tick) -> R {
 /// Has the reference build search for an equilibrium, wherever a solve found none and nothing else decides: slow.
 pub fn search(trial: &Trial, records: &mut [Record; 2]) {
     let mut search = kept(|tick| {
-        let attitude = trial.case.reference_attitude();
-        if let Some(set) = &trial.set {
-            return (set
-                .reference
-                .search(&set.question(tick.load, tick.omega, attitude)))
-            .ok();
+        let task = task(trial, tick, tick.omega);
+        match &trial.set {
+            Some(set) => set.reference.search(&task).ok(),
+            None => physical(trial, trial.reference.search(&task)),
         }
-        let found = trial.reference.search(tick.load, tick.omega, attitude);
-        physical(trial, found)
     });
     for record in records {
         if record.verdict == Verdict::Undecided {

@@ -1,12 +1,9 @@
 //! Sets of bearings on one shaft, and how one is drawn.
 
-use crate::cases::{Random, reference_spindle};
-use crate::reference::Attitude;
-use crate::reference::spindle::{Question, Solver};
+use crate::cases::Random;
+use crate::reference::spindle::Solver;
 use files::plan::{ElasticShaft, MOST_ROWS, Plan, Row};
-use spindle_bearing::{
-    Arrangement, Design, Facing, Growth, Material, Preload, Section, ShaftLoad, Support,
-};
+use spindle_bearing::{Design, Facing, Growth, Preload, Section, ShaftLoad, Support};
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
@@ -80,11 +77,9 @@ impl Set {
         let spring = slides.then(|| round(capacity * r.log_between(2e-3, 5e-2)));
         let shaft = r.chance(0.5).then(|| shaft(r, &rows, is_opposed, capacity));
         let plan = Plan {
-            rows,
-            arrangement: Arrangement::ByRows,
             spring,
-            mounted_preload: None,
             shaft,
+            ..Plan::of(rows)
         };
         let is_held = r.chance(0.25);
         let depth = l0 * r.log_between(1e-3, 2e-2);
@@ -94,7 +89,7 @@ impl Set {
             (r.chance(0.5) && is_held).then(|| round(size * r.between(least, 1.0)))
         });
         Self {
-            reference: reference_spindle(&plan, &growth),
+            reference: Solver::new(&plan, &growth).unwrap_or_else(|e| panic!("{plan:?}: {e}")),
             plan,
             growth,
             held,
@@ -105,16 +100,6 @@ impl Set {
     pub fn is_loose(&self) -> bool {
         let rows = &self.plan.rows;
         rows.iter().all(|row| row.facing == rows[0].facing) && self.held == [None; 5]
-    }
-
-    /// Load at `x = 0`, speed and rule of attitude with the given displacements.
-    pub fn question(&self, load: [f64; 5], omega: f64, attitude: Attitude) -> Question {
-        Question {
-            load,
-            held: self.held,
-            omega,
-            attitude,
-        }
     }
 }
 
@@ -155,14 +140,9 @@ fn shaft(r: &mut Random, rows: &[Row], may_pull: bool, capacity: f64) -> Elastic
         position: round(r.between(low, high)),
         load: [0.0, pull * cos, pull * sin, 0.0, 0.0].map(round),
     };
-    ElasticShaft {
-        sections,
-        material: Material::STEEL,
-        supports,
-        loads: (may_pull && r.chance(0.3))
-            .then_some(belt)
-            .into_iter()
-            .collect(),
-        loaded_at: 0.0,
-    }
+    let mut shaft = ElasticShaft::of(sections, supports);
+    shaft
+        .loads
+        .extend((may_pull && r.chance(0.3)).then_some(belt));
+    shaft
 }

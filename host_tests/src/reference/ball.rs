@@ -1,8 +1,9 @@
 //! One ball: its equations, and its equilibrium for a given place of the inner curvature centre.
 
+use super::Reference;
 use super::linear::small_solve;
 use super::number::{Dual, Scalar};
-use super::{Attitude, Reference};
+use crate::dispatch::Attitude;
 use crate::double_double::Dd;
 use core::array::from_fn;
 

@@ -4,8 +4,8 @@
 //! branch. Where a load has several equilibria at speed, the one on this branch is meant.
 
 use super::newton::{Stage, Task};
-use super::{Attitude, Failure, Reference, Solution, check};
-use crate::compare::worse;
+use super::{Failure, Reference};
+use crate::compare::{Equilibrium, worse};
 use core::array::from_fn;
 
 /// Inertia of all balls over the load where the balls are placed first.
@@ -30,19 +30,18 @@ struct Point {
 }
 
 impl Reference {
-    /// The equilibrium under `load` at `omega` that the one at rest moves to as `omega^2` rises.
+    /// The equilibrium that the one at rest moves to as `omega^2` rises.
     ///
     /// # Errors
     ///
     /// [`Failure::Stalled`] where the branch ends on the way, or can be followed no further.
-    pub fn from_rest(
-        &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-    ) -> Result<Solution, Failure> {
-        check(&load, omega, &[0.0; 5])?;
-        let task = |part: f64| Task::new(load, omega * part.sqrt(), attitude);
+    pub fn from_rest(&self, task: &Task) -> Result<Equilibrium, Failure> {
+        task.check()?;
+        let (whole, omega) = (*task, task.omega);
+        let task = |part: f64| Task {
+            omega: omega * part.sqrt(),
+            ..whole
+        };
         let rest = self.at_rest(&task(0.0))?;
         if omega == 0.0 {
             return self.refine(&rest, &task(0.0));

@@ -21,98 +21,18 @@ mod number;
 pub mod spindle;
 
 use super::double_double::Dd;
-use crate::compare::{Ball, Equilibrium, Race};
+use crate::compare::Equilibrium;
+use crate::dispatch::Attitude;
 use ball::{Station, Terms, Unknowns};
 use core::array::from_fn;
+use core::f64::consts::{PI, TAU};
 use core::fmt;
 use hertz::Hertz;
 pub(crate) use linear::small_solve;
-use newton::{Stage, Task};
+use newton::Stage;
+pub use newton::Task;
 use number::Scalar;
-
-/// The rule for the axis about which a ball turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Attitude {
-    /// Raceway-control-free, by d'Alembert's principle (Ding 2001; Wang et al. 2014).
-    Raceless,
-    /// Outer race control (Jones 1960).
-    Outer,
-    /// Inner race control (Jones 1960). A ball without inner contact follows outer control.
-    Inner,
-}
-
-/// Elastic constants and density of a ring or of the balls.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
-    /// Young's modulus in Pa.
-    pub youngs_modulus: f64,
-    /// Poisson's ratio.
-    pub poissons_ratio: f64,
-    /// Density in kg/m^3; only the balls' is used.
-    pub density: f64,
-}
-
-/// Design of one angular contact ball bearing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bearing {
-    /// Number of balls.
-    pub balls: usize,
-    /// Ball diameter `D` in m.
-    pub ball_diameter: f64,
-    /// Pitch diameter `dm` in m.
-    pub pitch_diameter: f64,
-    /// Inner groove radius over ball diameter.
-    pub inner_groove_factor: f64,
-    /// Outer groove radius over ball diameter.
-    pub outer_groove_factor: f64,
-    /// Cosine of the free contact angle. The pair is scaled to length one in double-double.
-    pub cos_alpha0: f64,
-    /// Sine of the free contact angle.
-    pub sin_alpha0: f64,
-    /// Diametral clearance `Pd` in m, of either sign, of a bearing that is alike on both sides. Displacement
-    /// counts from the middle of its play. The free contact angle above then only sets curvatures and radii.
-    pub clearance: Option<f64>,
-    /// Azimuth of ball 0 in rad, from +y towards +z.
-    pub first_ball: f64,
-    /// Rings.
-    pub ring: Material,
-    /// Balls.
-    pub ball: Material,
-}
-
-/// State of one ball in equilibrium.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BallState {
-    /// Azimuth in rad.
-    pub azimuth: f64,
-    /// Inner contact angle in rad.
-    pub alpha_i: f64,
-    /// Outer contact angle in rad.
-    pub alpha_o: f64,
-    /// Inner contact force in N.
-    pub q_i: f64,
-    /// Outer contact force in N.
-    pub q_o: f64,
-    /// Inner contact deformation in m, negative without contact.
-    pub delta_i: f64,
-    /// Outer contact deformation in m, negative without contact.
-    pub delta_o: f64,
-    /// Centrifugal force in N.
-    pub fc: f64,
-    /// Gyroscopic moment in N m.
-    pub mg: f64,
-}
-
-/// Equilibrium under a load.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solution {
-    /// Ring displacements `dx, dy, dz` in m and `ty, tz` in rad.
-    pub u: [f64; 5],
-    /// Stiffness `dF/du`, rows are forces (N, N m); always of all five freedoms.
-    pub k: [[f64; 5]; 5],
-    /// The balls.
-    pub balls: Vec<BallState>,
-}
+use spindle_bearing::{BallState, Design, FreeContact, Material};
 
 /// How a solve ended without a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,21 +79,41 @@ pub struct Reference {
     inner_groove: Dd,
     mass: Dd,
     inertia: Dd,
-    pub(crate) stations: Vec<Station>,
+    stations: Vec<Station>,
+}
+
+/// A ball with these unknowns and these inner and outer contact forces, centrifugal force and gyroscopic moment.
+fn ball_state(station: &Station, w: Unknowns<f64>, [q_i, q_o, fc, mg]: [f64; 4]) -> BallState<f64> {
+    // Not made at once: states of the library may grow.
+    let mut ball = BallState::default();
+    ball.azimuth = station.azimuth;
+    [ball.alpha_i, ball.alpha_o, ball.delta_i, ball.delta_o] = w;
+    (ball.q_i, ball.q_o) = (q_i, q_o);
+    (ball.centrifugal_force, ball.gyroscopic_moment) = (fc, mg);
+    ball
 }
 
 impl Reference {
-    /// Prepares a bearing that the library can build.
+    /// Prepares a bearing that the library can build, with so many balls.
     ///
     /// # Errors
     /// [`Failure::Input`] for a groove that is no wider than the ball.
-    pub fn new(b: &Bearing) -> Result<Reference, Failure> {
+    pub fn new(b: &Design, balls: usize) -> Result<Reference, Failure> {
         let one = Dd::ONE;
         let (two, half) = (Dd::of(2.0), Dd::of(0.5));
         let d = Dd::of(b.ball_diameter);
         let dm = Dd::of(b.pitch_diameter);
         let (fi, fo) = (Dd::of(b.inner_groove_factor), Dd::of(b.outer_groove_factor));
-        let (c, s) = (Dd::of(b.cos_alpha0), Dd::of(b.sin_alpha0));
+        let ((s, c), clearance) = match b.free_contact {
+            FreeContact::Angle(angle) => (angle.sin_cos(), None),
+            // Displacement counts from the middle of the play. The free angle only sets curvatures and radii.
+            FreeContact::DiametralClearance(clearance) => {
+                let versine = clearance.max(0.0) / (2.0 * b.centre_distance());
+                let sine = (versine * (2.0 - versine)).sqrt();
+                ((sine, 1.0 - versine), Some(clearance))
+            }
+        };
+        let (c, s) = (Dd::of(c), Dd::of(s));
         let norm = (c * c + s * s).sqrt();
         let (c, s) = (c / norm, s / norm);
         let (li, lo) = ((fi - half) * d, (fo - half) * d);
@@ -193,16 +133,16 @@ impl Reference {
         };
 
         let mass = Dd::of(b.ball.density) * Dd::PI * d * d * d / Dd::of(6.0);
-        let (a0, zp) = match b.clearance {
+        let (a0, zp) = match clearance {
             None => ([l0 * s, l0 * c], (li * s).value()),
             Some(clearance) => ([Dd::ZERO, l0 - half * Dd::of(clearance)], 0.0),
         };
         let rp = (dm * half + li * c).value();
-        let stations = (0..b.balls)
+        let stations = (0..balls)
             .map(|j| {
-                let turn = two * Dd::PI * Dd::of(j as f64) / Dd::of(b.balls as f64);
+                let turn = two * Dd::PI * Dd::of(j as f64) / Dd::of(balls as f64);
                 // The double-double series wants |x| <= pi, hence the half turn and the remainder.
-                let first = b.first_ball.rem_euclid(core::f64::consts::TAU);
+                let first = b.first_ball.rem_euclid(TAU);
                 let (sf, cf) = if b.first_ball.abs() <= 3.0 {
                     Dd::of(b.first_ball).sin_cos()
                 } else {
@@ -307,32 +247,42 @@ impl Reference {
         fx.max(factor * other).max(least)
     }
 
-    fn report(&self, ws: &[Unknowns<Dd>], terms: &[Terms<Dd>]) -> Vec<BallState> {
-        let row = |((w, t), st): ((&Unknowns<Dd>, &Terms<Dd>), &Station)| BallState {
-            azimuth: st.azimuth,
-            alpha_i: w[0].value(),
-            alpha_o: w[1].value(),
-            q_i: t.q[0].value(),
-            q_o: t.q[1].value(),
-            delta_i: w[2].value(),
-            delta_o: w[3].value(),
-            fc: t.fc.value(),
-            mg: t.mg.value(),
+    fn report(&self, ws: &[Unknowns<Dd>], terms: &[Terms<Dd>]) -> Vec<BallState<f64>> {
+        let row = |((w, t), st): ((&Unknowns<Dd>, &Terms<Dd>), &Station)| {
+            let terms = [t.q[0], t.q[1], t.fc, t.mg].map(Dd::value);
+            ball_state(st, w.map(Dd::value), terms)
         };
         ws.iter().zip(terms).zip(&self.stations).map(row).collect()
     }
 
-    /// Equilibrium under `load` at `omega` rad/s from a cold start.
+    /// The balls' centres, axial and radial from the outer groove's centre, m.
+    pub fn centres(&self, balls: &[BallState<f64>]) -> Vec<[f64; 2]> {
+        let centre = |ball: &BallState<f64>| {
+            let (sin, cos) = ball.alpha_o.sin_cos();
+            [sin, cos].map(|part| (self.lo.hi + ball.delta_o) * part)
+        };
+        balls.iter().map(centre).collect()
+    }
+
+    /// Whether these are balls of the bearing and not just of its equations. Newton may run away to contacts that are wound
+    /// round the ball or deeper than the grooves' centres are apart.
+    pub fn are_physical(&self, balls: &[BallState<f64>]) -> bool {
+        let deepest = (self.li + self.lo).hi;
+        balls.iter().all(|ball| {
+            let steepest = ball.alpha_i.abs().max(ball.alpha_o.abs());
+            steepest <= PI && ball.delta_i.max(ball.delta_o) <= deepest
+        })
+    }
+
+    /// Equilibrium from a cold start.
     ///
     /// # Errors
     /// See [`Failure`].
-    pub fn solve(
-        &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-    ) -> Result<Solution, Failure> {
-        self.solve_held(load, omega, attitude, [true; 5], [0.0; 5], true)
+    pub fn solve(&self, task: &Task) -> Result<Equilibrium, Failure> {
+        self.cold(&Task {
+            thorough: true,
+            ..*task
+        })
     }
 
     /// Like [`Self::solve`], but sooner done with a load that has no equilibrium, or one that is hard
@@ -340,60 +290,13 @@ impl Reference {
     ///
     /// # Errors
     /// See [`Failure`].
-    pub fn search(
-        &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-    ) -> Result<Solution, Failure> {
-        self.search_with(load, omega, attitude, [true; 5], [0.0; 5])
-    }
-
-    /// Like [`Self::search`], but a freedom that is not `free` keeps the displacement `held` (m, rad). Its
-    /// load is ignored. The stiffness is still of all five freedoms.
-    ///
-    /// # Errors
-    /// See [`Failure`].
-    pub fn search_with(
-        &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-        free: [bool; 5],
-        held: [f64; 5],
-    ) -> Result<Solution, Failure> {
-        self.solve_held(load, omega, attitude, free, held, false)
-    }
-
-    /// A cold start under given loads and displacements, with all patience or without.
-    fn solve_held(
-        &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-        free: [bool; 5],
-        held: [f64; 5],
-        thorough: bool,
-    ) -> Result<Solution, Failure> {
-        check(&load, omega, &held)?;
-        let load = from_fn(|k| if free[k] { load[k] } else { 0.0 });
-        let task = Task {
-            free,
-            thorough,
-            ..Task::new(load, omega, attitude)
-        };
-        self.cold(&task, &held)
+    pub fn search(&self, task: &Task) -> Result<Equilibrium, Failure> {
+        self.cold(task)
     }
 
     /// A cold start, by one method after another.
-    fn cold(&self, task: &Task, held: &[f64; 5]) -> Result<Solution, Failure> {
-        let hold = |s: &mut Stage| {
-            for (u, (free, held)) in s.u.iter_mut().zip(task.free.iter().zip(held)) {
-                if !free {
-                    *u = *held;
-                }
-            }
-        };
+    fn cold(&self, task: &Task) -> Result<Equilibrium, Failure> {
+        task.check()?;
         let finish = |mut s: Stage| {
             self.newton(&mut s, task, 60)?;
             self.refine(&s, task)
@@ -412,7 +315,7 @@ impl Reference {
                 let Ok(mut s) = self.preloaded(preload, &start) else {
                     continue;
                 };
-                hold(&mut s);
+                s.u = from_fn(|k| task.held[k].unwrap_or(s.u[k]));
                 outcome = match method {
                     0 => Ok(()),
                     1 => self.nested(&mut s, task, 60),
@@ -435,20 +338,28 @@ impl Reference {
         outcome
     }
 
-    /// Newton from a given start, without continuation: the fast way to judge a solution of another program. `centres` holds each ball's centre
-    /// `(X1, X2)` in m, axial and radial from the outer groove's curvature centre.
+    /// Newton from the answer of another program, without continuation: the fast way to judge it. `centres` are those of
+    /// [`Self::centres`]. A freedom that is held keeps its displacement of `u`.
     ///
     /// # Errors
     /// See [`Failure`].
     pub fn polish(
         &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-        u0: [f64; 5],
-        centres: &[(f64, f64)],
-    ) -> Result<Solution, Failure> {
-        self.polish_with(load, omega, attitude, u0, centres, [true; 5])
+        task: &Task,
+        u: [f64; 5],
+        centres: &[[f64; 2]],
+    ) -> Result<Equilibrium, Failure> {
+        let start = self.stage(task, u, centres)?;
+        let mut s = start.clone();
+        self.newton(&mut s, task, 40)
+            .and_then(|()| self.refine(&s, task))
+            .or_else(|_| {
+                // The centres did not belong to the displacements; give every ball its place first.
+                let mut s = start;
+                self.nested(&mut s, task, 40)?;
+                self.newton(&mut s, task, 40)?;
+                self.refine(&s, task)
+            })
     }
 
     /// Like [`Self::polish`], but gives up unless the start is near an equilibrium.
@@ -457,57 +368,23 @@ impl Reference {
     /// See [`Failure`].
     pub fn polish_near(
         &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-        u0: [f64; 5],
-        centres: &[(f64, f64)],
-    ) -> Result<Solution, Failure> {
-        check(&load, omega, &u0)?;
-        let task = Task::new(load, omega, attitude);
-        let mut s = self.stage(u0, centres)?;
-        self.newton(&mut s, &task, 12)?;
-        self.refine(&s, &task)
-    }
-
-    /// Like [`Self::polish`]; a freedom that is not `free` keeps its displacement of `u0`.
-    ///
-    /// # Errors
-    /// See [`Failure`].
-    pub fn polish_with(
-        &self,
-        load: [f64; 5],
-        omega: f64,
-        attitude: Attitude,
-        u0: [f64; 5],
-        centres: &[(f64, f64)],
-        free: [bool; 5],
-    ) -> Result<Solution, Failure> {
-        check(&load, omega, &u0)?;
-        let load = from_fn(|k| if free[k] { load[k] } else { 0.0 });
-        let task = Task {
-            free,
-            ..Task::new(load, omega, attitude)
-        };
-        let mut s = self.stage(u0, centres)?;
-        let start = s.clone();
-        self.newton(&mut s, &task, 40)
-            .and_then(|()| self.refine(&s, &task))
-            .or_else(|_| {
-                // The centres did not belong to the displacements; give every ball its place first.
-                let mut s = start;
-                self.nested(&mut s, &task, 40)?;
-                self.newton(&mut s, &task, 40)?;
-                self.refine(&s, &task)
-            })
+        task: &Task,
+        u: [f64; 5],
+        centres: &[[f64; 2]],
+    ) -> Result<Equilibrium, Failure> {
+        let mut s = self.stage(task, u, centres)?;
+        self.newton(&mut s, task, 12)?;
+        self.refine(&s, task)
     }
 
     /// A start from displacements and ball centres of another program.
-    fn stage(&self, u: [f64; 5], centres: &[(f64, f64)]) -> Result<Stage, Failure> {
+    fn stage(&self, task: &Task, u: [f64; 5], centres: &[[f64; 2]]) -> Result<Stage, Failure> {
+        task.check()?;
+        Task::new(u, 0.0, task.attitude).check()?;
         if centres.len() != self.stations.len() {
             return Err(Failure::Input("number of ball centres"));
         }
-        let x = centres.iter().map(|&(a, r)| [a, r]).collect();
+        let x = centres.to_vec();
         Ok(Stage { u, x })
     }
 
@@ -524,7 +401,7 @@ impl Reference {
         attitude: Attitude,
         centres: &mut Vec<[f64; 2]>,
     ) -> Result<([f64; 5], Vec<f64>), Failure> {
-        check(&[0.0; 5], omega, &u)?;
+        Task::new(u, omega, attitude).check()?;
         let known = centres.len() == self.stations.len();
         let mut found = Vec::with_capacity(self.stations.len());
         let mut depths = Vec::with_capacity(self.stations.len());
@@ -556,7 +433,7 @@ impl Reference {
         omega: f64,
         attitude: Attitude,
     ) -> Result<f64, Failure> {
-        check(&[0.0; 5], omega, &u)?;
+        Task::new(u, omega, attitude).check()?;
         let centre = self.inner_centre(index, &u);
         let x = self
             .ball_at(&centre, omega, attitude, None)
@@ -569,11 +446,8 @@ impl Reference {
     /// # Errors
     /// [`Failure::Ball`] if a ball finds no equilibrium.
     pub fn law(&self, u: [f64; 5], omega: f64, attitude: Attitude) -> Result<[f64; 5], Failure> {
-        check(&[0.0; 5], omega, &u)?;
-        let task = Task {
-            free: [false; 5],
-            ..Task::new([0.0; 5], omega, attitude)
-        };
+        Task::new(u, omega, attitude).check()?;
+        let task = Task::new([0.0; 5], omega, attitude).holding(u.map(Some));
         let mut s = Stage {
             u,
             x: vec![[0.0, 0.0]; self.stations.len()],
@@ -587,38 +461,5 @@ impl Reference {
             st.collect(&t.ring, &mut force);
         }
         Ok(force)
-    }
-}
-
-fn check(load: &[f64; 5], omega: f64, u: &[f64; 5]) -> Result<(), Failure> {
-    let mut numbers = load.iter().chain(u).chain([&omega]);
-    let finite = numbers.all(|x| x.is_finite());
-    finite.then_some(()).ok_or(Failure::Input("not finite"))
-}
-
-impl From<&BallState> for Ball {
-    fn from(ball: &BallState) -> Self {
-        Self {
-            inner: Race {
-                angle: ball.alpha_i,
-                force: ball.q_i,
-            },
-            outer: Race {
-                angle: ball.alpha_o,
-                force: ball.q_o,
-            },
-            centrifugal_force: ball.fc,
-            gyroscopic_moment: ball.mg,
-        }
-    }
-}
-
-impl From<&Solution> for Equilibrium {
-    fn from(solution: &Solution) -> Self {
-        Self {
-            displacement: solution.u,
-            stiffness: solution.k,
-            balls: solution.balls.iter().map(Ball::from).collect(),
-        }
     }
 }

@@ -2,7 +2,9 @@
 
 use super::ball::{Linear, Unknowns};
 use super::linear::masked_solve;
-use super::{Attitude, Failure, Reference, Solution};
+use super::{Failure, Reference};
+use crate::compare::Equilibrium;
+use crate::dispatch::Attitude;
 use crate::double_double::Dd;
 use core::array::from_fn;
 
@@ -14,27 +16,45 @@ pub(super) struct Stage {
     pub(super) x: Vec<[f64; 2]>,
 }
 
-/// A problem: load, speed, rule of attitude, and the freedoms that are not prescribed.
-#[derive(Clone, Copy)]
-pub(super) struct Task {
+/// Loads, or displacements in their place, speed and rule of attitude.
+#[derive(Debug, Clone, Copy)]
+pub struct Task {
     pub(super) load: [f64; 5],
+    pub(super) held: [Option<f64>; 5],
     pub(super) omega: f64,
     pub(super) attitude: Attitude,
-    pub(super) free: [bool; 5],
     /// Follows a solution in ever smaller steps before it gives up.
     pub(super) thorough: bool,
 }
 
 impl Task {
-    /// All freedoms under a load, soon given up.
-    pub(super) fn new(load: [f64; 5], omega: f64, attitude: Attitude) -> Self {
+    /// `Fx, Fy, Fz, My, Mz`, N and N m, at a speed, rad/s.
+    pub fn new(load: [f64; 5], omega: f64, attitude: Attitude) -> Self {
         Self {
             load,
+            held: [None; 5],
             omega,
             attitude,
-            free: [true; 5],
             thorough: false,
         }
+    }
+
+    /// Displacements, m and rad, in the place of these loads. The stiffness is still of all five freedoms.
+    #[must_use]
+    pub fn holding(self, held: [Option<f64>; 5]) -> Self {
+        let load = from_fn(|k| held[k].map_or(self.load[k], |_| 0.0));
+        Self { load, held, ..self }
+    }
+
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        let held = self.held.iter().flatten();
+        let mut numbers = self.load.iter().chain(held).chain([&self.omega]);
+        let finite = numbers.all(|x| x.is_finite());
+        finite.then_some(()).ok_or(Failure::Input("not finite"))
+    }
+
+    pub(super) fn is_free(&self, freedom: usize) -> bool {
+        self.held[freedom].is_none()
     }
 }
 
@@ -93,7 +113,7 @@ impl Reference {
                 k[i][i] += damping * stiff * unit[i] * unit[i];
             }
         }
-        let du = masked_solve(&k, &rhs, &task.free, &unit)?;
+        let du = masked_solve(&k, &rhs, &from_fn(|k| task.is_free(k)), &unit)?;
         let dw = parts
             .iter()
             .zip(&self.stations)
@@ -155,7 +175,7 @@ impl Reference {
         let lever = self.pitch_radius();
         let mut sum = 0.0;
         for (k, (f, load)) in force.iter().zip(&task.load).enumerate() {
-            if task.free[k] {
+            if task.is_free(k) {
                 let unit = if k < 3 { 1.0 } else { lever };
                 sum += ((f - load) / unit / scale).powi(2);
             }
@@ -347,7 +367,7 @@ impl Reference {
     }
 
     /// Second stage: Newton on all `4 N + 5` unknowns with residual and unknowns in double-double.
-    pub(super) fn refine(&self, s: &Stage, task: &Task) -> Result<Solution, Failure> {
+    pub(super) fn refine(&self, s: &Stage, task: &Task) -> Result<Equilibrium, Failure> {
         let n = self.stations.len();
         let lever = self.pitch_radius();
         let mut u = s.u.map(Dd::of);
@@ -376,7 +396,7 @@ impl Reference {
             let mut ring = [0.0; 5];
             let mut size = 0.0_f64;
             for k in 0..5 {
-                if task.free[k] {
+                if task.is_free(k) {
                     ring[k] = (Dd::of(task.load[k]) - force[k]).value();
                     let unit = if k < 3 { 1.0 } else { lever };
                     size = size.max((ring[k] / unit / big).abs());
@@ -397,9 +417,9 @@ impl Reference {
             let stuck = size >= 0.1 * best;
             if size <= 1e-20 || stuck && size <= 1e-15 {
                 let k = self.stiffness(&lin).ok_or(Failure::Singular)?;
-                return Ok(Solution {
-                    u: u.map(Dd::value),
-                    k,
+                return Ok(Equilibrium {
+                    displacement: u.map(Dd::value),
+                    stiffness: k,
                     balls: self.report(&ws, &terms),
                 });
             }

@@ -15,109 +15,49 @@
 
 use super::ball::{Linear, Station, Unknowns};
 use super::linear::dense_solve;
-use super::{Attitude, Bearing, Failure, Reference, Task};
-use crate::compare::{Ball, Equilibrium};
+use super::{Failure, Reference, Task, ball_state};
+use crate::compare::Equilibrium;
+use crate::dispatch::Attitude;
 use crate::double_double::Dd;
+use crate::spindles::Answer;
 use core::array::from_fn;
 use core::f64::consts::PI;
+use files::plan::{ElasticShaft, Plan};
+use spindle_bearing::{Growth, Material, Preload, Section, Support};
 
-/// Bearings on a shaft.
-#[derive(Debug, Clone)]
-pub struct Spindle {
-    /// The rows.
-    pub rows: Vec<Row>,
-    /// Shaft; none is rigid.
-    pub shaft: Option<Shaft>,
-    /// Axial force on the rows that slide, N.
-    pub spring: Option<f64>,
-    /// Constant loads: where each acts, m, and `Fx, Fy, Fz, My, Mz`, N and N m.
-    pub loads: Vec<(f64, [f64; 5])>,
+/// `EA`, `EI` and `kappa GA` of a section, with Cowper's (1966) shear factor.
+pub fn stiffnesses(section: &Section, material: &Material) -> [f64; 3] {
+    let (outer, inner) = (section.outer, section.inner);
+    let (modulus, nu) = (material.youngs_modulus, material.poissons_ratio);
+    let area = 0.25 * PI * (outer * outer - inner * inner);
+    let second_moment = PI / 64.0 * (outer.powi(4) - inner.powi(4));
+    let m2 = (inner / outer).powi(2);
+    let ring = (1.0 + m2).powi(2);
+    let factor = 6.0 * (1.0 + nu) * ring / ((7.0 + 6.0 * nu) * ring + (20.0 + 12.0 * nu) * m2);
+    let shear = factor * area * modulus / (2.0 * (1.0 + nu));
+    [modulus * area, modulus * second_moment, shear]
 }
 
-/// A row of balls.
-#[derive(Debug, Clone)]
-pub struct Row {
-    /// Its bearing.
-    pub bearing: Bearing,
-    /// Position on the shaft, m.
-    pub position: f64,
-    /// 1, or -1 if mirrored.
-    pub facing: f64,
-    /// Closure, m. The sleeve's is added where the row slides.
-    pub closure: f64,
-    /// Axial and radial growth of the inner against the outer groove, growth of the ball diameter, m.
-    pub growth: [f64; 3],
-    /// True in the sleeve that the spring presses.
-    pub slides: bool,
-    /// Axial, radial (N/m) and tilting (N m/rad) stiffness that holds the outer ring; infinite is rigid.
-    pub support: [f64; 3],
-}
-
-/// A straight shaft, rigid outside its sections.
-#[derive(Debug, Clone)]
-pub struct Shaft {
-    /// Young's modulus, Pa.
-    pub youngs_modulus: f64,
-    /// Poisson's ratio.
-    pub poissons_ratio: f64,
-    /// Start, end, outer and inner diameter of each section, m.
-    pub sections: Vec<[f64; 4]>,
-}
-
-/// Quantities at `x = 0`, and the speed.
-#[derive(Debug, Clone, Copy)]
-pub struct Question {
-    /// `Fx, Fy, Fz, My, Mz`, N and N m.
-    pub load: [f64; 5],
-    /// Displacements in the place of loads, m and rad.
-    pub held: [Option<f64>; 5],
-    /// Shaft speed, rad/s.
-    pub omega: f64,
-    /// Rule for the balls' attitude.
-    pub attitude: Attitude,
-}
-
-/// Answer of another program, as a start.
-#[derive(Debug, Clone)]
-pub struct Start {
-    /// Displacement of the shaft at `x = 0`, m and rad.
-    pub displacement: [f64; 5],
-    /// Closure of the sleeve, m.
-    pub sleeve: f64,
-    /// Of each row: load on the inner ring in its own frame, N and N m, and ball centres from the outer groove's curvature
-    /// centre, axial and radial, m.
-    pub rows: Vec<([f64; 5], Vec<[f64; 2]>)>,
-}
-
-impl Shaft {
-    /// Stiffness of a Timoshenko beam from `from` to `to` against motion of its end at `to`: a block of the consistent
-    /// stiffness matrix. None where the shaft is rigid.
-    fn element(&self, from: f64, to: f64) -> Option<[[f64; 5]; 5]> {
-        let middle = 0.5 * (from + to);
-        let mut sections = self.sections.iter();
-        let [_, _, outer, inner] = sections.find(|s| s[0] < middle && middle < s[1])?;
-        let (modulus, nu) = (self.youngs_modulus, self.poissons_ratio);
-        let area = 0.25 * PI * (outer * outer - inner * inner);
-        let second_moment = PI / 64.0 * (outer.powi(4) - inner.powi(4));
-        // Cowper (1966).
-        let m2 = (inner / outer).powi(2);
-        let ring = (1.0 + m2).powi(2);
-        let factor = 6.0 * (1.0 + nu) * ring / ((7.0 + 6.0 * nu) * ring + (20.0 + 12.0 * nu) * m2);
-        let shear = factor * area * modulus / (2.0 * (1.0 + nu));
-        let (length, direction) = ((to - from).abs(), (to - from).signum());
-        let phi = 12.0 * modulus * second_moment / (shear * length * length);
-        let c = modulus * second_moment / (length.powi(3) * (1.0 + phi));
-        let (force, moment) = (12.0 * c, (4.0 + phi) * length * length * c);
-        let cross = -6.0 * length * c * direction;
-        let mut k = [[0.0; 5]; 5];
-        k[0][0] = modulus * area / length;
-        // A positive tilt is dv/dx in the y plane, -dv/dx in the z plane.
-        for (v, tilt, sign) in [(1, 4, 1.0), (2, 3, -1.0)] {
-            (k[v][v], k[tilt][tilt]) = (force, moment);
-            (k[v][tilt], k[tilt][v]) = (sign * cross, sign * cross);
-        }
-        Some(k)
+/// Stiffness of a Timoshenko beam from `from` to `to` against motion of its end at `to`: a block of the consistent
+/// stiffness matrix. None where the shaft is rigid.
+fn element(shaft: &ElasticShaft, from: f64, to: f64) -> Option<[[f64; 5]; 5]> {
+    let middle = 0.5 * (from + to);
+    let mut sections = shaft.sections.iter();
+    let section = sections.find(|s| s.from < middle && middle < s.to)?;
+    let [tension, bending, shear] = stiffnesses(section, &shaft.material);
+    let (length, direction) = ((to - from).abs(), (to - from).signum());
+    let phi = 12.0 * bending / (shear * length * length);
+    let c = bending / (length.powi(3) * (1.0 + phi));
+    let (force, moment) = (12.0 * c, (4.0 + phi) * length * length * c);
+    let cross = -6.0 * length * c * direction;
+    let mut k = [[0.0; 5]; 5];
+    k[0][0] = tension / length;
+    // A positive tilt is dv/dx in the y plane, -dv/dx in the z plane.
+    for (v, tilt, sign) in [(1, 4, 1.0), (2, 3, -1.0)] {
+        (k[v][v], k[tilt][tilt]) = (force, moment);
+        (k[v][tilt], k[tilt][v]) = (sign * cross, sign * cross);
     }
+    Some(k)
 }
 
 /// Motion (5) by unknowns, each with its index.
@@ -208,18 +148,19 @@ const SLEEVE: usize = 5;
 const MOST_STRIDES: usize = 20;
 
 impl Solver {
-    /// Prepares a spindle.
+    /// Prepares a spindle. Growth is none where there are fewer than rows.
     ///
     /// # Errors
-    /// [`Failure::Input`] for a bearing that cannot be built, and for no bearing.
-    pub fn new(spindle: &Spindle) -> Result<Self, Failure> {
+    /// [`Failure::Input`] for a bearing that cannot be built, for no bearing, and for a row preloaded by a force.
+    pub fn new(spindle: &Plan, growth: &[Growth<f64>]) -> Result<Self, Failure> {
         let first = spindle.rows.first().ok_or(Failure::Input("no rows"))?;
-        let lever = 0.5 * first.bearing.pitch_diameter;
+        let lever = 0.5 * first.design.pitch_diameter;
         let shaft = spindle.shaft.as_ref();
         let rows = spindle.rows.iter().map(|row| row.position);
         let sections = shaft.iter().flat_map(|shaft| &shaft.sections);
-        let ends = sections.flat_map(|section| [section[0], section[1]]);
-        let loads = spindle.loads.iter().map(|load| load.0);
+        let ends = sections.flat_map(|section| [section.from, section.to]);
+        let constant = || shaft.iter().flat_map(|shaft| &shaft.loads);
+        let loads = constant().map(|load| load.position);
         let mut positions: Vec<f64> = rows.chain(loads).chain(ends).collect();
         positions.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         positions.dedup();
@@ -236,7 +177,7 @@ impl Solver {
                     *dy += (x - from) * *tz;
                     *dz -= (x - from) * *ty;
                 }
-                if let Some(k) = shaft.and_then(|shaft| shaft.element(from, x)) {
+                if let Some(k) = shaft.and_then(|shaft| element(shaft, from, x)) {
                     let n = units.len();
                     let entry = |i: usize, j: usize| (n + i, n + j, k[i][j]);
                     springs.extend((0..25).map(|ij| entry(ij / 5, ij % 5)));
@@ -248,10 +189,13 @@ impl Solver {
             }
         }
         let mut mounted = Vec::with_capacity(spindle.rows.len());
-        for row in &spindle.rows {
+        for (index, row) in spindle.rows.iter().enumerate() {
             let mut map = at(&nodes, row.position)?.clone();
-            for (i, kind) in [0, 1, 1, 2, 2].into_iter().enumerate() {
-                let stiffness = row.support[kind];
+            let support = shaft.and_then(|shaft| shaft.supports.get(index));
+            let support = support.unwrap_or(&Support::RIGID);
+            let (radial, tilting) = (support.radial, support.tilting);
+            let held = [support.axial, radial, radial, tilting, tilting];
+            for (i, stiffness) in held.into_iter().enumerate() {
                 if stiffness.is_finite() {
                     let n = units.len();
                     springs.push((n, n, stiffness));
@@ -261,26 +205,32 @@ impl Solver {
             }
             for i in [0, 3, 4] {
                 map.iter_mut()
-                    .for_each(|(_, column)| column[i] *= row.facing);
+                    .for_each(|(_, column)| column[i] *= row.facing.sign::<f64>());
             }
-            if row.slides && spindle.spring.is_some() {
-                map.push((SLEEVE, [1.0, 0.0, 0.0, 0.0, 0.0]));
-            }
-            let mut bearing = Reference::new(&row.bearing)?;
-            let [axial, radial, ball] = row.growth.map(Dd::of);
+            let closure = match row.preload {
+                Preload::Closure(closure) => closure,
+                Preload::Spring => {
+                    map.extend(spindle.spring.map(|_| (SLEEVE, [1.0, 0.0, 0.0, 0.0, 0.0])));
+                    0.0
+                }
+                _ => return Err(Failure::Input("a force is no closure")),
+            };
+            let mut bearing = Reference::new(&row.design, row.balls)?;
+            let growth = growth.get(index).unwrap_or(&Growth::NONE);
+            let [axial, radial, ball] = [growth.axial, growth.radial, growth.ball].map(Dd::of);
             let half = Dd::of(0.5) * ball;
             (bearing.li, bearing.lo) = (bearing.li - half, bearing.lo - half);
             bearing.a0 = [bearing.a0[0] + axial, bearing.a0[1] + radial];
             mounted.push(Mounted {
                 bearing,
-                closure: row.closure,
+                closure,
                 map,
             });
         }
         let mut load = vec![0.0; units.len()];
-        for (x, force) in &spindle.loads {
-            let map = at(&nodes, *x)?.iter();
-            map.for_each(|(k, column)| load[*k] += dot(column, force));
+        for at_x in constant() {
+            let map = at(&nodes, at_x.position)?.iter();
+            map.for_each(|(k, column)| load[*k] += dot(column, &at_x.load));
         }
         if let Some(spring) = spindle.spring {
             load[SLEEVE] += spring;
@@ -294,16 +244,16 @@ impl Solver {
         })
     }
 
-    fn problem(&self, question: &Question) -> Problem {
+    fn problem(&self, task: &Task) -> Problem {
         let mut load = self.load.clone();
-        for (load, (at_0, held)) in load.iter_mut().zip(question.load.iter().zip(question.held)) {
+        for (load, (at_0, held)) in load.iter_mut().zip(task.load.iter().zip(task.held)) {
             *load = if held.is_some() { 0.0 } else { *load + at_0 };
         }
         Problem {
             load,
-            held: question.held,
-            omega: question.omega,
-            attitude: question.attitude,
+            held: task.held,
+            omega: task.omega,
+            attitude: task.attitude,
         }
     }
 
@@ -311,14 +261,14 @@ impl Solver {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn polish(&self, question: &Question, start: &Start) -> Result<Equilibrium, Failure> {
-        let problem = self.problem(question);
+    pub fn polish(&self, task: &Task, answer: &Answer) -> Result<Equilibrium, Failure> {
+        let problem = self.problem(task);
         // Shaft and supports are bent as the forces of rows and loads bend them.
         let free = 5 + usize::from(self.spring.is_some());
         let mut force = self.load.clone();
-        for (row, (of_row, _)) in self.rows.iter().zip(&start.rows) {
+        for (row, found) in self.rows.iter().zip(&answer.rows) {
             let map = row.map.iter();
-            map.for_each(|(k, column)| force[*k] -= dot(column, of_row));
+            map.for_each(|(k, column)| force[*k] -= dot(column, &found.force));
         }
         let mut lines = vec![vec![0.0; force.len() - free + 1]; force.len() - free];
         for (line, force) in lines.iter_mut().zip(&force[free..]) {
@@ -328,10 +278,11 @@ impl Solver {
             lines[i - free][j - free] += k;
         }
         let bent = dense_solve(lines).ok_or(Failure::Singular)?.concat();
-        let mut p = start.displacement.to_vec();
-        p.extend(self.spring.map(|_| start.sleeve));
+        let mut p = answer.displacement.to_vec();
+        p.extend(self.spring.map(|_| answer.spring_closure));
         p.extend(bent);
-        let balls = start.rows.iter().map(|(_, centres)| centres.clone());
+        let rows = self.rows.iter().zip(&answer.rows);
+        let balls = rows.map(|(row, found)| row.bearing.centres(&found.balls));
         let balls = balls.collect();
         let (state, linear) = self.newton(State { p, balls }, &problem)?;
         self.report(&state.p, &linear)
@@ -341,8 +292,8 @@ impl Solver {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn search(&self, question: &Question) -> Result<Equilibrium, Failure> {
-        let (state, linear) = self.cold(&self.problem(question))?;
+    pub fn search(&self, task: &Task) -> Result<Equilibrium, Failure> {
+        let (state, linear) = self.cold(&self.problem(task))?;
         self.report(&state.p, &linear)
     }
 
@@ -553,8 +504,7 @@ impl Solver {
         Err(Failure::Stalled)
     }
 
-    /// The equilibrium, if it is one of the bearings and not of their equations alone: Newton may run away to contacts that are
-    /// wound round the ball or deeper than the grooves' centres are apart.
+    /// The equilibrium, if it is one of the bearings and not of their equations alone.
     fn report(&self, p: &[f64], linear: &Linearised) -> Result<Equilibrium, Failure> {
         let matrix = &linear.matrix;
         // Everything but the motion at x = 0 is condensed.
@@ -568,18 +518,21 @@ impl Solver {
         };
         let mut found = Vec::new();
         for (row, balls) in self.rows.iter().zip(&linear.balls) {
-            let deepest = (row.bearing.li + row.bearing.lo).hi;
-            for ball in balls {
-                let [alpha_i, alpha_o, delta_i, delta_o] = ball.unknowns;
+            let stations = row.bearing.stations.iter().zip(balls);
+            let balls = stations.map(|(station, ball)| {
                 let terms = &ball.linear.terms;
-                if alpha_i.abs().max(alpha_o.abs()) > PI || delta_i.max(delta_o) > deepest {
-                    return Err(Failure::Stalled);
-                }
                 let [q_i, q_o] = terms.q;
-                found.push(Ball::from([
-                    alpha_i, alpha_o, q_i.v, q_o.v, terms.fc.v, terms.mg.v,
-                ]));
+                ball_state(
+                    station,
+                    ball.unknowns,
+                    [q_i, q_o, terms.fc, terms.mg].map(|x| x.v),
+                )
+            });
+            let balls: Vec<_> = balls.collect();
+            if !row.bearing.are_physical(&balls) {
+                return Err(Failure::Stalled);
             }
+            found.extend(balls);
         }
         Ok(Equilibrium {
             displacement: from_fn(|i| p[i]),

@@ -1,11 +1,10 @@
 //! Sets on a uniform shaft, and the same beams in closed form.
 
 use super::case::{Case, with, with_matrix};
+use crate::reference::spindle::stiffnesses;
 use crate::spindles::Answer;
-use files::noses::ShaftEnd;
-use files::plan::ElasticShaft;
+use files::plan::{ElasticShaft, ShaftEnd};
 use spindle_bearing::{Material, Section, Support};
-use std::f64::consts::PI;
 
 /// The section from the nose to the last row, and its material, if the shaft is elastic.
 fn section(case: &Case, last: f64) -> Option<(Section, Material)> {
@@ -35,11 +34,8 @@ pub fn shaft(case: &Case, rows: usize, last: f64) -> Option<ElasticShaft> {
         ..Support::RIGID
     };
     Some(ElasticShaft {
-        sections: vec![section],
         material,
-        supports: vec![support; rows],
-        loads: Vec::new(),
-        loaded_at: 0.0,
+        ..ElasticShaft::of(vec![section], vec![support; rows])
     })
 }
 
@@ -80,20 +76,6 @@ fn carried(c: &[[f64; 5]; 5], x: f64) -> [[f64; 5]; 5] {
         c[2][j] -= x * c[3][j];
     }
     c
-}
-
-/// `EA`, `EI` and `kappa GA` of a section.
-fn stiffnesses(section: &Section, material: &Material) -> [f64; 3] {
-    let [outer, inner] = [section.outer, section.inner].map(|d| d * d);
-    let (e, nu) = (material.youngs_modulus, material.poissons_ratio);
-    let area = PI / 4.0 * (outer - inner);
-    let bending = e * PI / 64.0 * (outer * outer - inner * inner);
-    // Cowper (1966), with the square of the ratio of diameters.
-    let ratio = inner / outer;
-    let square = (1.0 + ratio).powi(2);
-    let kappa =
-        6.0 * (1.0 + nu) * square / ((7.0 + 6.0 * nu) * square + (20.0 + 12.0 * nu) * ratio);
-    [e * area, bending, kappa * e / (2.0 * (1.0 + nu)) * area]
 }
 
 /// Stiffness at the first end of a beam on springs (Euler and Bernoulli; with shear, Timoshenko).

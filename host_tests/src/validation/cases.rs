@@ -5,18 +5,17 @@ use super::book::{Chapter, Program, Run, Table, Values};
 use super::case::{Case, with, with_matrix};
 use crate::cases::{elastic, rad_per_s, reference};
 use crate::dispatch::Precision;
-use crate::reference::Reference;
+use crate::reference::{Reference, Task};
 use crate::spindles::{Balls, with_solver};
 use anyhow::{Context, anyhow};
 use files::catalogue;
 use files::designs::DesignFile;
-use files::noses::ShaftEnd;
 use files::plan::{Plan, Question, Row};
 use files::spindles::SpindleFile;
 use rayon::prelude::*;
 use spindle_bearing::{
-    Arrangement, Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload,
-    RatingLife, elliptic_integrals,
+    Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload, RatingLife,
+    elliptic_integrals,
 };
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -171,9 +170,9 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     };
     if let Some(variant) = variant {
         let found = variant(reference(&design, balls))
-            .search(load, omega, run.attitude.into())
+            .search(&Task::new(load, omega, run.attitude))
             .context("no equilibrium of the reference build")?;
-        let case = with_equilibrium(case, found.u, found.k);
+        let case = with_equilibrium(case, found.displacement, found.stiffness);
         let ball = &found.balls[0];
         let angles = [ball.azimuth, ball.alpha_i, ball.alpha_o];
         return Ok(vec![with_ball(case, angles, [ball.q_i, ball.q_o])]);
@@ -182,17 +181,15 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     let plan = plan(run, &case, design, balls);
     let last = plan.rows.last().map_or(0.0, |row| row.position);
     let question = Question {
-        load,
-        omega,
-        growth: Vec::new(),
-        middle_growth: 0.0,
+        ends: beams::ends(&case),
+        ..Question::load(load, omega)
     };
     let motion = match run.by {
         Program::SolverAtRest => Balls::Static,
-        _ => Balls::Moving(run.attitude),
+        _ => run.attitude.into(),
     };
     let answer = with_solver(&plan, motion, Precision::F64, |solver| {
-        solver.solve(&question, &beams::ends(&case))
+        solver.solve(&question)
     })?
     .map_err(|status| anyhow!("{load:?} N, N m, {omega} rad/s: {status}"))?;
     let case = beams::with_nose(case, &answer, last);
@@ -233,11 +230,8 @@ fn plan(run: &Run, case: &Case, design: Design, balls: usize) -> Plan {
         preload: preload.map_or(Preload::Closure(0.0), Preload::Force),
     };
     Plan {
-        rows: facings.chars().enumerate().map(row).collect(),
-        arrangement: Arrangement::ByRows,
-        spring: None,
-        mounted_preload: None,
         shaft: beams::shaft(case, facings.len(), position(facings.len() - 1)),
+        ..Plan::of(facings.chars().enumerate().map(row).collect())
     }
 }
 
@@ -278,10 +272,9 @@ fn with_equilibrium(case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
 /// A set of `cases/elastic.json` that ROSS has found the flexibility of, with ours.
 fn of_ross(case: Case) -> anyhow::Result<Case> {
     let set = &elastic()[case["set"] as usize];
-    let balls = Balls::Moving(set.attitude);
-    let (nose, _) = set.nose.as_ref().context("the set has no nose")?;
+    let balls = set.attitude.into();
     let answer = with_solver(&set.plan, balls, Precision::F64, |solver| {
-        solver.solve(&set.question, &[ShaftEnd::rigid(*nose)])
+        solver.solve(&set.question)
     })?;
     let answer = answer.map_err(|status| anyhow!("{}: {status}", set.name))?;
     Ok(with_matrix(case, "c_nose", answer.at[0].compliance))

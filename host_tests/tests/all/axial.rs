@@ -1,14 +1,27 @@
 //! One ball for all: the equilibrium under a purely axial load.
 
 use super::solves::{
-    BALL_COUNTS, Balls, GROWN, PRECISIONS, Question, axial_solver, rounded, solver,
+    AnySolver, BALL_COUNTS, Balls, GROWN, PRECISIONS, Question, errors, ring_solver, rounded,
+    solver, stated,
 };
 use host_tests::cases::{self, B218, B7005C, SKF6205, SolvedCase, rad_per_s};
 use host_tests::dispatch::Precision;
 use host_tests::tolerances::allowed_at;
-use spindle_bearing::{
-    AxialSolver, Bearing, Design, FreeContact, Given, Growth, Settings, Speed, Status,
-};
+use spindle_bearing::{AxialSolver, Bearing, Design, FreeContact, Growth, Settings, Speed, Status};
+
+/// A solver of one ball for all.
+fn axial_solver(
+    design: &Design,
+    n: usize,
+    precision: Precision,
+    balls: Balls,
+) -> Box<dyn AnySolver> {
+    ring_solver(design, n, precision, balls, 1)
+}
+
+fn axial(load: f64, omega: f64) -> Question {
+    Question::load([load, 0.0, 0.0, 0.0, 0.0], omega)
+}
 
 #[test]
 fn solved_cases_that_are_purely_axial_are_solved_with_one_ball() {
@@ -25,8 +38,9 @@ fn solved_cases_that_are_purely_axial_are_solved_with_one_ball() {
             }
             for balls in motions {
                 let found = axial_solver(&case.design, case.balls, precision, balls)
-                    .load(case.load, case.omega);
-                let errors = found.errors(&case.design, &truth);
+                    .load(case.load, case.omega)
+                    .unwrap();
+                let errors = errors(&found, &case.design, &truth, 1);
                 let largest = truth.largest_displacement(case.pitch_radius());
                 let allowed = allowed_at(precision, largest / case.design.centre_distance());
                 assert!(errors.within(allowed), "{}: {errors}", case.name);
@@ -52,9 +66,9 @@ fn one_ball_for_all_is_the_bearing_of_five_freedoms_under_an_axial_load() {
         for balls in [Balls::Static, Balls::Free, Balls::Outer, Balls::Inner] {
             for growth in [Growth::NONE, GROWN, pressed] {
                 for (load, rpm) in [(load, 0.0), (load, rpm), (-load, rpm)] {
-                    let question = Question::axial(load, rad_per_s(rpm)).grown(growth);
+                    let question = axial(load, rad_per_s(rpm)).grown(growth);
                     for precision in PRECISIONS {
-                        assert_one_ball_does((design, n), balls, precision, load, question);
+                        assert_one_ball_does((design, n), balls, precision, load, &question);
                     }
                 }
             }
@@ -67,16 +81,19 @@ fn assert_one_ball_does(
     balls: Balls,
     precision: Precision,
     load: f64,
-    question: Question,
+    question: &Question,
 ) {
-    let truth = solver(design, n, Precision::F64, balls).solve(&question);
+    let truth = solver(design, n, Precision::F64, balls).answer(question);
     let mut solver = axial_solver(design, n, precision, balls);
-    let found = solver.solve(&question);
+    let found = solver.answer(question);
     assert_eq!(found.load[0], load);
-    assert_eq!(found.balls[0].azimuth, truth.balls[0].azimuth);
-    let errors = found.errors(design, &truth.equilibrium());
+    assert_eq!(
+        found.rows[0].balls[0].azimuth,
+        truth.rows[0].balls[0].azimuth
+    );
+    let errors = errors(&found, design, &truth.equilibrium(), 1);
     // Displacements cannot be better than growth in single precision.
-    let (growth, moved) = (question.growth, truth.u[0].abs());
+    let (growth, moved) = (question.growth[0], truth.displacement[0].abs());
     let size = [growth.axial, growth.radial, growth.ball]
         .iter()
         .fold(moved, |size, g| size.max(g.abs()));
@@ -92,17 +109,20 @@ fn assert_one_ball_does(
     let what = format!("{n} balls, {balls:?}, {precision:?}, {question:?}");
     assert!(errors.within(allowed), "{what}: {errors}");
     // The reaction to that displacement is that load.
-    let mut reverse = question;
-    reverse.given[0] = Given::Displacement(found.u[0]);
-    let back = solver.solve(&reverse);
+    let mut reverse = question.clone();
+    reverse.held[0] = Some(found.displacement[0]);
+    let back = solver.answer(&reverse);
     let resolved = match precision {
         Precision::F32 => 6e-8,
         Precision::F64 => 1e-16,
     };
-    let sum = size.max(2.0 * length * truth.balls[0].alpha_i.sin().abs());
-    let allowed = 1e-11 + 20.0 * resolved * (1.0 + found.k[0][0] * sum / load.abs());
+    let sum = size.max(2.0 * length * truth.rows[0].balls[0].alpha_i.sin().abs());
+    let allowed = 1e-11 + 20.0 * resolved * (1.0 + found.stiffness[0][0] * sum / load.abs());
     let off = (back.load[0] / load - 1.0).abs();
-    assert!(back.u == found.u && off < allowed, "{what}: {off:e}");
+    assert!(
+        back.displacement == found.displacement && off < allowed,
+        "{what}: {off:e}"
+    );
 }
 
 #[test]
@@ -111,8 +131,8 @@ fn axial_loads_of_any_size_are_solved_at_rest() {
         for (precision, allowed) in PRECISIONS.into_iter().zip([1e-5, 1e-13]) {
             let mut solver = axial_solver(&SKF6205, 8, precision, Balls::Static);
             let mut ask = |load| {
-                let question = Question::axial(load, 0.0);
-                solver.solve(&question.grown(Growth {
+                let question = axial(load, 0.0);
+                solver.answer(&question.grown(Growth {
                     radial,
                     ..Growth::NONE
                 }))
@@ -121,17 +141,20 @@ fn axial_loads_of_any_size_are_solved_at_rest() {
             for step in -28..19 {
                 let load = 10f64.powf(0.25 * f64::from(step));
                 let (found, turned) = (ask(load), ask(-load));
-                let ball = &found.balls[0];
+                let ball = &found.rows[0].balls[0];
                 let force = 8.0 * ball.q_i * ball.alpha_i.sin();
                 for (a, b) in [
                     (force, load),
-                    (turned.k[0][0], found.k[0][0]),
-                    (turned.balls[0].q_i, ball.q_i),
+                    (turned.stiffness[0][0], found.stiffness[0][0]),
+                    (turned.rows[0].balls[0].q_i, ball.q_i),
                 ] {
                     assert!((a / b - 1.0).abs() < allowed, "{load} N: {a} {b}");
                 }
-                assert!(found.k[0][0] > 0.0 && found.u[0] >= last, "{found:?}");
-                last = found.u[0];
+                assert!(
+                    found.stiffness[0][0] > 0.0 && found.displacement[0] >= last,
+                    "{found:?}"
+                );
+                last = found.displacement[0];
             }
         }
     }
@@ -143,7 +166,7 @@ fn a_ball_that_no_load_holds_against_its_inertia_is_refused_by_name() {
         for load in [1e-3, 1.0, 10.0, 100.0, 1e3, 1e4] {
             for rpm in [1e3, 1e4, 3e4, 1e5, 2e5] {
                 let mut solver = axial_solver(&B7005C, 16, precision, Balls::Free);
-                let Err(status) = solver.ask(&Question::axial(load, rad_per_s(rpm))) else {
+                let Err(status) = solver.solve(&axial(load, rad_per_s(rpm))) else {
                     continue;
                 };
                 let of_the_solve = matches!(
@@ -155,11 +178,11 @@ fn a_ball_that_no_load_holds_against_its_inertia_is_refused_by_name() {
                 );
                 assert!(of_the_solve, "{load} N, {rpm} rpm: {status}");
                 // The next solve does not suffer.
-                let usual = Question::axial(1e3, 2094.0);
-                let found = solver.solve(&usual);
-                let fresh = axial_solver(&B7005C, 16, precision, Balls::Free).solve(&usual);
-                let off = (found.k[0][0] / fresh.k[0][0] - 1.0).abs();
-                let [.., of_k] = found.stated(&fresh);
+                let usual = axial(1e3, 2094.0);
+                let found = solver.answer(&usual);
+                let fresh = axial_solver(&B7005C, 16, precision, Balls::Free).answer(&usual);
+                let off = (found.stiffness[0][0] / fresh.stiffness[0][0] - 1.0).abs();
+                let [.., of_k] = stated(&found, &fresh);
                 assert!(off <= of_k, "{off:e}");
             }
         }
@@ -176,8 +199,9 @@ fn errors_are_numbers_where_the_ring_is_not_moved() {
         for balls in [Balls::Static, Balls::Free] {
             for precision in PRECISIONS {
                 let mut solver = axial_solver(&design, 16, precision, balls);
-                let found = solver.solve(&Question::displacement([0.0; 5], 0.0));
-                let errors = found.estimate;
+                let found =
+                    solver.answer(&Question::load([0.0; 5], 0.0).holding([true; 5], [0.0; 5]));
+                let errors = found.error;
                 assert!(errors.iter().all(|error| *error >= 0.0), "{errors:?}");
             }
         }
@@ -189,18 +213,18 @@ fn errors_are_numbers_where_the_ring_is_not_moved() {
 #[test]
 fn errors_stated_at_rest_cover_what_rounding_of_growth_adds_to_a_small_displacement() {
     for growth in [[5e-6, 0.0], [0.0, 5e-6], [-3e-6, 4e-6]] {
-        let [axial, radial] = growth.map(|x| rounded(Precision::F32, x));
+        let [along, radial] = growth.map(|x| rounded(Precision::F32, x));
         let [mut single, mut double] =
             PRECISIONS.map(|precision| axial_solver(&B7005C, 16, precision, Balls::Static));
         let larger = (0..400).filter(|&i| {
             let load = rounded(Precision::F32, 0.1 * 10f64.powf(f64::from(i) / 100.0));
-            let question = Question::axial(load, 0.0).grown(Growth {
-                axial,
+            let question = axial(load, 0.0).grown(Growth {
+                axial: along,
                 radial,
                 ball: 0.0,
             });
-            let [found, truth] = [&mut single, &mut double].map(|solver| solver.solve(&question));
-            (found.u[0] / truth.u[0] - 1.0).abs() > found.estimate[0]
+            let [found, truth] = [&mut single, &mut double].map(|solver| solver.answer(&question));
+            (found.displacement[0] / truth.displacement[0] - 1.0).abs() > found.error[0]
         });
         let larger = larger.count();
         assert!(larger <= 4, "{growth:?}: {larger}");

@@ -1,15 +1,12 @@
 //! Spindles with an elastic shaft on elastic supports.
 
-use super::solves;
+use super::solves::{self, Answer, Balls, ask, found};
 use super::spindles::{largest, random, reference_near};
-use files::noses::ShaftEnd;
 use files::plan::{ElasticShaft, Plan, Question};
-use host_tests::campaign::judge::equilibrium;
 use host_tests::cases::{B7005C, Random};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
 use rayon::prelude::*;
-use spindle_bearing::{Arrangement, Facing, Material, Preload, Section, ShaftLoad, Support};
+use spindle_bearing::{Arrangement, Facing, Preload, Section, ShaftLoad, Support};
 use std::array::from_fn;
 
 /// A random spindle on a random shaft: up to four sections, some with gaps between them; most rows on elastic supports.
@@ -46,13 +43,7 @@ pub fn random_elastic(seed: u64) -> (Plan, Attitude, Question) {
         radial: one(0.4, 0.05),
         tilting: one(0.6, 0.05) * size * size,
     });
-    plan.shaft = Some(ElasticShaft {
-        supports: supports.collect(),
-        sections,
-        material: Material::STEEL,
-        loads: Vec::new(),
-        loaded_at: 0.0,
-    });
+    plan.shaft = Some(ElasticShaft::of(sections, supports.collect()));
     (plan, attitude, question)
 }
 
@@ -61,13 +52,9 @@ fn solve(
     attitude: Attitude,
     precision: Precision,
     question: &Question,
-) -> Result<Answer, String> {
-    let end = ShaftEnd::rigid(plan.rows[0].position - plan.rows[0].design.pitch_diameter);
-    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, &[end]);
-    let solved = with_solver(plan, Balls::Moving(attitude), precision, ask);
-    solved
-        .map_err(|e| e.to_string())?
-        .map_err(|e| e.to_string())
+) -> Option<Answer> {
+    let nose = plan.rows[0].position - plan.rows[0].design.pitch_diameter;
+    found(plan, attitude.into(), precision, &question.clone().at(nose))
 }
 
 /// Clamped rows that face each other hold nearly any shaft, cold, in both precisions.
@@ -82,7 +69,7 @@ fn random_elastic_sets_that_are_clamped_are_solved() {
             ..question
         };
         let mut precisions = solves::PRECISIONS.into_iter();
-        is_clamped && precisions.any(|precision| solve(&plan, attitude, precision, &cold).is_err())
+        is_clamped && precisions.any(|precision| solve(&plan, attitude, precision, &cold).is_none())
     };
     let lost: Vec<u64> = (0..600).into_par_iter().filter(is_lost).collect();
     assert!(lost.is_empty(), "{lost:?}");
@@ -130,46 +117,32 @@ fn pulled(spring: Option<f64>, at_nose: [f64; 5]) -> Plan {
         load: at_nose,
     };
     Plan {
-        rows: vec![row(0.02, Facing::PlusX), row(0.12, Facing::MinusX)],
         arrangement: Arrangement::BackToBack,
         spring,
-        mounted_preload: None,
         shaft: Some(ElasticShaft {
-            sections: SECTIONS.to_vec(),
-            material: Material::STEEL,
-            supports: vec![support; 2],
             loads: vec![BELT, tip],
-            loaded_at: 0.0,
+            ..ElasticShaft::of(SECTIONS.to_vec(), vec![support; 2])
         }),
+        ..Plan::of(vec![row(0.02, Facing::PlusX), row(0.12, Facing::MinusX)])
     }
 }
 
 /// The flexibility at the nose is that of loads which act there, and displacements that are given have the loads' reactions.
 #[test]
 fn loads_at_the_nose_and_given_displacements_agree_with_the_tangent() {
-    let question = Question {
-        load: [120.0, 80.0, -30.0, 0.5, 1.0],
-        omega: 1500.0,
-        growth: Vec::new(),
-        middle_growth: 0.0,
-    };
-    let solved = |plan: &Plan, choices: &Choices| {
-        let ask = |solver: &mut dyn AnySpindleSolver| {
-            solver.choose(choices);
-            solver.solve(&question, &[ShaftEnd::rigid(NOSE)]).unwrap()
-        };
-        let balls = Balls::Moving(Attitude::Raceless);
-        with_solver(plan, balls, Precision::F64, ask).unwrap()
+    let question = Question::load([120.0, 80.0, -30.0, 0.5, 1.0], 1500.0).at(NOSE);
+    let solved = |plan: &Plan, question: &Question| {
+        ask(plan, Balls::Free, Precision::F64, question).unwrap()
     };
     for spring in [None, Some(200.0)] {
         let plan = pulled(spring, [0.0; 5]);
-        let found = solved(&plan, &Choices::default());
+        let found = solved(&plan, &question);
         let c = found.at[0].compliance;
         for j in 0..5 {
             let step = if j < 3 { 1e-2 } else { 1e-4 };
             let moved = |step: f64| {
                 let plan = pulled(spring, from_fn(|i| if i == j { step } else { 0.0 }));
-                solved(&plan, &Choices::default()).at[0].displacement
+                solved(&plan, &question).at[0].displacement
             };
             let (up, down) = (moved(step), moved(-step));
             for i in 0..5 {
@@ -180,11 +153,7 @@ fn loads_at_the_nose_and_given_displacements_agree_with_the_tangent() {
         }
         for held in [[true; 5], [false, false, false, true, true]] {
             let u = found.displacement;
-            let choices = Choices {
-                held: from_fn(|i| held[i].then_some(u[i])),
-                ..Choices::default()
-            };
-            let again = solved(&plan, &choices);
+            let again = solved(&plan, &question.clone().holding(held, u));
             let apart: [f64; 5] = from_fn(|i| again.load[i] - question.load[i]);
             assert!(largest(apart) < 1e-9, "{spring:?} {held:?}: {apart:?}");
         }
@@ -218,21 +187,19 @@ fn answers_of_wild_shafts_are_what_the_reference_build_says() {
         };
         let [double, single] = [Precision::F64, Precision::F32]
             .map(|precision| solve(&plan, attitude, precision, &question));
-        let Ok(double) = double else {
+        let Some(double) = double else {
             return false;
         };
         let Some(truth) = reference_near(&plan, attitude, &question, &double) else {
             return false;
         };
         let design = &plan.rows[0].design;
-        let of = |answer: &Answer| {
-            equilibrium(answer).errors(&truth, design.ball_diameter, 0.5 * design.pitch_diameter)
-        };
+        let of = |answer: &Answer| answer.equilibrium().errors(&truth, design);
         let errors = of(&double);
         let is_exact =
             errors.displacement < 1e-12 && errors.force < 1e-10 && errors.stiffness < 1e-8;
         assert!(is_exact, "{seed}: {errors} {:?}", double.error);
-        if let Ok(single) = single {
+        if let Some(single) = single {
             let errors = of(&single);
             assert!(errors.force <= single.error[1], "{seed}: {errors}");
         }

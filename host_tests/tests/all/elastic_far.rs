@@ -1,15 +1,13 @@
 //! Elastic shafts whose loads act far from their rows, and slender ones.
 
 use super::elastic::random_elastic;
-use super::solves::{lengths, vector_error};
-use files::noses::ShaftEnd;
+use super::solves::{Answer, found, lengths, vector_error};
 use files::plan::{ElasticShaft, Plan, Question, Row};
 use host_tests::cases::{B7005C, Random};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
 use rayon::prelude::*;
-use spindle_bearing::{Arrangement, Facing, Material, Preload, Section, ShaftLoad, Support};
+use spindle_bearing::{Arrangement, Facing, Preload, Section, ShaftLoad, Support};
 use std::array::from_fn;
 
 const DISTANCES: [f64; 7] = [0.125, 0.5, 1.0, 1.75, 5.0, 10.0, 30.0];
@@ -19,21 +17,10 @@ fn solve(
     attitude: Attitude,
     precision: Precision,
     question: &Question,
-    held: [Option<f64>; 5],
     nose: f64,
-) -> Result<Answer, String> {
-    let loaded_at = plan.loaded_at();
-    let ask = |solver: &mut dyn AnySpindleSolver| {
-        solver.choose(&Choices {
-            held,
-            ..Choices::default()
-        });
-        solver.solve(question, &[nose, loaded_at].map(ShaftEnd::rigid))
-    };
-    let solved = with_solver(plan, Balls::Moving(attitude), precision, ask);
-    solved
-        .map_err(|e| e.to_string())?
-        .map_err(|e| e.name().to_string())
+) -> Option<Answer> {
+    let question = question.clone().at(nose).at(plan.loaded_at());
+    found(plan, attitude.into(), precision, &question)
 }
 
 /// Differences of contact forces, over the largest.
@@ -86,23 +73,16 @@ fn pair(distance: f64, to_the_end: bool) -> Plan {
         true => (-distance.abs(), 0.1 + distance.abs()),
         false => (-0.03, 0.12),
     };
+    let section = Section {
+        from: low,
+        to: high,
+        outer: 0.025,
+        inner: 0.0,
+    };
     Plan {
-        rows: vec![row(0.0, Facing::PlusX), row(0.1, Facing::MinusX)],
         arrangement: Arrangement::BackToBack,
-        spring: None,
-        mounted_preload: None,
-        shaft: Some(ElasticShaft {
-            sections: vec![Section {
-                from: low,
-                to: high,
-                outer: 0.025,
-                inner: 0.0,
-            }],
-            material: Material::STEEL,
-            supports: vec![Support::RIGID; 2],
-            loads: Vec::new(),
-            loaded_at: 0.0,
-        }),
+        shaft: Some(ElasticShaft::of(vec![section], vec![Support::RIGID; 2])),
+        ..Plan::of(vec![row(0.0, Facing::PlusX), row(0.1, Facing::MinusX)])
     }
 }
 
@@ -116,12 +96,7 @@ fn a_load_far_away_is_its_moment_at_the_rows() {
             let plan = pair(distance, to_the_end);
             // A moment of 20 N m.
             let [fy, fz] = [18.0 / distance, -9.0 / distance];
-            let question = |load| Question {
-                load,
-                omega: 1000.0,
-                growth: Vec::new(),
-                middle_growth: 0.0,
-            };
+            let question = |load| Question::load(load, 1000.0);
             let load = [10.0, fy, fz, 0.1, 0.0];
             let mut there = plan.clone();
             let row = if at < 0.0 { 0.0 } else { 0.1 };
@@ -135,15 +110,15 @@ fn a_load_far_away_is_its_moment_at_the_rows() {
             pulled.shaft.as_mut().unwrap().loads.push(constant);
             for (precision, least) in [(Precision::F64, 1e-10), (Precision::F32, 1e-3)] {
                 let name = format!("{at} {to_the_end} {precision:?}");
-                let solved = |plan: &Plan, question: &Question, held| {
-                    let answer = solve(plan, free, precision, question, held, at);
-                    answer.unwrap_or_else(|e| panic!("{name}: {e}"))
+                let solved = |plan: &Plan, question: &Question| {
+                    let answer = solve(plan, free, precision, question, at);
+                    answer.unwrap_or_else(|| panic!("{name}"))
                 };
-                let near = solved(&there, &moment, [None; 5]);
-                let found = solved(&far, &question(load), [None; 5]);
+                let near = solved(&there, &moment);
+                let found = solved(&far, &question(load));
                 assert!(found.iterations <= 12, "{name}: {}", found.iterations);
                 assert!(off_forces(&found, &near) < least, "{name}");
-                let constant = solved(&pulled, &question([0.0; 5]), [None; 5]);
+                let constant = solved(&pulled, &question([0.0; 5]));
                 assert!(off_forces(&constant, &near) < least, "{name}");
                 let u = found.at[0].displacement;
                 let apart = vector_error(constant.at[0].displacement, u, lengths(&B7005C));
@@ -158,8 +133,7 @@ fn a_load_far_away_is_its_moment_at_the_rows() {
                     [true, false, false, true, true],
                     [false, true, false, false, true],
                 ] {
-                    let held = from_fn(|i| held[i].then_some(u[i]));
-                    let again = solved(&far, &question(load), held);
+                    let again = solved(&far, &question(load).holding(held, u));
                     assert!(off_forces(&again, &near) < 1e-6, "{name}: {held:?}");
                     let apart: [f64; 5] = from_fn(|i| (again.load[i] - load[i]).abs());
                     let most = apart.into_iter().fold(0.0, worse);
@@ -246,15 +220,15 @@ fn judged(seed: u64) -> (usize, [f64; 5]) {
     let mut nose = plan.rows[0].position - size;
     round(&mut nose, at);
     let solved = |plan: &Plan, question: &Question, precision| {
-        solve(plan, attitude, precision, question, [None; 5], nose)
+        solve(plan, attitude, precision, question, nose)
     };
     let precisions = [Precision::F64, Precision::F32];
     let found = precisions.map(|precision| solved(&plan, &question, precision));
     let missed = precisions.iter().zip(&found).filter(|(precision, found)| {
-        found.is_err() && solved(&there, &moment, **precision).is_ok()
+        found.is_none() && solved(&there, &moment, **precision).is_some()
     });
     let over = match &found {
-        [Ok(truth), Ok(found)] => over_stated(found, truth, lengths(&plan.rows[0].design)),
+        [Some(truth), Some(found)] => over_stated(found, truth, lengths(&plan.rows[0].design)),
         _ => [0.0; 5],
     };
     (missed.count(), over)
@@ -303,12 +277,12 @@ fn displacements_given_far_away_are_answered() {
         let is_held: [bool; 5] = from_fn(|i| !matches!(i, 1 | 2) && r.chance(0.5));
         let (mut missed, mut other) = (false, false);
         for (precision, least) in [(Precision::F64, 1e-6), (Precision::F32, 0.1)] {
-            let solved = |held| solve(&plan, attitude, precision, &question, held, 0.0);
-            if let Ok(free) = solved([None; 5]) {
+            let solved = |question: &Question| solve(&plan, attitude, precision, question, 0.0);
+            if let Some(free) = solved(&question) {
                 let u = free.at[1].displacement;
-                let met = solved(from_fn(|i| is_held[i].then_some(u[i])));
-                missed |= met.is_err();
-                other |= met.is_ok_and(|met| off_forces(&met, &free) > least);
+                let met = solved(&question.clone().holding(is_held, u));
+                missed |= met.is_none();
+                other |= met.is_some_and(|met| off_forces(&met, &free) > least);
             }
         }
         (seed, missed, other)
@@ -356,10 +330,10 @@ fn slender(seed: u64) -> (usize, [f64; 5]) {
     }
     let mut nose = first - size;
     round(&mut nose, 0.0);
-    let solved = |precision| solve(&plan, attitude, precision, &question, [None; 5], nose);
+    let solved = |precision| solve(&plan, attitude, precision, &question, nose);
     match [Precision::F64, Precision::F32].map(solved) {
-        [Ok(truth), Ok(found)] => (0, over_stated(&found, &truth, lengths(&row.design))),
-        [Ok(_), Err(_)] => (1, [0.0; 5]),
+        [Some(truth), Some(found)] => (0, over_stated(&found, &truth, lengths(&row.design))),
+        [Some(_), None] => (1, [0.0; 5]),
         _ => (0, [0.0; 5]),
     }
 }

@@ -1,12 +1,12 @@
 //! Spindle files with an elastic shaft: their keys, and that their loads act where they stand.
 
+use super::solves::{Answer, Balls, ask};
 use files::designs::{DesignFileError, SHIPPED};
-use files::noses::ShaftEnd;
 use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use host_tests::cases::{B7005C, Random};
-use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, Balls, with_solver};
+use host_tests::dispatch::Precision;
+use host_tests::spindles::with_solver;
 use spindle_bearing::{
     Arrangement, Bearing, Growth, Material, Preload, Section, Settings, Shaft, ShaftLoad, Speed,
     Spindle, SpindleError, SpindleSolver, Support,
@@ -42,12 +42,8 @@ fn at_speed() -> LoadRow {
 
 fn solved(text: &str) -> Answer {
     let file = parsed(text).unwrap();
-    let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
-    let free = Balls::Moving(Attitude::Raceless);
-    let answer = with_solver(&file.plan, free, Precision::F64, |solver| {
-        solver.solve(&file.question(&at_speed()), &ends)
-    });
-    answer.unwrap().unwrap()
+    let question = file.question(&at_speed());
+    ask(&file.plan, Balls::Free, Precision::F64, &question).unwrap()
 }
 
 /// Displacement and stiffness at `x = 0` and at the noses, forces, stiffness and motion of the rows.
@@ -286,8 +282,7 @@ fn what_is_wrong_with_a_shaft_is_said_with_section_key_and_unit() {
         // What is no fault of the shaft is the solver's to say.
         let message = match found {
             Ok(file) => {
-                let free = Balls::Moving(Attitude::Raceless);
-                let refused = with_solver(&file.plan, free, Precision::F64, |_| ());
+                let refused = with_solver(&file.plan, Balls::Free, Precision::F64, |_| ());
                 file.explain(&refused.unwrap_err()).to_string()
             }
             Err(error) => error.to_string(),
@@ -358,11 +353,9 @@ fn wild_values_end_in_an_answer_or_a_message() {
             }
         }
         let Ok(file) = parsed(&text) else { continue };
-        let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
         for precision in [Precision::F32, Precision::F64] {
-            let free = Balls::Moving(Attitude::Raceless);
-            let answer = with_solver(&file.plan, free, precision, |solver| {
-                solver.solve(&file.question(&at_speed()), &ends)
+            let answer = with_solver(&file.plan, Balls::Free, precision, |solver| {
+                solver.solve(&file.question(&at_speed()))
             });
             solved += usize::from(matches!(answer, Ok(Ok(_))));
         }

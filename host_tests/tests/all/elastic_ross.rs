@@ -1,9 +1,8 @@
 //! Files of `recipes/ross_shaft.py`: sets on elastic shafts for ROSS, the rotor dynamics package.
 
-use files::noses::ShaftEnd;
+use super::solves::{Balls, ask};
 use host_tests::cases::elastic;
 use host_tests::dispatch::Precision;
-use host_tests::spindles::{Balls, with_solver};
 use serde_json::json;
 use std::fs;
 
@@ -19,13 +18,9 @@ fn flexibilities_are_written_for_ross() {
             continue;
         }
         let shaft = case.plan.shaft.as_ref().unwrap();
-        let balls = Balls::Moving(case.attitude);
-        let (nose, _) = case.nose.as_ref().unwrap();
-        let end = ShaftEnd::rigid(*nose);
-        let found = with_solver(&case.plan, balls, Precision::F64, |solver| {
-            solver.solve(&case.question, &[end])
-        });
-        let found = found.unwrap().unwrap();
+        let balls = Balls::from(case.attitude);
+        let nose = case.question.ends[0].position;
+        let found = ask(&case.plan, balls, Precision::F64, &case.question).unwrap();
         let rows = case.plan.rows.iter().zip(&found.rows);
         let rows = rows.map(
             |(row, found)| json!({ "position": row.position, "stiffness": found.stiffness_on_shaft }),

@@ -5,11 +5,11 @@
 //! points of mass. Differences of their places in time give the angular momentum, and its differences the couple on the
 //! ball. Axes: x along the shaft, y and z radial, at rest in space; the ball starts at +y.
 
+use super::solves::{Question, ask};
 use files::plan::Plan;
 use host_tests::cases::{B218, rad_per_s};
 use host_tests::compare::worse;
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Balls, with_solver};
 use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 
@@ -95,11 +95,9 @@ struct Ball {
 impl Ball {
     fn solved(attitude: Attitude, rpm: f64) -> Self {
         let (plan, shaft) = (Plan::alone(&B218, 16), rad_per_s(rpm));
-        let balls = Balls::Moving(attitude);
-        let found = with_solver(&plan, balls, Precision::F64, |solver| {
-            solver.load(LOAD, shaft)
-        });
-        let ball = found.unwrap().unwrap().rows[0].balls[0];
+        let question = Question::load(LOAD, shaft);
+        let found = ask(&plan, attitude.into(), Precision::F64, &question).unwrap();
+        let ball = found.rows[0].balls[0];
         let both = ball.q_i + ball.q_o;
         Self {
             shaft,

@@ -1,13 +1,11 @@
 //! Spindles that are warm: rings, balls, and the length of shaft and housing.
 
-use super::solves::{self, Question};
+use super::solves::{self, Answer, Balls, Question, ask};
 use files::designs::SHIPPED;
-use files::noses::ShaftEnd;
 use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use host_tests::compare::stiffness_error;
-use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, Balls, with_solver};
+use host_tests::dispatch::Precision;
 use host_tests::telemetry::simulated::{monitor_settings::MONITOR, monitored};
 use spindle_bearing::{Expansion, Growth, Speed};
 use std::path::Path;
@@ -39,12 +37,7 @@ fn at(load: [f64; 5], speed_rpm: f64, temperatures: [f64; 2]) -> LoadRow {
 }
 
 fn solved(file: &SpindleFile, row: &LoadRow) -> Answer {
-    let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
-    let free = Balls::Moving(Attitude::Raceless);
-    let answer = with_solver(&file.plan, free, Precision::F64, |solver| {
-        solver.solve(&file.question(row), &ends)
-    });
-    answer.unwrap().unwrap()
+    ask(&file.plan, Balls::Free, Precision::F64, &file.question(row)).unwrap()
 }
 
 /// Shaft side 20 K warmer, 200 mm between the rows: figures of the model page.
@@ -112,13 +105,9 @@ fn a_displacement_that_was_the_answer_can_be_given() {
     ));
     let row = at([300.0, 0.0, 0.0, 0.0, 0.0], 0.0, [40.0, 20.0]);
     let free = solved(&file, &row);
-    let given = with_solver(&file.plan, Balls::Static, Precision::F64, |solver| {
-        let mut choices = host_tests::spindles::Choices::default();
-        choices.held[0] = Some(free.displacement[0]);
-        solver.choose(&choices);
-        solver.solve(&file.question(&row), &[]).unwrap()
-    });
-    let given = given.unwrap();
+    let mut question = file.question(&row);
+    question.held[0] = Some(free.displacement[0]);
+    let given = ask(&file.plan, Balls::Static, Precision::F64, &question).unwrap();
     assert!(
         (given.load[0] / 300.0 - 1.0).abs() < 1e-9,
         "{}",
@@ -150,10 +139,12 @@ fn two_sprung_rows_share_the_force_of_their_spring_by_the_length_between_them() 
     );
     let design = &file.plan.rows[1].design;
     let rings = Growth::by_heat(design, &Expansion::STEEL, [15.0, 0.0, 7.5]);
-    let mut alone = solves::solver(design, 16, Precision::F64, solves::Balls::Static);
+    let mut alone = solves::solver(design, 16, Precision::F64, Balls::Static);
     let [at_a, at_b] = [a, b].map(|row| {
         let load = [row.force[0], 0.0, 0.0, 0.0, 0.0];
-        alone.solve(&Question::load(load, 0.0).grown(rings)).u[0]
+        alone
+            .answer(&Question::load(load, 0.0).grown(rings))
+            .displacement[0]
     });
     let length = 0.03 * 11.5e-6 * 15.0;
     assert!(

@@ -1,13 +1,14 @@
 //! Every key of a bearing's and a spindle's file, from text to number: against the library in SI units, and closed forms.
 
+use super::solves::{Answer, Balls, ask};
 use files::designs::{DesignFile, SHIPPED};
-use files::noses::ShaftEnd;
+use files::plan::ShaftEnd;
 use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use host_tests::cases::SKF6205;
 use host_tests::compare::worse;
-use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Answer, Balls, with_solver};
+use host_tests::dispatch::Precision;
+use host_tests::spindles::with_solver;
 use spindle_bearing::{
     Arrangement, Bearing, Design, Facing, FreeContact, Growth, LifeRating, Limit, Material,
     Mounted, Preload, Settings, Shaft, Speed, Spindle, SpindleSolution, SpindleSolver, Support,
@@ -96,20 +97,19 @@ const WARM: [f64; 2] = [32.0, 27.0];
 type Figures = Vec<Vec<f64>>;
 
 fn solved(file: &SpindleFile, load: [f64; 5], speed_rpm: f64) -> Answer {
-    let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
-    let free = Balls::Moving(Attitude::Raceless);
     let row = LoadRow {
         time_s: 0.0,
         load,
         speed_rpm,
         temperatures: file.heat.map(|_| WARM),
     };
-    let answer = with_solver(&file.plan, free, Precision::F64, |solver| {
-        solver.solve(&file.question(&row), &ends)
-    });
-    answer
-        .unwrap_or_else(|e| panic!("{e}"))
-        .unwrap_or_else(|e| panic!("{e}"))
+    let answer = ask(
+        &file.plan,
+        Balls::Free,
+        Precision::F64,
+        &file.question(&row),
+    );
+    answer.unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn parsed(text: &str) -> SpindleFile {

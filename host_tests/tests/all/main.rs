@@ -42,7 +42,6 @@ mod starts;
 mod symmetry;
 mod tangent;
 mod telemetry;
-mod textbook;
 mod thresholds;
 mod truth;
 mod unfinished;

@@ -3,12 +3,13 @@
 //! `golden/net.txt` has them. A change of the solver that may change answers writes new ones, and says by how much the
 //! answers differ.
 
-use super::solves::{self, BALL_COUNTS, Found, GROWN, PRECISIONS, SKEW, ring_solver};
-use files::noses::ShaftEnd;
+use super::solves::{
+    Answer, BALL_COUNTS, Balls, GROWN, PRECISIONS, Question, SKEW, ask, ring_solver,
+};
 use files::plan::Plan;
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::cases::{B7005C, Case, Random, public, sets};
-use host_tests::spindles::{Answer, Balls, with_solver};
+use host_tests::spindles::with_solver;
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Bearing, Given, Preload, Settings, Solver, Speed, Spindle, SpindleSolver, Status,
@@ -68,7 +69,7 @@ impl Checksum {
             Ok(answer) => answer,
             Err(status) => return self.status(status),
         };
-        self.text(answer.status);
+        self.text(answer.status.name());
         self.word(answer.iterations.into());
         self.numbers(&answer.displacement);
         let at = &answer.at[0];
@@ -96,17 +97,17 @@ impl Checksum {
         }
     }
 
-    fn bearing(&mut self, found: &Result<Found, Status<f32>>) {
+    fn bearing(&mut self, found: &Result<Answer, Status<f32>>) {
         let found = match found {
             Ok(found) => found,
             Err(status) => return self.status(status),
         };
         self.status(&found.status);
-        self.numbers(&found.u);
+        self.numbers(&found.displacement);
         self.numbers(&found.load);
-        self.numbers(found.k.as_flattened());
-        self.numbers(&found.estimate);
-        self.balls(&found.balls);
+        self.numbers(found.stiffness.as_flattened());
+        self.numbers(&found.error);
+        self.balls(&found.rows[0].balls);
     }
 }
 
@@ -115,7 +116,7 @@ type Line = (String, u64);
 
 fn solved_cases() -> Vec<Line> {
     let scenes = |case: &Case| {
-        let mut scenes = vec![Balls::Moving(case.attitude)];
+        let mut scenes = vec![Balls::from(case.attitude)];
         scenes.extend((case.omega == 0.0).then_some(Balls::Static));
         scenes
     };
@@ -125,19 +126,13 @@ fn solved_cases() -> Vec<Line> {
             let case = &solved.case;
             let plan = Plan::alone(&case.design, case.balls);
             for balls in scenes(case) {
-                let load = |solver: &mut dyn host_tests::spindles::AnySpindleSolver| {
-                    solver.load(case.load, case.omega)
-                };
-                bearings.set(&with_solver(&plan, balls, precision, load).unwrap());
+                let question = Question::load(case.load, case.omega).at(0.0);
+                bearings.set(&ask(&plan, balls, precision, &question));
             }
         }
         for set in sets() {
-            let nose = ShaftEnd::rigid(-0.05);
-            let (balls, question) = (Balls::Moving(set.attitude), &set.question);
-            let found = with_solver(&set.plan, balls, precision, |solver| {
-                solver.solve(question, &[nose])
-            });
-            shafts.set(&found.unwrap());
+            let question = set.question.clone().at(-0.05);
+            shafts.set(&ask(&set.plan, set.attitude.into(), precision, &question));
         }
         [
             (format!("solved bearings {precision:?}"), bearings.0),
@@ -159,7 +154,7 @@ fn campaign() -> Vec<Line> {
             let plan = Plan::alone(&trial.case.design, trial.case.balls);
             let balls = match trial.at_rest {
                 true => Balls::Static,
-                false => Balls::Moving(trial.case.attitude),
+                false => Balls::from(trial.case.attitude),
             };
             let mut sum = Checksum::new();
             let solved = with_solver(&plan, balls, precision, |solver| {
@@ -184,32 +179,27 @@ fn campaign() -> Vec<Line> {
 /// Scenes of one bearing: all motions of the balls and all freedoms, loads and displacements, growth.
 fn scenes() -> Vec<Line> {
     let motions = [
-        solves::Balls::Static,
-        solves::Balls::Centrifugal,
-        solves::Balls::CentrifugalOuter,
-        solves::Balls::Free,
-        solves::Balls::Outer,
-        solves::Balls::Inner,
+        Balls::Static,
+        Balls::Centrifugal,
+        Balls::CentrifugalOuter,
+        Balls::Free,
+        Balls::Outer,
+        Balls::Inner,
     ];
-    let line = |balls: solves::Balls| {
+    let line = |balls: Balls| {
         let mut sum = Checksum::new();
         for (n, seed) in BALL_COUNTS.into_iter().zip(1..) {
             for precision in PRECISIONS {
                 for freedoms in [1, 3, 5] {
                     let case = Case::random_with(seed, Some(n));
                     let mut solver = ring_solver(&case.design, n, precision, balls, freedoms);
-                    let mut ask = |question: &solves::Question| sum.bearing(&solver.ask(question));
-                    let question = solves::Question::load(case.load, case.omega);
+                    let mut ask = |question: &Question| sum.bearing(&solver.solve(question));
+                    let question = Question::load(case.load, case.omega);
                     ask(&question);
-                    ask(&question.grown(GROWN));
+                    ask(&question.clone().grown(GROWN));
                     let u = [1e-5, 2e-6, -1e-6, 1e-4, 0.0];
                     let held = [true, false, true, false, true];
-                    ask(&solves::Question::mixed(
-                        held,
-                        u,
-                        case.load,
-                        0.5 * case.omega,
-                    ));
+                    ask(&Question::load(case.load, 0.5 * case.omega).holding(held, u));
                 }
             }
         }

@@ -1,13 +1,15 @@
 //! Limits of single precision, and solves that rounding or a weak ring makes hard.
 
 use super::solves::{
-    Balls, PRECISIONS, Question, SKEW, epsilon, lengths, rounded, solver, vector_error,
+    Answer, AnySolver, Balls, PRECISIONS, Question, SKEW, ask, epsilon, errors, lengths, rounded,
+    solver, vector_error,
 };
 use files::plan::Plan;
 use host_tests::cases::{B7005C, Random, SKF6205, reference};
-use host_tests::compare::{Ball, Equilibrium, stiffness_error, worse};
+use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{self, Answer, AnySpindleSolver, Choices, with_solver};
+use host_tests::reference::Task;
+use host_tests::spindles::{Choices, with_solver};
 use host_tests::tolerances::allowed;
 use spindle_bearing::{Design, FreeContact, Status};
 use std::f64::consts::PI;
@@ -30,15 +32,15 @@ fn worst_where_rounding_ends(
         single.reset();
         double.reset();
         let question = Question::load(load, omega);
-        let (Ok(found), Ok(truth)) = (single.ask(&question), double.ask(&question)) else {
+        let (Ok(found), Ok(truth)) = (single.solve(&question), double.solve(&question)) else {
             lost.push(load);
             continue;
         };
-        let error = stiffness_error(&found.k, &truth.k);
+        let error = stiffness_error(&found.stiffness, &truth.stiffness);
         let is_within = error < allowed(Precision::F32).stiffness;
         if !is_within {
             beyond.push((load, error));
-            let estimate = found.estimate[2];
+            let estimate = found.error[2];
             assert!(error <= estimate, "{load:?}: {error:e} beyond {estimate:e}");
         }
         if found.status == Status::PrecisionLimit {
@@ -77,12 +79,11 @@ fn a_bearing_that_hardly_turns_has_its_equilibria_and_balls_without_force_lack_n
     let ball_mass = SKF6205.ball.density * PI / 6.0 * SKF6205.ball_diameter.powi(3);
     let centrifugal = 0.5 * ball_mass * SKF6205.pitch_diameter;
     let plan = Plan::alone(&SKF6205, 9);
-    let moving = spindles::Balls::Moving(Attitude::Raceless);
     for precision in PRECISIONS {
         let [mut solves, mut unsolved, mut fast, mut lacking] = [0; 4];
         let solve = |load, omega| {
-            let found = with_solver(&plan, moving, precision, |solver| solver.load(load, omega));
-            found.unwrap()
+            let question = Question::load(load, omega);
+            ask(&plan, Balls::Free, precision, &question)
         };
         for exponent in 4..15 {
             // Centrifugal forces of all balls, over the load.
@@ -150,13 +151,14 @@ fn a_ball_off_the_inner_race_is_held_by_its_centrifugal_force_however_small() {
     let mut answers = 0;
     for (load, omega) in cases {
         solver.reset();
-        let Ok(found) = solver.ask(&Question::load(load, omega)) else {
+        let Ok(found) = solver.solve(&Question::load(load, omega)) else {
             continue;
         };
         answers += 1;
-        assert!(found.unloaded_balls() > 0, "{load:?}");
-        for ball in found.balls.iter().filter(|ball| ball.q_i == 0.0) {
-            let missed = (ball.q_o - ball.centrifugal_force).abs() / found.largest_force();
+        assert!(found.equilibrium().unloaded_balls() > 0, "{load:?}");
+        for ball in found.rows[0].balls.iter().filter(|ball| ball.q_i == 0.0) {
+            let missed =
+                (ball.q_o - ball.centrifugal_force).abs() / found.equilibrium().largest_force();
             assert!(missed < 1e-6, "{missed:e} of the largest force, {ball:?}");
         }
     }
@@ -178,20 +180,11 @@ fn a_ring_that_rocks_on_few_balls_comes_to_rest_before_the_solve_ends() {
     for fy in [240.0, 250.0, 254.0, 260.0, 270.0] {
         let load = [0.0, fy, -1323.75, 0.0, 0.0];
         let plan = Plan::alone(&design, 20);
-        let [found, truth] = PRECISIONS.map(|precision| {
-            let found = with_solver(&plan, spindles::Balls::Static, precision, |solver| {
-                solver.load(load, 0.0)
-            });
-            found.unwrap().unwrap()
-        });
-        assert!(
-            truth.rows[0]
-                .balls
-                .iter()
-                .filter(|ball| ball.q_i > 0.0)
-                .count()
-                <= 3
-        );
+        let question = Question::load(load, 0.0);
+        let [found, truth] =
+            PRECISIONS.map(|precision| ask(&plan, Balls::Static, precision, &question).unwrap());
+        let pressed = truth.rows[0].balls.iter().filter(|ball| ball.q_i > 0.0);
+        assert!(pressed.count() <= 3);
         let u = vector_error(found.displacement, truth.displacement, lengths(&design));
         let k = stiffness_error(&found.stiffness, &truth.stiffness);
         assert!(u < 1e-2 && k < 1e-2, "{load:?}: {u:e}, {k:e}");
@@ -210,7 +203,7 @@ fn stated_over_true(
         let single = |x| rounded(Precision::F32, x);
         (load.map(single), single(*omega))
     });
-    let ask = |solver: &mut dyn AnySpindleSolver| -> Vec<Answer> {
+    let ask = |solver: &mut dyn AnySolver| -> Vec<Answer> {
         solver.choose(&Choices {
             tolerance: Some(tolerance),
             ..Choices::default()
@@ -220,18 +213,12 @@ fn stated_over_true(
             .map(|(load, omega)| solver.load(load, omega));
         answers.collect::<Result<_, _>>().unwrap()
     };
-    let found = with_solver(&plan, spindles::Balls::Moving(raceless), precision, ask).unwrap();
+    let found = with_solver(&plan, Balls::from(raceless), precision, ask).unwrap();
     let reference = reference(&B7005C, 16);
     let mut ratios = [const { Vec::new() }; 3];
     for (found, (load, omega)) in found.iter().zip(questions) {
-        let truth = reference.solve(load, omega, raceless.into()).unwrap();
-        let equilibrium = Equilibrium {
-            displacement: found.displacement,
-            stiffness: found.stiffness,
-            balls: found.rows[0].balls.iter().map(Ball::from).collect(),
-        };
-        let (d, radius) = (B7005C.ball_diameter, 0.5 * B7005C.pitch_diameter);
-        let off = equilibrium.errors(&Equilibrium::from(&truth), d, radius);
+        let truth = reference.solve(&Task::new(load, omega, raceless)).unwrap();
+        let off = errors(found, &B7005C, &truth, 5);
         let off = [off.displacement, off.force, off.stiffness];
         for i in 0..3 {
             ratios[i].push(found.error[i] / off[i]);
@@ -277,7 +264,7 @@ fn stated_errors_cover_the_true_ones_and_are_of_their_order() {
         let (medians, found) = stated_over_true(precision, tolerance, questions);
         let at_most = medians.iter().all(|median| *median < most);
         assert!(at_most, "{precision:?}, {tolerance:e}: {medians:?}");
-        assert!(found.iter().all(|found| found.status == "converged"));
+        assert!(found.iter().all(|found| found.status == Status::Converged));
     }
 }
 
@@ -290,7 +277,7 @@ fn a_tolerance_below_rounding_is_not_said_to_be_met() {
     let questions: Vec<_> = (0..200).map(question).collect();
     let (_, found) = stated_over_true(Precision::F32, TOLERANCE, &questions);
     let mut ended = found;
-    ended.retain(|found| found.status == "precision-limit");
+    ended.retain(|found| found.status == Status::PrecisionLimit);
     assert!(ended.len() > 20, "{}", ended.len());
     assert!(ended.iter().all(|found| found.error[2] > 5.0 * TOLERANCE));
 }

@@ -1,18 +1,18 @@
 //! From a recording to results: formats of files, what is refused and how, and that nothing is lost between the
 //! solver and the table.
 
+use super::solves::ask;
 use files::designs::{DesignFile, SHIPPED};
 use files::fault::LoadsError;
 use files::import::Wanted;
-use files::noses::ShaftEnd;
 use files::plan::BALL_COUNTS;
 use files::plan::{Plan, Question};
 use files::recordings::{LoadRow, Loads};
 use files::spindles::SpindleFile;
 use host_tests::cases::Random;
-use host_tests::dispatch::{self, Attitude, Precision};
+use host_tests::dispatch::{self, Precision};
 use host_tests::replay::{Job, Output, Summary, Table, replay};
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
+use host_tests::spindles::{Answer, AnySolver, Balls, Choices, with_solver};
 use spindle_bearing::{Design, FreeContact, Material, Status};
 use std::io::Cursor;
 
@@ -169,14 +169,14 @@ fn bytes_that_are_no_text_are_refused_with_line_and_column() {
 #[derive(Clone)]
 struct Parrot(Answer);
 
-impl AnySpindleSolver for Parrot {
-    fn solve(&mut self, _: &Question, _: &[ShaftEnd]) -> Result<Answer, Status<f32>> {
+impl AnySolver for Parrot {
+    fn solve(&mut self, _: &Question) -> Result<Answer, Status<f32>> {
         Ok(self.0.clone())
     }
 
     fn reset(&mut self) {}
 
-    fn copy(&self) -> Box<dyn AnySpindleSolver + '_> {
+    fn copy(&self) -> Box<dyn AnySolver + '_> {
         Box::new(self.clone())
     }
 
@@ -185,7 +185,7 @@ impl AnySpindleSolver for Parrot {
 
 /// Summary and results of a replay of a row by the B7005C.
 fn replayed(
-    solver: &mut dyn AnySpindleSolver,
+    solver: &mut dyn AnySolver,
     precision: Precision,
     choices: Choices,
     row: LoadRow,
@@ -201,6 +201,7 @@ fn replayed(
         at_rest: false,
         select: Vec::new(),
         choices,
+        held: [None; 5],
         holds_pauses: false,
         lifetime: None,
     };
@@ -213,7 +214,7 @@ fn replayed(
 fn figures_are_printed_as_the_solver_gave_them() {
     let stiffness = [[1e8, 0.0, 0.0, 0.0, f64::from(0.3_f32)]; 5];
     let mut solver = Parrot(Answer {
-        status: "precision-limit",
+        status: Status::PrecisionLimit,
         iterations: 40,
         displacement: [f64::from(1e-7_f32), 0.0, -2.5, 0.0, f64::from(-3e-9_f32)],
         load: [0.0; 5],
@@ -242,14 +243,14 @@ fn a_solve_that_ran_out_of_iterations_has_no_figures() {
     let plan = SpindleFile::read(shipped("b7005c")).unwrap().plan;
     let row = parsed(&format!("{HEADER}0.5,1000,200,0,0,3,20000\n")).unwrap();
     for precision in [Precision::F32, Precision::F64] {
-        let run = |solver: &mut dyn AnySpindleSolver| {
+        let run = |solver: &mut dyn AnySolver| {
             let choices = Choices {
                 max_iterations: 1,
                 ..Choices::default()
             };
             replayed(solver, precision, choices, row[0])
         };
-        let balls = Balls::Moving(Attitude::Raceless);
+        let balls = Balls::Free;
         let (summary, line) = with_solver(&plan, balls, precision, run).unwrap();
         assert_eq!(summary.refused.values().sum::<u64>(), 1, "{summary}");
         let [time, status, rest] = line.splitn(3, ',').collect::<Vec<_>>()[..] else {
@@ -269,11 +270,9 @@ fn every_ball_count_has_a_solver() {
     for balls in BALL_COUNTS {
         for precision in [Precision::F32, Precision::F64] {
             let plan = Plan::alone(&design, balls);
-            let moving = Balls::Moving(Attitude::Raceless);
-            let found = with_solver(&plan, moving, precision, |solver| {
-                solver.load([50.0, 10.0, 0.0, 0.0, 0.0], 0.0)
-            });
-            assert_eq!(found.unwrap().unwrap().rows[0].balls.len(), balls);
+            let question = Question::load([50.0, 10.0, 0.0, 0.0, 0.0], 0.0);
+            let found = ask(&plan, Balls::Free, precision, &question).unwrap();
+            assert_eq!(found.rows[0].balls.len(), balls);
         }
     }
     for balls in [0, 2, 65, usize::MAX] {

@@ -1,14 +1,17 @@
 //! Input without an answer: what is said to it, and that the solver survives it.
 
-use super::solves::{Balls, Found, PRECISIONS, Question, SKEW, ring_solver, solver};
-use host_tests::campaign::Plan;
+use super::solves::{
+    Answer, AnySolver, Balls, PRECISIONS, Question, SKEW, ask, ring_solver, solver,
+};
+use files::plan::{Plan, Row};
+use host_tests::campaign;
 use host_tests::campaign::families::{Family, Trial};
 use host_tests::cases::{B218, B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
+use host_tests::spindles::{Choices, with_solver};
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Given, Motion, Mounted,
-    Preload, Quantity, RacewayControlFree, Real, Settings, Solver, Speed, Spindle, SpindleSolver,
-    Static, Status,
+    Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, RacewayControlFree, Growth, Motion, Mounted,
+    Preload, Quantity, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
 };
 use std::f64::consts::PI;
 
@@ -17,37 +20,37 @@ type Input = (Quantity, usize, fn(&mut Question, f64));
 
 /// Every number of a question.
 const INPUTS: [Input; 14] = [
-    (Quantity::Fx, 1, |q, x| q.given[0] = Given::Load(x)),
-    (Quantity::Fy, 3, |q, x| q.given[1] = Given::Load(x)),
-    (Quantity::Fz, 3, |q, x| q.given[2] = Given::Load(x)),
-    (Quantity::My, 5, |q, x| q.given[3] = Given::Load(x)),
-    (Quantity::Mz, 5, |q, x| q.given[4] = Given::Load(x)),
-    (Quantity::Dx, 1, |q, x| q.given[0] = Given::Displacement(x)),
-    (Quantity::Dy, 3, |q, x| q.given[1] = Given::Displacement(x)),
-    (Quantity::Dz, 3, |q, x| q.given[2] = Given::Displacement(x)),
-    (Quantity::Ty, 5, |q, x| q.given[3] = Given::Displacement(x)),
-    (Quantity::Tz, 5, |q, x| q.given[4] = Given::Displacement(x)),
+    (Quantity::Fx, 1, |q, x| q.load[0] = x),
+    (Quantity::Fy, 3, |q, x| q.load[1] = x),
+    (Quantity::Fz, 3, |q, x| q.load[2] = x),
+    (Quantity::My, 5, |q, x| q.load[3] = x),
+    (Quantity::Mz, 5, |q, x| q.load[4] = x),
+    (Quantity::Dx, 1, |q, x| q.held[0] = Some(x)),
+    (Quantity::Dy, 3, |q, x| q.held[1] = Some(x)),
+    (Quantity::Dz, 3, |q, x| q.held[2] = Some(x)),
+    (Quantity::Ty, 5, |q, x| q.held[3] = Some(x)),
+    (Quantity::Tz, 5, |q, x| q.held[4] = Some(x)),
     (Quantity::Speed, 1, |q, x| q.omega = x),
-    (Quantity::AxialGrowth, 1, |q, x| q.growth.axial = x),
-    (Quantity::RadialGrowth, 1, |q, x| q.growth.radial = x),
-    (Quantity::BallGrowth, 1, |q, x| q.growth.ball = x),
+    (Quantity::AxialGrowth, 1, |q, x| q.growth[0].axial = x),
+    (Quantity::RadialGrowth, 1, |q, x| q.growth[0].radial = x),
+    (Quantity::BallGrowth, 1, |q, x| q.growth[0].ball = x),
 ];
 
 /// An ordinary question, but for one number.
 fn with(set: fn(&mut Question, f64), x: f64) -> Question {
-    let mut question = Question::load(SKEW, rad_per_s(10_000.0));
+    let mut question = Question::load(SKEW, rad_per_s(10_000.0)).grown(Growth::NONE);
     set(&mut question, x);
     question
 }
 
 /// Answers at rest and at speed, in both precisions, of all rings with so many freedoms or more.
-fn answers(freedoms: usize, question: &Question) -> Vec<Result<Found, Status<f32>>> {
+fn answers(freedoms: usize, question: &Question) -> Vec<Result<Answer, Status<f32>>> {
     let mut answers = Vec::new();
     for freedoms in [1, 3, 5].into_iter().filter(|of| *of >= freedoms) {
         for balls in [Balls::Static, Balls::Free] {
             for precision in PRECISIONS {
                 let mut solver = ring_solver(&B7005C, 16, precision, balls, freedoms);
-                answers.push(solver.ask(question));
+                answers.push(solver.solve(question));
             }
         }
     }
@@ -82,34 +85,38 @@ fn input_that_is_not_finite_or_absurd_is_named() {
 
 #[test]
 fn a_tolerance_that_is_none_is_named_and_one_of_0_ends_by_rounding() {
-    fn statuses<T: Real>(tolerance: f64, omega: f64) -> [Result<Status<T>, Status<T>>; 3] {
-        let bearing = Bearing::<T, 16>::of(&B7005C).unwrap();
-        let spindle = Spindle::pair(
-            Arrangement::BackToBack,
-            &bearing,
-            T::of(0.1),
-            Preload::Force(T::of(200.0)),
-        );
-        let (load, speed) = (SKEW.map(T::of), Speed::rad_per_s(T::of(omega)));
-        let settings = Settings {
-            tolerance: T::of(tolerance),
-            ..Settings::default()
+    let row = |position, facing| Row {
+        position,
+        facing,
+        preload: Preload::Force(200.0),
+        ..Plan::alone(&B7005C, 16).rows[0].clone()
+    };
+    let pair = Plan::of(vec![row(0.0, Facing::PlusX), row(0.1, Facing::MinusX)]);
+    let statuses = |precision, tolerance: f64, omega| {
+        let choices = Choices {
+            tolerance: Some(tolerance),
+            ..Choices::default()
         };
-        let one = Solver::new()
-            .solve(&bearing, load, speed, &settings)
-            .map(|found| found.status);
-        let set = SpindleSolver::new()
-            .solve(&spindle.unwrap(), load, speed, &settings)
-            .map(|found| found.status);
-        let axial = AxialSolver::new()
-            .solve(&bearing, load[0], speed, &settings)
-            .map(|found| found.status);
+        let ask = |solver: &mut dyn AnySolver| {
+            solver.choose(&choices);
+            solver.load(SKEW, omega).map(|found| found.status)
+        };
+        let set = with_solver(&pair, Balls::Free, precision, ask).unwrap();
+        let [one, axial] = [5, 1].map(|freedoms| {
+            ask(&mut *ring_solver(
+                &B7005C,
+                16,
+                precision,
+                Balls::Free,
+                freedoms,
+            ))
+        });
         [one, set, axial]
-    }
-    fn check<T: Real>() {
+    };
+    for precision in PRECISIONS {
         for omega in [0.0, rad_per_s(10_000.0)] {
             for bad in [f64::NAN, f64::INFINITY, -1e-3] {
-                for status in statuses::<T>(bad, omega) {
+                for status in statuses(precision, bad, omega) {
                     let (quantity, value) = match status {
                         Err(Status::NotFinite { quantity, value }) => (quantity, value),
                         Err(Status::OutOfRange {
@@ -118,21 +125,16 @@ fn a_tolerance_that_is_none_is_named_and_one_of_0_ends_by_rounding() {
                         other => panic!("{bad}: {other:?}"),
                     };
                     assert_eq!(quantity, Quantity::Tolerance);
-                    assert_eq!(value.to_f64().to_bits(), T::of(bad).to_f64().to_bits());
+                    assert_eq!(value.to_bits(), (bad as f32).to_bits());
                 }
             }
             for tolerance in [0.0, 1e-20] {
-                let [one, set, _] = statuses::<T>(tolerance, omega);
-                assert_eq!(
-                    [one, set],
-                    [Ok(Status::PrecisionLimit); 2],
-                    "{tolerance} at {omega}"
-                );
+                let [one, set, _] = statuses(precision, tolerance, omega);
+                let by_rounding = [Ok(Status::PrecisionLimit); 2];
+                assert_eq!([one, set], by_rounding, "{tolerance} at {omega}");
             }
         }
     }
-    check::<f32>();
-    check::<f64>();
 }
 
 /// A 608 with a clearance of 8 um.
@@ -174,23 +176,15 @@ fn the_advice_to_a_ring_that_is_free_to_move_helps() {
 /// Input that cannot be is named before the missing load, by a set as by a bearing.
 #[test]
 fn a_speed_that_is_no_number_is_named_without_a_load_too() {
-    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
-    let row = Mounted::<f64, 16>::new(&bearing, 0.0, Facing::PlusX);
-    let spindle = Spindle::new(Arrangement::ByRows, [row]).unwrap();
-    let (speed, settings) = (Speed::rpm(f64::NAN), Settings::default());
+    let question = Question::load([0.0; 5], f64::NAN);
+    let plan = Plan::alone(&B7005C, 16);
     for refused in [
-        Solver::new()
-            .solve(&bearing, [0.0; 5], speed, &settings)
-            .err(),
-        SpindleSolver::new()
-            .solve(&spindle, [0.0; 5], speed, &settings)
-            .err(),
+        solver(&B7005C, 16, Precision::F64, Balls::Free).solve(&question),
+        ask(&plan, Balls::Free, Precision::F64, &question),
     ] {
-        let quantity = refused.map(|status| match status {
-            Status::NotFinite { quantity, .. } => quantity,
-            other => panic!("{other}"),
-        });
-        assert_eq!(quantity, Some(Quantity::Speed));
+        let quantity = Quantity::Speed;
+        let is_speed = |s| matches!(s, Status::NotFinite { quantity: q, .. } if q == quantity);
+        assert!(refused.is_err_and(is_speed));
     }
 }
 
@@ -272,7 +266,7 @@ fn a_refusal_says_what_and_how_much() {
     ] {
         let mut inputs = INPUTS.into_iter();
         let (.., set) = inputs.find(|input| input.0 == quantity).unwrap();
-        let refused = solver(&B7005C, 16, Precision::F64, Balls::Free).ask(&with(set, bad));
+        let refused = solver(&B7005C, 16, Precision::F64, Balls::Free).solve(&with(set, bad));
         let told = refused.unwrap_err().to_string();
         assert!(told.starts_with(start), "{told}");
     }
@@ -290,7 +284,7 @@ fn a_load_under_which_speed_drives_a_ball_out_of_its_groove_has_no_answer() {
         let mut solver = solver(&B218, 16, precision, Balls::Free);
         // Each goes on where the one before ran out of iterations.
         for _ in 0..6 {
-            match solver.ask(&Question::load(load, omega)).unwrap_err() {
+            match solver.solve(&Question::load(load, omega)).unwrap_err() {
                 Status::Unseated { ball, apart } => {
                     // The radial load presses ball 0, at +y; ball 8 is opposite.
                     assert_eq!(ball, 8);
@@ -309,11 +303,11 @@ fn a_load_under_which_speed_drives_a_ball_out_of_its_groove_has_no_answer() {
 fn preload_keeps_balls_in_their_grooves() {
     let mut solver = solver(&B218, 16, Precision::F64, Balls::Free);
     let (mut load, omega) = DRIVEN_OUT;
-    assert!(solver.ask(&Question::load(load, omega)).is_err());
+    assert!(solver.solve(&Question::load(load, omega)).is_err());
     load[0] = 20_000.0;
-    let found = solver.load(load, omega);
+    let found = solver.load(load, omega).unwrap();
     assert_eq!(found.status, Status::Converged);
-    for ball in &found.balls {
+    for ball in &found.rows[0].balls {
         assert!((ball.alpha_i - ball.alpha_o).abs() < PI / 2.0);
     }
 }
@@ -331,10 +325,11 @@ fn a_refusal_leaves_the_solver_as_it_was() {
         let (mut usual, mut next) = (SKEW, SKEW.map(|x| 1.02 * x));
         for question in &refusals {
             for solver in [&mut refused, &mut control] {
-                solver.load(usual, omega);
+                solver.load(usual, omega).unwrap();
             }
-            assert!(refused.ask(question).is_err());
-            let [a, b] = [&mut refused, &mut control].map(|solver| solver.load(next, omega));
+            assert!(refused.solve(question).is_err());
+            let [a, b] =
+                [&mut refused, &mut control].map(|solver| solver.load(next, omega).unwrap());
             assert_eq!(a, b, "after {question:?}");
             std::mem::swap(&mut usual, &mut next);
         }
@@ -348,13 +343,22 @@ fn a_solver_works_on_after_any_bits() {
         for precision in PRECISIONS {
             let mut solver = solver(&B7005C, 16, precision, balls);
             for index in 0..400 {
-                let wild = Trial::new(Plan::SEED, Family::AnyBits, index).case;
-                if let Ok(found) = solver.ask(&Question::load(wild.load, wild.omega)) {
-                    let figures = found.u.iter().chain(&found.load);
-                    assert!(figures.chain(found.k.as_flattened()).all(|x| x.is_finite()));
-                    assert!(found.balls.iter().all(|b| b.q_i >= 0.0 && b.q_o >= 0.0));
+                let wild = Trial::new(campaign::Plan::SEED, Family::AnyBits, index).case;
+                if let Ok(found) = solver.solve(&Question::load(wild.load, wild.omega)) {
+                    let figures = found.displacement.iter().chain(&found.load);
+                    assert!(
+                        figures
+                            .chain(found.stiffness.as_flattened())
+                            .all(|x| x.is_finite())
+                    );
+                    assert!(
+                        found.rows[0]
+                            .balls
+                            .iter()
+                            .all(|b| b.q_i >= 0.0 && b.q_o >= 0.0)
+                    );
                 }
-                solver.load(SKEW, 100.0);
+                solver.load(SKEW, 100.0).unwrap();
             }
         }
     }

@@ -2,8 +2,9 @@
 
 use super::solves::SKEW;
 use host_tests::cases::{B7005C, reference};
-use host_tests::compare::{Ball, Equilibrium};
+use host_tests::compare::Equilibrium;
 use host_tests::dispatch::{Attitude, Precision};
+use host_tests::reference::Task;
 use host_tests::tolerances::allowed;
 use serde::{Serialize, de::DeserializeOwned};
 use spindle_bearing::nalgebra::SVector;
@@ -31,20 +32,20 @@ fn a_snapshot_is_what_the_reference_build_says() {
         // A bearing alone is one row, which has its load.
         let off = from_fn::<_, 5, _>(|i| row.force[i] - SKEW[i]);
         assert!(off.iter().all(|off| off.abs() < 1e-9), "{off:?}");
-        let attitude = Attitude::Raceless.into();
-        let truth = reference.solve(SKEW, speed.as_rad_per_s(), attitude);
+        let task = Task::new(SKEW, speed.as_rad_per_s(), Attitude::Raceless);
+        let truth = reference.solve(&task);
         let found = Equilibrium {
             displacement: copy.displacement,
             stiffness: copy.stiffness,
-            balls: row.balls.iter().map(Ball::from).collect(),
+            balls: row.balls.to_vec(),
         };
-        let (d, radius) = (B7005C.ball_diameter, 0.5 * B7005C.pitch_diameter);
-        let errors = found.errors(&Equilibrium::from(&truth.unwrap()), d, radius);
+        let errors = found.errors(&truth.unwrap(), &B7005C);
         assert!(errors.within(allowed(Precision::F64)), "{rpm}: {errors}");
         assert_eq!((copy.load, copy.speed), (SKEW, speed));
         assert!(solution.inner_forces().eq(row.balls.map(|ball| ball.q_i)));
         // Cage speeds fit the centrifugal forces.
-        let half_m_dm = B7005C.ball.density * PI * d.powi(3) / 12.0 * B7005C.pitch_diameter;
+        let volume = PI / 6.0 * B7005C.ball_diameter.powi(3);
+        let half_m_dm = 0.5 * B7005C.ball.density * volume * B7005C.pitch_diameter;
         assert!(solution.cage_speeds().eq(row.cage_speeds));
         for (ball, cage_speed) in row.balls.iter().zip(row.cage_speeds) {
             let expected = (ball.centrifugal_force / half_m_dm).sqrt().copysign(rpm);

@@ -1,12 +1,15 @@
-//! Solvers whose precision, ball count, motion and freedoms are known at run time, and their solutions in doubles.
+//! Solvers of bearings whose precision, ball count, motion and freedoms are known at run time.
 
-use host_tests::compare::{Ball, Equilibrium, Errors, worse};
-use host_tests::dispatch::{Attitude, Precision, narrowed, widened};
+use files::plan::Plan;
+pub use files::plan::Question;
+use host_tests::compare::{Equilibrium, Errors, stiffness_error, worse};
+use host_tests::dispatch::{Precision, narrowed, widened};
+pub use host_tests::spindles::{Answer, AnySolver, Balls};
+use host_tests::spindles::{Choices, RowAnswer, given, growths, in_doubles, with_solver};
 use proptest::strategy::Strategy;
 use spindle_bearing::{
-    AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, Given, Growth,
-    InnerRaceControl, Motion, OuterRaceControl, RacewayControlFree, Real, Settings, Solver, Speed,
-    Static, Status,
+    AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, RacewayControlFree, Growth,
+    InnerRaceControl, Motion, OuterRaceControl, Real, Solver, Speed, Static, Status,
 };
 use std::array::from_fn;
 use std::f64::consts::TAU;
@@ -31,6 +34,35 @@ pub fn loads() -> impl Strategy<Value = [f64; 5]> {
         .prop_map(|(size, fy, fz, my, mz)| [1.0, fy, fz, my, mz].map(|x| x * 10f64.powf(size)))
 }
 
+/// A vector of forces or displacements of a bearing or a set that is mirrored along its axis.
+pub fn mirrored([x, y, z, ty, tz]: [f64; 5]) -> [f64; 5] {
+    [-x, y, z, -ty, -tz]
+}
+
+/// Largest error of an answer whose mirrored one is `other`: of displacement, stiffness, contact forces and frequencies.
+pub fn off_mirror(one: &Answer, other: &Answer, design: &Design) -> f64 {
+    let u = mirrored(other.displacement);
+    let signs = mirrored([1.0; 5]);
+    let k = from_fn(|i| mirrored(other.stiffness[i]).map(|k| signs[i] * k));
+    let of_shaft = worse(
+        vector_error(u, one.displacement, lengths(design)),
+        stiffness_error(&k, &one.stiffness),
+    );
+    one.rows
+        .iter()
+        .zip(&other.rows)
+        .fold(of_shaft, |off, (a, b)| {
+            let largest = a.balls.iter().map(|ball| ball.q_o).fold(0.0, f64::max);
+            let forces = a.balls.iter().zip(&b.balls);
+            let forces = forces.flat_map(|(a, b)| [a.q_i - b.q_i, a.q_o - b.q_o]);
+            let off = forces.fold(off, |off, force| worse(off, force.abs() / largest));
+            let (a, b) = (&a.frequencies, &b.frequencies);
+            let both = [(a.cage, b.cage), (a.outer_race, b.outer_race)];
+            let moved = both.into_iter().filter(|(a, b)| a != b);
+            moved.fold(off, |off, (a, b)| worse(off, (a / b - 1.0).abs()))
+        })
+}
+
 /// A number as a solver of this precision sees it.
 pub fn rounded(precision: Precision, x: f64) -> f64 {
     match precision {
@@ -47,251 +79,107 @@ pub fn epsilon(precision: Precision) -> f64 {
     }
 }
 
-/// How the balls move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Balls {
-    Static,
-    Centrifugal,
-    /// Under centrifugal force and outer race control.
-    CentrifugalOuter,
-    /// With all inertia loads, and no race in control.
-    Free,
-    /// With all inertia loads, under outer race control.
-    Outer,
-    /// With all inertia loads, under inner race control.
-    Inner,
+/// Errors of displacement, force and stiffness that two answers together say they have.
+pub fn stated(one: &Answer, other: &Answer) -> [f64; 3] {
+    from_fn(|i| one.error[i] + other.error[i])
 }
 
-impl Balls {
-    /// The rule for the axis about which a ball turns, where that matters.
-    pub fn rule(self) -> Attitude {
-        match self {
-            Self::Centrifugal | Self::Free => Attitude::Raceless,
-            Self::Static | Self::CentrifugalOuter | Self::Outer => Attitude::Outer,
-            Self::Inner => Attitude::Inner,
-        }
+/// A solver, and a bearing that lives as long as the test.
+#[derive(Clone)]
+struct Asked<T: 'static, const N: usize, S> {
+    bearing: &'static Bearing<T, N>,
+    solver: S,
+    choices: Choices,
+}
+
+/// Balls at rest are asked at rest, unless the speed is absurd: a test of its own says which speeds they refuse.
+fn speed<T: Real, M: Motion>(question: &Question) -> Speed<T> {
+    match !M::AT_SPEED && question.omega.abs() < 1e5 {
+        true => Speed::REST,
+        false => Speed::rad_per_s(T::of(question.omega)),
     }
 }
 
-impl From<Attitude> for Balls {
-    fn from(attitude: Attitude) -> Self {
-        match attitude {
-            Attitude::Raceless => Self::Free,
-            Attitude::Outer => Self::Outer,
-            Attitude::Inner => Self::Inner,
-        }
+/// The answer of a ring. Freedoms that it does not have are zero, and of stiffness 1.
+fn answer<T: Real, const D: usize>(
+    (status, iterations): (Status<T>, u16),
+    [u, load]: [[T; D]; 2],
+    k: [[T; D]; D],
+    error: &ErrorEstimate<T>,
+    balls: Vec<BallState<f64>>,
+) -> Answer {
+    let vector = |of: [T; D]| from_fn(|i| of.get(i).map_or(0.0, |x| x.to_f64()));
+    let element = |i: usize, j: usize| match i.max(j) < D {
+        true => k[i][j].to_f64(),
+        false => f64::from(u8::from(i == j)),
+    };
+    Answer {
+        status: narrowed(status),
+        iterations,
+        displacement: vector(u),
+        stiffness: from_fn(|i| from_fn(|j| element(i, j))),
+        load: vector(load),
+        at: Vec::new(),
+        spring_closure: 0.0,
+        rows: vec![RowAnswer {
+            force: vector(load),
+            balls,
+            ..RowAnswer::default()
+        }],
+        error: in_doubles(error),
     }
 }
-
-/// Loads, or displacements, and all else that a bearing is solved at. A ring of fewer freedoms takes the first ones.
-#[derive(Debug, Clone, Copy)]
-pub struct Question {
-    pub given: [Given<f64>; 5],
-    /// Speed, rad/s.
-    pub omega: f64,
-    pub growth: Growth<f64>,
-}
-
-impl Question {
-    pub fn load(load: [f64; 5], omega: f64) -> Self {
-        Self::mixed([false; 5], load, load, omega)
-    }
-
-    pub fn displacement(u: [f64; 5], omega: f64) -> Self {
-        Self::mixed([true; 5], u, u, omega)
-    }
-
-    pub fn axial(load: f64, omega: f64) -> Self {
-        Self::load([load, 0.0, 0.0, 0.0, 0.0], omega)
-    }
-
-    /// The `load`, but for the displacements `u` of freedoms that are `held`.
-    pub fn mixed(held: [bool; 5], u: [f64; 5], load: [f64; 5], omega: f64) -> Self {
-        let given = |i| match held[i] {
-            true => Given::Displacement(u[i]),
-            false => Given::Load(load[i]),
-        };
-        Self {
-            given: from_fn(given),
-            omega,
-            growth: Growth::NONE,
-        }
-    }
-
-    pub fn grown(self, growth: Growth<f64>) -> Self {
-        Self { growth, ..self }
-    }
-
-    /// One given quantity, in the precision of a solver.
-    fn narrow<T: Real>(&self, freedom: usize) -> Given<T> {
-        match self.given[freedom] {
-            Given::Load(x) => Given::Load(T::of(x)),
-            Given::Displacement(x) => Given::Displacement(T::of(x)),
-        }
-    }
-
-    fn growth<T: Real>(&self) -> Growth<T> {
-        let Growth {
-            axial,
-            radial,
-            ball,
-        } = self.growth;
-        Growth {
-            axial: T::of(axial),
-            radial: T::of(radial),
-            ball: T::of(ball),
-        }
-    }
-
-    /// Balls at rest are asked at rest, unless the speed is absurd: a test of its own says which speeds they refuse.
-    fn speed<T: Real, M: Motion>(&self) -> Speed<T> {
-        if !M::AT_SPEED && self.omega.abs() < 1e5 {
-            Speed::REST
-        } else {
-            Speed::rad_per_s(T::of(self.omega))
-        }
-    }
-}
-
-/// A solution in doubles. Freedoms that the ring does not have are zero, and of stiffness 1.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Found {
-    pub status: Status<f32>,
-    pub freedoms: usize,
-    pub u: [f64; 5],
-    pub load: [f64; 5],
-    pub k: [[f64; 5]; 5],
-    pub balls: Vec<BallState<f64>>,
-    /// Estimated errors of displacement, force and stiffness.
-    pub estimate: [f64; 3],
-}
-
-fn identity() -> [[f64; 5]; 5] {
-    from_fn(|i| from_fn(|j| f64::from(u8::from(i == j))))
-}
-
-fn in_doubles<T: Real>(values: &[T]) -> [f64; 5] {
-    from_fn(|i| values.get(i).map_or(0.0, |x| x.to_f64()))
-}
-
-fn errors_in_doubles<T: Real>(error: &ErrorEstimate<T>) -> [f64; 3] {
-    [error.displacement, error.force, error.stiffness].map(T::to_f64)
-}
-
-impl Found {
-    pub fn equilibrium(&self) -> Equilibrium {
-        Equilibrium {
-            displacement: self.u,
-            stiffness: self.k,
-            balls: self.balls.iter().map(Ball::from).collect(),
-        }
-    }
-
-    /// Distance from `truth` in the freedoms that the ring has.
-    pub fn errors(&self, design: &Design, truth: &Equilibrium) -> Errors {
-        let mut whole = self.equilibrium();
-        for (i, row) in whole.stiffness.iter_mut().enumerate() {
-            for (j, element) in row.iter_mut().enumerate() {
-                if i.max(j) >= self.freedoms {
-                    *element = truth.stiffness[i][j];
-                }
-            }
-        }
-        whole.errors(truth, design.ball_diameter, 0.5 * design.pitch_diameter)
-    }
-
-    pub fn largest_force(&self) -> f64 {
-        self.equilibrium().largest_force()
-    }
-
-    pub fn unloaded_balls(&self) -> usize {
-        self.equilibrium().unloaded_balls()
-    }
-
-    /// Errors of displacement, force and stiffness that this solution and another one together say they have.
-    pub fn stated(&self, other: &Self) -> [f64; 3] {
-        from_fn(|i| self.estimate[i] + other.estimate[i])
-    }
-}
-
-/// A solver of any precision, ball count, motion and number of freedoms.
-pub trait AnySolver {
-    fn ask(&mut self, question: &Question) -> Result<Found, Status<f32>>;
-
-    fn reset(&mut self);
-
-    /// Answers what must have an answer.
-    fn solve(&mut self, question: &Question) -> Found {
-        self.ask(question)
-            .unwrap_or_else(|status| panic!("{question:?}: {status}"))
-    }
-
-    fn load(&mut self, load: [f64; 5], omega: f64) -> Found {
-        self.solve(&Question::load(load, omega))
-    }
-}
-
-/// A solver and its bearing.
-struct Asked<T: 'static, const N: usize, S>(&'static Bearing<T, N>, S);
 
 impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver
     for Asked<T, N, Solver<T, N, M, D>>
 {
-    fn ask(&mut self, q: &Question) -> Result<Found, Status<f32>> {
-        let given: [_; D] = from_fn(|i| q.narrow(i));
-        let at = q.speed::<T, M>().with_growth([q.growth()]);
-        let s = self
-            .1
-            .solve(self.0, given, at, &Settings::default())
-            .map_err(narrowed)?;
-        let mut k = identity();
-        for (wide, row) in k.iter_mut().zip(s.stiffness()) {
-            *wide = in_doubles(&row);
-        }
-        Ok(Found {
-            status: narrowed(s.status),
-            freedoms: D,
-            u: in_doubles(&s.displacement),
-            load: in_doubles(&s.load),
-            k,
-            balls: s.balls().map(|ball| widened(&ball)).collect(),
-            estimate: errors_in_doubles(&s.error),
-        })
+    fn solve(&mut self, question: &Question) -> Result<Answer, Status<f32>> {
+        let at = speed::<T, M>(question).with_growth(growths(question));
+        let (given, settings) = (given::<T, D>(question), self.choices.settings());
+        let solved = self.solver.solve(self.bearing, given, at, &settings);
+        let s = solved.map_err(narrowed)?;
+        let balls = s.balls().map(|ball| widened(&ball)).collect();
+        let (ended, vectors) = ((s.status, s.iterations), [s.displacement, s.load]);
+        Ok(answer(ended, vectors, s.stiffness(), &s.error, balls))
+    }
+
+    fn choose(&mut self, choices: &Choices) {
+        self.choices = *choices;
     }
 
     fn reset(&mut self) {
-        self.1.reset();
+        self.solver.reset();
+    }
+
+    fn copy(&self) -> Box<dyn AnySolver + '_> {
+        Box::new(self.clone())
     }
 }
 
 impl<T: Real, const N: usize, M: Motion> AnySolver for Asked<T, N, AxialSolver<T, M>> {
-    fn ask(&mut self, q: &Question) -> Result<Found, Status<f32>> {
-        let at = q.speed::<T, M>().with_growth([q.growth()]);
-        let s = self
-            .1
-            .solve(self.0, q.narrow::<T>(0), at, &Settings::default())
-            .map_err(narrowed)?;
-        let mut k = identity();
-        k[0][0] = s.stiffness().to_f64();
-        let first = widened(&s.ball());
-        let ball = |j| {
-            let mut ball = first;
+    fn solve(&mut self, question: &Question) -> Result<Answer, Status<f32>> {
+        let at = speed::<T, M>(question).with_growth(growths(question));
+        let ([given], settings) = (given::<T, 1>(question), self.choices.settings());
+        let solved = self.solver.solve(self.bearing, given, at, &settings);
+        let s = solved.map_err(narrowed)?;
+        let mut balls = vec![widened(&s.ball()); N];
+        for (j, ball) in balls.iter_mut().enumerate() {
             ball.azimuth += TAU * j as f64 / N as f64;
-            ball
-        };
-        Ok(Found {
-            status: narrowed(s.status),
-            freedoms: 1,
-            u: in_doubles(&[s.displacement]),
-            load: in_doubles(&[s.load]),
-            k,
-            balls: (0..N).map(ball).collect(),
-            estimate: errors_in_doubles(&s.error),
-        })
+        }
+        let (ended, vectors) = ((s.status, s.iterations), [[s.displacement], [s.load]]);
+        Ok(answer(ended, vectors, [[s.stiffness()]], &s.error, balls))
+    }
+
+    fn choose(&mut self, choices: &Choices) {
+        self.choices = *choices;
     }
 
     fn reset(&mut self) {
-        self.1.reset();
+        self.solver.reset();
+    }
+
+    fn copy(&self) -> Box<dyn AnySolver + '_> {
+        Box::new(self.clone())
     }
 }
 
@@ -299,35 +187,59 @@ fn of_motion<T: Real, const N: usize, M: Motion>(
     bearing: &'static Bearing<T, N>,
     freedoms: usize,
 ) -> Box<dyn AnySolver> {
+    fn asked<T: Real, const N: usize, S>(
+        bearing: &'static Bearing<T, N>,
+        solver: S,
+    ) -> Box<Asked<T, N, S>> {
+        Box::new(Asked {
+            bearing,
+            solver,
+            choices: Choices::default(),
+        })
+    }
     match freedoms {
-        1 => Box::new(Asked(bearing, AxialSolver::<T, M>::of())),
-        3 => Box::new(Asked(bearing, Solver::<T, N, M, 3>::of())),
-        5 => Box::new(Asked(bearing, Solver::<T, N, M, 5>::of())),
+        1 => asked(bearing, AxialSolver::<T, M>::of()),
+        3 => asked(bearing, Solver::<T, N, M, 3>::of()),
+        5 => asked(bearing, Solver::<T, N, M, 5>::of()),
         _ => panic!("no ring has {freedoms} freedoms"),
     }
 }
 
-/// A solver for a bearing that lives as long as the test.
 fn of_count<T: Real, const N: usize>(
     design: &Design,
     balls: Balls,
     freedoms: usize,
 ) -> Box<dyn AnySolver> {
     let bearing = Box::leak(Box::new(Bearing::<T, N>::of(design).unwrap()));
-    match balls {
-        Balls::Static => of_motion::<T, N, Static>(bearing, freedoms),
-        Balls::Centrifugal => of_motion::<T, N, Centrifugal>(bearing, freedoms),
-        Balls::CentrifugalOuter => {
-            of_motion::<T, N, Centrifugal<OuterRaceControl>>(bearing, freedoms)
-        }
-        Balls::Free => of_motion::<T, N, RacewayControlFree>(bearing, freedoms),
-        Balls::Outer => of_motion::<T, N, OuterRaceControl>(bearing, freedoms),
-        Balls::Inner => of_motion::<T, N, InnerRaceControl>(bearing, freedoms),
-    }
+    let of = match balls {
+        Balls::Static => of_motion::<T, N, Static>,
+        Balls::Centrifugal => of_motion::<T, N, Centrifugal>,
+        Balls::CentrifugalOuter => of_motion::<T, N, Centrifugal<OuterRaceControl>>,
+        Balls::Free => of_motion::<T, N, RacewayControlFree>,
+        Balls::Outer => of_motion::<T, N, OuterRaceControl>,
+        Balls::Inner => of_motion::<T, N, InnerRaceControl>,
+    };
+    of(bearing, freedoms)
 }
 
 /// Ball counts that there are solvers for: each takes its time to compile.
 pub const BALL_COUNTS: [usize; 4] = [5, 8, 16, 33];
+
+fn of_precision<T: Real>(
+    design: &Design,
+    n: usize,
+    balls: Balls,
+    freedoms: usize,
+) -> Box<dyn AnySolver> {
+    let of = match n {
+        5 => of_count::<T, 5>,
+        8 => of_count::<T, 8>,
+        16 => of_count::<T, 16>,
+        33 => of_count::<T, 33>,
+        _ => panic!("no solver for {n} balls"),
+    };
+    of(design, balls, freedoms)
+}
 
 /// A solver for a ring of 1, 3 or 5 freedoms.
 pub fn ring_solver(
@@ -337,17 +249,32 @@ pub fn ring_solver(
     balls: Balls,
     freedoms: usize,
 ) -> Box<dyn AnySolver> {
-    match (n, precision) {
-        (5, Precision::F32) => of_count::<f32, 5>(design, balls, freedoms),
-        (5, Precision::F64) => of_count::<f64, 5>(design, balls, freedoms),
-        (8, Precision::F32) => of_count::<f32, 8>(design, balls, freedoms),
-        (8, Precision::F64) => of_count::<f64, 8>(design, balls, freedoms),
-        (16, Precision::F32) => of_count::<f32, 16>(design, balls, freedoms),
-        (16, Precision::F64) => of_count::<f64, 16>(design, balls, freedoms),
-        (33, Precision::F32) => of_count::<f32, 33>(design, balls, freedoms),
-        (33, Precision::F64) => of_count::<f64, 33>(design, balls, freedoms),
-        _ => panic!("no solver for {n} balls"),
+    match precision {
+        Precision::F32 => of_precision::<f32>(design, n, balls, freedoms),
+        Precision::F64 => of_precision::<f64>(design, n, balls, freedoms),
     }
+}
+
+/// The answer of a spindle from nothing.
+pub fn ask(
+    plan: &Plan,
+    balls: Balls,
+    precision: Precision,
+    question: &Question,
+) -> Result<Answer, Status<f32>> {
+    let asked = with_solver(plan, balls, precision, |solver| solver.solve(question));
+    asked.unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The answer of a spindle from nothing, if it can be built and has one.
+pub fn found(
+    plan: &Plan,
+    balls: Balls,
+    precision: Precision,
+    question: &Question,
+) -> Option<Answer> {
+    let asked = with_solver(plan, balls, precision, |solver| solver.solve(question));
+    asked.ok()?.ok()
 }
 
 /// A solver of five freedoms.
@@ -355,19 +282,22 @@ pub fn solver(design: &Design, n: usize, precision: Precision, balls: Balls) -> 
     ring_solver(design, n, precision, balls, 5)
 }
 
-/// A solver of one ball for all.
-pub fn axial_solver(
-    design: &Design,
-    n: usize,
-    precision: Precision,
-    balls: Balls,
-) -> Box<dyn AnySolver> {
-    ring_solver(design, n, precision, balls, 1)
+/// Distance from `truth` in the first freedoms, which the ring has.
+pub fn errors(found: &Answer, design: &Design, truth: &Equilibrium, freedoms: usize) -> Errors {
+    let mut whole = found.equilibrium();
+    for (i, row) in whole.stiffness.iter_mut().enumerate() {
+        for (j, element) in row.iter_mut().enumerate() {
+            if i.max(j) >= freedoms {
+                *element = truth.stiffness[i][j];
+            }
+        }
+    }
+    whole.errors(truth, design)
 }
 
 /// A solution in double precision from nothing.
-pub fn cold(design: &Design, n: usize, balls: Balls, load: [f64; 5], omega: f64) -> Found {
-    solver(design, n, Precision::F64, balls).load(load, omega)
+pub fn cold(design: &Design, n: usize, balls: Balls, load: [f64; 5], omega: f64) -> Answer {
+    solver(design, n, Precision::F64, balls).answer(&Question::load(load, omega))
 }
 
 /// Lengths per displacement: tilts are taken at the pitch radius.
@@ -392,8 +322,8 @@ pub fn vector_error(found: [f64; 5], truth: [f64; 5], unit: [f64; 5]) -> f64 {
 }
 
 /// Largest difference of two solutions, by the measures of `host_tests::compare`.
-pub fn apart(design: &Design, a: &Found, b: &Found) -> f64 {
-    let e = a.errors(design, &b.equilibrium());
+pub fn apart(design: &Design, a: &Answer, b: &Answer) -> f64 {
+    let e = errors(a, design, &b.equilibrium(), 5);
     [e.displacement, e.contact_angle, e.force, e.stiffness]
         .into_iter()
         .fold(0.0, worse)

@@ -1,16 +1,13 @@
 //! Several bearings on one shaft.
 
-use super::solves::{self, vector_error};
-use files::noses::ShaftEnd;
+use super::solves::{self, ask, found, mirrored, off_mirror, vector_error};
+
 use files::plan::{MOST_ROWS, Plan, Question, Row};
-use host_tests::campaign::judge::{equilibrium, start};
-use host_tests::cases::{
-    B218, B7005C, Case, Random, SKF6205, SolvedSet, elastic, rad_per_s, reference_spindle, sets,
-};
+use host_tests::cases::{B218, B7005C, Case, Random, SKF6205, SolvedSet, elastic, rad_per_s, sets};
 use host_tests::compare::{Equilibrium, Errors, stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::reference;
-use host_tests::spindles::{Answer, AnySpindleSolver, Balls, Choices, with_solver};
+use host_tests::reference::{Task, spindle::Solver};
+use host_tests::spindles::{Answer, AnySolver, AtEnd, Balls, Choices, with_solver};
 use rayon::prelude::*;
 use spindle_bearing::{Arrangement, Design, Facing, Growth, Preload, Status};
 use std::array::from_fn;
@@ -46,9 +43,8 @@ fn errors(mut found: Equilibrium, set: &SolvedSet) -> Errors {
         }
     }
     let (design, truth) = (&set.plan.rows[0].design, set.truth());
-    let radius = 0.5 * design.pitch_diameter;
-    let mut errors = found.errors(&truth, design.ball_diameter, radius);
-    errors.displacement *= truth.largest_displacement(radius) / size(set);
+    let mut errors = found.errors(&truth, design);
+    errors.displacement *= truth.largest_displacement(0.5 * design.pitch_diameter) / size(set);
     errors
 }
 
@@ -56,7 +52,7 @@ fn errors(mut found: Equilibrium, set: &SolvedSet) -> Errors {
 fn errors_of_answer(found: &Answer, set: &SolvedSet) -> Errors {
     let design = &set.plan.rows[0].design;
     let (lengths, forces) = (solves::lengths(design), solves::forces(design));
-    let mut errors = errors(equilibrium(found), set);
+    let mut errors = errors(found.equilibrium(), set);
     let moved = |a, b| vector_error(a, b, lengths);
     if let Some(closure) = set.spring_closure {
         let off = (found.spring_closure - closure).abs() / size(set);
@@ -70,7 +66,7 @@ fn errors_of_answer(found: &Answer, set: &SolvedSet) -> Errors {
             errors.displacement = worse(errors.displacement, moved(found.displacement, truth));
         }
     }
-    if let Some((_, nose)) = &set.nose {
+    if let Some(nose) = &set.nose {
         let found = &found.at[0];
         let displacement = moved(found.displacement, nose.displacement);
         errors.displacement = worse(errors.displacement, displacement);
@@ -80,14 +76,9 @@ fn errors_of_answer(found: &Answer, set: &SolvedSet) -> Errors {
     errors
 }
 
-/// A question, as the reference build of sets is asked.
-fn asked(question: &Question, attitude: Attitude) -> reference::spindle::Question {
-    reference::spindle::Question {
-        load: question.load,
-        held: [None; 5],
-        omega: question.omega,
-        attitude: attitude.into(),
-    }
+/// A question, as the reference build is asked.
+fn task(question: &Question, attitude: Attitude) -> Task {
+    Task::new(question.load, question.omega, attitude)
 }
 
 /// The equilibrium that the reference build reaches from an answer of rows that have not grown.
@@ -97,9 +88,8 @@ pub fn reference_near(
     question: &Question,
     answer: &Answer,
 ) -> Option<Equilibrium> {
-    let start = start(plan, &[], answer);
-    let found = reference_spindle(plan, &[]).polish(&asked(question, attitude), &start);
-    found.ok()
+    let reference = Solver::new(plan, &[]).unwrap();
+    reference.polish(&task(question, attitude), answer).ok()
 }
 
 /// Every solved set in every scene that it fits into; the reference build of sets finds them from nothing.
@@ -115,19 +105,15 @@ fn solved_sets_are_solved_in_both_precisions() {
     let of_reference = allowed(1e-10, 1e-11, 1e-10);
     let sets: Vec<_> = sets().into_iter().chain(elastic()).collect();
     sets.par_iter().for_each(|set| {
-        let reference = reference_spindle(&set.plan, &set.question.growth);
-        let found = reference.search(&asked(&set.question, set.attitude));
+        let reference = Solver::new(&set.plan, &set.question.growth).unwrap();
+        let found = reference.search(&task(&set.question, set.attitude));
         let found = found.unwrap_or_else(|e| panic!("{}: {e}", set.name));
         let errors = errors(found, set);
         assert!(errors.within(of_reference), "{}: {errors}", set.name);
-        let nose = set.nose.as_ref().map_or(0.0, |(nose, _)| *nose);
         let at_rest = (set.question.omega == 0.0).then_some(Balls::Static);
-        for balls in [Balls::Moving(set.attitude)].into_iter().chain(at_rest) {
+        for balls in [Balls::from(set.attitude)].into_iter().chain(at_rest) {
             for (precision, allowed) in solves::PRECISIONS.into_iter().zip(bounds) {
-                let ask = |solver: &mut dyn AnySpindleSolver| {
-                    solver.solve(&set.question, &[ShaftEnd::rigid(nose)])
-                };
-                let found = with_solver(&set.plan, balls, precision, ask).unwrap();
+                let found = ask(&set.plan, balls, precision, &set.question);
                 let found = found.unwrap_or_else(|e| panic!("{}: {e}", set.name));
                 let errors = errors_of_answer(&found, set);
                 assert!(errors.within(allowed), "{}: {errors}", set.name);
@@ -136,9 +122,7 @@ fn solved_sets_are_solved_in_both_precisions() {
     });
 }
 
-/// Where loads act.
-const AT_0: [ShaftEnd; 1] = [ShaftEnd::rigid(0.0)];
-const FREE: Balls = Balls::Moving(Attitude::Raceless);
+const FREE: Balls = Balls::Free;
 
 /// NTN's 7014C with the model's groove factors, of steel.
 const D7014C: Design = Design::angular_contact(11.906e-3, 90e-3, 15.0 * PI / 180.0);
@@ -159,13 +143,7 @@ fn row(position: f64, facing: char, preload: Preload<f64>) -> Row {
 /// A set of 7014C at these positions, `+` and `-` for how they face.
 fn clamped(layout: &[(f64, char)], preload: Preload<f64>) -> Plan {
     let rows = layout.iter().map(|&(x, facing)| row(x, facing, preload));
-    Plan {
-        rows: rows.collect(),
-        arrangement: Arrangement::ByRows,
-        spring: None,
-        mounted_preload: None,
-        shaft: None,
-    }
+    Plan::of(rows.collect())
 }
 
 fn pair(force: f64) -> Plan {
@@ -174,54 +152,26 @@ fn pair(force: f64) -> Plan {
 
 /// Two rows in front, and two in a sleeve at the rear.
 fn sprung() -> Plan {
+    let rows = vec![
+        row(0.0, '+', Preload::Closure(4e-6)),
+        row(0.027, '+', Preload::Closure(6e-6)),
+        row(0.225, '-', Preload::Spring),
+        row(0.252, '-', Preload::Spring),
+    ];
     Plan {
-        rows: vec![
-            row(0.0, '+', Preload::Closure(4e-6)),
-            row(0.027, '+', Preload::Closure(6e-6)),
-            row(0.225, '-', Preload::Spring),
-            row(0.252, '-', Preload::Spring),
-        ],
         arrangement: Arrangement::BackToBack,
         spring: Some(600.0),
-        mounted_preload: None,
-        shaft: None,
+        ..Plan::of(rows)
     }
 }
 
-fn ask_in(
-    plan: &Plan,
-    balls: Balls,
-    precision: Precision,
-    question: &Question,
-) -> Result<Answer, Status<f32>> {
-    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, &AT_0);
-    with_solver(plan, balls, precision, ask).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn ask_at(plan: &Plan, balls: Balls, question: &Question, x: f64) -> Answer {
-    let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(question, &[ShaftEnd::rigid(x)]);
-    let asked = with_solver(plan, balls, Precision::F64, ask).unwrap();
+fn solve(plan: &Plan, balls: Balls, question: &Question) -> Answer {
+    let asked = ask(plan, balls, Precision::F64, question);
     asked.unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn ask(plan: &Plan, balls: Balls, question: &Question) -> Answer {
-    ask_at(plan, balls, question, 0.0)
-}
-
 fn loaded(load: [f64; 5], rpm: f64) -> Question {
-    Question {
-        load,
-        omega: rad_per_s(rpm),
-        growth: Vec::new(),
-        middle_growth: 0.0,
-    }
-}
-
-fn grown(question: Question, growth: Growth<f64>) -> Question {
-    Question {
-        growth: vec![growth; 4],
-        ..question
-    }
+    Question::load(load, rad_per_s(rpm))
 }
 
 const SKEW: [f64; 5] = [150.0, 400.0, -250.0, 3.0, 8.0];
@@ -231,37 +181,30 @@ fn a_single_row_is_the_plain_solver_to_the_bit() {
     let mut plan = clamped(&[(0.0, '+')], Preload::Closure(0.0));
     plan.rows[0].balls = 16;
     // Under inner race control at rest, too, where nothing turns.
-    for (balls, of_row) in [
-        (solves::Balls::Free, FREE),
-        (solves::Balls::Static, Balls::Static),
-        (solves::Balls::Inner, Balls::Moving(Attitude::Inner)),
-    ] {
+    for balls in [FREE, Balls::Static, Balls::Inner] {
         for precision in solves::PRECISIONS {
             let mut plain = solves::solver(&D7014C, 16, precision, balls);
-            let compare = |solver: &mut dyn AnySpindleSolver| {
+            let compare = |solver: &mut dyn AnySolver| {
                 for step in 0..200 {
                     // Near loads, and far ones that are solved cold.
                     let part = 1.0 + 0.01 * f64::from(step % 20) + f64::from(step / 20);
                     let [fx, fy, fz, my, mz] = SKEW.map(|load| load * part);
                     let load = [4.0 * fx, fy, fz, my, mz];
-                    let omega = if of_row == FREE { 300.0 * part } else { 0.0 };
-                    let question = Question {
-                        omega,
-                        ..loaded(load, 0.0)
-                    };
-                    let found = solver.solve(&question, &AT_0);
-                    match (plain.ask(&solves::Question::load(load, omega)), found) {
-                        (Ok(plain), Ok(found)) => {
-                            assert_eq!(found.displacement, plain.u, "{step}");
-                            assert_eq!(found.stiffness, plain.k, "{step}");
-                            assert_eq!(found.rows[0].balls, plain.balls, "{step}");
-                            assert_eq!(found.error, plain.estimate, "{step}");
-                        }
-                        (plain, found) => assert_eq!(plain.err(), found.err(), "{step}"),
-                    }
+                    let omega = if balls == FREE { 300.0 * part } else { 0.0 };
+                    let found = [&mut *solver, &mut *plain].map(|solver| {
+                        let found = solver.load(load, omega)?;
+                        let balls = found.rows[0].balls.clone();
+                        Ok::<_, Status<f32>>((
+                            found.displacement,
+                            found.stiffness,
+                            balls,
+                            found.error,
+                        ))
+                    });
+                    assert_eq!(found[0], found[1], "{step}");
                 }
             };
-            with_solver(&plan, of_row, precision, compare).unwrap();
+            with_solver(&plan, balls, precision, compare).unwrap();
         }
     }
 }
@@ -269,9 +212,9 @@ fn a_single_row_is_the_plain_solver_to_the_bit() {
 #[test]
 fn two_pairs_in_one_are_twice_as_stiff_and_preloaded() {
     let unloaded = loaded([0.0; 5], 0.0);
-    let pair = ask(&pair(294.0), FREE, &unloaded);
+    let pair = solve(&pair(294.0), FREE, &unloaded);
     let qbc = [(-0.0135, '+'), (0.0135, '+'), (0.0405, '-'), (0.0675, '-')];
-    let qbc = ask(&clamped(&qbc, Preload::Force(294.0)), FREE, &unloaded);
+    let qbc = solve(&clamped(&qbc, Preload::Force(294.0)), FREE, &unloaded);
     for i in 0..3 {
         let factor = qbc.stiffness[i][i] / pair.stiffness[i][i];
         assert!((factor - 2.0).abs() < 1e-12, "{i}: {factor}");
@@ -283,8 +226,6 @@ fn two_pairs_in_one_are_twice_as_stiff_and_preloaded() {
 
 #[test]
 fn a_mirrored_set_has_the_mirrored_result() {
-    let mirror = [-1.0, 1.0, 1.0, -1.0, -1.0];
-    let mirrored = |vector: [f64; 5]| -> [f64; 5] { from_fn(|i| mirror[i] * vector[i]) };
     let of_three = [(0.0, '+'), (0.05, '-'), (0.2, '-')];
     let mut deep_grooves = clamped(&[(0.0, '+'), (0.15, '-')], Preload::Closure(0.0));
     for row in &mut deep_grooves.rows {
@@ -312,18 +253,22 @@ fn a_mirrored_set_has_the_mirrored_result() {
         }
         for (precision, bound) in solves::PRECISIONS.into_iter().zip([1e-5, 1e-11]) {
             let [a, b] = [(&plan, &question), (&other, &back)]
-                .map(|(plan, question)| ask_in(plan, FREE, precision, question).unwrap());
-            let u = vector_error(mirrored(b.displacement), a.displacement, [1.0; 5]);
-            let k = from_fn(|i| mirrored(b.stiffness[i]).map(|k| mirror[i] * k));
-            let k = stiffness_error(&k, &a.stiffness);
-            assert!(u < bound && k < bound, "{precision:?}: {u:e}, {k:e}");
-            for (a, b) in a.rows.iter().zip(&b.rows) {
-                let force = largest(a.balls.iter().map(|ball| ball.q_o));
-                let balls = a.balls.iter().zip(&b.balls);
-                let off = largest(balls.flat_map(|(a, b)| [a.q_i - b.q_i, a.q_o - b.q_o]));
-                let cage = (a.frequencies.cage / b.frequencies.cage - 1.0).abs();
-                assert!(off < bound * force && cage < bound, "{off:e}, {cage:e}");
-            }
+                .map(|(plan, question)| ask(plan, FREE, precision, question).unwrap());
+            let off = off_mirror(&a, &b, &plan.rows[0].design);
+            assert!(off < bound, "{precision:?}: {off:e}");
+        }
+    }
+}
+
+/// The compliance is the inverse of the stiffness.
+fn assert_inverse(at: &AtEnd) {
+    for i in 0..5 {
+        for j in 0..5 {
+            let product = |l: usize| at.stiffness[i][l] * at.compliance[l][j];
+            let sum: f64 = (0..5).map(product).sum();
+            let unit = f64::from(u8::from(i == j));
+            let scale = (at.compliance[j][j] / at.compliance[i][i]).sqrt();
+            assert!((sum - unit).abs() < 1e-10 * scale, "{sum}");
         }
     }
 }
@@ -338,26 +283,17 @@ fn another_point_of_reference_transforms_the_result() {
         row.position -= d;
     }
     let [fx, fy, fz, my, mz] = SKEW;
-    let a = ask_at(&plan, FREE, &loaded(SKEW, 9000.0), d);
+    let a = solve(&plan, FREE, &loaded(SKEW, 9000.0).at(d));
     // The load about the point that is x = 0 now.
     let load = [fx, fy, fz, my + d * fz, mz - d * fy];
-    let b = ask_at(&moved, FREE, &loaded(load, 9000.0), 0.0);
+    let b = solve(&moved, FREE, &loaded(load, 9000.0).at(0.0));
     let [dx, dy, dz, ty, tz] = a.displacement;
     let there = [dx, dy + d * tz, dz - d * ty, ty, tz];
     assert!(vector_error(b.displacement, there, [1.0; 5]) < 1e-11);
     assert!(stiffness_error(&b.stiffness, &a.at[0].stiffness) < 1e-11);
     assert!(stiffness_error(&b.at[0].stiffness, &a.at[0].stiffness) < 1e-10);
     assert!(stiffness_error(&b.at[0].compliance, &a.at[0].compliance) < 1e-10);
-    // The compliance is the inverse of the stiffness.
-    for i in 0..5 {
-        for j in 0..5 {
-            let product = |l: usize| a.at[0].compliance[i][l] * a.at[0].stiffness[l][j];
-            let sum: f64 = (0..5).map(product).sum();
-            let unit = f64::from(u8::from(i == j));
-            let scale = (a.at[0].stiffness[j][j] / a.at[0].stiffness[i][i]).sqrt();
-            assert!((sum - unit).abs() < 1e-10 * scale.max(1.0), "{sum}");
-        }
-    }
+    assert_inverse(&a.at[0]);
     for (a, b) in a.rows.iter().zip(&b.rows) {
         assert!((a.force[0] / b.force[0] - 1.0).abs() < 1e-11);
     }
@@ -367,29 +303,19 @@ fn another_point_of_reference_transforms_the_result() {
 #[test]
 fn the_stiffness_at_a_nose_that_yields_is_the_inverse_of_its_compliance() {
     let flexibility = [1e-9, 4e-9, 4e-9, 1.2e-6, 1.2e-6];
-    let nose = ShaftEnd {
-        position: -0.1,
-        flexibility,
-    };
-    let solve = |end: ShaftEnd| {
-        let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(&loaded(SKEW, 9000.0), &[end]);
-        let asked = with_solver(&sprung(), FREE, Precision::F64, ask).unwrap();
-        asked.unwrap_or_else(|e| panic!("{e}"))
-    };
-    let (yielding, rigid) = (solve(nose), solve(ShaftEnd::rigid(-0.1)));
+    let mut question = loaded(SKEW, 9000.0).at(-0.1);
+    let rigid = solve(&sprung(), FREE, &question);
+    question.ends[0].flexibility = flexibility;
+    let yielding = solve(&sprung(), FREE, &question);
     for i in 0..5 {
         for j in 0..5 {
             let [c, of_rigid] = [&yielding, &rigid].map(|answer| answer.at[0].compliance[i][j]);
             let [ci, cj] = [i, j].map(|l| yielding.at[0].compliance[l][l]);
             let by = if i == j { flexibility[i] } else { 0.0 };
             assert!((c - of_rigid - by).abs() < 1e-12 * (ci * cj).sqrt());
-            let product =
-                |l: usize| yielding.at[0].stiffness[i][l] * yielding.at[0].compliance[l][j];
-            let sum: f64 = (0..5).map(product).sum();
-            let unit = f64::from(u8::from(i == j));
-            assert!((sum - unit).abs() < 1e-10 * (cj / ci).sqrt(), "{sum}");
         }
     }
+    assert_inverse(&yielding.at[0]);
 }
 
 /// Forces of the rows on the shaft, about x = 0.
@@ -415,7 +341,7 @@ fn the_tangent_is_that_of_central_differences() {
         (&sprung(), 12_000.0),
         (&sprung(), 0.0),
     ] {
-        let at = ask(plan, FREE, &loaded(SKEW, rpm));
+        let at = solve(plan, FREE, &loaded(SKEW, rpm));
         for (sum, load) in on_shaft(plan, &at).into_iter().zip(SKEW) {
             assert!((sum - load).abs() < 1e-8, "{sum} {load}");
         }
@@ -424,7 +350,7 @@ fn the_tangent_is_that_of_central_differences() {
             let [plus, minus] = [step, -step].map(|step| {
                 let mut load = SKEW;
                 load[j] += step;
-                ask(plan, FREE, &loaded(load, rpm)).displacement
+                solve(plan, FREE, &loaded(load, rpm)).displacement
             });
             let du: [f64; 5] = from_fn(|i| (plus[i] - minus[i]) / (2.0 * step));
             for i in 0..5 {
@@ -456,7 +382,7 @@ fn a_set_that_tilts_states_true_errors_of_its_stiffness_the_same_about_any_axis(
             ..row(0.325, '-', preload)
         };
         let tilted = |axis: usize| {
-            let ask = |solver: &mut dyn AnySpindleSolver, tolerance| -> Vec<Answer> {
+            let ask = |solver: &mut dyn AnySolver, tolerance| -> Vec<Answer> {
                 solver.choose(&Choices {
                     tolerance: Some(tolerance),
                     ..Choices::default()
@@ -495,10 +421,10 @@ fn growth_preloads_a_clamped_pair_only() {
         radial: 3e-6,
         ..Growth::NONE
     };
-    let question = grown(loaded([0.0; 5], 0.0), radial);
-    let found = ask(&pair(294.0), Balls::Static, &question);
+    let question = loaded([0.0; 5], 0.0).grown(radial);
+    let found = solve(&pair(294.0), Balls::Static, &question);
     assert!(found.rows[0].preload > 400.0, "{}", found.rows[0].preload);
-    let found = ask(&sprung(), Balls::Static, &question);
+    let found = solve(&sprung(), Balls::Static, &question);
     let rear = found.rows[2].force[0] + found.rows[3].force[0];
     assert!((rear - 600.0).abs() < 1e-9, "{rear}");
 }
@@ -513,7 +439,7 @@ fn a_pair_of_7014c_is_as_stiff_as_the_model_says() {
         (10_000.0, [66.3, 274.7, 727.0]),
         (20_000.0, [101.7, 253.0, 1785.0]),
     ] {
-        let found = ask(&back, FREE, &loaded([0.0; 5], rpm));
+        let found = solve(&back, FREE, &loaded([0.0; 5], rpm));
         for (i, expected) in [axial, radial].into_iter().enumerate() {
             let k = found.stiffness[i][i] / 1e6;
             assert!((k - expected).abs() < 0.06, "{rpm}: {k}");
@@ -524,7 +450,7 @@ fn a_pair_of_7014c_is_as_stiff_as_the_model_says() {
     }
     // The nose is 60 mm in front of the first row. There, the arrangement shows.
     for (plan, tilting, nose) in [(&back, 3.75e5, 61.4), (&face, 5.0e3, 0.923)] {
-        let found = ask_at(plan, Balls::Static, &loaded([0.0; 5], 0.0), -0.0735);
+        let found = solve(plan, Balls::Static, &loaded([0.0; 5], 0.0).at(-0.0735));
         let tilt = found.stiffness[3][3] / tilting;
         assert!((tilt - 1.0).abs() < 0.01, "{tilt}");
         let radial = 1e-6 / found.at[0].compliance[1][1] / nose;
@@ -599,11 +525,8 @@ pub fn random(seed: u64) -> (Plan, Attitude, Question) {
         moment * span * about.sin(),
     ];
     let plan = Plan {
-        rows,
-        arrangement: Arrangement::ByRows,
         spring: spring.then_some(preload),
-        mounted_preload: None,
-        shaft: None,
+        ..Plan::of(rows)
     };
     let question = Question {
         growth,
@@ -619,9 +542,8 @@ pub fn random(seed: u64) -> (Plan, Attitude, Question) {
 
 /// Both precisions' answers to a random spindle, unless one refuses it.
 fn in_both(plan: &Plan, attitude: Attitude, question: &Question) -> Option<[Answer; 2]> {
-    let [double, single] = [Precision::F64, Precision::F32]
-        .map(|precision| ask_in(plan, Balls::Moving(attitude), precision, question));
-    Some([double.ok()?, single.ok()?])
+    let found = |precision| found(plan, attitude.into(), precision, question);
+    Some([found(Precision::F64)?, found(Precision::F32)?])
 }
 
 /// Displacement of a row's ring, in its own frame, for one of the shaft at `x = 0`; `spring` is the closure of a sprung row.
@@ -653,7 +575,7 @@ fn off_law(plan: &Plan, attitude: Attitude, omega: f64, answer: &Answer) -> f64 
             omega,
         };
         let u = displacement_of(row, answer.displacement, None);
-        let Ok(truth) = case.reference().law(u, omega, attitude.into()) else {
+        let Ok(truth) = case.reference().law(u, omega, attitude) else {
             assert!(found.balls.iter().all(|ball| ball.q_i == 0.0), "{plan:?}");
             return off;
         };
@@ -696,7 +618,7 @@ fn random_clamped_spindles_are_what_the_reference_build_says() {
             let single = stiffness_error(&b.stiffness, &a.stiffness);
             assert!(single < 5e-5, "{seed}: {single:e}");
         }
-        let found = ask(&plan, Balls::Moving(attitude), &cold);
+        let found = solve(&plan, Balls::from(attitude), &cold);
         let law = off_law(&plan, attitude, cold.omega, &found);
         let balance = off_balance(&plan, &cold, &found);
         assert!(law < 1e-12, "{seed}: {law:e}");
@@ -715,13 +637,13 @@ fn random_clamped_spindles_are_what_the_reference_build_says() {
 fn balls_that_swing_against_the_inner_race_find_their_place() {
     let layout = [(0.0, '+'), (46.615e-3, '+'), (157.430e-3, '-')];
     let plan = clamped(&layout, Preload::Force(31.325));
-    let solve = |solver: &mut dyn AnySpindleSolver| {
+    let solve = |solver: &mut dyn AnySolver| {
         let mut r = Random::seeded(3);
         for _ in 0..500 {
             let load = [-1042.055, -1299.63, -2167.465, 0.0, 0.0];
             let load = load.map(|f| f * r.between(0.95, 1.05));
             solver.reset();
-            let found = solver.solve(&loaded(load, 100.0), &AT_0);
+            let found = solver.solve(&loaded(load, 100.0));
             assert!(found.is_ok(), "{load:?}: {found:?}");
         }
     };
@@ -744,20 +666,15 @@ fn rows_far_apart_have_the_forces_of_the_reference_build_in_both_precisions() {
         // Forces at the middle, so that the rows share them.
         let load = [60.0, fy, fz, -middle * fz, middle * fy];
         for rpm in [0.0, 6000.0] {
-            let question = loaded(load, rpm);
-            let truth = ask_at(&plan, FREE, &question, middle);
+            let question = loaded(load, rpm).at(middle);
+            let truth = solve(&plan, FREE, &question);
             let law = off_law(&plan, Attitude::Raceless, question.omega, &truth);
             let balance = off_balance(&plan, &question, &truth);
             assert!(
                 law < 1e-11 && balance < 1e-13,
                 "{distance}: {law:e}, {balance:e}"
             );
-            let ask = |solver: &mut dyn AnySpindleSolver| {
-                solver.solve(&question, &[ShaftEnd::rigid(middle)])
-            };
-            let found = with_solver(&plan, FREE, Precision::F32, ask)
-                .unwrap()
-                .unwrap();
+            let found = ask(&plan, FREE, Precision::F32, &question).unwrap();
             let [a, b] = [&found, &truth].map(|answer| answer.at[0].compliance[1][1]);
             assert!(
                 (a / b - 1.0).abs() < 1e-3,
@@ -809,16 +726,13 @@ fn answers_of_wild_spindles_are_what_the_reference_build_says() {
             growth: Vec::new(),
             ..question
         };
-        let ask = |solver: &mut dyn AnySpindleSolver| solver.solve(&question, &AT_0);
-        let Ok(Ok(found)) = with_solver(&plan, Balls::Moving(attitude), Precision::F64, ask) else {
+        let Some(found) = found(&plan, attitude.into(), Precision::F64, &question) else {
             return false;
         };
         let Some(truth) = reference_near(&plan, attitude, &question, &found) else {
             return false;
         };
-        let design = &plan.rows[0].design;
-        let radius = 0.5 * design.pitch_diameter;
-        let errors = equilibrium(&found).errors(&truth, design.ball_diameter, radius);
+        let errors = found.equilibrium().errors(&truth, &plan.rows[0].design);
         let is_exact = errors.displacement < 1e-9 && errors.force < 1e-9;
         assert!(is_exact, "{seed}: {errors}");
         true
@@ -859,18 +773,18 @@ fn a_long_run_ends_where_a_cold_solve_does() {
             radial: 1e-6 * (1.0 + (0.003 * phase).sin()),
             ..Growth::NONE
         };
-        grown(loaded(load, 8000.0 + 4000.0 * (0.01 * phase).sin()), growth)
+        loaded(load, 8000.0 + 4000.0 * (0.01 * phase).sin()).grown(growth)
     };
     const TICKS: u32 = 20_000;
     for plan in [&pair(294.0), &sprung()] {
-        let run = |solver: &mut dyn AnySpindleSolver| {
+        let run = |solver: &mut dyn AnySolver| {
             for tick in 0..TICKS - 1 {
-                solver.solve(&at(tick), &AT_0).unwrap();
+                solver.solve(&at(tick)).unwrap();
             }
-            let mut last = || solver.solve(&at(TICKS - 1), &AT_0).unwrap();
+            let mut last = || solver.solve(&at(TICKS - 1)).unwrap();
             let warm = last();
             solver.reset();
-            (warm, solver.solve(&at(TICKS - 1), &AT_0).unwrap())
+            (warm, solver.solve(&at(TICKS - 1)).unwrap())
         };
         let (warm, cold) = with_solver(plan, FREE, Precision::F32, run).unwrap();
         assert!(stiffness_error(&warm.stiffness, &cold.stiffness) < 2e-5);
@@ -972,8 +886,8 @@ fn motions_for_many_rows_are_solved_or_refused_by_name() {
         let plan = plan(rows);
         for precision in solves::PRECISIONS {
             // At rest, whatever serves says the rigidity of the default.
-            let [at_rest, default] = [Balls::Static, FREE]
-                .map(|balls| ask_in(&plan, balls, precision, &question).unwrap());
+            let [at_rest, default] =
+                [Balls::Static, FREE].map(|balls| ask(&plan, balls, precision, &question).unwrap());
             let off = stiffness_error(&at_rest.stiffness, &default.stiffness);
             assert!(off < 1e-5, "{rows} rows: {off:e}");
             for (balls, most, told) in [
@@ -983,12 +897,12 @@ fn motions_for_many_rows_are_solved_or_refused_by_name() {
                     "centrifugal force alone is for one or two rows: leave --motion out",
                 ),
                 (
-                    Balls::Moving(Attitude::Inner),
+                    Balls::Inner,
                     2,
                     "inner race control is for one or two rows: leave --attitude out",
                 ),
                 (
-                    Balls::Moving(Attitude::Outer),
+                    Balls::Outer,
                     4,
                     "outer race control is for one to four rows: leave --attitude out",
                 ),
@@ -1012,7 +926,7 @@ fn wild_questions_end_in_an_answer_or_a_refusal() {
         .into_iter()
         .flat_map(|precision| [(precision, pair(294.0)), (precision, sprung())])
     {
-        let run = |solver: &mut dyn AnySpindleSolver| {
+        let run = |solver: &mut dyn AnySolver| {
             let mut r = Random::seeded(7);
             for _ in 0..2000 {
                 let mut wild = |usual: f64| match r.chance(0.2) {
@@ -1027,9 +941,9 @@ fn wild_questions_end_in_an_answer_or_a_refusal() {
                 });
                 let question = Question {
                     growth: growth.to_vec(),
-                    ..loaded(load, wild(20_000.0))
+                    ..loaded(load, wild(20_000.0)).at(-0.06)
                 };
-                if let Ok(found) = solver.solve(&question, &[ShaftEnd::rigid(-0.06)]) {
+                if let Ok(found) = solver.solve(&question) {
                     let matrices = [found.stiffness, found.at[0].compliance];
                     let mut figures = matrices.as_flattened().as_flattened().to_vec();
                     figures.extend(found.displacement);
@@ -1058,7 +972,7 @@ fn of_balls_driven_out_of_several_rows_the_one_whose_contacts_are_furthest_apart
                 omega: 1000.0,
                 ..loaded([10.0, 5500.0, 0.0, 0.0, 0.05 * 5500.0], 0.0)
             };
-            match ask_in(&plan, FREE, precision, &question) {
+            match ask(&plan, FREE, precision, &question) {
                 Err(Status::Unseated { ball, apart }) => {
                     assert_eq!(usize::from(ball), 16 * i + 8, "{apart}");
                 }
@@ -1074,7 +988,7 @@ fn a_pair_that_only_its_preload_presses_is_known_to_some_roundings_of_single_pre
     for i in 0..50 {
         let plan = pair(f64::from(0.2 * 1.15f32.powi(i)));
         let [found, truth] = [Precision::F32, Precision::F64]
-            .map(|precision| ask_in(&plan, Balls::Static, precision, &loaded([0.0; 5], 0.0)))
+            .map(|precision| ask(&plan, Balls::Static, precision, &loaded([0.0; 5], 0.0)))
             .map(Result::unwrap);
         let off = stiffness_error(&found.stiffness, &truth.stiffness);
         assert!(off < 2e-6 && off <= found.error[2], "{i}: {off:e}");
@@ -1090,7 +1004,7 @@ fn a_pair_that_only_its_preload_presses_is_known_to_some_roundings_of_single_pre
 fn a_row_that_has_lifted_off_says_so() {
     let rows = |factor: f64| {
         let pushed = loaded([factor * 300.0, 0.0, 0.0, 0.0, 0.0], 0.0);
-        let [a, b] = <[_; 2]>::try_from(ask(&pair(300.0), Balls::Static, &pushed).rows).unwrap();
+        let [a, b] = <[_; 2]>::try_from(solve(&pair(300.0), Balls::Static, &pushed).rows).unwrap();
         (a.preload, b.preload, b.lifted_off)
     };
     let (a, b, off) = rows(2.5);

@@ -1,6 +1,6 @@
 //! The stiffness: slope of the loads by the displacements, and its symmetries.
 
-use super::solves::{Balls, Found, GROWN, LIFTING, Question, SKEW, cold, lengths, solver};
+use super::solves::{Answer, Balls, GROWN, LIFTING, Question, SKEW, cold, lengths, solver};
 use host_tests::cases::{B218, B7005C, SKF6205, rad_per_s};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::Precision;
@@ -8,11 +8,9 @@ use spindle_bearing::Design;
 use spindle_bearing::Growth;
 use std::array::from_fn;
 
-fn deepest(found: &Found) -> f64 {
-    found
-        .balls
-        .iter()
-        .fold(0.0, |m, b| worse(worse(m, b.delta_i), b.delta_o))
+fn deepest(found: &Answer) -> f64 {
+    let balls = found.rows[0].balls.iter();
+    balls.fold(0.0, |m, b| worse(worse(m, b.delta_i), b.delta_o))
 }
 
 /// Derivative of `f` at 0 by central differences, Richardson-extrapolated: exact to `h^4`.
@@ -41,21 +39,23 @@ impl Point<'_> {
     fn assert_tangent(&self, bound: f64) {
         let mut solver = solver(self.design, self.n, Precision::F64, self.balls);
         let omega = rad_per_s(self.rpm);
-        let at = solver.solve(&Question::load(self.load, omega).grown(self.growth));
+        let at = solver.answer(&Question::load(self.load, omega).grown(self.growth));
         let unit = lengths(self.design);
         let mut k = [[0.0; 5]; 5];
         for j in 0..5 {
             let column = derivative(1e-3 * deepest(&at) / unit[j], |x| {
-                let mut u = at.u;
+                let mut u = at.displacement;
                 u[j] += x;
-                let question = Question::displacement(u, omega).grown(self.growth);
-                solver.solve(&question).load
+                let question = Question::load([0.0; 5], omega)
+                    .holding([true; 5], u)
+                    .grown(self.growth);
+                solver.answer(&question).load
             });
             for i in 0..5 {
                 k[i][j] = column[i];
             }
         }
-        let error = stiffness_error(&k, &at.k);
+        let error = stiffness_error(&k, &at.stiffness);
         assert!(error < bound, "{self:?}: {error:e}");
     }
 }
@@ -118,7 +118,11 @@ fn the_tangent_is_the_slope_of_forces() {
     }
     // Balls are off the inner race.
     let found = cold(&B7005C, 16, Balls::Free, LIFTING, rad_per_s(40_000.0));
-    assert!(found.unloaded_balls() > 0, "{:?}", found.balls);
+    assert!(
+        found.equilibrium().unloaded_balls() > 0,
+        "{:?}",
+        found.rows[0].balls
+    );
     b7005c(Balls::Free, LIFTING, 40_000.0).assert_tangent(1e-7);
 }
 
@@ -127,7 +131,7 @@ fn the_tangent_is_not_symmetric_at_speed_and_symmetric_at_rest() {
     let load = [17_800.0, 0.0, 0.0, 0.0, 0.0];
     // Plain SI, in which the tilts' elements are the small ones.
     let skewness = |balls: Balls, rpm: f64| {
-        let k = cold(&B218, 16, balls, load, rad_per_s(rpm)).k;
+        let k = cold(&B218, 16, balls, load, rad_per_s(rpm)).stiffness;
         let (mut skew, mut largest) = (0.0, 0.0);
         for (i, row) in k.iter().enumerate() {
             for (j, x) in row.iter().enumerate() {
@@ -158,7 +162,7 @@ fn a_pure_axial_load_leaves_the_stiffness_of_a_body_of_revolution() {
         (&B218, 16, Balls::Static, 17_800.0, 0.0),
         (&SKF6205, 8, Balls::Free, 100.0, 12_000.0),
     ] {
-        let k = cold(design, n, balls, [load, 0.0, 0.0, 0.0, 0.0], rad_per_s(rpm)).k;
+        let k = cold(design, n, balls, [load, 0.0, 0.0, 0.0, 0.0], rad_per_s(rpm)).stiffness;
         let mut round = [[0.0; 5]; 5];
         round[0][0] = k[0][0];
         for (i, j) in [(1, 2), (3, 4)] {

@@ -1,52 +1,25 @@
 //! The solver and the reference build against solved cases and against each other.
 
-use super::solves::PRECISIONS;
+use super::solves::{Answer, Balls, PRECISIONS, Question, ask};
 use files::plan::Plan;
-use host_tests::campaign::balance::centres;
 use host_tests::cases::{Case, SolvedCase, public};
-use host_tests::compare::{Ball, Equilibrium, Errors, worse};
+use host_tests::compare::{Equilibrium, Errors, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::spindles::{Balls, with_solver};
 use host_tests::tolerances::{OF_REFERENCE, allowed, allowed_at};
 use rayon::prelude::*;
-use spindle_bearing::BallState;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// The solver's answer to a case.
-struct Found {
-    equilibrium: Equilibrium,
-    balls: Vec<BallState<f64>>,
-}
-
 /// The answers to a case in every scene that it fits into.
-fn solutions(case: &Case, precision: Precision) -> Vec<Found> {
+fn solutions(case: &Case, precision: Precision) -> Vec<Answer> {
     let plan = Plan::alone(&case.design, case.balls);
-    let mut scenes = vec![Balls::Moving(case.attitude)];
+    let mut scenes = vec![Balls::from(case.attitude)];
     if case.omega == 0.0 {
         scenes.push(Balls::Static);
     }
-    let solve = |balls| {
-        let found = with_solver(&plan, balls, precision, |solver| {
-            solver.load(case.load, case.omega)
-        });
-        let mut found = found
-            .unwrap()
-            .unwrap_or_else(|why| panic!("{case:?}: {why}"));
-        let balls = std::mem::take(&mut found.rows[0].balls);
-        Found {
-            equilibrium: Equilibrium {
-                displacement: found.displacement,
-                stiffness: found.stiffness,
-                balls: balls.iter().map(Ball::from).collect(),
-            },
-            balls,
-        }
-    };
-    scenes.into_iter().map(solve).collect()
-}
-
-fn errors(found: &Equilibrium, truth: &Equilibrium, case: &Case) -> Errors {
-    found.errors(truth, case.design.ball_diameter, case.pitch_radius())
+    let question = Question::load(case.load, case.omega);
+    let solve = |balls| ask(&plan, balls, precision, &question);
+    let solved = scenes.into_iter().map(solve).collect::<Result<_, _>>();
+    solved.unwrap_or_else(|why| panic!("{case:?}: {why}"))
 }
 
 /// Errors that the table allows an answer.
@@ -71,13 +44,10 @@ fn the_allowed_errors_are_at_most_the_promised_ones() {
 #[test]
 fn the_reference_build_reproduces_the_solved_cases_which_lie_on_the_branch_from_rest() {
     for SolvedCase { case, truth, hertz } in public() {
-        let (reference, attitude) = (case.reference(), case.reference_attitude());
-        for found in [
-            reference.solve(case.load, case.omega, attitude),
-            reference.from_rest(case.load, case.omega, attitude),
-        ] {
+        let (reference, task) = (case.reference(), case.task());
+        for found in [reference.solve(&task), reference.from_rest(&task)] {
             let found = found.unwrap_or_else(|e| panic!("{}: {e}", case.name));
-            let e = errors(&Equilibrium::from(&found), &truth, &case);
+            let e = found.errors(&truth, &case.design);
             assert!(e.within(OF_REFERENCE), "{}: {e}", case.name);
         }
         let (ki, ko) = reference.hertz_constants();
@@ -90,14 +60,14 @@ fn the_reference_build_reproduces_the_solved_cases_which_lie_on_the_branch_from_
 #[test]
 fn the_solver_reproduces_the_solved_cases_and_agrees_with_the_reference_build() {
     for SolvedCase { case, truth, .. } in public() {
-        let attitude = case.reference_attitude();
-        let reference = case.reference().solve(case.load, case.omega, attitude);
-        let reference = Equilibrium::from(&reference.unwrap());
+        let reference = case.reference().solve(&case.task());
+        let reference = reference.unwrap();
         for precision in PRECISIONS {
-            for Found { equilibrium, .. } in solutions(&case, precision) {
+            for found in solutions(&case, precision) {
+                let equilibrium = found.equilibrium();
                 let allowed = allowed_of(&case, &equilibrium, precision);
                 for truth in [&truth, &reference] {
-                    let e = errors(&equilibrium, truth, &case);
+                    let e = equilibrium.errors(truth, &case.design);
                     assert!(e.within(allowed), "{}, {precision:?}: {e}", case.name);
                 }
             }
@@ -111,12 +81,10 @@ fn deformations_are_those_that_the_solved_forces_make() {
         let [ki, ko] = hertz;
         let largest = (truth.largest_force() / ki.min(ko)).powf(2.0 / 3.0);
         let found = &solutions(&case, Precision::F64)[0];
-        assert_eq!(found.balls.len(), truth.balls.len());
-        for (ball, truth) in found.balls.iter().zip(&truth.balls) {
-            for (delta, q, k) in [
-                (ball.delta_i, truth.inner.force, ki),
-                (ball.delta_o, truth.outer.force, ko),
-            ] {
+        let balls = &found.rows[0].balls;
+        assert_eq!(balls.len(), truth.balls.len());
+        for (ball, truth) in balls.iter().zip(&truth.balls) {
+            for (delta, q, k) in [(ball.delta_i, truth.q_i, ki), (ball.delta_o, truth.q_o, ko)] {
                 let error = (delta.max(0.0) - (q / k).powf(2.0 / 3.0)).abs() / largest;
                 assert!(error <= 1e-9, "{}: {error:.1e}", case.name);
             }
@@ -129,21 +97,21 @@ fn deformations_are_those_that_the_solved_forces_make() {
 fn judge(
     case: &Case,
     own: &Equilibrium,
-    found: &Found,
+    found: &Answer,
     precision: Precision,
 ) -> Result<(), Errors> {
-    let e = errors(&found.equilibrium, own, case);
+    let equilibrium = found.equilibrium();
+    let e = equilibrium.errors(own, &case.design);
     let from_there = || {
-        let (attitude, u) = (case.reference_attitude(), found.equilibrium.displacement);
-        let centres = centres(&case.design, &found.balls);
-        let polished = case
-            .reference()
-            .polish(case.load, case.omega, attitude, u, &centres);
+        let reference = case.reference();
+        let centres = reference.centres(&found.rows[0].balls);
+        let polished = reference.polish(&case.task(), found.displacement, &centres);
         polished.is_ok_and(|s| {
-            errors(&found.equilibrium, &Equilibrium::from(&s), case).within(allowed(precision))
+            let e = equilibrium.errors(&s, &case.design);
+            e.within(allowed(precision))
         })
     };
-    if e.within(allowed_of(case, &found.equilibrium, precision)) || from_there() {
+    if e.within(allowed_of(case, &equilibrium, precision)) || from_there() {
         Ok(())
     } else {
         Err(e)
@@ -153,8 +121,8 @@ fn judge(
 /// Whether a case has an ordinary solution: contact angles below 85 degrees, and under inner race
 /// control no ball off the inner race, which this rule presumes.
 fn is_ordinary(case: &Case, truth: &Equilibrium) -> bool {
-    let pressed = truth.balls.iter().filter(|b| b.inner.force > 0.0);
-    let steepest = pressed.fold(0.0, |m, b| worse(m, b.inner.angle.abs()));
+    let pressed = truth.balls.iter().filter(|b| b.q_i > 0.0);
+    let steepest = pressed.fold(0.0, |m, b| worse(m, b.alpha_i.abs()));
     steepest < 85f64.to_radians()
         && (case.attitude != Attitude::Inner || truth.unloaded_balls() == 0)
 }
@@ -164,9 +132,8 @@ fn the_solver_agrees_with_the_reference_build_on_random_cases() {
     let beyond = AtomicUsize::new(0);
     let judge = |seed: u64| {
         let case = Case::random(seed);
-        let attitude = case.reference_attitude();
-        let own = case.reference().solve(case.load, case.omega, attitude);
-        let Some(own) = own.ok().map(|own| Equilibrium::from(&own)) else {
+        let own = case.reference().solve(&case.task());
+        let Ok(own) = own else {
             return false;
         };
         if !is_ordinary(&case, &own) {

@@ -1,13 +1,12 @@
 //! Judges the answers of a scene by the reference build, restricted as the scene is.
 
 use super::Ring;
-use crate::solves::{Balls, Found, Question, epsilon, lengths, ring_solver, rounded, size};
-use crate::textbook::{carried, unbalanced};
-use host_tests::campaign::balance::centres;
+use crate::solves::{self, Answer, Balls, Question, epsilon, lengths, ring_solver, rounded, size};
+use host_tests::campaign::balance::{carried, unbalanced};
 use host_tests::campaign::families::{Tick, Trial};
 use host_tests::compare::{Equilibrium, worse};
 use host_tests::dispatch::{Attitude, Precision};
-use host_tests::reference::{self, Reference};
+use host_tests::reference::{Reference, Task};
 use host_tests::tolerances::allowed_at;
 use spindle_bearing::Status;
 use std::array::from_fn;
@@ -26,14 +25,15 @@ const HELD_RING: f64 = 2.0;
 /// Whether the free freedoms are hardly determined: one is softer than the stiffest by so much that this
 /// precision cannot tell. Two balls at rest leave none but a tilt undetermined. Across its own plane, a
 /// ball resists by its force over the distance of the grooves' centres.
-fn is_loose(truth: &reference::Solution, free: [bool; 5], lever: f64, epsilon: f64) -> bool {
+fn is_loose(truth: &Equilibrium, free: [bool; 5], lever: f64, epsilon: f64) -> bool {
     let unit = |i: usize| if i < 3 { 1.0 } else { lever };
     let places: Vec<usize> = (0..5).filter(|i| free[*i]).collect();
     let mut k: Vec<Vec<f64>> = places
         .iter()
         .map(|&i| {
             let row = places.iter();
-            row.map(|&j| truth.k[i][j] / (unit(i) * unit(j))).collect()
+            row.map(|&j| truth.stiffness[i][j] / (unit(i) * unit(j)))
+                .collect()
         })
         .collect();
     let largest = (0..k.len()).fold(0.0, |m, i| f64::max(m, k[i][i]));
@@ -120,8 +120,8 @@ impl<'t> Scene<'t> {
         );
         for tick in &self.trial.ticks {
             let held = self.free.map(|free| !free);
-            let question = Question::mixed(held, self.given, tick.load, tick.omega);
-            let verdict = match solver.ask(&question) {
+            let question = Question::load(tick.load, tick.omega).holding(held, self.given);
+            let verdict = match solver.solve(&question) {
                 Ok(found) => self.judge_answer(tick, &found),
                 Err(status) => self.judge_refusal(tick, status),
             };
@@ -178,12 +178,9 @@ impl<'t> Scene<'t> {
             _ if !finite => false,
             _ => {
                 // Inner race control need not have an equilibrium.
-                let (rule, free) = (self.rule(), self.free);
-                let search = || {
-                    self.reference
-                        .search_with(values, omega, rule.into(), free, values)
-                };
-                if rule == Attitude::Inner && search().is_err() {
+                let task = Task::new(values, omega, self.rule());
+                let task = task.holding(from_fn(|i| (!self.free[i]).then_some(values[i])));
+                if self.rule() == Attitude::Inner && self.reference.search(&task).is_err() {
                     return Verdict::Excused;
                 }
                 return Verdict::Silent;
@@ -196,19 +193,23 @@ impl<'t> Scene<'t> {
         }
     }
 
-    fn judge_answer(&self, tick: &Tick, found: &Found) -> Verdict {
+    fn judge_answer(&self, tick: &Tick, found: &Answer) -> Verdict {
         let (design, balls) = (&self.trial.case.design, self.trial.case.balls as f64);
         let (rule, free) = (self.rule(), self.free);
         let (values, omega) = self.inputs(tick);
         if !omega.is_finite() || !values.iter().all(|x| x.is_finite()) {
             return Verdict::Wrong(format!("an answer to {values:?} at {omega}"));
         }
-        let loaded = found.balls.iter().filter(|ball| ball.q_i > 0.0).count();
+        let loaded = found.rows[0]
+            .balls
+            .iter()
+            .filter(|ball| ball.q_i > 0.0)
+            .count();
         let wrong = |what: String| Verdict::Wrong(format!("{what}; {loaded} balls loaded"));
         if free == [false; 5] && loaded == 0 {
             // Nothing holds a ring that no ball touches, and nothing pushes it.
             let own = ..self.freedoms;
-            let stiff = found.k[own].iter().flat_map(|row| &row[own]);
+            let stiff = found.stiffness[own].iter().flat_map(|row| &row[own]);
             return match found.load.iter().chain(stiff).any(|x| *x != 0.0) {
                 true => wrong(format!("{found:?}")),
                 false => Verdict::Good,
@@ -221,14 +222,18 @@ impl<'t> Scene<'t> {
         } else {
             omega
         };
-        let all = found.largest_force() * balls;
-        let deepest = found.balls.iter().map(|b| b.delta_i).fold(0.0, f64::max);
-        let largest = size(found.u, lengths(design));
+        let all = found.equilibrium().largest_force() * balls;
+        let deepest = found.rows[0]
+            .balls
+            .iter()
+            .map(|b| b.delta_i)
+            .fold(0.0, f64::max);
+        let largest = size(found.displacement, lengths(design));
         let mut bounds =
             allowed_at(self.precision, largest / design.centre_distance()).times(HARDER);
         bounds.contact_angle = f64::INFINITY;
         // A hard case is one that the answer itself calls so, but not one that says nothing of itself.
-        let [displacement, force, mut stiffness] = found.estimate.map(|error| error.min(MOST));
+        let [displacement, force, mut stiffness] = found.error.map(|error| error.min(MOST));
         if free != [true; 5] && self.freedoms == 5 {
             stiffness *= HELD_RING;
         }
@@ -240,15 +245,18 @@ impl<'t> Scene<'t> {
         }
 
         // The balls carry the load, and what they carry is what the answer says.
-        let by_balls = carried(design, rule, &found.balls);
+        let by_balls = carried(design, rule, &found.rows[0].balls);
         let error = self.load_error(free, &load, &by_balls, all);
         let own = self.load_error(has, &found.load, &by_balls, all);
         let missed = worse(error, own);
         if !(missed <= bounds.force) {
             // Where a ball leaves the inner race, inner race control drops its friction abruptly. There may be
             // no balance to better than this friction.
-            let open = found.balls.iter().any(|ball| ball.q_i <= 0.0);
-            let moments = found.balls.iter().map(|ball| ball.gyroscopic_moment.abs());
+            let open = found.rows[0].balls.iter().any(|ball| ball.q_i <= 0.0);
+            let moments = found.rows[0]
+                .balls
+                .iter()
+                .map(|ball| ball.gyroscopic_moment.abs());
             let friction = moments.fold(0.0, f64::max) / design.ball_diameter;
             if rule == Attitude::Inner && open && missed <= 2.0 * friction / all {
                 return Verdict::Good;
@@ -259,7 +267,7 @@ impl<'t> Scene<'t> {
             ));
         }
         // And every ball is in balance.
-        let left = unbalanced(design, rule, &found.balls) / all;
+        let left = unbalanced(design, rule, &found.rows[0].balls) / all;
         if !(left <= bounds.force) {
             return wrong(format!("a ball is out of balance by {left:.1e}"));
         }
@@ -274,22 +282,16 @@ impl<'t> Scene<'t> {
         let rounding = 32.0 * epsilon * length / deepest;
         bounds.force = bounds.force.max(rounding);
         bounds.stiffness = bounds.stiffness.max(stiffness).max(rounding);
-        let centres = centres(design, &found.balls);
-        let truth = self
-            .reference
-            .polish_with(load, omega, rule.into(), found.u, &centres, free);
+        let mut centres = self.reference.centres(&found.rows[0].balls);
+        let (task, u) = (Task::new(load, omega, rule), found.displacement);
+        let task = task.holding(from_fn(|i| (!free[i]).then_some(u[i])));
+        let truth = self.reference.polish(&task, u, &centres);
         let lever = self.trial.case.pitch_radius();
         // Where the ring is may be hard to tell, but there the bearing must carry the load.
         let firm = truth.as_ref().ok();
         let firm = firm.filter(|truth| !is_loose(truth, free, lever, epsilon));
-        let u = firm.map_or(found.u, |truth| truth.u);
-        let mut centres = centres
-            .iter()
-            .map(|&(axial, radial)| [axial, radial])
-            .collect();
-        let law = self
-            .reference
-            .rough_law(u, omega, rule.into(), &mut centres);
+        let u = firm.map_or(u, |truth| truth.displacement);
+        let law = self.reference.rough_law(u, omega, rule, &mut centres);
         let Ok((force, _)) = law else {
             return Verdict::Silent;
         };
@@ -303,10 +305,9 @@ impl<'t> Scene<'t> {
                 Verdict::Silent
             };
         };
-        let exact = Equilibrium::from(firm);
-        let mut errors = found.errors(design, &exact);
+        let mut errors = solves::errors(found, design, firm, self.freedoms);
         // Reactions, which no displacement shows.
-        let size = exact.largest_force() * balls;
+        let size = firm.largest_force() * balls;
         let reactions = self.load_error(has, &found.load, &force, size);
         errors.force = worse(errors.force, reactions);
         // The stiffness of a ball that is about to open goes with the root of its deformation. Of one that touches to within
@@ -319,7 +320,7 @@ impl<'t> Scene<'t> {
             bounds.stiffness = bounds.stiffness.max((4.0 * rounding).sqrt());
         }
         if touches(rounding) {
-            bounds.stiffness = bounds.stiffness.max(found.estimate[2]);
+            bounds.stiffness = bounds.stiffness.max(found.error[2]);
         }
         if errors.within(bounds) {
             Verdict::Good

@@ -47,9 +47,15 @@ fn judge_rings(trial: &Trial, balls: Balls, rings: &[Ring], tallies: &mut [Tally
     let (case, tick) = (&trial.case, &trial.ticks[0]);
     // Displacements to give: some of those under the loads.
     let loaded = solver(&case.design, case.balls, Precision::F64, balls)
-        .ask(&Question::load(tick.load, tick.omega));
+        .solve(&Question::load(tick.load, tick.omega));
     let u = loaded.map_or([0.0; 5], |found| {
-        [found.u[0], 0.7 * found.u[1], 0.0, 0.5 * found.u[3], 0.0]
+        [
+            found.displacement[0],
+            0.7 * found.displacement[1],
+            0.0,
+            0.5 * found.displacement[3],
+            0.0,
+        ]
     });
     let given = u.map(|x| f64::from(x as f32));
     for (ring, tally) in rings.iter().zip(tallies) {

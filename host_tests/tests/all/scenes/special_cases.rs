@@ -1,6 +1,6 @@
 //! Scenes that are special cases of others.
 
-use crate::solves::{Balls, Question, lengths, ring_solver, size, vector_error};
+use crate::solves::{Balls, Question, errors, lengths, ring_solver, size, vector_error};
 use host_tests::cases::{B218, B7005C, SKF6205};
 use host_tests::dispatch::Precision::{F32, F64};
 use host_tests::tolerances::allowed_at;
@@ -48,17 +48,17 @@ fn three_freedoms_are_five_whose_tilts_are_held_at_nought() {
             for load in loads(design) {
                 let omega = 2.0 / design.pitch_diameter;
                 let cold = |freedoms, question| {
-                    ring_solver(design, 16, precision, balls, freedoms).solve(&question)
+                    ring_solver(design, 16, precision, balls, freedoms).answer(&question)
                 };
                 let three = cold(3, Question::load(load, omega));
-                let five = cold(5, Question::mixed(tilts, [0.0; 5], load, omega));
-                assert_eq!(five.u[3..], [0.0; 2]);
-                let off = vector_error(three.u, five.u, [1.0; 5]);
+                let five = cold(5, Question::load(load, omega).holding(tilts, [0.0; 5]));
+                assert_eq!(five.displacement[3..], [0.0; 2]);
+                let off = vector_error(three.displacement, five.displacement, [1.0; 5]);
                 assert!(precision == F32 || off < 1e-13, "{off:e}");
-                let largest = size(five.u, lengths(design)) / design.centre_distance();
+                let largest = size(five.displacement, lengths(design)) / design.centre_distance();
                 let mut bounds = allowed_at(precision, largest);
                 bounds.contact_angle = f64::INFINITY;
-                let errors = three.errors(design, &five.equilibrium());
+                let errors = errors(&three, design, &five.equilibrium(), 3);
                 assert!(errors.within(bounds), "{balls:?}, {precision:?}: {errors}");
             }
         }

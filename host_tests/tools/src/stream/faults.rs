@@ -111,7 +111,7 @@ pub fn schedule(seed: u64, records: &[LoadRecord]) -> Vec<Episode> {
         let is_lost = |kind: &usize| FAULTS[*kind].0 == SPEED_LOST;
         let lost = kinds.iter().position(|kind| full_speed && is_lost(kind));
         let Some(index) = lost.or_else(|| kinds.iter().position(|kind| !is_lost(kind))) else {
-            // RacewayControlFree speed may never come again.
+            // Full speed may never come again.
             kinds.clear();
             continue;
         };

@@ -3,12 +3,11 @@
 use crate::malformed::{self, HEADER};
 use files::designs::SHIPPED;
 use files::import::Wanted;
-use files::noses::ShaftEnd;
 use files::recordings::{LoadRow, Loads};
 use files::spindles::SpindleFile;
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::milling_cycle::RECORD;
-use host_tests::spindles::{AnySpindleSolver, Balls, with_solver};
+use host_tests::spindles::{AnySolver, Balls, with_solver};
 use spindle_bearing::{BallKinematics, BallState};
 use std::f64::consts::PI;
 use std::io::{self, Cursor, Read, Write};
@@ -142,7 +141,6 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
         true => (&["--balls", "--frequencies"], ""),
         false => (&["--balls", "--frequencies", "--rows", "--nose"], "row,"),
     };
-    let ends: Vec<ShaftEnd> = file.noses.iter().map(|nose| nose.end).collect();
     let (out, mut files) = with_files(&args, options, &text);
     if file.is_bearing {
         files.extend([ROW_HEADER, NOSE_HEADER].map(|header| format!("{header}\n")));
@@ -162,8 +160,8 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
     ];
     let mut files = [0, 1, 2, 3].map(|i| table(&files[i], &headers[i]).into_iter());
     let limits = header.split(',').count() - 9;
-    let balls = Balls::Moving(attitude);
-    let check = |solver: &mut dyn AnySpindleSolver| {
+    let balls = Balls::from(attitude);
+    let check = |solver: &mut dyn AnySolver| {
         for row in parsed(&text) {
             let line = lines.next().unwrap();
             let [fx, fy, fz, my, mz] = row.load;
@@ -171,11 +169,11 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
             let copies = [&line[..1], &line[limits + 1..limits + 7]].concat();
             let copies = numbers(&copies, Precision::F64).into_iter();
             assert!(copies.map(f64::to_bits).eq(given.map(f64::to_bits)));
-            let answer = solver.solve(&file.question(&row), &ends);
+            let answer = solver.solve(&file.question(&row));
             match &answer {
                 Ok(answer) => {
                     let iterations = answer.iterations.to_string();
-                    assert_eq!(line[1..3], [answer.status, &iterations]);
+                    assert_eq!(line[1..3], [answer.status.name(), &iterations]);
                     let at_nose = answer.at.first().map_or([[0.0; 5]; 5], |at| at.stiffness);
                     let stiffness = [answer.stiffness, at_nose].concat();
                     let figures = [&answer.displacement, stiffness.as_flattened()].concat();

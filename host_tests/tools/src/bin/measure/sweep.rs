@@ -9,6 +9,7 @@ use host_tests::campaign::report::{Spread, name};
 use host_tests::cases;
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::{Attitude, Precision};
+use host_tests::reference::Task;
 use rayon::prelude::*;
 use spindle_bearing::{Bearing, Settings, Solver, Speed};
 use tools::chart::{Chart, Curve, Panel, Style};
@@ -46,22 +47,15 @@ pub fn truths(works: &[Work]) -> Result<Vec<Truth>> {
         let bearing = Bearing::<f64, BALLS>::new(&work.design)?;
         let mut solver = Solver::new();
         let reference = cases::reference(&work.design, BALLS);
-        let groove = (work.design.outer_groove_factor - 0.5) * work.design.ball_diameter;
         Ok(work.states.map(|(load, omega)| {
             let speed = Speed::rad_per_s(omega);
             let solution = solver
                 .solve(&bearing, load, speed, &Settings::default())
                 .ok()?;
-            let centres: Vec<(f64, f64)> = solution
-                .balls()
-                .map(|ball| {
-                    let (sin, cos) = ball.alpha_o.sin_cos();
-                    ((groove + ball.delta_o) * sin, (groove + ball.delta_o) * cos)
-                })
-                .collect();
-            let rule = Attitude::Raceless.into();
-            let truth = reference.polish_near(load, omega, rule, solution.displacement, &centres);
-            truth.ok().map(|truth| truth.k)
+            let centres = reference.centres(&solution.balls().collect::<Vec<_>>());
+            let task = Task::new(load, omega, Attitude::Raceless);
+            let truth = reference.polish_near(&task, solution.displacement, &centres);
+            truth.ok().map(|truth| truth.stiffness)
         }))
     };
     works.par_iter().map(truth).collect()

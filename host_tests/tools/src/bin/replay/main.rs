@@ -252,14 +252,14 @@ const MOTIONS: [(&str, &str, Motion); 3] = [
         "Under centrifugal force alone; for one or two rows",
         Motion::Centrifugal,
     ),
-    ("full", "With all inertia loads", Motion::RacewayControlFree),
+    ("full", "With all inertia loads", Motion::Full),
 ];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Motion {
     Static,
     Centrifugal,
-    RacewayControlFree,
+    Full,
 }
 
 /// How long a record counts before a pause.
@@ -469,7 +469,7 @@ fn run(args: &Args) -> Result<Summary> {
         args.design().display()
     );
     let balls = match args.motion {
-        Motion::RacewayControlFree => Balls::Moving(args.attitude),
+        Motion::Full => args.attitude.into(),
         _ if args.attitude != Attitude::Raceless => bail!(
             "--attitude makes no difference without gyroscopic moments; leave out it or --motion"
         ),
@@ -513,9 +513,9 @@ fn run(args: &Args) -> Result<Summary> {
                     friction: args.friction,
                 },
                 tolerance: args.tolerance,
-                held,
                 ..Choices::default()
             },
+            held,
             holds_pauses: args.pauses == Pauses::Hold,
             lifetime: lifetime.as_mut(),
         };
