@@ -8,9 +8,9 @@ use crate::dispatch::{
 use files::designs::short;
 use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question, ShaftEnd};
 use spindle_bearing::{
-    BallKinematics, BallState, Centrifugal, ErrorEstimate, Facing, Frequencies, RacewayControlFree, Given,
-    Growth, InnerRaceControl, Limit, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
-    Quantity, Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed,
+    BallKinematics, BallState, Centrifugal, ErrorEstimate, Facing, Frequencies, Given, Growth,
+    InnerRaceControl, Limit, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
+    Quantity, RacewayControlFree, Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed,
     Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;

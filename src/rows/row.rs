@@ -322,20 +322,17 @@ impl<T: Real> Row<'_, T> {
     /// Has every ball start as the first one does, near its balance at the ring's offset `v`.
     #[inline(never)]
     pub fn start<R: Rule>(&mut self, v: &[T; 5]) {
-        let (Some((first, others)), Some(at)) =
-            (self.balls.split_first_mut(), self.azimuths.first())
-        else {
+        let Some(first) = self.azimuths.first() else {
             return;
         };
-        first.start(groove(self.p, v, at));
+        let (mut x, a) = ([T::ZERO; 2], groove(self.p, v, first));
         if R::INERTIA && self.p.is_at_speed() {
             let mut left = ALONE;
-            first.x = settle::<T, R>(self.c, self.p, first.a, first.x, &mut left);
-            first.z = [T::ZERO; 2];
-            first.x = self.p.move_outer(self.c, first.x);
+            x = settle::<T, R>(self.c, self.p, a, x, &mut left);
+            x = self.p.move_outer(self.c, x);
         }
-        for ball in others {
-            *ball = *first;
+        for ball in self.balls.iter_mut() {
+            ball.start(x, a);
         }
     }
 

@@ -10,8 +10,9 @@ use host_tests::cases::{B218, B7005C, rad_per_s};
 use host_tests::dispatch::Precision;
 use host_tests::spindles::{Choices, with_solver};
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, RacewayControlFree, Growth, Motion, Mounted,
-    Preload, Quantity, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
+    Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Growth, Motion, Mounted,
+    Preload, Quantity, RacewayControlFree, Settings, Solver, Speed, Spindle, SpindleSolver, Static,
+    Status,
 };
 use std::f64::consts::PI;
 

@@ -8,8 +8,8 @@ pub use host_tests::spindles::{Answer, AnySolver, Balls};
 use host_tests::spindles::{Choices, RowAnswer, given, growths, in_doubles, with_solver};
 use proptest::strategy::Strategy;
 use spindle_bearing::{
-    AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, RacewayControlFree, Growth,
-    InnerRaceControl, Motion, OuterRaceControl, Real, Solver, Speed, Static, Status,
+    AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, Growth, InnerRaceControl,
+    Motion, OuterRaceControl, RacewayControlFree, Real, Solver, Speed, Static, Status,
 };
 use std::array::from_fn;
 use std::f64::consts::TAU;
