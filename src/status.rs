@@ -55,6 +55,7 @@ quantities! {
     RadialGrowth => "radial growth gr (m)",
     BallGrowth => "growth of the ball diameter gD (m)",
     RowPosition => "position of the row (m)",
+    RowDistance => "distance to another row (m)",
     Closure => "closure e of the row (m)",
     PreloadForce => "preload force of the pair (N)",
     SpringForce => "force of the spring (N)",

@@ -413,12 +413,14 @@ fn of_rows<T: Real, const R: usize>(
 fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
     let millimetres = |x: T| short(1e3 * x.to_f64());
     match *error {
-        SpindleError::TooNear {
+        SpindleError::Row {
             row,
-            distance,
+            quantity: Quantity::RowDistance,
+            value,
             least,
+            ..
         } => {
-            let [distance, least] = [distance, least].map(millimetres);
+            let [distance, least] = [value, least].map(millimetres);
             let message = format!(
                 "another row is {distance} mm away, nearer than half a ball's diameter, {least} mm: check the positions"
             );
@@ -426,15 +428,13 @@ fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
         }
         SpindleError::Row {
             row,
-            status:
-                Status::OutOfRange {
-                    quantity: Quantity::RowPosition,
-                    value,
-                    limit,
-                },
+            quantity: Quantity::RowPosition,
+            value,
+            most,
+            ..
         } => {
             let said = millimetres(value + T::of(loaded_at));
-            let [limit, loaded_at] = [millimetres(limit), short(1e3 * loaded_at)];
+            let [limit, loaded_at] = [millimetres(most), short(1e3 * loaded_at)];
             let message = format!(
                 "`position_mm` is {said}, but must lie within {limit} mm of x = {loaded_at}, where loads act"
             );

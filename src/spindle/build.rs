@@ -13,7 +13,7 @@ use crate::spindle::arrangement::{Arrangement, Facing};
 use crate::spindle::error::SpindleError;
 use crate::spindle::sections::OnShaft;
 use crate::spindle::{Mounted, Preload, Spindle, SprungSpindle};
-use crate::status::{Quantity, Status};
+use crate::status::Quantity;
 
 impl<'b, T: Real, const N: usize> Spindle<'b, T, 1, N, 5> {
     /// A single bearing at `x = 0`, pressed by a load in `+x`: what a [`Solver`](crate::Solver) solves, with the same bits.
@@ -130,16 +130,18 @@ pub mod $module {
         }
     }
 
-    /// Refuses a value that is not finite, or larger in magnitude than `limit`.
-    pub $($const)? fn check$(<$any: Real>)?(quantity: Quantity, value: $t, limit: $t) -> Result<(), Status<$t>> {
-        if value <= limit && value >= -limit {
+    /// Refuses a figure of a row that is less than `least`, more than `most`, or no number.
+    pub $($const)? fn check_figure$(<$any: Real>)?(
+        row: usize,
+        quantity: Quantity,
+        value: $t,
+        least: $t,
+        most: $t,
+    ) -> Result<(), SpindleError<$t>> {
+        if value >= least && value <= most {
             return Ok(());
         }
-        Err(if value - value == $t::ZERO {
-            Status::OutOfRange { quantity, value, limit }
-        } else {
-            Status::NotFinite { quantity, value }
-        })
+        Err(SpindleError::Row { row, quantity, value, least, most })
     }
 
     /// Rows that are clamped, and rows that slide under a spring of this force (N) if `D` is 6, in an arrangement that is checked.
@@ -175,20 +177,13 @@ pub mod $module {
         let farthest = radius(first.bearing.c) * of(4096.0);
         let most = c.balls * c.force;
         let half_play = sqrt(at_least(c.play, $t::ZERO));
-        let (quantity, value, limit, force) = match (row.preload, spring) {
-            (Preload::Closure(e), _) => (Quantity::Closure, e, (half_play + of(16.0)) * c.length, None),
-            (Preload::Force(force), _) => (Quantity::PreloadForce, force, most, Some(force)),
-            (Preload::Spring, Some(force)) => (Quantity::SpringForce, force, most, Some(force)),
-            (Preload::Spring, None) => (Quantity::SpringForce, $t::ZERO, most, None),
-        };
-        let mut checked = check(Quantity::RowPosition, row.position, farthest);
-        if checked.is_ok() {
-            checked = check(quantity, value, limit);
-        }
-        match (checked, force) {
-            (Err(status), _) => Err(SpindleError::Row { row: number, status }),
-            (Ok(()), Some(force)) if !(force > $t::ZERO) => Err(SpindleError::NoForce { row: number, force }),
-            _ => Ok(()),
+        let closure = (half_play + of(16.0)) * c.length;
+        check!(check_figure(number, Quantity::RowPosition, row.position, -farthest, farthest));
+        match (row.preload, spring) {
+            (Preload::Closure(e), _) => check_figure(number, Quantity::Closure, e, -closure, closure),
+            (Preload::Force(force), _) => check_figure(number, Quantity::PreloadForce, force, $t::TINY, most),
+            (Preload::Spring, Some(force)) => check_figure(number, Quantity::SpringForce, force, $t::TINY, most),
+            (Preload::Spring, None) => Ok(()),
         }
     }
 
@@ -209,9 +204,7 @@ pub mod $module {
                 let off = b.position - a.position;
                 let distance = at_least(off, -off);
                 let least = at_least(a.bearing.c.ball_radius, b.bearing.c.ball_radius);
-                if !(distance >= least) {
-                    return Err(SpindleError::TooNear { row, distance, least });
-                }
+                check!(check_figure(row, Quantity::RowDistance, distance, least, $t::INFINITY));
                 if a.position < b.position && !arrangement.allows(a.facing, b.facing) {
                     return Err(SpindleError::NotArranged { arrangement, row, facing: b.facing });
                 }

@@ -6,7 +6,7 @@ use crate::linalg::{norm, refer, vector};
 use crate::real::{Float, Real};
 use crate::rows::elastic::{Deflection, Joint, Piece, forces};
 use crate::rows::{Layout, Placed};
-use crate::solver::problem::{Given, ShaftLoad, units};
+use crate::solver::problem::{Given, ShaftLoad, check, units};
 use crate::spindle::Spindle;
 use crate::spindle::error::SpindleError;
 use crate::spindle::sections::{Flexible, OnShaft, Shaft, Support, of_freedoms};
@@ -29,7 +29,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
     ///
     /// # Errors
     ///
-    /// A support that is too soft: [`SpindleError::Support`].
+    /// A support that is too soft: [`SpindleError::Row`].
     pub fn elastic<const K: usize>(
         self,
         shaft: &'b Shaft<T, K>,
@@ -67,7 +67,7 @@ macro_rules! elastic {
 /// Elastic shafts in this precision.
 pub mod $module {
     use super::*;
-    use crate::spindle::build::$module::{at_least, at_most, check, mix, of, radius};
+    use crate::spindle::build::$module::{at_least, at_most, check_figure, mix, of, radius};
 
     /// Rows on an elastic shaft of such sections, each on its support.
     pub $($const)? fn elastic<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize>(
@@ -128,10 +128,7 @@ pub mod $module {
         ];
         let mut rest = all.as_slice();
         while let [(quantity, value, least), others @ ..] = rest {
-            if !(*value >= *least) {
-                let (quantity, value, least) = (*quantity, *value, *least);
-                return Err(SpindleError::Support { row, quantity, value, least });
-            }
+            check!(check_figure(row, *quantity, *value, *least, $t::INFINITY));
             rest = others;
         }
         Ok(())
@@ -258,8 +255,8 @@ pub mod $module {
         let unit = set.layout.rows[0].bearing.c;
         let (mut sum, mut load, mut rest) = ([$t::ZERO; 5], 0, loads);
         while let [at, others @ ..] = rest {
-            if let Err(status) = check_load(unit, set.layout.ball_count, at) {
-                return Err(SpindleError::Load { load, status });
+            if let Err((quantity, value, most)) = check_load(unit, set.layout.ball_count, at) {
+                return Err(SpindleError::Load { load, quantity, value, least: -most, most });
             }
             sum = plus(&sum, &refer(at.position - set.centre, &at.load));
             (load, rest) = (load + 1, others);
@@ -275,20 +272,24 @@ pub mod $module {
         Ok(set)
     }
 
-    /// Refuses a load or its position that is out of range.
+    /// Refuses a load or its position that is out of range: which figure, its value and the largest magnitude.
     pub $($const)? fn check_load$(<$any: Real>)?(
         unit: &Constants<$t>,
         ball_count: $t,
         at: &ShaftLoad<$t>,
-    ) -> Result<(), Status<$t>> {
-        check!(check(Quantity::LoadPosition, at.position, radius(unit) * of(4096.0)));
-        let mut i = 0;
-        while i < 5 {
-            let most = ball_count * of(512.0) * units(unit)[i];
-            check!(check(Quantity::OF_FREEDOM[i][0], at.load[i], most));
-            i += 1;
+    ) -> Result<(), (Quantity, $t, $t)> {
+        let (mut quantity, mut value) = (Quantity::LoadPosition, at.position);
+        let (mut most, mut i) = (radius(unit) * of(4096.0), 0);
+        loop {
+            if !(value <= most && value >= -most) {
+                return Err((quantity, value, most));
+            }
+            if i == 5 {
+                return Ok(());
+            }
+            (quantity, value) = (Quantity::OF_FREEDOM[i][0], at.load[i]);
+            (most, i) = (ball_count * of(512.0) * units(unit)[i], i + 1);
         }
-        Ok(())
     }
 
     /// Units of the five forces.
@@ -451,7 +452,10 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
 
     /// Refuses a load or its position that is out of range.
     pub(super) fn check_load(&self, at: &ShaftLoad<T>) -> Result<(), Status<T>> {
-        any::check_load(self.layout.rows[0].bearing.c, self.layout.ball_count, at)
+        match any::check_load(self.layout.rows[0].bearing.c, self.layout.ball_count, at) {
+            Ok(()) => Ok(()),
+            Err((quantity, value, most)) => check(quantity, value, most),
+        }
     }
 
     /// The chain of rows that leads to the position `x` (m) on the shaft.

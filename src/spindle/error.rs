@@ -2,7 +2,7 @@
 
 use crate::real::Real;
 use crate::spindle::arrangement::{Arrangement, Facing};
-use crate::status::{Quantity, Status};
+use crate::status::Quantity;
 use core::fmt;
 
 /// Why rows cannot be a spindle. Rows are counted from 0.
@@ -21,30 +21,21 @@ use core::fmt;
 pub enum SpindleError<T> {
     /// There is no row.
     NoRow,
-    /// A figure of a row is out of range.
+    /// A figure of a row is out of its range.
     Row {
         /// Which row.
         row: usize,
-        /// Which figure, and its range.
-        status: Status<T>,
-    },
-    /// A row is to be preloaded by a force that presses nothing.
-    NoForce {
-        /// Which row.
-        row: usize,
-        /// The force, N.
+        /// Which figure.
+        quantity: Quantity,
+        /// Its value.
         #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
-        force: T,
-    },
-    /// Two rows are nearer to each other than half a ball's diameter.
-    TooNear {
-        /// One of them.
-        row: usize,
-        /// Their distance, m.
+        value: T,
+        /// Least value.
         #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
-        distance: T,
-        /// Least distance, m.
         least: T,
+        /// Largest value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
+        most: T,
     },
     /// The rows do not stand to each other as the arrangement says.
     NotArranged {
@@ -69,24 +60,21 @@ pub enum SpindleError<T> {
         /// Which row.
         row: usize,
     },
-    /// A row's support is too soft to hold it, or its stiffness is not a number.
-    Support {
-        /// Which row.
-        row: usize,
-        /// Which stiffness.
+    /// A figure of a constant load on the shaft is out of its range.
+    Load {
+        /// Which load.
+        load: usize,
+        /// Which figure.
         quantity: Quantity,
         /// Its value.
         #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
         value: T,
         /// Least value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
         least: T,
-    },
-    /// A constant load on the shaft is out of range.
-    Load {
-        /// Which load.
-        load: usize,
-        /// Which figure, and its range.
-        status: Status<T>,
+        /// Largest value.
+        #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
+        most: T,
     },
     /// The shaft has its constant loads already.
     HasLoads,
@@ -98,32 +86,32 @@ impl<T> SpindleError<T> {
         use Quantity as Q;
         match self {
             Self::NoRow => "a spindle needs a row of balls",
-            Self::Row { status, .. } | Self::Load { status, .. } => match status {
-                Status::NotFinite { quantity, .. } | Status::OutOfRange { quantity, .. } => {
-                    match quantity {
-                        Q::RowPosition => "a row must be within 4096 of its radii Rp of x = 0",
-                        Q::Closure => {
-                            "closure e of a row must be at most a quarter of the distance L0 of the groove centres, besides \
-                             half its play"
-                        }
-                        Q::PreloadForce | Q::SpringForce => {
-                            "force of a preload or spring must be at most that which presses all balls of a row by a 64th of \
-                             the distance L0 of the groove centres"
-                        }
-                        Q::LoadPosition => "a constant load must be within 4096 radii Rp of x = 0",
-                        _ => {
-                            "a constant load must be at most that which presses all balls by the distance L0 of the groove centres"
-                        }
-                    }
+            Self::Row { quantity, .. } => match quantity {
+                Q::RowPosition => "a row must be within 4096 of its radii Rp of x = 0",
+                Q::RowDistance => {
+                    "two rows are nearer to each other than half a ball's diameter: check the positions"
                 }
-                _ => "a figure of a row is out of range",
+                Q::Closure => {
+                    "closure e of a row must be at most a quarter of the distance L0 of the groove centres, besides \
+                     half its play"
+                }
+                Q::TiltingSupport => {
+                    "tilting stiffness of a support must be 1 N m/rad at least; an infinite one is rigid"
+                }
+                Q::AxialSupport | Q::RadialSupport => {
+                    "axial and radial stiffness of a support must be 1e5 N/m at least; an infinite one is rigid"
+                }
+                _ => {
+                    "force of a preload or spring must be above 0, and at most that which presses all balls of a row by a \
+                     64th of the distance L0 of the groove centres; a closure may be given in its place"
+                }
             },
-            Self::NoForce { .. } => {
-                "a row is preloaded by a force that presses nothing: give a positive force, or a closure"
-            }
-            Self::TooNear { .. } => {
-                "two rows are nearer to each other than half a ball's diameter: check the positions"
-            }
+            Self::Load { quantity, .. } => match quantity {
+                Q::LoadPosition => "a constant load must be within 4096 radii Rp of x = 0",
+                _ => {
+                    "a constant load must be at most that which presses all balls by the distance L0 of the groove centres"
+                }
+            },
             Self::NotArranged { arrangement, .. } => match arrangement {
                 Arrangement::BackToBack => {
                     "back to back, rows at smaller x face +x and rows at larger x face -x"
@@ -145,14 +133,6 @@ impl<T> SpindleError<T> {
             Self::NoSpring { .. } => {
                 "a row slides, but there is no spring: build the spindle by `Spindle::sprung`"
             }
-            Self::Support { quantity, .. } => match quantity {
-                Q::TiltingSupport => {
-                    "tilting stiffness of a support must be 1 N m/rad at least; an infinite one is rigid"
-                }
-                _ => {
-                    "axial and radial stiffness of a support must be 1e5 N/m at least; an infinite one is rigid"
-                }
-            },
             Self::HasLoads => "the shaft has constant loads already: give all of them in one call",
         }
     }
@@ -161,20 +141,34 @@ impl<T> SpindleError<T> {
 impl<T: Real> fmt::Display for SpindleError<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Row { row, status } => write!(f, "row {row}: {status}"),
-            Self::NoForce { row, force } => write!(
-                f,
-                "row {row} is preloaded by {force} N: give a positive force, or a closure"
-            ),
-            Self::TooNear {
+            Self::Row {
                 row,
-                distance,
+                quantity,
+                value,
                 least,
-            } => write!(
-                f,
-                "row {row}: another row is {distance:e} m away, nearer than half a ball's diameter, {least:e} m: check \
-                 the positions"
-            ),
+                most,
+            } => {
+                write!(f, "row {row}: ")?;
+                out_of_range(f, *quantity, *value, [*least, *most])?;
+                f.write_str(match quantity {
+                    Quantity::RowDistance => ", half a ball's diameter: check the positions",
+                    Quantity::AxialSupport | Quantity::RadialSupport | Quantity::TiltingSupport => {
+                        "; an infinite one is rigid"
+                    }
+                    Quantity::PreloadForce => "; a closure may be given in its place",
+                    _ => "",
+                })
+            }
+            Self::Load {
+                load,
+                quantity,
+                value,
+                least,
+                most,
+            } => {
+                write!(f, "constant load {load}: ")?;
+                out_of_range(f, *quantity, *value, [*least, *most])
+            }
             Self::NotArranged {
                 arrangement,
                 row,
@@ -194,16 +188,6 @@ impl<T: Real> fmt::Display for SpindleError<T> {
                 f,
                 "row {row} slides, but there is no spring: build the spindle by `Spindle::sprung`"
             ),
-            Self::Support {
-                row,
-                quantity,
-                value,
-                least,
-            } => write!(
-                f,
-                "row {row}: {quantity} is {value:e}, but must be {least:e} at least; an infinite one is rigid"
-            ),
-            Self::Load { load, status } => write!(f, "constant load {load}: {status}"),
             Self::NoRow | Self::NotHeld | Self::NothingSlides | Self::HasLoads => {
                 f.write_str(self.reason())
             }
@@ -212,3 +196,22 @@ impl<T: Real> fmt::Display for SpindleError<T> {
 }
 
 impl<T: Real> core::error::Error for SpindleError<T> {}
+
+/// A figure, and the range that it must lie in.
+fn out_of_range<T: Real>(
+    f: &mut fmt::Formatter<'_>,
+    quantity: Quantity,
+    value: T,
+    [least, most]: [T; 2],
+) -> fmt::Result {
+    write!(f, "{quantity} is {value:e}, but must be ")?;
+    if !most.is_finite() {
+        write!(f, "{least:e} at least")
+    } else if least == -most {
+        write!(f, "at most {most:e} in magnitude")
+    } else if least == T::TINY {
+        write!(f, "above 0, and at most {most:e}")
+    } else {
+        write!(f, "{least:e} to {most:e}")
+    }
+}

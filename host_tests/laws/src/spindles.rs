@@ -3,8 +3,8 @@
 //! No panic, every figure a number, forces in balance, a symmetric stiffness at rest, and a refusal does no harm.
 
 use crate::common::{
-    Answer, Asked, Ends, Scale, assert_finite, assert_names, growth, inspect, refused, run_of,
-    settings_in, unharmed,
+    Answer, Asked, Ends, Scale, assert_finite, growth, inspect, refused, run_of, settings_in,
+    unharmed,
 };
 use crate::shaft::{MOST_ROWS, Step};
 use crate::statics::{Place, assert_balances, assert_symmetric};
@@ -80,9 +80,15 @@ fn of_rows<T: Real, const R: usize>(run: &Run, mounted: &[Mounted<'_, T, BALLS>]
         }
     };
     ends.unwrap_or_else(|error| {
-        if let SpindleError::Row { row, status } = error {
-            assert_names(&status);
-            assert!(row < R);
+        if let SpindleError::Row {
+            row,
+            value,
+            least,
+            most,
+            ..
+        } = error
+        {
+            assert!(row < R && !(value >= least && value <= most));
         }
         Ends::from(["rows"])
     })
