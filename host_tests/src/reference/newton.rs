@@ -2,6 +2,7 @@
 
 use super::ball::{Linear, Unknowns};
 use super::linear::masked_solve;
+use super::spindle::Solver;
 use super::{Failure, Reference};
 use crate::compare::Equilibrium;
 use crate::dispatch::Attitude;
@@ -136,11 +137,10 @@ impl Reference {
     }
 
     /// Linearises all balls at a stage; also the ring force and the largest force about.
-    fn survey(&self, s: &Stage, task: &Task) -> (Vec<Linear>, Vec<Unknowns<f64>>, [f64; 5], f64) {
+    fn survey(&self, s: &Stage, task: &Task) -> (Vec<Linear>, [f64; 5], f64) {
         let mut force = [0.0; 5];
         let mut big = 0.0_f64;
         let mut lin = Vec::with_capacity(s.x.len());
-        let mut ws = Vec::with_capacity(s.x.len());
         for (j, x) in s.x.iter().enumerate() {
             let centre = self.inner_centre(j, &s.u);
             let w = self.unknowns(x, &centre);
@@ -148,26 +148,8 @@ impl Reference {
             self.stations[j].collect(&l.terms.ring.map(|t| t.v), &mut force);
             big = big.max(l.terms.q[0].v).max(l.terms.q[1].v);
             lin.push(l);
-            ws.push(w);
         }
-        (lin, ws, force, big)
-    }
-
-    /// Norm of all imbalances in units of `scale`; infinite where a turning ball is off the outer race.
-    fn imbalance(&self, s: &Stage, task: &Task, scale: f64) -> f64 {
-        let mut force = [0.0; 5];
-        let mut sum = 0.0;
-        for (j, x) in s.x.iter().enumerate() {
-            let centre = self.inner_centre(j, &s.u);
-            let w = self.unknowns(x, &centre);
-            if task.omega != 0.0 && w[3] <= 0.0 {
-                return f64::INFINITY;
-            }
-            let t = self.evaluate(&w, &centre, task.omega, task.attitude);
-            self.stations[j].collect(&t.ring, &mut force);
-            sum += t.balance.iter().map(|b| (b / scale).powi(2)).sum::<f64>();
-        }
-        (sum + self.ring_size(&force, task, scale).powi(2)).sqrt()
+        (lin, force, big)
     }
 
     /// Norm of the ring's imbalance in units of `scale`, moments over the pitch radius.
@@ -192,68 +174,10 @@ impl Reference {
         })
     }
 
-    /// Damped Newton on all balls and the ring together; leaves `s` near enough for [`Self::refine`].
+    /// Damped Newton on all balls and the ring together, as of a shaft with one row; leaves `s` near enough for [`Self::refine`].
     pub(super) fn newton(&self, s: &mut Stage, task: &Task, limit: usize) -> Result<(), Failure> {
-        let length = self.lo.hi + self.li.hi;
-        let mut residual = f64::INFINITY;
-        for _ in 0..limit {
-            if task.omega == 0.0 {
-                // At rest the ball has a closed form.
-                for (j, x) in s.x.iter_mut().enumerate() {
-                    *x = self.resting(&self.inner_centre(j, &s.u));
-                }
-            }
-            let (lin, ws, force, big) = self.survey(s, task);
-            let scale = big.max(self.load_size(task));
-            let size = self.imbalance(s, task, scale);
-            let thin = (scale / self.inner.k.hi.max(self.outer.k.hi)).powf(2.0 / 3.0);
-            let noise = 1e-15 * (1.0 + length / thin) * (s.x.len() as f64);
-            if size <= noise || size < 1e-7 && size > 0.1 * residual {
-                return Ok(());
-            }
-            residual = size;
-            let ball: Vec<[f64; 4]> = lin
-                .iter()
-                .map(|l| [0.0, 0.0, l.terms.balance[0].v, l.terms.balance[1].v])
-                .collect();
-            let ring = from_fn(|k| task.load[k] - force[k]);
-            let dir = self
-                .direction(&lin, &ball, &ring, task, 0.0)
-                .ok_or(Failure::Singular)?;
-            let dx: Vec<[f64; 2]> = ws
-                .iter()
-                .zip(&dir.dw)
-                .map(|(w, dw)| self.centre_change(w, dw))
-                .collect();
-            let mut step = 1.0_f64;
-            loop {
-                let mut trial = Stage {
-                    u: from_fn(|k| s.u[k] + step * dir.du[k]),
-                    x: s.x
-                        .iter()
-                        .zip(&dx)
-                        .map(|(x, d)| [x[0] + step * d[0], x[1] + step * d[1]])
-                        .collect(),
-                };
-                if task.omega == 0.0 {
-                    for (j, x) in trial.x.iter_mut().enumerate() {
-                        *x = self.resting(&self.inner_centre(j, &trial.u));
-                    }
-                }
-                if self.imbalance(&trial, task, scale) <= (1.0 - 1e-4 * step) * size {
-                    *s = trial;
-                    break;
-                }
-                step *= 0.5;
-                if step < 1e-6 {
-                    if size < 1e-7 {
-                        return Ok(());
-                    }
-                    return Err(Failure::Stalled);
-                }
-            }
-        }
-        Err(Failure::Stalled)
+        (s.u, s.x) = Solver::alone(self).near(s.u, &s.x, task, limit)?;
+        Ok(())
     }
 
     /// Newton on the ring with every ball in equilibrium throughout, damped like Levenberg's method:
@@ -263,7 +187,7 @@ impl Reference {
             .or_else(|_| self.place(&s.u, task, &mut s.x, false))?;
         let mut damping = 0.0_f64;
         for _ in 0..limit {
-            let (lin, _, force, big) = self.survey(s, task);
+            let (lin, force, big) = self.survey(s, task);
             let scale = self.load_size(task).max(1e-3 * big);
             let size = self.ring_size(&force, task, scale);
             if size < 1e-5 {
@@ -280,7 +204,7 @@ impl Reference {
                             trial.u[k] += dir.du[k];
                         }
                         self.place(&trial.u, task, &mut trial.x, true).ok()?;
-                        let (_, _, force, _) = self.survey(&trial, task);
+                        let (_, force, _) = self.survey(&trial, task);
                         (self.ring_size(&force, task, scale) < (1.0 - 1e-4) * size).then_some(trial)
                     });
                 if let Some(trial) = better {

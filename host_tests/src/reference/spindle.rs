@@ -17,7 +17,6 @@ use super::ball::{Linear, Station, Unknowns};
 use super::linear::dense_solve;
 use super::{Failure, Reference, Task, ball_state};
 use crate::compare::Equilibrium;
-use crate::dispatch::Attitude;
 use crate::double_double::Dd;
 use crate::spindles::Answer;
 use core::array::from_fn;
@@ -100,13 +99,11 @@ struct State {
     balls: Vec<Vec<[f64; 2]>>,
 }
 
-/// Loads by unknown, displacements in the place of the first ones, speed and rule of attitude.
+/// Loads by unknown, the first ones with those of the task.
 #[derive(Clone)]
 struct Problem {
     load: Vec<f64>,
-    held: [Option<f64>; 5],
-    omega: f64,
-    attitude: Attitude,
+    task: Task,
 }
 
 /// A ball's equations; its Newton step at a ring at rest, and the step's change by `A1, A2`.
@@ -244,17 +241,43 @@ impl Solver {
         })
     }
 
+    /// A bearing as the only row.
+    pub(super) fn alone(bearing: &Reference) -> Self {
+        let lever = bearing.pitch_radius();
+        let row = Mounted {
+            bearing: bearing.clone(),
+            closure: 0.0,
+            map: own(0).collect(),
+        };
+        Self {
+            rows: vec![row],
+            springs: Vec::new(),
+            units: vec![1.0, 1.0, 1.0, lever, lever],
+            load: vec![0.0; 5],
+            spring: None,
+        }
+    }
+
+    /// Ring and ball centres of the only row near their equilibrium, from others.
+    pub(super) fn near(
+        &self,
+        u: [f64; 5],
+        x: &[[f64; 2]],
+        task: &Task,
+        limit: usize,
+    ) -> Result<([f64; 5], Vec<[f64; 2]>), Failure> {
+        let (p, balls) = (u.to_vec(), vec![x.to_vec()]);
+        let problem = self.problem(task);
+        let (found, _) = self.newton(State { p, balls }, &problem, 1e-7, limit)?;
+        Ok((from_fn(|i| found.p[i]), found.balls.concat()))
+    }
+
     fn problem(&self, task: &Task) -> Problem {
         let mut load = self.load.clone();
         for (load, (at_0, held)) in load.iter_mut().zip(task.load.iter().zip(task.held)) {
             *load = if held.is_some() { 0.0 } else { *load + at_0 };
         }
-        Problem {
-            load,
-            held: task.held,
-            omega: task.omega,
-            attitude: task.attitude,
-        }
+        Problem { load, task: *task }
     }
 
     /// Equilibrium that Newton reaches from the answer of another program.
@@ -284,7 +307,7 @@ impl Solver {
         let rows = self.rows.iter().zip(&answer.rows);
         let balls = rows.map(|(row, found)| row.bearing.centres(&found.balls));
         let balls = balls.collect();
-        let (state, linear) = self.newton(State { p, balls }, &problem)?;
+        let (state, linear) = self.newton(State { p, balls }, &problem, 1e-10, 60)?;
         self.report(&state.p, &linear)
     }
 
@@ -317,10 +340,15 @@ impl Solver {
             for (j, (x, station)) in centres.iter().zip(&bearing.stations).enumerate() {
                 let centre = bearing.inner_centre(j, &u);
                 let unknowns = bearing.unknowns(x, &centre);
-                if problem.omega != 0.0 && unknowns[3] <= 0.0 {
+                if problem.task.omega != 0.0 && unknowns[3] <= 0.0 {
                     return None;
                 }
-                let linear = bearing.linearise(&unknowns, &centre, problem.omega, problem.attitude);
+                let linear = bearing.linearise(
+                    &unknowns,
+                    &centre,
+                    problem.task.omega,
+                    problem.task.attitude,
+                );
                 let terms = &linear.terms;
                 let [axial, radial] = terms.balance.map(|balance| balance.v);
                 let (step, by_centre) = linear.solve([0.0, 0.0, axial, radial])?;
@@ -345,7 +373,7 @@ impl Solver {
             }
             balls.push(of_row);
         }
-        for i in (0..5).filter(|i| problem.held[*i].is_some()) {
+        for i in (0..5).filter(|i| problem.task.held[*i].is_some()) {
             (unbalanced[i], condensed[i]) = (0.0, 0.0);
         }
         for ((r, load), unit) in unbalanced.iter().zip(&problem.load).zip(&self.units) {
@@ -370,7 +398,7 @@ impl Solver {
         let lines = at.matrix.iter().zip(&at.right);
         let lines = lines.map(|(line, right)| [&line[..], &[*right]].concat());
         let mut lines: Vec<_> = lines.collect();
-        for i in (0..5).filter(|i| problem.held[*i].is_some()) {
+        for i in (0..5).filter(|i| problem.task.held[*i].is_some()) {
             lines[i].fill(0.0);
             lines[i][i] = 1.0;
         }
@@ -390,37 +418,39 @@ impl Solver {
     }
 
     /// Puts balls in equilibrium: they have a closed form at rest.
-    fn place(&self, state: &mut State, problem: &Problem) -> Option<()> {
+    fn place(&self, state: &mut State, problem: &Problem) -> Result<(), Failure> {
         for (row, centres) in self.rows.iter().zip(&mut state.balls) {
             let u = row.displacement(&state.p);
-            for (j, x) in centres.iter_mut().enumerate() {
-                let centre = row.bearing.inner_centre(j, &u);
-                *x = row
-                    .bearing
-                    .ball_at(&centre, problem.omega, problem.attitude, None)?;
-            }
+            row.bearing.place(&u, &problem.task, centres, false)?;
         }
-        Some(())
+        Ok(())
     }
 
-    /// Newton on everything at once, with shorter steps where the residual does not fall.
-    fn newton(&self, mut state: State, problem: &Problem) -> Result<(State, Linearised), Failure> {
-        let held = state.p.iter_mut().zip(&problem.held);
+    /// Newton on everything at once, with shorter steps where the residual does not fall. It ends where the residual, over
+    /// forces, is rounding, or below `near` and falls no more.
+    fn newton(
+        &self,
+        mut state: State,
+        problem: &Problem,
+        near: f64,
+        limit: usize,
+    ) -> Result<(State, Linearised), Failure> {
+        let held = state.p.iter_mut().zip(&problem.task.held);
         held.for_each(|(p, held)| *p = held.unwrap_or(*p));
         let bearing = &self.rows[0].bearing;
         let (length, contact) = ((bearing.li + bearing.lo).hi, bearing.outer.k.hi);
-        let at_rest = problem.omega == 0.0;
+        let at_rest = problem.task.omega == 0.0;
         if at_rest {
-            self.place(&mut state, problem).ok_or(Failure::Stalled)?;
+            self.place(&mut state, problem)?;
         }
         let mut at = self.linearise(&state, problem).ok_or(Failure::Stalled)?;
         let count = at.balls.iter().flatten().count() as f64;
         let mut last = f64::INFINITY;
-        for _ in 0..60 {
+        for _ in 0..limit {
             let size = at.residual / at.largest;
             // Rounding of lengths, of which deformations are differences.
             let rounding = length / (at.largest / contact).powf(2.0 / 3.0);
-            if size <= 1e-15 * (1.0 + rounding) * count || size < 1e-10 && size > 0.1 * last {
+            if size <= 1e-15 * (1.0 + rounding) * count || size < near && size > 0.1 * last {
                 return Ok((state, at));
             }
             last = size;
@@ -437,14 +467,14 @@ impl Solver {
                     .zip(changes)
                     .for_each(|(x, change)| *x += part * change);
                 if at_rest {
-                    self.place(&mut next, problem)?;
+                    self.place(&mut next, problem).ok()?;
                 }
                 let found = self.linearise(&next, problem)?;
                 (found.residual < (1.0 - 1e-4 * part) * at.residual).then_some((next, found))
             });
             match better {
                 Some(found) => (state, at) = found,
-                None if size < 1e-10 => return Ok((state, at)),
+                None if size < near => return Ok((state, at)),
                 None => break,
             }
         }
@@ -464,7 +494,7 @@ impl Solver {
         };
         // The load that it starts from.
         let mut start = vec![0.0; self.units.len()];
-        let alone = Task::new([0.0; 5], problem.omega, problem.attitude);
+        let alone = Task::new([0.0; 5], problem.task.omega, problem.task.attitude);
         let slides = |row: &&Mounted| row.map.iter().any(|(k, _)| *k == SLEEVE);
         if let (Some(spring), Some(row)) = (self.spring, self.rows.iter().find(slides)) {
             let share = spring / self.rows.iter().filter(slides).count() as f64;
@@ -481,7 +511,7 @@ impl Solver {
             let (share, pressed) = pressed.ok_or(Failure::Stalled)?;
             (state.p[0], start[0]) = (facing * pressed.u[0], facing * share);
         }
-        self.place(&mut state, problem).ok_or(Failure::Stalled)?;
+        self.place(&mut state, problem)?;
         let first = state.p.clone();
         let (mut done, mut stride) = (0.0, 1.0);
         for _ in 0..MOST_STRIDES {
@@ -489,9 +519,9 @@ impl Solver {
             let mut part = problem.clone();
             let loads = part.load.iter_mut().zip(&start);
             loads.for_each(|(load, start)| *load = goal * *load + (1.0 - goal) * start);
-            let held = part.held.iter_mut().zip(&first);
+            let held = part.task.held.iter_mut().zip(&first);
             held.for_each(|(held, p)| *held = held.map(|u| goal * u + (1.0 - goal) * p));
-            match self.newton(state.clone(), &part) {
+            match self.newton(state.clone(), &part, 1e-10, 60) {
                 Ok((found, linear)) => {
                     if goal == 1.0 {
                         return Ok((found, linear));
