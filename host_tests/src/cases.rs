@@ -3,7 +3,7 @@
 use crate::compare::{self, Equilibrium};
 use crate::dispatch::Attitude;
 use crate::reference::{Reference, Task};
-use files::plan::{self, ElasticShaft, Plan, Question};
+use files::plan::{self, ElasticShaft, Plan, Question, ShaftEnd};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use spindle_bearing::{
@@ -161,8 +161,9 @@ fn read<T: DeserializeOwned>(path: &str) -> Vec<T> {
     serde_json::from_str(&text).unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
-/// The file of solved sets; `README.md` beside it says what is in it.
-pub const SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/sets.json");
+/// The files of solved sets, on rigid and on elastic shafts; `README.md` beside them says what is in them.
+const SETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/sets.json");
+const ELASTIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/elastic.json");
 
 /// A solved set of bearings on one shaft.
 #[derive(Debug, Clone)]
@@ -175,10 +176,8 @@ pub struct SolvedSet {
     pub attitude: Attitude,
     /// Load on the shaft, speed and growth.
     pub question: Question,
-    /// Displacement of the shaft at `x = 0`.
-    pub displacement: [f64; 5],
-    /// Stiffness there.
-    pub stiffness: [[f64; 5]; 5],
+    /// The solution at `x = 0`, as far as it is compared: the balls are those of all rows.
+    pub truth: Equilibrium,
     /// Closure that a spring makes, m.
     pub spring_closure: Option<f64>,
     /// The rows.
@@ -201,18 +200,6 @@ pub struct SolvedRow {
     pub balls: Vec<BallState<f64>>,
 }
 
-impl SolvedSet {
-    /// The solution, as far as it is compared: the balls are those of all rows.
-    pub fn truth(&self) -> Equilibrium {
-        let balls = self.rows.iter().flat_map(|row| &row.balls);
-        Equilibrium {
-            displacement: self.displacement,
-            stiffness: self.stiffness,
-            balls: balls.copied().collect(),
-        }
-    }
-}
-
 #[derive(Deserialize)]
 struct SetRow {
     layout: String,
@@ -221,6 +208,8 @@ struct SetRow {
     load: [f64; 5],
     speed_rpm: f64,
     spring_force: Option<f64>,
+    shaft: Option<ElasticRow>,
+    nose: Option<f64>,
     expect: SetExpect,
 }
 
@@ -284,43 +273,62 @@ impl MountedRow {
 
 impl SetRow {
     fn solved(self, name: String) -> SolvedSet {
+        let (expect, rows) = (self.expect, self.rows);
+        let supports = rows.iter().map(|row| row.support);
+        let shaft = self.shaft.map(|shaft| shaft.shaft(supports));
+        let balls = expect.rows.iter().flat_map(|row| &row.balls);
         SolvedSet {
             name,
             plan: Plan {
                 arrangement: arrangement(&self.layout),
                 spring: self.spring_force,
-                ..Plan::of(self.rows.iter().map(MountedRow::row).collect())
+                shaft,
+                ..Plan::of(rows.iter().map(MountedRow::row).collect())
             },
             attitude: self.attitude,
             question: Question {
-                growth: self.rows.iter().map(MountedRow::growth).collect(),
+                growth: rows.iter().map(MountedRow::growth).collect(),
+                ends: self.nose.map(ShaftEnd::rigid).into_iter().collect(),
                 ..Question::load(self.load, rad_per_s(self.speed_rpm))
             },
-            displacement: self.expect.u,
-            stiffness: self.expect.stiffness,
-            spring_closure: self.expect.spring_offset,
-            rows: self.expect.rows,
-            nose: None,
+            truth: Equilibrium {
+                displacement: expect.u,
+                stiffness: expect.stiffness,
+                balls: balls.copied().collect(),
+            },
+            spring_closure: expect.spring_offset,
+            rows: expect.rows,
+            nose: expect.nose,
         }
     }
 }
 
-/// The solved sets.
+/// The solved sets on rigid shafts.
 ///
 /// # Panics
 ///
 /// If the file is not there or is not what it should be.
 pub fn sets() -> Vec<SolvedSet> {
-    let numbered = read::<SetRow>(SETS).into_iter().enumerate();
+    solved_sets(SETS, "set")
+}
+
+/// The solved sets on elastic shafts.
+///
+/// # Panics
+///
+/// If the file is not there or is not what it should be.
+pub fn elastic() -> Vec<SolvedSet> {
+    solved_sets(ELASTIC, "elastic")
+}
+
+fn solved_sets(path: &str, kind: &str) -> Vec<SolvedSet> {
+    let numbered = read::<SetRow>(path).into_iter().enumerate();
     let solved = numbered.map(|(number, set)| {
-        let name = format!("set {number} ({})", set.layout);
+        let name = format!("{kind} {number} ({})", set.layout);
         set.solved(name)
     });
     solved.collect()
 }
-
-/// The file of solved sets on elastic shafts; `README.md` beside it says what is in it.
-pub const ELASTIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/cases/elastic.json");
 
 /// Axial, radial (N/m) and tilting (N m/rad) stiffness that holds an outer ring; none is rigid.
 type SupportRow = [Option<f64>; 3];
@@ -334,31 +342,29 @@ struct ElasticRow {
 }
 
 impl ElasticRow {
-    fn shaft(&self, supports: &[SupportRow]) -> ElasticShaft {
-        let section = |&[from, to, outer, inner]: &[f64; 4]| Section {
+    fn shaft(self, supports: impl Iterator<Item = SupportRow>) -> ElasticShaft {
+        let section = |[from, to, outer, inner]: [f64; 4]| Section {
             from,
             to,
             outer,
             inner,
         };
-        let support = |row: &SupportRow| {
+        let supports = supports.map(|row| {
             let [axial, radial, tilting] = row.map(|k| k.unwrap_or(f64::INFINITY));
             Support {
                 axial,
                 radial,
                 tilting,
             }
-        };
+        });
+        let sections = self.sections.into_iter().map(section);
         ElasticShaft {
             material: Material {
                 youngs_modulus: self.youngs_modulus,
                 poissons_ratio: self.poissons_ratio,
                 ..Material::STEEL
             },
-            ..ElasticShaft::of(
-                self.sections.iter().map(section).collect(),
-                supports.iter().map(support).collect(),
-            )
+            ..ElasticShaft::of(sections.collect(), supports.collect())
         }
     }
 }
@@ -372,33 +378,6 @@ pub struct SolvedNose {
     /// Displacement by force and moment.
     #[serde(rename = "C")]
     pub flexibility: [[f64; 5]; 5],
-}
-
-#[derive(Deserialize)]
-struct ShaftRow {
-    shaft: ElasticRow,
-    nose: f64,
-}
-
-/// The solved sets on elastic shafts.
-///
-/// # Panics
-///
-/// If the file is not there or is not what it should be.
-pub fn elastic() -> Vec<SolvedSet> {
-    let solved = |((number, mut row), on): ((usize, SetRow), ShaftRow)| {
-        let supports: Vec<_> = row.rows.iter().map(|row| row.support).collect();
-        let nose = row.expect.nose.take();
-        let name = format!("elastic {number} ({})", row.layout);
-        let mut set = row.solved(name);
-        set.plan.shaft = Some(on.shaft.shaft(&supports));
-        set.nose = nose;
-        set.question = set.question.at(on.nose);
-        set
-    };
-    // Not flattened: serde_json refuses numbers there, if a program asks it for any precision.
-    let sets = read(ELASTIC).into_iter().enumerate();
-    sets.zip(read(ELASTIC)).map(solved).collect()
 }
 
 /// Pseudo-random numbers (splitmix64), the same everywhere and for ever.

@@ -34,74 +34,69 @@ const NEGLIGIBLE: f64 = 1e-16;
 /// The order of everything that comes in pairs here.
 pub const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
-/// The answer of a solver, or its panic, whose status is `panic`.
-#[derive(Debug)]
-pub struct Answer {
-    /// How the solve ended.
-    pub status: &'static str,
-    /// The figures, where there are any.
-    pub figures: Option<spindles::Answer>,
+/// The answer of a solver, or the status without one; that of a panic is `panic`.
+pub type Answer = Result<spindles::Answer, &'static str>;
+
+fn status(answer: &Answer) -> &'static str {
+    match answer {
+        Ok(figures) => figures.status.name(),
+        Err(status) => status,
+    }
 }
 
-impl Answer {
-    fn equilibrium(&self) -> Option<Equilibrium> {
-        self.figures.as_ref().map(spindles::Answer::equilibrium)
-    }
+/// The balls of all rows, where there are figures.
+fn balls(answer: &Answer) -> Vec<BallState<f64>> {
+    let rows = answer.iter().flat_map(|figures| &figures.rows);
+    rows.flat_map(|row| &row.balls).copied().collect()
+}
 
-    /// The balls of all rows, where there are figures.
-    fn balls(&self) -> Vec<BallState<f64>> {
-        let rows = self.figures.iter().flat_map(|figures| &figures.rows);
-        rows.flat_map(|row| &row.balls).copied().collect()
-    }
+/// Fault that must never be, if the answer to this tick has one. A set may stand without a load.
+fn failure(answer: &Answer, tick: &Tick, is_set: bool) -> Option<&'static str> {
+    let status = status(answer);
+    let is_finite = tick.load.iter().chain([&tick.omega]).all(|x| x.is_finite());
+    // Inputs are checked in their order: one before the input in question may be out of range.
+    let by_input = matches!(status, "not-finite" | "out-of-range");
+    let iterations = answer.as_ref().map_or(0, |figures| figures.iterations);
+    let failures = [
+        (status == "panic", "panic"),
+        (
+            status == "not-finite" && is_finite,
+            "finite input refused as not finite",
+        ),
+        (
+            !by_input && !is_finite,
+            "input that is not finite was not refused",
+        ),
+        (
+            !by_input && !is_set && status != "unloaded" && tick.load == [0.0; 5],
+            "no load, and not refused as such",
+        ),
+        (
+            answer.is_ok() && !is_solution(status),
+            "figures of a status that is no answer",
+        ),
+        (
+            iterations > MOST_ITERATIONS,
+            "more iterations than the limit",
+        ),
+        (!are_finite(answer), "a figure is not a finite number"),
+    ];
+    failures
+        .into_iter()
+        .find_map(|(is_so, text)| is_so.then_some(text))
+}
 
-    /// Fault that must never be, if the answer to this tick has one. A set may stand without a load.
-    fn failure(&self, tick: &Tick, is_set: bool) -> Option<&'static str> {
-        let status = self.status;
-        let is_finite = tick.load.iter().chain([&tick.omega]).all(|x| x.is_finite());
-        // Inputs are checked in their order: one before the input in question may be out of range.
-        let by_input = matches!(status, "not-finite" | "out-of-range");
-        let iterations = self.figures.as_ref().map(|figures| figures.iterations);
-        let failures = [
-            (status == "panic", "panic"),
-            (
-                status == "not-finite" && is_finite,
-                "finite input refused as not finite",
-            ),
-            (
-                !by_input && !is_finite,
-                "input that is not finite was not refused",
-            ),
-            (
-                !by_input && !is_set && status != "unloaded" && tick.load == [0.0; 5],
-                "no load, and not refused as such",
-            ),
-            (
-                iterations.is_some() && !is_solution(status),
-                "figures of a status that is no answer",
-            ),
-            (
-                iterations.is_some_and(|iterations| iterations > MOST_ITERATIONS),
-                "more iterations than the limit",
-            ),
-            (!self.is_finite(), "a figure is not a finite number"),
-        ];
-        failures
-            .into_iter()
-            .find_map(|(is_so, text)| is_so.then_some(text))
-    }
-
-    fn is_finite(&self) -> bool {
-        let of_ring = self.figures.iter().flat_map(|figures| {
-            let stiffness = figures.stiffness.as_flattened().iter();
-            stiffness.chain(&figures.displacement).copied()
-        });
-        let of_balls = self.balls().into_iter().flat_map(|b| {
-            let contacts = [b.alpha_i, b.alpha_o, b.q_i, b.q_o, b.delta_i, b.delta_o];
-            let rest = [b.azimuth, b.centrifugal_force, b.gyroscopic_moment];
-            contacts.into_iter().chain(rest)
-        });
-        of_ring.chain(of_balls).all(f64::is_finite)
-    }
+fn are_finite(answer: &Answer) -> bool {
+    let of_ring = answer.iter().flat_map(|figures| {
+        let stiffness = figures.stiffness.as_flattened().iter();
+        stiffness.chain(&figures.displacement).copied()
+    });
+    let of_balls = balls(answer).into_iter().flat_map(|b| {
+        let contacts = [b.alpha_i, b.alpha_o, b.q_i, b.q_o, b.delta_i, b.delta_o];
+        let rest = [b.azimuth, b.centrifugal_force, b.gyroscopic_moment];
+        contacts.into_iter().chain(rest)
+    });
+    of_ring.chain(of_balls).all(f64::is_finite)
 }
 
 /// Whether a status says that there is a solution.
@@ -203,16 +198,14 @@ fn answers(trial: &Trial, precision: Precision) -> Vec<Answer> {
                 ..Question::load(tick.load, tick.omega)
             };
             let solve = AssertUnwindSafe(|| solver.solve(&question));
-            let (status, figures) = match catch_unwind(solve) {
-                Ok(Ok(figures)) => (figures.status.name(), Some(figures)),
-                Ok(Err(status)) => (status.name(), None),
+            match catch_unwind(solve) {
+                Ok(answer) => answer.map_err(|status| status.name()),
                 Err(_) => {
                     // A panic may leave the solver in any state.
                     solver.reset();
-                    ("panic", None)
+                    Err("panic")
                 }
-            };
-            Answer { status, figures }
+            }
         };
         trial.ticks.iter().map(&mut solve).collect()
     })
@@ -235,8 +228,8 @@ fn task(trial: &Trial, tick: &Tick, omega: f64) -> Task {
 
 /// The equilibrium that the reference build reaches from an answer.
 fn polished(trial: &Trial, tick: &Tick, answer: &Answer) -> Option<Equilibrium> {
-    let figures = answer.figures.as_ref()?;
-    let (u, balls) = (figures.displacement, answer.balls());
+    let figures = answer.as_ref().ok()?;
+    let (u, balls) = (figures.displacement, balls(answer));
     let centres = trial.reference.centres(&balls);
     let near = |omega| {
         let task = task(trial, tick, omega);
@@ -334,21 +327,21 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
     let ticks = PRECISIONS.map(|precision| seen(&trial.ticks[number], precision));
     let same = ticks[0] == ticks[1];
     let mut records = [0, 1].map(|p| {
-        let figures = answers[p].figures.as_ref();
-        let failure = answers[p].failure(&ticks[p], trial.set.is_some());
+        let figures = answers[p].as_ref().ok();
+        let failure = failure(&answers[p], &ticks[p], trial.set.is_some());
         Record {
             family: trial.family,
             index: trial.index,
             tick: number,
             precision: PRECISIONS[p],
-            status: answers[p].status,
+            status: status(&answers[p]),
             iterations: figures.map(|f| f.iterations),
             verdict: failure.map_or(Verdict::Undecided, Verdict::Failed),
             errors: None,
             estimate: figures.map(|f| f.error),
             residual: figures
                 .filter(|_| trial.set.is_none())
-                .map(|_| residual(trial, &ticks[p], &answers[p].balls())),
+                .map(|_| residual(trial, &ticks[p], &balls(&answers[p]))),
             from_rest: None,
         }
     });
@@ -360,8 +353,10 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
 
     // Double precision first: its equilibrium is the truth of both.
     for p in [1, 0] {
-        let (Verdict::Undecided, Some(found)) = (records[p].verdict, answers[p].equilibrium())
-        else {
+        let (Verdict::Undecided, Ok(found)) = (
+            records[p].verdict,
+            answers[p].as_ref().map(spindles::Answer::equilibrium),
+        ) else {
             continue;
         };
         let shared = truths[1].clone().filter(|_| same);

@@ -24,7 +24,7 @@ fn rows_of_solved_sets_have_their_loads_and_displacements() {
             }
             judged += 1;
             let design = &row.design;
-            let displacement = displacement_of(row, set.displacement, set.spring_closure);
+            let displacement = displacement_of(row, set.truth.displacement, set.spring_closure);
             let mut solver = solver(design, row.balls, Precision::F64, set.attitude.into());
             let mut ask = |question: Question| solver.answer(&question.clone().grown(*growth));
             let by_load = ask(Question::load(solved.load, omega));

@@ -30,7 +30,10 @@ fn clamped_by(row: &Row) -> Option<f64> {
 /// displacement at all.
 fn size(set: &SolvedSet) -> f64 {
     let closures = set.plan.rows.iter().filter_map(clamped_by);
-    let moved = solves::size(set.displacement, solves::lengths(&set.plan.rows[0].design));
+    let moved = solves::size(
+        set.truth.displacement,
+        solves::lengths(&set.plan.rows[0].design),
+    );
     worse(moved, largest(closures.chain(set.spring_closure)))
 }
 
@@ -42,8 +45,8 @@ fn errors(mut found: Equilibrium, set: &SolvedSet) -> Errors {
             (ball.centrifugal_force, ball.gyroscopic_moment) = (0.0, 0.0);
         }
     }
-    let (design, truth) = (&set.plan.rows[0].design, set.truth());
-    let mut errors = found.errors(&truth, design);
+    let (design, truth) = (&set.plan.rows[0].design, &set.truth);
+    let mut errors = found.errors(truth, design);
     errors.displacement *= truth.largest_displacement(0.5 * design.pitch_diameter) / size(set);
     errors
 }
