@@ -122,23 +122,20 @@ fn disc([a, b]: [f64; 2], omega: f64, mut u: f64, mut slope: f64) -> (f64, [f64;
     let pull = (1.0 - nu * nu) * ring.density * omega * omega / ring.youngs_modulus;
     let stress =
         |r: f64, u: f64, slope: f64| ring.youngs_modulus / (1.0 - nu * nu) * (slope + nu * u / r);
-    let curvature = |r: f64, u: f64, slope: f64| u / (r * r) - slope / r - pull * r;
+    let change = |r: f64, [u, slope]: [f64; 2]| [slope, u / (r * r) - slope / r - pull * r];
     let at_bore = stress(a, u, slope);
     let h = (b - a) / f64::from(STEPS);
     for step in 0..STEPS {
         let r = a + h * f64::from(step);
-        let (k1, l1) = (slope, curvature(r, u, slope));
-        let (k2, l2) = (
-            slope + 0.5 * h * l1,
-            curvature(r + 0.5 * h, u + 0.5 * h * k1, slope + 0.5 * h * l1),
-        );
-        let (k3, l3) = (
-            slope + 0.5 * h * l2,
-            curvature(r + 0.5 * h, u + 0.5 * h * k2, slope + 0.5 * h * l2),
-        );
-        let (k4, l4) = (slope + h * l3, curvature(r + h, u + h * k3, slope + h * l3));
-        u += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-        slope += h / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
+        let at = |part: f64, k: [f64; 2]| {
+            change(r + part * h, [u + part * h * k[0], slope + part * h * k[1]])
+        };
+        let k1 = at(0.0, [0.0; 2]);
+        let k2 = at(0.5, k1);
+        let k3 = at(0.5, k2);
+        let k4 = at(1.0, k3);
+        let mean = |i: usize| (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]) / 6.0;
+        (u, slope) = (u + h * mean(0), slope + h * mean(1));
     }
     (u, [at_bore, stress(b, u, slope)])
 }
