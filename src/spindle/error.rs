@@ -204,14 +204,14 @@ fn out_of_range<T: Real>(
     value: T,
     [least, most]: [T; 2],
 ) -> fmt::Result {
-    write!(f, "{quantity} is {value:e}, but must be ")?;
+    write!(f, "{quantity} is {value}, but must be ")?;
     if !most.is_finite() {
-        write!(f, "{least:e} at least")
+        write!(f, "{least} at least")
     } else if least == -most {
-        write!(f, "at most {most:e} in magnitude")
+        write!(f, "at most {most} in magnitude")
     } else if least == T::TINY {
-        write!(f, "above 0, and at most {most:e}")
+        write!(f, "above 0, and at most {most}")
     } else {
-        write!(f, "{least:e} to {most:e}")
+        write!(f, "{least} to {most}")
     }
 }

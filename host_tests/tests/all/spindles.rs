@@ -840,7 +840,7 @@ fn rows_that_are_no_such_set_are_refused() {
         ),
         (
             called([(0.0, '+'), (f64::NAN, '-')], BackToBack),
-            "row 1: position of the row (m) is NaN",
+            "row 1: `position_mm` is NaN, but must lie within",
         ),
         (
             called([(0.0, '+'), (1e9, '-')], BackToBack),
@@ -850,7 +850,10 @@ fn rows_that_are_no_such_set_are_refused() {
             called([(1e9, '+'), (1e9 + 0.1, '-')], BackToBack),
             "row 0: `position_mm` is 1000000000000, but must lie within",
         ),
-        (held(Preload::Force(-1.0)), "row 0 is preloaded by -1 N"),
+        (
+            held(Preload::Force(-1.0)),
+            "row 0: preload force of the pair (N) is -1, but must be above 0",
+        ),
         (
             held(Preload::Closure(f64::INFINITY)),
             "row 0: closure e of the row (m) is inf",
@@ -863,7 +866,7 @@ fn rows_that_are_no_such_set_are_refused() {
         (with_spring(sprung(), None), "but there is no spring"),
         (
             with_spring(sprung(), Some(0.0)),
-            "row 2 is preloaded by 0 N",
+            "row 2: force of the spring (N) is 0, but must be above 0",
         ),
         (
             with_spring(sprung(), Some(f64::NAN)),

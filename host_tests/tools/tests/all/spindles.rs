@@ -110,7 +110,7 @@ fn what_is_wrong_with_a_spindle_file_is_said_with_its_place() {
     let bearing = r#"bearing = "../bearings/7014c.toml""#;
     changed(bearing, r#"bearing = "none.toml""#, "line 8, column 11: ");
     changed(bearing, "", "this row lacks `bearing`");
-    let reason = "row 0 is preloaded by -1 N: give a positive force";
+    let reason = "row 0: preload force of the pair (N) is -1, but must be above 0";
     changed("preload_n = 294", "preload_n = -1", reason);
     let reason = "no column t_inner_c: add it, or give --t_inner; no column t_outer_c: add it";
     changed("[nose]", "[heat]\nreference_c = 20\n[nose]", reason);
