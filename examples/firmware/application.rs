@@ -45,7 +45,7 @@ pub fn run() -> ! {
     }
 }
 
-/// Keeps learnt data over a power cycle, where the board has a memory for them.
+/// Keeps life and alarms over a power cycle, where the board has a memory for them.
 struct Keeper {
     store: Option<Store<Memory>>,
     /// Cycles of the core that a step may take.
@@ -67,16 +67,15 @@ impl Keeper {
     fn start(memory: Option<Memory>, cause: ResetCause, core_hz: u32) -> (Self, Past) {
         let (store, past) = match memory {
             None => {
-                defmt::warn!("no flash to write: what is learnt is lost with the power");
+                defmt::warn!("no flash to write: life and alarms are lost with the power");
                 (None, Past::without_memory(cause))
             }
             Some(memory) => {
                 let (store, past) = recall(memory, cause);
                 let report = store.report();
                 defmt::info!(
-                    "start {=u32}, kept over the power cycle: baseline {=str}, life {=str}, alarms {=str}, {=u16} damaged pieces",
+                    "start {=u32}, kept over the power cycle: life {=str}, alarms {=str}, {=u16} damaged pieces",
                     past.start.boots,
-                    report.baseline.name(),
                     report.life.name(),
                     past.alarms.name(),
                     report.damaged

@@ -81,8 +81,6 @@ const fn of_a_pair(settings: &mut MonitorSettings<ROWS>) {
     settings.plausibility.load_rate = [6.6e5, 6.6e5, 6.6e5, 3.3e4, 3.3e4];
     // What is beyond that range has no estimate, but an alarm.
     settings.judgement.overload = [1700.0, 1700.0, 1700.0, 85.0, 85.0];
-    settings.judgement.baseline.idle_axial = [-60.0, 60.0];
-    settings.judgement.baseline.idle_moment = 2.0;
 }
 
 /// Loads on the bearing itself.
@@ -104,10 +102,10 @@ const _: () = match MONITOR.check() {
     Err(error) => panic!("{}", error.field),
 };
 
-/// Whose baseline and life are kept over a power cycle: another bearing, or other bands, do not take them.
+/// Whose life and alarms are kept over a power cycle: another spindle does not take them.
 #[allow(dead_code, reason = "the boards'")]
 pub const IDENTITY: Identity = {
-    let first = Identity::new(&DESIGN, BALLS, &MONITOR.judgement.baseline);
+    let first = Identity::new(&DESIGN, BALLS);
     if ROWS == 1 {
         first
     } else {

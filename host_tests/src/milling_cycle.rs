@@ -52,7 +52,7 @@ const LENGTH_MS: u32 = 20_000;
 pub const CRASH: [f64; 2] = [9.3, 9.395];
 
 /// The time in which the tool drills, s.
-pub const DRILLING: [f64; 2] = [5.6, 6.8];
+const DRILLING: [f64; 2] = [5.6, 6.8];
 
 /// Speed of a spindle that carries nothing, `(s, rpm)`; between these points it changes smoothly.
 /// Rates of teeth are no multiples or simple fractions of the rates of ticks and of telemetry. So

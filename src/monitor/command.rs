@@ -14,8 +14,8 @@
 //!   long under way, is out of date.
 //! - **Repeats.** A host that hears no answer sends the very request again. Where only the answer was lost, the board
 //!   gives it again.
-//! - **State of the spindle.** Learning starts on the idling spindle alone, and a bearing is replaced at a standstill. An
-//!   acknowledgement names the occurrence that somebody has seen, and is none of a later one.
+//! - **State of the spindle.** A bearing is replaced at a standstill. An acknowledgement names the occurrence that
+//!   somebody has seen, and is none of a later one.
 //!
 //! # Who is trusted
 //!
@@ -59,9 +59,7 @@ pub enum Order {
         /// How often it had been raised ([`AlarmReport::raised`](super::telemetry::AlarmReport::raised)).
         raised: u32,
     },
-    /// From now on (or no longer), learn the baseline of the stiffness.
-    Learn(bool),
-    /// The bearing was replaced by a new one of the same design: baseline and life used are forgotten.
+    /// The bearing was replaced by a new one of the same design: the life used is forgotten.
     ReplaceBearing,
 }
 
@@ -154,27 +152,18 @@ pub enum AnswerCode {
     NotAuthentic,
     /// The shaft turns, or it is not known whether it does.
     NotAtStandstill,
-    /// The spindle does not idle, or has no fresh estimate.
-    NotIdling,
     /// The alarm does not stand, or was raised again since.
     NoSuchOccurrence,
-    /// Too few estimates were learnt for any band of speed; the old baseline is kept.
-    TooLittleLearnt,
-    /// The learnt baseline cannot be the same bearing's; the old baseline is kept.
-    Implausible,
 }
 
 impl AnswerCode {
     /// All of them, in the order of the format.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 5] = [
         Self::Done,
         Self::OutOfDate,
         Self::NotAuthentic,
         Self::NotAtStandstill,
-        Self::NotIdling,
         Self::NoSuchOccurrence,
-        Self::TooLittleLearnt,
-        Self::Implausible,
     ];
 
     /// Short name in lower case, as tables print it.
@@ -184,10 +173,7 @@ impl AnswerCode {
             Self::OutOfDate => "out-of-date",
             Self::NotAuthentic => "not-authentic",
             Self::NotAtStandstill => "not-at-standstill",
-            Self::NotIdling => "not-idling",
             Self::NoSuchOccurrence => "no-such-occurrence",
-            Self::TooLittleLearnt => "too-little-learnt",
-            Self::Implausible => "implausible",
         }
     }
 }
@@ -343,14 +329,7 @@ mod tests {
                 })
             })
             .into();
-        all.extend(
-            [
-                Order::Learn(true),
-                Order::Learn(false),
-                Order::ReplaceBearing,
-            ]
-            .map(ask),
-        );
+        all.push(ask(Order::ReplaceBearing));
         all.extend([0, 1, 127, 128, 46, u16::MAX].map(Command::Tick));
         all
     }
@@ -396,6 +375,11 @@ mod tests {
         assert_eq!(read, sent);
     }
 
+    const SLIP: Order = Order::Acknowledge {
+        alarm: Alarm::Slip,
+        raised: 1,
+    };
+
     /// An order that is carried out leaves a mark in a count.
     fn answer(desk: &mut Desk, count: &mut u32, request: Request) -> (AnswerCode, u32) {
         let answer = desk.answer(&request, |_| {
@@ -416,12 +400,12 @@ mod tests {
             ..Desk::NEW
         };
         let mut count = 0;
-        let first = Request::new(1, u32::MAX, Order::Learn(true), None);
+        let first = Request::new(1, u32::MAX, Order::ReplaceBearing, None);
         for _ in 0..3 {
             assert_eq!(answer(&mut desk, &mut count, first), (AnswerCode::Done, 0));
         }
         assert_eq!(count, 1);
-        let second = Request::new(2, 0, Order::Learn(false), None);
+        let second = Request::new(2, 0, SLIP, None);
         assert_eq!(answer(&mut desk, &mut count, second), (AnswerCode::Done, 1));
         // Recorded, and played again.
         assert_eq!(
@@ -437,7 +421,7 @@ mod tests {
         let first = Request::new(
             1,
             Desk::NEW.after_starts(1).nonce(),
-            Order::Learn(true),
+            Order::ReplaceBearing,
             None,
         );
         for boots in [2, 3, u32::MAX] {
@@ -475,7 +459,7 @@ mod tests {
         }
         // The tag belongs to this order alone.
         let other = Request {
-            order: Order::Learn(true),
+            order: SLIP,
             ..good
         };
         assert_eq!(

@@ -1,4 +1,4 @@
-//! Judgement of estimates: limits, a baseline, a slow trend, and alarms that latch.
+//! Judgement of estimates: limits, and alarms that latch.
 //!
 //! - **Alarm.** A condition begins where a level reaches `raise`, and ends where it has fallen to `clear`
 //!   ([`Threshold`]). Its time is added up; time without it is taken off at a quarter of the rate. A condition that comes
@@ -6,21 +6,9 @@
 //!   raised when the sum reaches the hold time, or when the level reaches `at_once`. When the sum has run off, the
 //!   condition is gone, but the alarm stays latched until somebody acknowledges it. A level that is not known changes
 //!   nothing, and the time without one counts for neither.
-//! - **Baseline.** Stiffness depends on load and speed, so that only like can be compared with like. The *idling*
-//!   spindle is compared (all five loads within bounds, as between cuts), within a band of
-//!   speed ([`Baseline`]). The stiffness is computed from loads, speed and temperatures: there, heat and a drift of the
-//!   sensors change it. Wear, a loosened nut or a lost spacer do not, since no input has them. The baseline is learnt on
-//!   the good spindle: the mean diagonal of the stiffness in every band. The loss is the largest of any element, over
-//!   the baseline.
-//! - **Trend.** Stiffness is lost slowly. Means of the idling stiffness over the baseline, one for each span of
-//!   time, are kept ([`Trend`]). The least-squares line through them tells the loss to be expected some time
-//!   ahead. If the slope is below 0 by three of its standard errors, that loss is held against its limit. So
-//!   [`Alarm::StiffnessTrend`] is raised before [`Alarm::StiffnessLoss`] comes.
 //! - **Preload.** Rows that face each other hold each other with a preload, which heat and speed change. The solve knows it
 //!   row by row. The smallest and the largest preload are held against the preload of the mounted spindle.
 
-use super::baseline::{Baseline, BaselineSettings};
-use super::learning::{Learning, LearningReport};
 use super::plausibility::seconds;
 use crate::real::Float;
 use core::fmt;
@@ -46,11 +34,6 @@ pub enum Alarm {
     PreloadLoss,
     /// Measured loads, doubted or not, over the loads allowed: the largest of five parts of 1.
     Overload,
-    /// Stiffness lost against the baseline: part of 1, of the element that has lost most.
-    StiffnessLoss,
-    /// Stiffness that sinks slowly: the loss to be expected at the end of the time that the trend is
-    /// looked ahead, part of 1.
-    StiffnessTrend,
     /// Rating life used up, part of 1.
     LifeUsed,
     /// Samples have been doubted for a time: seconds since the last good one.
@@ -67,7 +50,7 @@ pub enum Alarm {
 
 impl Alarm {
     /// How many there are.
-    pub const COUNT: usize = 15;
+    pub const COUNT: usize = 13;
 
     /// All alarms, the most serious first.
     pub const ALL: [Self; Self::COUNT] = [
@@ -78,8 +61,6 @@ impl Alarm {
         Self::PreloadGrowth,
         Self::PreloadLoss,
         Self::Overload,
-        Self::StiffnessLoss,
-        Self::StiffnessTrend,
         Self::LifeUsed,
         Self::Sensor,
         Self::Temperature,
@@ -96,10 +77,8 @@ impl Alarm {
             Self::Slip => "slip",
             Self::UnloadedBalls => "unloaded-balls",
             Self::Overload => "overload",
-            Self::StiffnessLoss => "stiffness-loss",
             Self::PreloadGrowth => "preload-growth",
             Self::PreloadLoss => "preload-loss",
-            Self::StiffnessTrend => "stiffness-trend",
             Self::Temperature => "temperature",
             Self::LifeUsed => "life-used",
             Self::Sensor => "sensor",
@@ -119,8 +98,6 @@ impl Alarm {
             | Self::PreloadGrowth
             | Self::PreloadLoss
             | Self::Overload
-            | Self::StiffnessLoss
-            | Self::StiffnessTrend
             | Self::LifeUsed
             | Self::Availability
             | Self::Deadline => "",
@@ -353,122 +330,7 @@ impl AlarmMachine {
     }
 }
 
-/// Means that the trend is made of.
-pub const TREND_SPANS: usize = 32;
-
-/// How the trend is taken.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct TrendSettings {
-    /// Length of a span, us: one mean each.
-    pub span_us: u64,
-    /// Estimates of an idling spindle that a span's mean takes to count.
-    pub least_estimates: u32,
-    /// Spans that a line takes, at least 3, at most [`TREND_SPANS`].
-    pub least_spans: u16,
-    /// How far the line is carried on, s.
-    pub ahead: f32,
-}
-
-/// A slow change, by its means over spans of time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Trend {
-    /// Means and their times, the oldest first once it is full.
-    spans: [(u64, f32); TREND_SPANS],
-    next: usize,
-    filled: usize,
-    begin_us: u64,
-    mean: f32,
-    count: u32,
-}
-
-impl Default for Trend {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
-impl Trend {
-    /// Without a past.
-    pub const EMPTY: Self = Self {
-        spans: [(0, 0.0); TREND_SPANS],
-        next: 0,
-        filled: 0,
-        begin_us: 0,
-        mean: 0.0,
-        count: 0,
-    };
-
-    /// Takes in a ratio. At the end of a span, returns the loss to be expected: 0 if there is no slope
-    /// down beyond doubt.
-    pub fn add(&mut self, time_us: u64, ratio: f32, settings: &TrendSettings) -> Option<f32> {
-        let mut expected = None;
-        let over = time_us.saturating_sub(self.begin_us) >= settings.span_us;
-        if over && self.count > 0 {
-            // A span with too little in it is left out.
-            if self.count >= settings.least_estimates {
-                let middle = self.begin_us + time_us.saturating_sub(self.begin_us) / 2;
-                if let Some(span) = self.spans.get_mut(self.next) {
-                    *span = (middle, self.mean);
-                }
-                self.next = (self.next + 1) % TREND_SPANS;
-                self.filled = (self.filled + 1).min(TREND_SPANS);
-                expected = self.expected(time_us, settings);
-            }
-            self.count = 0;
-        }
-        if self.count == 0 {
-            self.begin_us = time_us;
-            self.mean = 0.0;
-        }
-        self.count = self.count.saturating_add(1);
-        self.mean += (ratio - self.mean) / self.count as f32;
-        expected
-    }
-
-    /// The loss to be expected `ahead` of this time, if there are enough spans.
-    fn expected(&self, time_us: u64, settings: &TrendSettings) -> Option<f32> {
-        if self.filled < usize::from(settings.least_spans.max(3)) {
-            return None;
-        }
-        let spans = self.spans.get(..self.filled)?;
-        let n = self.filled as f32;
-        // Times before now, so that a float holds them.
-        let point = |(at, y): &(u64, f32)| (-seconds_long(*at, time_us), *y);
-        let (mut x_mean, mut y_mean) = (0.0, 0.0);
-        for (x, y) in spans.iter().map(point) {
-            x_mean += x / n;
-            y_mean += y / n;
-        }
-        let (mut sxx, mut sxy, mut syy) = (0.0, 0.0, 0.0);
-        for (x, y) in spans.iter().map(point) {
-            let (dx, dy) = (x - x_mean, y - y_mean);
-            sxx += dx * dx;
-            sxy += dx * dy;
-            syy += dy * dy;
-        }
-        if !(sxx > 0.0) {
-            return None;
-        }
-        let slope = sxy / sxx;
-        let rest = (syy - slope * sxy).max(0.0) / (n - 2.0);
-        let error = crate::sqrt::sqrt_f32(rest / sxx);
-        if slope + 3.0 * error >= 0.0 {
-            return Some(0.0);
-        }
-        let then = y_mean + slope * (settings.ahead - x_mean);
-        Some(1.0 - then)
-    }
-}
-
-/// Seconds between two times that may be months apart.
-fn seconds_long(from: u64, to: u64) -> f32 {
-    // Milliseconds first: a float has no more digits.
-    let ms = to.saturating_sub(from) / 1000;
-    ms.min(u32::MAX.into()) as u32 as f32 * 1e-3
-}
-
-/// Thresholds of all alarms; the baseline and the trend.
+/// Thresholds of all alarms, and the figures that they are held against.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct JudgementSettings {
@@ -478,10 +340,6 @@ pub struct JudgementSettings {
     pub overload: [f32; 5],
     /// Preload of the mounted spindle, cold and at rest, N; 0 for none that would be watched.
     pub preload: f32,
-    /// The baseline.
-    pub baseline: BaselineSettings,
-    /// The trend.
-    pub trend: TrendSettings,
 }
 
 impl JudgementSettings {
@@ -505,12 +363,6 @@ pub struct Findings {
     pub unloaded: Level,
     /// Smallest and largest preload of a row, N; none of rows that do not hold each other.
     pub preload: Option<[f32; 2]>,
-    /// Loads, N, N m.
-    pub load: [f32; 5],
-    /// Speed, rad/s.
-    pub speed: f32,
-    /// Diagonal of the stiffness.
-    pub stiffness: [f32; 5],
 }
 
 /// An alarm that changed.
@@ -526,16 +378,10 @@ pub struct Change {
 /// The changes of one tick. Each alarm changes once a tick at most.
 pub type Changes = heapless::Vec<Change, { Alarm::COUNT }>;
 
-/// All alarms, the baseline and the trend.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// All alarms.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Judgement {
     alarms: [AlarmMachine; Alarm::COUNT],
-    baseline: Baseline,
-    /// Baseline that is being learnt, and how the last learning ended.
-    shadow: Option<Baseline>,
-    learning: LearningReport,
-    learnt: u32,
-    trend: Trend,
     /// Alarms raised and cleared so far.
     raised: u64,
     cleared: u64,
@@ -545,22 +391,6 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// Without a past, against a baseline that was kept ([`Baseline::EMPTY`] for none).
-    pub fn new(baseline: Baseline) -> Self {
-        Self {
-            alarms: [AlarmMachine::default(); Alarm::COUNT],
-            baseline,
-            shadow: None,
-            learning: LearningReport::default(),
-            learnt: 0,
-            trend: Trend::EMPTY,
-            raised: 0,
-            cleared: 0,
-            late: [0; 2],
-            second_us: 0,
-        }
-    }
-
     /// One alarm.
     pub fn alarm(&self, alarm: Alarm) -> &AlarmMachine {
         // As many as there are names.
@@ -590,62 +420,6 @@ impl Judgement {
     /// Alarms raised and cleared so far.
     pub const fn counts(&self) -> (u64, u64) {
         (self.raised, self.cleared)
-    }
-
-    /// The baseline, to be kept over a power cycle.
-    pub const fn baseline(&self) -> &Baseline {
-        &self.baseline
-    }
-
-    /// Begins to learn a new baseline, aside: stiffness is held against the old one meanwhile. Where that is going on, it
-    /// goes on.
-    pub fn start_learning(&mut self) {
-        self.shadow.get_or_insert(Baseline::EMPTY);
-    }
-
-    /// Ends the learning. From now on stiffness is held against the learnt baseline, if it is enough and
-    /// plausible; else the old baseline stays.
-    pub fn stop_learning(&mut self, settings: &JudgementSettings) -> Learning {
-        let Some(shadow) = self.shadow.take() else {
-            return self.learning.state;
-        };
-        let most = settings.of(Alarm::StiffnessLoss).clear;
-        let settings = &settings.baseline;
-        let state = self.baseline.take_over(&shadow, most, settings);
-        if state == Learning::Taken {
-            self.trend = Trend::EMPTY;
-            self.learnt = self.learnt.wrapping_add(1);
-        }
-        self.learning = LearningReport {
-            state,
-            bands: shadow.bands(settings),
-        };
-        state
-    }
-
-    /// Where the learning stands.
-    pub fn learning(&self, settings: &BaselineSettings) -> LearningReport {
-        let Some(shadow) = &self.shadow else {
-            return self.learning;
-        };
-        LearningReport {
-            state: Learning::Running,
-            bands: shadow.bands(settings),
-        }
-    }
-
-    /// Forgets the baseline, as another bearing's, until the next one is learnt.
-    pub fn forget_baseline(&mut self) {
-        self.baseline = Baseline::EMPTY;
-        self.trend = Trend::EMPTY;
-        self.shadow = None;
-        self.learning = LearningReport::default();
-        self.learnt = self.learnt.wrapping_add(1);
-    }
-
-    /// How often there was another baseline to be kept, learnt or forgotten; wraps.
-    pub const fn learnt(&self) -> u32 {
-        self.learnt
     }
 
     /// Holds a level against an alarm's threshold.
@@ -696,29 +470,6 @@ impl Judgement {
             ] {
                 self.level(time_us, alarm, Level::of(value), settings, changes);
             }
-        }
-        let Findings {
-            load,
-            speed,
-            stiffness,
-            ..
-        } = findings;
-        if let Some(shadow) = &mut self.shadow {
-            shadow.learn(&settings.baseline, load, *speed, stiffness);
-        }
-        let Some(ratio) = self
-            .baseline
-            .ratio(&settings.baseline, load, *speed, stiffness)
-        else {
-            return;
-        };
-        let least = ratio.iter().fold(f32::INFINITY, |least, r| least.min(*r));
-        let loss = Level::of(1.0 - least);
-        self.level(time_us, Alarm::StiffnessLoss, loss, settings, changes);
-        let mean = ratio.iter().sum::<f32>() / ratio.len() as f32;
-        if let Some(expected) = self.trend.add(time_us, mean, &settings.trend) {
-            let level = Level::of(expected);
-            self.level(time_us, Alarm::StiffnessTrend, level, settings, changes);
         }
     }
 
@@ -771,7 +522,6 @@ impl Judgement {
 
 #[cfg(test)]
 mod tests {
-    use super::super::baseline::BANDS;
     use super::*;
     use std::vec::Vec;
 
@@ -853,122 +603,5 @@ mod tests {
         a.update(6, Level::of(0.0), &threshold);
         assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
         assert_eq!(a.state(), AlarmState::Clear);
-    }
-
-    const BASELINE: BaselineSettings = BaselineSettings {
-        band_width: 100.0,
-        idle_axial: [0.0, 500.0],
-        idle_radial: 50.0,
-        idle_moment: 0.5,
-        least_estimates: 3,
-    };
-    const IDLE: [f32; 5] = [400.0, 30.0, -30.0, 0.3, 0.3];
-
-    #[test]
-    fn stiffness_is_compared_in_its_band_and_idling_only() {
-        let mut baseline = Baseline::EMPTY;
-        for k in [0.9e8, 1.0e8, 1.1e8] {
-            baseline.learn(&BASELINE, &IDLE, -250.0, &[k; 5]);
-            baseline.learn(&BASELINE, &[0.0, 60.0, 0.0, 0.0, 0.0], 250.0, &[9e9; 5]);
-            baseline.learn(&BASELINE, &IDLE, 250.0, &[f32::NAN; 5]);
-        }
-        let now = [1e8, 1e8, 0.8e8, 1e8, 1.2e8];
-        let ratio = baseline.ratio(&BASELINE, &IDLE, 299.0, &now).unwrap();
-        for (ratio, expected) in ratio.iter().zip([1.0, 1.0, 0.8, 1.0, 1.2]) {
-            assert!((ratio - expected).abs() < 1e-6);
-        }
-        assert_eq!(baseline.ratio(&BASELINE, &IDLE, 300.0, &now), None);
-        let cutting = [400.0, 60.0, 0.0, 0.0, 0.0];
-        assert_eq!(baseline.ratio(&BASELINE, &cutting, 250.0, &now), None);
-        let drilling = [600.0, 0.0, 0.0, 0.0, 0.0];
-        assert_eq!(baseline.ratio(&BASELINE, &drilling, 250.0, &now), None);
-        // The fastest band is open, and a speed that is no number has one, too.
-        baseline.learn(&BASELINE, &IDLE, f32::INFINITY, &[1.0; 5]);
-        assert_eq!(baseline.estimates[BANDS - 1], 1);
-    }
-
-    const TREND: TrendSettings = TrendSettings {
-        span_us: 1_000_000,
-        least_estimates: 5,
-        least_spans: 8,
-        ahead: 100.0,
-    };
-
-    /// Noise between -1 and 1 (xorshift).
-    fn noise(state: &mut u32) -> f32 {
-        *state ^= *state << 13;
-        *state ^= *state >> 17;
-        *state ^= *state << 5;
-        *state as f32 / 2_147_483_648.0 - 1.0
-    }
-
-    #[test]
-    fn a_slope_is_carried_on_and_noise_is_none() {
-        let (mut sinking, mut level) = (Trend::EMPTY, Trend::EMPTY);
-        let (mut seed, mut expected) = (1, Vec::new());
-        // From five months on, so that times have no digits to spare in a float.
-        let start = 13_000_000_000_000;
-        let mut alarms = 0;
-        for i in 0..1000_u64 {
-            let time = start + i * 100_000;
-            let x = noise(&mut seed) * 0.01;
-            let ratio = 1.0 - 1e-3 * (i as f32 * 0.1) + x;
-            expected.extend(sinking.add(time, ratio, &TREND));
-            alarms += u32::from(level.add(time, 1.0 + x, &TREND).is_some_and(|e| e > 0.0));
-        }
-        // 0.1 % a second: at 99 s, 100 s ahead.
-        let last = expected.last().unwrap();
-        assert!((last - 0.199).abs() < 0.02, "{last}");
-        assert_eq!(expected.len(), 99 - 7);
-        // Three standard errors: a few of a thousand, of 92 one or two at most.
-        assert!(alarms <= 2, "{alarms}");
-    }
-
-    #[test]
-    fn the_trend_speaks_before_the_limit_does() {
-        let limit = |raise: f32, hold_us| Threshold {
-            raise,
-            clear: 0.5 * raise,
-            hold_us,
-            at_once: f32::INFINITY,
-        };
-        let settings = JudgementSettings {
-            thresholds: [limit(0.1, 0); Alarm::COUNT],
-            overload: [1.0; 5],
-            preload: 0.0,
-            baseline: BASELINE,
-            trend: TREND,
-        };
-        let mut judgement = Judgement::new(Baseline {
-            stiffness: [[1e8; 5]; BANDS],
-            estimates: [100; BANDS],
-        });
-        let mut raised = Vec::new();
-        for i in 0..2000_u64 {
-            let k = 1e8 * (1.0 - 1e-3 * (i as f32 * 0.1));
-            let quiet = Level::of(0.0);
-            let findings = Findings {
-                pressure: quiet,
-                contact_angle: quiet,
-                slip: quiet,
-                unloaded: quiet,
-                preload: None,
-                load: IDLE,
-                speed: 250.0,
-                stiffness: [k; 5],
-            };
-            let mut changes = Changes::new();
-            judgement.judge(i * 100_000, &findings, &settings, &mut changes);
-            raised.extend(changes.iter().map(|c| (c.alarm, i)));
-        }
-        let (first, second) = (raised[0], raised[1]);
-        assert_eq!(first.0, Alarm::StiffnessTrend);
-        assert_eq!(second.0, Alarm::StiffnessLoss);
-        // 10 % are lost after 100 s.
-        assert!(
-            first.1 < 150 && (999..1003).contains(&second.1),
-            "{raised:?}"
-        );
-        assert_eq!(judgement.counts(), (2, 0));
     }
 }

@@ -7,12 +7,12 @@
 //! | acquisition | [`loads`], [`speed`] | five loads and a speed, or why there are none |
 //! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of its doubts |
 //! | tick | [`tick`], `tracker`, [`Monitor`] | an equilibrium within the deadline |
-//! | judgement | [`judgement`], [`baseline`], [`learning`] | alarms that latch |
+//! | judgement | [`judgement`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | telemetry | [`telemetry`] | frames for a host |
 //! | the board | [`board`], [`self_check`] | why it started, and whether it is sound |
 //! | commands | [`command`] | the host's messages besides loads |
-//! | retention | [`retained`] | baseline, life used and alarms, over a power cycle |
+//! | retention | [`retained`] | life used and alarms, over a power cycle |
 //!
 //! Read [`Monitor::tick`] first, then [`settings`], which has all that is particular to a spindle. The
 //! whole of a firmware's loop:
@@ -103,12 +103,10 @@
 //! and lubrication.
 
 mod availability;
-pub mod baseline;
 pub mod board;
 pub mod command;
 mod cost;
 pub mod judgement;
-pub mod learning;
 pub mod life;
 pub mod loads;
 pub mod marks;
@@ -122,7 +120,6 @@ pub mod temperature;
 pub mod tick;
 mod tracker;
 
-pub use baseline::Baseline;
 pub use board::BoardReport;
 pub use command::{Command, Order};
 pub use judgement::{Alarm, AlarmState, Changes, Judgement};
@@ -143,7 +140,6 @@ use availability::Availability;
 use command::{AnswerCode, Desk};
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
-use learning::Learning;
 use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{
@@ -400,7 +396,7 @@ pub struct Monitor<
 impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real, const D: usize>
     Monitor<R, N, M, FRAMES, T, D>
 {
-    /// A monitor at its beginning: no estimate, no alarm, a new bearing, no baseline.
+    /// A monitor at its beginning: no estimate, no alarm, a new bearing.
     pub fn new(
         spindle: Spindle<'static, T, R, N, D>,
         settings: &'static MonitorSettings<R>,
@@ -417,7 +413,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             temperatures: Temperatures::new(settings.temperatures.as_ref()),
             growth: [Growth::NONE; R],
             ticker: Ticker::new(&settings.tick),
-            judgement: Judgement::new(Baseline::EMPTY),
+            judgement: Judgement::default(),
             life: Life::NEW,
             availability: Availability::NEW,
             outbox: Outbox::new(),
@@ -456,7 +452,6 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     /// Goes on with the data kept over a power cycle ([`retained`]). Alarms that nobody had acknowledged are latched.
     #[must_use]
     pub fn with_past(mut self, past: &Past) -> Self {
-        self.judgement = Judgement::new(past.baseline);
         self.judgement.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
         self.desk = self.desk.after_starts(past.start.boots);
@@ -493,33 +488,9 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
                 self.acknowledge(time_us, alarm);
                 AnswerCode::Done
             }
-            Order::Learn(true) if !self.idles(time_us) => AnswerCode::NotIdling,
-            Order::Learn(on) => {
-                let before = self.judgement.learnt();
-                self.learn(on);
-                let learning = self.judgement.learning(&self.settings.judgement.baseline);
-                match learning.state {
-                    Learning::TooLittle if !on => AnswerCode::TooLittleLearnt,
-                    Learning::Implausible if !on => AnswerCode::Implausible,
-                    Learning::Off if !on && before == self.judgement.learnt() => {
-                        AnswerCode::TooLittleLearnt
-                    }
-                    _ => AnswerCode::Done,
-                }
-            }
             Order::ReplaceBearing if self.replace_bearing(time_us) => AnswerCode::Done,
             Order::ReplaceBearing => AnswerCode::NotAtStandstill,
         }
-    }
-
-    /// The spindle idles, as of a fresh estimate.
-    fn idles(&self, time_us: u64) -> bool {
-        let settings = self.settings;
-        self.estimate.as_ref().is_some_and(|estimate| {
-            let age = time_us.saturating_sub(estimate.time_us);
-            age <= settings.plausibility.fresh_us.into()
-                && settings.judgement.baseline.idles(&estimate.load)
-        })
     }
 
     /// Has a store keep new data. To be called between ticks, as often as one likes; it is the store that
@@ -547,22 +518,12 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         store.power_fails(time_us, &self.judgement, &self.life)
     }
 
-    /// Begins to learn the baseline, or ends it ([`Judgement::stop_learning`]).
-    pub fn learn(&mut self, on: bool) {
-        if on {
-            self.judgement.start_learning();
-        } else {
-            self.judgement.stop_learning(&self.settings.judgement);
-        }
-    }
-
-    /// The spindle has a new bearing of the same design: without a baseline, and with all of its life before it. Only
-    /// while the shaft stands still; whether that was so.
+    /// The spindle has a new bearing of the same design, with all of its life before it. Only while the shaft stands
+    /// still; whether that was so.
     pub fn replace_bearing(&mut self, time_us: u64) -> bool {
         let oldest_us = self.settings.plausibility.missing_after_us;
         let stands_still = self.plausibility.stands_still(time_us, oldest_us);
         if stands_still {
-            self.judgement.forget_baseline();
             self.life = Life::NEW;
         }
         stands_still
@@ -938,7 +899,6 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             marks: self.doubts,
             retention: self.retention,
             availability: self.availability.shares(),
-            learning: self.judgement.learning(&self.settings.judgement.baseline),
         }
     }
 
@@ -959,7 +919,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         &mut self.outbox
     }
 
-    /// Alarms, the baseline and its learning.
+    /// Alarms.
     pub const fn judgement(&mut self) -> &mut Judgement {
         &mut self.judgement
     }
@@ -1029,9 +989,6 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
         slip: Level::of(0.0),
         unloaded: Level::of(0.0),
         preload: None,
-        load: sample.load,
-        speed: sample.speed,
-        stiffness: [0.0; 5],
     };
     let (mut passed, mut weight) = (0, 0.0);
     let mut first = 0;
@@ -1110,7 +1067,6 @@ fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
     estimate.limits = passed;
     let facings = solution.facings();
     findings.preload = share_preload(&mut estimate.rows, &facings, &mut estimate.limits);
-    findings.stiffness = diagonal(&estimate.stiffness);
     let code = StatusCode::from(&solution.status);
     (code, findings, damage_of_weight(weight))
 }

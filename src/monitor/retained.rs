@@ -1,4 +1,4 @@
-//! Data that the monitor keeps over a power cycle: baseline, life used, alarms, number of starts.
+//! Data that the monitor keeps over a power cycle: life used, alarms, number of starts.
 //!
 //! All of it is in the flash of the board. [`Store::open`] reads the [`Past`] before ticks begin.
 //! [`Monitor::retain`](super::Monitor::retain) sees changes, and [`Store::step`] writes them between ticks, one unit of
@@ -6,9 +6,8 @@
 //!
 //! | kept | written | belongs to |
 //! | --- | --- | --- |
-//! | baseline | when learning has ended, or the bearing was replaced | bearing, and what idling is ([`Identity`]) |
-//! | life used, revolutions | every two minutes, if either has grown by a 64th of its growth since the start | bearing |
-//! | alarms not acknowledged, times raised | within a second, 10 s apart | bearing |
+//! | life used, revolutions | every two minutes, if either has grown by a 64th of its growth since the start | spindle ([`Identity`]) |
+//! | alarms not acknowledged, times raised | within a second, 10 s apart | spindle |
 //! | number of starts, cause of the reset | at every start, with the alarms | board |
 //!
 //! The tare is not kept: it drifts, and a shaft stands still when power comes on, so that it is taken again.
@@ -42,12 +41,11 @@
 //!
 //! # Other designs and versions
 //!
-//! A record of another bearing, of other bands of speed or of another version is left alone: it is neither read
-//! nor superseded. Whoever wrote it finds it again, newest number and all. Every version begins its records with
+//! A record of another spindle or of another version is left alone: it is neither read nor superseded. Whoever wrote it finds it again, newest number and all. Every version begins its records with
 //! version, number, kind and identity, so that all versions can tell each other's kinds.
 //!
 //! Where a half is erased, the newest record of each foreign kind is copied along, byte by byte. [`FOREIGN`] kinds
-//! fit, which is five other bearings, or 16 other baselines. With more of them, no half is erased any more
+//! fit, which is eight other spindles. With more of them, no half is erased any more
 //! ([`WriteError::Crowded`]): the log fills up, and then takes no more ([`WriteError::Full`]). Erasing the whole flash is the
 //! way out. A record of another version that is longer than [`LONGEST_FOREIGN`] bytes counts as damage.
 //!
@@ -60,7 +58,7 @@
 //! **How long the log lasts.** There is room for 1,000 records at every start, in halves of 128 KiB. Since life is
 //! written in proportion, a year of cutting day and night without a restart takes 600 of them. They come every two
 //! minutes in the first two hours, every 22 minutes after a day, every 11 hours after a month. Ten years take 740. The
-//! last quarter of a half is for life and baseline alone. If there is no room in the end, no written record is lost, and
+//! last quarter of a half is for the life alone. If there is no room in the end, no written record is lost, and
 //! [`RetentionReport::failed`] counts the others.
 //!
 //! **Wear.** A record of the life or of a start has 48 to 64 bytes. A day's work with a start in the morning and
@@ -76,7 +74,6 @@
 //! a sector's worth of RAM, writes words twice, and can panic. Framing, checksum and encoding are by libraries, as
 //! everywhere in the monitor.
 
-use super::baseline::{BANDS, Baseline, BaselineSettings};
 use super::board::ResetCause;
 use super::judgement::{Alarm, Judgement};
 use super::life::Life;
@@ -89,9 +86,8 @@ pub use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Version of the format, and of the model. A baseline belongs to one way to work the stiffness out,
-/// and alarms are kept by their place in [`Alarm::ALL`].
-pub const VERSION: u8 = 3;
+/// Version of the format. Alarms are kept by their place in [`Alarm::ALL`].
+pub const VERSION: u8 = 4;
 
 /// Shortest time between two records of the life, us.
 pub const LIFE_US: u64 = 120_000_000;
@@ -105,10 +101,10 @@ const LOOK_US: u64 = 1_000_000;
 
 /// How often a copy is tried.
 pub const ATTEMPTS: u8 = 3;
-/// Kinds of records of other spindles and versions that are carried along: three for each bearing.
+/// Kinds of records of other spindles and versions that are carried along: two for each spindle.
 pub const FOREIGN: usize = 16;
-/// Longest message of another version that is carried along, bytes, checksum included. It is over twice the longest of
-/// this one.
+/// Longest message of another version that is carried along, bytes, checksum included. It is over twice the longest of any
+/// version so far.
 pub const LONGEST_FOREIGN: usize = 1024;
 /// Longest unit that a flash may want, bytes.
 const LONGEST_UNIT: usize = 64;
@@ -116,12 +112,12 @@ const LONGEST_UNIT: usize = 64;
 const LAST: u32 = u32::MAX / 2;
 
 /// Kinds of records.
-const KINDS: usize = 3;
+const KINDS: usize = 2;
 
-/// Longest message of a record, checksum included. It has version, number, kind and identity, a baseline, and the
-/// numbers of the newest.
+/// Longest message of a record, checksum included. It has version, number, kind and identity, a start, and the numbers of
+/// the newest.
 const MESSAGE_LENGTH: usize =
-    1 + 5 + 1 + 5 + size_of::<[[f32; 5]; BANDS]>() + 5 * BANDS + 5 * KINDS + CHECKSUM_LENGTH;
+    1 + 5 + 1 + 5 + (5 + 1 + 5 + 3 * Alarm::COUNT) + 5 * KINDS + CHECKSUM_LENGTH;
 const FRAME_LENGTH: usize = framing::frame_length(LONGEST_FOREIGN);
 const _: () = assert!(MESSAGE_LENGTH <= LONGEST_FOREIGN);
 
@@ -153,8 +149,6 @@ impl Start {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Past {
-    /// The baseline of the stiffness.
-    pub baseline: Baseline,
     /// Life used and revolutions, as of [`Life::kept`].
     pub life: (u128, u128),
     /// This start, with the alarms of those before.
@@ -166,7 +160,6 @@ pub struct Past {
 impl Past {
     /// Past of a new bearing, without a memory.
     pub const NONE: Self = Self {
-        baseline: Baseline::EMPTY,
         life: (0, 0),
         start: Start::NONE,
         alarms: Recovery::NoMemory,
@@ -197,20 +190,15 @@ impl Past {
     }
 }
 
-/// Identity of a spindle, which tells its data from another's: checksums of all that they depend on.
+/// Identity of a spindle, which tells its data from another's: a checksum of all that they depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Identity {
-    /// Of the bearing.
-    bearing: u32,
-    /// Of the bearing, and of when it idles in which band of speed.
-    bands: u32,
-}
+pub struct Identity(u32);
 
 impl Identity {
-    /// Identity of a bearing of `balls` balls. Shoulders are left out: they do not change the stiffness.
-    /// So is the load rating: only the life used from now on goes by it.
-    pub const fn new(design: &Design, balls: usize, baseline: &BaselineSettings) -> Self {
+    /// Identity of a bearing of `balls` balls. Shoulders and load rating are left out: only alarms and
+    /// life from now on go by them.
+    pub const fn new(design: &Design, balls: usize) -> Self {
         // Without a table, which would be for the compiler alone.
         const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
         let (kind, contact) = match design.free_contact {
@@ -247,19 +235,7 @@ impl Identity {
             digest.update(&numbers[i].to_le_bytes());
             i += 1;
         }
-        let bearing = digest.finalize();
-        let mut digest = CHECKSUM.digest();
-        digest.update(&bearing.to_le_bytes());
-        digest.update(&baseline.band_width.to_bits().to_le_bytes());
-        let [low, high] = baseline.idle_axial;
-        digest.update(&low.to_bits().to_le_bytes());
-        digest.update(&high.to_bits().to_le_bytes());
-        digest.update(&baseline.idle_radial.to_bits().to_le_bytes());
-        digest.update(&baseline.idle_moment.to_bits().to_le_bytes());
-        Self {
-            bearing,
-            bands: digest.finalize(),
-        }
+        Self(digest.finalize())
     }
 
     /// Identity of such bearings on a shaft: the rows' positions (m), facings and preload (N).
@@ -271,23 +247,16 @@ impl Identity {
         preload: f64,
     ) -> Self {
         const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
-        let mut both = [self.bearing, self.bands];
-        let mut i = 0;
-        while i < both.len() {
-            let mut digest = CHECKSUM.digest();
-            digest.update(&both[i].to_le_bytes());
-            digest.update(&preload.to_bits().to_le_bytes());
-            let mut row = 0;
-            while row < R {
-                digest.update(&positions[row].to_bits().to_le_bytes());
-                digest.update(facings[row].name().as_bytes());
-                row += 1;
-            }
-            both[i] = digest.finalize();
-            i += 1;
+        let mut digest = CHECKSUM.digest();
+        digest.update(&self.0.to_le_bytes());
+        digest.update(&preload.to_bits().to_le_bytes());
+        let mut row = 0;
+        while row < R {
+            digest.update(&positions[row].to_bits().to_le_bytes());
+            digest.update(facings[row].name().as_bytes());
+            row += 1;
         }
-        let [bearing, bands] = both;
-        Self { bearing, bands }
+        Self(digest.finalize())
     }
 }
 
@@ -305,12 +274,9 @@ struct Record {
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-// One at a time, and the largest must fit anyway.
-#[allow(clippy::large_enum_variant)]
 enum Content {
-    Baseline { bands: u32, baseline: Baseline },
-    Life { bearing: u32, life: (u128, u128) },
-    Start { bearing: u32, start: Start },
+    Life { spindle: u32, life: (u128, u128) },
+    Start { spindle: u32, start: Start },
 }
 
 /// How a record of any version begins: version, number, kind and identity.
@@ -319,13 +285,12 @@ type Prefix = (u8, u32, u32, u32);
 /// Kind of a record's content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    Baseline,
     Life,
     Start,
 }
 
 impl Kind {
-    const ALL: [Self; KINDS] = [Self::Baseline, Self::Life, Self::Start];
+    const ALL: [Self; KINDS] = [Self::Life, Self::Start];
 }
 
 /// Why a record could not be written, or a half could not be erased.
@@ -433,7 +398,6 @@ struct Found {
     readable: [u32; KINDS],
     /// This spindle's records, and their content.
     own: [Option<Newest>; KINDS],
-    baseline: Baseline,
     life: (u128, u128),
     start: Start,
     /// All others, and whether there are more than these.
@@ -458,7 +422,6 @@ impl Found {
             told: (0, [0; KINDS]),
             readable: [0; KINDS],
             own: [None; KINDS],
-            baseline: Baseline::EMPTY,
             life: (0, 0),
             start: Start::NONE,
             foreign: Vec::new(),
@@ -513,11 +476,10 @@ impl Found {
             self.told = (number, record.latest);
         }
         let (kind, own) = match record.content {
-            Content::Baseline { bands, .. } => (Kind::Baseline, bands == self.identity.bands),
-            Content::Life { bearing, .. } => (Kind::Life, bearing == self.identity.bearing),
-            Content::Start { bearing, start } => {
+            Content::Life { spindle, .. } => (Kind::Life, spindle == self.identity.0),
+            Content::Start { spindle, start } => {
                 self.start.boots = self.start.boots.max(start.boots);
-                (Kind::Start, bearing == self.identity.bearing)
+                (Kind::Start, spindle == self.identity.0)
             }
         };
         let readable = &mut self.readable[kind as usize];
@@ -534,7 +496,6 @@ impl Found {
         });
         if newest.update(number, half, place) {
             match record.content {
-                Content::Baseline { baseline, .. } => self.baseline = baseline,
                 Content::Life { life, .. } => self.life = life,
                 Content::Start { start, .. } => {
                     (self.start.alarms, self.start.raised) = (start.alarms, start.raised);
@@ -617,8 +578,6 @@ pub struct Store<F> {
     missed: bool,
     report: RetentionReport,
     error: Option<WriteError>,
-    /// Baselines that have been learnt, as [`Judgement::learnt`] counts them.
-    learnt: u32,
     /// When to look again, when life was kept last, and when alarms may be kept again.
     look_us: u64,
     life_us: u64,
@@ -631,23 +590,19 @@ pub struct Store<F> {
 /// Records to be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Due {
-    baseline: bool,
     life: bool,
     start: bool,
 }
 
 impl Due {
     const NOTHING: Self = Self {
-        baseline: false,
         life: false,
         start: false,
     };
 
     /// The first that is due.
     const fn first(self) -> Option<Kind> {
-        if self.baseline {
-            Some(Kind::Baseline)
-        } else if self.life {
+        if self.life {
             Some(Kind::Life)
         } else if self.start {
             Some(Kind::Start)
@@ -658,7 +613,6 @@ impl Due {
 
     const fn set(&mut self, kind: Kind, due: bool) {
         match kind {
-            Kind::Baseline => self.baseline = due,
             Kind::Life => self.life = due,
             Kind::Start => self.start = due,
         }
@@ -717,7 +671,6 @@ impl<F: NorFlash> Store<F> {
             missed: false,
             report: RetentionReport::NO_MEMORY,
             error: None,
-            learnt: 0,
             look_us: 0,
             life_us: 0,
             alarms_us: 0,
@@ -730,7 +683,7 @@ impl<F: NorFlash> Store<F> {
         }
         let mut found = store.look_through();
         store.recall(&found, cause);
-        let all = [store.report.baseline, store.report.life, store.past.alarms];
+        let all = [store.report.life, store.past.alarms];
         if all.contains(&Recovery::OlderCopy) && store.room() > store.half / 2 {
             // Before the damaged pieces go that tell of it.
             store.due.start = true;
@@ -756,11 +709,9 @@ impl<F: NorFlash> Store<F> {
         }
         self.number = found.last.0.saturating_add(1);
         let recovery = |kind: Kind| found.recovery(kind, older[kind as usize]);
-        self.report.baseline = recovery(Kind::Baseline);
         self.report.life = recovery(Kind::Life);
         self.report.damaged = found.damaged;
         self.past = Past {
-            baseline: found.baseline,
             life: found.life,
             start: Start {
                 boots: found.start.boots.saturating_add(1),
@@ -1019,10 +970,8 @@ impl<F: NorFlash> Store<F> {
         }
         self.look_us = time_us.saturating_add(LOOK_US);
         let life = life.kept();
-        if judgement.learnt() != self.learnt {
-            self.learnt = judgement.learnt();
-            self.past.baseline = *judgement.baseline();
-            self.due.baseline = true;
+        // Another bearing.
+        if life.0 < self.past.life.0 || life.1 < self.past.life.1 {
             self.began = life;
             self.keep_life(time_us, life);
         }
@@ -1047,7 +996,6 @@ impl<F: NorFlash> Store<F> {
     const fn keep_life(&mut self, time_us: u64, life: (u128, u128)) {
         (self.past.life, self.life_us) = (life, time_us);
         self.due.life = true;
-        self.due.baseline |= self.owed.baseline;
         self.due.start |= self.owed.start;
     }
 
@@ -1085,10 +1033,8 @@ impl<F: NorFlash> Store<F> {
         if judgement.unacknowledged() != self.past.start.alarms {
             self.keep_alarms(time_us, judgement);
         }
-        let baseline = core::mem::take(&mut self.due.baseline);
         let number = self.number;
         while self.step() {}
-        self.due.baseline = baseline;
         self.latest[Kind::Life as usize] >= number
     }
 
@@ -1205,18 +1151,14 @@ impl<F: NorFlash> Store<F> {
             return false;
         };
         self.due.set(kind, false);
-        let Identity { bearing, bands } = self.identity;
+        let Identity(spindle) = self.identity;
         let content = match kind {
-            Kind::Baseline => Content::Baseline {
-                bands,
-                baseline: self.past.baseline,
-            },
             Kind::Life => Content::Life {
-                bearing,
+                spindle,
                 life: self.past.life,
             },
             Kind::Start => Content::Start {
-                bearing,
+                spindle,
                 start: self.past.start,
             },
         };
@@ -1234,7 +1176,7 @@ impl<F: NorFlash> Store<F> {
         // The last of the room is not for the alarms, which may come and go.
         let reserve = match kind {
             Kind::Start => self.half / 4,
-            Kind::Baseline | Kind::Life => 0,
+            Kind::Life => 0,
         };
         if (self.length() as u32).saturating_add(reserve) > self.room() {
             self.frame.clear();

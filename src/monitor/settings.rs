@@ -1,7 +1,6 @@
 //! Everything that fits a monitor to one spindle, in one place, for the compiler to check.
 
-use super::baseline::{BANDS, BaselineSettings};
-use super::judgement::{Alarm, JudgementSettings, TREND_SPANS, Threshold, TrendSettings};
+use super::judgement::{Alarm, JudgementSettings, Threshold};
 use super::plausibility::PlausibilitySettings;
 use super::temperature::TemperatureSettings;
 use super::tick::{CycleCost, TickSettings};
@@ -185,7 +184,6 @@ impl<const R: usize> MonitorSettings<R> {
     /// spindle. Loads are sampled at 1 kHz and solved at every tick on a Cortex-M4F at 168 MHz, thresholds
     /// are on the safe side. Ranges and rates of loads are wide; narrow them to your spindle's.
     pub const fn new(design: &Design, balls: usize) -> Self {
-        let dynamic = design.dynamic_load_rating(balls);
         Self {
             rows: [RowSettings::new(design, balls); R],
             shaft: ShaftSettings {
@@ -241,8 +239,6 @@ impl<const R: usize> MonitorSettings<R> {
                     threshold(4.0, 3.5, 1000),
                     threshold(0.8, 0.7, 500),
                     threshold(1.0, 0.9, 3),
-                    threshold(0.15, 0.12, 5000),
-                    threshold(0.15, 0.10, 0),
                     threshold(0.8, 0.79, 0),
                     threshold(0.1, 0.05, 0),
                     threshold(5.0, 1.0, 0),
@@ -252,20 +248,6 @@ impl<const R: usize> MonitorSettings<R> {
                 ],
                 overload: [10e3, 10e3, 10e3, 200.0, 200.0],
                 preload: 0.0,
-                baseline: BaselineSettings {
-                    band_width: 150.0,
-                    // Heavy preload is some 3 % of the load rating.
-                    idle_axial: [-0.05 * dynamic as f32, 0.05 * dynamic as f32],
-                    idle_radial: 40.0,
-                    idle_moment: 0.6,
-                    least_estimates: 100,
-                },
-                trend: TrendSettings {
-                    span_us: 3_600_000_000,
-                    least_estimates: 1000,
-                    least_spans: 8,
-                    ahead: 7.0 * 86_400.0,
-                },
             },
             telemetry: TelemetrySettings {
                 estimate_us: 20_000,
@@ -437,40 +419,6 @@ impl<const R: usize> MonitorSettings<R> {
             "judgement.preload",
             "a number, not below 0"
         );
-        let b = &self.judgement.baseline;
-        demand!(
-            positive(b.band_width) && b.band_width * BANDS as f32 <= f32::MAX,
-            "judgement.baseline.band_width",
-            "positive and finite"
-        );
-        let [low, high] = b.idle_axial;
-        demand!(
-            low < high,
-            "judgement.baseline.idle_axial",
-            "low, then high"
-        );
-        demand!(
-            positive(b.idle_radial),
-            "judgement.baseline.idle_radial",
-            "positive"
-        );
-        demand!(
-            positive(b.idle_moment),
-            "judgement.baseline.idle_moment",
-            "positive"
-        );
-        let r = &self.judgement.trend;
-        demand!(r.span_us > 0, "judgement.trend.span_us", "at least 1");
-        demand!(
-            r.least_spans >= 3 && r.least_spans as usize <= TREND_SPANS,
-            "judgement.trend.least_spans",
-            "from 3 to TREND_SPANS"
-        );
-        demand!(
-            r.ahead >= 0.0 && r.ahead.is_finite(),
-            "judgement.trend.ahead",
-            "a number, not below 0"
-        );
         let s = &self.telemetry;
         demand!(
             s.estimate_us > 0 && s.balls_us > 0 && s.health_us > 0 && s.standing_us > 0,
@@ -504,7 +452,7 @@ mod tests {
         let good = MonitorSettings::<1>::new(&DESIGN, 16);
         assert_eq!(good.check(), Ok(()));
         type Spoil = fn(&mut MonitorSettings);
-        let spoils: [(Spoil, &str); 13] = [
+        let spoils: [(Spoil, &str); 12] = [
             (|s| s.tick.period_us = 0, "tick.period_us"),
             (
                 // Not a single iteration fits.
@@ -523,10 +471,6 @@ mod tests {
             (
                 |s| s.judgement.thresholds[Alarm::Deadline as usize].clear = 99.0,
                 "judgement.thresholds",
-            ),
-            (
-                |s| s.judgement.trend.least_spans = 33,
-                "judgement.trend.least_spans",
             ),
             (
                 |s| s.rows[0].rating.outer = f32::INFINITY,

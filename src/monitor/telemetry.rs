@@ -28,7 +28,6 @@
 use super::board::{BoardReport, ResetCause};
 use super::command::Answer;
 use super::judgement::{Alarm, AlarmChange, AlarmState};
-use super::learning::LearningReport;
 use super::loads::FrameCounts;
 use super::marks::Marks;
 use super::temperature::TemperatureSource;
@@ -39,7 +38,7 @@ use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
 /// Version of the format.
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 8;
@@ -361,8 +360,6 @@ pub struct HealthReport {
     pub retention: RetentionReport,
     /// Share of ticks with a fresh estimate, in the last second and in the last minute, parts of 1.
     pub availability: [f32; 2],
-    /// The learning of the baseline.
-    pub learning: LearningReport,
 }
 
 /// Inputs since the start, and counts without good ones.
@@ -388,14 +385,14 @@ pub struct InputsReport {
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Recovery {
-    /// There is no memory: learnt data are lost with the power.
+    /// There is no memory: the data are lost with the power.
     #[default]
     NoMemory,
     /// Nothing has been kept yet.
     Blank,
     /// It was found, and goes on.
     Recovered,
-    /// It was learnt on another bearing, or the baseline with other bands of speed or bounds of idling.
+    /// It is of another spindle.
     OtherSpindle,
     /// It was kept by another version of the monitor.
     OtherVersion,
@@ -435,8 +432,6 @@ impl Recovery {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RetentionReport {
-    /// Recovery of the baseline.
-    pub baseline: Recovery,
     /// Recovery of life used and revolutions.
     pub life: Recovery,
     /// Damaged pieces that were met at the start, such as a record that the power was lost in.
@@ -450,7 +445,6 @@ pub struct RetentionReport {
 impl RetentionReport {
     /// Without a memory.
     pub const NO_MEMORY: Self = Self {
-        baseline: Recovery::NoMemory,
         life: Recovery::NoMemory,
         damaged: 0,
         written: 0,
@@ -763,7 +757,6 @@ pub(super) fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
 mod tests {
     use super::super::board::{Check, ResetCause};
     use super::super::command::{AnswerCode, Order};
-    use super::super::learning::Learning;
     use super::*;
     use std::vec::Vec as Bytes;
 
@@ -846,17 +839,12 @@ mod tests {
             life_used: f32::MAX,
             marks: Marks::NONE,
             retention: RetentionReport {
-                baseline: Recovery::Damaged,
                 life: Recovery::Damaged,
                 damaged: u16::MAX,
                 written: u32::MAX,
                 failed: u32::MAX,
             },
             availability: [f32::MAX; 2],
-            learning: LearningReport {
-                state: Learning::Implausible,
-                bands: u8::MAX,
-            },
         })
     }
 
@@ -885,7 +873,7 @@ mod tests {
                 alarm: Alarm::Deadline,
                 raised: u32::MAX,
             },
-            outcome: AnswerCode::Implausible,
+            outcome: AnswerCode::NoSuchOccurrence,
             nonce: u32::MAX,
         })
     }
@@ -1001,9 +989,9 @@ mod tests {
 
     /// The bytes that a decoder in another language has to expect.
     #[test]
-    fn the_wire_format_is_that_of_version_5() {
+    fn the_wire_format_is_that_of_version_6() {
         let frame = Frame {
-            version: 5,
+            version: 6,
             sequence: 300,
             time_us: 5,
             payload: Payload::Alarm(AlarmReport {
@@ -1020,7 +1008,7 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            5, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+            6, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
         ];
         assert_eq!(bytes, expected);
         let place = RowPlace {
@@ -1041,7 +1029,7 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            5, 0xac, 0x02, 5, 9, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0xbf,
+            6, 0xac, 0x02, 5, 9, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0xbf,
             1, 0xac, 0x02,
         ];
         assert_eq!(bytes, expected);

@@ -1,4 +1,4 @@
-//! Orders of an operator to the board: alarms seen, learning of the baseline, a bearing replaced.
+//! Orders of an operator to the board: alarms seen, a bearing replaced.
 //!
 //! The board carries out an order with the nonce that it told last, and answers ([`command`]). An operator therefore
 //! listens: [`Operator::follow`] sends an order as soon as a nonce is known, and sends it again until it is
@@ -175,8 +175,6 @@ impl<W: Write> Operator<W> {
 
 const fn order_of(key: char) -> Option<Order> {
     Some(match key {
-        's' => Order::Learn(true),
-        'e' => Order::Learn(false),
         'r' => Order::ReplaceBearing,
         _ => return None,
     })

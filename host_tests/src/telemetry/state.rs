@@ -57,8 +57,6 @@ pub const fn facing(place: &RowPlace) -> Facing {
 pub fn words(order: &Order) -> String {
     match order {
         Order::Acknowledge { alarm, raised } => format!("acknowledge {alarm}, occurrence {raised}"),
-        Order::Learn(true) => "learn the baseline".into(),
-        Order::Learn(false) => "end the learning".into(),
         Order::ReplaceBearing => "take the bearing for a new one".into(),
     }
 }

@@ -1,15 +1,12 @@
 //! The monitor while it cuts: teeth that pass, overloads, crashes, and what passes for idling.
 
 use super::monitor::{IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_nose, at_speed};
-use super::retained::idling;
 use host_tests::milling_cycle::{curve, tooth};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use rayon::prelude::*;
-use spindle_bearing::monitor::baseline::Baseline;
 use spindle_bearing::monitor::command::{AnswerCode, Order, Request};
-use spindle_bearing::monitor::judgement::{AlarmChange, Changes};
-use spindle_bearing::monitor::learning::Learning;
-use spindle_bearing::monitor::{self, Alarm, AlarmState, Judgement, Mark};
+use spindle_bearing::monitor::judgement::AlarmChange;
+use spindle_bearing::monitor::{self, Alarm, AlarmState, Mark};
 
 /// Share of the ticks under these loads that have a fresh estimate.
 fn share<const R: usize>(rig: Rig<R>, ticks: u32, load: impl Fn(u32) -> [f32; 5]) -> f64 {
@@ -221,33 +218,6 @@ fn a_monitor_that_is_blind_says_so() {
     }
 }
 
-/// A spindle whose preload has gone raises its alarm, whatever the board is told while it runs.
-#[test]
-fn no_command_blinds_the_monitor() {
-    let mut rig = Rig::running(&SETTINGS);
-    rig.learn();
-    let learnt = *rig.monitor.judgement().baseline();
-    assert_eq!(rig.monitor.health().learning.state, Learning::Taken);
-    // Begun and ended, with nothing learnt.
-    rig.monitor.learn(true);
-    rig.monitor.learn(false);
-    assert_eq!(rig.monitor.health().learning.state, Learning::TooLittle);
-    assert!(!rig.monitor.replace_bearing(rig.time_us));
-    assert_eq!(*rig.monitor.judgement().baseline(), learnt);
-    // Begun, and never ended.
-    rig.monitor.learn(true);
-    let lost = [150.0, 5.0, -8.0, 0.05, -0.1];
-    rig.run(8000, lost);
-    assert_eq!(rig.state(Alarm::StiffnessLoss), AlarmState::Raised);
-    let progress = rig.monitor.health().learning;
-    assert_eq!((progress.state, progress.bands), (Learning::Running, 1));
-    // What is learnt of a spindle that stands still after all is its next bearing's.
-    for ms in 0..1000 {
-        rig.good(IDLE, SPEED - SPEED * ms as f32 / 999.0);
-    }
-    assert!(rig.monitor.replace_bearing(rig.time_us));
-}
-
 /// Outcome of an order.
 fn ask(rig: &mut Rig, order: Order) -> AnswerCode {
     let nonce = rig.monitor.inputs().nonce;
@@ -268,24 +238,15 @@ fn ask(rig: &mut Rig, order: Order) -> AnswerCode {
 #[test]
 fn an_order_that_is_out_of_place_is_refused_by_its_reason() {
     let mut rig = Rig::new(&SETTINGS);
-    // No estimate yet.
-    assert_eq!(ask(&mut rig, Order::Learn(true)), AnswerCode::NotIdling);
+    // The speed is not known yet.
+    let order = Order::ReplaceBearing;
+    assert_eq!(ask(&mut rig, order), AnswerCode::NotAtStandstill);
     rig = rig.run_up();
-    for _ in 0..300 {
-        pressed(&mut rig, 1500.0);
+    assert_eq!(ask(&mut rig, order), AnswerCode::NotAtStandstill);
+    for ms in 0..1000 {
+        rig.good(IDLE, SPEED - SPEED * ms as f32 / 999.0);
     }
-    for (ticks, order, answer) in [
-        (0, Order::Learn(true), AnswerCode::NotIdling),
-        (0, Order::Learn(false), AnswerCode::TooLittleLearnt),
-        (0, Order::ReplaceBearing, AnswerCode::NotAtStandstill),
-        (1, Order::Learn(true), AnswerCode::Done),
-        (0, Order::Learn(false), AnswerCode::TooLittleLearnt),
-        (0, Order::Learn(true), AnswerCode::Done),
-        (200, Order::Learn(false), AnswerCode::Done),
-    ] {
-        rig.run(ticks, IDLE);
-        assert_eq!(ask(&mut rig, order), answer);
-    }
+    assert_eq!(ask(&mut rig, order), AnswerCode::Done);
 }
 
 #[test]
@@ -316,7 +277,7 @@ fn no_order_is_carried_out_without_an_answer() {
     let mut done = 0;
     for number in 0..100 {
         let nonce = rig.monitor.inputs().nonce;
-        let order = Order::Learn(number % 2 == 0);
+        let order = Order::ReplaceBearing;
         rig.monitor
             .ask(rig.time_us, &Request::new(number, nonce, order, None));
         done += u32::from(rig.monitor.inputs().nonce != nonce);
@@ -324,27 +285,4 @@ fn no_order_is_carried_out_without_an_answer() {
     assert!(done < 100);
     rig.good(IDLE, SPEED);
     assert_eq!(rig.host.answers.len(), done as usize);
-}
-
-/// A loss, or a gain, that is worth an alarm is not learnt away.
-#[test]
-fn a_baseline_that_cannot_be_the_same_bearing_is_not_taken() {
-    let settings = &SETTINGS.judgement;
-    let mut judgement = Judgement::new(Baseline::EMPTY);
-    let mut learn = |k: f32| {
-        judgement.start_learning();
-        for ms in 0..200 {
-            // Said again, it throws nothing away.
-            judgement.start_learning();
-            let findings = idling(SPEED, [k; 5]);
-            judgement.judge(ms * 1000, &findings, settings, &mut Changes::new());
-        }
-        judgement.stop_learning(settings)
-    };
-    let ended = [1e8, 0.95e8, 0.66e8, 0.8e8, 2e8, 1.02e8].map(&mut learn);
-    let (taken, implausible) = (Learning::Taken, Learning::Implausible);
-    assert_eq!(
-        ended,
-        [taken, taken, implausible, implausible, implausible, taken]
-    );
 }

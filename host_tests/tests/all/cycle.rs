@@ -2,12 +2,10 @@
 
 use super::monitor::Rig;
 use files::recordings::LoadRow;
-use host_tests::milling_cycle::{CRASH, DRILLING, Place, recorded};
+use host_tests::milling_cycle::{CRASH, Place, recorded};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use host_tests::telemetry::simulated::monitored::ROWS;
-use spindle_bearing::monitor::baseline::BANDS;
 use spindle_bearing::monitor::judgement::AlarmChange;
-use spindle_bearing::monitor::learning::Learning;
 use spindle_bearing::monitor::loads::LoadSample;
 use spindle_bearing::monitor::{Alarm, AlarmState, Mark, Marks, Outcome, Readings};
 
@@ -67,59 +65,4 @@ fn nearly_every_tick_of_the_cycle_has_a_fresh_estimate_and_its_crash_is_the_only
     assert!(stale.len() * 1000 <= plausible, "of {plausible}: {stale:?}");
     assert_eq!(raised, [Alarm::PeakPressure, Alarm::Overload]);
     assert_eq!(rig.state(Alarm::PeakPressure), AlarmState::Clear);
-}
-
-/// Once with the baseline being learnt, and once against it.
-#[test]
-fn drilling_in_the_cycle_neither_teaches_the_baseline_nor_is_lost_preload() {
-    let rows = recorded(Place::Nose);
-    let mut rig = Rig::shipped();
-    rig.monitor.learn(true);
-    let idling = &MONITOR.judgement.baseline;
-    let band = |row: &LoadRow| (row.omega() as f32 / idling.band_width) as usize;
-    let (mut idle, mut drilling) = ([0; BANDS], 0);
-    for row in &rows {
-        let outcome = tick(&mut rig, row);
-        let [fx, fy, fz, my, mz] = row.load.map(|load| load as f32);
-        let [low, high] = idling.idle_axial;
-        let idles = (low..=high).contains(&fx)
-            && fy.hypot(fz) <= idling.idle_radial
-            && my.hypot(mz) <= idling.idle_moment;
-        if idles && outcome.solved {
-            idle[band(row)] += 1;
-        }
-        if is_within(row.time_s, DRILLING) && fx > 380.0 {
-            assert!(outcome.solved && !idles, "{row:?}");
-            drilling += 1;
-        }
-    }
-    rig.monitor.learn(false);
-    assert!(drilling > 900, "{drilling}");
-    assert_eq!(rig.monitor.health().learning.state, Learning::Taken);
-    let baseline = *rig.monitor.judgement().baseline();
-    // Bands with too little keep what they had, nothing.
-    let enough = idle.map(|count| {
-        if count < idling.least_estimates {
-            0
-        } else {
-            count
-        }
-    });
-    assert_eq!(baseline.estimates, enough);
-    let is_drilling = |row: &&LoadRow| is_within(row.time_s, DRILLING);
-    assert!(
-        rows.iter()
-            .filter(is_drilling)
-            .all(|row| enough[band(row)] > 0)
-    );
-    for row in &rows {
-        tick(&mut rig, row);
-        // The spindle without a tool has less preload, but not for long.
-        let state = rig.state(Alarm::StiffnessLoss);
-        let is_possible = match state {
-            AlarmState::Clear => true,
-            state => state == AlarmState::Pending && !is_drilling(&row),
-        };
-        assert!(is_possible, "{state:?} at {}", row.time_s);
-    }
 }

@@ -96,10 +96,8 @@ impl Board {
     }
 
     fn order(random: &mut Random) -> Vec<u8> {
-        let order = match random.below(4) {
-            0 => Order::Learn(true),
-            1 => Order::Learn(false),
-            2 => Order::ReplaceBearing,
+        let order = match random.below(2) {
+            0 => Order::ReplaceBearing,
             _ => Order::Acknowledge {
                 alarm: Alarm::ALL[random.below(Alarm::COUNT)],
                 raised: random.below(3) as u32,

@@ -319,13 +319,6 @@ impl<const R: usize> Rig<R> {
         self
     }
 
-    /// Learns the idling spindle.
-    pub(super) fn learn(&mut self) {
-        self.monitor.learn(true);
-        self.run(300, self.idle);
-        self.monitor.learn(false);
-    }
-
     pub(super) fn state(&mut self, alarm: Alarm) -> AlarmState {
         self.monitor.judgement().alarm(alarm).state()
     }
@@ -673,37 +666,6 @@ fn overruns_are_counted_and_raise_their_alarm() {
     assert_eq!((health.overruns, health.most_cycles), (12, deadline + 1));
     assert_eq!(rig.state(Alarm::Deadline), AlarmState::Latched);
 }
-
-#[test]
-fn lost_preload_is_told_from_cutting() {
-    let mut rig = Rig::running(&LEARNING);
-    rig.learn();
-    // Cutting changes stiffness by more than the limit, but is not idling.
-    rig.run(300, [250.0, 200.0, 0.0, 0.0, 2.0]);
-    assert_eq!(rig.state(Alarm::StiffnessLoss), AlarmState::Clear);
-    // Preload goes, slowly.
-    let mut raised = Vec::new();
-    for i in 0..6000 {
-        let mut load = IDLE;
-        load[0] = 420.0 * (1.0 - i as f32 / 12_000.0);
-        let outcome = rig.good(load, SPEED);
-        raised.extend(outcome.changes.iter().map(|c| (c.alarm, i)));
-    }
-    let when = |alarm| raised.iter().find(|(a, _)| *a == alarm).map(|(_, i)| *i);
-    let early = when(Alarm::StiffnessTrend).unwrap();
-    let late = when(Alarm::StiffnessLoss).unwrap();
-    assert!(early + 500 < late, "{raised:?}");
-}
-
-/// Trends over seconds instead of hours.
-static LEARNING: MonitorSettings = {
-    let mut settings = settings(10, 1);
-    settings.judgement.trend.span_us = 100_000;
-    settings.judgement.trend.least_estimates = 50;
-    settings.judgement.trend.ahead = 3.0;
-    settings.judgement.thresholds[Alarm::StiffnessLoss as usize].hold_us = 100_000;
-    settings
-};
 
 // --- sources ------------------------------------------------------------------------------------
 

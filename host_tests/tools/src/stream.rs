@@ -11,7 +11,7 @@ use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::State;
 use records::Recording;
 use spindle_bearing::monitor::MonitorSettings;
-use spindle_bearing::monitor::command::{self, Command, Order};
+use spindle_bearing::monitor::command::{self, Command};
 
 /// Bytes that the link takes in a tick: 460,800 baud for a millisecond.
 pub const ROOM: u16 = 46;
@@ -19,8 +19,6 @@ pub const ROOM: u16 = 46;
 const TEMPERATURES: usize = 100;
 /// Ticks between two looks of the operator, who then acknowledges what there is.
 const LOOK: usize = 2000;
-/// Ticks at which the operator has the baseline learnt, and no longer.
-const LEARNING: [usize; 2] = [600, 2000];
 
 /// A tick: bytes in before it, bytes out after it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,9 +50,6 @@ pub fn ticks<const R: usize>(
     let mut operator = Operator::new(Vec::new(), None);
     let mut run = Vec::with_capacity(ticks);
     for tick in 0..ticks {
-        if LEARNING.contains(&tick) {
-            operator.want(Order::Learn(tick == LEARNING[0]));
-        }
         if tick % LOOK == LOOK - 1 || tick + 2 == ticks {
             operator.acknowledge(&state);
         }

@@ -154,7 +154,6 @@ mod bare {
             let outcome = monitor.tick(time_us, &readings, &mut Unknown, &mut Unknown);
             black_box(outcome);
             monitor.acknowledge(time_us, black_box(Alarm::Slip));
-            monitor.learn(black_box(true));
             if black_box(true) {
                 monitor.replace_bearing(time_us);
             }

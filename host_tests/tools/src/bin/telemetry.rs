@@ -45,12 +45,7 @@ struct Arguments {
     #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     acknowledge: bool,
 
-    /// Start or end learning the baseline of the stiffness, with the spindle idling; with --view, press s or e
-    #[arg(long, value_parser = ["on", "off"], requires = "port", conflicts_with_all = NO_BOARD)]
-    learn: Option<String>,
-
-    /// The bearing was replaced: forget its baseline and the life used, with the spindle at a standstill; with --view,
-    /// press r
+    /// The bearing was replaced: forget the life used, with the spindle at a standstill; with --view, press r
     #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     new_bearing: bool,
 
@@ -85,8 +80,7 @@ struct Arguments {
     )]
     json: Option<String>,
 
-    /// Show the stream live; q leaves. With a port: a acknowledges alarms, s and e start and end learning the baseline,
-    /// r replaces the bearing
+    /// Show the stream live; q leaves. With a port: a acknowledges alarms, r replaces the bearing
     #[arg(long)]
     view: bool,
 
@@ -122,9 +116,6 @@ fn run(arguments: &Arguments) -> Result<()> {
         }
         if arguments.new_bearing {
             operator.want(Order::ReplaceBearing);
-        }
-        if let Some(when) = &arguments.learn {
-            operator.want(Order::Learn(when == "on"));
         }
     }
     let shows = arguments.view || arguments.picture.is_some();
@@ -192,11 +183,8 @@ mod tests {
     #[test]
     fn what_a_source_cannot_do_is_refused() {
         let parse = |words: &[&str]| Arguments::try_parse_from([&["telemetry"], words].concat());
-        for order in [
-            &["--acknowledge"][..],
-            &["--learn", "on"],
-            &["--new-bearing"],
-        ] {
+        for order in ["--acknowledge", "--new-bearing"] {
+            let order = &[order][..];
             assert!(parse(&[&["--port", "COM3"], order].concat()).is_ok());
             for source in [&["--simulate"][..], &["--replay", "stream"]] {
                 let refused = parse(&[source, order].concat()).unwrap_err();

@@ -436,8 +436,8 @@ fn is_amiss(name: &str, value: &Value) -> bool {
         ("availability", _) => value.as_f64().is_some_and(|share| share < 0.9),
         ("corrupt" | "damaged" | "disordered" | "failed", "") => *value != json!(0),
         ("late" | "lost" | "missed_ticks" | "overruns", "") => *value != json!(0),
-        (_, "assumed" | "damaged" | "failed" | "held" | "implausible" | "no-memory") => true,
-        (_, "older-copy" | "other-spindle" | "other-version" | "too-little") => true,
+        (_, "assumed" | "damaged" | "failed" | "held" | "no-memory") => true,
+        (_, "older-copy" | "other-spindle" | "other-version") => true,
         _ => false,
     }
 }

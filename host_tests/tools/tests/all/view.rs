@@ -124,13 +124,13 @@ fn the_bytes_of_a_port_arrive_as_they_were_sent_silence_is_no_end_and_unplugging
         assert_eq!(received, sent);
         std::thread::sleep(2 * source::PORT_TIMEOUT);
     }
-    operator.want(Order::Learn(true));
+    operator.want(Order::ReplaceBearing);
     let state = State {
         nonce: Some(9),
         ..State::default()
     };
     operator.follow(&state).unwrap();
-    let wanted = Command::Ask(Request::new(1, 9, Order::Learn(true), None));
+    let wanted = Command::Ask(Request::new(1, 9, Order::ReplaceBearing, None));
     let wanted = command::encode(wanted);
     let mut command = vec![0; wanted.len()];
     sender.read_exact(&mut command).unwrap();
@@ -409,8 +409,7 @@ fn losses_and_counters_are_on_the_health_lines() {
         marked_samples: 41,
         most_cycles: 120_345,
         retention: RetentionReport {
-            baseline: Recovery::OtherSpindle,
-            life: Recovery::Recovered,
+            life: Recovery::OtherSpindle,
             damaged: 1,
             written: 12,
             failed: 2,
@@ -420,7 +419,7 @@ fn losses_and_counters_are_on_the_health_lines() {
     let (mut state, mut decoder) = (State::default(), Decoder::new());
     let first = frame(0, Payload::Health(health()));
     note(&mut state, &mut decoder, &[first]);
-    shows(&state, &["retention.baseline no-memory"]);
+    shows(&state, &["retention.life no-memory"]);
     for event in decoder.push_all(&[9, 1, 1, 0]).collect::<Vec<_>>() {
         state.note(&event, decoder.tally());
     }
@@ -430,7 +429,7 @@ fn losses_and_counters_are_on_the_health_lines() {
         "missed_ticks 0",
         "most_cycles 120345",
         "marked_samples 41",
-        "retention.life recovered",
+        "retention.life other-spindle",
         "retention.written 12",
         "2 frames in",
         "4 lost, 1 damaged",
@@ -441,7 +440,6 @@ fn losses_and_counters_are_on_the_health_lines() {
     for (text, expected) in [
         (" 3", Color::Red),
         ("other-spindle", Color::Red),
-        ("recovered", Color::Reset),
         ("1000", Color::Reset),
         ("4 lost, 1 damaged", Color::Red),
     ] {
