@@ -169,7 +169,7 @@ fn by_the_timer<S: Sensors>(
     let mut lost = 0;
     loop {
         while let Some(byte) = board.receiver.byte() {
-            take(chain, byte);
+            take(chain, byte, board.service.is_on());
         }
         if board::is_free()
             && let Some(byte) = chain.next_byte()
@@ -217,7 +217,7 @@ fn in_lock_step<S: Sensors>(
             cortex_m::asm::delay(4000);
             continue;
         };
-        let Some(room) = take(chain, byte) else {
+        let Some(room) = take(chain, byte, board.service.is_on()) else {
             continue;
         };
         let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
@@ -269,8 +269,8 @@ fn check_step(checks: &mut SelfCheck, left: u32) -> bool {
 }
 
 #[inline(never)]
-fn take<S: Sensors>(chain: &mut Chain<S>, byte: u8) -> Option<u16> {
-    chain.push(byte)
+fn take<S: Sensors>(chain: &mut Chain<S>, byte: u8, service: bool) -> Option<u16> {
+    chain.push(byte, service)
 }
 
 #[inline(never)]

@@ -4,7 +4,7 @@
 //! Two kinds of frames come in over one port: load records, and now and then a [`Command`], such as temperatures.
 
 use super::Precision;
-use super::monitor_settings::{IDLE, KEY, MONITOR};
+use super::monitor_settings::{IDLE, MONITOR};
 use super::monitored::{BALLS, BEARING, ROWS, spindle};
 use spindle_bearing::RacewayControlFree;
 use spindle_bearing::framing::FrameError;
@@ -82,9 +82,7 @@ impl<S: Sensors> Chain<S> {
             unreachable!("the same rows are built by the host's tests");
         };
         Self {
-            monitor: Monitor::new(spindle, &MONITOR)
-                .with_past(past)
-                .with_key(KEY),
+            monitor: Monitor::new(spindle, &MONITOR).with_past(past),
             sensors,
             port: PortReader::new(),
             temperatures: None,
@@ -101,13 +99,12 @@ impl<S: Sensors> Chain<S> {
         self.monitor.prepare(IDLE, 0.0)
     }
 
-    /// Takes a byte of the port. Returns how many bytes the link takes if it is a tick that is asked for.
-    pub fn push(&mut self, byte: u8) -> Option<u16> {
+    /// Takes a byte of the port, while the input for service is on or off. Returns how many bytes the link takes if it is a
+    /// tick that is asked for.
+    pub fn push(&mut self, byte: u8, service: bool) -> Option<u16> {
         match self.port.push(byte)? {
             Ok(Received::Command(Command::Tick(room))) => return Some(room),
-            Ok(Received::Command(Command::Ask(request))) => {
-                self.monitor.ask(self.time_us, &request);
-            }
+            Ok(Received::Command(Command::Ask(request))) => self.monitor.ask(&request, service),
             Ok(Received::Command(Command::Temperatures(read))) => self.temperatures = Some(read),
             Ok(Received::Record(record)) => self.sensors.take(Ok(record)),
             Err(error) => self.sensors.take(Err(error)),

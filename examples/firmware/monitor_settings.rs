@@ -3,7 +3,6 @@
 
 use super::monitored::{BALLS, DESIGN, FACINGS, POSITIONS, PRELOAD, ROWS};
 use super::{CORE_HZ, COST};
-use spindle_bearing::monitor::command::{self, Key};
 use spindle_bearing::monitor::loads::Calibration;
 use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::monitor::speed::SpeedSettings;
@@ -111,17 +110,6 @@ pub const IDENTITY: Identity = {
     } else {
         first.mounted(&POSITIONS, &FACINGS, PRELOAD)
     }
-};
-
-/// The key that orders of an operator are authenticated by; none, unless `SPINDLE_KEY` is in the environment of the
-/// build, as 32 hexadecimal digits. `cargo telemetry` takes it from its own environment.
-#[allow(dead_code, reason = "the chain's")]
-pub const KEY: Option<Key> = match option_env!("SPINDLE_KEY") {
-    None => None,
-    Some(digits) => match command::key(digits) {
-        None => panic!("SPINDLE_KEY must be 32 hexadecimal digits"),
-        key => key,
-    },
 };
 
 /// Whether loads and speed come from strain bridges and a tachometer at the board, not as records over

@@ -137,7 +137,7 @@ use crate::results::margins::{Limit, Limits};
 use crate::spindle::solution::{compliances, preloads};
 use crate::{Facing, Motion, RacewayControlFree, Spindle, SpindleSolution};
 use availability::Availability;
-use command::{AnswerCode, Desk};
+use command::{Answer, AnswerCode, ORDER_EVERY, Request};
 use embedded_storage::nor_flash::NorFlash;
 use judgement::{AlarmChange, Findings, Level};
 use loads::FrameCounts;
@@ -378,7 +378,8 @@ pub struct Monitor<
     doubts: Marks,
     retention: RetentionReport,
     records: FrameCounts,
-    desk: Desk,
+    /// Requests that wait, and whether the input for service was on when they came.
+    requests: heapless::Deque<(Request, bool), { Alarm::COUNT }>,
     board: BoardReport,
     start: StartReport,
     shaft: ShaftReport,
@@ -432,7 +433,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             doubts: Marks::NONE,
             retention: RetentionReport::NO_MEMORY,
             records: FrameCounts::default(),
-            desk: Desk::NEW,
+            requests: heapless::Deque::new(),
             board: BoardReport::NONE,
             start: Past::NONE.report(),
             shaft: shaft_report(&spindle, settings),
@@ -454,40 +455,43 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     pub fn with_past(mut self, past: &Past) -> Self {
         self.judgement.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
-        self.desk = self.desk.after_starts(past.start.boots);
         self.start = past.report();
         self
     }
 
-    /// Carries out the orders of those alone who have this key ([`command`]).
-    #[must_use]
-    pub const fn with_key(mut self, key: Option<command::Key>) -> Self {
-        self.desk = self.desk.with_key(key);
-        self
+    /// An operator wants something. A tick carries it out, unless it is out of place, and answers in the telemetry. `service`
+    /// is the board's input by which somebody at the machine lets a bearing be replaced. As long as there is no room, a
+    /// request is as one that was not heard.
+    pub fn ask(&mut self, request: &Request, service: bool) {
+        let _ = self.requests.push_back((*request, service));
     }
 
-    /// An operator wants something: carries it out, unless it is out of place, and answers in the telemetry. As long as
-    /// no room is left for the answer, a request is as one that was not heard.
-    pub fn ask(&mut self, time_us: u64, request: &command::Request) {
-        if self.outbox.is_full_of_answers() {
+    /// Carries out the order that has waited longest, within the share that orders have.
+    fn serve(&mut self, time_us: u64, tick: u64) {
+        if !tick.is_multiple_of(ORDER_EVERY) || self.outbox.has_answer() {
             return;
         }
-        let mut desk = self.desk;
-        let answer = desk.answer(request, |order| self.carry_out(time_us, order));
-        self.desk = desk;
+        let Some((Request { number, order }, service)) = self.requests.pop_front() else {
+            return;
+        };
+        let answer = Answer {
+            number,
+            order,
+            outcome: self.carry_out(time_us, order, service),
+        };
         self.outbox.post(time_us, Payload::Answer(answer));
     }
 
-    fn carry_out(&mut self, time_us: u64, order: Order) -> AnswerCode {
+    fn carry_out(&mut self, time_us: u64, order: Order, service: bool) -> AnswerCode {
         match order {
             Order::Acknowledge { alarm, raised } => {
-                let machine = self.judgement.alarm(alarm);
-                if machine.counts().0 != raised || !machine.stands() {
+                if self.judgement.alarm(alarm).counts().0 != raised {
                     return AnswerCode::NoSuchOccurrence;
                 }
                 self.acknowledge(time_us, alarm);
                 AnswerCode::Done
             }
+            Order::ReplaceBearing if !service => AnswerCode::NotInService,
             Order::ReplaceBearing if self.replace_bearing(time_us) => AnswerCode::Done,
             Order::ReplaceBearing => AnswerCode::NotAtStandstill,
         }
@@ -580,6 +584,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         if let Some(sample) = good {
             self.waiting = Some((Wanted::Estimate(sample), tick));
         }
+        self.serve(time_us, tick);
         let wear = self.measure(time_us, readings, doubts);
         if doubts.is_empty() {
             self.good_us = Some(time_us);
@@ -908,7 +913,6 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             records: self.records,
             doubtful_revolutions: self.life.doubtful_revolutions(),
             life_estimated: self.life.estimated(),
-            nonce: self.desk.nonce(),
             temperatures: self.temperatures.used(),
             temperature_sources: self.temperatures.sources(),
         }

@@ -8,7 +8,7 @@
 //! | payload | when | in need |
 //! | --- | --- | --- |
 //! | [`Payload::Alarm`] | an alarm changed its state; again and again while it stands | never dropped |
-//! | [`Payload::Answer`] | an operator has asked for something | never dropped |
+//! | [`Payload::Answer`] | an operator has asked for something | no order is carried out before it is gone |
 //! | [`Payload::Health`], [`Payload::Inputs`] | at a fixed interval | the newest is kept |
 //! | [`Payload::Start`], [`Payload::Shaft`] | at the start, and once a minute | the newest is kept |
 //! | [`Payload::Estimate`], [`Payload::Rows`] | at a fixed interval | the oldest is dropped, and counted |
@@ -372,8 +372,6 @@ pub struct InputsReport {
     pub doubtful_revolutions: u64,
     /// Part of [`HealthReport::life_used`] that doubtful revolutions used, an upper bound.
     pub life_estimated: f32,
-    /// Nonce of an operator's next request ([`command`](super::command)).
-    pub nonce: u32,
     /// Temperatures of the inner and of the outer side that are used, degrees Celsius.
     pub temperatures: [f32; 2],
     /// Where they come from.
@@ -482,9 +480,6 @@ impl StartReport {
 /// Alarm reports that wait in order.
 const ALARM_QUEUE: usize = 4 * Alarm::COUNT;
 
-/// Answers that wait: an operator sends a request for each alarm that stands, at most.
-const ANSWER_QUEUE: usize = Alarm::COUNT;
-
 /// A payload and when it was.
 #[derive(Debug, Clone, PartialEq)]
 struct Waiting {
@@ -506,7 +501,7 @@ struct HeldBack {
 #[derive(Debug)]
 pub struct Outbox<const FRAMES: usize> {
     alarms: Deque<(u64, AlarmReport), ALARM_QUEUE>,
-    answers: Deque<(u64, Answer), ANSWER_QUEUE>,
+    answer: Option<(u64, Answer)>,
     held_back: [Option<HeldBack>; Alarm::COUNT],
     health: Option<(u64, HealthReport)>,
     inputs: Option<(u64, InputsReport)>,
@@ -532,7 +527,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
     pub const fn new() -> Self {
         Self {
             alarms: Deque::new(),
-            answers: Deque::new(),
+            answer: None,
             held_back: [None; Alarm::COUNT],
             health: None,
             inputs: None,
@@ -561,7 +556,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
     pub fn is_empty(&self) -> bool {
         self.gone >= self.current.len()
             && self.alarms.is_empty()
-            && self.answers.is_empty()
+            && self.answer.is_none()
             && self.held_back.iter().all(Option::is_none)
             && self.health.is_none()
             && self.inputs.is_none()
@@ -571,9 +566,9 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             && self.frames.is_empty()
     }
 
-    /// Whether another answer would have to be dropped.
-    pub fn is_full_of_answers(&self) -> bool {
-        self.answers.is_full()
+    /// Whether an answer waits, which another one would replace.
+    pub const fn has_answer(&self) -> bool {
+        self.answer.is_some()
     }
 
     /// Queues a payload of this time. Payloads that give way for want of room are counted.
@@ -582,10 +577,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             Payload::Alarm(report) => self.post_alarm(time_us, report),
             Payload::Health(report) => self.health = Some((time_us, report)),
             Payload::Inputs(report) => self.inputs = Some((time_us, report)),
-            Payload::Answer(answer) => {
-                // Who posts one has seen to it that there is room.
-                let _ = self.answers.push_back((time_us, answer));
-            }
+            Payload::Answer(answer) => self.answer = Some((time_us, answer)),
             Payload::Board(report) => self.board = Some((time_us, report)),
             Payload::Start(report) => self.start = Some((time_us, report)),
             Payload::Shaft(report) => self.shaft = Some((time_us, report)),
@@ -634,7 +626,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         {
             return self.encode(held.time_us, &Payload::Alarm(held.report));
         }
-        if let Some((time_us, answer)) = self.answers.pop_front() {
+        if let Some((time_us, answer)) = self.answer.take() {
             return self.encode(time_us, &Payload::Answer(answer));
         }
         if let Some((time_us, report)) = self.health.take() {
@@ -860,7 +852,6 @@ mod tests {
             },
             doubtful_revolutions: u64::MAX,
             life_estimated: f32::MAX,
-            nonce: u32::MAX,
             temperatures: [f32::MAX; 2],
             temperature_sources: [TemperatureSource::Assumed; 2],
         })
@@ -874,7 +865,6 @@ mod tests {
                 raised: u32::MAX,
             },
             outcome: AnswerCode::NoSuchOccurrence,
-            nonce: u32::MAX,
         })
     }
 

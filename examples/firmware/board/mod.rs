@@ -26,6 +26,7 @@ pub use memory::{Stack, image, seal};
 pub use receiver::Receiver;
 pub use sensors::Measured;
 pub use serial::{BAUD, is_free, received, send};
+pub use strap::Service;
 
 /// Flash for what is kept over a power cycle.
 pub type Memory = flash::Flash<cells::Memory>;
@@ -51,6 +52,8 @@ pub struct Board {
     pub timer: SYST,
     /// PC0 is wired to ground and PC1 to PC2, or the board is an emulated one: ticks are asked for over the port.
     pub lock_step: bool,
+    /// Input by which somebody at the machine lets a bearing be replaced.
+    pub service: Service,
     /// Report of the board on itself: why it started, and its brown-out level.
     pub report: BoardReport,
     /// Why it started.
@@ -107,6 +110,7 @@ pub fn start() -> Option<Board> {
         window: reset::Window::new(p.WWDG),
         timer: core.SYST,
         lock_step,
+        service: Service::start(p.GPIOC),
         report,
         reset,
         sensors,

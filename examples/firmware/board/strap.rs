@@ -1,4 +1,5 @@
-//! The wires that put a board into lock-step: PC0 to ground, and PC1 to PC2. No single short does that.
+//! The wires that put a board into lock-step: PC0 to ground, and PC1 to PC2. No single short does that. And the one that
+//! lets a bearing be replaced: PC6 to 3.3 V.
 
 use super::pac::GPIOC;
 
@@ -34,6 +35,23 @@ pub fn is_wired(gpioc: &GPIOC, core_hz: u32) -> bool {
     });
     gpioc.moder().modify(|_, w| w.moder2().input());
     follows
+}
+
+/// PC6, high in service. Open, and on an emulated board, it is low.
+pub struct Service(GPIOC);
+
+impl Service {
+    /// Pulls it down.
+    pub fn start(gpioc: GPIOC) -> Self {
+        gpioc.moder().modify(|_, w| w.moder6().input());
+        gpioc.pupdr().modify(|_, w| w.pupdr6().pull_down());
+        Self(gpioc)
+    }
+
+    /// Whether it is high.
+    pub fn is_on(&self) -> bool {
+        self.0.idr().read().idr6().bit_is_set()
+    }
 }
 
 /// A pull takes a few microseconds to charge a pin: 100 us.

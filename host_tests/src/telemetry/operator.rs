@@ -1,12 +1,10 @@
 //! Orders of an operator to the board: alarms seen, a bearing replaced.
 //!
-//! The board carries out an order with the nonce that it told last, and answers ([`command`]). An operator therefore
-//! listens: [`Operator::follow`] sends an order as soon as a nonce is known, and sends it again until it is
-//! answered.
+//! The board answers every order ([`command`]): [`Operator::follow`] sends it again until it is answered.
 
 use super::state::{State, words};
 use anyhow::{Context, Result};
-use spindle_bearing::monitor::command::{self, Command, Key, Order, Request};
+use spindle_bearing::monitor::command::{self, Command, Order, Request};
 use spindle_bearing::monitor::judgement::AlarmState;
 use std::collections::VecDeque;
 use std::io::Write;
@@ -29,10 +27,7 @@ struct Sent {
 #[derive(Debug)]
 pub struct Operator<W> {
     to: W,
-    key: Option<Key>,
     number: u16,
-    /// The nonce that the board told last, and the next one: the board counts on with every order.
-    nonce: Option<(u32, u32)>,
     wanted: VecDeque<Order>,
     sent: Vec<Sent>,
     unanswered: Vec<Order>,
@@ -43,13 +38,11 @@ pub struct Operator<W> {
 }
 
 impl<W: Write> Operator<W> {
-    /// An operator whose requests go to a port, authenticated if there is a key.
-    pub const fn new(to: W, key: Option<Key>) -> Self {
+    /// An operator whose requests go to a port.
+    pub const fn new(to: W) -> Self {
         Self {
             to,
-            key,
             number: 0,
-            nonce: None,
             wanted: VecDeque::new(),
             sent: Vec::new(),
             unanswered: Vec::new(),
@@ -58,7 +51,7 @@ impl<W: Write> Operator<W> {
         }
     }
 
-    /// Wants something, as soon as the board has told its nonce.
+    /// Wants something.
     pub fn want(&mut self, order: Order) {
         self.wanted.push_back(order);
     }
@@ -116,17 +109,10 @@ impl<W: Write> Operator<W> {
             }
             self.sent.push(sent);
         }
-        let Some(told) = state.nonce else {
-            return Ok(());
-        };
         while let Some(order) = self.wanted.pop_front() {
-            let nonce = match self.nonce {
-                Some((known, next)) if known == told => next,
-                _ => told,
-            };
-            self.nonce = Some((told, nonce.wrapping_add(1)));
             self.number = self.number.wrapping_add(1);
-            let request = Request::new(self.number, nonce, order, self.key.as_ref());
+            let number = self.number;
+            let request = Request { number, order };
             self.send(request)?;
             self.sent.push(Sent {
                 request,

@@ -82,8 +82,6 @@ pub struct State {
     pub reports: BTreeMap<&'static str, Value>,
     /// The last answer to an order.
     pub answer: Option<Answer>,
-    /// The nonce that the board told last.
-    pub nonce: Option<u32>,
     /// Counts of the decoder.
     pub tally: Tally,
     /// The last damage.
@@ -156,12 +154,8 @@ impl State {
                 *place = Some((since, *report));
             }
             Payload::Health(report) => self.report("health", report),
-            Payload::Inputs(report) => {
-                self.nonce = Some(report.nonce);
-                self.report("inputs", report);
-            }
+            Payload::Inputs(report) => self.report("inputs", report),
             Payload::Answer(answer) => {
-                self.nonce = Some(answer.nonce);
                 let (order, outcome) = (words(&answer.order), answer.outcome.name());
                 self.said = Some(format!("board: {order}: {outcome}"));
                 self.answer = Some(*answer);

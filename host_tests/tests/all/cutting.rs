@@ -4,7 +4,7 @@ use super::monitor::{IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_nose, at_speed};
 use host_tests::milling_cycle::{curve, tooth};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use rayon::prelude::*;
-use spindle_bearing::monitor::command::{AnswerCode, Order, Request};
+use spindle_bearing::monitor::command::{AnswerCode, ORDER_EVERY, Order, Request};
 use spindle_bearing::monitor::judgement::AlarmChange;
 use spindle_bearing::monitor::{self, Alarm, AlarmState, Mark};
 
@@ -219,34 +219,49 @@ fn a_monitor_that_is_blind_says_so() {
 }
 
 /// Outcome of an order.
-fn ask(rig: &mut Rig, order: Order) -> AnswerCode {
-    let nonce = rig.monitor.inputs().nonce;
-    let request = Request::new(nonce as u16, nonce, order, None);
-    rig.monitor.ask(rig.time_us, &request);
-    // Asked for once more, it is answered once more, and not done again.
-    rig.monitor.ask(rig.time_us, &request);
-    rig.good(IDLE, SPEED);
+fn ask(rig: &mut Rig, order: Order, service: bool) -> AnswerCode {
+    let request = Request { number: 7, order };
+    // Asked for once more, it is answered alike.
+    rig.monitor.ask(&request, service);
+    rig.monitor.ask(&request, service);
+    rig.run(2 * ORDER_EVERY as u32, rig.idle);
     let answers: Vec<_> = rig.host.answers.drain(..).collect();
     let [first, again] = answers[..] else {
         panic!("{answers:?}");
     };
     assert_eq!(first, again);
-    assert_eq!((first.order, first.nonce), (order, nonce.wrapping_add(1)));
+    assert_eq!((first.number, first.order), (7, order));
     first.outcome
 }
 
+/// Outcome of an order to take the bearing for a new one, at this speed; whether there is a new life.
+fn replace(rig: &mut Rig, speed: f32, service: bool) -> (AnswerCode, bool) {
+    let life = rig.monitor.life().kept();
+    let request = Request {
+        number: 1,
+        order: Order::ReplaceBearing,
+    };
+    rig.monitor.ask(&request, service);
+    for _ in 0..ORDER_EVERY {
+        rig.good(IDLE, speed);
+    }
+    let [answer] = rig.host.answers.drain(..).collect::<Vec<_>>()[..] else {
+        panic!("one answer");
+    };
+    (answer.outcome, rig.monitor.life().kept() < life)
+}
+
 #[test]
-fn an_order_that_is_out_of_place_is_refused_by_its_reason() {
-    let mut rig = Rig::new(&SETTINGS);
-    // The speed is not known yet.
-    let order = Order::ReplaceBearing;
-    assert_eq!(ask(&mut rig, order), AnswerCode::NotAtStandstill);
-    rig = rig.run_up();
-    assert_eq!(ask(&mut rig, order), AnswerCode::NotAtStandstill);
+fn a_bearing_is_replaced_at_a_standstill_and_in_service_alone() {
+    let mut rig = Rig::running(&SETTINGS);
+    let turning = (AnswerCode::NotAtStandstill, false);
+    assert_eq!(replace(&mut rig, SPEED, true), turning);
     for ms in 0..1000 {
         rig.good(IDLE, SPEED - SPEED * ms as f32 / 999.0);
     }
-    assert_eq!(ask(&mut rig, order), AnswerCode::Done);
+    let afar = (AnswerCode::NotInService, false);
+    assert_eq!(replace(&mut rig, 0.0, false), afar);
+    assert_eq!(replace(&mut rig, 0.0, true), (AnswerCode::Done, true));
 }
 
 #[test]
@@ -262,27 +277,51 @@ fn an_acknowledgement_of_one_occurrence_is_none_of_the_next() {
     for (raised, answer, state) in [
         (1, AnswerCode::NoSuchOccurrence, AlarmState::Latched),
         (2, AnswerCode::Done, AlarmState::Clear),
-        (2, AnswerCode::NoSuchOccurrence, AlarmState::Clear),
+        (2, AnswerCode::Done, AlarmState::Clear),
+        (3, AnswerCode::NoSuchOccurrence, AlarmState::Clear),
     ] {
         let alarm = Alarm::PeakPressure;
-        assert_eq!(ask(&mut rig, Order::Acknowledge { alarm, raised }), answer);
+        assert_eq!(
+            ask(&mut rig, Order::Acknowledge { alarm, raised }, false),
+            answer
+        );
         assert_eq!(rig.state(alarm), state);
     }
+}
+
+/// Orders at two a tick, and a line of 460,800 baud.
+#[test]
+fn orders_at_any_rate_leave_the_telemetry_its_room() {
+    let mut rig = Rig::running(&SETTINGS);
+    rig.link = 46;
+    rig.host.estimates.clear();
+    for _ in 0..4000 {
+        forge(&mut rig, 2);
+        rig.good(IDLE, SPEED);
+    }
+    assert!((999..=1001).contains(&rig.host.answers.len()));
+    assert!((199..=201).contains(&rig.host.estimates.len()));
+    assert_eq!(rig.monitor.health().frames_dropped, 0);
 }
 
 /// A shut link holds answers back, and orders with them: none is carried out without an answer.
 #[test]
 fn no_order_is_carried_out_without_an_answer() {
     let mut rig = Rig::running(&SETTINGS);
-    let mut done = 0;
-    for number in 0..100 {
-        let nonce = rig.monitor.inputs().nonce;
-        let order = Order::ReplaceBearing;
-        rig.monitor
-            .ask(rig.time_us, &Request::new(number, nonce, order, None));
-        done += u32::from(rig.monitor.inputs().nonce != nonce);
-    }
-    assert!(done < 100);
+    rig.link = 0;
+    forge(&mut rig, 100);
+    rig.run(100, IDLE);
+    rig.link = 4096;
     rig.good(IDLE, SPEED);
-    assert_eq!(rig.host.answers.len(), done as usize);
+    assert_eq!(rig.host.answers.len(), 1);
+    rig.run(100, IDLE);
+    assert_eq!(rig.host.answers.len(), Alarm::COUNT);
+}
+
+/// So many orders of whoever it may be.
+fn forge(rig: &mut Rig, count: u16) {
+    for number in 0..count {
+        let order = Order::ReplaceBearing;
+        rig.monitor.ask(&Request { number, order }, true);
+    }
 }

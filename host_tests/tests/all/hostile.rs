@@ -103,8 +103,7 @@ impl Board {
                 raised: random.below(3) as u32,
             },
         };
-        let nonce = random.below(3) as u32;
-        command::encode(Command::Ask(Request::new(1, nonce, order, None))).to_vec()
+        command::encode(Command::Ask(Request { number: 1, order })).to_vec()
     }
 
     /// A tick with these bytes before it; whether its estimate is fresh and nothing is doubted.
@@ -113,7 +112,7 @@ impl Board {
             match self.port.push(*byte) {
                 Some(Ok(Received::Record(record))) => self.source.take(Ok(record)),
                 Some(Ok(Received::Command(Command::Ask(request)))) => {
-                    self.rig.monitor.ask(self.rig.time_us, &request);
+                    self.rig.monitor.ask(&request, true);
                 }
                 Some(Ok(Received::Command(Command::Tick(_) | Command::Temperatures(_)))) | None => {
                 }

@@ -133,7 +133,7 @@ pub(super) struct Rig<const R: usize = 1> {
     pub(super) time_us: u64,
     ticks: u64,
     /// Bytes that the link takes in a tick.
-    link: usize,
+    pub(super) link: usize,
     /// Marks of every tick, by its time in ms.
     marks: Vec<Marks>,
     /// Changes of alarms.

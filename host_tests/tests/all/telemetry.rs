@@ -17,8 +17,7 @@ use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
 use spindle_bearing::monitor::command::{Answer, AnswerCode, Command, Order, PortReader, Received};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    EstimateReport, Frame, HealthReport, InputsReport, Payload, Recovery, StartReport, VERSION,
-    encode,
+    EstimateReport, Frame, HealthReport, Payload, Recovery, StartReport, VERSION, encode,
 };
 use spindle_bearing::monitor::{Mark, Marks, TemperatureSource};
 
@@ -70,16 +69,15 @@ fn samples() -> Vec<Payload> {
         raised: 1,
     };
     let orders = [acknowledge, Order::ReplaceBearing];
-    payloads.extend(orders.map(|order| answer(1, order, 8)));
+    payloads.extend(orders.map(|order| answer(1, order)));
     payloads
 }
 
-fn answer(number: u16, order: Order, nonce: u32) -> Payload {
+fn answer(number: u16, order: Order) -> Payload {
     Payload::Answer(Answer {
         number,
         order,
         outcome: AnswerCode::NotAtStandstill,
-        nonce,
     })
 }
 
@@ -486,33 +484,21 @@ fn a_restart_forgets_what_was_and_goes_on_counting() {
     assert_eq!((state.tally.frames, state.tally.restarts), (4, 1));
 }
 
-/// The orders that an operator has sent, with their nonces, as the board finds them.
-fn orders(operator: &mut Operator<Vec<u8>>) -> Vec<(u32, Order)> {
+/// The orders that an operator has sent, with their numbers, as the board finds them.
+fn orders(operator: &mut Operator<Vec<u8>>) -> Vec<(u16, Order)> {
     let sent = std::mem::take(operator.get_mut());
     let mut reader = PortReader::new();
     let frames = sent.iter().filter_map(|byte| reader.push(*byte));
     let order = |frame| match frame {
-        Ok(Received::Command(Command::Ask(request))) => (request.nonce, request.order),
+        Ok(Received::Command(Command::Ask(request))) => (request.number, request.order),
         other => panic!("no operator says {other:?}"),
     };
     frames.map(order).collect()
 }
 
-/// A frame that tells a nonce.
-fn told(sequence: u32, time_us: u64, nonce: u32) -> Frame {
-    let inputs = InputsReport {
-        nonce,
-        ..InputsReport::default()
-    };
-    Frame {
-        time_us,
-        ..frame(sequence, Payload::Inputs(inputs))
-    }
-}
-
 #[test]
 fn only_alarms_that_nobody_has_acknowledged_are_acknowledged_by_their_occurrence() {
-    let mut state = state_of(
+    let state = state_of(
         [
             alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised),
             alarm(Alarm::Sensor, AlarmChange::Cleared, AlarmState::Latched),
@@ -525,29 +511,26 @@ fn only_alarms_that_nobody_has_acknowledged_are_acknowledged_by_their_occurrence
         ]
         .map(Payload::Alarm),
     );
-    let mut operator = Operator::new(Vec::new(), None);
-    // Asked back, and not sent before the board's nonce is known.
+    let mut operator = Operator::new(Vec::new());
+    // Asked back.
     let said = operator.press('a', &state).unwrap();
     assert!(said.starts_with("acknowledge 2?"), "{said}");
     let said = operator.press('y', &state);
     assert_eq!(said.as_deref(), Some("2 to be acknowledged"));
     assert_eq!(operator.press('x', &state), None);
     operator.follow(&state).unwrap();
-    assert_eq!(orders(&mut operator), []);
-    note(&mut state, &mut Decoder::new(), &[told(4, 1000, 7)]);
-    operator.follow(&state).unwrap();
     let acknowledge = |alarm| Order::Acknowledge { alarm, raised: 1 };
     let expected = [
-        (7, acknowledge(Alarm::Slip)),
-        (8, acknowledge(Alarm::Sensor)),
+        (1, acknowledge(Alarm::Slip)),
+        (2, acknowledge(Alarm::Sensor)),
     ];
     assert_eq!(orders(&mut operator), expected);
 }
 
 #[test]
 fn each_key_says_one_thing_and_a_no_sends_nothing() {
-    let state = state_of([told(0, 1000, 7).payload]);
-    let mut operator = Operator::new(Vec::new(), None);
+    let state = State::default();
+    let mut operator = Operator::new(Vec::new());
     assert!(operator.press('r', &state).unwrap().contains("? y"));
     assert_eq!(operator.press('n', &state).unwrap(), "nothing was sent");
     operator.press('r', &state);
@@ -557,13 +540,13 @@ fn each_key_says_one_thing_and_a_no_sends_nothing() {
         "no alarm to acknowledge"
     );
     operator.follow(&state).unwrap();
-    assert_eq!(orders(&mut operator), [(7, Order::ReplaceBearing)]);
+    assert_eq!(orders(&mut operator), [(1, Order::ReplaceBearing)]);
 }
 
 #[test]
 fn an_order_is_sent_again_until_it_is_answered_and_is_given_up_in_the_end() {
     let (mut state, mut decoder) = (State::default(), Decoder::new());
-    let mut operator = Operator::new(Vec::new(), None);
+    let mut operator = Operator::new(Vec::new());
     let acknowledge = Order::Acknowledge {
         alarm: Alarm::Slip,
         raised: 1,
@@ -572,10 +555,13 @@ fn an_order_is_sent_again_until_it_is_answered_and_is_given_up_in_the_end() {
     operator.want(acknowledge);
     let mut sent = Vec::new();
     for second in 0..10 {
-        let told = told(2 * second, 1_000_000 * u64::from(second), 7);
+        let told = Frame {
+            time_us: 1_000_000 * u64::from(second),
+            ..frame(2 * second, Payload::Health(health()))
+        };
         note(&mut state, &mut decoder, &[told]);
         if second == 2 {
-            let answer = frame(5, answer(1, Order::ReplaceBearing, 8));
+            let answer = frame(5, answer(1, Order::ReplaceBearing));
             note(&mut state, &mut decoder, &[answer]);
             let said = state.said.as_deref();
             assert_eq!(
@@ -594,10 +580,8 @@ fn an_order_is_sent_again_until_it_is_answered_and_is_given_up_in_the_end() {
 #[test]
 fn a_port_that_takes_no_bytes_is_told_of() {
     // A buffer without room.
-    let mut operator = Operator::new([0_u8; 0].as_mut_slice(), None);
+    let mut operator = Operator::new([0_u8; 0].as_mut_slice());
     operator.want(Order::ReplaceBearing);
-    let error = operator
-        .follow(&state_of([told(0, 0, 0).payload]))
-        .unwrap_err();
+    let error = operator.follow(&State::default()).unwrap_err();
     assert_eq!(error.to_string(), "cannot send a command to the board");
 }

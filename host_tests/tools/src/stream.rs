@@ -10,8 +10,8 @@ use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::State;
 use records::Recording;
-use spindle_bearing::monitor::MonitorSettings;
-use spindle_bearing::monitor::command::{self, Command};
+use spindle_bearing::monitor::command::{self, Command, ORDER_EVERY};
+use spindle_bearing::monitor::{Alarm, MonitorSettings};
 
 /// Bytes that the link takes in a tick: 460,800 baud for a millisecond.
 pub const ROOM: u16 = 46;
@@ -19,6 +19,8 @@ pub const ROOM: u16 = 46;
 const TEMPERATURES: usize = 100;
 /// Ticks between two looks of the operator, who then acknowledges what there is.
 const LOOK: usize = 2000;
+/// Ticks before the end of the last look: an order for every alarm is carried out in them.
+const LAST: usize = Alarm::COUNT * ORDER_EVERY as usize + 2;
 
 /// A tick: bytes in before it, bytes out after it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,10 +49,10 @@ pub fn ticks<const R: usize>(
     let per_report = (settings.telemetry.health_us / period).max(1) as usize;
     let ticks = recording.records.len().div_ceil(per_report) * per_report + 1;
     let (mut state, mut decoder) = (State::default(), Decoder::new());
-    let mut operator = Operator::new(Vec::new(), None);
+    let mut operator = Operator::new(Vec::new());
     let mut run = Vec::with_capacity(ticks);
     for tick in 0..ticks {
-        if tick % LOOK == LOOK - 1 || tick + 2 == ticks {
+        if tick % LOOK == LOOK - 1 || tick + LAST == ticks {
             operator.acknowledge(&state);
         }
         operator.follow(&state)?;

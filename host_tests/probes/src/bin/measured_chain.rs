@@ -115,7 +115,7 @@ mod measured {
         };
         let [length, room, _, _] = *black_box(&mut *tick);
         for byte in black_box(input).iter().take(length as usize) {
-            let _ = chain.push(*byte);
+            let _ = chain.push(*byte, false);
         }
         let outcome = chain.tick(*time_us, &mut Cycles, &mut NoWatchdog);
         *time_us = time_us.saturating_add(MONITOR.tick.period_us.into());

@@ -8,7 +8,7 @@ use files::recordings;
 use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::simulated;
 use host_tests::telemetry::simulated::monitored::ROWS;
-use spindle_bearing::monitor::command::{self, Order};
+use spindle_bearing::monitor::command::Order;
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};
 use std::path::PathBuf;
@@ -45,13 +45,10 @@ struct Arguments {
     #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     acknowledge: bool,
 
-    /// The bearing was replaced: forget the life used, with the spindle at a standstill; with --view, press r
+    /// The bearing was replaced: forget the life used, with the spindle at a standstill and the board in service; with
+    /// --view, press r
     #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     new_bearing: bool,
-
-    /// Key of the board, 32 hexadecimal digits, if it was built with one
-    #[arg(long, value_name = "HEX", env = "SPINDLE_KEY", hide_env_values = true)]
-    key: Option<String>,
 
     /// Baud rate of the port
     #[arg(long, value_name = "BAUD", default_value_t = 460_800)]
@@ -152,10 +149,7 @@ fn run(arguments: &Arguments) -> Result<()> {
 /// Where the bytes come from, and for a port, who says something to it.
 fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
     if let Some(port) = &arguments.port {
-        let key = arguments.key.as_deref();
-        let key =
-            key.map(|digits| command::key(digits).context("--key must be 32 hexadecimal digits"));
-        let (chunks, operator) = source::port(port, arguments.baud, key.transpose()?)?;
+        let (chunks, operator) = source::port(port, arguments.baud)?;
         return Ok((chunks, Some(operator)));
     }
     if let Some(path) = &arguments.replay {

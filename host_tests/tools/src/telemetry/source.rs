@@ -5,7 +5,6 @@ use anyhow::{Context, Result, bail};
 use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
 use host_tests::telemetry::json;
 use host_tests::telemetry::operator::Operator;
-use spindle_bearing::monitor::command::Key;
 use spindle_bearing::monitor::telemetry::VERSION;
 use std::fs::File;
 use std::io::ErrorKind::{Interrupted, TimedOut};
@@ -27,19 +26,19 @@ pub type Chunks = Receiver<io::Result<Vec<u8>>>;
 /// Says something to a port.
 pub type PortOperator = Operator<Box<dyn Write + Send>>;
 
-/// Opens a serial port, 8N1: bytes that come in, and the sender of commands, authenticated if there is a key.
+/// Opens a serial port, 8N1: bytes that come in, and the sender of commands.
 ///
 /// # Errors
 ///
 /// The port is not there, not free, or does not know the baud rate.
-pub fn port(name: &str, baud: u32, key: Option<Key>) -> Result<(Chunks, PortOperator)> {
+pub fn port(name: &str, baud: u32) -> Result<(Chunks, PortOperator)> {
     let open = || {
         let port = serialport::new(name, baud).timeout(PORT_TIMEOUT).open()?;
         Ok::<_, serialport::Error>((port.try_clone()?, port))
     };
     let (writer, reader) =
         open().with_context(|| format!("cannot open the serial port {name} at {baud} baud"))?;
-    Ok((stream(reader), Operator::new(Box::new(writer), key)))
+    Ok((stream(reader), Operator::new(Box::new(writer))))
 }
 
 /// Opens a recorded stream: bytes as they came from a port, or the lines of JSON that were made of them. `-` is standard

@@ -404,8 +404,8 @@ fn health(state: &State) -> Paragraph<'static> {
 fn fields(path: &str, value: &Value, words: &mut Vec<Span<'static>>) {
     if let Value::Object(of) = value {
         for (name, value) in of {
-            // Bits, and numbers for the board alone.
-            if !matches!(&**name, "alarms" | "marks" | "nonce" | "raised") {
+            // Bits, and counts of a row of alarms.
+            if !matches!(&**name, "alarms" | "marks" | "raised") {
                 fields(&format!("{path} {name}"), value, words);
             }
         }

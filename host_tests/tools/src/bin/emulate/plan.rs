@@ -52,7 +52,7 @@ pub fn plan(recording: &Recording, mut spoiler: Spoiler) -> Result<Plan> {
         input.extend(command::encode(Command::Tick(tick.room)));
         let answered = expected.len();
         for byte in &input[told..] {
-            let Some(room) = chain.push(*byte) else {
+            let Some(room) = chain.push(*byte, false) else {
                 continue;
             };
             let time_us = done * u64::from(period);

@@ -65,7 +65,7 @@ macro_rules! board {
                     let mut time_us = 0;
                     Ok(Box::new(move |tick: &Tick| {
                         for byte in &tick.bytes {
-                            chain.push(*byte);
+                            chain.push(*byte, false);
                         }
                         chain.tick(time_us, &mut NoCycles, &mut NoWatchdog);
                         time_us += period;
