@@ -123,24 +123,53 @@ pub const BRIDGES: bool = option_env!("SPINDLE_SENSORS").is_some();
 #[allow(dead_code, reason = "the boards'")]
 pub const SET_BROWN_OUT: bool = option_env!("SPINDLE_BROWN_OUT").is_some();
 
-/// Counts of six bridges per N and N m, rows of the bridges: **to be replaced by your spindle's**.
-/// These are of bridges that each see one load, the sixth one all forces.
+/// Six bridges, by `cargo calibrate`: **to be replaced by your spindle's**.
+/// These are of bridges that each see one load, the sixth one all forces (`host_tests/bridges.csv`). Condition 1.04.
 #[allow(dead_code, reason = "the boards'")]
-pub const CALIBRATION: Calibration<6> = match Calibration::from_counts([
-    [500.0, 0.0, 0.0, 0.0, 0.0],
-    [0.0, 500.0, 0.0, 0.0, 0.0],
-    [0.0, 0.0, 500.0, 0.0, 0.0],
-    [0.0, 0.0, 0.0, 2e4, 0.0],
-    [0.0, 0.0, 0.0, 0.0, 2e4],
-    [300.0, 300.0, 300.0, 0.0, 0.0],
-]) {
-    Ok(mut calibration) => {
-        // The springs' preload, which no bridge can tell from its zero.
-        calibration.standing = IDLE;
-        calibration
-    }
-    Err(_) => panic!("the bridges cannot tell five loads apart"),
+pub const CALIBRATION: Calibration<6> = {
+    let mut calibration = Calibration::new(
+        [
+            [
+                1.653_846_1e-3,
+                -3.461_538_6e-4,
+                -3.461_538_6e-4,
+                0.0,
+                0.0,
+                5.769_231e-4,
+            ],
+            [
+                -3.461_538_6e-4,
+                1.653_846_1e-3,
+                -3.461_538_6e-4,
+                0.0,
+                0.0,
+                5.769_231e-4,
+            ],
+            [
+                -3.461_538_6e-4,
+                -3.461_538_6e-4,
+                1.653_846_1e-3,
+                0.0,
+                0.0,
+                5.769_231e-4,
+            ],
+            [0.0, 0.0, 0.0, 5e-5, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 0.0, 5e-5, 0.0],
+        ],
+        [
+            [500.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 500.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 500.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 2e4, 0.0],
+            [0.0, 0.0, 0.0, 0.0, 2e4],
+            [300.0, 300.0, 300.0, 0.0, 0.0],
+        ],
+    );
+    // The springs' preload, which no bridge can tell from its zero.
+    calibration.standing = IDLE;
+    calibration
 };
+const _: () = assert!(CALIBRATION.check().is_ok());
 
 /// Samples of a tare.
 #[allow(dead_code, reason = "the boards'")]

@@ -465,8 +465,8 @@ pub struct Calibration<const K: usize> {
 pub enum CalibrationError {
     /// A number is infinite or none.
     NotFinite,
-    /// The channels do not determine all five loads.
-    Singular,
+    /// The two matrices do not belong together.
+    Mismatch,
     /// A temperature range without its own calibration temperature, or slopes that turn a gain over.
     Temperature,
 }
@@ -476,7 +476,7 @@ impl CalibrationError {
     pub const fn name(self) -> &'static str {
         match self {
             Self::NotFinite => "calibration has numbers that are none",
-            Self::Singular => "calibration does not determine all five loads",
+            Self::Mismatch => "calibration's matrices do not belong together",
             Self::Temperature => "calibration's temperature range or slopes are wrong",
         }
     }
@@ -491,115 +491,50 @@ impl fmt::Display for CalibrationError {
 impl core::error::Error for CalibrationError {}
 
 impl<const K: usize> Calibration<K> {
-    /// From the counts that each load makes alone (rows the channels, counts per N or N m).
-    /// It gives the loads that fit counts best, by least squares. No temperature slopes, from -40 to
-    /// 125 degrees, nothing standing.
-    ///
-    /// # Errors
-    ///
-    /// Fault of the numbers.
-    pub const fn from_counts(counts: [[f64; 5]; K]) -> Result<Self, CalibrationError> {
-        // Columns scaled to length 1, since loads have units of their own.
-        let mut scale = [0.0; 5];
-        let mut j = 0;
-        while j < 5 {
-            let mut k = 0;
-            while k < K {
-                if !counts[k][j].is_finite() {
-                    return Err(CalibrationError::NotFinite);
-                }
-                scale[j] += counts[k][j] * counts[k][j];
-                k += 1;
-            }
-            scale[j] = crate::const_math::sqrt(scale[j]);
-            if !(scale[j] > 0.0 && scale[j].is_finite()) {
-                return Err(CalibrationError::Singular);
-            }
-            j += 1;
-        }
-        // Modified Gram-Schmidt, G = Q R.
-        let mut q = [[0.0; 5]; K];
-        let mut r = [[0.0; 5]; 5];
-        let mut j = 0;
-        while j < 5 {
-            let mut column = [0.0; K];
-            let mut k = 0;
-            while k < K {
-                column[k] = counts[k][j] / scale[j];
-                k += 1;
-            }
-            let mut i = 0;
-            while i < j {
-                let mut dot = 0.0;
-                let mut k = 0;
-                while k < K {
-                    dot += q[k][i] * column[k];
-                    k += 1;
-                }
-                r[i][j] = dot;
-                let mut k = 0;
-                while k < K {
-                    column[k] -= dot * q[k][i];
-                    k += 1;
-                }
-                i += 1;
-            }
-            let mut square = 0.0;
-            let mut k = 0;
-            while k < K {
-                square += column[k] * column[k];
-                k += 1;
-            }
-            let norm = crate::const_math::sqrt(square);
-            // A load that others make up to a thousandth would amplify noise as much.
-            if !(norm > 1e-3) {
-                return Err(CalibrationError::Singular);
-            }
-            r[j][j] = norm;
-            let mut k = 0;
-            while k < K {
-                q[k][j] = column[k] / norm;
-                k += 1;
-            }
-            j += 1;
-        }
-        // loads = scale^-1 R^-1 Q^T, channel by channel from the last row up.
-        let mut loads = [[0.0; K]; 5];
-        let mut narrow = [[0.0; 5]; K];
-        let mut k = 0;
-        while k < K {
-            let mut x = [0.0; 5];
-            let mut i = 5;
-            while i > 0 {
-                i -= 1;
-                let mut sum = q[k][i];
-                let mut j = i + 1;
-                while j < 5 {
-                    sum -= r[i][j] * x[j];
-                    j += 1;
-                }
-                x[i] = sum / r[i][i];
-            }
-            let mut i = 0;
-            while i < 5 {
-                loads[i][k] = (x[i] / scale[i]) as f32;
-                narrow[k][i] = counts[k][i] as f32;
-                i += 1;
-            }
-            k += 1;
-        }
-        Ok(Self {
+    /// From its two matrices, which `cargo calibrate` makes of the counts that each load makes alone. No temperature slopes,
+    /// from -40 to 125 degrees, nothing standing.
+    pub const fn new(loads: [[f32; K]; 5], counts: [[f32; 5]; K]) -> Self {
+        Self {
             loads,
-            counts: narrow,
+            counts,
             zero_slope: [0.0; K],
             gain_slope: [0.0; K],
             temperature: 25.0,
             temperatures: [-40.0, 125.0],
             standing: [0.0; 5],
-        })
+        }
     }
 
-    /// Whether every number is one, and temperatures make sense. A `const fn`, for the compiler to ask.
+    /// Counts of two loads, channel by channel, multiplied and added up.
+    const fn product(&self, i: usize, j: usize) -> f32 {
+        let (mut sum, mut k) = (0.0, 0);
+        while k < K {
+            sum += self.counts[k][i] * self.counts[k][j];
+            k += 1;
+        }
+        sum
+    }
+
+    /// Whether the loads by the counts that a load makes alone are that load, to a thousandth.
+    const fn gives_back(&self, load: usize) -> bool {
+        let mut i = 0;
+        while i < 5 {
+            let (mut error, mut k) = (if i == load { -1.0 } else { 0.0 }, 0);
+            while k < K {
+                error += self.loads[i][k] * self.counts[k][load];
+                k += 1;
+            }
+            // Squares, in units of loads that make equal counts.
+            let (scale, of_load) = (self.product(i, i), self.product(load, load));
+            if !(error * error * scale <= 1e-6 * of_load) {
+                return false;
+            }
+            i += 1;
+        }
+        true
+    }
+
+    /// Whether every number is one, the matrices belong together, and temperatures make sense. A `const fn`, for the compiler to ask.
     ///
     /// # Errors
     ///
@@ -628,6 +563,9 @@ impl<const K: usize> Calibration<K> {
         while i < 5 {
             if !self.standing[i].is_finite() {
                 return Err(CalibrationError::NotFinite);
+            }
+            if !self.gives_back(i) {
+                return Err(CalibrationError::Mismatch);
             }
             i += 1;
         }
