@@ -18,27 +18,32 @@
 //! measured loads, or none that can be believed, leave the rate as it was. [`Life::estimated`] has the life counted so.
 //!
 //! An increment is some 1e-13, and there are 86 million of them in a day: in single precision the sum would
-//! stop growing. [`ExactSum`] adds them up as whole numbers, without any rounding.
+//! stop growing. [`Sum`] adds them up as whole numbers, and carries what is left over to the next.
 
 use crate::real::Float;
 
-/// Sum of non-negative numbers that rounds nothing down to `2^-FRACTION`. It stops at its largest value,
-/// `2^(128 - FRACTION)`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct ExactSum<const FRACTION: u32>(u128);
+/// Sum of non-negative numbers in units of `2^-FRACTION`, without a drift by rounding. It stops at its largest value,
+/// `2^(64 - FRACTION)`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sum<const FRACTION: u32> {
+    units: u64,
+    /// Part of a unit that is left over.
+    rest: f32,
+}
 
-impl<const FRACTION: u32> ExactSum<FRACTION> {
+impl<const FRACTION: u32> Sum<FRACTION> {
     /// Nothing yet.
-    pub const ZERO: Self = Self(0);
+    pub const ZERO: Self = Self::from_units(0);
+    const UNITS_OF_ONE: f32 = (1_u64 << FRACTION) as f32;
 
-    /// The sum that [`ExactSum::bits`] has given: to go on after a power cycle.
-    pub const fn from_bits(bits: u128) -> Self {
-        Self(bits)
+    /// The sum that [`Sum::units`] has given: to go on after a power cycle.
+    pub const fn from_units(units: u64) -> Self {
+        Self { units, rest: 0.0 }
     }
 
-    /// The sum in units of `2^-FRACTION`.
-    pub const fn bits(self) -> u128 {
-        self.0
+    /// The sum in whole units.
+    pub const fn units(self) -> u64 {
+        self.units
     }
 
     /// Adds a number. One that is negative, or none, adds nothing; an infinite one makes the largest sum.
@@ -46,65 +51,41 @@ impl<const FRACTION: u32> ExactSum<FRACTION> {
         if !(x > 0.0) {
             return;
         }
-        let bits = x.to_bits();
-        let exponent = bits >> 23;
-        let fraction = bits & 0x7f_ffff;
-        // x = mantissa 2^(exponent - 150); subnormal numbers share the smallest exponent.
-        let (mantissa, exponent) = if exponent == 0 {
-            (fraction, 1)
+        let all = x * Self::UNITS_OF_ONE + self.rest;
+        // The cast saturates.
+        let units = all as u64;
+        self.rest = if units < u64::MAX {
+            all - units as f32
         } else {
-            (fraction | 0x80_0000, exponent)
+            0.0
         };
-        let left = exponent as i32 - 150 + FRACTION as i32;
-        let wide = mantissa as u128;
-        let added = if left >= 104 {
-            u128::MAX
-        } else if left >= 0 {
-            wide << left
-        } else if left > -24 {
-            wide >> -left
-        } else {
-            0
-        };
-        self.0 = self.0.saturating_add(added);
+        self.units = self.units.saturating_add(units);
     }
 
     /// The whole part.
     pub const fn whole(self) -> u64 {
-        let whole = self.0 >> FRACTION;
-        if whole > u64::MAX as u128 {
-            u64::MAX
-        } else {
-            whole as u64
-        }
+        self.units >> FRACTION
     }
 
     /// The sum, rounded.
-    pub fn value(self) -> f32 {
-        // The highest 32 bits that are in use, and where they stand.
-        let shift = (128 - self.0.leading_zeros()).saturating_sub(32);
-        let mut value = (self.0 >> shift) as u32 as f32;
-        let mut exponent = shift as i32 - FRACTION as i32;
-        while exponent > 0 {
-            value *= 2.0;
-            exponent -= 1;
-        }
-        while exponent < 0 {
-            value *= 0.5;
-            exponent += 1;
-        }
-        value
+    pub const fn value(self) -> f32 {
+        self.units as f32 / Self::UNITS_OF_ONE
     }
 }
+
+/// Life used, up to 256 of it, in units that a tick of the lightest load passes.
+type Used = Sum<56>;
+/// Revolutions, those of a century at 60,000 rpm.
+type Revolutions = Sum<22>;
 
 /// Life that has been used up.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Life {
-    used: ExactSum<96>,
-    revolutions: ExactSum<64>,
-    doubtful: ExactSum<64>,
+    used: Used,
+    revolutions: Revolutions,
+    doubtful: Revolutions,
     /// The part of `used` that was counted without an estimate of the tick, since the start.
-    estimated: ExactSum<96>,
+    estimated: Used,
     /// Damage per million revolutions under the last loads that were solved, and the part of their range that these
     /// took.
     rate: f32,
@@ -119,27 +100,27 @@ pub(super) const LARGEST_GROWTH: f32 = 10.0;
 impl Life {
     /// A new bearing.
     pub const NEW: Self = Self {
-        used: ExactSum::ZERO,
-        revolutions: ExactSum::ZERO,
-        doubtful: ExactSum::ZERO,
-        estimated: ExactSum::ZERO,
+        used: Sum::ZERO,
+        revolutions: Sum::ZERO,
+        doubtful: Sum::ZERO,
+        estimated: Sum::ZERO,
         rate: 0.0,
         solved: 0.0,
         measured: 0.0,
     };
 
     /// A bearing that has this behind it ([`Life::kept`]).
-    pub const fn resume(used: u128, revolutions: u128) -> Self {
+    pub const fn resume(used: u64, revolutions: u64) -> Self {
         Self {
-            used: ExactSum::from_bits(used),
-            revolutions: ExactSum::from_bits(revolutions),
+            used: Sum::from_units(used),
+            revolutions: Sum::from_units(revolutions),
             ..Self::NEW
         }
     }
 
     /// Life used and revolutions, to be kept over a power cycle.
-    pub const fn kept(&self) -> (u128, u128) {
-        (self.used.bits(), self.revolutions.bits())
+    pub const fn kept(&self) -> (u64, u64) {
+        (self.used.units(), self.revolutions.units())
     }
 
     /// From now on, these forces act. `damage` is `1 / L10`, per million revolutions, of [`LifeRating`](crate::LifeRating); what
@@ -176,12 +157,12 @@ impl Life {
     }
 
     /// The part of [`Life::used`] that was counted without an estimate of the tick, since the start: an upper bound.
-    pub fn estimated(&self) -> f32 {
+    pub const fn estimated(&self) -> f32 {
         self.estimated.value()
     }
 
     /// Rating life used up, a part of 1.
-    pub fn used(&self) -> f32 {
+    pub const fn used(&self) -> f32 {
         self.used.value()
     }
 
@@ -201,42 +182,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sum_rounds_nothing_and_neither_overflows_nor_takes_nonsense() {
-        let mut sum = ExactSum::<96>::ZERO;
-        let step = 3.1e-13_f32;
-        for _ in 0..1_000_000 {
-            sum.add(step);
-        }
-        assert_eq!(
-            sum.bits(),
-            1_000_000 * {
-                let mut one = ExactSum::<96>::ZERO;
-                one.add(step);
-                one.bits()
+    fn a_sum_does_not_drift_and_neither_overflows_nor_takes_nonsense() {
+        // Of a unit, some, and thousands.
+        for step in [1e-18_f32, 3.1e-16, 3.1e-13] {
+            let mut sum = Used::ZERO;
+            for _ in 0..1_000_000 {
+                sum.add(step);
             }
-        );
-        assert!((f64::from(sum.value()) / (1e6 * f64::from(step)) - 1.0).abs() < 1e-7);
+            let exact = 1e6 * f64::from(step) * f64::from(Used::UNITS_OF_ONE);
+            let error = (sum.units() as f64 - exact).abs();
+            assert!(error < 1.0 + 1e-6 * exact, "{step}: {error} of {exact}");
+        }
+        let mut sum = Used::ZERO;
         for nonsense in [f32::NAN, -1.0, -0.0, 0.0, f32::NEG_INFINITY] {
-            let before = sum;
             sum.add(nonsense);
-            assert_eq!(sum, before);
+            assert_eq!(sum, Used::ZERO);
         }
         for (x, whole) in [(1.0_f32, 1), (1e9, 1_000_000_000), (0.999_999_9, 0)] {
-            let mut sum = ExactSum::<64>::ZERO;
+            let mut sum = Revolutions::ZERO;
             sum.add(x);
             assert_eq!(sum.whole(), whole);
-            assert_eq!(sum.value(), x);
+            assert!((sum.value() / x - 1.0).abs() < 1e-6);
         }
-        sum.add(f32::INFINITY);
-        assert_eq!(sum.bits(), u128::MAX);
-        sum.add(1.0);
-        assert_eq!(sum.bits(), u128::MAX);
+        for x in [f32::INFINITY, 1.0] {
+            sum.add(x);
+            assert_eq!(sum.units(), u64::MAX);
+        }
     }
 
     /// A century at 60,000 rpm.
     #[test]
     fn after_a_century_a_tick_still_counts() {
-        let mut life = Life::resume(0, 3_155_760_000_000_u128 << 64);
+        let mut life = Life::resume(0, 3_155_760_000_000 << 22);
         life.set_damage(1e-6);
         let (used, _) = life.kept();
         life.turn(6283.0, 1e-3, false);

@@ -61,10 +61,10 @@
 //! last quarter of a half is for the life alone. If there is no room in the end, no written record is lost, and
 //! [`RetentionReport::failed`] counts the others.
 //!
-//! **Wear.** A record of the life or of a start has 48 to 64 bytes. A day's work with a start in the morning and
+//! **Wear.** A record of the life or of a start has 32 to 48 bytes. A day's work with a start in the morning and
 //! eight hours of turning is 150 records of the life. Half of a half is full in a week: 50 erases a year, 200
-//! years for 10,000. At worst, power is cut every two minutes, day and night. Then a half is erased 500 times a
-//! year, and lasts for 20 years. A board that resets itself every second lasts for four months.
+//! years for 10,000. At worst, power is cut every two minutes, day and night. Then a half is erased 300 times a
+//! year, and lasts for 30 years. A board that resets itself every second lasts for four months.
 //!
 //! # Why no library for this
 //!
@@ -93,7 +93,7 @@ pub const VERSION: u8 = 4;
 pub const LIFE_US: u64 = 120_000_000;
 /// Life is written again when it has grown by this part of its growth since the start. A power cut
 /// loses a 64th at most, and the number of records grows with the logarithm of time: `64 (1 + ln(t / 128 min))`.
-const PART: u128 = 64;
+const PART: u64 = 64;
 /// Shortest time between two records of the alarms, us.
 pub const ALARMS_US: u64 = 10_000_000;
 /// Time between looks at new data, us.
@@ -150,7 +150,7 @@ impl Start {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Past {
     /// Life used and revolutions, as of [`Life::kept`].
-    pub life: (u128, u128),
+    pub life: (u64, u64),
     /// This start, with the alarms of those before.
     pub start: Start,
     /// Recovery of the alarms.
@@ -275,7 +275,7 @@ struct Record {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Content {
-    Life { spindle: u32, life: (u128, u128) },
+    Life { spindle: u32, life: (u64, u64) },
     Start { spindle: u32, start: Start },
 }
 
@@ -398,7 +398,7 @@ struct Found {
     readable: [u32; KINDS],
     /// This spindle's records, and their content.
     own: [Option<Newest>; KINDS],
-    life: (u128, u128),
+    life: (u64, u64),
     start: Start,
     /// All others, and whether there are more than these.
     foreign: Vec<Newest, FOREIGN>,
@@ -583,7 +583,7 @@ pub struct Store<F> {
     life_us: u64,
     alarms_us: u64,
     /// Life at the start, and how often alarms had been raised.
-    began: (u128, u128),
+    began: (u64, u64),
     raised: [u16; Alarm::COUNT],
 }
 
@@ -980,7 +980,7 @@ impl<F: NorFlash> Store<F> {
             self.keep_alarms(time_us, judgement);
         }
         let (kept, began) = (self.past.life, self.began);
-        let grown = |now: u128, kept: u128, began: u128| {
+        let grown = |now: u64, kept: u64, began: u64| {
             now != kept && now.abs_diff(kept) >= now.abs_diff(began) / PART
         };
         if time_us.saturating_sub(self.life_us) >= LIFE_US
@@ -993,7 +993,7 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    const fn keep_life(&mut self, time_us: u64, life: (u128, u128)) {
+    const fn keep_life(&mut self, time_us: u64, life: (u64, u64)) {
         (self.past.life, self.life_us) = (life, time_us);
         self.due.life = true;
         self.due.start |= self.owed.start;
@@ -1019,10 +1019,10 @@ impl<F: NorFlash> Store<F> {
     /// The supply is about to go: writes life and alarms at once, whatever else is due. Whether they stand in the
     /// flash then, in one copy at least. Between ticks, as [`Store::look`] is.
     ///
-    /// For boards whose hardware warns of that. A record of 64 bytes is two copies of 16 words on an STM32F405: 0.5 ms,
-    /// or 3.2 ms at worst. The alarms take as long again if they have changed. The programmable voltage detector
+    /// For boards whose hardware warns of that. A record of 48 bytes is two copies of 12 words on an STM32F405: 0.4 ms,
+    /// or 2.4 ms at worst. The alarms take as long again if they have changed. The programmable voltage detector
     /// (PVD: `PWR_CR`, `PWR_CSR`) of that chip warns at 2.9 V, and words are written down to 2.7 V. The supply must hold out
-    /// in between: 100 mA for 3.2 ms take 1.6 mF. A detector at the input of the regulator leaves more time. To be called
+    /// in between: 100 mA for 2.4 ms take 1.2 mF. A detector at the input of the regulator leaves more time. To be called
     /// once for each warning.
     pub fn power_fails(&mut self, time_us: u64, judgement: &Judgement, life: &Life) -> bool {
         if self.halves == 0 {
