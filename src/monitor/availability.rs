@@ -1,41 +1,15 @@
-//! Availability: the share of ticks with a fresh estimate, in the last second and minute.
+//! Availability: the share of ticks with a fresh estimate, in the last second.
 
 use super::plausibility::seconds;
 
-/// Ticks, and ticks with a fresh estimate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Span {
-    ticks: u32,
-    fresh: u32,
-}
-
-impl Span {
-    /// Part of 1; all of nothing.
-    fn share(self) -> f32 {
-        if self.ticks == 0 {
-            return 1.0;
-        }
-        self.fresh as f32 / self.ticks as f32
-    }
-
-    const fn add(&mut self, other: Self) {
-        self.ticks = self.ticks.saturating_add(other.ticks);
-        self.fresh = self.fresh.saturating_add(other.fresh);
-    }
-}
-
-/// Spans that a minute is made of, of ten seconds each.
-const SPANS: usize = 6;
-
-/// The last second, and the last minute to ten seconds.
+/// Ticks of the second that runs, and the share of the last one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Availability {
-    /// The second that runs, and when it began; how many of the present ten seconds are over.
-    second: Span,
+    /// Ticks, those with a fresh estimate, and when the second began.
+    ticks: u32,
+    fresh: u32,
     began_us: u64,
-    over: u8,
-    last: Span,
-    spans: [Span; SPANS],
+    last: f32,
     /// Ticks that did not begin, as of the last tick.
     missed: u64,
 }
@@ -43,11 +17,10 @@ pub struct Availability {
 impl Availability {
     /// Before the first tick.
     pub const NEW: Self = Self {
-        second: Span { ticks: 0, fresh: 0 },
+        ticks: 0,
+        fresh: 0,
         began_us: 0,
-        over: 0,
-        last: Span { ticks: 0, fresh: 0 },
-        spans: [Span { ticks: 0, fresh: 0 }; SPANS],
+        last: 1.0,
         missed: 0,
     };
 
@@ -56,33 +29,20 @@ impl Availability {
     pub fn count(&mut self, time_us: u64, fresh: bool, missed: u64) -> Option<f32> {
         let left_out = missed.saturating_sub(self.missed).min(u32::MAX.into()) as u32;
         self.missed = missed;
-        self.second.add(Span {
-            ticks: left_out.saturating_add(1),
-            fresh: fresh.into(),
-        });
+        self.ticks = self.ticks.saturating_add(left_out).saturating_add(1);
+        self.fresh = self.fresh.saturating_add(fresh.into());
         if seconds(self.began_us, time_us) < 1.0 {
             return None;
         }
         self.began_us = time_us;
-        self.last = self.second;
-        self.second = Span::default();
-        if self.over == 10 {
-            self.over = 0;
-            self.spans.rotate_right(1);
-            self.spans[0] = Span::default();
-        }
-        self.over += 1;
-        self.spans[0].add(self.last);
-        Some(1.0 - self.last.share())
+        self.last = self.fresh as f32 / self.ticks as f32;
+        (self.ticks, self.fresh) = (0, 0);
+        Some(1.0 - self.last)
     }
 
-    /// Shares in the last second and in the last minute, parts of 1.
-    pub fn shares(&self) -> [f32; 2] {
-        let mut minute = self.second;
-        for span in self.spans {
-            minute.add(span);
-        }
-        [self.last.share(), minute.share()]
+    /// Share in the last second, a part of 1.
+    pub const fn share(&self) -> f32 {
+        self.last
     }
 }
 
@@ -91,25 +51,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_second_and_the_last_minute_are_told_apart() {
+    fn the_share_is_that_of_the_last_second_with_ticks_that_did_not_begin() {
         let mut seen = Availability::NEW;
         let mut time = 0;
-        let mut run = |seen: &mut Availability, seconds: u64, every: u64, missed: u64| {
-            for _ in 0..seconds * 1000 {
+        let mut share = |every: u64, missed: u64| {
+            for _ in 0..2000 {
                 time += 1000;
                 seen.count(time, time / 1000 % every == 0, missed);
             }
+            seen.share()
         };
-        run(&mut seen, 100, 1, 0);
-        assert_eq!(seen.shares(), [1.0, 1.0]);
-        run(&mut seen, 6, 2, 0);
-        let [second, minute] = seen.shares();
-        assert!((second - 0.5).abs() < 2e-3 && (0.94..0.96).contains(&minute));
-        // What did not begin counts.
-        run(&mut seen, 1, 1, 1000);
-        let [second, _] = seen.shares();
-        assert!((second - 0.5).abs() < 2e-3);
-        run(&mut seen, 70, 1, 1000);
-        assert_eq!(seen.shares(), [1.0, 1.0]);
+        assert_eq!(share(1, 0), 1.0);
+        assert!((share(2, 0) - 0.5).abs() < 2e-3);
+        assert_eq!(share(1, 0), 1.0);
+        let mut seen = Availability::NEW;
+        for ms in 1..=1000 {
+            seen.count(1000 * ms, true, 2 * ms);
+        }
+        assert!((seen.share() - 1.0 / 3.0).abs() < 1e-6);
     }
 }

@@ -40,8 +40,6 @@ pub enum Alarm {
     Sensor,
     /// A temperature has not been measured for a time: seconds since the last good one.
     Temperature,
-    /// The estimate is old: seconds since the sample it belongs to.
-    StaleEstimate,
     /// The monitor is blind: ticks of a second without a fresh estimate, part of 1.
     Availability,
     /// Ticks miss their deadline: how many within the last second or two.
@@ -50,7 +48,7 @@ pub enum Alarm {
 
 impl Alarm {
     /// How many there are.
-    pub const COUNT: usize = 13;
+    pub const COUNT: usize = 12;
 
     /// All alarms, the most serious first.
     pub const ALL: [Self; Self::COUNT] = [
@@ -64,7 +62,6 @@ impl Alarm {
         Self::LifeUsed,
         Self::Sensor,
         Self::Temperature,
-        Self::StaleEstimate,
         Self::Availability,
         Self::Deadline,
     ];
@@ -82,7 +79,6 @@ impl Alarm {
             Self::Temperature => "temperature",
             Self::LifeUsed => "life-used",
             Self::Sensor => "sensor",
-            Self::StaleEstimate => "stale-estimate",
             Self::Availability => "availability",
             Self::Deadline => "deadline",
         }
@@ -101,7 +97,7 @@ impl Alarm {
             | Self::LifeUsed
             | Self::Availability
             | Self::Deadline => "",
-            Self::Sensor | Self::Temperature | Self::StaleEstimate => "s",
+            Self::Sensor | Self::Temperature => "s",
         }
     }
 }

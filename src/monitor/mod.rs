@@ -620,7 +620,6 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         for (alarm, value) in [
             (Alarm::LifeUsed, self.life.used()),
             (Alarm::Sensor, seconds(good_us, time_us)),
-            (Alarm::StaleEstimate, seconds(estimated_us, time_us)),
         ] {
             self.judgement
                 .level(time_us, alarm, Level::of(value), judging, &mut changes);
@@ -903,7 +902,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             life_used: self.life.used(),
             marks: self.doubts,
             retention: self.retention,
-            availability: self.availability.shares(),
+            availability: self.availability.share(),
         }
     }
 

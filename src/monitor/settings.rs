@@ -243,7 +243,6 @@ impl<const R: usize> MonitorSettings<R> {
                     threshold(0.1, 0.05, 0),
                     threshold(5.0, 1.0, 0),
                     threshold(0.1, 0.05, 0),
-                    threshold(0.1, 0.05, 0),
                     threshold(10.0, 5.0, 0),
                 ],
                 overload: [10e3, 10e3, 10e3, 200.0, 200.0],

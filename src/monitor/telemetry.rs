@@ -358,8 +358,8 @@ pub struct HealthReport {
     pub marks: Marks,
     /// Data kept over a power cycle.
     pub retention: RetentionReport,
-    /// Share of ticks with a fresh estimate, in the last second and in the last minute, parts of 1.
-    pub availability: [f32; 2],
+    /// Share of ticks with a fresh estimate in the last second, a part of 1.
+    pub availability: f32,
 }
 
 /// Inputs since the start, and counts without good ones.
@@ -836,7 +836,7 @@ mod tests {
                 written: u32::MAX,
                 failed: u32::MAX,
             },
-            availability: [f32::MAX; 2],
+            availability: f32::MAX,
         })
     }
 

@@ -196,20 +196,17 @@ fn a_monitor_that_is_blind_says_so() {
     for (i, (ticks, blind)) in faults.into_iter().enumerate() {
         let mut rig = Rig::running(&SETTINGS);
         if i == 0 {
-            rig.run(60_000, IDLE);
-            assert_eq!(rig.monitor.health().availability, [1.0; 2]);
+            rig.run(2000, IDLE);
+            assert_eq!(rig.monitor.health().availability, 1.0);
         }
         for tick in 0..ticks {
             blind(&mut rig, tick);
         }
         assert_eq!(rig.state(Alarm::Availability), AlarmState::Raised, "{i}");
         let health = rig.monitor.health();
-        let [second, minute] = health.availability;
+        let second = health.availability;
         match i {
-            0 => {
-                assert_eq!(rig.state(Alarm::StaleEstimate), AlarmState::Clear);
-                assert!((second - 0.5).abs() < 0.01 && (0.9..0.96).contains(&minute));
-            }
+            0 => assert!((second - 0.5).abs() < 0.01),
             2 => assert_eq!(rig.state(Alarm::Sensor), AlarmState::Clear),
             3 => assert!(second < 0.25, "{second}"),
             4 => assert!(health.missed_ticks >= 47_996),
