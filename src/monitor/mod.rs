@@ -144,8 +144,8 @@ use loads::FrameCounts;
 use plausibility::{Plausibility, seconds};
 use telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport,
-    InputsReport, LIFT_OFF, Outbox, Payload, ROWS_PER_FRAME, RetentionReport, RowPlace, RowReport,
-    RowsReport, ShaftReport, StartReport, StatusCode,
+    HelloReport, LIFT_OFF, Outbox, Payload, ROWS_PER_FRAME, RetentionReport, RowPlace, RowReport,
+    RowsReport, ShaftReport, StatusCode,
 };
 use temperature::Temperatures;
 use tick::{CycleCounter, Ticker, Watchdog};
@@ -304,10 +304,8 @@ const GROWTH_STEP: f32 = 5e-9;
 /// Ticks in a row that may put reports off.
 const LONGEST_PUT_OFF: u8 = 4;
 
-/// Health reports from one report of the board to the next.
-const BOARD_EVERY: u32 = 10;
-/// Time between two reports of the start, us: for hosts that join in later.
-const START_US: u32 = 60_000_000;
+/// Time from one hello to the next, us: for hosts that join in later.
+const HELLO_US: u32 = 60_000_000;
 
 /// Something that is due now and then.
 #[derive(Debug, Clone, Copy)]
@@ -380,18 +378,14 @@ pub struct Monitor<
     records: FrameCounts,
     /// Requests that wait, and whether the input for service was on when they came.
     requests: heapless::Deque<(Request, bool), { Alarm::COUNT }>,
-    board: BoardReport,
-    start: StartReport,
-    shaft: ShaftReport,
+    hello: HelloReport,
     /// Ticks in a row that have put reports off.
     put_off: u8,
     due_estimate: Every,
     due_balls: Every,
     due_health: Every,
-    due_inputs: Every,
-    due_board: Every,
     due_standing: Every,
-    due_start: Every,
+    due_hello: Every,
 }
 
 impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real, const D: usize>
@@ -434,19 +428,17 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             retention: RetentionReport::NO_MEMORY,
             records: FrameCounts::default(),
             requests: heapless::Deque::new(),
-            board: BoardReport::NONE,
-            start: Past::NONE.report(),
-            shaft: shaft_report(&spindle, settings),
+            hello: HelloReport {
+                start: Past::NONE.report(),
+                board: BoardReport::NONE,
+                shaft: shaft_report(&spindle, settings),
+            },
             put_off: 0,
             due_estimate: part(1),
             due_balls: part(2),
             due_health: now,
-            due_inputs: Every {
-                next_us: u64::from(settings.telemetry.health_us) / 2,
-            },
-            due_board: now,
             due_standing: part(3),
-            due_start: now,
+            due_hello: now,
         }
     }
 
@@ -455,7 +447,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     pub fn with_past(mut self, past: &Past) -> Self {
         self.judgement.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
-        self.start = past.report();
+        self.hello.start = past.report();
         self
     }
 
@@ -504,17 +496,17 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         self.retention = store.report();
     }
 
-    /// Notes the counts of the line of load records, for the telemetry ([`InputsReport`]).
+    /// Notes the counts of the line of load records, for the telemetry.
     pub const fn note_records(&mut self, counts: FrameCounts) {
         self.records = counts;
     }
 
     /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.
     pub fn set_board(&mut self, report: BoardReport) {
-        if report.differs(&self.board) {
-            self.due_board = Every { next_us: 0 };
+        if report.differs(&self.hello.board) {
+            self.due_hello = Every { next_us: 0 };
         }
-        self.board = report;
+        self.hello.board = report;
     }
 
     /// Has a store keep life and alarms at once, since the supply is about to go ([`Store::power_fails`]).
@@ -772,18 +764,9 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             self.doubts = Marks::NONE;
             self.outbox.post(time_us, Payload::Health(health));
         }
-        if self.due_inputs.is_due(time_us, every.health_us) {
-            let inputs = self.inputs();
-            self.outbox.post(time_us, Payload::Inputs(inputs));
-        }
-        let board_us = every.health_us.saturating_mul(BOARD_EVERY);
-        if self.due_board.is_due(time_us, board_us) {
-            self.outbox.post(time_us, Payload::Board(self.board));
-        }
-        if self.due_start.is_due(time_us, START_US) {
-            self.outbox.post(time_us, Payload::Start(self.start));
+        if self.due_hello.is_due(time_us, HELLO_US) {
             self.outbox
-                .post(time_us, Payload::Shaft(self.shaft.clone()));
+                .post(time_us, Payload::Hello(self.hello.clone()));
         }
         let (estimate_due, balls_due) = (
             self.due_estimate.is_due(time_us, every.estimate_us),
@@ -903,12 +886,6 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             marks: self.doubts,
             retention: self.retention,
             availability: self.availability.share(),
-        }
-    }
-
-    /// Inputs since the start, for the telemetry.
-    pub fn inputs(&self) -> InputsReport {
-        InputsReport {
             records: self.records,
             doubtful_revolutions: self.life.doubtful_revolutions(),
             life_estimated: self.life.estimated(),

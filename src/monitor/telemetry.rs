@@ -9,11 +9,10 @@
 //! | --- | --- | --- |
 //! | [`Payload::Alarm`] | an alarm changed its state; again and again while it stands | never dropped |
 //! | [`Payload::Answer`] | an operator has asked for something | no order is carried out before it is gone |
-//! | [`Payload::Health`], [`Payload::Inputs`] | at a fixed interval | the newest is kept |
-//! | [`Payload::Start`], [`Payload::Shaft`] | at the start, and once a minute | the newest is kept |
+//! | [`Payload::Health`] | at a fixed interval | the newest is kept |
+//! | [`Payload::Hello`] | at the start, at changes of the board, and once a minute | the newest is kept |
 //! | [`Payload::Estimate`], [`Payload::Rows`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
-//! | [`Payload::Board`] | at the start, at changes, with every tenth health report | the newest is kept |
 //!
 //! [`Outbox`] is the queue. The link takes bytes out of it whenever it can; alarms go first. Sequence
 //! numbers are given when a frame goes out: a gap in them is a frame that the link lost. Frames
@@ -42,15 +41,14 @@ pub const VERSION: u8 = 6;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 8;
-/// Rows in one [`RowsReport`] or [`ShaftReport`].
+/// Rows in one [`RowsReport`], and in a [`ShaftReport`].
 pub const ROWS_PER_FRAME: usize = 4;
 
 /// Length of the longest message that a frame can become, checksum included.
 ///
-/// Version, sequence, time and variant have 17 bytes. Then come row, index, count and first azimuth (12 bytes with the
-/// length) and as many balls as a frame takes.
-pub const MESSAGE_LENGTH: usize =
-    17 + 12 + BALLS_PER_FRAME * 4 * size_of::<f32>() + CHECKSUM_LENGTH;
+/// Version, sequence, time and variant have 17 bytes. Then come the numbers of a [`HealthReport`]: 17 of 64 bits, four of 32, one
+/// of 16, five floats and three names.
+pub const MESSAGE_LENGTH: usize = 17 + (17 * 10 + 4 * 5 + 3 + 5 * 4 + 3) + CHECKSUM_LENGTH;
 
 /// Length of the frame of the longest message, its delimiter included.
 pub const FRAME_LENGTH: usize = framing::frame_length(MESSAGE_LENGTH);
@@ -88,18 +86,12 @@ pub enum Payload {
     Alarm(AlarmReport),
     /// Counters.
     Health(HealthReport),
-    /// Counts of inputs, and temperatures in use.
-    Inputs(InputsReport),
     /// Outcome of an operator's order.
     Answer(Answer),
-    /// Report of the board on itself.
-    Board(BoardReport),
-    /// This start, and the data kept from earlier ones.
-    Start(StartReport),
     /// Forces and preload of the rows of that estimate.
     Rows(RowsReport),
-    /// Places on the shaft.
-    Shaft(ShaftReport),
+    /// Who is there: this start, the board, and the spindle.
+    Hello(HelloReport),
 }
 
 /// How the last solve ended: [`Status`] without its numbers.
@@ -245,8 +237,20 @@ pub struct RowReport {
     pub largest_force: f32,
 }
 
+/// Who is there, for a host that joins in.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct HelloReport {
+    /// This start, and the data kept from earlier ones.
+    pub start: StartReport,
+    /// Report of the board on itself.
+    pub board: BoardReport,
+    /// Places on the shaft.
+    pub shaft: ShaftReport,
+}
+
 /// Places on the shaft, for a picture of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftReport {
     /// Position of the nose, m.
@@ -360,17 +364,11 @@ pub struct HealthReport {
     pub retention: RetentionReport,
     /// Share of ticks with a fresh estimate in the last second, a part of 1.
     pub availability: f32,
-}
-
-/// Inputs since the start, and counts without good ones.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct InputsReport {
     /// Load records over the line; all 0 where loads come from elsewhere.
     pub records: FrameCounts,
     /// Revolutions at a doubtful speed or under doubtful loads.
     pub doubtful_revolutions: u64,
-    /// Part of [`HealthReport::life_used`] that doubtful revolutions used, an upper bound.
+    /// Part of `life_used` that doubtful revolutions used, an upper bound.
     pub life_estimated: f32,
     /// Temperatures of the inner and of the outer side that are used, degrees Celsius.
     pub temperatures: [f32; 2],
@@ -504,10 +502,7 @@ pub struct Outbox<const FRAMES: usize> {
     answer: Option<(u64, Answer)>,
     held_back: [Option<HeldBack>; Alarm::COUNT],
     health: Option<(u64, HealthReport)>,
-    inputs: Option<(u64, InputsReport)>,
-    board: Option<(u64, BoardReport)>,
-    start: Option<(u64, StartReport)>,
-    shaft: Option<(u64, ShaftReport)>,
+    hello: Option<(u64, HelloReport)>,
     frames: Deque<Waiting, FRAMES>,
     sequence: u32,
     dropped: u64,
@@ -530,10 +525,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             answer: None,
             held_back: [None; Alarm::COUNT],
             health: None,
-            inputs: None,
-            board: None,
-            start: None,
-            shaft: None,
+            hello: None,
             frames: Deque::new(),
             sequence: 0,
             dropped: 0,
@@ -559,10 +551,7 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             && self.answer.is_none()
             && self.held_back.iter().all(Option::is_none)
             && self.health.is_none()
-            && self.inputs.is_none()
-            && self.board.is_none()
-            && self.start.is_none()
-            && self.shaft.is_none()
+            && self.hello.is_none()
             && self.frames.is_empty()
     }
 
@@ -576,11 +565,8 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         match payload {
             Payload::Alarm(report) => self.post_alarm(time_us, report),
             Payload::Health(report) => self.health = Some((time_us, report)),
-            Payload::Inputs(report) => self.inputs = Some((time_us, report)),
             Payload::Answer(answer) => self.answer = Some((time_us, answer)),
-            Payload::Board(report) => self.board = Some((time_us, report)),
-            Payload::Start(report) => self.start = Some((time_us, report)),
-            Payload::Shaft(report) => self.shaft = Some((time_us, report)),
+            Payload::Hello(report) => self.hello = Some((time_us, report)),
             payload @ (Payload::Estimate(_) | Payload::Rows(_) | Payload::Balls(_)) => {
                 // The newest one is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
@@ -632,17 +618,8 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
         if let Some((time_us, report)) = self.health.take() {
             return self.encode(time_us, &Payload::Health(report));
         }
-        if let Some((time_us, report)) = self.inputs.take() {
-            return self.encode(time_us, &Payload::Inputs(report));
-        }
-        if let Some((time_us, report)) = self.start.take() {
-            return self.encode(time_us, &Payload::Start(report));
-        }
-        if let Some((time_us, report)) = self.shaft.take() {
-            return self.encode(time_us, &Payload::Shaft(report));
-        }
-        if let Some((time_us, report)) = self.board.take() {
-            return self.encode(time_us, &Payload::Board(report));
+        if let Some((time_us, report)) = self.hello.take() {
+            return self.encode(time_us, &Payload::Hello(report));
         }
         if let Some(Waiting { time_us, payload }) = self.frames.front() {
             // Where it lies: a copy of a payload takes some hundred cycles.
@@ -777,14 +754,15 @@ mod tests {
         })
     }
 
+    fn all_marks() -> Marks {
+        let all = super::super::marks::Mark::ALL.into_iter();
+        all.fold(Marks::NONE, Marks::with)
+    }
+
     fn estimate(iterations: u16) -> Payload {
-        let mut marks = Marks::NONE;
-        for mark in super::super::marks::Mark::ALL {
-            marks = marks.with(mark);
-        }
         Payload::Estimate(EstimateReport {
             age: u32::MAX,
-            marks,
+            marks: all_marks(),
             load: [f32::MAX; 5],
             speed: f32::MAX,
             displacement: [f32::MAX; 5],
@@ -829,7 +807,7 @@ mod tests {
             most_cycles: u32::MAX,
             revolutions: u64::MAX,
             life_used: f32::MAX,
-            marks: Marks::NONE,
+            marks: all_marks(),
             retention: RetentionReport {
                 life: Recovery::Damaged,
                 damaged: u16::MAX,
@@ -837,11 +815,6 @@ mod tests {
                 failed: u32::MAX,
             },
             availability: f32::MAX,
-        })
-    }
-
-    fn inputs() -> Payload {
-        Payload::Inputs(InputsReport {
             records: FrameCounts {
                 received: u64::MAX,
                 corrupt: u64::MAX,
@@ -868,25 +841,6 @@ mod tests {
         })
     }
 
-    fn board() -> Payload {
-        Payload::Board(BoardReport {
-            known_answer: Check::Failed,
-            image: Check::Failed,
-            unused_stack: Some(u32::MAX),
-            brown_out: Some(u8::MAX),
-        })
-    }
-
-    fn start() -> Payload {
-        Payload::Start(StartReport {
-            boots: u32::MAX,
-            cause: ResetCause::Unknown,
-            recovery: Recovery::OlderCopy,
-            alarms: u32::MAX,
-            raised: [u16::MAX; Alarm::COUNT],
-        })
-    }
-
     fn rows() -> Payload {
         let row = RowReport {
             axial: f32::MAX,
@@ -902,18 +856,33 @@ mod tests {
         })
     }
 
-    fn shaft() -> Payload {
+    fn hello() -> Payload {
         let place = RowPlace {
             position: f32::MAX,
             mirrored: true,
             balls: u16::MAX,
         };
-        Payload::Shaft(ShaftReport {
-            nose: f32::MAX,
-            loads_at: f32::MAX,
-            preload: f32::MAX,
-            count: u8::MAX,
-            rows: Vec::from_array([place; ROWS_PER_FRAME]),
+        Payload::Hello(HelloReport {
+            start: StartReport {
+                boots: u32::MAX,
+                cause: ResetCause::Unknown,
+                recovery: Recovery::OlderCopy,
+                alarms: u32::MAX,
+                raised: [u16::MAX; Alarm::COUNT],
+            },
+            board: BoardReport {
+                known_answer: Check::Failed,
+                image: Check::Failed,
+                unused_stack: Some(u32::MAX),
+                brown_out: Some(u8::MAX),
+            },
+            shaft: ShaftReport {
+                nose: f32::MAX,
+                loads_at: f32::MAX,
+                preload: f32::MAX,
+                count: u8::MAX,
+                rows: Vec::from_array([place; ROWS_PER_FRAME]),
+            },
         })
     }
 
@@ -951,17 +920,14 @@ mod tests {
             estimate(u16::MAX),
             alarm(Alarm::Deadline, AlarmChange::Standing, u32::MAX),
             health(),
-            inputs(),
             answer(),
-            board(),
-            start(),
             rows(),
-            shaft(),
+            hello(),
         ] {
             let frame = longest(payload);
             let bytes = encode(&frame);
             assert!(!bytes.is_empty(), "{frame:?}");
-            if matches!(frame.payload, Payload::Balls(_)) {
+            if matches!(frame.payload, Payload::Health(_)) {
                 assert!(bytes.len() + 2 >= FRAME_LENGTH);
             }
             assert_eq!(read(&bytes), [Ok(frame)]);
@@ -1006,22 +972,31 @@ mod tests {
             mirrored: true,
             balls: 300,
         };
+        let shaft = ShaftReport {
+            nose: 1.0,
+            loads_at: 0.5,
+            preload: 0.0,
+            count: 1,
+            rows: Vec::from_iter([place]),
+        };
         let frame = Frame {
-            payload: Payload::Shaft(ShaftReport {
-                nose: 1.0,
-                loads_at: 0.5,
-                preload: 0.0,
-                count: 1,
-                rows: Vec::from_iter([place]),
+            payload: Payload::Hello(HelloReport {
+                shaft,
+                ..HelloReport::default()
             }),
             ..frame
         };
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
+        let (start, board) = ([&[0, 7, 0, 0][..], &[0; Alarm::COUNT]].concat(), [0; 4]);
         let expected = [
-            6, 0xac, 0x02, 5, 9, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0xbf,
-            1, 0xac, 0x02,
-        ];
+            &[6, 0xac, 0x02, 5, 6],
+            &start[..],
+            &board,
+            &[0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0, 0, 0, 1],
+            &[1, 0, 0, 0, 0xbf, 1, 0xac, 0x02],
+        ]
+        .concat();
         assert_eq!(bytes, expected);
     }
 

@@ -139,7 +139,6 @@ impl State {
                     *place = Some(*report);
                 }
             }
-            Payload::Shaft(report) => self.shaft = Some(report.clone()),
             Payload::Alarm(report) => {
                 let place = &mut self.alarms[report.alarm as usize];
                 // A report that repeats how the alarm stands keeps the time of the last change.
@@ -154,14 +153,16 @@ impl State {
                 *place = Some((since, *report));
             }
             Payload::Health(report) => self.report("health", report),
-            Payload::Inputs(report) => self.report("inputs", report),
             Payload::Answer(answer) => {
                 let (order, outcome) = (words(&answer.order), answer.outcome.name());
                 self.said = Some(format!("board: {order}: {outcome}"));
                 self.answer = Some(*answer);
             }
-            Payload::Board(report) => self.report("board", report),
-            Payload::Start(report) => self.report("start", report),
+            Payload::Hello(report) => {
+                self.report("board", &report.board);
+                self.report("start", &report.start);
+                self.shaft = Some(report.shaft.clone());
+            }
         }
     }
 

@@ -7,8 +7,8 @@ use spindle_bearing::monitor::TemperatureSource;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
-    InputsReport, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
-    StatusCode, VERSION, encode,
+    HelloReport, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, StatusCode,
+    VERSION, encode,
 };
 
 pub fn estimate(stiffness: f32) -> EstimateReport {
@@ -128,7 +128,7 @@ pub fn rows(axial: &[f32], preload: f32) -> Vec<Payload> {
 /// A shaft with rows at these positions (m), some of them mirrored, and so many balls each.
 pub fn shaft(places: &[(f32, bool, u16)]) -> Payload {
     let rows = places.iter().take(ROWS_PER_FRAME);
-    Payload::Shaft(ShaftReport {
+    let shaft = ShaftReport {
         nose: 0.09,
         loads_at: 0.12,
         preload: 250.0,
@@ -140,6 +140,10 @@ pub fn shaft(places: &[(f32, bool, u16)]) -> Payload {
                 balls: *balls,
             })
             .collect(),
+    };
+    Payload::Hello(HelloReport {
+        shaft,
+        ..HelloReport::default()
     })
 }
 
@@ -149,10 +153,10 @@ pub fn pair() -> Vec<Payload> {
     let mut payloads = vec![
         shaft(&[(-0.02, false, 16), (0.02, true, 18)]),
         Payload::Estimate(estimate(6.1e7)),
-        Payload::Inputs(InputsReport {
+        Payload::Health(HealthReport {
             temperatures: [41.2, 36.5],
             temperature_sources: [TemperatureSource::Measured, TemperatureSource::Held],
-            ..InputsReport::default()
+            ..health()
         }),
     ];
     payloads.extend(rows(&[412.0, 244.0], 244.0));

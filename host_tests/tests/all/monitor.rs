@@ -240,11 +240,7 @@ impl<const R: usize> Rig<R> {
                     host.rows.extend(report.rows);
                 }
                 Payload::Answer(answer) => host.answers.push(answer),
-                Payload::Health(_)
-                | Payload::Inputs(_)
-                | Payload::Board(_)
-                | Payload::Start(_)
-                | Payload::Shaft(_) => {}
+                Payload::Health(_) | Payload::Hello(_) => {}
             }
         }
     }
@@ -1410,9 +1406,9 @@ fn a_day_passes_without_drift_or_overflow() {
         (0, 0, 0)
     );
     assert_eq!((health.estimates, health.refusals), (86_400, 0));
-    // Estimates and their rows come every ten seconds. A picture of four frames, two reports, the start and the shaft
-    // come every minute, and the board's report every tenth.
-    let reports = 8 * 1440 + 144;
+    // Estimates and their rows come every ten seconds. A picture of four frames, a health report and a hello come every
+    // minute.
+    let reports = 6 * 1440;
     assert!((17_278..=17_282).contains(&(frames - reports)), "{frames}");
     // No drift: the same cycle gives the same stiffness, and takes the same part of the life.
     assert_eq!(seen.len(), 24);

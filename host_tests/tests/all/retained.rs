@@ -1250,7 +1250,7 @@ fn a_monitor_tells_of_its_start_and_of_the_alarms_before_it() {
         }
         while let Some(byte) = monitor.outbox().next_byte() {
             match reader.push(byte).map(|frame| frame.unwrap().payload) {
-                Some(Payload::Start(report)) => starts.push(report),
+                Some(Payload::Hello(report)) => starts.push(report.start),
                 Some(Payload::Alarm(report)) if report.alarm == Alarm::Overload => {
                     states.push(report.state);
                 }

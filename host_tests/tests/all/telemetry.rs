@@ -17,7 +17,7 @@ use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
 use spindle_bearing::monitor::command::{Answer, AnswerCode, Command, Order, PortReader, Received};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    EstimateReport, Frame, HealthReport, Payload, Recovery, StartReport, VERSION, encode,
+    EstimateReport, Frame, HealthReport, HelloReport, Payload, Recovery, VERSION, encode,
 };
 use spindle_bearing::monitor::{Mark, Marks, TemperatureSource};
 
@@ -55,13 +55,14 @@ fn samples() -> Vec<Payload> {
     payloads.extend([
         Payload::Alarm(slip),
         Payload::Health(health()),
-        Payload::Board(BoardReport::NONE),
-        Payload::Board(BoardReport {
-            unused_stack: Some(900),
-            brown_out: Some(3),
-            ..BoardReport::NONE
+        Payload::Hello(HelloReport {
+            board: BoardReport {
+                unused_stack: Some(900),
+                brown_out: Some(3),
+                ..BoardReport::NONE
+            },
+            ..HelloReport::default()
         }),
-        Payload::Start(StartReport::default()),
         shaft(&[]),
     ]);
     let acknowledge = Order::Acknowledge {

@@ -12,7 +12,7 @@ use spindle_bearing::monitor::board::{BoardReport, Check};
 use spindle_bearing::monitor::command::{self, Command, Order, Request};
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
-    EstimateReport, HealthReport, Payload, Recovery, RetentionReport, encode,
+    EstimateReport, HealthReport, HelloReport, Payload, Recovery, RetentionReport, encode,
 };
 use spindle_bearing::monitor::{Mark, Marks};
 use std::io::{Cursor, Read, Write};
@@ -206,8 +206,7 @@ fn the_ball_with_the_largest_force_is_drawn_farthest_out_along_its_azimuth() {
 fn a_pair_shows_both_rows_and_their_places_on_the_shaft() {
     let mut slipping = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
     slipping.ball = Some(19);
-    let last = [Payload::Alarm(slipping), Payload::Health(health())];
-    let state = state_of(pair().into_iter().chain(last));
+    let state = state_of(pair().into_iter().chain([Payload::Alarm(slipping)]));
     let parts = [
         "nose 61, 30, 37 N/um",
         " at mm  faces  axial N  radial N preload N balls N",
@@ -256,7 +255,7 @@ fn a_single_row_is_shown_without_its_name_and_without_a_shaft() {
         Payload::Health(health()),
     ]);
     let state = state_of(payloads);
-    for word in ["row", "faces", "preload"] {
+    for word in [" row ", "faces", "preload"] {
         assert!(!text(&state).contains(word), "{word}");
     }
     shows(&state, &[" ball 3 "]);
@@ -383,13 +382,16 @@ fn hardest_ball_checks_of_the_board_and_words_to_it_are_shown() {
     shows(&State::default(), &["no balls known"]);
     let mut forces = [40.0; 16];
     forces[11] = 123.4;
-    let report = BoardReport {
-        known_answer: Check::Passed,
-        image: Check::Failed,
-        ..BoardReport::NONE
+    let hello = HelloReport {
+        board: BoardReport {
+            known_answer: Check::Passed,
+            image: Check::Failed,
+            ..BoardReport::NONE
+        },
+        ..HelloReport::default()
     };
     let payloads = balls(0, &forces).into_iter();
-    let mut state = state_of(payloads.chain([Payload::Board(report)]));
+    let mut state = state_of(payloads.chain([Payload::Hello(hello)]));
     state.said = Some("2 alarms acknowledged".into());
     let parts = [
         "ball 11: 123 N",

@@ -30,7 +30,7 @@ struct Story {
 pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     let mut health: Option<HealthReport> = None;
     let mut alarms = [Story::default(); Alarm::COUNT];
-    let [mut reports, mut inputs, mut answers] = [0_u64; 3];
+    let [mut reports, mut answers] = [0_u64; 2];
     for frame in &answer.frames {
         match &frame.payload {
             Payload::Alarm(report) => {
@@ -43,11 +43,10 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
                 reports += 1;
                 health = Some(*report);
             }
-            Payload::Inputs(_) => inputs += 1,
             Payload::Answer(_) => answers += 1,
-            Payload::Board(report) => {
+            Payload::Hello(report) => {
                 ensure!(
-                    !report.is_broken(),
+                    !report.board.is_broken(),
                     "a self-check of the board failed: {report:?}"
                 );
             }
@@ -108,7 +107,6 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
         }
     }
     line("frames of health", reports)?;
-    line("frames of inputs", inputs)?;
     line("frames of answers", answers)?;
     let solved = 100 * health.estimates / (health.estimates + health.refusals).max(1);
     let name = format!("good samples solved, %, up to {ENOUGH}");
