@@ -4,8 +4,9 @@
 //!   ([`Threshold`]). Its time is added up; time without it is taken off at a quarter of the rate. A condition that comes
 //!   and goes, as teeth pass, counts like a lasting one if it is there for more than a fifth of the time. The alarm is
 //!   raised when the sum reaches the hold time, or when the level reaches `at_once`. When the sum has run off, the
-//!   condition is gone, but the alarm stays latched until somebody acknowledges it. A level that is not known changes
-//!   nothing, and the time without one counts for neither.
+//!   condition is gone, but the alarm stays latched until somebody acknowledges it. An acknowledged alarm whose
+//!   level grows further by `worse` is raised again. A level that is not known changes nothing, and the time without one counts
+//!   for neither.
 //! - **Preload.** Rows that face each other hold each other with a preload, which heat and speed change. The solve knows it
 //!   row by row. The smallest and the largest preload are held against the preload of the mounted spindle.
 
@@ -151,15 +152,18 @@ pub struct Threshold {
     pub hold_us: u32,
     /// This level raises the alarm at once; infinite for none.
     pub at_once: f32,
+    /// An acknowledged alarm is raised again where its level has grown by this since; infinite for never.
+    pub worse: f32,
 }
 
 impl Threshold {
-    /// `clear` below `raise`, both numbers, and `at_once` not below.
+    /// `clear` below `raise`, both numbers, `at_once` not below, and `worse` positive.
     pub(super) const fn is_sound(&self) -> bool {
         self.raise.is_finite()
             && self.clear.is_finite()
             && self.clear < self.raise
             && self.at_once >= self.raise
+            && self.worse > 0.0
     }
 }
 
@@ -212,6 +216,8 @@ pub struct AlarmMachine {
     held_us: u32,
     level: f32,
     ball: Option<u16>,
+    /// Highest level that somebody was told of.
+    worst: f32,
     raised: u32,
     cleared: u32,
 }
@@ -282,14 +288,19 @@ impl AlarmMachine {
                 self.held_us = threshold.hold_us;
                 self.raise()
             }
+            S::Acknowledged if level.value - self.worst >= threshold.worse => self.raise(),
             S::Raised if gone => self.clear(S::Latched),
             S::Acknowledged if gone => self.clear(S::Clear),
+            S::Raised => {
+                self.worst = self.worst.at_least(level.value);
+                None
+            }
             _ => None,
         }
     }
 
     fn raise(&mut self) -> Option<AlarmChange> {
-        self.state = AlarmState::Raised;
+        (self.state, self.worst) = (AlarmState::Raised, self.level);
         self.raised = self.raised.saturating_add(1);
         Some(AlarmChange::Raised)
     }
@@ -526,6 +537,7 @@ mod tests {
         clear: 8.0,
         hold_us: 3000,
         at_once: 100.0,
+        worse: 2.5,
     };
 
     fn run(machine: &mut AlarmMachine, from: u64, levels: &[f32]) -> Vec<(u64, AlarmChange)> {
@@ -558,6 +570,25 @@ mod tests {
         assert_eq!(run(&mut a, 23, &[0.0; 14]), [(35, AlarmChange::Cleared)]);
         assert_eq!((a.state(), a.counts()), (AlarmState::Clear, (2, 2)));
         assert_eq!(a.acknowledge(), None);
+    }
+
+    #[test]
+    fn an_acknowledged_alarm_that_grows_worse_is_raised_again_at_each_step() {
+        let mut a = AlarmMachine::default();
+        assert_eq!(run(&mut a, 0, &[10.0, 10.0, 10.0, 12.0]).len(), 1);
+        assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
+        // From the highest level before the acknowledgement on.
+        assert_eq!(run(&mut a, 4, &[10.0, 14.4, 11.0]), []);
+        assert_eq!(run(&mut a, 7, &[14.5, 14.6]), [(7, AlarmChange::Raised)]);
+        assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
+        assert_eq!(run(&mut a, 9, &[17.0, 17.2]), [(10, AlarmChange::Raised)]);
+        assert_eq!(a.counts(), (3, 0));
+        // No further than infinite.
+        assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
+        let endless = [f32::INFINITY; 2];
+        assert_eq!(run(&mut a, 11, &endless), [(11, AlarmChange::Raised)]);
+        assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
+        assert_eq!(run(&mut a, 13, &endless), []);
     }
 
     #[test]

@@ -170,12 +170,23 @@ const fn is_finite(growth: &Growth<f32>) -> bool {
     growth.axial.is_finite() && growth.radial.is_finite() && growth.ball.is_finite()
 }
 
+/// Worse by a quarter of the limit, and by no less than the alarm needs to clear.
 const fn threshold(raise: f32, clear: f32, hold_ms: u32) -> Threshold {
+    let (quarter, band) = (0.25 * raise, raise - clear);
     Threshold {
         raise,
         clear,
         hold_us: hold_ms * 1000,
         at_once: f32::INFINITY,
+        worse: if quarter > band { quarter } else { band },
+    }
+}
+
+/// Of a time without a measurement, which grows by itself.
+const fn silence(raise: f32, clear: f32) -> Threshold {
+    Threshold {
+        worse: f32::INFINITY,
+        ..threshold(raise, clear, 0)
     }
 }
 
@@ -240,8 +251,8 @@ impl<const R: usize> MonitorSettings<R> {
                     threshold(0.8, 0.7, 500),
                     threshold(1.0, 0.9, 3),
                     threshold(0.8, 0.79, 0),
-                    threshold(0.1, 0.05, 0),
-                    threshold(5.0, 1.0, 0),
+                    silence(0.1, 0.05),
+                    silence(5.0, 1.0),
                     threshold(0.1, 0.05, 0),
                     threshold(10.0, 5.0, 0),
                 ],
@@ -400,7 +411,7 @@ impl<const R: usize> MonitorSettings<R> {
             demand!(
                 self.judgement.thresholds[i].is_sound(),
                 "judgement.thresholds",
-                "numbers, each to clear below that to raise, and at_once not below"
+                "numbers, each to clear below that to raise, at_once not below, worse positive"
             );
             i += 1;
         }
