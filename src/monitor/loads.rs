@@ -73,7 +73,8 @@ pub trait LoadSource {
 /// - **Restart.** A sender that restarts counts from 0. A record with a smaller number begins a new count if its own time
 ///   is not longer than the time since any record came. Replayed records are older than that, and stay out of order.
 /// - **Age.** The sender's clock is compared with the monitor's. A record that took 20 ms longer than the fastest one is
-///   late ([`Mark::Late`]). A sender whose time is always 0 has no clock, and its records have no age.
+///   late ([`Mark::Late`]). So is one whose time is 20 ms later than any before it, until those of 50 ms agree with it: a single
+///   wrong time makes no other record late. A sender whose time is always 0 has no clock, and its records have no age.
 #[derive(Debug)]
 pub struct FramedLoads {
     reader: FrameReader<MESSAGE_LENGTH>,
@@ -88,6 +89,10 @@ pub struct FramedLoads {
     behind: Option<LoadRecord>,
     /// Monitor's time less the record's, for the fastest record, ms; and when this was set, ms.
     fastest: Option<(u32, u32)>,
+    /// Records that have agreed with it, as far as they count.
+    agreed: u8,
+    /// As `fastest`, of records that claim to be faster by more than they may be late.
+    ahead: Option<(u32, u32)>,
     doubts: Marks,
     counts: FrameCounts,
 }
@@ -112,6 +117,9 @@ pub struct FrameCounts {
 
 /// Longest that a record may take over the fastest one, ms: an estimate of that age is no longer fresh.
 const LATE_MS: u32 = 20;
+/// Time for which records that are ahead of all before must agree, ms; and records that make the fastest one credible.
+const AGREE_MS: u32 = 50;
+const AGREED: u8 = 3;
 /// Time in which two clocks part by a millisecond at most, ms: 200 millionths, four times what a crystal has.
 const DRIFT_MS: u32 = 5000;
 /// Numbers of records that a sender may get ahead by, at once and in every millisecond.
@@ -136,6 +144,8 @@ impl FramedLoads {
             in_order: 0,
             behind: None,
             fastest: None,
+            agreed: 0,
+            ahead: None,
             doubts: Marks::NONE,
             counts: FrameCounts {
                 received: 0,
@@ -216,7 +226,7 @@ impl FramedLoads {
                     // Its sender can have started since.
                     self.sequence = Some(record.sequence);
                     self.sampled = Some((record.sequence, time_us));
-                    self.fastest = None;
+                    (self.fastest, self.agreed) = (None, 0);
                 }
             }
             return None;
@@ -237,7 +247,7 @@ impl FramedLoads {
         Some(record)
     }
 
-    /// Whether a record took much longer than the fastest one.
+    /// Whether a record took much longer than the fastest one, or claims a time that is not credible yet.
     fn is_late(&mut self, time_us: u64, record: &LoadRecord) -> bool {
         if record.time_ms == 0 {
             return false;
@@ -248,15 +258,38 @@ impl FramedLoads {
         let (fastest, since) = self.fastest.unwrap_or((under_way, now_ms));
         let drift = now_ms.wrapping_sub(since) / DRIFT_MS;
         let longer = under_way.wrapping_sub(fastest) as i32;
+        let is_ahead = longer < -(LATE_MS as i32) && !self.is_confirmed(under_way, now_ms);
+        if longer >= -(LATE_MS as i32) {
+            self.ahead = None;
+        }
         let late = longer > (LATE_MS.saturating_add(drift)) as i32;
-        self.fastest = Some(if longer <= 0 || (drift > 0 && !late) {
-            let slower = longer.min(drift as i32);
-            (fastest.wrapping_add(slower as u32), now_ms)
+        if is_ahead {
+            // Nothing yet.
+        } else if late && self.agreed < AGREED {
+            // One record alone speaks for the fastest: it may have been the wrong one.
+            (self.fastest, self.agreed) = (Some((under_way, now_ms)), 1);
         } else {
-            (fastest, since)
-        });
-        self.counts.late = self.counts.late.saturating_add(late.into());
-        late
+            self.fastest = Some(if longer <= 0 || (drift > 0 && !late) {
+                let slower = longer.min(drift as i32);
+                (fastest.wrapping_add(slower as u32), now_ms)
+            } else {
+                (fastest, since)
+            });
+            self.agreed = self.agreed.saturating_add((!late).into());
+        }
+        self.counts.late = self.counts.late.saturating_add((late || is_ahead).into());
+        late || is_ahead
+    }
+
+    /// Whether records that are ahead have agreed for long enough with one that was so long under way.
+    fn is_confirmed(&mut self, under_way: u32, now_ms: u32) -> bool {
+        let agrees = |(first, _): &(u32, u32)| {
+            (under_way.wrapping_sub(*first) as i32).unsigned_abs() <= LATE_MS
+        };
+        let (first, since) = self.ahead.filter(agrees).unwrap_or((under_way, now_ms));
+        let is_confirmed = now_ms.wrapping_sub(since) >= AGREE_MS;
+        self.ahead = (!is_confirmed).then_some((first, since));
+        is_confirmed
     }
 }
 

@@ -747,6 +747,29 @@ fn records_that_come_ten_seconds_late_are_marked_and_counted() {
     assert_doubted(records, 5000..10_000, Mark::Late, [0, 0, 5000]);
 }
 
+/// A record of a minute later, the first, the second or any: it is late itself, and no other one but the next.
+#[test]
+fn one_wrong_time_makes_no_other_record_late() {
+    let with_wrong = |wrong: u32| {
+        (0..10_000_u32).map(move |n| {
+            let ahead = if n == wrong { 60_000 } else { 0 };
+            (u64::from(n), numbered(n, n + 1 + ahead))
+        })
+    };
+    // The first one is believed, and then the other ones.
+    assert_doubted(with_wrong(0), 1..2, Mark::Late, [0, 0, 1]);
+    for wrong in [1, 2, 5000] {
+        let range = wrong as usize..wrong as usize + 1;
+        assert_doubted(with_wrong(wrong), range, Mark::Late, [0, 0, 1]);
+    }
+    // A clock that was set is believed after 50 ms.
+    let set = (0..10_000_u32).map(|n| {
+        let ahead = if n < 5000 { 0 } else { 60_000 };
+        (u64::from(n), numbered(n, n + 1 + ahead))
+    });
+    assert_doubted(set, 5000..5050, Mark::Late, [0, 0, 50]);
+}
+
 /// An hour with clocks that part by 100 millionths, records 0 to 15 ms under way, across the wrap of the sender's clock.
 #[test]
 fn clocks_that_part_and_a_line_that_dawdles_make_no_record_late() {
