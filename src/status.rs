@@ -252,13 +252,23 @@ impl<T: fmt::Debug + fmt::Display + fmt::LowerExp> core::error::Error for Status
 /// Estimated errors of a solution, relative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "T: crate::serialize::Written",
+        deserialize = "T: crate::serialize::Read<'de>"
+    ))
+)]
 #[non_exhaustive]
 pub struct ErrorEstimate<T> {
     /// Of displacements: of the largest component, tilts taken at the pitch radius.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub displacement: T,
     /// Of contact forces: of the largest.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub force: T,
     /// Of the stiffness: an element's error over the root of the two diagonal elements.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub stiffness: T,
 }

@@ -559,7 +559,7 @@ impl<const K: usize> Calibration<K> {
             }
             // Squares, in units of loads that make equal counts.
             let (scale, of_load) = (self.product(i, i), self.product(load, load));
-            if !(error * error * scale <= 1e-6 * of_load) {
+            if !(scale > 0.0 && error * error * scale <= 1e-6 * of_load) {
                 return false;
             }
             i += 1;

@@ -170,7 +170,7 @@ pub type AddRow<'a, T, const D: usize> = &'a mut dyn FnMut(&Joint<T>, &mut Sum<T
 
 /// Folds the rows' forces and slopes to the point of the shaft that the chain leads to.
 ///
-/// Forces are those after the next step if that point does not move. Without `bends`, only slopes have a meaning.
+/// Forces are those after the next step if that point does not move. Without `deflections`, only slopes have a meaning.
 #[inline(never)]
 pub fn fold<T: Real, const D: usize>(
     joints: &[Joint<T>],

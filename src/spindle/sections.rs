@@ -250,13 +250,23 @@ shaft!(f64);
 /// See [`Shaft`] for an example.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "T: crate::serialize::Written",
+        deserialize = "T: crate::serialize::Read<'de>"
+    ))
+)]
 pub struct Support<T> {
     /// Along the axis, N/m.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub axial: T,
     /// Across it, N/m.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub radial: T,
     /// Against tilting, N m/rad.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub tilting: T,
 }
 

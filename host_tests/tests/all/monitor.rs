@@ -1077,6 +1077,8 @@ fn a_calibration_that_cannot_be_is_refused() {
     assert!(loads(&broken).is_err());
     let mut another = *CALIBRATION;
     assert_eq!(another.check(), Ok(()));
+    let blind = Calibration::<6>::new([[0.0; 6]; 5], [[0.0; 5]; 6]);
+    assert_eq!(blind.check(), Err(CalibrationError::Mismatch));
     another.counts[3][1] *= 1.01;
     assert_eq!(another.check(), Err(CalibrationError::Mismatch));
     let mut cold = *CALIBRATION;

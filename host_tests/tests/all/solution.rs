@@ -366,6 +366,7 @@ fn results_are_read_as_they_were_written() {
     assert!(passed.contains(Limit::PeakPressure));
     again(&passed);
     again(&limits);
+    again(&Support::<f32>::RIGID);
     // Once read, the shoulder's angle may differ in its last digit.
     let text = serde_json::to_string(&summary).unwrap();
     let read: RowSummary<f64> = serde_json::from_str(&text).unwrap();

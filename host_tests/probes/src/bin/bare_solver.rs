@@ -26,9 +26,7 @@ mod bare {
         AxialSolver, Bearing, Centrifugal, Given, Growth, Motion, RacewayControlFree, Settings,
         Solver, Speed, Static,
     };
-    use spindle_bearing::{
-        InnerRaceControl, Limits, OuterRaceControl, RacewayControlFree, Real, elliptic_integrals,
-    };
+    use spindle_bearing::{InnerRaceControl, Limits, OuterRaceControl, Real, elliptic_integrals};
 
     /// Its constants, worked out by the compiler.
     static BEARING: Bearing<f32, { monitored::BALLS }> =
