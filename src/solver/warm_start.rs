@@ -46,9 +46,9 @@ pub struct Reached<T, const D: usize> {
 }
 
 impl<T: Real, const N: usize> RowState<T, N> {
-    /// The balls of this bearing.
+    /// The balls that this bearing uses.
     #[inline(always)]
-    pub fn balls(&self, bearing: &BearingRef<'_, T>) -> &[Ball<T>] {
+    pub fn used(&self, bearing: &BearingRef<'_, T>) -> &[Ball<T>] {
         self.balls.get(..bearing.azimuths.len()).unwrap_or_default()
     }
 
@@ -59,7 +59,7 @@ impl<T: Real, const N: usize> RowState<T, N> {
         bearing: &BearingRef<'_, T>,
         v: &[T; 5],
     ) -> Sum<T, D> {
-        stiffness_change::<T, A, D>(&self.point, self.balls(bearing), bearing.azimuths, v)
+        stiffness_change::<T, A, D>(&self.point, self.used(bearing), bearing.azimuths, v)
     }
 }
 
@@ -214,7 +214,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             };
             let (bearing, mount) = (&placed.bearing, &placed.mount);
             let mut own = Sum::<T, 5>::NONE;
-            sum_up::<T, A, 5>(row.balls(bearing), bearing.azimuths, &mut own);
+            sum_up::<T, A, 5>(row.used(bearing), bearing.azimuths, &mut own);
             if self.state.stale {
                 let v = self.motion::<SET>(mount, joint.row);
                 own.add(&row.stiffness_change::<A, 5>(bearing, &v));
@@ -250,7 +250,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             c: bearing.c,
             p: &row.point,
             azimuths: bearing.azimuths,
-            balls: row.balls(bearing),
+            balls: row.used(bearing),
             v: self.motion::<SET>(mount, i),
             speed: Speed::rad_per_s(self.omega),
             motion: PhantomData,
