@@ -7,7 +7,7 @@ use serde::de::value::{F64Deserializer, I64Deserializer, U64Deserializer};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A number to be written.
+/// A number to be written. Writing and reading have traits of their own: a user's generic `derive` asks for one of them alone.
 pub trait Written: Copy + Display + Into<f64> + Serialize {}
 impl<T: Copy + Display + Into<f64> + Serialize> Written for T {}
 
@@ -93,9 +93,11 @@ pub mod array {
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut elements: A) -> Result<[T; N], A::Error> {
-            let given = elements.size_hint().unwrap_or(N);
-            let Some(first) = elements.next_element()?.filter(|_| given == N) else {
+            if let Some(given) = elements.size_hint().filter(|given| *given != N) {
                 return Err(A::Error::invalid_length(given, &self));
+            }
+            let Some(first) = elements.next_element()? else {
+                return Err(A::Error::invalid_length(0, &self));
             };
             let mut array = [first; N];
             for (i, place) in array.iter_mut().enumerate().skip(1) {

@@ -11,8 +11,8 @@
 //!
 //! - **Repeats.** A host that hears no answer sends the very request again. An order that is carried out twice does what it
 //!   does once.
-//! - **State of the spindle.** An acknowledgement names the occurrence that somebody has seen, and is none of a later one. A
-//!   bearing is replaced at a standstill, while an input of the board says that somebody is at the machine.
+//! - **State of the spindle.** An acknowledgement says how often the alarm had been raised when somebody saw it. If it was
+//!   raised again since, the acknowledgement is refused. A bearing is replaced at a standstill, while an input of the board says that somebody is at the machine.
 //! - **Share.** One order is carried out in [`ORDER_EVERY`] ticks, and only if the answer before it is gone: orders cannot
 //!   starve the telemetry. Requests for which there is no room are as ones that were not heard.
 //!

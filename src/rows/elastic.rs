@@ -423,7 +423,7 @@ fn softened<T: Real, const D: usize>(i: usize, k: &[T; D], springs: &[T; 5], far
 }
 
 impl<T: Real, const D: usize> Deflection<T, D> {
-    /// Bends by constant loads alone, from straight.
+    /// Takes the deflection by constant loads alone, from a straight shaft.
     pub fn straighten(&mut self, constant: &[T; 5]) {
         add(&mut self.now, T::ONE, constant);
         add(&mut self.before, T::ONE, constant);

@@ -297,7 +297,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
         (k, all)
     }
 
-    /// Bends an elastic shaft by the step `du` of its section at its centre, and a relative change `ds` of `omega^2`.
+    /// Deflects shaft and supports by the step `du` of the section at the shaft's centre, and a relative change `ds` of `omega^2`.
     #[inline(always)]
     pub fn deflect(&mut self, du: &[T; D], ds: T) {
         if E > 0 {

@@ -101,9 +101,13 @@ impl<T> SpindleError<T> {
                 Q::AxialSupport | Q::RadialSupport => {
                     "axial and radial stiffness of a support must be 1e5 N/m at least; an infinite one is rigid"
                 }
+                Q::SpringForce => {
+                    "force of a spring must be above 0, and at most that which presses all balls of a row by a 64th of the \
+                     distance L0 of the groove centres"
+                }
                 _ => {
-                    "force of a preload or spring must be above 0, and at most that which presses all balls of a row by a \
-                     64th of the distance L0 of the groove centres; a closure may be given in its place"
+                    "force of a preload must be above 0, and at most that which presses all balls of a row by a 64th of the \
+                     distance L0 of the groove centres; a closure may be given in its place"
                 }
             },
             Self::Load { quantity, .. } => match quantity {

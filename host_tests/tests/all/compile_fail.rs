@@ -87,7 +87,7 @@ const SPINDLES: [[&str; 3]; 16] = [
     ["0.1, Facing", "1e-3, Facing", "two rows are nearer to each other than half a ball's diameter: check the positions"],
     ["0.1, Facing", "-0.1, Facing", "back to back, rows at smaller x face +x and rows at larger x face -x"],
     ["BackToBack", "Tandem", "in tandem, all rows face one way"],
-    ["Force(200.0)", "Force(0.0)", "force of a preload or spring must be above 0"],
+    ["Force(200.0)", "Force(0.0)", "force of a preload must be above 0"],
     ["Force(200.0)", "Force(1e9)", "above 0, and at most that which presses all balls of a row"],
     ["Force(200.0)", "Closure(1e-3)", "closure e of a row must be at most a quarter of the distance L0 of the groove centres"],
     ["Force(200.0)", "Spring", "a row slides, but there is no spring: build the spindle by `Spindle::sprung`"],

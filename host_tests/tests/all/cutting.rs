@@ -1,4 +1,4 @@
-//! The monitor while it cuts: teeth that pass, overloads, crashes, and what passes for idling.
+//! The monitor while it cuts: teeth that pass, overloads, crashes, and faults that leave it blind.
 
 use super::monitor::{IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_nose, at_speed};
 use host_tests::milling_cycle::{curve, tooth};
