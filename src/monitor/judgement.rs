@@ -494,6 +494,11 @@ impl Judgement {
                 largest = largest.at_least(load.abs() / most);
             }
         }
+        // The load that is missing may be the largest: an overload alone is known then.
+        let is_known = load.iter().all(|load| load.is_finite());
+        if !is_known && largest < settings.of(Alarm::Overload).raise {
+            return;
+        }
         self.level(
             time_us,
             Alarm::Overload,
@@ -630,5 +635,26 @@ mod tests {
         a.update(6, Level::of(0.0), &threshold);
         assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
         assert_eq!(a.state(), AlarmState::Clear);
+    }
+
+    /// A load that is no number takes no time off an overload that goes on.
+    #[test]
+    fn loads_that_are_missing_say_nothing_of_an_overload() {
+        let settings = super::super::MonitorSettings::<1>::new(
+            &crate::Design::angular_contact(6.35e-3, 36e-3, 0.26),
+            16,
+        );
+        let settings = settings.judgement;
+        let (mut judgement, mut changes) = (Judgement::default(), Changes::new());
+        let missing = [f32::NAN, 0.0, f32::INFINITY, 0.0, 0.0];
+        let over = [2.0 * settings.overload[0], 0.0, 0.0, 0.0, f32::NAN];
+        for (ms, load) in [(0, over), (1, missing), (2, missing), (3, over), (4, over)] {
+            judgement.measured(1000 * ms, &load, &settings, &mut changes);
+        }
+        assert_eq!(judgement.alarm(Alarm::Overload).state(), AlarmState::Raised);
+        for ms in 5..1000 {
+            judgement.measured(1000 * ms, &missing, &settings, &mut changes);
+        }
+        assert_eq!(judgement.alarm(Alarm::Overload).state(), AlarmState::Raised);
     }
 }

@@ -109,6 +109,16 @@ impl Life {
         measured: 0.0,
     };
 
+    /// A new bearing, under the loads of now.
+    pub const fn renewed(&self) -> Self {
+        Self {
+            rate: self.rate,
+            solved: self.solved,
+            measured: self.measured,
+            ..Self::NEW
+        }
+    }
+
     /// A bearing that has this behind it ([`Life::kept`]).
     pub const fn resume(used: u64, revolutions: u64) -> Self {
         Self {
@@ -208,6 +218,18 @@ mod tests {
             sum.add(x);
             assert_eq!(sum.units(), u64::MAX);
         }
+    }
+
+    /// The estimate of before stands until the next one.
+    #[test]
+    fn a_new_bearing_without_an_estimate_yet_uses_life() {
+        let mut old = Life::NEW;
+        old.set_damage(1e-3);
+        old.turn(1000.0, 1.0, false);
+        let mut new = old.renewed();
+        assert_eq!((new.used(), new.revolutions()), (0.0, 0));
+        new.turn(1000.0, 1.0, true);
+        assert_eq!((new.used(), new.estimated()), (old.used(), old.used()));
     }
 
     /// A century at 60,000 rpm.

@@ -217,27 +217,24 @@ impl FramedLoads {
     /// The newest record, if it is in order.
     fn next(&mut self, time_us: u64) -> Option<LoadRecord> {
         let in_order = core::mem::take(&mut self.in_order);
-        let behind = self.behind.take();
-        let Some(record) = self.newest.take() else {
-            if let Some(record) = behind {
-                let silent_ms = time_us.saturating_sub(self.heard_us) / 1000;
-                self.heard_us = time_us;
-                if u64::from(record.time_ms) <= silent_ms.saturating_add(LATE_MS.into()) {
-                    // Its sender can have started since.
-                    self.sequence = Some(record.sequence);
-                    self.sampled = Some((record.sequence, time_us));
-                    (self.fastest, self.agreed) = (None, 0);
-                }
-            }
+        let (behind, newest) = (self.behind.take(), self.newest.take());
+        let heard = newest.or(behind)?;
+        let silent_ms = time_us.saturating_sub(self.heard_us) / 1000;
+        self.heard_us = time_us;
+        let Some(record) = newest else {
+            self.restart(&heard, silent_ms, time_us);
             return None;
         };
-        self.heard_us = time_us;
         if let Some((last, then)) = self.sampled {
             let since_ms = time_us.saturating_sub(then) / 1000;
             let ahead = record.sequence.wrapping_sub(last);
             if u64::from(ahead) > AHEAD.saturating_add(AHEAD_PER_MS.saturating_mul(since_ms)) {
                 self.sequence = Some(last);
                 self.disordered();
+                // Beyond half of all numbers, the nearer way to 0 is ahead.
+                if record.sequence < last {
+                    self.restart(&record, silent_ms, time_us);
+                }
                 return None;
             }
             let lost = ahead.saturating_sub(in_order);
@@ -245,6 +242,15 @@ impl FramedLoads {
         }
         self.sampled = Some((record.sequence, time_us));
         Some(record)
+    }
+
+    /// Begins a new count with this record, if its sender can have started since any record came.
+    fn restart(&mut self, record: &LoadRecord, silent_ms: u64, time_us: u64) {
+        if u64::from(record.time_ms) <= silent_ms.saturating_add(LATE_MS.into()) {
+            self.sequence = Some(record.sequence);
+            self.sampled = Some((record.sequence, time_us));
+            (self.fastest, self.agreed) = (None, 0);
+        }
     }
 
     /// Whether a record took much longer than the fastest one, or claims a time that is not credible yet.

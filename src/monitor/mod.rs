@@ -520,7 +520,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         let oldest_us = self.settings.plausibility.missing_after_us;
         let stands_still = self.plausibility.stands_still(time_us, oldest_us);
         if stands_still {
-            self.life = Life::NEW;
+            self.life = self.life.renewed();
         }
         stands_still
     }

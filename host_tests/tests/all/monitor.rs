@@ -727,6 +727,14 @@ fn a_sender_that_begins_anew_is_believed_from_its_second_record_on() {
     assert_doubted(first.chain(again), 5000..5001, Mark::Order, [1, 0, 0]);
 }
 
+/// After 35 days at a record a millisecond, the nearer way to 0 is ahead.
+#[test]
+fn a_sender_that_begins_anew_after_many_records_is_believed_from_its_second_record_on() {
+    let first = (0..5000).map(|ms| (u64::from(ms), numbered(3_000_000_000 + ms, 90_000 + ms)));
+    let again = (0..5000).map(|ms| (u64::from(6000 + ms), numbered(ms, ms)));
+    assert_doubted(first.chain(again), 5000..5001, Mark::Order, [1, 0, 0]);
+}
+
 /// One frame of another sender, whose number is far ahead, does not shut the true one out.
 #[test]
 fn a_number_that_no_sender_gets_to_is_out_of_order() {
