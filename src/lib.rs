@@ -87,9 +87,10 @@ pub use spindle::arrangement::{Arrangement, Facing};
 pub use spindle::elastic::ElasticSpindle;
 pub use spindle::error::SpindleError;
 pub use spindle::sections::{Section, Shaft, ShaftError, Support};
-pub use spindle::solution::{RowSolution, SpindleSolution};
+pub use spindle::solution::{RowSolution, SpindleSolution, compliance};
 pub use spindle::solver::SpindleSolver;
 pub use spindle::{Mounted, Preload, Spindle, SprungSpindle};
+pub use sqrt::sqrt_f32;
 pub use status::{ErrorEstimate, Quantity, Status};
 
 // Both are in signatures.

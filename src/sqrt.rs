@@ -20,9 +20,9 @@ unsafe extern "C" {
 #[cfg(miri)]
 use libm::{sqrt, sqrtf};
 
-/// Square root of a single's magnitude.
+/// Square root of a single's magnitude, by the instruction of the core where it has one.
 #[inline(always)]
-pub(crate) fn sqrt_f32(x: f32) -> f32 {
+pub fn sqrt_f32(x: f32) -> f32 {
     sqrtf(x.abs())
 }
 

@@ -3,15 +3,14 @@
 //!
 //! Two kinds of frames come in over one port: load records, and now and then a [`Command`], such as temperatures.
 
-use super::Precision;
 use super::monitor_settings::{IDLE, MONITOR};
-use super::monitored::{BALLS, BEARING, ROWS, spindle};
-use spindle_bearing::RacewayControlFree;
+use super::monitored::{BALLS, ROWS, spindle};
+use spindle_bearing::Status;
 use spindle_bearing::framing::FrameError;
 use spindle_bearing::monitor::command::{Command, PortReader, Received};
 use spindle_bearing::monitor::loads::{FrameCounts, FramedLoads, LoadSource};
 use spindle_bearing::monitor::retained::NorFlash;
-use spindle_bearing::monitor::telemetry::{HealthReport, StatusCode};
+use spindle_bearing::monitor::telemetry::HealthReport;
 use spindle_bearing::monitor::tick::{CycleCounter, Watchdog};
 use spindle_bearing::monitor::{BoardReport, Monitor, Outcome, Past, Readings, Store};
 use spindle_bearing::record::LoadRecord;
@@ -54,7 +53,7 @@ impl Sensors for FramedLoads {
 
 /// The monitor with its sensors.
 pub struct Chain<S = FramedLoads> {
-    monitor: Monitor<ROWS, BALLS, RacewayControlFree, FRAMES, Precision>,
+    monitor: Monitor<ROWS, BALLS, FRAMES>,
     sensors: S,
     port: PortReader,
     /// The newest temperatures of the port, until they are taken.
@@ -78,7 +77,7 @@ impl Chain {
 impl<S: Sensors> Chain<S> {
     /// At the beginning, with what was kept over a power cycle.
     pub fn with(sensors: S, past: &Past) -> Self {
-        let Ok(spindle) = spindle(&BEARING) else {
+        let Ok(spindle) = spindle() else {
             unreachable!("the same rows are built by the host's tests");
         };
         Self {
@@ -95,7 +94,7 @@ impl<S: Sensors> Chain<S> {
     /// # Errors
     ///
     /// How that solve ended; the monitor goes on without it.
-    pub fn prepare(&mut self) -> Result<(), StatusCode> {
+    pub fn prepare(&mut self) -> Result<(), Status<f32>> {
         self.monitor.prepare(IDLE, 0.0)
     }
 

@@ -30,14 +30,11 @@ mod self_check;
 #[cfg(target_os = "none")]
 use spindle_bearing::monitor::tick::CycleCost;
 
-/// Precision that the solver works in: this core has no double precision.
-#[cfg(target_os = "none")]
-type Precision = f32;
-/// The core's frequency, and what a tick costs there: of a single bearing, and of a pair.
+/// The core's frequency, and the cost of a tick there.
 #[cfg(target_os = "none")]
 const CORE_HZ: u32 = 168_000_000;
 #[cfg(target_os = "none")]
-const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
+const COST: CycleCost = CycleCost::CORTEX_M4F;
 
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]

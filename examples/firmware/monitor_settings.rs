@@ -35,7 +35,7 @@ pub static MONITOR: MonitorSettings<ROWS> = {
     if let Some(rating) = LOAD_RATING {
         let mut row = 0;
         while row < ROWS {
-            settings.rows[row] = settings.rows[row].with_rating(&DESIGN, rating);
+            settings.rows[row] = settings.rows[row].with_rating(&DESIGN, BALLS, rating);
             row += 1;
         }
     }
@@ -45,7 +45,7 @@ pub static MONITOR: MonitorSettings<ROWS> = {
     }
     // All of a tick's time.
     settings.tick.deadline_cycles = CORE_HZ / 1_000_000 * settings.tick.period_us;
-    settings.tick.cost = COST[ROWS - 1];
+    settings.tick.cost = COST;
     // Half a thousandth is far below any threshold, and what one or two iterations mostly reach in a cut.
     settings.tolerance = 5e-4;
     settings
@@ -67,7 +67,7 @@ const fn of_a_pair(settings: &mut MonitorSettings<ROWS>) {
         row += 1;
     }
     settings.temperatures = Some(TemperatureSettings::SPINDLE);
-    settings.judgement.preload = PRELOAD as f32;
+    settings.watch.preload = PRELOAD as f32;
     // In normal use. A cutter 50 mm in front of the nose makes moments.
     settings.plausibility.load = [
         [-1700.0, 1700.0],
@@ -79,7 +79,7 @@ const fn of_a_pair(settings: &mut MonitorSettings<ROWS>) {
     // A tooth of 550 N that is there from one tick to the next, and a fifth more.
     settings.plausibility.load_rate = [6.6e5, 6.6e5, 6.6e5, 3.3e4, 3.3e4];
     // What is beyond that range has no estimate, but an alarm.
-    settings.judgement.overload = [1700.0, 1700.0, 1700.0, 85.0, 85.0];
+    settings.watch.overload = [1700.0, 1700.0, 1700.0, 85.0, 85.0];
 }
 
 /// Loads on the bearing itself.
@@ -93,9 +93,10 @@ const fn of_a_bearing(settings: &mut MonitorSettings<ROWS>) {
     ];
     // A tooth of 1,000 N that is there from one tick to the next, and a fifth more.
     settings.plausibility.load_rate = [1.2e6, 1.2e6, 1.2e6, 2e4, 2e4];
-    settings.judgement.overload = [3e3, 3e3, 3e3, 60.0, 60.0];
+    settings.watch.overload = [3e3, 3e3, 3e3, 60.0, 60.0];
 }
 
+const _: () = assert!(MONITOR.tick.has_time(ROWS, BALLS));
 const _: () = match MONITOR.check() {
     Ok(()) => {}
     Err(error) => panic!("{}", error.field),

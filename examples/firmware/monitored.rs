@@ -1,10 +1,9 @@
 //! The monitored spindle: one place for the firmware and for the host program that
-//! checks it. Whoever includes it says in which precision the solver works.
+//! checks it.
 
-use super::Precision;
 use core::f64::consts::PI;
 use spindle_bearing::{
-    Arrangement, Bearing, Design, Facing, FreeContact, Material, Mounted, Preload, Real, Spindle,
+    Arrangement, Bearing, Design, Facing, FreeContact, Material, Mounted, Preload, Spindle,
     SpindleError,
 };
 
@@ -37,7 +36,7 @@ pub const DESIGN: Design = Design {
 };
 
 /// Its constants, worked out by the compiler.
-pub static BEARING: Bearing<Precision, BALLS> = Bearing::<Precision, BALLS>::const_new(&DESIGN);
+pub static BEARING: Bearing<f32, BALLS> = Bearing::<f32, BALLS>::const_new(&DESIGN);
 
 /// Positions of the rows on the shaft, m: the nose is at 0. A single bearing is at 0, where its loads act.
 pub const POSITIONS: [f64; ROWS] = if ROWS == 1 {
@@ -66,16 +65,11 @@ pub const PRELOAD: f64 = if ROWS == 1 { 420.0 } else { 250.0 };
 ///
 /// Rows that are not arranged as they are said to be.
 #[allow(dead_code, reason = "not of those who want the bearing alone")]
-pub fn spindle<T: Real>(
-    bearing: &'static Bearing<T, BALLS>,
-) -> Result<Spindle<'static, T, ROWS, BALLS>, SpindleError<T>> {
+pub fn spindle() -> Result<Spindle<'static, f32, ROWS, BALLS>, SpindleError<f32>> {
     let (arrangement, preload) = match ROWS {
-        1 => (Arrangement::ByRows, Preload::Closure(T::ZERO)),
-        _ => (Arrangement::BackToBack, Preload::Force(T::of(PRELOAD))),
+        1 => (Arrangement::ByRows, Preload::Closure(0.0)),
+        _ => (Arrangement::BackToBack, Preload::Force(PRELOAD as f32)),
     };
-    let mounted = |i| {
-        let position = T::of(POSITIONS[i]);
-        Mounted::new(bearing, position, FACINGS[i]).with(preload)
-    };
+    let mounted = |i| Mounted::new(&BEARING, POSITIONS[i] as f32, FACINGS[i]).with(preload);
     Spindle::new(arrangement, core::array::from_fn(mounted))
 }

@@ -1,9 +1,8 @@
 //! The board's self-checks: all of them before ticks begin, and then again and again between ticks.
 
-use super::Precision;
 use super::board::{Stack, feed_at_start, image, seal};
 use super::monitor_settings::MONITOR;
-use super::monitored::{BALLS, BEARING, PRELOAD, ROWS, spindle};
+use super::monitored::{BALLS, PRELOAD, ROWS, spindle};
 use spindle_bearing::monitor::BoardReport;
 use spindle_bearing::monitor::board::Check;
 use spindle_bearing::monitor::self_check::{ImageCheck, KnownAnswer, Seal};
@@ -20,7 +19,7 @@ const CYCLES: u32 = 5000;
 /// The checks, and their report.
 pub struct SelfCheck {
     image: Option<ImageCheck>,
-    answer: KnownAnswer<Precision, ROWS, BALLS>,
+    answer: KnownAnswer<ROWS, BALLS>,
     /// Checksum that the answer is to have.
     expected: Option<u32>,
     /// Cycles that the longest step of that solve took at the start, and a quarter more.
@@ -43,14 +42,14 @@ impl SelfCheck {
         core_hz: u32,
         counter: &mut impl CycleCounter,
     ) -> Self {
-        let Ok(spindle) = spindle(&BEARING) else {
+        let Ok(spindle) = spindle() else {
             unreachable!("the same rows are built by the host's tests");
         };
         let (image, expected) = match seal() {
             Seal::Closed { image: sum, answer } => {
                 (Some(ImageCheck::new(image(), sum)), Some(answer))
             }
-            Seal::Open { .. } | Seal::Damaged => (None, None),
+            Seal::Open | Seal::Damaged => (None, None),
         };
         let mut checks = Self {
             image,
@@ -64,7 +63,7 @@ impl SelfCheck {
             stepped: false,
         };
         checks.report.image = match seal() {
-            Seal::Open { .. } => Check::Unchecked,
+            Seal::Open => Check::Unchecked,
             // Without its seal there is no telling what else is damaged.
             Seal::Damaged => Check::Failed,
             Seal::Closed { .. } => Check::NotYet,

@@ -1,5 +1,4 @@
-//! Firmware for an STM32H743, laid out for a NUCLEO-H743ZI2: the application of `spindle_monitor` with
-//! its solver in double precision.
+//! Firmware for an STM32H743, laid out for a NUCLEO-H743ZI2: the application of `spindle_monitor`.
 //!
 //! Records and commands come in, and telemetry goes out, over USART3 (PD9 and PD8). That board leads it to
 //! its USB plug. The log goes out over USART2 (PD5). 460,800 baud, 8N1. PC0
@@ -22,11 +21,9 @@ mod self_check;
 
 use spindle_bearing::monitor::tick::CycleCost;
 
-/// Precision that the solver works in: this core has a unit for double precision.
-type Precision = f64;
-/// The core's frequency, and what a tick costs there: of a single bearing, and of a pair.
+/// The core's frequency, and the cost of a tick there.
 const CORE_HZ: u32 = 400_000_000;
-const COST: [CycleCost; 2] = [CycleCost::CORTEX_M7_SINGLE, CycleCost::CORTEX_M7];
+const COST: CycleCost = CycleCost::CORTEX_M7;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {

@@ -4,24 +4,20 @@
 use super::tick::CycleCost;
 
 impl CycleCost {
-    /// Cortex-M4F, single precision, two rows of 16 balls, raceway control free: modelled.
+    /// Cortex-M4F: modelled.
     pub const CORTEX_M4F: Self = Self {
-        fixed: 59_243,
-        iteration: 36_098,
+        tick: 12_500,
+        ball: 1_050,
+        ball_report: 740,
+        pass: 9_000,
+        ball_pass: 2_490,
     };
-    /// Cortex-M7, double precision, likewise.
+    /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
-        fixed: 95_102,
-        iteration: 83_850,
-    };
-    /// The first with a single row of 16 balls: `SPINDLE_ROWS=1 cargo reports --check` has measured it.
-    pub const CORTEX_M4F_SINGLE: Self = Self {
-        fixed: 42_034,
-        iteration: 17_959,
-    };
-    /// The second, likewise.
-    pub const CORTEX_M7_SINGLE: Self = Self {
-        fixed: 58_299,
-        iteration: 41_357,
+        tick: 9_000,
+        ball: 750,
+        ball_report: 485,
+        pass: 6_500,
+        ball_pass: 1_820,
     };
 }

@@ -1,4 +1,6 @@
-//! Judgement of estimates: limits, and alarms that latch.
+//! Alarms that latch: levels, held against their thresholds.
+//!
+//! They serve firmware without the rest of the monitor, too: half a kilobyte of flash.
 //!
 //! - **Alarm.** A condition begins where a level reaches `raise`, and ends where it has fallen to `clear`
 //!   ([`Threshold`]). Its time is added up; time without it is taken off at a quarter of the rate. A condition that comes
@@ -7,11 +9,7 @@
 //!   condition is gone, but the alarm stays latched until somebody acknowledges it. An acknowledged alarm whose
 //!   level grows further by `worse` is raised again. A level that is not known changes nothing, and the time without one counts
 //!   for neither.
-//! - **Preload.** Rows that face each other hold each other with a preload, which heat and speed change. The solve knows it
-//!   row by row. The smallest and the largest preload are held against the preload of the mounted spindle.
 
-use super::plausibility::seconds;
-use crate::real::Float;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -292,7 +290,7 @@ impl AlarmMachine {
             S::Raised if gone => self.clear(S::Latched),
             S::Acknowledged if gone => self.clear(S::Clear),
             S::Raised => {
-                self.worst = self.worst.at_least(level.value);
+                self.worst = self.worst.max(level.value);
                 None
             }
             _ => None,
@@ -337,39 +335,59 @@ impl AlarmMachine {
     }
 }
 
-/// Thresholds of all alarms, and the figures that they are held against.
+/// The threshold of each alarm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct JudgementSettings {
-    /// One for each alarm, in the order of [`Alarm::ALL`].
-    pub thresholds: [Threshold; Alarm::COUNT],
-    /// Largest amount of each load that the spindle may carry, N, N m.
-    pub overload: [f32; 5],
-    /// Preload of the mounted spindle, cold and at rest, N; 0 for none that would be watched.
-    pub preload: f32,
+#[expect(missing_docs, reason = "each is of the alarm of its name")]
+pub struct Thresholds {
+    pub peak_pressure: Threshold,
+    pub contact_angle: Threshold,
+    pub slip: Threshold,
+    pub unloaded_balls: Threshold,
+    pub preload_growth: Threshold,
+    pub preload_loss: Threshold,
+    pub overload: Threshold,
+    pub life_used: Threshold,
+    pub sensor: Threshold,
+    pub temperature: Threshold,
+    pub availability: Threshold,
+    pub deadline: Threshold,
 }
 
-impl JudgementSettings {
+impl Thresholds {
     /// An alarm's threshold.
     pub const fn of(&self, alarm: Alarm) -> &Threshold {
-        &self.thresholds[alarm as usize]
+        match alarm {
+            Alarm::PeakPressure => &self.peak_pressure,
+            Alarm::ContactAngle => &self.contact_angle,
+            Alarm::Slip => &self.slip,
+            Alarm::UnloadedBalls => &self.unloaded_balls,
+            Alarm::PreloadGrowth => &self.preload_growth,
+            Alarm::PreloadLoss => &self.preload_loss,
+            Alarm::Overload => &self.overload,
+            Alarm::LifeUsed => &self.life_used,
+            Alarm::Sensor => &self.sensor,
+            Alarm::Temperature => &self.temperature,
+            Alarm::Availability => &self.availability,
+            Alarm::Deadline => &self.deadline,
+        }
     }
 }
 
-/// Figures of an equilibrium that alarms are judged by.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Findings {
-    /// Largest peak pressure, Pa.
-    pub pressure: Level,
-    /// Largest contact angle less its shoulder's, rad.
-    pub contact_angle: Level,
-    /// Largest friction over contact force; 0 if below the level at which its alarm clears.
-    pub slip: Level,
-    /// Balls off the inner race.
-    pub unloaded: Level,
-    /// Smallest and largest preload of a row, N; none of rows that do not hold each other.
-    pub preload: Option<[f32; 2]>,
+/// The levels of a tick, one for each alarm; none where nothing is known.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Levels([Option<Level>; Alarm::COUNT]);
+
+impl Levels {
+    /// Takes the level of an alarm.
+    pub const fn set(&mut self, alarm: Alarm, level: Level) {
+        self.0[alarm as usize] = Some(level);
+    }
+
+    /// Takes the level of an alarm that is about no ball.
+    pub const fn set_value(&mut self, alarm: Alarm, value: f32) {
+        self.set(alarm, Level::of(value));
+    }
 }
 
 /// An alarm that changed.
@@ -392,9 +410,6 @@ pub struct Judgement {
     /// Alarms raised and cleared so far.
     raised: u64,
     cleared: u64,
-    /// Ticks that overran in this second and the last, and when it began.
-    late: [u32; 2],
-    second_us: u64,
 }
 
 impl Judgement {
@@ -429,101 +444,25 @@ impl Judgement {
         (self.raised, self.cleared)
     }
 
-    /// Holds a level against an alarm's threshold.
-    pub fn level(
-        &mut self,
-        time_us: u64,
-        alarm: Alarm,
-        level: Level,
-        settings: &JudgementSettings,
-        changes: &mut Changes,
-    ) {
-        let machine = &mut self.alarms[alarm as usize];
-        let Some(change) = machine.update(time_us, level, settings.of(alarm)) else {
-            return;
-        };
-        match change {
-            AlarmChange::Raised => self.raised = self.raised.saturating_add(1),
-            AlarmChange::Cleared => self.cleared = self.cleared.saturating_add(1),
-            AlarmChange::Acknowledged | AlarmChange::Standing => {}
-        }
-        // There is room for one of each.
-        let _ = changes.push(Change { alarm, change });
-    }
-
-    /// Judges a new equilibrium.
-    pub fn judge(
-        &mut self,
-        time_us: u64,
-        findings: &Findings,
-        settings: &JudgementSettings,
-        changes: &mut Changes,
-    ) {
-        for (alarm, level) in [
-            (Alarm::PeakPressure, findings.pressure),
-            (Alarm::ContactAngle, findings.contact_angle),
-            (Alarm::Slip, findings.slip),
-            (Alarm::UnloadedBalls, findings.unloaded),
-        ] {
-            self.level(time_us, alarm, level, settings, changes);
-        }
-        if let Some([least, largest]) = findings.preload
-            && settings.preload > 0.0
-        {
-            let mounted = 1.0 / settings.preload;
-            for (alarm, value) in [
-                (Alarm::PreloadGrowth, largest * mounted),
-                (Alarm::PreloadLoss, 1.0 - least * mounted),
-            ] {
-                self.level(time_us, alarm, Level::of(value), settings, changes);
+    /// Holds the levels of a tick against their thresholds; the alarms that changed.
+    pub fn judge(&mut self, time_us: u64, levels: &Levels, thresholds: &Thresholds) -> Changes {
+        let mut changes = Changes::new();
+        let machines = self.alarms.iter_mut().zip(Alarm::ALL).zip(levels.0);
+        for ((machine, alarm), level) in machines {
+            let Some(change) =
+                level.and_then(|level| machine.update(time_us, level, thresholds.of(alarm)))
+            else {
+                continue;
+            };
+            match change {
+                AlarmChange::Raised => self.raised = self.raised.saturating_add(1),
+                AlarmChange::Cleared => self.cleared = self.cleared.saturating_add(1),
+                AlarmChange::Acknowledged | AlarmChange::Standing => {}
             }
+            // There is room for one of each.
+            let _ = changes.push(Change { alarm, change });
         }
-    }
-
-    /// Holds measured loads, doubted or not, against the loads that the spindle may carry.
-    pub fn measured(
-        &mut self,
-        time_us: u64,
-        load: &[f32; 5],
-        settings: &JudgementSettings,
-        changes: &mut Changes,
-    ) {
-        let mut largest = 0.0_f32;
-        for (load, most) in load.iter().zip(&settings.overload) {
-            if load.is_finite() {
-                largest = largest.at_least(load.abs() / most);
-            }
-        }
-        // The load that is missing may be the largest: an overload alone is known then.
-        let is_known = load.iter().all(|load| load.is_finite());
-        if !is_known && largest < settings.of(Alarm::Overload).raise {
-            return;
-        }
-        self.level(
-            time_us,
-            Alarm::Overload,
-            Level::of(largest),
-            settings,
-            changes,
-        );
-    }
-
-    /// A tick has ended, late or not.
-    pub fn ticked(
-        &mut self,
-        time_us: u64,
-        overrun: bool,
-        settings: &JudgementSettings,
-        changes: &mut Changes,
-    ) {
-        if seconds(self.second_us, time_us) >= 1.0 {
-            self.second_us = time_us;
-            self.late = [0, self.late[0]];
-        }
-        self.late[0] = self.late[0].saturating_add(overrun.into());
-        let late = self.late[0].saturating_add(self.late[1]);
-        let level = Level::of(late as f32);
-        self.level(time_us, Alarm::Deadline, level, settings, changes);
+        changes
     }
 
     /// Somebody has seen an alarm.
@@ -635,26 +574,5 @@ mod tests {
         a.update(6, Level::of(0.0), &threshold);
         assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
         assert_eq!(a.state(), AlarmState::Clear);
-    }
-
-    /// A load that is no number takes no time off an overload that goes on.
-    #[test]
-    fn loads_that_are_missing_say_nothing_of_an_overload() {
-        let settings = super::super::MonitorSettings::<1>::new(
-            &crate::Design::angular_contact(6.35e-3, 36e-3, 0.26),
-            16,
-        );
-        let settings = settings.judgement;
-        let (mut judgement, mut changes) = (Judgement::default(), Changes::new());
-        let missing = [f32::NAN, 0.0, f32::INFINITY, 0.0, 0.0];
-        let over = [2.0 * settings.overload[0], 0.0, 0.0, 0.0, f32::NAN];
-        for (ms, load) in [(0, over), (1, missing), (2, missing), (3, over), (4, over)] {
-            judgement.measured(1000 * ms, &load, &settings, &mut changes);
-        }
-        assert_eq!(judgement.alarm(Alarm::Overload).state(), AlarmState::Raised);
-        for ms in 5..1000 {
-            judgement.measured(1000 * ms, &missing, &settings, &mut changes);
-        }
-        assert_eq!(judgement.alarm(Alarm::Overload).state(), AlarmState::Raised);
     }
 }

@@ -6,10 +6,11 @@
 //! | --- | --- | --- |
 //! | acquisition | [`loads`], [`speed`] | five loads and a speed, or why there are none |
 //! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of its doubts |
-//! | tick | [`tick`], `tracker`, [`Monitor`] | an equilibrium within the deadline |
-//! | judgement | [`judgement`] | alarms that latch |
+//! | solve | [`tick`], `tracker` | an equilibrium, in the time that ticks have |
+//! | levels | [`watch`] | a level for each alarm |
+//! | alarms | [`judgement`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
-//! | telemetry | [`telemetry`] | frames for a host |
+//! | reports | `reports`, [`outbox`], [`telemetry`] | frames for a host |
 //! | the board | [`board`], [`self_check`] | why it started, and whether it is sound |
 //! | commands | [`command`] | the host's messages besides loads |
 //! | retention | [`retained`] | life used and alarms, over a power cycle |
@@ -33,7 +34,7 @@
 //!     Err(_) => panic!("this bearing cannot be built"),
 //! };
 //! static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN, 16);
-//! const _: () = assert!(SETTINGS.check().is_ok());
+//! const _: () = assert!(SETTINGS.check().is_ok() && SETTINGS.tick.has_time(1, 16));
 //! const TACHOMETER: SpeedSettings = SpeedSettings {
 //!     pulses_per_revolution: 4,
 //!     timer_hz: 1_000_000,
@@ -102,7 +103,6 @@
 //! Filters before the solver (an analogue one belongs before the converter), the spectrum of vibrations,
 //! and lubrication.
 
-mod availability;
 pub mod board;
 pub mod command;
 mod cost;
@@ -110,7 +110,9 @@ pub mod judgement;
 pub mod life;
 pub mod loads;
 pub mod marks;
+pub mod outbox;
 pub mod plausibility;
+mod reports;
 pub mod retained;
 pub mod self_check;
 pub mod settings;
@@ -119,6 +121,7 @@ pub mod telemetry;
 pub mod temperature;
 pub mod tick;
 mod tracker;
+pub mod watch;
 
 pub use board::BoardReport;
 pub use command::{Command, Order};
@@ -129,27 +132,21 @@ pub use plausibility::{GoodSample, Readings};
 pub use retained::{Identity, Past, Store};
 pub use settings::{MonitorSettings, RowSettings, SettingsError, ShaftSettings};
 pub use temperature::{TemperatureSettings, TemperatureSource};
+pub use watch::WatchSettings;
 
-use crate::growth::Growth;
-use crate::real::{Float, Real};
-use crate::results::life::damage_of_weight;
-use crate::results::margins::{Limit, Limits};
-use crate::spindle::solution::{compliances, preloads};
-use crate::{Facing, Motion, RacewayControlFree, Spindle, SpindleSolution};
-use availability::Availability;
+use crate::{Growth, RatingLife, Spindle, Status};
 use command::{Answer, AnswerCode, ORDER_EVERY, Request};
 use embedded_storage::nor_flash::NorFlash;
-use judgement::{AlarmChange, Findings, Level};
+use judgement::Levels;
 use loads::FrameCounts;
-use plausibility::{Plausibility, seconds};
-use telemetry::{
-    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HealthReport,
-    HelloReport, LIFT_OFF, Outbox, Payload, ROWS_PER_FRAME, RetentionReport, RowPlace, RowReport,
-    RowsReport, ShaftReport, StatusCode,
-};
+use outbox::Outbox;
+use plausibility::Plausibility;
+use reports::Reports;
+use telemetry::{HealthReport, Payload};
 use temperature::Temperatures;
-use tick::{CycleCounter, Ticker, Watchdog};
-use tracker::Tracker;
+use tick::{CycleCounter, SolveTime, Ticker, Watchdog};
+use tracker::{Purpose, Solved, Task, Tracker};
+use watch::Watch;
 
 /// Outcome of a tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -159,8 +156,8 @@ pub struct Outcome {
     pub marks: Marks,
     /// Whether there is a new estimate.
     pub solved: bool,
-    /// Iterations in this tick; 0 if there was nothing to solve.
-    pub iterations: u16,
+    /// Rows of balls that the solve has passed in this tick; 0 if there was nothing to solve.
+    pub rows: u16,
     /// Age of the estimate in ticks, if there is one.
     pub age: Option<u32>,
     /// Alarms that changed.
@@ -169,285 +166,83 @@ pub struct Outcome {
     pub overrun: bool,
 }
 
-/// The last good equilibrium, as a report needs it.
-#[derive(Debug, Clone, Copy)]
-struct Estimate<const R: usize, const N: usize> {
-    time_us: u64,
-    tick: u64,
-    load: [f32; 5],
-    speed: f32,
-    displacement: [f32; 5],
-    stiffness: [[f32; 5]; 5],
-    iterations: u16,
-    error: [f32; 3],
-    limits: u8,
-    /// Forces and preload of the rows, and the smallest and the largest contact force on their inner races, N.
-    rows: [RowReport; R],
-    /// Force and sine and cosine of the contact angle, of every ball's inner and outer contact: angles are worked
-    /// out where they are reported.
-    balls: [[[[f32; 3]; 2]; N]; R],
-}
-
-impl<const R: usize, const N: usize> Estimate<R, N> {
-    /// To be written over.
-    const NONE: Self = Self {
-        time_us: 0,
-        tick: 0,
-        load: [0.0; 5],
-        speed: 0.0,
-        displacement: [0.0; 5],
-        stiffness: [[0.0; 5]; 5],
-        iterations: 0,
-        error: [0.0; 3],
-        limits: 0,
-        rows: [NO_ROW; R],
-        balls: [[[[0.0; 3]; 2]; N]; R],
-    };
-
-    fn report(
-        &self,
-        age: u32,
-        marks: Marks,
-        status: StatusCode,
-        flexibility: &[f32; 3],
-    ) -> EstimateReport {
-        let k = &self.stiffness;
-        let (row, column) = telemetry::strongest_coupling(k);
-        let compliances = compliances(k);
-        let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
-        for row in &self.rows {
-            least = least.at_most(row.least_force);
-            largest = largest.at_least(row.largest_force);
-        }
-        EstimateReport {
-            age,
-            marks,
-            load: self.load,
-            speed: self.speed,
-            displacement: self.displacement,
-            stiffness: diagonal(k),
-            nose: core::array::from_fn(|i| 1.0 / (compliances[i] + flexibility[i])),
-            coupling: k[row][column],
-            coupling_row: row as u8,
-            coupling_column: column as u8,
-            least_force: least,
-            largest_force: largest,
-            status,
-            iterations: self.iterations,
-            error: self.error,
-            limits: self.limits,
-        }
-    }
-}
-
-/// To be written over.
-const NO_ROW: RowReport = RowReport {
-    axial: 0.0,
-    radial: [0.0; 2],
-    preload: 0.0,
-    least_force: f32::INFINITY,
-    largest_force: 0.0,
-};
-
-fn diagonal(k: &[[f32; 5]; 5]) -> [f32; 5] {
-    core::array::from_fn(|i| k[i][i])
-}
-
-/// Solve to be made.
-#[derive(Debug, Clone, Copy)]
-enum Wanted {
-    /// The estimate of a good sample.
-    Estimate(GoodSample),
-    /// Life that the loads of this sample use, times this factor.
-    Wear(GoodSample, f32),
-}
-
-/// The first of these.
-fn as_many_as_fit<X, const CAP: usize>(items: impl Iterator<Item = X>) -> heapless::Vec<X, CAP> {
-    let mut kept = heapless::Vec::new();
-    for item in items {
-        if kept.push(item).is_err() {
-            break;
-        }
-    }
-    kept
-}
-
-/// Balls that are reported in a tick: their angles cost it as much as their frame does.
-const BALLS_PER_TICK: usize = 4;
-const _: () = assert!(BALLS_PER_TICK <= BALLS_PER_FRAME);
-
-/// All balls at one time, on their way into the outbox.
-#[derive(Debug, Clone, Copy)]
-struct Picture<const R: usize, const N: usize> {
-    time_us: u64,
-    /// As an [`Estimate`] has them.
-    balls: [[[[f32; 3]; 2]; N]; R],
-    /// The row that is on its way, and how many of its balls are reported.
-    row: usize,
-    reported: usize,
-}
-
-/// A ball as the telemetry has it.
-fn ball_report([[q_i, sin_i, cos_i], [q_o, sin_o, cos_o]]: &[[f32; 3]; 2]) -> BallReport {
-    BallReport {
-        q_i: *q_i,
-        q_o: *q_o,
-        alpha_i: Float::atan2(*sin_i, *cos_i),
-        alpha_o: Float::atan2(*sin_o, *cos_o),
-    }
-}
-
 /// Growth that is worth telling the solver of, m: a tenth of a newton of preload.
 const GROWTH_STEP: f32 = 5e-9;
 
-/// Ticks in a row that may put reports off.
-const LONGEST_PUT_OFF: u8 = 4;
-
-/// Time from one hello to the next, us: for hosts that join in later.
-const HELLO_US: u32 = 60_000_000;
-
-/// Something that is due now and then.
+/// The estimate that there is.
 #[derive(Debug, Clone, Copy)]
-struct Every {
-    next_us: u64,
+struct Estimate {
+    time_us: u64,
+    tick: u64,
 }
 
-impl Every {
-    fn is_due(&mut self, time_us: u64, period_us: u32) -> bool {
-        if time_us < self.next_us {
-            return false;
-        }
-        // In step with the period, unless that has been missed altogether.
-        let period = u64::from(period_us);
-        let next = self.next_us.saturating_add(period);
-        self.next_us = if next > time_us {
-            next
-        } else {
-            time_us.saturating_add(period)
-        };
-        true
-    }
-}
-
-/// The monitor of a spindle with `R` rows of at most `N` balls; `D` is as for [`Spindle`].
+/// The monitor of a spindle with `R` rows of at most `N` balls; `D` and `E` are as for [`Spindle`].
 ///
-/// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. The solver works
-/// in `T`; measured and reported values are in single precision.
+/// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. It solves in single
+/// precision.
 #[derive(Debug)]
 pub struct Monitor<
     const R: usize,
     const N: usize,
-    M: Motion + Copy = RacewayControlFree,
     const FRAMES: usize = 12,
-    T: Real + 'static = f32,
     const D: usize = 5,
+    const E: usize = 0,
 > {
     settings: &'static MonitorSettings<R>,
-    tracker: Tracker<T, R, N, M, D>,
     plausibility: Plausibility,
     temperatures: Temperatures,
     /// Growth that the solver knows.
     growth: [Growth<f32>; R],
+    tracker: Tracker<R, N, D, E>,
+    /// The newest sample that is still to be solved.
+    waiting: Option<Task<R>>,
+    estimate: Option<Estimate>,
     ticker: Ticker,
-    judgement: Judgement,
+    watch: Watch<R>,
+    alarms: Judgement,
     life: Life,
-    availability: Availability,
-    outbox: Outbox<FRAMES>,
-    estimate: Option<Estimate<R, N>>,
-    picture: Option<Picture<R, N>>,
-    /// How the last solve ended.
-    status: StatusCode,
-    /// The last solve gave no estimate.
-    unsolved: bool,
-    /// The newest sample that is still to be solved, and its tick.
-    waiting: Option<(Wanted, u64)>,
-    /// Ticks until the next solve.
-    countdown: u16,
-    /// The tick before this one was late.
-    late: bool,
-    /// When the monitor began, and when a sample was good last, us.
-    began_us: Option<u64>,
-    good_us: Option<u64>,
-    estimates: u64,
-    refusals: u64,
-    marked: u64,
-    /// Doubts since the last health report.
-    doubts: Marks,
-    retention: RetentionReport,
-    records: FrameCounts,
+    reports: Reports<R, N, FRAMES>,
     /// Requests that wait, and whether the input for service was on when they came.
     requests: heapless::Deque<(Request, bool), { Alarm::COUNT }>,
-    hello: HelloReport,
-    /// Ticks in a row that have put reports off.
-    put_off: u8,
-    due_estimate: Every,
-    due_balls: Every,
-    due_health: Every,
-    due_standing: Every,
-    due_hello: Every,
+    /// Counters that are kept nowhere else.
+    counts: HealthReport,
+    /// The tick before this one was late.
+    late: bool,
 }
 
-impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: Real, const D: usize>
-    Monitor<R, N, M, FRAMES, T, D>
+impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const E: usize>
+    Monitor<R, N, FRAMES, D, E>
 {
     /// A monitor at its beginning: no estimate, no alarm, a new bearing.
     pub fn new(
-        spindle: Spindle<'static, T, R, N, D>,
+        spindle: Spindle<'static, f32, R, N, D, E>,
         settings: &'static MonitorSettings<R>,
     ) -> Self {
-        let now = Every { next_us: 0 };
-        // Apart, so that no tick has to report everything at once.
-        let part = |of: u32| Every {
-            next_us: u64::from(settings.telemetry.estimate_us) * u64::from(of) / 4,
-        };
         Self {
             settings,
-            tracker: Tracker::new(spindle, settings),
             plausibility: Plausibility::new(&settings.plausibility),
             temperatures: Temperatures::new(settings.temperatures.as_ref()),
             growth: [Growth::NONE; R],
-            ticker: Ticker::new(&settings.tick),
-            judgement: Judgement::default(),
-            life: Life::NEW,
-            availability: Availability::NEW,
-            outbox: Outbox::new(),
-            estimate: None,
-            picture: None,
-            status: StatusCode::Unloaded,
-            unsolved: false,
+            ticker: Ticker::new(&settings.tick, &spindle.ball_counts()),
+            reports: Reports::new(&spindle, settings),
+            watch: Watch::new(&spindle.ball_counts(), &spindle.facings()),
+            tracker: Tracker::new(spindle),
             waiting: None,
-            countdown: 0,
-            late: false,
-            began_us: None,
-            good_us: None,
-            estimates: 0,
-            refusals: 0,
-            marked: 0,
-            doubts: Marks::NONE,
-            retention: RetentionReport::NO_MEMORY,
-            records: FrameCounts::default(),
+            estimate: None,
+            alarms: Judgement::default(),
+            life: Life::NEW,
             requests: heapless::Deque::new(),
-            hello: HelloReport {
-                start: Past::NONE.report(),
-                board: BoardReport::NONE,
-                shaft: shaft_report(&spindle, settings),
-            },
-            put_off: 0,
-            due_estimate: part(1),
-            due_balls: part(2),
-            due_health: now,
-            due_standing: part(3),
-            due_hello: now,
+            counts: HealthReport::default(),
+            late: false,
         }
     }
 
     /// Goes on with the data kept over a power cycle ([`retained`]). Alarms that nobody had acknowledged are latched.
     #[must_use]
     pub fn with_past(mut self, past: &Past) -> Self {
-        self.judgement.latch(past.start.alarms);
+        self.alarms.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
-        self.hello.start = past.report();
+        self.reports.set_past(past);
         self
     }
 
@@ -460,7 +255,7 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
 
     /// Carries out the order that has waited longest, within the share that orders have.
     fn serve(&mut self, time_us: u64, tick: u64) {
-        if !tick.is_multiple_of(ORDER_EVERY) || self.outbox.has_answer() {
+        if !tick.is_multiple_of(ORDER_EVERY) || self.reports.outbox.has_answer() {
             return;
         }
         let Some((Request { number, order }, service)) = self.requests.pop_front() else {
@@ -471,13 +266,13 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
             order,
             outcome: self.carry_out(time_us, order, service),
         };
-        self.outbox.post(time_us, Payload::Answer(answer));
+        self.reports.outbox.post(time_us, Payload::Answer(answer));
     }
 
     fn carry_out(&mut self, time_us: u64, order: Order, service: bool) -> AnswerCode {
         match order {
             Order::Acknowledge { alarm, raised } => {
-                if self.judgement.alarm(alarm).counts().0 != raised {
+                if self.alarms.alarm(alarm).counts().0 != raised {
                     return AnswerCode::NoSuchOccurrence;
                 }
                 self.acknowledge(time_us, alarm);
@@ -492,26 +287,23 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     /// Has a store keep new data. To be called between ticks, as often as one likes; it is the store that
     /// writes, by [`Store::step`].
     pub fn retain<F: NorFlash>(&mut self, time_us: u64, store: &mut Store<F>) {
-        store.look(time_us, &self.judgement, &self.life);
-        self.retention = store.report();
+        store.look(time_us, &self.alarms, &self.life);
+        self.counts.retention = store.report();
     }
 
     /// Notes the counts of the line of load records, for the telemetry.
     pub const fn note_records(&mut self, counts: FrameCounts) {
-        self.records = counts;
+        self.counts.records = counts;
     }
 
     /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.
     pub fn set_board(&mut self, report: BoardReport) {
-        if report.differs(&self.hello.board) {
-            self.due_hello = Every { next_us: 0 };
-        }
-        self.hello.board = report;
+        self.reports.set_board(report);
     }
 
     /// Has a store keep life and alarms at once, since the supply is about to go ([`Store::power_fails`]).
     pub fn power_fails<F: NorFlash>(&self, time_us: u64, store: &mut Store<F>) -> bool {
-        store.power_fails(time_us, &self.judgement, &self.life)
+        store.power_fails(time_us, &self.alarms, &self.life)
     }
 
     /// The spindle has a new bearing of the same design, with all of its life before it. Only while the shaft stands
@@ -531,20 +323,32 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     /// # Errors
     ///
     /// How the solve ended without an answer.
-    pub fn prepare(&mut self, load: [f32; 5], speed: f32) -> Result<(), StatusCode> {
+    pub fn prepare(&mut self, load: [f32; 5], speed: f32) -> Result<(), Status<f32>> {
         let settings = self.settings;
-        let growth = self.growth(speed);
-        let damage = self
-            .tracker
-            .prepare(load, speed, &growth, settings, |solution| {
-                damage(solution, settings)
-            })?;
-        self.life.measure(settings.plausibility.part(&load));
-        self.life.set_damage(damage);
+        let task = Task {
+            sample: GoodSample {
+                time_us: 0,
+                load,
+                speed,
+            },
+            tick: 0,
+            purpose: Purpose::Estimate,
+            growth: self.growth(speed),
+            rows: 0,
+        };
+        self.tracker.begin(task);
+        let damage = |_: &Task<R>, solution: &Solved<'_, R, N, D, E>| damage_of(solution, settings);
+        let Some((_, damage)) = self.tracker.go_on(settings, || true, damage) else {
+            return Err(Status::IterationLimit);
+        };
+        let damage = damage?;
+        let part = settings.plausibility.part(&load);
+        self.life.measure(part);
+        self.life.set_idle(damage, part);
         Ok(())
     }
 
-    /// One tick: takes the readings, doubts them, solves them if it is time, judges, counts and reports.
+    /// One tick: takes the readings, doubts them, goes on with a solve, judges, counts and reports.
     /// `time_us` is the time since the start and never goes back.
     pub fn tick(
         &mut self,
@@ -555,103 +359,98 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     ) -> Outcome {
         let step_us = self.ticker.begin(time_us, counter);
         let tick = self.ticker.ticks();
-        let began_us = *self.began_us.get_or_insert(time_us);
-        let mut changes = Changes::new();
-        let judging = &self.settings.judgement;
-
-        if let Ok(Some(sample)) = &readings.loads {
-            self.judgement
-                .measured(time_us, &sample.load, judging, &mut changes);
-        }
-        let (doubts, good) =
-            self.plausibility
-                .judge(time_us, readings, &self.settings.plausibility);
-        if let Some(settings) = &self.settings.temperatures {
-            self.temperatures
-                .judge(time_us, readings.temperatures, settings);
-            let level = Level::of(self.temperatures.age(time_us));
-            self.judgement
-                .level(time_us, Alarm::Temperature, level, judging, &mut changes);
-        }
-        if let Some(sample) = good {
-            self.waiting = Some((Wanted::Estimate(sample), tick));
-        }
+        let settings = self.settings;
+        let mut levels = Levels::default();
+        self.reports.begin(time_us, settings);
         self.serve(time_us, tick);
-        let wear = self.measure(time_us, readings, doubts);
-        if doubts.is_empty() {
-            self.good_us = Some(time_us);
-        } else {
-            // A sample that was good a tick ago is not solved under the doubts of now.
-            self.waiting = wear.map(|wear| (wear, tick));
-            self.marked = self.marked.saturating_add(1);
-        }
 
-        let (mut solved, mut iterations) = (false, 0);
-        if self.countdown > 0 {
-            self.countdown -= 1;
-        } else if let Some((wanted, at)) = self.waiting.take() {
-            self.countdown = self.settings.tick.solve_every.saturating_sub(1);
-            match wanted {
-                Wanted::Estimate(sample) => solved = self.solve(&sample, at, &mut changes),
-                Wanted::Wear(sample, scale) => self.wear(&sample, scale),
-            }
-            iterations = self.tracker.iterations();
-        }
+        let doubts = self.read(time_us, tick, readings, &mut levels);
+        let mut time = self.ticker.solve_time(
+            counter,
+            self.tracker.rows_passed(),
+            self.reports.wants_something(),
+        );
+        let solved = self.solve(&mut time, &mut levels);
+        let rows = time.rows();
 
         let mut marks = doubts;
-        marks.mark_if(self.unsolved, Mark::Unsolved);
+        marks.mark_if(self.reports.is_unsolved(), Mark::Unsolved);
         marks.mark_if(self.estimate.is_none(), Mark::NoEstimate);
-        self.doubts = self.doubts.union(marks);
-
+        self.counts.marks = self.counts.marks.union(marks);
         let speed = self.plausibility.last_speed();
-        self.life
-            .turn(speed, step_us as f32 * 1e-6, !marks.is_empty());
-
-        let good_us = self.good_us.unwrap_or(began_us);
-        let estimated_us = self.estimate.as_ref().map_or(began_us, |e| e.time_us);
-        for (alarm, value) in [
-            (Alarm::LifeUsed, self.life.used()),
-            (Alarm::Sensor, seconds(good_us, time_us)),
-        ] {
-            self.judgement
-                .level(time_us, alarm, Level::of(value), judging, &mut changes);
-        }
-        let missed = self.ticker.missed();
-        let apart = u32::from(self.settings.tick.solve_every) * self.settings.tick.period_us;
-        let oldest = self.settings.plausibility.fresh_us.max(apart);
-        let fresh = marks.is_empty() && time_us.saturating_sub(estimated_us) <= oldest.into();
-        if let Some(blind) = self.availability.count(time_us, fresh, missed) {
-            let level = Level::of(blind);
-            self.judgement
-                .level(time_us, Alarm::Availability, level, judging, &mut changes);
-        }
+        let fresh = marks.is_empty() && self.is_fresh(time_us);
+        let is_older = !doubts.is_empty() || self.tracker.is_busy() || self.waiting.is_some();
+        let time = step_us as f32 * 1e-6;
+        self.life.turn(speed, time, is_older, !marks.is_empty());
+        levels.set_value(Alarm::LifeUsed, self.life.used());
         // A tick knows how long it took when it is over: the next one judges it.
-        self.judgement
-            .ticked(time_us, self.late, judging, &mut changes);
+        let sees = [doubts.is_empty(), fresh, self.late];
+        let missed = self.ticker.missed();
+        self.watch.tick(time_us, sees, missed, &mut levels);
 
-        let is_full = iterations > 1 && iterations >= self.settings.tick.max_iterations();
-        self.report(time_us, tick, marks, &changes, is_full);
-        let overrun = self.ticker.finish(counter, watchdog);
-        self.late = overrun;
+        let changes = self.alarms.judge(time_us, &levels, &settings.alarms);
+        let alarms = (&self.alarms, &changes);
+        self.reports.send(time_us, (tick, marks), alarms, settings);
+        if self.reports.wants_health(time_us, settings) {
+            let health = self.health();
+            self.counts.marks = Marks::NONE;
+            self.reports.outbox.post(time_us, Payload::Health(health));
+        }
+        self.late = self.ticker.finish(counter, watchdog);
         Outcome {
             marks,
             solved,
-            iterations,
+            rows,
             age: self.age(tick),
             changes,
-            overrun,
+            overrun: self.late,
         }
     }
 
-    /// Age of the estimate at a tick.
-    fn age(&self, tick: u64) -> Option<u32> {
-        let age = |e: &Estimate<R, N>| tick.saturating_sub(e.tick).min(u32::MAX.into()) as u32;
-        self.estimate.as_ref().map(age)
+    /// Takes the readings: a sample that nothing speaks against is next to be solved. Returns the doubts.
+    fn read(&mut self, time_us: u64, tick: u64, readings: &Readings, levels: &mut Levels) -> Marks {
+        let settings = self.settings;
+        if let Ok(Some(sample)) = &readings.loads {
+            let raise = settings.alarms.overload.raise;
+            if let Some(level) = watch::overload(&sample.load, &settings.watch, raise) {
+                levels.set_value(Alarm::Overload, level);
+            }
+        }
+        let (doubts, good) = self
+            .plausibility
+            .judge(time_us, readings, &settings.plausibility);
+        if let Some(settings) = &settings.temperatures {
+            self.temperatures
+                .judge(time_us, readings.temperatures, settings);
+            levels.set_value(Alarm::Temperature, self.temperatures.age(time_us));
+        }
+        let too_large = self.measure(time_us, readings, doubts);
+        if !doubts.is_empty() {
+            // A sample that was good a tick ago is not solved under the doubts of now.
+            self.waiting = None;
+            self.counts.marked_samples = self.counts.marked_samples.saturating_add(1);
+        }
+        let estimated = good.map(|sample| (sample, Purpose::Estimate));
+        if let Some((sample, purpose)) = estimated.or(too_large) {
+            self.waiting = Some(Task {
+                sample,
+                tick,
+                purpose,
+                growth: self.growth,
+                rows: 0,
+            });
+        }
+        doubts
     }
 
     /// Tells the life the measured loads. Returns loads to be solved for the life alone, scaled into
     /// their range: too large or too fast ones, if nothing else speaks against them.
-    fn measure(&mut self, time_us: u64, readings: &Readings, doubts: Marks) -> Option<Wanted> {
+    fn measure(
+        &mut self,
+        time_us: u64,
+        readings: &Readings,
+        doubts: Marks,
+    ) -> Option<(GoodSample, Purpose)> {
         let believed = doubts.is_within(Marks::from(Mark::Range).with(Mark::Rate));
         let Ok(Some(sample)) = &readings.loads else {
             if !believed {
@@ -665,13 +464,13 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         if doubts.is_empty() || !believed {
             return None;
         }
-        let scale = 1.0_f32.at_least(part);
+        let scale = part.max(1.0);
         let sample = GoodSample {
             time_us,
             load: sample.load.map(|load| load / scale),
             speed: self.plausibility.speed_of(time_us)?,
         };
-        Some(Wanted::Wear(sample, scale))
+        Some((sample, Purpose::Life(scale)))
     }
 
     /// Growth of rings and balls of each row at a speed, but for less than [`GROWTH_STEP`]. Another
@@ -695,213 +494,105 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
         self.growth
     }
 
-    /// Solves a sample for the life alone, under so many times its loads.
-    fn wear(&mut self, sample: &GoodSample, scale: f32) {
+    /// Goes on with the solve that has begun, or begins with the newest sample; whether there is a new estimate.
+    fn solve(&mut self, time: &mut SolveTime<'_, impl CycleCounter>, levels: &mut Levels) -> bool {
         let settings = self.settings;
-        let growth = self.growth(sample.speed);
-        let damage = self
-            .tracker
-            .solve(sample.load, sample.speed, &growth, settings, |solution| {
-                damage(solution, settings)
-            });
-        if let Ok(damage) = damage {
-            self.life.set_damage(damage * scale * scale * scale);
+        if !self.tracker.is_busy()
+            && let Some(task) = self.waiting.take()
+        {
+            let growth = self.growth(task.sample.speed);
+            self.tracker.begin(Task { growth, ..task });
         }
-    }
-
-    /// Solves and judges a sample; whether there is a new estimate.
-    fn solve(&mut self, sample: &GoodSample, tick: u64, changes: &mut Changes) -> bool {
-        let settings = self.settings;
-        let growth = self.growth(sample.speed);
-        let estimate = &mut self.estimate;
-        let seen = self
-            .tracker
-            .solve(sample.load, sample.speed, &growth, settings, |solution| {
-                // Written where it stays: a copy of it takes a thousand cycles on a Cortex-M4F.
-                let estimate = estimate.get_or_insert(Estimate::NONE);
-                observe(solution, sample, tick, settings, estimate)
-            });
-        self.unsolved = seen.is_err();
-        match seen {
-            Ok((status, findings, damage)) => {
-                self.status = status;
-                self.estimates = self.estimates.saturating_add(1);
-                self.life.set_damage(damage);
-                self.judgement
-                    .judge(sample.time_us, &findings, &settings.judgement, changes);
-                true
+        let (reports, watch) = (&mut self.reports, &self.watch);
+        let more_time = || time.has_a_row_more();
+        let ended = self.tracker.go_on(settings, more_time, |task, solution| {
+            if let Purpose::Life(_) = task.purpose {
+                return damage_of(solution, settings);
             }
-            Err(status) => {
-                self.status = status;
-                self.refusals = self.refusals.saturating_add(1);
-                false
+            let rows = solution.summary(&settings.watch.limits, &settings.ratings());
+            watch.rows(&rows, &settings.watch, levels);
+            reports.see(task, solution, &rows, watch.is_opposed(), settings);
+            damage(rows.iter().map(|row| row.life_rate).sum())
+        });
+        let Some((task, seen)) = ended else {
+            return false;
+        };
+        let part = settings.plausibility.part(&task.sample.load);
+        match (task.purpose, seen) {
+            (Purpose::Life(scale), Ok(damage)) => {
+                let damage = damage * scale * scale * scale;
+                self.life.set_damage(damage, part * scale);
             }
-        }
-    }
-
-    /// Puts due frames into the outbox.
-    ///
-    /// A tick whose solve has taken all of its iterations (`is_full`) leaves frames that can wait to the next ticks.
-    fn report(&mut self, time_us: u64, tick: u64, marks: Marks, changes: &Changes, is_full: bool) {
-        let every = &self.settings.telemetry;
-        for change in changes {
-            self.post_alarm(time_us, change.alarm, change.change);
-        }
-        if is_full && self.put_off < LONGEST_PUT_OFF {
-            self.put_off += 1;
-            return;
-        }
-        self.put_off = 0;
-        if self.due_standing.is_due(time_us, every.standing_us) {
-            for alarm in Alarm::ALL {
-                if self.judgement.alarm(alarm).stands() {
-                    self.post_alarm(time_us, alarm, AlarmChange::Standing);
-                }
+            (Purpose::Estimate, Ok(damage)) => {
+                self.life.set_damage(damage, part);
+                self.counts.estimates = self.counts.estimates.saturating_add(1);
+                self.estimate = Some(Estimate {
+                    time_us: task.sample.time_us,
+                    tick: task.tick,
+                });
+                return true;
             }
+            (Purpose::Estimate, Err(status)) => {
+                self.reports.status = status;
+                self.counts.refusals = self.counts.refusals.saturating_add(1);
+            }
+            (Purpose::Life(_), Err(_)) => {}
         }
-        if self.due_health.is_due(time_us, every.health_us) {
-            let health = self.health();
-            self.doubts = Marks::NONE;
-            self.outbox.post(time_us, Payload::Health(health));
-        }
-        if self.due_hello.is_due(time_us, HELLO_US) {
-            self.outbox
-                .post(time_us, Payload::Hello(self.hello.clone()));
-        }
-        let (estimate_due, balls_due) = (
-            self.due_estimate.is_due(time_us, every.estimate_us),
-            self.due_balls.is_due(time_us, every.balls_us),
-        );
-        if estimate_due && let Some(report) = self.report_at(tick, marks) {
-            self.outbox.post(time_us, Payload::Estimate(report));
-            self.report_rows(time_us);
-        }
-        if balls_due && let Some(estimate) = &self.estimate {
-            self.picture = Some(Picture {
-                time_us,
-                balls: estimate.balls,
-                row: 0,
-                reported: 0,
-            });
-        }
-        self.report_balls();
+        false
     }
 
-    /// Puts the rows of the estimate into the outbox.
-    fn report_rows(&mut self, time_us: u64) {
-        let Some(estimate) = &self.estimate else {
-            return;
-        };
-        for (number, rows) in estimate.rows.chunks(ROWS_PER_FRAME).enumerate() {
-            let report = RowsReport {
-                first: (number * ROWS_PER_FRAME) as u8,
-                count: R as u8,
-                rows: as_many_as_fit(rows.iter().copied()),
-            };
-            self.outbox.post(time_us, Payload::Rows(report));
-        }
+    /// Whether the estimate is of a sample that is not too old.
+    fn is_fresh(&self, time_us: u64) -> bool {
+        let fresh_us = self.settings.plausibility.fresh_us.into();
+        self.estimate
+            .is_some_and(|estimate| time_us.saturating_sub(estimate.time_us) <= fresh_us)
     }
 
-    /// Puts the next balls of the picture into the outbox.
-    fn report_balls(&mut self) {
-        let Some(picture) = &mut self.picture else {
-            return;
-        };
-        let (Some(row), Some(balls)) = (
-            self.settings.rows.get(picture.row),
-            picture.balls.get(picture.row),
-        ) else {
-            self.picture = None;
-            return;
-        };
-        let count = usize::from(row.balls);
-        let rest = balls.iter().take(count).skip(picture.reported);
-        let report = BallsReport {
-            row: picture.row as u8,
-            first: picture.reported as u16,
-            count: row.balls,
-            first_azimuth: row.first_azimuth,
-            balls: as_many_as_fit(rest.take(BALLS_PER_TICK).map(ball_report)),
-        };
-        self.outbox.post(picture.time_us, Payload::Balls(report));
-        picture.reported += BALLS_PER_TICK;
-        if picture.reported >= count {
-            (picture.row, picture.reported) = (picture.row + 1, 0);
-        }
-        if picture.row >= R {
-            self.picture = None;
-        }
-    }
-
-    fn post_alarm(&mut self, time_us: u64, alarm: Alarm, change: AlarmChange) {
-        let machine = self.judgement.alarm(alarm);
-        let (raised, cleared) = machine.counts();
-        let Level { value, ball } = machine.level();
-        let threshold = self.settings.judgement.of(alarm);
-        let report = AlarmReport {
-            alarm,
-            change,
-            state: machine.state(),
-            value,
-            limit: match change {
-                AlarmChange::Cleared => threshold.clear,
-                _ => threshold.raise,
-            },
-            ball,
-            raised,
-            cleared,
-        };
-        self.outbox.post(time_us, Payload::Alarm(report));
-    }
-
-    fn report_at(&self, tick: u64, marks: Marks) -> Option<EstimateReport> {
-        let estimate = self.estimate.as_ref()?;
-        let flexibility = &self.settings.shaft.flexibility;
-        Some(estimate.report(self.age(tick)?, marks, self.status, flexibility))
+    /// Age of the estimate at a tick.
+    fn age(&self, tick: u64) -> Option<u32> {
+        let age = |e: &Estimate| tick.saturating_sub(e.tick).min(u32::MAX.into()) as u32;
+        self.estimate.as_ref().map(age)
     }
 
     /// Somebody has seen an alarm: it may clear. Says so in the telemetry.
     pub fn acknowledge(&mut self, time_us: u64, alarm: Alarm) {
-        if let Some(change) = self.judgement.acknowledge(alarm) {
-            self.post_alarm(time_us, alarm, change);
+        if let Some(change) = self.alarms.acknowledge(alarm) {
+            let thresholds = &self.settings.alarms;
+            self.reports
+                .post_alarm(time_us, alarm, change, &self.alarms, thresholds);
         }
     }
 
     /// Counters since the start.
     pub fn health(&self) -> HealthReport {
-        let (alarms_raised, alarms_cleared) = self.judgement.counts();
+        let (alarms_raised, alarms_cleared) = self.alarms.counts();
         HealthReport {
             ticks: self.ticker.ticks(),
             overruns: self.ticker.overruns(),
             missed_ticks: self.ticker.missed(),
-            estimates: self.estimates,
-            refusals: self.refusals,
-            marked_samples: self.marked,
             alarms_raised,
             alarms_cleared,
-            frames_dropped: self.outbox.dropped(),
+            frames_dropped: self.reports.outbox.dropped(),
             most_cycles: self.ticker.most_cycles(),
             revolutions: self.life.revolutions(),
             life_used: self.life.used(),
-            marks: self.doubts,
-            retention: self.retention,
-            availability: self.availability.share(),
-            records: self.records,
+            availability: self.watch.availability(),
             doubtful_revolutions: self.life.doubtful_revolutions(),
             life_estimated: self.life.estimated(),
             temperatures: self.temperatures.used(),
             temperature_sources: self.temperatures.sources(),
+            ..self.counts
         }
     }
 
     /// Frames for the link.
     pub const fn outbox(&mut self) -> &mut Outbox<FRAMES> {
-        &mut self.outbox
+        &mut self.reports.outbox
     }
 
     /// Alarms.
     pub const fn judgement(&mut self) -> &mut Judgement {
-        &mut self.judgement
+        &mut self.alarms
     }
 
     /// Life used up.
@@ -910,166 +601,17 @@ impl<const R: usize, const N: usize, M: Motion + Copy, const FRAMES: usize, T: R
     }
 }
 
-/// Places on the shaft, as the telemetry has them.
-fn shaft_report<T: Real, const R: usize, const N: usize, const D: usize>(
-    spindle: &Spindle<'_, T, R, N, D>,
-    settings: &MonitorSettings<R>,
-) -> ShaftReport {
-    let places = spindle.positions().into_iter().zip(spindle.facings());
-    let rows = places.zip(&settings.rows);
-    let place = |((position, facing), row): ((T, Facing), &RowSettings)| RowPlace {
-        position: position.to_f32(),
-        mirrored: facing == Facing::MinusX,
-        balls: row.balls,
-    };
-    ShaftReport {
-        nose: settings.shaft.nose,
-        loads_at: settings.shaft.loads_at,
-        preload: settings.judgement.preload,
-        count: R as u8,
-        rows: as_many_as_fit(rows.map(place)),
-    }
-}
-
 /// Rating life that an equilibrium uses per million revolutions, as a part of 1.
-fn damage<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
-    solution: &SpindleSolution<'_, T, R, N, M, D>,
+fn damage_of<const R: usize, const N: usize, const D: usize, const E: usize>(
+    solution: &Solved<'_, R, N, D, E>,
     settings: &MonitorSettings<R>,
 ) -> f32 {
-    let mut weight = 0.0;
-    for (i, row) in settings.rows.iter().enumerate() {
-        let forces = solution.view(i).contact_forces();
-        let forces = forces.map(|(q_i, q_o)| (q_i.to_f32(), q_o.to_f32()));
-        weight += row.rating.weight_of(forces);
-    }
-    damage_of_weight(weight)
+    1.0 / solution
+        .rating_life(&settings.ratings())
+        .million_revolutions
 }
 
-/// The worse of two levels.
-fn worse(a: Level, b: Level) -> Level {
-    if b.value > a.value { b } else { a }
-}
-
-/// Takes an equilibrium into the estimate. Returns how the solve ended, the findings to be judged, and
-/// the life that it uses.
-fn observe<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
-    solution: &SpindleSolution<'_, T, R, N, M, D>,
-    sample: &GoodSample,
-    tick: u64,
-    settings: &MonitorSettings<R>,
-    estimate: &mut Estimate<R, N>,
-) -> (StatusCode, Findings, f32) {
-    let limits = Limits {
-        peak_pressure: T::from_f32(settings.limits.peak_pressure),
-        friction: T::from_f32(settings.limits.friction),
-    };
-    let mut findings = Findings {
-        pressure: Level::of(0.0),
-        contact_angle: Level::of(f32::NEG_INFINITY),
-        slip: Level::of(0.0),
-        unloaded: Level::of(0.0),
-        preload: None,
-    };
-    let (mut passed, mut weight) = (0, 0.0);
-    let mut first = 0;
-    let balls = settings.rows.iter().zip(&mut estimate.balls);
-    for (i, ((row, balls), seen)) in balls.zip(&mut estimate.rows).enumerate() {
-        let view = solution.view(i);
-        let unit = view.c.force.to_f32();
-        let (mut inner, mut outer) = (0.0_f32, 0.0_f32);
-        // Force of the inner ring onto the balls, in units.
-        let (mut axial, mut radial) = (0.0_f32, [0.0_f32; 2]);
-        *seen = NO_ROW;
-        let margins = view.survey(&limits, |ball, kinetics| {
-            let contacts = [&kinetics.inner, &kinetics.outer];
-            let force = contacts.map(|k| k.q.to_f32());
-            let q = unit * force[0];
-            if q < seen.least_force {
-                seen.least_force = q;
-            }
-            if q > seen.largest_force {
-                seen.largest_force = q;
-            }
-            let ([sin, cos], friction) = (
-                kinetics.inner.n.map(T::to_f32),
-                kinetics.friction[0].to_f32(),
-            );
-            axial += force[0] * sin + friction * cos;
-            if let Some(at) = view.azimuths.get(usize::from(ball)) {
-                let outwards = force[0] * cos - friction * sin;
-                radial[0] += outwards * at.cos.to_f32();
-                radial[1] += outwards * at.sin.to_f32();
-            }
-            inner += force[0] * force[0] * force[0];
-            // In units, an outer contact's force is the deformation to 3/2, so that the force to 10/3 is a square.
-            let root = force[1] * kinetics.outer.delta.to_f32();
-            outer += root * root;
-            if let Some(to) = balls.get_mut(usize::from(ball)) {
-                let [i, o] = contacts.map(|k| k.n.map(T::to_f32));
-                *to = [[q, i[0], i[1]], [unit * force[1], o[0], o[1]]];
-            }
-        });
-        let level = |limit: Limit, before: Level| {
-            margins.get(limit).map_or(before, |margin| {
-                let value = margin.value.to_f32();
-                let ball = Some(first + margin.ball);
-                worse(before, Level { value, ball })
-            })
-        };
-        findings.pressure = level(Limit::PeakPressure, findings.pressure);
-        findings.contact_angle = level(Limit::Shoulder, findings.contact_angle);
-        findings.slip = level(Limit::Friction, findings.slip);
-        if let Some(off) = margins.get(Limit::InnerContact) {
-            findings.unloaded.value += f32::from(margins.unloaded);
-            findings.unloaded.ball = findings.unloaded.ball.or(Some(first + off.ball));
-        }
-        seen.axial = unit * axial;
-        seen.radial = radial.map(|force| unit * force);
-        passed |= margins.passed().bits();
-        let count = view.balls.len() as u16;
-        weight += row.rating.weight(unit, inner, outer, count.into());
-        first += count;
-    }
-    estimate.time_us = sample.time_us;
-    estimate.tick = tick;
-    estimate.load = sample.load;
-    estimate.speed = sample.speed;
-    let nose = T::from_f32(settings.shaft.nose);
-    estimate.displacement = solution.displacement_at(nose).map(T::to_f32);
-    let stiffness = solution.stiffness_at(nose);
-    estimate.stiffness = stiffness.map(|row| row.map(T::to_f32));
-    estimate.iterations = solution.iterations;
-    estimate.error = [
-        solution.error.displacement.to_f32(),
-        solution.error.force.to_f32(),
-        solution.error.stiffness.to_f32(),
-    ];
-    estimate.limits = passed;
-    let facings = solution.facings();
-    findings.preload = share_preload(&mut estimate.rows, &facings, &mut estimate.limits);
-    let code = StatusCode::from(&solution.status);
-    (code, findings, damage_of_weight(weight))
-}
-
-/// Gives every row its preload; the smallest and the largest one, if there are rows of both facings. Rows that have lifted
-/// off are a limit then.
-fn share_preload<const R: usize>(
-    rows: &mut [RowReport; R],
-    facings: &[Facing; R],
-    limits: &mut u8,
-) -> Option<[f32; 2]> {
-    let first = facings.first()?;
-    if facings.iter().all(|facing| facing == first) {
-        return None;
-    }
-    let axial = rows.each_ref().map(|row| row.axial);
-    let mut range = [f32::INFINITY, 0.0_f32];
-    for (row, preload) in rows.iter_mut().zip(preloads(&axial, facings)) {
-        row.preload = preload;
-        if !(row.axial > 0.0) {
-            *limits |= LIFT_OFF;
-        }
-        range = [range[0].at_most(preload), range[1].at_least(preload)];
-    }
-    Some(range)
+/// The same of the rows' rates.
+fn damage(rate: f32) -> f32 {
+    1.0 / RatingLife::of_weight(rate, 0.0).million_revolutions
 }

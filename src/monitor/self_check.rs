@@ -4,11 +4,7 @@
 //! another machine has computed it with the same source. Both checks go step by step, so that they fit between ticks.
 
 use crate::framing::CHECKSUM;
-use crate::real::Real;
-use crate::results::margins::Limits;
-use crate::{
-    Motion, RacewayControlFree, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status,
-};
+use crate::{RacewayControlFree, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status};
 use crc::Digest;
 
 /// A checksum of many pieces: CRC-32 (ISO-HDLC), as frames have it.
@@ -37,10 +33,7 @@ impl Checksum {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seal {
     /// As the linker leaves it: nothing is known.
-    Open {
-        /// Bytes of a number in the solver's precision.
-        precision: u32,
-    },
+    Open,
     /// As it was flashed.
     Closed {
         /// Checksum of the image.
@@ -52,11 +45,14 @@ pub enum Seal {
     Damaged,
 }
 
+/// The first word of an open seal.
+const OPEN: u32 = 4;
+
 impl Seal {
     /// Reads it.
     pub const fn read(words: [u32; 4]) -> Self {
         match words {
-            [precision @ (4 | 8), 0, 0, 0] => Self::Open { precision },
+            [OPEN, 0, 0, 0] => Self::Open,
             [image, a, answer, b] if a == !image && b == !answer => Self::Closed { image, answer },
             _ => Self::Damaged,
         }
@@ -65,7 +61,7 @@ impl Seal {
     /// The words that say so.
     pub const fn words(self) -> [u32; 4] {
         match self {
-            Self::Open { precision } => [precision, 0, 0, 0],
+            Self::Open => [OPEN, 0, 0, 0],
             Self::Closed { image, answer } => [image, !image, answer, !answer],
             Self::Damaged => [0; 4],
         }
@@ -118,15 +114,9 @@ impl ImageCheck {
 /// Two solves of the monitored spindle, from nothing and from the first one's answer, at fixed loads and speeds. Their
 /// answers have the same bits on every machine.
 #[derive(Debug)]
-pub struct KnownAnswer<
-    T: Real + 'static,
-    const R: usize,
-    const N: usize,
-    M: Motion + Copy = RacewayControlFree,
-    const D: usize = 5,
-> {
-    spindle: Spindle<'static, T, R, N, D>,
-    solver: SpindleSolver<T, R, N, M, D>,
+pub struct KnownAnswer<const R: usize, const N: usize, const D: usize = 5, const E: usize = 0> {
+    spindle: Spindle<'static, f32, R, N, D, E>,
+    solver: SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
     preload: f32,
     /// Solves that have ended, and steps of the one that has not.
     solves: u8,
@@ -143,11 +133,9 @@ const SOLVES: [([f32; 5], f32); 2] = [
 /// Steps of a solve that ends, by far: from nothing, some ten.
 const MOST_STEPS: u16 = 50;
 
-impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
-    KnownAnswer<T, R, N, M, D>
-{
+impl<const R: usize, const N: usize, const D: usize, const E: usize> KnownAnswer<R, N, D, E> {
     /// Of this spindle, under an axial load (N) that it carries in normal use.
-    pub fn new(spindle: Spindle<'static, T, R, N, D>, preload: f32) -> Self {
+    pub fn new(spindle: Spindle<'static, f32, R, N, D, E>, preload: f32) -> Self {
         Self {
             spindle,
             solver: SpindleSolver::of(),
@@ -166,12 +154,12 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
             (self.solves, self.steps, self.sum) = (0, 0, 0);
             return Some(sum);
         };
-        let load = parts.map(|part| T::from_f32(part * self.preload));
+        let load = parts.map(|part| part * self.preload);
         let settings = Settings {
             max_iterations: 1,
             ..Settings::default()
         };
-        let speed = Speed::rad_per_s(T::from_f32(*speed));
+        let speed = Speed::rad_per_s(*speed);
         let mut sum = Checksum::default();
         sum.add(&self.sum.to_le_bytes());
         sum.add(&self.steps.to_le_bytes());
@@ -187,36 +175,22 @@ impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
     }
 }
 
-/// Takes the bits of a number, as many singles as it has room for.
-fn add_number<T: Real>(sum: &mut Checksum, number: T) {
-    let mut rest = number;
-    for _ in 0..size_of::<T>().div_ceil(3) {
-        let single = rest.to_f32();
-        sum.add(&single.to_bits().to_le_bytes());
-        rest -= T::from_f32(single);
-    }
-}
-
 /// Adds the figures that a monitor uses of an answer.
-fn add<T: Real, const R: usize, const N: usize, M: Motion, const D: usize>(
+fn add<const R: usize, const N: usize, const D: usize, const E: usize>(
     sum: &mut Checksum,
-    of: &SpindleSolution<'_, T, R, N, M, D>,
+    of: &SpindleSolution<'_, f32, R, N, RacewayControlFree, D, E>,
 ) {
+    let mut add = |x: f32| sum.add(&x.to_bits().to_le_bytes());
     let stiffness = of.stiffness();
     for x in of.displacement.iter().chain(stiffness.iter().flatten()) {
-        add_number(sum, *x);
+        add(*x);
     }
-    let limits = Limits::default();
-    for i in 0..R {
-        let margins = of.view(i).survey(&limits, |_, kinetics| {
-            for contact in [&kinetics.inner, &kinetics.outer] {
-                let [sin, cos] = contact.n;
-                for x in [contact.q, sin, cos] {
-                    add_number(sum, x);
-                }
+    for row in of.rows() {
+        for ball in row.balls() {
+            for x in [ball.q_i, ball.alpha_i, ball.q_o, ball.alpha_o] {
+                add(x);
             }
-        });
-        sum.add(&[margins.passed().bits()]);
+        }
     }
 }
 
@@ -227,8 +201,7 @@ mod tests {
     #[test]
     fn a_seal_is_read_as_it_was_written_and_no_damage_makes_it_another() {
         for seal in [
-            Seal::Open { precision: 4 },
-            Seal::Open { precision: 8 },
+            Seal::Open,
             Seal::Closed {
                 image: 0,
                 answer: 0,

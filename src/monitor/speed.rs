@@ -276,7 +276,7 @@ impl<P: PulseInput> SpeedSource for PulseSpeed<P> {
         let pitch = self.pitch();
         let size = omega.abs();
         let discriminant = size * size - 2.0 * self.settings.deceleration * pitch;
-        let root = crate::sqrt::sqrt_f32(discriminant);
+        let root = crate::sqrt_f32(discriminant);
         if discriminant > 0.0 {
             // Time to the next pulse under the greatest deceleration; rearranged, so that it is
             // right where deceleration hardly counts.

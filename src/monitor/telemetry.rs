@@ -14,15 +14,7 @@
 //! | [`Payload::Estimate`], [`Payload::Rows`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
 //!
-//! [`Outbox`] is the queue. The link takes bytes out of it whenever it can; alarms go first. Sequence
-//! numbers are given when a frame goes out: a gap in them is a frame that the link lost. Frames
-//! dropped for want of room are counted by themselves ([`HealthReport::frames_dropped`]).
-//!
-//! **No alarm is lost.** Changes queue in order. Should the link stay shut until even that queue is
-//! full, alarms that no longer fit keep their latest state, which goes out when there is room. It has
-//! the number of times that the alarm was raised and cleared so far: a receiver sees what happened
-//! meanwhile. An alarm that stands is sent again at an interval, which makes up for frames that the
-//! link itself loses.
+//! [`Outbox`](super::outbox::Outbox) is the queue.
 
 use super::board::{BoardReport, ResetCause};
 use super::command::Answer;
@@ -31,13 +23,12 @@ use super::loads::FrameCounts;
 use super::marks::Marks;
 use super::temperature::TemperatureSource;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
-use crate::results::margins::Limit;
-use crate::status::Status;
-use heapless::{Deque, Vec};
+use crate::{Limit, Status};
+use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Version of the format.
-pub const VERSION: u8 = 6;
+pub const VERSION: u8 = 7;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 8;
@@ -94,64 +85,6 @@ pub enum Payload {
     Hello(HelloReport),
 }
 
-/// How the last solve ended: [`Status`] without its numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum StatusCode {
-    /// [`Status::Converged`].
-    Converged,
-    /// [`Status::PrecisionLimit`].
-    PrecisionLimit,
-    /// [`Status::IterationLimit`].
-    IterationLimit,
-    /// [`Status::Unseated`].
-    Unseated,
-    /// [`Status::NotFinite`].
-    NotFinite,
-    /// [`Status::OutOfRange`].
-    OutOfRange,
-    /// [`Status::Unloaded`].
-    Unloaded,
-    /// [`Status::Indeterminate`].
-    Indeterminate,
-    /// [`Status::Diverged`].
-    Diverged,
-}
-
-impl StatusCode {
-    /// Short name in lower case, as [`Status::name`] has it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::PrecisionLimit => "precision-limit",
-            Self::IterationLimit => "iteration-limit",
-            Self::Unseated => "unseated",
-            Self::NotFinite => "not-finite",
-            Self::OutOfRange => "out-of-range",
-            Self::Unloaded => "unloaded",
-            Self::Indeterminate => "indeterminate",
-            Self::Diverged => "diverged",
-        }
-    }
-}
-
-impl<T> From<&Status<T>> for StatusCode {
-    fn from(status: &Status<T>) -> Self {
-        match status {
-            Status::Converged => Self::Converged,
-            Status::PrecisionLimit => Self::PrecisionLimit,
-            Status::IterationLimit => Self::IterationLimit,
-            Status::Unseated { .. } => Self::Unseated,
-            Status::NotFinite { .. } => Self::NotFinite,
-            Status::OutOfRange { .. } => Self::OutOfRange,
-            Status::Unloaded => Self::Unloaded,
-            Status::Indeterminate { .. } => Self::Indeterminate,
-            Status::Diverged { .. } => Self::Diverged,
-        }
-    }
-}
-
 /// The last good estimate, its age, and the doubts of now. SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -181,7 +114,7 @@ pub struct EstimateReport {
     /// Largest contact force on the inner race, N.
     pub largest_force: f32,
     /// How the last solve ended. If not with an answer, the estimate is an older one.
-    pub status: StatusCode,
+    pub status: Status<f32>,
     /// Iterations of the estimate.
     pub iterations: u16,
     /// Estimated relative errors of displacement, contact forces and stiffness.
@@ -191,6 +124,26 @@ pub struct EstimateReport {
 }
 
 impl EstimateReport {
+    /// Of no equilibrium.
+    pub const NONE: Self = Self {
+        age: 0,
+        marks: Marks::NONE,
+        load: [0.0; 5],
+        speed: 0.0,
+        displacement: [0.0; 5],
+        stiffness: [0.0; 5],
+        nose: [0.0; 3],
+        coupling: 0.0,
+        coupling_row: 0,
+        coupling_column: 1,
+        least_force: 0.0,
+        largest_force: 0.0,
+        status: Status::Unloaded,
+        iterations: 0,
+        error: [0.0; 3],
+        limits: 0,
+    };
+
     /// Names of the physical limits that were passed, the most serious first, and `lift-off`.
     pub fn passed(&self) -> impl Iterator<Item = &'static str> {
         let bits = self.limits;
@@ -475,224 +428,6 @@ impl StartReport {
     }
 }
 
-/// Alarm reports that wait in order.
-const ALARM_QUEUE: usize = 4 * Alarm::COUNT;
-
-/// A payload and when it was.
-#[derive(Debug, Clone, PartialEq)]
-struct Waiting {
-    time_us: u64,
-    payload: Payload,
-}
-
-/// An alarm's latest state, which waits behind the queue.
-#[derive(Debug, Clone, Copy)]
-struct HeldBack {
-    time_us: u64,
-    report: AlarmReport,
-    /// A change found the queue full: what comes later may not overtake it.
-    change: bool,
-}
-
-/// Frames that wait for the link. `FRAMES` estimates and balls fit; two are few, twenty are a second
-/// or so.
-#[derive(Debug)]
-pub struct Outbox<const FRAMES: usize> {
-    alarms: Deque<(u64, AlarmReport), ALARM_QUEUE>,
-    answer: Option<(u64, Answer)>,
-    held_back: [Option<HeldBack>; Alarm::COUNT],
-    health: Option<(u64, HealthReport)>,
-    hello: Option<(u64, HelloReport)>,
-    frames: Deque<Waiting, FRAMES>,
-    sequence: u32,
-    dropped: u64,
-    /// The frame that is on its way, and how much of it is gone.
-    current: Vec<u8, FRAME_LENGTH>,
-    gone: usize,
-}
-
-impl<const FRAMES: usize> Default for Outbox<FRAMES> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<const FRAMES: usize> Outbox<FRAMES> {
-    /// An empty queue.
-    pub const fn new() -> Self {
-        Self {
-            alarms: Deque::new(),
-            answer: None,
-            held_back: [None; Alarm::COUNT],
-            health: None,
-            hello: None,
-            frames: Deque::new(),
-            sequence: 0,
-            dropped: 0,
-            current: Vec::new(),
-            gone: 0,
-        }
-    }
-
-    /// Numbers frames from this one on.
-    pub const fn number_from(&mut self, sequence: u32) {
-        self.sequence = sequence;
-    }
-
-    /// Estimates and balls that were dropped so far.
-    pub const fn dropped(&self) -> u64 {
-        self.dropped
-    }
-
-    /// Whether there is nothing to send.
-    pub fn is_empty(&self) -> bool {
-        self.gone >= self.current.len()
-            && self.alarms.is_empty()
-            && self.answer.is_none()
-            && self.held_back.iter().all(Option::is_none)
-            && self.health.is_none()
-            && self.hello.is_none()
-            && self.frames.is_empty()
-    }
-
-    /// Whether an answer waits, which another one would replace.
-    pub const fn has_answer(&self) -> bool {
-        self.answer.is_some()
-    }
-
-    /// Queues a payload of this time. Payloads that give way for want of room are counted.
-    pub fn post(&mut self, time_us: u64, payload: Payload) {
-        match payload {
-            Payload::Alarm(report) => self.post_alarm(time_us, report),
-            Payload::Health(report) => self.health = Some((time_us, report)),
-            Payload::Answer(answer) => self.answer = Some((time_us, answer)),
-            Payload::Hello(report) => self.hello = Some((time_us, report)),
-            payload @ (Payload::Estimate(_) | Payload::Rows(_) | Payload::Balls(_)) => {
-                // The newest one is worth most.
-                if self.frames.is_full() && self.frames.pop_front().is_some() {
-                    self.dropped = self.dropped.saturating_add(1);
-                }
-                if self.frames.push_back(Waiting { time_us, payload }).is_err() {
-                    // Without any room at all.
-                    self.dropped = self.dropped.saturating_add(1);
-                }
-            }
-        }
-    }
-
-    fn post_alarm(&mut self, time_us: u64, report: AlarmReport) {
-        let Some(slot) = self.held_back.get_mut(report.alarm as usize) else {
-            return;
-        };
-        let held = slot.is_some_and(|held| held.change);
-        // A report that only says that the alarm stands must not take the room of changes.
-        let change = report.change != AlarmChange::Standing;
-        if change && !held && self.alarms.push_back((time_us, report)).is_ok() {
-            // What says that it stands is out of date.
-            *slot = None;
-            return;
-        }
-        *slot = Some(HeldBack {
-            time_us,
-            report: AlarmReport {
-                change: AlarmChange::Standing,
-                ..report
-            },
-            change: change || held,
-        });
-    }
-
-    /// Makes a frame of the payload that is worth the link most, and drops it from the queue.
-    fn encode_next(&mut self) {
-        if let Some((time_us, report)) = self.alarms.pop_front() {
-            return self.encode(time_us, &Payload::Alarm(report));
-        }
-        if let Some(slot) = self.held_back.iter_mut().find(|slot| slot.is_some())
-            && let Some(held) = slot.take()
-        {
-            return self.encode(held.time_us, &Payload::Alarm(held.report));
-        }
-        if let Some((time_us, answer)) = self.answer.take() {
-            return self.encode(time_us, &Payload::Answer(answer));
-        }
-        if let Some((time_us, report)) = self.health.take() {
-            return self.encode(time_us, &Payload::Health(report));
-        }
-        if let Some((time_us, report)) = self.hello.take() {
-            return self.encode(time_us, &Payload::Hello(report));
-        }
-        if let Some(Waiting { time_us, payload }) = self.frames.front() {
-            // Where it lies: a copy of a payload takes some hundred cycles.
-            encode_numbered(self.sequence, *time_us, payload, &mut self.current);
-            self.sequence = self.sequence.wrapping_add(1);
-            self.frames.pop_front();
-        }
-    }
-
-    fn encode(&mut self, time_us: u64, payload: &Payload) {
-        encode_numbered(self.sequence, time_us, payload, &mut self.current);
-        self.sequence = self.sequence.wrapping_add(1);
-    }
-
-    /// Makes sure that there are bytes on their way; false if there is nothing to send.
-    fn fetch(&mut self) -> bool {
-        if self.gone < self.current.len() {
-            return true;
-        }
-        self.gone = 0;
-        self.current.clear();
-        self.encode_next();
-        !self.current.is_empty()
-    }
-
-    /// The next byte for the link, if there is one.
-    pub fn next_byte(&mut self) -> Option<u8> {
-        if !self.fetch() {
-            return None;
-        }
-        let byte = self.current.get(self.gone).copied();
-        self.gone += 1;
-        byte
-    }
-
-    /// Fills a buffer for the link, and returns how many bytes it has put there.
-    pub fn fill(&mut self, buffer: &mut [u8]) -> usize {
-        let mut filled = 0;
-        while filled < buffer.len() && self.fetch() {
-            let rest = self.current.get(self.gone..).unwrap_or_default();
-            let room = buffer.get_mut(filled..).unwrap_or_default();
-            let count = rest.len().min(room.len());
-            for (to, from) in room.iter_mut().zip(rest) {
-                *to = *from;
-            }
-            self.gone += count;
-            filled += count;
-        }
-        filled
-    }
-}
-
-/// A [`Frame`] whose payload lies elsewhere.
-#[derive(Serialize)]
-struct Numbered<'a> {
-    version: u8,
-    sequence: u32,
-    time_us: u64,
-    payload: &'a Payload,
-}
-
-#[inline(never)]
-fn encode_numbered(sequence: u32, time_us: u64, payload: &Payload, to: &mut Vec<u8, FRAME_LENGTH>) {
-    let frame = Numbered {
-        version: VERSION,
-        sequence,
-        time_us,
-        payload,
-    };
-    // The lengths above make room for every frame; the tests see to it.
-    framing::encode_into(&frame, to);
-}
-
 /// The frame of a record, delimiter included; empty if it is longer than any that this version knows.
 pub fn encode(frame: &Frame) -> Vec<u8, FRAME_LENGTH> {
     framing::encode(frame).unwrap_or_default()
@@ -700,27 +435,6 @@ pub fn encode(frame: &Frame) -> Vec<u8, FRAME_LENGTH> {
 
 /// Result of a reader at the end of each frame.
 pub type Read = Result<Frame, FrameError>;
-
-/// Factor by which `Kij^2 / |Kii Kjj|` must exceed an earlier element's: a per cent of its root.
-const CLEARLY: f32 = 1.02;
-
-/// Row and column of the off-diagonal element that couples most; x, y if nothing couples.
-pub(super) fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
-    let mut place = (0, 1);
-    let mut strongest: f32 = 0.0;
-    let per: [f32; 5] = core::array::from_fn(|i| 1.0 / k[i][i].abs());
-    for i in 0..5 {
-        for j in 0..5 {
-            let ratio = (k[i][j] * per[i]) * (k[i][j] * per[j]);
-            // False for 0/0, too: a direction without stiffness couples with nothing.
-            if i != j && ratio > CLEARLY * strongest {
-                strongest = ratio;
-                place = (i, j);
-            }
-        }
-    }
-    place
-}
 
 #[cfg(test)]
 mod tests {
@@ -773,7 +487,11 @@ mod tests {
             coupling_column: u8::MAX,
             least_force: f32::MAX,
             largest_force: f32::MAX,
-            status: StatusCode::Diverged,
+            status: Status::OutOfRange {
+                quantity: crate::Quantity::Tolerance,
+                value: f32::MAX,
+                limit: f32::MAX,
+            },
             iterations,
             error: [f32::MAX; 3],
             limits: u8::MAX,
@@ -891,28 +609,6 @@ mod tests {
         bytes.iter().filter_map(|b| reader.push(*b)).collect()
     }
 
-    fn drain<const F: usize>(outbox: &mut Outbox<F>) -> Bytes<Frame> {
-        let bytes: Bytes<u8> = core::iter::from_fn(|| outbox.next_byte()).collect();
-        read(&bytes).into_iter().map(Result::unwrap).collect()
-    }
-
-    #[test]
-    fn coupling_is_judged_relative_to_the_stiffnesses_it_joins() {
-        let mut k = [[0.0; 5]; 5];
-        for (i, row) in k.iter_mut().enumerate() {
-            row[i] = if i < 3 { 1e8 } else { 1e3 };
-        }
-        assert_eq!(strongest_coupling(&k), (0, 1));
-        k[1][2] = 1e6;
-        k[4][1] = -1e5;
-        assert_eq!(strongest_coupling(&k), (4, 1));
-        k[1][4] = -0.999e5;
-        assert_eq!(strongest_coupling(&k), (1, 4));
-        k[4] = [0.0; 5];
-        k[1][4] = 0.0;
-        assert_eq!(strongest_coupling(&k), (1, 2));
-    }
-
     #[test]
     fn the_longest_frames_fit_and_arrive_as_they_left() {
         for payload in [
@@ -945,9 +641,9 @@ mod tests {
 
     /// The bytes that a decoder in another language has to expect.
     #[test]
-    fn the_wire_format_is_that_of_version_6() {
+    fn the_wire_format_is_that_of_version_7() {
         let frame = Frame {
-            version: 6,
+            version: 7,
             sequence: 300,
             time_us: 5,
             payload: Payload::Alarm(AlarmReport {
@@ -964,7 +660,7 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            6, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+            7, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
         ];
         assert_eq!(bytes, expected);
         let place = RowPlace {
@@ -990,7 +686,7 @@ mod tests {
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let (start, board) = ([&[0, 7, 0, 0][..], &[0; Alarm::COUNT]].concat(), [0; 4]);
         let expected = [
-            &[6, 0xac, 0x02, 5, 6],
+            &[7, 0xac, 0x02, 5, 6],
             &start[..],
             &board,
             &[0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0, 0, 0, 1],
@@ -998,92 +694,5 @@ mod tests {
         ]
         .concat();
         assert_eq!(bytes, expected);
-    }
-
-    #[test]
-    fn a_slow_link_loses_the_oldest_estimates_and_counts_them() {
-        let mut outbox = Outbox::<4>::new();
-        for iterations in 0..10 {
-            outbox.post(u64::from(iterations), estimate(iterations));
-        }
-        assert_eq!(outbox.dropped(), 6);
-        let frames = drain(&mut outbox);
-        let times: Bytes<u64> = frames.iter().map(|f| f.time_us).collect();
-        assert_eq!(times, [6, 7, 8, 9]);
-        let numbers: Bytes<u32> = frames.iter().map(|f| f.sequence).collect();
-        assert_eq!(numbers, [0, 1, 2, 3]);
-        assert!(outbox.is_empty());
-    }
-
-    #[test]
-    fn alarms_overtake_estimates_and_are_never_dropped() {
-        let mut outbox = Outbox::<2>::new();
-        for i in 0..100 {
-            outbox.post(i, estimate(0));
-            let change = if i % 2 == 0 {
-                AlarmChange::Raised
-            } else {
-                AlarmChange::Cleared
-            };
-            outbox.post(i, alarm(Alarm::Slip, change, i as u32 / 2 + 1));
-            outbox.post(i, alarm(Alarm::Sensor, AlarmChange::Standing, 7));
-        }
-        assert_eq!(outbox.dropped(), 98);
-        let frames = drain(&mut outbox);
-        let of = |which: Alarm| -> Bytes<AlarmReport> {
-            let reports = frames.iter().filter_map(|frame| match &frame.payload {
-                Payload::Alarm(report) if report.alarm == which => Some(*report),
-                _ => None,
-            });
-            reports.collect()
-        };
-        let slip = of(Alarm::Slip);
-        assert_eq!(slip.len(), ALARM_QUEUE + 1);
-        let (last, first) = slip.split_last().unwrap();
-        for (i, report) in first.iter().enumerate() {
-            assert_eq!(report.raised as usize, i / 2 + 1);
-            assert_ne!(report.change, AlarmChange::Standing);
-        }
-        // What no longer fitted is there as a count.
-        assert_eq!((last.raised, last.change), (50, AlarmChange::Standing));
-        let sensor = of(Alarm::Sensor);
-        assert_eq!(sensor.len(), 1);
-        assert!(matches!(
-            frames.last().unwrap().payload,
-            Payload::Estimate(_)
-        ));
-    }
-
-    #[test]
-    fn a_buffer_of_any_size_carries_the_same_bytes() {
-        let post = |outbox: &mut Outbox<8>| {
-            outbox.number_from(u32::MAX);
-            for i in 0..3 {
-                outbox.post(i, estimate(3));
-                outbox.post(i, balls());
-            }
-            outbox.post(9, health());
-        };
-        let mut byte_by_byte = Outbox::<8>::new();
-        post(&mut byte_by_byte);
-        let expected: Bytes<u8> = core::iter::from_fn(|| byte_by_byte.next_byte()).collect();
-        for size in [1, 7, 64, 4096] {
-            let mut outbox = Outbox::<8>::new();
-            post(&mut outbox);
-            let (mut buffer, mut bytes) = (std::vec![0; size], Bytes::<u8>::new());
-            loop {
-                let filled = outbox.fill(&mut buffer);
-                if filled == 0 {
-                    break;
-                }
-                bytes.extend(&buffer[..filled]);
-            }
-            assert_eq!(bytes, expected);
-        }
-        let numbers: Bytes<u32> = read(&expected)
-            .into_iter()
-            .map(|frame| frame.unwrap().sequence)
-            .collect();
-        assert_eq!(numbers, [u32::MAX, 0, 1, 2, 3, 4, 5]);
     }
 }

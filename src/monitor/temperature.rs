@@ -14,7 +14,6 @@
 //! last good one. [`Alarm::Temperature`](super::Alarm::Temperature) tells how long a side has had none.
 
 use super::plausibility::seconds;
-use crate::real::Float;
 use serde::{Deserialize, Serialize};
 
 /// Bounds of plausible temperatures, and their substitutes.
@@ -128,7 +127,7 @@ impl Temperatures {
         settings: &TemperatureSettings,
     ) {
         let began_us = *self.began_us.get_or_insert(time_us);
-        let most = settings.rate * seconds(self.last_us, time_us).at_most(1.0);
+        let most = settings.rate * seconds(self.last_us, time_us).min(1.0);
         self.last_us = time_us;
         if let Some([inner, outer]) = reading {
             // Of sides too far apart, nobody knows which one is wrong.
@@ -207,7 +206,7 @@ impl Side {
             (TemperatureSource::Measured, held)
         };
         let change = wanted - self.used;
-        self.used += change.at_least(-most).at_most(most);
+        self.used += change.max(-most).min(most);
     }
 }
 

@@ -1,10 +1,9 @@
 //! The beat of the monitor: a fixed rate, a deadline in cycles, and a watchdog that only a finished tick
 //! feeds.
 //!
-//! The iterations that a solve may take follow from the deadline and from an iteration's cost on the
-//! core at hand ([`CycleCost`]). A tick that takes longer all the same is counted, and so
-//! are ticks that never began because of it. Nothing here allocates or waits, and every counter is good
-//! for more than a century at any rate.
+//! A solve goes on for as long as a tick has time for one more row of balls ([`SolveTime`]); the next tick takes it up there. A
+//! tick that takes longer all the same is counted, and so are ticks that never began because of it. Every counter is
+//! good for more than a century at any rate.
 
 /// A free-running counter of the core's cycles, such as `DWT_CYCCNT`. It may wrap.
 pub trait CycleCounter {
@@ -36,47 +35,78 @@ impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
 }
 
-/// Cost of a tick on a core, in its cycles. With a solve of `n` iterations, all ticks but one in a
-/// thousand take `fixed + n iteration` at most.
+/// Cost of a tick on a core, in its cycles, by the rows of the spindle and their balls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CycleCost {
-    /// Everything but iterations: bytes in, doubts, prediction or start of a solve and balls that it has to place, limits,
-    /// judgement, life, telemetry, bytes out.
-    pub fixed: u32,
-    /// An iteration.
-    pub iteration: u32,
+    /// A tick whose solve does not end, besides the passes over rows: bytes in, doubts, alarms, life, telemetry, bytes out.
+    pub tick: u32,
+    /// A ball at the end of a solve: its last step, limits, life.
+    pub ball: u32,
+    /// A ball in a report of the estimate.
+    pub ball_report: u32,
+    /// The dearest pass of a solve over a row, besides its balls: Newton's step, the shaft.
+    pub pass: u32,
+    /// A ball in that pass.
+    pub ball_pass: u32,
 }
 
 impl CycleCost {
-    /// Iterations that fit into a deadline; at least 1, since less is no solve.
-    pub const fn iterations_within(&self, deadline: u32) -> u16 {
-        if self.iteration == 0 {
-            return u16::MAX;
-        }
-        let iterations = self.left(deadline) / self.iteration;
-        if iterations == 0 {
-            1
-        } else if iterations > u16::MAX as u32 {
-            u16::MAX
+    /// The end of a solve, for so many balls on the spindle, with or without a report.
+    pub const fn end(&self, balls: u32, reports: bool) -> u32 {
+        let ball = if reports {
+            self.ball.saturating_add(self.ball_report)
         } else {
-            iterations as u16
-        }
+            self.ball
+        };
+        ball.saturating_mul(balls)
     }
 
-    /// Cycles that a deadline leaves for iterations.
-    const fn left(&self, deadline: u32) -> u32 {
-        deadline.saturating_sub(self.fixed)
+    /// The dearest pass over a row of so many balls.
+    pub const fn row(&self, balls: u32) -> u32 {
+        self.pass
+            .saturating_add(self.ball_pass.saturating_mul(balls))
+    }
+}
+
+/// The time that a tick has for its solve.
+///
+/// Before each row the counter of the core is asked whether the dearest pass over a row still fits, and behind the last row of a
+/// pass the end of the solve. A counter that stands still, as on an emulator, is replaced by the cost of the rows so far: never
+/// less than a counter would show.
+#[derive(Debug)]
+pub struct SolveTime<'c, C> {
+    counter: &'c mut C,
+    began: u32,
+    /// Cycles for the solve, of one row, of the solve's end, and of the rows so far.
+    most: u32,
+    row: u32,
+    end: u32,
+    passed: u32,
+    /// Rows in this tick, rows of the spindle, and rows of this pass that are left.
+    rows: u16,
+    all: u16,
+    left: u16,
+}
+
+impl<C: CycleCounter> SolveTime<'_, C> {
+    /// Rows that were passed.
+    pub const fn rows(&self) -> u16 {
+        self.rows
     }
 
-    /// Cost with iterations so cheap that one more of them fits into a deadline. With it, the first
-    /// iteration that does not fit can be measured.
-    #[must_use]
-    pub const fn with_an_iteration_more(self, deadline: u32) -> Self {
-        Self {
-            iteration: self.left(deadline) / (self.iterations_within(deadline) as u32 + 1),
-            ..self
-        }
+    /// A row was passed; whether another one fits.
+    pub fn has_a_row_more(&mut self) -> bool {
+        self.rows = self.rows.saturating_add(1);
+        self.left = match self.left {
+            0 | 1 => self.all,
+            left => left - 1,
+        };
+        self.passed = self.passed.saturating_add(self.row);
+        let counted = self.counter.cycles().wrapping_sub(self.began);
+        let spent = if counted == 0 { self.passed } else { counted };
+        let end = if self.left == 1 { self.end } else { 0 };
+        spent.saturating_add(self.row).saturating_add(end) <= self.most
     }
 }
 
@@ -128,27 +158,19 @@ impl Widened {
 pub struct TickSettings {
     /// Time between ticks, us.
     pub period_us: u32,
-    /// A solve is made at every so many ticks.
-    pub solve_every: u16,
-    /// Cycles within which a tick must finish.
+    /// Cycles within which a tick must finish, with the bytes that come in and go out.
     pub deadline_cycles: u32,
     /// Cost of a tick.
     pub cost: CycleCost,
-    /// Iterations of a solve that starts from nothing: the first one, and the one after a solve gone
-    /// astray. It may pass the deadline, which is counted, and must end before the watchdog does.
-    pub cold_iterations: u16,
 }
 
 impl TickSettings {
-    /// Most iterations of a solve in a tick.
-    pub const fn max_iterations(&self) -> u16 {
-        self.cost.iterations_within(self.deadline_cycles)
-    }
-
-    /// Cycles that all ticks with a solve of that many iterations but one in a thousand take at most.
-    pub const fn most_cycles(&self) -> u64 {
-        let CycleCost { fixed, iteration } = self.cost;
-        fixed as u64 + self.max_iterations() as u64 * iteration as u64
+    /// Whether a tick has the time for a row, on a spindle of so many rows of so many balls: for the compiler to ask.
+    pub const fn has_time(&self, rows: usize, balls: usize) -> bool {
+        let cost = &self.cost;
+        let row = cost.row(balls as u32);
+        let end = cost.end((rows * balls) as u32, true);
+        cost.tick.saturating_add(row).saturating_add(end) <= self.deadline_cycles
     }
 }
 
@@ -158,6 +180,12 @@ impl TickSettings {
 pub struct Ticker {
     period_us: u32,
     deadline_cycles: u32,
+    /// Cycles that a tick leaves for its solve, of the dearest pass over a row, and of a solve's end without and with a report.
+    most: u32,
+    row: u32,
+    end: [u32; 2],
+    /// Rows of the spindle.
+    rows: u16,
     began_cycles: u32,
     last_us: Option<u64>,
     ticks: u64,
@@ -167,17 +195,48 @@ pub struct Ticker {
 }
 
 impl Ticker {
-    /// Before the first tick.
-    pub const fn new(settings: &TickSettings) -> Self {
+    /// Before the first tick, of a spindle with so many balls in its rows.
+    pub fn new(settings: &TickSettings, balls: &[u16]) -> Self {
+        let all = balls.iter().map(|count| u32::from(*count)).sum();
+        let most = balls.iter().copied().max().unwrap_or_default();
+        let TickSettings {
+            period_us,
+            deadline_cycles,
+            cost,
+        } = settings;
         Self {
-            period_us: settings.period_us,
-            deadline_cycles: settings.deadline_cycles,
+            period_us: *period_us,
+            deadline_cycles: *deadline_cycles,
+            most: deadline_cycles.saturating_sub(cost.tick),
+            row: cost.row(most.into()),
+            end: [cost.end(all, false), cost.end(all, true)],
+            rows: balls.len() as u16,
             began_cycles: 0,
             last_us: None,
             ticks: 0,
             overruns: 0,
             missed: 0,
             most_cycles: 0,
+        }
+    }
+
+    /// The time for a solve that has passed so many rows, from now on.
+    pub fn solve_time<'c, C: CycleCounter>(
+        &self,
+        counter: &'c mut C,
+        passed: u16,
+        reports: bool,
+    ) -> SolveTime<'c, C> {
+        SolveTime {
+            began: counter.cycles(),
+            counter,
+            most: self.most,
+            row: self.row,
+            end: self.end[usize::from(reports)],
+            passed: 0,
+            rows: 0,
+            all: self.rows,
+            left: self.rows - passed % self.rows.max(1),
         }
     }
 
@@ -261,43 +320,43 @@ mod tests {
 
     const SETTINGS: TickSettings = TickSettings {
         period_us: 1000,
-        solve_every: 1,
         deadline_cycles: 168_000,
-        cost: CycleCost::CORTEX_M4F,
-        cold_iterations: 45,
+        cost: CycleCost {
+            tick: 10_000,
+            ball: 1000,
+            ball_report: 500,
+            pass: 10_000,
+            ball_pass: 1500,
+        },
     };
 
+    /// Two rows of 16 balls: a row has 34,000 cycles, and the end of a solve 32,000 or 48,000. A tick has 158,000 for both.
     #[test]
-    fn the_bound_on_iterations_is_what_fits_and_never_zero() {
-        let cost = CycleCost {
-            fixed: 1000,
-            iteration: 100,
+    fn a_row_begins_only_if_it_ends_in_time() {
+        let rows = |counts: &[u32], passed: u16, reports: bool| {
+            let mut counter = Steps(counts.to_vec());
+            let ticker = Ticker::new(&SETTINGS, &[16, 16]);
+            let mut time = ticker.solve_time(&mut counter, passed, reports);
+            while time.has_a_row_more() {}
+            time.rows()
         };
-        for (deadline, iterations) in [
-            (0, 1),
-            (1099, 1),
-            (1199, 1),
-            (1200, 2),
-            (u32::MAX, u16::MAX),
-        ] {
-            assert_eq!(cost.iterations_within(deadline), iterations, "{deadline}");
-        }
-        let mut cost = CycleCost::CORTEX_M4F;
-        for iterations in cost.iterations_within(168_000) + 1..15 {
-            cost = cost.with_an_iteration_more(168_000);
-            assert_eq!(cost.fixed, CycleCost::CORTEX_M4F.fixed);
-            assert_eq!(cost.iterations_within(168_000), iterations);
-        }
-        let free = CycleCost {
-            fixed: 0,
-            iteration: 0,
-        };
-        assert_eq!(free.iterations_within(0), u16::MAX);
+        // The counter stands still: by the model. The fourth row would end a pass.
+        assert_eq!(rows(&[7; 9], 0, false), 3);
+        assert_eq!(rows(&[7; 9], 1, false), 4);
+        assert_eq!(rows(&[7; 9], 1, true), 4);
+        // Cheap rows, up to one that would end a pass.
+        let cheap = [0, 20_000, 40_000, 60_000, 80_000, 92_001];
+        assert_eq!(rows(&cheap, 0, false), 5);
+        // A dear one, across the wrap.
+        let from = u32::MAX - 50_000;
+        let dear = [92_000, 124_000, 124_001].map(|cycles| from.wrapping_add(cycles));
+        assert_eq!(rows(&[&[from], &dear[..]].concat(), 0, false), 3);
+        assert!(SETTINGS.has_time(2, 16) && !SETTINGS.has_time(2, 60));
     }
 
     #[test]
     fn a_tick_across_the_wrap_of_the_counter_is_as_long_as_any() {
-        let mut ticker = Ticker::new(&SETTINGS);
+        let mut ticker = Ticker::new(&SETTINGS, &[16, 16]);
         let mut counter = Steps(std::vec![u32::MAX - 99, 100, 5, 168_005, 5, 168_006]);
         let mut dog = Fed(0);
         let mut overruns = std::vec![];
@@ -312,7 +371,7 @@ mod tests {
 
     #[test]
     fn ticks_that_were_left_out_are_counted() {
-        let mut ticker = Ticker::new(&SETTINGS);
+        let mut ticker = Ticker::new(&SETTINGS, &[16, 16]);
         let mut time = 0;
         for step in [0, 1000, 1400, 600, 3000, 1000, 1600] {
             time += step;

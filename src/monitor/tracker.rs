@@ -1,270 +1,113 @@
-//! Follows the loads from equilibrium to equilibrium, within the iterations of a tick.
+//! Follows the loads from equilibrium to equilibrium, within the time of a tick.
 //!
-//! A solve that runs out of iterations is no answer, but the solver keeps where it got to. The next tick goes
-//! on from there, towards the loads of its own sample. Until a solve ends there is no new estimate, and the mark
-//! is [`Mark::Unsolved`](super::Mark::Unsolved).
+//! A solve that was begun is finished for its own sample, over as many ticks as it takes. Then the newest sample is next.
+//! Going on towards the newest loads instead, a solve would chase teeth that pass for ever. Until a solve ends there is no new
+//! estimate, and the last one grows older.
 //!
-//! Teeth that pass take the loads to and fro. The monitor has two solvers, and the one that stands nearer takes the
-//! sample: loads that come back find a solution where they were. A solver that was not the nearer one for 100
-//! samples takes over the other one's state.
-//!
-//! After 20 solves without an answer, one starts from nothing, with
-//! [`TickSettings::cold_iterations`](super::tick::TickSettings::cold_iterations). So does one where no solver has a
-//! solution. If it fails, it is tried again after longer and longer pauses.
+//! A tick may leave a pass between two rows of balls, and the next tick goes on there. A solve that is cut at every row
+//! has the bits of one that is not.
 
-use super::plausibility::PlausibilitySettings;
+use super::plausibility::GoodSample;
 use super::settings::MonitorSettings;
-use super::telemetry::StatusCode;
-use crate::growth::Growth;
-use crate::linalg::refer;
-use crate::real::{Float, Real};
-use crate::status::Status;
-use crate::{Motion, Settings, Speed, Spindle, SpindleSolution, SpindleSolver};
+use crate::{
+    Growth, RacewayControlFree, Settings, ShaftLoad, Speed, Spindle, SpindleSolution,
+    SpindleSolver, Status,
+};
 
-/// A solver, and where it stands.
-#[derive(Debug, Clone)]
-struct Follower<T: Real + 'static, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
-{
-    solver: SpindleSolver<T, R, N, M, D>,
-    /// Loads and speed of its last solve; none if it has no solution to go on from.
-    at: Option<([f32; 5], f32)>,
-    /// Solves since it was the nearer one.
-    idle: u16,
+/// Purpose of a solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Purpose {
+    /// An estimate.
+    Estimate,
+    /// The life that the loads use up: the sample's, times this factor.
+    Life(f32),
 }
 
-/// Follows the loads from equilibrium to equilibrium.
-///
-/// Teeth that pass take the loads to and fro in a tick or two, which is farther than a tick's iterations reach.
-/// Each end has a solver.
-#[derive(Debug)]
-pub(super) struct Tracker<
-    T: Real + 'static,
-    const R: usize,
-    const N: usize,
-    M: Motion + Copy,
-    const D: usize,
-> {
-    spindle: Spindle<'static, T, R, N, D>,
-    followers: [Follower<T, R, N, M, D>; 2],
-    scale: Scale,
-    /// Solves in a row without an answer.
-    failed: u16,
-    /// Solves to leave out before the next one from nothing, and how many were left out last.
-    pause: u16,
-    pauses: u16,
-    /// Of the last solve.
-    iterations: u16,
-}
-
-/// Solves in a row without an answer, after which one starts from nothing.
-const PATIENCE: u16 = 20;
-/// Solves after which a solver that was never the nearer one takes over the other one's state.
-/// They are a tenth of a second at 1 kHz, in which several teeth pass.
-const LONGEST_IDLE: u16 = 100;
-/// The longest pause between solves from nothing, in solves.
-const LONGEST_PAUSE: u16 = 1023;
-
-/// The solve was refused for its input, and has left the solver as it was.
-fn is_refused<T>(status: &Status<T>) -> bool {
-    matches!(
-        status,
-        Status::NotFinite { .. } | Status::OutOfRange { .. } | Status::Unloaded
-    )
-}
-
-/// Shortest times in which each load, and the speed, change by one unit, if they change as fast as is plausible: s/N,
-/// s/(N m), s/(rad/s).
+/// A sample to be solved.
 #[derive(Debug, Clone, Copy)]
-struct Scale([f32; 5], f32);
-
-impl Scale {
-    fn of(settings: &PlausibilitySettings) -> Self {
-        Self(
-            settings.load_rate.map(|rate| 1.0 / rate),
-            1.0 / settings.speed_rate,
-        )
-    }
-
-    /// Shortest time in which loads and speed get from one place to another, s.
-    fn distance(&self, (from, from_speed): &([f32; 5], f32), load: &[f32; 5], speed: f32) -> f32 {
-        let mut longest = (speed - from_speed).abs() * self.1;
-        for ((to, from), scale) in load.iter().zip(from).zip(&self.0) {
-            longest = longest.at_least((to - from).abs() * scale);
-        }
-        longest
-    }
+pub(super) struct Task<const R: usize> {
+    pub(super) sample: GoodSample,
+    /// The tick of the sample.
+    pub(super) tick: u64,
+    pub(super) purpose: Purpose,
+    pub(super) growth: [Growth<f32>; R],
+    /// Rows passed so far.
+    pub(super) rows: u16,
 }
 
-impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
-    Tracker<T, R, N, M, D>
-{
-    pub(super) fn new(
-        spindle: Spindle<'static, T, R, N, D>,
-        settings: &MonitorSettings<R>,
-    ) -> Self {
-        let follower = Follower {
-            solver: SpindleSolver::of(),
-            at: None,
-            idle: 0,
-        };
+/// An equilibrium of the spindle.
+pub(super) type Solved<'s, const R: usize, const N: usize, const D: usize, const E: usize> =
+    SpindleSolution<'s, f32, R, N, RacewayControlFree, D, E>;
+
+/// The spindle and its solver.
+#[derive(Debug)]
+pub(super) struct Tracker<const R: usize, const N: usize, const D: usize, const E: usize> {
+    spindle: Spindle<'static, f32, R, N, D, E>,
+    solver: SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
+    /// The solve that has begun, and has not ended.
+    begun: Option<Task<R>>,
+}
+
+impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, N, D, E> {
+    pub(super) fn new(spindle: Spindle<'static, f32, R, N, D, E>) -> Self {
         Self {
             spindle,
-            followers: [follower.clone(), follower],
-            scale: Scale::of(&settings.plausibility),
-            failed: 0,
-            pause: 0,
-            pauses: 0,
-            iterations: 0,
+            solver: SpindleSolver::of(),
+            begun: None,
         }
     }
 
-    /// Iterations of the last solve.
-    pub(super) const fn iterations(&self) -> u16 {
-        self.iterations
+    /// Whether a solve has begun that another sample must wait for.
+    pub(super) const fn is_busy(&self) -> bool {
+        self.begun.is_some()
     }
 
-    /// A solve from nothing, without a pause before it.
-    pub(super) fn prepare<Seen>(
+    /// Rows that the solve has passed so far.
+    pub(super) fn rows_passed(&self) -> u16 {
+        self.begun.as_ref().map_or(0, |task| task.rows)
+    }
+
+    /// Begins with a task.
+    pub(super) const fn begin(&mut self, task: Task<R>) {
+        self.begun = Some(task);
+    }
+
+    /// Goes on with the solve that has begun, for as long as there is `more_time`, which is asked after every row. At its end,
+    /// the task with `see` of its equilibrium, or why there is none.
+    pub(super) fn go_on<Seen>(
         &mut self,
-        load: [f32; 5],
-        speed: f32,
-        growth: &[Growth<f32>; R],
         settings: &MonitorSettings<R>,
-        see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
-    ) -> Result<Seen, StatusCode> {
-        self.pause = 0;
-        self.start(load, speed, growth, settings, see)
-    }
-
-    /// Result of `see` on the equilibrium under these loads, or how the solve ended without one.
-    pub(super) fn solve<Seen>(
-        &mut self,
-        load: [f32; 5],
-        speed: f32,
-        growth: &[Growth<f32>; R],
-        settings: &MonitorSettings<R>,
-        see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
-    ) -> Result<Seen, StatusCode> {
-        let [first, second] = &mut self.followers;
-        let scale = &self.scale;
-        let far = |follower: &Follower<T, R, N, M, D>| {
-            let at = follower.at.as_ref();
-            at.map_or(f32::INFINITY, |at| scale.distance(at, &load, speed))
-        };
-        let (near, other) = if far(first) <= far(second) {
-            (first, second)
-        } else {
-            (second, first)
-        };
-        if near.at.is_none() {
-            return self.start(load, speed, growth, settings, see);
-        }
-        other.idle = other.idle.saturating_add(1);
-        near.idle = 0;
-        let limit = settings.tick.max_iterations();
-        let (seen, iterations) =
-            near.solve(&self.spindle, load, speed, growth, settings, limit, see);
-        self.iterations = iterations;
-        // A copy takes some thousand cycles: in a tick that has them.
-        if other.idle >= LONGEST_IDLE && iterations <= 1 {
-            other.take_from(near);
-        }
-        match &seen {
-            Ok(_) => self.failed = 0,
-            Err(status) if is_refused(status) => {}
-            Err(_) => {
-                self.failed += 1;
-                if self.failed >= PATIENCE {
-                    (near.at, other.at) = (None, None);
-                }
-            }
-        }
-        seen.map_err(|status| StatusCode::from(&status))
-    }
-
-    /// Solves from nothing, unless the tracker is to pause.
-    fn start<Seen>(
-        &mut self,
-        load: [f32; 5],
-        speed: f32,
-        growth: &[Growth<f32>; R],
-        settings: &MonitorSettings<R>,
-        see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
-    ) -> Result<Seen, StatusCode> {
-        self.iterations = 0;
-        if self.pause > 0 {
-            self.pause -= 1;
-            return Err(StatusCode::IterationLimit);
-        }
-        let [first, second] = &mut self.followers;
-        first.solver.reset();
-        let limit = settings.tick.cold_iterations;
-        let (seen, iterations) =
-            first.solve(&self.spindle, load, speed, growth, settings, limit, see);
-        self.iterations = iterations;
-        if seen.is_ok() {
-            second.take_from(first);
-            (self.failed, self.pauses) = (0, 0);
-        } else {
-            first.at = None;
-            self.pauses = (2 * self.pauses + 1).min(LONGEST_PAUSE);
-            self.pause = self.pauses;
-        }
-        seen.map_err(|status| StatusCode::from(&status))
-    }
-}
-
-impl<T: Real, const R: usize, const N: usize, M: Motion + Copy, const D: usize>
-    Follower<T, R, N, M, D>
-{
-    /// Stands where the other one does. Not `clone_from`, which copies number by number (57,000 cycles).
-    fn take_from(&mut self, other: &Self) {
-        self.solver.last = other.solver.last;
-        (self.at, self.idle) = (other.at, other.idle);
-    }
-
-    /// A solve of at most `limit` iterations, and how many it took.
-    #[expect(clippy::too_many_arguments, reason = "a sample and its settings")]
-    fn solve<Seen>(
-        &mut self,
-        spindle: &Spindle<'static, T, R, N, D>,
-        load: [f32; 5],
-        speed: f32,
-        growth: &[Growth<f32>; R],
-        settings: &MonitorSettings<R>,
-        limit: u16,
-        see: impl FnOnce(&SpindleSolution<'_, T, R, N, M, D>) -> Seen,
-    ) -> (Result<Seen, Status<T>>, u16) {
+        mut more_time: impl FnMut() -> bool,
+        see: impl FnOnce(&Task<R>, &Solved<'_, R, N, D, E>) -> Seen,
+    ) -> Option<(Task<R>, Result<Seen, Status<f32>>)> {
+        let mut task = self.begun.take()?;
+        let GoodSample { load, speed, .. } = task.sample;
+        let acting = [ShaftLoad {
+            position: settings.shaft.loads_at,
+            load,
+        }];
+        let at = Speed::rad_per_s(speed).with_growth(task.growth);
         let effort = Settings {
-            max_iterations: limit,
-            tolerance: T::from_f32(settings.tolerance),
+            // Time is the bound, and the solver's own on an attempt.
+            max_iterations: u16::MAX,
+            tolerance: settings.tolerance,
         };
-        let rad_per_s = Speed::rad_per_s(T::from_f32(speed));
-        // From where they are measured to x = 0.
-        let mut acting = load;
-        refer(settings.shaft.loads_at, &mut acting);
-        let acting = acting.map(T::from_f32);
-        let grown = growth.each_ref().map(|of| Growth {
-            axial: T::from_f32(of.axial),
-            radial: T::from_f32(of.radial),
-            ball: T::from_f32(of.ball),
-        });
-        let at = rad_per_s.with_growth(grown);
-        match self.solver.solve(spindle, acting, at, &effort) {
-            Ok(solution) => {
-                self.at = Some((load, speed));
-                (Ok(see(&solution)), solution.iterations)
-            }
+        let rows = &mut task.rows;
+        let more = || {
+            *rows = rows.saturating_add(1);
+            more_time()
+        };
+        let solved = self
+            .solver
+            .solve_while(&self.spindle, &acting, at, &effort, more);
+        let seen = match solved {
+            Ok(solution) => Ok(see(&task, &solution)),
             Err(Status::IterationLimit) => {
-                self.at = Some((load, speed));
-                (Err(Status::IterationLimit), limit)
+                self.begun = Some(task);
+                return None;
             }
-            Err(status) => {
-                if !is_refused(&status) {
-                    self.at = None;
-                }
-                (Err(status), 0)
-            }
-        }
+            Err(status) => Err(status),
+        };
+        Some((task, seen))
     }
 }

@@ -1,6 +1,7 @@
 //! A solved row at a glance.
 
 use crate::ball::kinematics::Motion;
+use crate::linalg::Pair;
 use crate::real::Real;
 use crate::results::Balls;
 use crate::results::life::LifeRating;
@@ -41,7 +42,7 @@ pub struct RowSummary<T> {
     pub load_share: [T; 2],
     /// How near the row is to its limits.
     pub margins: Margins<T>,
-    /// `L10^(-10/9)`, `L10` in million revolutions: this figure adds up over rows. See [`LifeRating`].
+    /// `L10^(-10/9)`, `L10` in million revolutions: it adds up over rows. See [`RatingLife::of_weight`](crate::RatingLife::of_weight).
     pub life_rate: T,
 }
 
@@ -63,6 +64,31 @@ impl<T: Real> Range<T> {
             self.0
         } else {
             [T::ZERO; 2]
+        }
+    }
+}
+
+/// Directions of the least and the largest of some contact angles, as sine and cosine. They lie within half a turn, where a
+/// cross product tells which is larger.
+#[derive(Clone, Copy)]
+struct Directions<T>(Option<[Pair<T>; 2]>);
+
+impl<T: Real> Directions<T> {
+    fn take(&mut self, n: Pair<T>) {
+        let is_larger = |a: &Pair<T>, b: &Pair<T>| a[0] * b[1] > a[1] * b[0];
+        let [least, largest] = self.0.get_or_insert([n; 2]);
+        if is_larger(least, &n) {
+            *least = n;
+        }
+        if is_larger(&n, largest) {
+            *largest = n;
+        }
+    }
+
+    fn angles_or_zero(self) -> [T; 2] {
+        match self.0 {
+            Some(directions) => directions.map(|[sin, cos]| sin.atan2(cos)),
+            None => [T::ZERO; 2],
         }
     }
 }
@@ -92,7 +118,7 @@ impl<T: Real> RowSummary<T> {
         rating: &LifeRating<T>,
     ) -> Self {
         let c = row.c;
-        let (mut forces, mut angles) = ([Range::none(); 2], [Range::none(); 2]);
+        let (mut forces, mut angles) = ([Range::none(); 2], [Directions(None); 2]);
         let (mut peak, mut force) = ([T::ZERO; 2], [T::ZERO; 3]);
         // Sums of the inner forces cubed and of the outer forces to 10/3, in the row's unit of force.
         let (mut inner, mut outer, mut balls) = (T::ZERO, T::ZERO, T::ZERO);
@@ -103,13 +129,14 @@ impl<T: Real> RowSummary<T> {
                 if contact.q > T::ZERO {
                     let pressure = c.grooves[race].pressure * contact.root;
                     peak[race] = peak[race].at_least(pressure);
-                    angles[race].take(contact.n[0].atan2(contact.n[1]));
+                    angles[race].take(contact.n);
                 }
             }
             let (q, [sin, cos]) = (kinetics.inner.q, kinetics.inner.n);
-            let outer_force = kinetics.outer.q;
             inner += q * q * q;
-            outer += outer_force * outer_force * outer_force * outer_force.cbrt_or_zero();
+            // In the row's units, the force is the deformation to 3/2.
+            let root = kinetics.outer.q * kinetics.outer.delta;
+            outer += root * root;
             balls += T::ONE;
             let friction = kinetics.friction[0];
             force[0] += c.force * (q * sin + friction * cos);
@@ -120,7 +147,7 @@ impl<T: Real> RowSummary<T> {
             }
         });
         let [inner_force, outer_force] = forces.map(Range::or_zero);
-        let [inner_angle, outer_angle] = angles.map(Range::or_zero);
+        let [inner_angle, outer_angle] = angles.map(Directions::angles_or_zero);
         Self {
             inner_force,
             outer_force,

@@ -164,6 +164,11 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         self.rows(|row| row.position)
     }
 
+    /// Number of balls of each row.
+    pub fn ball_counts(&self) -> [u16; R] {
+        self.rows(|row| row.bearing.azimuths.len() as u16)
+    }
+
     /// How the rows face.
     pub fn facings(&self) -> [Facing; R] {
         self.rows(|row| Facing::of(row.mount.facing))

@@ -161,7 +161,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// rows are displacements. One over its diagonal is the stiffness that a force alone meets.
     pub fn compliance_at(&self, x: T) -> [[T; 5]; 5] {
         let (k, near) = self.near(x);
-        self.compliance_by(&inverse(&k), near, x)
+        self.compliance_by(&compliance(&k), near, x)
     }
 
     /// The compliance at the position `x`, by that of the rows about the point `near`, m.
@@ -195,7 +195,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     pub fn compliance_error_at(&self, x: T) -> [T; 5] {
         let unit = self.spindle.layout.rows[0].bearing.c;
         let (k, near) = self.near(x);
-        let (inverse, lever) = (inverse(&k), (x - near) / radius(unit));
+        let (inverse, lever) = (compliance(&k), (x - near) / radius(unit));
         let c = self.compliance_by(&inverse, near, x);
         let rounding = T::of(8.0) * T::EPSILON;
         let mut sums = [T::ZERO; 5];
@@ -368,19 +368,8 @@ pub fn preloads<T: Real, const R: usize>(axial: &[T; R], facings: &[Facing; R]) 
     })
 }
 
-/// Displacements by a force of one in their own direction: the first elements of the inverse's diagonal.
-#[cfg(feature = "monitor")]
-pub fn compliances<T: Real>(k: &Matrix<T, 5>) -> [T; 3] {
-    let mut factors = Factors::NONE;
-    factors.factor(k, T::ZERO);
-    vector(|i| {
-        let unit = vector(|j| if i == j { T::ONE } else { T::ZERO });
-        factors.back_substitute(&unit)[i]
-    })
-}
-
-/// The inverse of a matrix that is about positive definite.
-pub fn inverse<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
+/// Compliance of a stiffness: its inverse.
+pub fn compliance<T: Real>(k: &Matrix<T, 5>) -> Matrix<T, 5> {
     let mut factors = Factors::NONE;
     factors.factor(k, T::ZERO);
     let units: Matrix<T, 5> = matrix(|i, j| if i == j { T::ONE } else { T::ZERO });

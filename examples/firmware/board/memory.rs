@@ -5,7 +5,6 @@
     reason = "symbols of the linker, and memory that has another owner"
 )]
 
-use crate::Precision;
 use core::slice::from_raw_parts;
 use cortex_m_rt::STACK_PAINT_VALUE;
 use spindle_bearing::monitor::self_check::{PARTS, Seal};
@@ -13,10 +12,7 @@ use spindle_bearing::monitor::self_check::{PARTS, Seal};
 /// Seal of the image, which the project's tool `seal` finds by this name in the linked program and
 /// writes. It is not covered by the image's checksum.
 #[unsafe(no_mangle)]
-static IMAGE_SEAL: [u32; 4] = Seal::Open {
-    precision: size_of::<Precision>() as u32,
-}
-.words();
+static IMAGE_SEAL: [u32; 4] = Seal::Open.words();
 
 // By `link.x` of cortex-m-rt.
 unsafe extern "C" {

@@ -6,7 +6,7 @@
 use anyhow::Result;
 use files::recordings::LoadRow;
 use monitor_settings::{IDLE, MONITOR};
-use monitored::{BALLS, BEARING, ROWS, spindle};
+use monitored::{BALLS, ROWS, spindle};
 use spindle_bearing::monitor::Marks;
 use spindle_bearing::monitor::loads::LoadSample;
 use spindle_bearing::monitor::tick::{CycleCost, NoCycles, NoWatchdog};
@@ -17,9 +17,8 @@ pub mod monitor_settings;
 #[path = "../../../examples/firmware/monitored.rs"]
 pub mod monitored;
 
-type Precision = f32;
 const CORE_HZ: u32 = 168_000_000;
-const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
+const COST: CycleCost = CycleCost::CORTEX_M4F;
 
 /// One revolution per minute.
 const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
@@ -30,7 +29,7 @@ const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
 ///
 /// The shipped spindle cannot be built.
 pub fn stream(rows: &[LoadRow]) -> Result<Vec<u8>> {
-    let mut monitor: Monitor<ROWS, BALLS> = Monitor::new(spindle(&BEARING)?, &MONITOR);
+    let mut monitor: Monitor<ROWS, BALLS> = Monitor::new(spindle()?, &MONITOR);
     // A start without a solution is one that the first ticks make up for.
     let _ = monitor.prepare(IDLE, 0.0);
     let mut bytes = Vec::new();

@@ -2,13 +2,14 @@
 
 use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::state::State;
+use spindle_bearing::Status;
 use spindle_bearing::monitor::Marks;
 use spindle_bearing::monitor::TemperatureSource;
 use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_bearing::monitor::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
-    HelloReport, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, StatusCode,
-    VERSION, encode,
+    HelloReport, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, VERSION,
+    encode,
 };
 
 pub fn estimate(stiffness: f32) -> EstimateReport {
@@ -25,7 +26,7 @@ pub fn estimate(stiffness: f32) -> EstimateReport {
         coupling_column: 1,
         least_force: 10.0,
         largest_force: 90.0,
-        status: StatusCode::Converged,
+        status: Status::Converged,
         iterations: 2,
         error: [1e-6, 1e-6, 1e-5],
         limits: 0,

@@ -8,7 +8,7 @@ use host_tests::cases::B7005C;
 use proptest::prelude::*;
 use spindle_bearing::framing;
 use spindle_bearing::monitor::board::ResetCause;
-use spindle_bearing::monitor::judgement::{Alarm, AlarmState, Changes, Level};
+use spindle_bearing::monitor::judgement::{Alarm, AlarmState, Level, Levels};
 use spindle_bearing::monitor::loads::LoadSample;
 use spindle_bearing::monitor::retained::{
     FOREIGN, Identity, LIFE_US, LONGEST_FOREIGN, Past, Store, VERSION, WriteError,
@@ -225,17 +225,19 @@ impl<F: NorFlash> Board<F> {
     /// A level that raises an alarm at once.
     fn raise(&mut self, alarm: Alarm) {
         let level = Level::of(f32::INFINITY);
-        let changes = &mut Changes::new();
-        self.judgement
-            .level(self.time_us, alarm, level, &SETTINGS.judgement, changes);
+        let mut levels = Levels::default();
+        levels.set(alarm, level);
+        let _ = self
+            .judgement
+            .judge(self.time_us, &levels, &SETTINGS.alarms);
         assert_eq!(self.judgement.alarm(alarm).state(), AlarmState::Raised);
     }
 
     /// The shaft turns for so long, a look at every second.
     fn turn(&mut self, seconds: u64) {
         for _ in 0..seconds {
-            self.life.set_damage(1e-3);
-            self.life.turn(1000.0, 1.0, false);
+            self.life.set_damage(1e-3, 0.0);
+            self.life.turn(1000.0, 1.0, false, false);
             self.stand(1);
         }
     }
@@ -249,7 +251,7 @@ impl<F: NorFlash> Board<F> {
 
     /// It turns for so long, a look at the end.
     fn turn_at_once(&mut self, seconds: u32) {
-        self.life.turn(1000.0, seconds as f32, false);
+        self.life.turn(1000.0, seconds as f32, false, false);
         self.pass(seconds.into());
     }
 
@@ -394,14 +396,14 @@ fn life_is_written_every_two_minutes_and_then_in_proportion() {
 #[test]
 fn life_that_is_used_fast_is_written_as_soon_as_revolutions() {
     let mut board = Board::start(Memory::<4, 65536>::new(2));
-    board.life.set_damage(1e-6);
+    board.life.set_damage(1e-6, 0.0);
     for _ in 0..7 * 24 * 60 {
-        board.life.turn(1000.0, 60.0, false);
+        board.life.turn(1000.0, 60.0, false, false);
         board.stand(60);
     }
-    board.life.set_damage(10.0);
+    board.life.set_damage(10.0, 0.0);
     for _ in 0..2 {
-        board.life.turn(1000.0, 60.0, false);
+        board.life.turn(1000.0, 60.0, false, false);
         board.stand(60);
     }
     let used = board.life.kept().0;
@@ -431,7 +433,7 @@ fn a_power_cut_every_nine_minutes_or_more_leaves_three_quarters_of_the_life() {
             board.turn(minutes * 60);
             let after = board.life.kept();
             assert_eq!(board.report().failed, 0);
-            lived.turn(1000.0, minutes as f32 * 60.0, false);
+            lived.turn(1000.0, minutes as f32 * 60.0, false, false);
             assert!(after > before);
             flash = board.off();
         }
@@ -452,7 +454,7 @@ fn survives_power_loss<const UNIT: usize, const SECTOR: usize>(
         let mut board = Board::start(flash);
         let found = board.found();
         board.raise(Alarm::Overload);
-        board.life.turn(1000.0, 1.0, false);
+        board.life.turn(1000.0, 1.0, false, false);
         board.pass(LIFE_US / 1_000_000);
         (found, board.now(), board.off())
     };
@@ -786,7 +788,7 @@ fn a_torn_first_copy_was_never_complete_and_a_torn_second_one_is_not_needed() {
         let mut board = Board::start(flash.clone().powered(Some(power)));
         board.write();
         let older = board.life.kept();
-        board.life.turn(1000.0, 1.0, false);
+        board.life.turn(1000.0, 1.0, false, false);
         let went = board.power_fails();
         (went, older, board.life.kept(), board.off().powered(None))
     };
@@ -968,18 +970,18 @@ fn a_board_that_is_warned_of_the_power_cut_loses_nothing() {
         let (flash, _) = just_used(flash);
         let mut board = Board::start(flash);
         board.write();
-        board.life.turn(1000.0, 50.0, false);
+        board.life.turn(1000.0, 50.0, false, false);
         board.raise(Alarm::Slip);
         let mut steps = 0;
         // Whatever else is being written.
         for busy in [0, 1, 2, 9, 40] {
-            board.life.turn(1000.0, 50.0, false);
+            board.life.turn(1000.0, 50.0, false, false);
             board.time_us += LIFE_US;
             board.look();
             for _ in 0..busy {
                 board.store.step();
             }
-            board.life.turn(1000.0, 0.1, false);
+            board.life.turn(1000.0, 0.1, false, false);
             assert!(board.power_fails());
             let life = board.life.kept();
             board = Board::start(Board::start(board.off()).off());
@@ -1014,7 +1016,7 @@ fn a_year_of_daily_work_takes_fifty_erases_of_the_ten_thousand_that_flash_endure
     for _ in 0..365 {
         let mut board = Board::start(flash);
         assert_eq!(board.found.life, life);
-        board.life.set_damage(1e-3);
+        board.life.set_damage(1e-3, 0.0);
         for _ in 0..8 * 60 {
             board.turn_at_once(60);
         }
@@ -1038,7 +1040,7 @@ fn power_cuts_every_two_minutes_leave_a_half_thirty_years() {
     for _ in 0..starts {
         let mut board = Board::start(flash);
         board.write();
-        board.life.turn(1000.0, 60.0, false);
+        board.life.turn(1000.0, 60.0, false, false);
         board.pass(LIFE_US / 1_000_000);
         assert_eq!((board.report().written, board.report().failed), (2, 0));
         flash = board.off();
@@ -1053,7 +1055,7 @@ fn ten_years_without_a_restart_find_room_and_lose_less_than_a_64th_at_any_time()
     let (flash, _) = used(Memory::<32, 131_072>::new(2));
     let mut board = Board::start(flash);
     let began = board.life.kept().1;
-    board.life.set_damage(1e-3);
+    board.life.set_damage(1e-3, 0.0);
     let mut kept = began;
     for minute in 0..10 * 365 * 24 * 30_u32 {
         let written = board.report().written;
@@ -1074,7 +1076,7 @@ fn a_log_that_is_full_keeps_what_it_has_and_says_so() {
     let mut board = Board::start(Memory::<4, 4096>::new(1));
     while board.report().failed == 0 {
         assert!(board.time_us < 1_000_000_000_000);
-        board.life.turn(1000.0, 1e7, false);
+        board.life.turn(1000.0, 1e7, false, false);
         board.stand(120);
     }
     assert_eq!(board.store.error(), Some(WriteError::Full));
@@ -1084,7 +1086,7 @@ fn a_log_that_is_full_keeps_what_it_has_and_says_so() {
         // One sector is not erased: there is no place for what stands in it.
         let mut board = Board::start(flash);
         assert_eq!(board.report().life, Recovery::Recovered);
-        board.life.turn(1000.0, 1e7, false);
+        board.life.turn(1000.0, 1e7, false, false);
         board.stand(120);
         assert_eq!(board.report().written, 0);
         assert!(board.report().failed > 0);

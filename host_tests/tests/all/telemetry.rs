@@ -279,7 +279,7 @@ fn a_line_that_is_no_frame_is_a_damaged_piece() {
     for (from, to) in [
         ("health", "wealth"),
         ("1000", "-1000"),
-        ("\"version\":6", "\"version\":7"),
+        ("\"version\":7", "\"version\":8"),
         ("\"life_used\":0.0", "\"life_used\":null"),
     ] {
         assert!(line.contains(from));
@@ -306,7 +306,7 @@ fn names_in_json_are_those_of_the_view() {
 }
 
 #[test]
-fn the_simulation_solves_the_recording_in_every_tick() {
+fn the_simulation_has_a_fresh_estimate_in_every_tick_of_the_recording() {
     // Up to the crash, which has loads beyond what is solved.
     let (_, bytes) = cycle(9.0);
     let (events, decoder) = decoded(&bytes);
@@ -328,32 +328,24 @@ fn the_simulation_solves_the_recording_in_every_tick() {
     // Estimates every 20 ms, pictures of eight frames every 200 ms.
     assert_eq!((estimates, reports), (450, 360));
     let health: HealthReport = serde_json::from_value(state.reports["health"].clone()).unwrap();
-    assert_eq!(health.estimates + health.refusals, health.ticks + 1);
-    // One in a thousand may take longer than a tick.
-    assert!(1000 * health.refusals <= health.ticks, "{health:?}");
-    assert!(health.availability > 0.99);
+    assert_eq!((health.refusals, health.availability), (0, 1.0));
+    assert!(2 * health.estimates > health.ticks, "{health:?}");
 }
 
 /// At rest there is no friction, and contact forces and angles are all there is.
 #[test]
 fn the_balls_at_rest_carry_the_load_that_came_in() {
-    let (rows, bytes) = cycle(0.2);
-    let (events, decoder) = decoded(&bytes);
+    const LOAD: [f64; 5] = [120.0, 80.0, -50.0, 0.5, -0.3];
+    let (mut rows, _) = cycle(0.1);
+    rows.truncate(2);
+    for (row, time_s) in rows.iter_mut().zip([0.0, 0.05]) {
+        (row.time_s, row.load, row.speed_rpm) = (time_s, LOAD, 0.0);
+    }
+    let (events, decoder) = decoded(&simulated::stream(&rows).unwrap());
     let mut state = State::default();
-    let mut pictured = 0.0;
     for event in &events {
         state.note(event, decoder.tally());
-        if let Event::Frame { frame, .. } = event
-            && matches!(frame.payload, Payload::Balls(_))
-        {
-            pictured = frame.time_us as f64 * 1e-6;
-        }
     }
-    // The load between two rows.
-    let next = rows.iter().position(|row| row.time_s > pictured).unwrap();
-    let (from, to) = (&rows[next - 1], &rows[next]);
-    assert_eq!((from.speed_rpm, to.speed_rpm), (0.0, 0.0));
-    let part = (pictured - from.time_s) / (to.time_s - from.time_s);
     let mut carried = [0.0; 3];
     for (row, facing) in state.balls.iter().zip([1.0, -1.0]) {
         for (i, ball) in row.balls.iter().enumerate() {
@@ -366,8 +358,7 @@ fn the_balls_at_rest_carry_the_load_that_came_in() {
             carried[2] += force * cos * towards_z;
         }
     }
-    for (i, carried) in carried.into_iter().enumerate() {
-        let load = from.load[i] + part * (to.load[i] - from.load[i]);
+    for (carried, load) in carried.into_iter().zip(LOAD) {
         assert!((carried - load).abs() < 0.02, "{carried} and {load} N");
     }
 }

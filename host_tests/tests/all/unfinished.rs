@@ -223,14 +223,11 @@ fn no_estimate_of_a_pair_that_cuts_is_older_than_3_ms() {
         [x, y, z, my, mz, row.omega()]
     });
     let cuts: Vec<Vec<[f64; 6]>> = of_tool.chain([cycle.collect()]).collect();
-    let bearing: &'static Bearing<f32, 16> = Box::leak(Box::new(
-        Bearing::<f32, 16>::new(&monitored::DESIGN).unwrap(),
-    ));
     let ages: Vec<usize> = cuts
         .par_iter()
         .map(|cut| {
             let mut solver = SpindleSolver::new();
-            let spindle = monitored::spindle(bearing).unwrap();
+            let spindle = monitored::spindle().unwrap();
             let mut settings = Settings::default();
             longest(cut.iter().map(|tick| {
                 let [x, y, z, my, mz, omega] = tick.map(|x| x as f32);

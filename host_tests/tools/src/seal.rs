@@ -6,33 +6,27 @@ use object::elf::PT_LOAD;
 use object::read::elf::ProgramHeader;
 use object::{Endianness, Object, ObjectSymbol};
 use spindle_bearing::monitor::self_check::{Checksum, KnownAnswer, Seal};
-use spindle_bearing::{Bearing, Real};
 
 /// The monitored spindle. Cores do not matter here: its settings ask for one.
 #[path = "."]
 mod spindle {
     use spindle_bearing::monitor::tick::CycleCost;
-    type Precision = f32;
     const CORE_HZ: u32 = 168_000_000;
-    const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
+    const COST: CycleCost = CycleCost::CORTEX_M4F;
     #[path = "../../../examples/firmware/monitor_settings.rs"]
     pub mod monitor_settings;
     #[path = "../../../examples/firmware/monitored.rs"]
     pub mod monitored;
 }
 
-use spindle::monitored::{self, BALLS, BEARING, DESIGN};
-
-/// Its bearing in the precision of the STM32H743.
-static DOUBLE: Bearing<f64, BALLS> = Bearing::<f64, BALLS>::const_new(&DESIGN);
+use spindle::monitored;
 
 /// The symbol of the seal.
 const SYMBOL: &str = "IMAGE_SEAL";
 
 /// The checksum of the answer that is known.
-fn answer<T: Real + Send + Sync>(bearing: &'static Bearing<T, BALLS>) -> Result<u32> {
-    let spindle = monitored::spindle(bearing)?;
-    let mut known = KnownAnswer::<T, _, _>::new(spindle, monitored::PRELOAD as f32);
+fn answer() -> Result<u32> {
+    let mut known = KnownAnswer::new(monitored::spindle()?, monitored::PRELOAD as f32);
     loop {
         if let Some(sum) = known.step() {
             return Ok(sum);
@@ -78,8 +72,7 @@ pub fn sealed(elf: &[u8]) -> Result<Vec<u8>> {
         *word = u32::from_le_bytes(bytes.try_into()?);
     }
     let answer = match Seal::read(words) {
-        Seal::Open { precision: 4 } => answer(&BEARING)?,
-        Seal::Open { .. } => answer(&DOUBLE)?,
+        Seal::Open => answer()?,
         Seal::Closed { .. } | Seal::Damaged => bail!("it has a seal already"),
     };
     let mut sum = Checksum::default();

@@ -14,10 +14,6 @@ mod monitored;
 
 #[cfg(target_os = "none")]
 use bare::{CORE_HZ, COST};
-/// The precision of the smaller core.
-#[cfg(target_os = "none")]
-type Precision = f32;
-
 #[cfg(target_os = "none")]
 mod bare {
     use super::monitor_settings::{CALIBRATION, IDENTITY, MONITOR, TACHOMETER};
@@ -37,7 +33,7 @@ mod bare {
     use spindle_bearing::monitor::{Alarm, Monitor, Readings, Store};
 
     pub const CORE_HZ: u32 = 168_000_000;
-    pub const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
+    pub const COST: CycleCost = CycleCost::CORTEX_M4F;
 
     /// Pins, bus, cycles and watchdog that the compiler knows nothing of.
     struct Unknown;
@@ -110,7 +106,7 @@ mod bare {
     }
 
     pub fn run() {
-        let Ok(spindle) = monitored::spindle(&monitored::BEARING) else {
+        let Ok(spindle) = monitored::spindle() else {
             return;
         };
         let (mut store, past) =

@@ -12,9 +12,6 @@ probes::image!(bare::run, proved: true);
 #[cfg(target_os = "none")]
 #[path = "../../../../examples/firmware/monitored.rs"]
 mod monitored;
-/// The precision of the smaller core.
-#[cfg(target_os = "none")]
-type Precision = f32;
 
 #[cfg(target_os = "none")]
 mod bare {
@@ -28,10 +25,6 @@ mod bare {
     };
     use spindle_bearing::{InnerRaceControl, Limits, OuterRaceControl, Real, elliptic_integrals};
 
-    /// Its constants, worked out by the compiler.
-    static BEARING: Bearing<f32, { monitored::BALLS }> =
-        Bearing::<f32, { monitored::BALLS }>::const_new(&monitored::DESIGN);
-
     pub fn run() {
         // The check builds all of these, the last one to see itself fail.
         match option_env!("BARE_SOLVER") {
@@ -43,7 +36,7 @@ mod bare {
 
     /// Functions that firmware in single precision uses, for a design that the compiler works out.
     fn single() {
-        every_scene(&BEARING);
+        every_scene(&monitored::BEARING);
         monitor();
     }
 

@@ -1,8 +1,7 @@
 //! The monitor's chain, as `cargo reports` wants it: an emulator calls an entry point tick by tick,
 //! with the bytes of the port at fixed symbols. See `measured.rs`, which has the solver alone.
 //!
-//! `MEASURED_PRECISION` says which of the two boards' chains it is: `f32` the STM32F405's, `f64` the
-//! STM32H743's.
+//! `MEASURED_CORE` of `cortex-m7` makes it the STM32H743's chain, and otherwise the STM32F405's.
 
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
@@ -20,10 +19,7 @@ mod monitor_settings;
 mod monitored;
 
 #[cfg(target_os = "none")]
-use {
-    measured::{CORE_HZ, COST},
-    probes::Precision,
-};
+use measured::{CORE_HZ, COST};
 
 #[cfg(target_os = "none")]
 #[allow(
@@ -35,22 +31,15 @@ mod measured {
     use super::monitor_settings::MONITOR;
     use core::hint::black_box;
     use core::mem::MaybeUninit;
-    use probes::DOUBLE;
     use spindle_bearing::monitor::Past;
     use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
 
-    pub const CORE_HZ: u32 = if DOUBLE { 400_000_000 } else { 168_000_000 };
-    /// One iteration more than the firmware allows: its measured cost decides whether it fits. A period is 1 ms.
-    pub const COST: [CycleCost; 2] = {
-        let [single, pair] = if DOUBLE {
-            [CycleCost::CORTEX_M7_SINGLE, CycleCost::CORTEX_M7]
-        } else {
-            [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F]
-        };
-        [
-            single.with_an_iteration_more(CORE_HZ / 1000),
-            pair.with_an_iteration_more(CORE_HZ / 1000),
-        ]
+    const IS_M7: bool = option_env!("MEASURED_CORE").is_some();
+    pub const CORE_HZ: u32 = if IS_M7 { 400_000_000 } else { 168_000_000 };
+    pub const COST: CycleCost = if IS_M7 {
+        CycleCost::CORTEX_M7
+    } else {
+        CycleCost::CORTEX_M4F
     };
 
     /// Bytes that come in before a tick, at most.
@@ -62,20 +51,24 @@ mod measured {
     static mut MEASURED_INPUT: [u8; INPUT] = [0; INPUT];
     #[unsafe(no_mangle)]
     static mut MEASURED_OUTPUT: [u8; OUTPUT] = [0; OUTPUT];
-    /// Bytes that come in, and bytes that the link takes; then the results: bytes that went out, and
-    /// iterations.
+    /// Bytes that come in, and bytes that the link takes; then the results: bytes that went out, rows that the solve has
+    /// passed, and whether there is a new estimate.
     #[unsafe(no_mangle)]
-    static mut MEASURED_TICK: [u32; 4] = [0; 4];
+    static mut MEASURED_TICK: [u32; 5] = [0; 5];
 
     static mut CHAIN: MaybeUninit<Chain> = MaybeUninit::uninit();
     static mut TIME_US: u64 = 0;
 
-    /// The counter of cycles is a register that is read; the emulator counts by itself.
+    /// The core's counter of cycles, a register that the emulator moves on whenever it is read.
+    #[unsafe(no_mangle)]
+    static mut MEASURED_CYCLES: u32 = 0;
+
     struct Cycles;
 
     impl CycleCounter for Cycles {
         fn cycles(&mut self) -> u32 {
-            black_box(0)
+            // SAFETY: nobody else looks at it meanwhile.
+            unsafe { (&raw const MEASURED_CYCLES).read_volatile() }
         }
     }
 
@@ -109,11 +102,11 @@ mod measured {
                 &mut *(&raw mut CHAIN).cast::<Chain>(),
                 &*(&raw const MEASURED_INPUT).cast::<[u8; INPUT]>(),
                 &mut *(&raw mut MEASURED_OUTPUT).cast::<[u8; OUTPUT]>(),
-                &mut *(&raw mut MEASURED_TICK).cast::<[u32; 4]>(),
+                &mut *(&raw mut MEASURED_TICK).cast::<[u32; 5]>(),
                 &mut *(&raw mut TIME_US).cast::<u64>(),
             )
         };
-        let [length, room, _, _] = *black_box(&mut *tick);
+        let [length, room, ..] = *black_box(&mut *tick);
         for byte in black_box(input).iter().take(length as usize) {
             let _ = chain.push(*byte, false);
         }
@@ -127,7 +120,13 @@ mod measured {
             *to = byte;
             sent += 1;
         }
-        *black_box(tick) = [length, room, sent, outcome.iterations.into()];
+        *black_box(tick) = [
+            length,
+            room,
+            sent,
+            outcome.rows.into(),
+            outcome.solved.into(),
+        ];
     }
 
     /// Takes the addresses of the entry points, so that the linker keeps them, each a function by itself.

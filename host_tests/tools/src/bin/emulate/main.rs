@@ -39,11 +39,9 @@ use tools::stream::records;
 use tools::telemetry::session::Session;
 use tools::telemetry::{source, view};
 
-/// Precision that the solver works in, as on the board.
-type Precision = f32;
-/// The board's core, and what a tick costs there: of a single bearing, and of a pair.
+/// The board's core, and the cost of a tick there.
 const CORE_HZ: u32 = 168_000_000;
-const COST: [CycleCost; 2] = [CycleCost::CORTEX_M4F_SINGLE, CycleCost::CORTEX_M4F];
+const COST: CycleCost = CycleCost::CORTEX_M4F;
 
 /// Status when the run did not show what it should.
 const DISAGREEMENT: u8 = 1;

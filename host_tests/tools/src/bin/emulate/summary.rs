@@ -148,38 +148,3 @@ pub fn check(path: &Path, text: &str, accept: bool) -> Result<()> {
     }
     Ok(())
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::monitor_settings::MONITOR;
-    use spindle_bearing::Settings;
-    use spindle_bearing::monitor::tick::CycleCost;
-
-    #[test]
-    fn the_longest_tick_fits_its_period() {
-        let tick = &MONITOR.tick;
-        let most = Settings::<f32>::TICK.max_iterations;
-        assert!(tick.max_iterations() >= most, "{tick:?}");
-        assert!(
-            tick.most_cycles() <= tick.deadline_cycles.into(),
-            "{tick:?}"
-        );
-        assert_eq!((tick.period_us, tick.deadline_cycles), (1000, 168_000));
-    }
-
-    #[test]
-    fn the_deadline_rests_on_the_committed_figures() {
-        let figures = tools::report::figures(tools::root()).unwrap();
-        for (cost, core) in [
-            (CycleCost::CORTEX_M4F, "Cortex-M4F, f32, monitor"),
-            (CycleCost::CORTEX_M7, "Cortex-M7, f64, monitor"),
-        ] {
-            let figure = |metric| figures[&format!("{core}: cycles of {metric}")];
-            assert_eq!(
-                u64::from(cost.fixed),
-                figure("a tick but for iterations, of all but one in a thousand")
-            );
-            assert_eq!(u64::from(cost.iteration), figure("an iteration"));
-        }
-    }
-}

@@ -36,6 +36,7 @@ impl Image {
             link: &["--emit-relocs"],
             processor: core.processor(),
             environment: &[
+                ("MEASURED_CORE", core.processor()),
                 ("MEASURED_PRECISION", Some(name(precision))),
                 ("MEASURED_SCENE", scene),
                 ("PROVED", None),

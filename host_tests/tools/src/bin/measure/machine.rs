@@ -7,7 +7,7 @@ use crate::image::Image;
 use crate::timing::Core;
 use anyhow::{Context, Result, ensure};
 use std::collections::HashMap;
-use unicorn_engine::unicorn_const::{Arch, ArmCpuModel, Mode, Prot};
+use unicorn_engine::unicorn_const::{Arch, ArmCpuModel, HookType, Mode, Prot};
 use unicorn_engine::{RegisterARM, Unicorn};
 
 const FLASH: (u32, u32) = (0x0800_0000, 0x10_0000);
@@ -46,6 +46,8 @@ struct Watch {
     count: Count,
     /// The address behind the last block.
     end: Option<u32>,
+    /// Cycles at each look of the program at the counter.
+    looks: Vec<u32>,
     failure: Option<anyhow::Error>,
 }
 
@@ -89,6 +91,7 @@ impl Machine {
             blocks: HashMap::new(),
             count: Count::default(),
             end: None,
+            looks: Vec::new(),
             failure: None,
         };
         // With `Mode::MCLASS` every core would be a Cortex-M33, whatever model is asked for.
@@ -113,10 +116,29 @@ impl Machine {
         Ok(Self { uc })
     }
 
+    /// Has the word at this address show the cycles of a call whenever the program looks at it.
+    pub fn count_at(&mut self, address: u32) -> Result<()> {
+        let (from, to) = (address.into(), u64::from(address) + 3);
+        self.uc
+            .add_mem_hook(HookType::MEM_READ, from, to, move |uc, _, _, _, _| {
+                let watch = uc.get_data_mut();
+                let cycles = watch.count.cycles as u32;
+                watch.looks.push(cycles);
+                uc.mem_write(from, &cycles.to_le_bytes()).is_ok()
+            })?;
+        Ok(())
+    }
+
+    /// Cycles at each look at the counter in the last call.
+    pub fn looks(&self) -> &[u32] {
+        &self.uc.get_data().looks
+    }
+
     /// Calls a function; returns its result and the counts.
     pub fn call(&mut self, function: u32) -> Result<(u32, Count)> {
         let watch = self.uc.get_data_mut();
         (watch.count, watch.end) = (Count::default(), None);
+        watch.looks.clear();
         self.uc.reg_write(RegisterARM::SP, (RAM.0 + RAM.1).into())?;
         self.uc.reg_write(RegisterARM::LR, (RETURN | 1).into())?;
         let end = self

@@ -1,0 +1,445 @@
+//! Reports to the host: when each is due, and the frames that they become.
+
+use super::board::BoardReport;
+use super::judgement::{Alarm, AlarmChange, Changes, Judgement, Level, Thresholds};
+use super::marks::Marks;
+use super::outbox::Outbox;
+use super::retained::Past;
+use super::settings::MonitorSettings;
+use super::telemetry::{
+    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HelloReport, LIFT_OFF,
+    Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
+};
+use super::tracker::{Solved, Task};
+use crate::{BallState, Facing, RowSummary, Spindle, Status, compliance};
+use heapless::Vec;
+
+/// Time from one hello to the next, us: for hosts that join in later.
+const HELLO_US: u32 = 60_000_000;
+
+/// Balls that are reported in a tick.
+const BALLS_PER_TICK: usize = 4;
+const _: () = assert!(BALLS_PER_TICK <= BALLS_PER_FRAME);
+
+/// Something that is due now and then.
+#[derive(Debug, Clone, Copy)]
+struct Every {
+    next_us: u64,
+}
+
+impl Every {
+    fn is_due(&mut self, time_us: u64, period_us: u32) -> bool {
+        if time_us < self.next_us {
+            return false;
+        }
+        // In step with the period, unless that has been missed altogether.
+        let period = u64::from(period_us);
+        let next = self.next_us.saturating_add(period);
+        self.next_us = if next > time_us {
+            next
+        } else {
+            time_us.saturating_add(period)
+        };
+        true
+    }
+}
+
+/// When each kind of report is due.
+#[derive(Debug, Clone, Copy)]
+struct Due {
+    estimate: Every,
+    balls: Every,
+    health: Every,
+    standing: Every,
+    hello: Every,
+}
+
+/// The estimate that was taken for a report.
+#[derive(Debug, Clone, Copy)]
+struct Taken<const R: usize> {
+    tick: u64,
+    report: EstimateReport,
+    rows: [RowReport; R],
+    /// It has yet to be sent.
+    is_new: bool,
+}
+
+/// The balls of a row at one time, on their way into the outbox.
+#[derive(Debug, Clone)]
+struct Picture<const N: usize> {
+    time_us: u64,
+    row: usize,
+    first_azimuth: f32,
+    balls: Vec<BallReport, N>,
+    sent: usize,
+}
+
+/// Reports, and the outbox that they go into.
+#[derive(Debug)]
+pub(super) struct Reports<const R: usize, const N: usize, const FRAMES: usize> {
+    pub(super) outbox: Outbox<FRAMES>,
+    hello: HelloReport,
+    taken: Option<Taken<R>>,
+    /// How the last solve ended.
+    pub(super) status: Status<f32>,
+    picture: Option<Picture<N>>,
+    /// An estimate is due, and the row whose balls are due.
+    wants_estimate: bool,
+    wanted_row: Option<usize>,
+    due: Due,
+}
+
+impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> {
+    pub(super) fn new<const D: usize, const E: usize>(
+        spindle: &Spindle<'_, f32, R, N, D, E>,
+        settings: &MonitorSettings<R>,
+    ) -> Self {
+        // Apart, so that no tick has to report everything at once.
+        let part = |of: u32| Every {
+            next_us: u64::from(settings.telemetry.estimate_us) * u64::from(of) / 4,
+        };
+        Self {
+            outbox: Outbox::new(),
+            hello: HelloReport {
+                start: Past::NONE.report(),
+                board: BoardReport::NONE,
+                shaft: shaft_report(spindle, settings),
+            },
+            taken: None,
+            status: Status::Converged,
+            picture: None,
+            wants_estimate: false,
+            wanted_row: None,
+            due: Due {
+                estimate: part(1),
+                balls: part(2),
+                health: part(0),
+                standing: part(3),
+                hello: part(0),
+            },
+        }
+    }
+
+    /// Goes on with the data kept over a power cycle.
+    pub(super) fn set_past(&mut self, past: &Past) {
+        self.hello.start = past.report();
+    }
+
+    /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.
+    pub(super) fn set_board(&mut self, report: BoardReport) {
+        if report.differs(&self.hello.board) {
+            self.due.hello = Every { next_us: 0 };
+        }
+        self.hello.board = report;
+    }
+
+    /// A tick begins: what is due is taken of the next solve.
+    pub(super) fn begin(&mut self, time_us: u64, settings: &MonitorSettings<R>) {
+        if self
+            .due
+            .estimate
+            .is_due(time_us, settings.telemetry.estimate_us)
+        {
+            // Nothing was solved for a whole period: the last one once more.
+            if self.wants_estimate
+                && let Some(taken) = &mut self.taken
+            {
+                taken.is_new = true;
+            }
+            self.wants_estimate = true;
+        }
+        if self.due.balls.is_due(time_us, settings.telemetry.balls_us) {
+            self.wanted_row = Some(0);
+        }
+    }
+
+    /// Whether anything is due of the next equilibrium.
+    pub(super) const fn wants_something(&self) -> bool {
+        self.wants_estimate || (self.wanted_row.is_some() && self.picture.is_none())
+    }
+
+    /// Takes what is due of an equilibrium.
+    pub(super) fn see<const D: usize, const E: usize>(
+        &mut self,
+        task: &Task<R>,
+        solution: &Solved<'_, R, N, D, E>,
+        rows: &[RowSummary<f32>; R],
+        opposed: bool,
+        settings: &MonitorSettings<R>,
+    ) {
+        self.status = solution.status;
+        if self.wants_estimate {
+            self.wants_estimate = false;
+            self.taken = Some(Taken {
+                tick: task.tick,
+                report: estimate_report(task, solution, rows, opposed, settings.shaft.nose),
+                rows: rows.each_ref().map(row_report),
+                is_new: true,
+            });
+        } else if self.picture.is_none()
+            && let Some(row) = self.wanted_row
+        {
+            self.wanted_row = Some(row + 1).filter(|row| *row < R);
+            let balls = solution.rows().nth(row);
+            self.picture = balls.map(|row_of_balls| Picture {
+                time_us: task.sample.time_us,
+                row,
+                first_azimuth: row_of_balls.balls().next().map_or(0.0, |ball| ball.azimuth),
+                balls: as_many_as_fit(row_of_balls.balls().map(|ball| ball_report(&ball))),
+                sent: 0,
+            });
+        }
+    }
+
+    /// The last solve gave no estimate.
+    pub(super) const fn is_unsolved(&self) -> bool {
+        !matches!(self.status, Status::Converged | Status::PrecisionLimit)
+    }
+
+    /// Whether counters are due.
+    pub(super) fn wants_health(&mut self, time_us: u64, settings: &MonitorSettings<R>) -> bool {
+        self.due
+            .health
+            .is_due(time_us, settings.telemetry.health_us)
+    }
+
+    /// Puts due frames into the outbox, but for counters.
+    pub(super) fn send(
+        &mut self,
+        time_us: u64,
+        (tick, marks): (u64, Marks),
+        (alarms, changes): (&Judgement, &Changes),
+        settings: &MonitorSettings<R>,
+    ) {
+        for change in changes {
+            self.post_alarm(
+                time_us,
+                change.alarm,
+                change.change,
+                alarms,
+                &settings.alarms,
+            );
+        }
+        if self
+            .due
+            .standing
+            .is_due(time_us, settings.telemetry.standing_us)
+        {
+            for alarm in Alarm::ALL {
+                if alarms.alarm(alarm).stands() {
+                    let standing = AlarmChange::Standing;
+                    self.post_alarm(time_us, alarm, standing, alarms, &settings.alarms);
+                }
+            }
+        }
+        if self.due.hello.is_due(time_us, HELLO_US) {
+            let hello = self.hello.clone();
+            self.outbox.post(time_us, Payload::Hello(hello));
+        }
+        self.send_estimate(time_us, tick, marks);
+        self.send_balls();
+    }
+
+    fn send_estimate(&mut self, time_us: u64, tick: u64, marks: Marks) {
+        let Some(taken) = self.taken.as_mut().filter(|taken| taken.is_new) else {
+            return;
+        };
+        taken.is_new = false;
+        taken.report.age = tick.saturating_sub(taken.tick).min(u32::MAX.into()) as u32;
+        (taken.report.marks, taken.report.status) = (marks, self.status);
+        self.outbox.post(time_us, Payload::Estimate(taken.report));
+        for (number, rows) in taken.rows.chunks(ROWS_PER_FRAME).enumerate() {
+            let report = RowsReport {
+                first: (number * ROWS_PER_FRAME) as u8,
+                count: R as u8,
+                rows: as_many_as_fit(rows.iter().copied()),
+            };
+            self.outbox.post(time_us, Payload::Rows(report));
+        }
+    }
+
+    /// The next balls of the picture.
+    fn send_balls(&mut self) {
+        let Some(picture) = &mut self.picture else {
+            return;
+        };
+        let rest = picture.balls.iter().skip(picture.sent);
+        let report = BallsReport {
+            row: picture.row as u8,
+            first: picture.sent as u16,
+            count: picture.balls.len() as u16,
+            first_azimuth: picture.first_azimuth,
+            balls: as_many_as_fit(rest.take(BALLS_PER_TICK).copied()),
+        };
+        self.outbox.post(picture.time_us, Payload::Balls(report));
+        picture.sent += BALLS_PER_TICK;
+        if picture.sent >= picture.balls.len() {
+            self.picture = None;
+        }
+    }
+
+    /// Reports a change of an alarm.
+    pub(super) fn post_alarm(
+        &mut self,
+        time_us: u64,
+        alarm: Alarm,
+        change: AlarmChange,
+        alarms: &Judgement,
+        thresholds: &Thresholds,
+    ) {
+        let machine = alarms.alarm(alarm);
+        let (raised, cleared) = machine.counts();
+        let Level { value, ball } = machine.level();
+        let threshold = thresholds.of(alarm);
+        let report = AlarmReport {
+            alarm,
+            change,
+            state: machine.state(),
+            value,
+            limit: match change {
+                AlarmChange::Cleared => threshold.clear,
+                _ => threshold.raise,
+            },
+            ball,
+            raised,
+            cleared,
+        };
+        self.outbox.post(time_us, Payload::Alarm(report));
+    }
+}
+
+/// The first of these.
+fn as_many_as_fit<X, const CAP: usize>(items: impl Iterator<Item = X>) -> Vec<X, CAP> {
+    let mut kept = Vec::new();
+    for item in items {
+        if kept.push(item).is_err() {
+            break;
+        }
+    }
+    kept
+}
+
+/// Places on the shaft, as the telemetry has them.
+fn shaft_report<const R: usize, const N: usize, const D: usize, const E: usize>(
+    spindle: &Spindle<'_, f32, R, N, D, E>,
+    settings: &MonitorSettings<R>,
+) -> ShaftReport {
+    let places = spindle.positions().into_iter().zip(spindle.facings());
+    let rows = places.zip(spindle.ball_counts());
+    let place = |((position, facing), balls): ((f32, Facing), u16)| RowPlace {
+        position,
+        mirrored: facing == Facing::MinusX,
+        balls,
+    };
+    ShaftReport {
+        nose: settings.shaft.nose,
+        loads_at: settings.shaft.loads_at,
+        preload: settings.watch.preload,
+        count: R as u8,
+        rows: as_many_as_fit(rows.map(place)),
+    }
+}
+
+fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usize>(
+    task: &Task<R>,
+    solution: &Solved<'_, R, N, D, E>,
+    rows: &[RowSummary<f32>; R],
+    opposed: bool,
+    nose: f32,
+) -> EstimateReport {
+    let k = solution.stiffness_at(nose);
+    let compliance = compliance(&k);
+    let (row, column) = strongest_coupling(&k);
+    let (mut least, mut largest, mut limits) = (f32::INFINITY, 0.0_f32, 0);
+    for row in rows {
+        least = least.min(row.inner_force[0]);
+        largest = largest.max(row.inner_force[1]);
+        limits |= row.margins.passed().bits();
+        if opposed && !(row.force[0] > 0.0) {
+            limits |= LIFT_OFF;
+        }
+    }
+    EstimateReport {
+        load: task.sample.load,
+        speed: task.sample.speed,
+        displacement: solution.displacement_at(nose),
+        stiffness: core::array::from_fn(|i| k[i][i]),
+        nose: core::array::from_fn(|i| 1.0 / compliance[i][i]),
+        coupling: k[row][column],
+        coupling_row: row as u8,
+        coupling_column: column as u8,
+        least_force: least,
+        largest_force: largest,
+        iterations: task.rows.div_ceil(R.max(1) as u16),
+        error: [
+            solution.error.displacement,
+            solution.error.force,
+            solution.error.stiffness,
+        ],
+        limits,
+        ..EstimateReport::NONE
+    }
+}
+
+fn row_report(row: &RowSummary<f32>) -> RowReport {
+    let [axial, y, z] = row.force;
+    RowReport {
+        axial,
+        radial: [y, z],
+        preload: row.preload,
+        least_force: row.inner_force[0],
+        largest_force: row.inner_force[1],
+    }
+}
+
+fn ball_report(ball: &BallState<f32>) -> BallReport {
+    BallReport {
+        q_i: ball.q_i,
+        q_o: ball.q_o,
+        alpha_i: ball.alpha_i,
+        alpha_o: ball.alpha_o,
+    }
+}
+
+/// Factor by which `Kij^2 / |Kii Kjj|` must exceed an earlier element's: a per cent of its root.
+const CLEARLY: f32 = 1.02;
+
+/// Row and column of the off-diagonal element that couples most; x, y if nothing couples.
+fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
+    let mut place = (0, 1);
+    let mut strongest: f32 = 0.0;
+    let per: [f32; 5] = core::array::from_fn(|i| 1.0 / k[i][i].abs());
+    for i in 0..5 {
+        for j in 0..5 {
+            let ratio = (k[i][j] * per[i]) * (k[i][j] * per[j]);
+            // False for 0/0, too: a direction without stiffness couples with nothing.
+            if i != j && ratio > CLEARLY * strongest {
+                strongest = ratio;
+                place = (i, j);
+            }
+        }
+    }
+    place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coupling_is_judged_relative_to_the_stiffnesses_it_joins() {
+        let mut k = [[0.0; 5]; 5];
+        for (i, row) in k.iter_mut().enumerate() {
+            row[i] = if i < 3 { 1e8 } else { 1e3 };
+        }
+        assert_eq!(strongest_coupling(&k), (0, 1));
+        k[1][2] = 1e6;
+        k[4][1] = -1e5;
+        assert_eq!(strongest_coupling(&k), (4, 1));
+        k[1][4] = -0.999e5;
+        assert_eq!(strongest_coupling(&k), (1, 4));
+        k[4] = [0.0; 5];
+        k[1][4] = 0.0;
+        assert_eq!(strongest_coupling(&k), (1, 2));
+    }
+}
