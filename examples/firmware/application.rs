@@ -56,8 +56,8 @@ struct Keeper {
     told: u32,
 }
 
-/// Time for a step, us: to encode the longest record takes some 20,000 instructions, to write a unit 100 us at
-/// worst.
+/// Time for a step, us: to write a unit takes 100 us at worst, to make a record and its checksum some thousand
+/// instructions.
 const STEP_US: u32 = 300;
 /// A core that is always late takes the time for a step after so many ticks.
 const PATIENCE: u16 = 1000;
@@ -74,10 +74,9 @@ impl Keeper {
                 let (store, past) = recall(memory, cause);
                 let report = store.report();
                 defmt::info!(
-                    "start {=u32}, kept over the power cycle: life {=str}, alarms {=str}, {=u16} damaged pieces",
+                    "start {=u32}, life and alarms over the power cycle: {=str}, {=u16} damaged records",
                     past.start.boots,
-                    report.life.name(),
-                    past.alarms.name(),
+                    report.recovery.name(),
                     report.damaged
                 );
                 (Some(store), past)
@@ -127,7 +126,7 @@ impl Keeper {
         if failed != self.told {
             self.told = failed;
             let why = store.error().map_or("", WriteError::name);
-            defmt::error!("{=u32} records not kept: {=str}", failed, why);
+            defmt::error!("{=u32} copies of records not kept: {=str}", failed, why);
         }
     }
 }

@@ -13,7 +13,7 @@
 //! | reports | `reports`, [`outbox`], [`telemetry`] | frames for a host |
 //! | the board | [`board`], [`self_check`] | why it started, and whether it is sound |
 //! | commands | [`command`] | the host's messages besides loads |
-//! | retention | [`retained`] | life used and alarms, over a power cycle |
+//! | retention | [`retained`], [`log`] | life used and alarms, over a power cycle |
 //!
 //! Read [`Monitor::tick`] first, then [`settings`], which has all that is particular to a spindle. The
 //! whole of a firmware's loop:
@@ -109,6 +109,7 @@ mod cost;
 pub mod judgement;
 pub mod life;
 pub mod loads;
+pub mod log;
 pub mod marks;
 pub mod outbox;
 pub mod plausibility;

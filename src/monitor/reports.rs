@@ -8,7 +8,7 @@ use super::retained::Past;
 use super::settings::MonitorSettings;
 use super::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HelloReport, LIFT_OFF,
-    Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
+    Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, StartReport,
 };
 use super::tracker::{Solved, Task};
 use crate::{BallState, Facing, RowSummary, Spindle, Status, compliance};
@@ -101,7 +101,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         Self {
             outbox: Outbox::new(),
             hello: HelloReport {
-                start: Past::NONE.report(),
+                start: StartReport::default(),
                 board: BoardReport::NONE,
                 shaft: shaft_report(spindle, settings),
             },
@@ -122,7 +122,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
 
     /// Goes on with the data kept over a power cycle.
     pub(super) fn set_past(&mut self, past: &Past) {
-        self.hello.start = past.report();
+        self.hello.start = past.start;
     }
 
     /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.

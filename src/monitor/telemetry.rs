@@ -329,7 +329,7 @@ pub struct HealthReport {
     pub temperature_sources: [TemperatureSource; 2],
 }
 
-/// Recovery of a kind of data at the start of the monitor.
+/// Recovery of the kept data at the start of the monitor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -339,28 +339,25 @@ pub enum Recovery {
     NoMemory,
     /// Nothing has been kept yet.
     Blank,
-    /// It was found, and goes on.
+    /// The newest undamaged record goes on.
     Recovered,
-    /// It is of another spindle.
+    /// The record is of another spindle: life and alarms begin anew, the number of starts goes on.
     OtherSpindle,
-    /// It was kept by another version of the monitor.
+    /// The record is of another version of the monitor.
     OtherVersion,
     /// There are records, but damaged: none can be read.
     Damaged,
-    /// It was found, and goes on, but a newer one was written that cannot be read.
-    OlderCopy,
 }
 
 impl Recovery {
     /// All of them, in the order of the format.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 6] = [
         Self::NoMemory,
         Self::Blank,
         Self::Recovered,
         Self::OtherSpindle,
         Self::OtherVersion,
         Self::Damaged,
-        Self::OlderCopy,
     ];
 
     /// Short name in lower case.
@@ -372,7 +369,6 @@ impl Recovery {
             Self::OtherSpindle => "other-spindle",
             Self::OtherVersion => "other-version",
             Self::Damaged => "damaged",
-            Self::OlderCopy => "older-copy",
         }
     }
 }
@@ -381,20 +377,20 @@ impl Recovery {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RetentionReport {
-    /// Recovery of life used and revolutions.
-    pub life: Recovery,
-    /// Damaged pieces that were met at the start, such as a record that the power was lost in.
+    /// Recovery of life and alarms.
+    pub recovery: Recovery,
+    /// Damaged records that were met at the start, such as one that the power was lost in.
     pub damaged: u16,
-    /// Records written since the start.
+    /// Copies of records written since the start, two of each record.
     pub written: u32,
-    /// Records that could not be written, and sectors that could not be erased, since the start.
+    /// Copies that could not be written, and halves of the flash that could not be erased, since the start.
     pub failed: u32,
 }
 
 impl RetentionReport {
     /// Without a memory.
     pub const NO_MEMORY: Self = Self {
-        life: Recovery::NoMemory,
+        recovery: Recovery::NoMemory,
         damaged: 0,
         written: 0,
         failed: 0,
@@ -409,13 +405,11 @@ pub struct StartReport {
     pub boots: u32,
     /// Why this one was.
     pub cause: ResetCause,
-    /// Recovery of the alarms.
-    pub recovery: Recovery,
     /// Alarms that nobody had acknowledged before, and that were latched again. One bit each, in the order of
     /// [`Alarm::ALL`] from the lowest.
     pub alarms: u32,
-    /// How often each alarm was raised before, in all starts, in that order.
-    pub raised: [u16; Alarm::COUNT],
+    /// How often each alarm was raised before, in all starts, in that order; 255 stands for more, too.
+    pub raised: [u8; Alarm::COUNT],
 }
 
 impl StartReport {
@@ -527,7 +521,7 @@ mod tests {
             life_used: f32::MAX,
             marks: all_marks(),
             retention: RetentionReport {
-                life: Recovery::Damaged,
+                recovery: Recovery::Damaged,
                 damaged: u16::MAX,
                 written: u32::MAX,
                 failed: u32::MAX,
@@ -584,9 +578,8 @@ mod tests {
             start: StartReport {
                 boots: u32::MAX,
                 cause: ResetCause::Unknown,
-                recovery: Recovery::OlderCopy,
                 alarms: u32::MAX,
-                raised: [u16::MAX; Alarm::COUNT],
+                raised: [u8::MAX; Alarm::COUNT],
             },
             board: BoardReport {
                 known_answer: Check::Failed,
@@ -684,7 +677,7 @@ mod tests {
         };
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
-        let (start, board) = ([&[0, 7, 0, 0][..], &[0; Alarm::COUNT]].concat(), [0; 4]);
+        let (start, board) = ([&[0, 7, 0][..], &[0; Alarm::COUNT]].concat(), [0; 4]);
         let expected = [
             &[7, 0xac, 0x02, 5, 6],
             &start[..],

@@ -26,6 +26,7 @@ mod imports;
 mod keys;
 mod life;
 mod limits;
+mod log;
 mod monitor;
 mod motions;
 mod net;

@@ -82,7 +82,7 @@ mod measured {
         // SAFETY: one thread, and no reference to it is left from before.
         let chain = unsafe {
             let chain = (&raw mut CHAIN).cast::<Chain>();
-            chain.write(Chain::new(&Past::NONE));
+            chain.write(Chain::new(&Past::default()));
             &mut *chain
         };
         u32::from(chain.prepare().is_ok())

@@ -437,7 +437,7 @@ fn is_amiss(name: &str, value: &Value) -> bool {
         ("corrupt" | "damaged" | "disordered" | "failed", "") => *value != json!(0),
         ("late" | "lost" | "missed_ticks" | "overruns", "") => *value != json!(0),
         (_, "assumed" | "damaged" | "failed" | "held" | "no-memory") => true,
-        (_, "older-copy" | "other-spindle" | "other-version") => true,
+        (_, "other-spindle" | "other-version") => true,
         _ => false,
     }
 }

@@ -410,7 +410,7 @@ fn losses_and_counters_are_on_the_health_lines() {
         marked_samples: 41,
         most_cycles: 120_345,
         retention: RetentionReport {
-            life: Recovery::OtherSpindle,
+            recovery: Recovery::OtherSpindle,
             damaged: 1,
             written: 12,
             failed: 2,
@@ -420,7 +420,7 @@ fn losses_and_counters_are_on_the_health_lines() {
     let (mut state, mut decoder) = (State::default(), Decoder::new());
     let first = frame(0, Payload::Health(health()));
     note(&mut state, &mut decoder, &[first]);
-    shows(&state, &["retention.life no-memory"]);
+    shows(&state, &["retention.recovery no-memory"]);
     for event in decoder.push_all(&[9, 1, 1, 0]).collect::<Vec<_>>() {
         state.note(&event, decoder.tally());
     }
@@ -430,7 +430,7 @@ fn losses_and_counters_are_on_the_health_lines() {
         "missed_ticks 0",
         "most_cycles 120345",
         "marked_samples 41",
-        "retention.life other-spindle",
+        "retention.recovery other-spindle",
         "retention.written 12",
         "2 frames in",
         "4 lost, 1 damaged",

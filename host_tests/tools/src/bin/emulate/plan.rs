@@ -37,7 +37,7 @@ pub fn plan(recording: &Recording, mut spoiler: Spoiler) -> Result<Plan> {
     let mut input = Vec::new();
     let mut expected = Vec::new();
     let mut marks = [0; Mark::ALL.len()];
-    let mut chain = Chain::new(&Past::NONE);
+    let mut chain = Chain::new(&Past::default());
     let prepared = chain.prepare();
     ensure!(prepared.is_ok(), "no equilibrium to start from");
     // Self-checks of a sound emulated board: there is no cause of a reset, and in lock-step no stack is measured.

@@ -51,7 +51,7 @@ macro_rules! board {
                 settings: &monitor_settings::MONITOR.tick,
                 constant: stringify!($cost),
                 start: || {
-                    let mut chain = chain::Chain::new(&Past::NONE);
+                    let mut chain = chain::Chain::new(&Past::default());
                     let prepared = chain.prepare().ok();
                     prepared.context("the host has no equilibrium to start from")?;
                     let period = u64::from(monitor_settings::MONITOR.tick.period_us);
