@@ -57,13 +57,6 @@ mod sqrt;
 mod status;
 mod tuning;
 
-#[cfg(feature = "record")]
-pub mod framing;
-#[cfg(feature = "monitor")]
-pub mod monitor;
-#[cfg(feature = "record")]
-pub mod record;
-
 pub use ball::kinematics::{
     Centrifugal, InnerRaceControl, Motion, OuterRaceControl, RacewayControlFree, Speed, Static,
 };
@@ -93,9 +86,7 @@ pub use spindle::{Mounted, Preload, Spindle, SprungSpindle};
 pub use sqrt::sqrt_f32;
 pub use status::{ErrorEstimate, Quantity, Status};
 
-// Both are in signatures.
-#[cfg(feature = "record")]
-pub use heapless;
+// In signatures.
 #[cfg(feature = "nalgebra")]
 pub use {matrices::matrix, nalgebra};
 

@@ -6,10 +6,10 @@ use super::board::{self, Board, Cycles, Dog, Measured, Memory};
 use super::chain::{Chain, Sensors};
 use super::monitor_settings::{BRIDGES, IDENTITY, MONITOR};
 use super::self_check::SelfCheck;
-use spindle_bearing::monitor::board::ResetCause;
-use spindle_bearing::monitor::retained::WriteError;
-use spindle_bearing::monitor::tick::{Watchdog, Widened};
-use spindle_bearing::monitor::{Outcome, Past, Store};
+use spindle_monitor::board::ResetCause;
+use spindle_monitor::retained::WriteError;
+use spindle_monitor::tick::{Watchdog, Widened};
+use spindle_monitor::{Outcome, Past, Store};
 
 /// Takes the board, and never gives it back.
 pub fn run() -> ! {

@@ -6,14 +6,14 @@
 use super::monitor_settings::{IDLE, MONITOR};
 use super::monitored::{BALLS, ROWS, spindle};
 use spindle_bearing::Status;
-use spindle_bearing::framing::FrameError;
-use spindle_bearing::monitor::command::{Command, PortReader, Received};
-use spindle_bearing::monitor::loads::{FrameCounts, FramedLoads, LoadSource};
-use spindle_bearing::monitor::retained::NorFlash;
-use spindle_bearing::monitor::telemetry::HealthReport;
-use spindle_bearing::monitor::tick::{CycleCounter, Watchdog};
-use spindle_bearing::monitor::{BoardReport, Monitor, Outcome, Past, Readings, Store};
-use spindle_bearing::record::LoadRecord;
+use spindle_monitor::command::{Command, PortReader, Received};
+use spindle_monitor::framing::FrameError;
+use spindle_monitor::loads::{FrameCounts, FramedLoads, LoadSource};
+use spindle_monitor::record::LoadRecord;
+use spindle_monitor::retained::NorFlash;
+use spindle_monitor::telemetry::HealthReport;
+use spindle_monitor::tick::{CycleCounter, Watchdog};
+use spindle_monitor::{BoardReport, Monitor, Outcome, Past, Readings, Store};
 
 /// Estimates and pictures of balls that wait for a slow link.
 const FRAMES: usize = 12;

@@ -1,8 +1,8 @@
 //! Firmware for an STM32F405: measured loads and speed in, stiffness, alarms and rating life out.
 //!
-//! - USART1, 460,800 baud, 8N1: in (PA10), [`LoadRecord`](spindle_bearing::record::LoadRecord)s, framed as
+//! - USART1, 460,800 baud, 8N1: in (PA10), [`LoadRecord`](spindle_monitor::record::LoadRecord)s, framed as
 //!   the `record` module says, and commands (`chain.rs`); out (PA9), frames of
-//!   [`telemetry`](spindle_bearing::monitor::telemetry).
+//!   [`telemetry`](spindle_monitor::telemetry).
 //! - USART2 (PA2), the same baud rate: a defmt log. `ready: ...` once, then alarms that change, and
 //!   received bytes that were lost.
 //! - PC0 to ground and PC1 to PC2: lock-step, as on an emulator. There is no timer then, and a tick is what the other
@@ -28,7 +28,7 @@ mod monitored;
 mod self_check;
 
 #[cfg(target_os = "none")]
-use spindle_bearing::monitor::tick::CycleCost;
+use spindle_monitor::tick::CycleCost;
 
 /// The core's frequency, and the cost of a tick there.
 #[cfg(target_os = "none")]

@@ -3,11 +3,11 @@
 
 use super::monitored::{BALLS, DESIGN, FACINGS, POSITIONS, PRELOAD, ROWS};
 use super::{CORE_HZ, COST};
-use spindle_bearing::monitor::loads::Calibration;
-use spindle_bearing::monitor::settings::MonitorSettings;
-use spindle_bearing::monitor::speed::SpeedSettings;
-use spindle_bearing::monitor::{Identity, TemperatureSettings};
 use spindle_bearing::{Expansion, Facing};
+use spindle_monitor::loads::Calibration;
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::speed::SpeedSettings;
+use spindle_monitor::{Identity, TemperatureSettings};
 
 /// Loads of the idling spindle (N, N m), to start from: none on a pair, the springs' preload on a single bearing.
 pub const IDLE: [f32; 5] = match ROWS {

@@ -3,10 +3,10 @@
 use super::board::{Stack, feed_at_start, image, seal};
 use super::monitor_settings::MONITOR;
 use super::monitored::{BALLS, PRELOAD, ROWS, spindle};
-use spindle_bearing::monitor::BoardReport;
-use spindle_bearing::monitor::board::Check;
-use spindle_bearing::monitor::self_check::{ImageCheck, KnownAnswer, Seal};
-use spindle_bearing::monitor::tick::CycleCounter;
+use spindle_monitor::BoardReport;
+use spindle_monitor::board::Check;
+use spindle_monitor::self_check::{ImageCheck, KnownAnswer, Seal};
+use spindle_monitor::tick::CycleCounter;
 
 /// Ticks from one solve whose answer is known to the next: a minute.
 const MINUTE: u32 = 60_000_000 / MONITOR.tick.period_us;

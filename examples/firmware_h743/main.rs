@@ -1,4 +1,4 @@
-//! Firmware for an STM32H743, laid out for a NUCLEO-H743ZI2: the application of `spindle_monitor`.
+//! Firmware for an STM32H743, laid out for a NUCLEO-H743ZI2: the application of `spindle_firmware`.
 //!
 //! Records and commands come in, and telemetry goes out, over USART3 (PD9 and PD8). That board leads it to
 //! its USB plug. The log goes out over USART2 (PD5). 460,800 baud, 8N1. PC0
@@ -19,7 +19,7 @@ mod monitored;
 #[path = "../firmware/self_check.rs"]
 mod self_check;
 
-use spindle_bearing::monitor::tick::CycleCost;
+use spindle_monitor::tick::CycleCost;
 
 /// The core's frequency, and the cost of a tick there.
 const CORE_HZ: u32 = 400_000_000;

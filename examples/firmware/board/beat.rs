@@ -4,7 +4,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DCB, DWT, SYST};
 use cortex_m_rt::exception;
-use spindle_bearing::monitor::tick::CycleCounter;
+use spindle_monitor::tick::CycleCounter;
 
 /// Ticks of the timer; wraps.
 static TICKS: AtomicU32 = AtomicU32::new(0);

@@ -16,7 +16,7 @@ use super::reset::{IWDG_ADDRESS, Window};
 use super::within;
 use crate::monitor_settings::MONITOR;
 use core::sync::atomic::{AtomicBool, Ordering};
-use spindle_bearing::monitor::tick::Watchdog;
+use spindle_monitor::tick::Watchdog;
 
 // Before variables are initialised, only registers can be used. This starts the independent watchdog (0xcccc) and
 // opens its prescaler (0x5555) to divide 32 kHz by 64 (4). The watchdog begins at 4095 counts, that is 8 s.

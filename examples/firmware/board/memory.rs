@@ -7,7 +7,7 @@
 
 use core::slice::from_raw_parts;
 use cortex_m_rt::STACK_PAINT_VALUE;
-use spindle_bearing::monitor::self_check::{PARTS, Seal};
+use spindle_monitor::self_check::{PARTS, Seal};
 
 /// Seal of the image, which the project's tool `seal` finds by this name in the linked program and
 /// writes. It is not covered by the image's checksum.

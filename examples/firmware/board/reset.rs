@@ -3,7 +3,7 @@
 use super::clock::Clock;
 use super::dog::TOO_EARLY_US;
 use super::pac::{IWDG, RCC, WWDG};
-use spindle_bearing::monitor::board::ResetCause;
+use spindle_monitor::board::ResetCause;
 
 /// Where the registers of the independent watchdog are.
 pub const IWDG_ADDRESS: u32 = 0x4000_3000;

@@ -21,13 +21,11 @@ use critical_section::Mutex;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use pac::{GPIOA, GPIOB, Interrupt, NVIC, TIM2, interrupt};
-use spindle_bearing::monitor::loads::{
+use spindle_monitor::loads::{
     Ads131m08, Ads131m08Bridges, Ads131m08Config, LoadSource, StrainBridge, TareState,
 };
-use spindle_bearing::monitor::speed::{
-    Edges, PulseInput, PulseSpeed, Pulses, SpeedMethod, SpeedSource,
-};
-use spindle_bearing::monitor::{Mark, Readings};
+use spindle_monitor::speed::{Edges, PulseInput, PulseSpeed, Pulses, SpeedMethod, SpeedSource};
+use spindle_monitor::{Mark, Readings};
 
 /// Bridges.
 pub const CHANNELS: usize = 6;

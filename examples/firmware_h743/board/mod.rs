@@ -44,7 +44,7 @@ pub type Memory = flash::Flash<cells::Memory>;
 
 use crate::monitor_settings::{BRIDGES, SET_BROWN_OUT};
 use cortex_m::peripheral::SYST;
-use spindle_bearing::monitor::board::{BoardReport, ResetCause};
+use spindle_monitor::board::{BoardReport, ResetCause};
 use stm32h7::stm32h743 as pac;
 
 /// The board once it is started.

@@ -3,7 +3,7 @@
 use super::clock::Clock;
 use super::dog::{COUNTS, TOO_EARLY_US};
 use super::pac::{IWDG, RCC};
-use spindle_bearing::monitor::board::ResetCause;
+use spindle_monitor::board::ResetCause;
 
 /// Where the registers of the independent watchdog are.
 pub const IWDG_ADDRESS: u32 = 0x5800_4800;

@@ -2,8 +2,8 @@
 //! numbers.
 
 use serde::Serialize;
-use spindle_bearing::framing::FrameError;
-use spindle_bearing::monitor::telemetry::{Frame, FrameReader};
+use spindle_monitor::framing::FrameError;
+use spindle_monitor::telemetry::{Frame, FrameReader};
 use std::fmt;
 
 /// An undamaged frame, or a damaged piece.

@@ -6,8 +6,8 @@
 use super::decoder::{Event, Gap};
 use anyhow::Result;
 use serde::Serialize;
-use spindle_bearing::monitor::telemetry::{Frame, Payload, encode};
-use spindle_bearing::monitor::{Alarm, Mark};
+use spindle_monitor::telemetry::{Frame, Payload, encode};
+use spindle_monitor::{Alarm, Mark};
 use std::io::Write;
 
 /// A line.

@@ -4,8 +4,8 @@
 
 use super::state::{State, words};
 use anyhow::{Context, Result};
-use spindle_bearing::monitor::command::{self, Command, Order, Request};
-use spindle_bearing::monitor::judgement::AlarmState;
+use spindle_monitor::command::{self, Command, Order, Request};
+use spindle_monitor::judgement::AlarmState;
 use std::collections::VecDeque;
 use std::io::Write;
 

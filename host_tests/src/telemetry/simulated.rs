@@ -7,10 +7,10 @@ use anyhow::Result;
 use files::recordings::LoadRow;
 use monitor_settings::{IDLE, MONITOR};
 use monitored::{BALLS, ROWS, spindle};
-use spindle_bearing::monitor::Marks;
-use spindle_bearing::monitor::loads::LoadSample;
-use spindle_bearing::monitor::tick::{CycleCost, NoCycles, NoWatchdog};
-use spindle_bearing::monitor::{Monitor, Readings};
+use spindle_monitor::Marks;
+use spindle_monitor::loads::LoadSample;
+use spindle_monitor::tick::{CycleCost, NoCycles, NoWatchdog};
+use spindle_monitor::{Monitor, Readings};
 
 #[path = "../../../examples/firmware/monitor_settings.rs"]
 pub mod monitor_settings;

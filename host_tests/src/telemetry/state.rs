@@ -4,10 +4,10 @@ use super::decoder::{Event, Gap, Tally};
 use serde::Serialize;
 use serde_json::{Value, json};
 use spindle_bearing::Facing;
-use spindle_bearing::framing::FrameError;
-use spindle_bearing::monitor::command::{Answer, Order};
-use spindle_bearing::monitor::judgement::{Alarm, AlarmState};
-use spindle_bearing::monitor::telemetry::{
+use spindle_monitor::command::{Answer, Order};
+use spindle_monitor::framing::FrameError;
+use spindle_monitor::judgement::{Alarm, AlarmState};
+use spindle_monitor::telemetry::{
     AlarmReport, BallReport, BallsReport, EstimateReport, Frame, Payload, RowPlace, RowReport,
     ShaftReport,
 };

@@ -4,9 +4,9 @@ use super::monitor::{IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_nose, at_speed};
 use host_tests::milling_cycle::{curve, tooth};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use rayon::prelude::*;
-use spindle_bearing::monitor::command::{AnswerCode, ORDER_EVERY, Order, Request};
-use spindle_bearing::monitor::judgement::AlarmChange;
-use spindle_bearing::monitor::{self, Alarm, AlarmState, Mark};
+use spindle_monitor::command::{AnswerCode, ORDER_EVERY, Order, Request};
+use spindle_monitor::judgement::AlarmChange;
+use spindle_monitor::{Alarm, AlarmState, Mark, Outcome};
 
 /// Greatest age of the estimate under these loads, in ticks, and the share of ticks with one that is not older than a tick.
 fn ages<const R: usize>(rig: Rig<R>, load: impl Fn(u32) -> [f32; 5]) -> (u32, f64) {
@@ -99,7 +99,7 @@ fn estimates_under_passing_teeth_and_ramps_are_a_few_ticks_old_at_most() {
 }
 
 /// A tick under the idling loads and so much more radial load.
-fn pressed<const R: usize>(rig: &mut Rig<R>, radial: f32) -> monitor::Outcome {
+fn pressed<const R: usize>(rig: &mut Rig<R>, radial: f32) -> Outcome {
     let readings = rig.spoilt(|sample| sample.load[1] += radial);
     rig.tick(&readings)
 }

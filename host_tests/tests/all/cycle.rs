@@ -5,9 +5,9 @@ use files::recordings::LoadRow;
 use host_tests::milling_cycle::{CRASH, Place, recorded};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use host_tests::telemetry::simulated::monitored::ROWS;
-use spindle_bearing::monitor::judgement::AlarmChange;
-use spindle_bearing::monitor::loads::LoadSample;
-use spindle_bearing::monitor::{Alarm, AlarmState, Mark, Marks, Outcome, Readings};
+use spindle_monitor::judgement::AlarmChange;
+use spindle_monitor::loads::LoadSample;
+use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Outcome, Readings};
 
 /// A tick with a row of the recording, which carries the speed.
 fn tick(rig: &mut Rig<ROWS>, row: &LoadRow) -> Outcome {

@@ -3,10 +3,10 @@
 use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::state::State;
 use spindle_bearing::Status;
-use spindle_bearing::monitor::Marks;
-use spindle_bearing::monitor::TemperatureSource;
-use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
-use spindle_bearing::monitor::telemetry::{
+use spindle_monitor::Marks;
+use spindle_monitor::TemperatureSource;
+use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
+use spindle_monitor::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
     HelloReport, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, VERSION,
     encode,

@@ -8,8 +8,8 @@ use super::spindles::displacement_of;
 use host_tests::cases::{B7005C, sets};
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::Precision;
-use spindle_bearing::monitor::settings::MonitorSettings;
 use spindle_bearing::{Expansion, FreeContact, Growth, Quantity, Status};
+use spindle_monitor::settings::MonitorSettings;
 
 #[test]
 fn rows_of_solved_sets_have_their_loads_and_displacements() {

@@ -6,10 +6,10 @@ use host_tests::cases::Random;
 use host_tests::telemetry::decoder::{Decoder, Event};
 use host_tests::telemetry::state::State;
 use rayon::prelude::*;
-use spindle_bearing::monitor::command::{self, Command, Order, PortReader, Received, Request};
-use spindle_bearing::monitor::loads::{FramedLoads, LoadSource};
-use spindle_bearing::monitor::{Alarm, Readings};
-use spindle_bearing::record::{self, LoadRecord};
+use spindle_monitor::command::{self, Command, Order, PortReader, Received, Request};
+use spindle_monitor::loads::{FramedLoads, LoadSource};
+use spindle_monitor::record::{self, LoadRecord};
+use spindle_monitor::{Alarm, Readings};
 use std::collections::HashSet;
 
 const STREAMS: u64 = 100_000;

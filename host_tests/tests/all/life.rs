@@ -4,12 +4,12 @@ use super::cutting::passed;
 use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use host_tests::milling_cycle::tooth;
 use rayon::prelude::*;
-use spindle_bearing::monitor::settings::MonitorSettings;
-use spindle_bearing::monitor::{Life, Mark, Marks, Readings};
 use spindle_bearing::{
     Arrangement, Bearing, Design, LifeRating, Preload, RatingLife, Settings, Solver, Speed,
     Spindle, SpindleSolver,
 };
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::{Life, Mark, Marks, Readings};
 
 /// Damage per revolution under these loads, from an equilibrium with all the time it takes.
 fn truth(solver: &mut Solver<f32, 16>, load: [f32; 5]) -> f64 {

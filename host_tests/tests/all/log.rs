@@ -3,7 +3,7 @@
 use host_tests::cases::Random;
 use host_tests::flash::{ERASE, FailingFlash, Leftover};
 use proptest::prelude::*;
-use spindle_bearing::monitor::log::{Counts, Log, PAYLOAD, WriteError};
+use spindle_monitor::log::{Counts, Log, PAYLOAD, WriteError};
 use std::ops::Range;
 
 const SECTOR: usize = 1024;

@@ -12,22 +12,20 @@ use host_tests::milling_cycle::{Place, recorded};
 use host_tests::telemetry::simulated::monitor_settings::{MONITOR, TACHOMETER};
 pub(super) use host_tests::telemetry::simulated::monitored::BEARING;
 use host_tests::telemetry::simulated::monitored::{ROWS, spindle};
-use spindle_bearing::monitor::command::Answer;
-use spindle_bearing::monitor::judgement::AlarmChange;
-use spindle_bearing::monitor::loads::{
+use spindle_bearing::{Settings, Solver, Speed, Spindle, SpindleSolver};
+use spindle_monitor::command::Answer;
+use spindle_monitor::judgement::AlarmChange;
+use spindle_monitor::loads::{
     AdcError, Ads131m08, Ads131m08Bridges, Ads131m08Config, BridgeAdc, Calibration,
     CalibrationError, FramedLoads, Gain, LoadSample, LoadSource, StrainBridge, TareError,
     TareState,
 };
-use spindle_bearing::monitor::settings::MonitorSettings;
-use spindle_bearing::monitor::speed::{Edges, PulseSpeed, SpeedError, SpeedSource};
-use spindle_bearing::monitor::telemetry::{
-    BallReport, EstimateReport, FrameReader, Payload, RowReport,
-};
-use spindle_bearing::monitor::tick::{CycleCounter, Watchdog, Widened};
-use spindle_bearing::monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Outcome, Readings};
-use spindle_bearing::record::{self, LoadRecord};
-use spindle_bearing::{Settings, Solver, Speed, Spindle, SpindleSolver};
+use spindle_monitor::record::{self, LoadRecord};
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::speed::{Edges, PulseSpeed, SpeedError, SpeedSource};
+use spindle_monitor::telemetry::{BallReport, EstimateReport, FrameReader, Payload, RowReport};
+use spindle_monitor::tick::{CycleCounter, Watchdog, Widened};
+use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Outcome, Readings};
 use std::array;
 use std::collections::VecDeque;
 use std::convert::Infallible;

@@ -4,16 +4,16 @@ use super::monitor::BEARING;
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind, ReadNorFlash};
 use host_tests::cases::B7005C;
 use host_tests::flash::FailingFlash;
-use spindle_bearing::monitor::board::ResetCause;
-use spindle_bearing::monitor::judgement::{Alarm, AlarmState, Level, Levels};
-use spindle_bearing::monitor::loads::LoadSample;
-use spindle_bearing::monitor::log::Log;
-use spindle_bearing::monitor::retained::{Identity, LIFE_US, Past, Store, VERSION};
-use spindle_bearing::monitor::settings::MonitorSettings;
-use spindle_bearing::monitor::telemetry::{FrameReader, Payload, Recovery, RetentionReport};
-use spindle_bearing::monitor::tick::{NoCycles, NoWatchdog};
-use spindle_bearing::monitor::{Judgement, Life, Marks, Monitor, Readings};
 use spindle_bearing::{Design, FreeContact, Material, Spindle};
+use spindle_monitor::board::ResetCause;
+use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
+use spindle_monitor::loads::LoadSample;
+use spindle_monitor::log::Log;
+use spindle_monitor::retained::{Identity, LIFE_US, Past, Store, VERSION};
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::telemetry::{FrameReader, Payload, Recovery, RetentionReport};
+use spindle_monitor::tick::{NoCycles, NoWatchdog};
+use spindle_monitor::{Judgement, Life, Marks, Monitor, Readings};
 
 static SETTINGS: MonitorSettings = {
     let mut settings = MonitorSettings::new(&B7005C, 16);

@@ -1,6 +1,6 @@
 //! The solve whose answer is known, on the shipped spindle.
 
-use spindle_bearing::monitor::self_check::KnownAnswer;
+use spindle_monitor::self_check::KnownAnswer;
 
 #[path = "../../../examples/firmware/monitored.rs"]
 mod monitored;

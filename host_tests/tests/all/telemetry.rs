@@ -13,13 +13,13 @@ use host_tests::telemetry::state::{HISTORY, State};
 use host_tests::telemetry::{json, simulated};
 use proptest::prelude::*;
 use serde_json::Value;
-use spindle_bearing::monitor::board::{BoardReport, Check, ResetCause};
-use spindle_bearing::monitor::command::{Answer, AnswerCode, Command, Order, PortReader, Received};
-use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
-use spindle_bearing::monitor::telemetry::{
+use spindle_monitor::board::{BoardReport, Check, ResetCause};
+use spindle_monitor::command::{Answer, AnswerCode, Command, Order, PortReader, Received};
+use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
+use spindle_monitor::telemetry::{
     EstimateReport, Frame, HealthReport, HelloReport, Payload, Recovery, VERSION, encode,
 };
-use spindle_bearing::monitor::{Mark, Marks, TemperatureSource};
+use spindle_monitor::{Mark, Marks, TemperatureSource};
 
 pub(super) fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
     let mut decoder = Decoder::new();

@@ -5,12 +5,12 @@ use anyhow::{Context, Result, bail, ensure};
 use object::elf::PT_LOAD;
 use object::read::elf::ProgramHeader;
 use object::{Endianness, Object, ObjectSymbol};
-use spindle_bearing::monitor::self_check::{Checksum, KnownAnswer, Seal};
+use spindle_monitor::self_check::{Checksum, KnownAnswer, Seal};
 
 /// The monitored spindle. Cores do not matter here: its settings ask for one.
 #[path = "."]
 mod spindle {
-    use spindle_bearing::monitor::tick::CycleCost;
+    use spindle_monitor::tick::CycleCost;
     const CORE_HZ: u32 = 168_000_000;
     const COST: CycleCost = CycleCost::CORTEX_M4F;
     #[path = "../../../examples/firmware/monitor_settings.rs"]

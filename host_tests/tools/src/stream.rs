@@ -10,8 +10,8 @@ use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::State;
 use records::Recording;
-use spindle_bearing::monitor::command::{self, Command, ORDER_EVERY};
-use spindle_bearing::monitor::{Alarm, MonitorSettings};
+use spindle_monitor::command::{self, Command, ORDER_EVERY};
+use spindle_monitor::{Alarm, MonitorSettings};
 
 /// Bytes that the link takes in a tick: 460,800 baud for a millisecond.
 pub const ROOM: u16 = 46;

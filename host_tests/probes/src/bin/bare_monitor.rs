@@ -24,13 +24,13 @@ mod bare {
     use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
     use embedded_hal::spi::{self, Operation, SpiDevice};
     use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
-    use spindle_bearing::monitor::board::ResetCause;
-    use spindle_bearing::monitor::loads::{
+    use spindle_monitor::board::ResetCause;
+    use spindle_monitor::loads::{
         Ads131m08, Ads131m08Bridges, FramedLoads, LoadSource, StrainBridge,
     };
-    use spindle_bearing::monitor::speed::{Edges, PulseSpeed, SpeedMethod, SpeedSource};
-    use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
-    use spindle_bearing::monitor::{Alarm, Monitor, Readings, Store};
+    use spindle_monitor::speed::{Edges, PulseSpeed, SpeedMethod, SpeedSource};
+    use spindle_monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
+    use spindle_monitor::{Alarm, Monitor, Readings, Store};
 
     pub const CORE_HZ: u32 = 168_000_000;
     pub const COST: CycleCost = CycleCost::CORTEX_M4F;

@@ -18,12 +18,12 @@ mod bare {
     use super::monitored;
     use core::hint::black_box;
     use probes::{ring, spoiled};
-    use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH, encode};
     use spindle_bearing::{
         AxialSolver, Bearing, Centrifugal, Given, Growth, Motion, RacewayControlFree, Settings,
         Solver, Speed, Static,
     };
     use spindle_bearing::{InnerRaceControl, Limits, OuterRaceControl, Real, elliptic_integrals};
+    use spindle_monitor::record::{FrameReader, MESSAGE_LENGTH, encode};
 
     pub fn run() {
         // The check builds all of these, the last one to see itself fail.

@@ -31,8 +31,8 @@ mod measured {
     use super::monitor_settings::MONITOR;
     use core::hint::black_box;
     use core::mem::MaybeUninit;
-    use spindle_bearing::monitor::Past;
-    use spindle_bearing::monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
+    use spindle_monitor::Past;
+    use spindle_monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
 
     const IS_M7: bool = option_env!("MEASURED_CORE").is_some();
     pub const CORE_HZ: u32 = if IS_M7 { 400_000_000 } else { 168_000_000 };

@@ -2,7 +2,7 @@
 
 use super::records::Recording;
 use host_tests::cases::Random;
-use spindle_bearing::record::{DELIMITER, FRAME_LENGTH, LoadRecord, encode};
+use spindle_monitor::record::{DELIMITER, FRAME_LENGTH, LoadRecord, encode};
 
 /// Everything that comes in a tick.
 struct Line<'r> {
@@ -205,7 +205,7 @@ pub fn damage(record: &LoadRecord, way: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use spindle_bearing::record::{FrameReader, MESSAGE_LENGTH};
+    use spindle_monitor::record::{FrameReader, MESSAGE_LENGTH};
 
     fn record(sequence: u32) -> LoadRecord {
         LoadRecord {

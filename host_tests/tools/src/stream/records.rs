@@ -3,7 +3,7 @@
 use anyhow::{Result, bail};
 use files::import::Wanted;
 use files::recordings::{self, LoadRow};
-use spindle_bearing::record::LoadRecord;
+use spindle_monitor::record::LoadRecord;
 
 /// Input of a run.
 #[derive(Debug, Clone, Default)]

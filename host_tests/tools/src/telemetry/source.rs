@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use host_tests::telemetry::decoder::{Decoder, Event, Gap, Tally};
 use host_tests::telemetry::json;
 use host_tests::telemetry::operator::Operator;
-use spindle_bearing::monitor::telemetry::VERSION;
+use spindle_monitor::telemetry::VERSION;
 use std::fs::File;
 use std::io::ErrorKind::{Interrupted, TimedOut};
 use std::io::{self, BufRead, BufReader, Read, Write};

@@ -16,7 +16,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, Paragraph, Row, Table, Widget, Wrap};
 use serde_json::{Value, json};
-use spindle_bearing::monitor::judgement::AlarmState;
+use spindle_monitor::judgement::AlarmState;
 use std::ops::Range;
 use std::slice;
 use std::sync::mpsc::RecvTimeoutError;

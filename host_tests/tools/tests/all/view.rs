@@ -8,13 +8,13 @@ use host_tests::telemetry::json;
 use host_tests::telemetry::state::State;
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::Color;
-use spindle_bearing::monitor::board::{BoardReport, Check};
-use spindle_bearing::monitor::command::{self, Command, Order, Request};
-use spindle_bearing::monitor::judgement::{Alarm, AlarmChange, AlarmState};
-use spindle_bearing::monitor::telemetry::{
+use spindle_monitor::board::{BoardReport, Check};
+use spindle_monitor::command::{self, Command, Order, Request};
+use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
+use spindle_monitor::telemetry::{
     EstimateReport, HealthReport, HelloReport, Payload, Recovery, RetentionReport, encode,
 };
-use spindle_bearing::monitor::{Mark, Marks};
+use spindle_monitor::{Mark, Marks};
 use std::io::{Cursor, Read, Write};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};

@@ -46,7 +46,7 @@ fn check() -> Result<()> {
     let (h743, others) = rayon::join(
         || {
             let kinds = &Unwanted::IN_DOUBLE;
-            boards(root, Origin::H743, "spindle_monitor_h743", kinds)
+            boards(root, Origin::H743, "spindle_firmware_h743", kinds)
         },
         || {
             be_seen_to_fail(root, &SOLVER)?;
@@ -58,7 +58,7 @@ fn check() -> Result<()> {
                 bare(root, image, None, &Unwanted::BUT_ROOTS)?;
             }
             let kinds = &Unwanted::BUT_ROOTS;
-            boards(root, Origin::F405, "spindle_monitor", kinds)?;
+            boards(root, Origin::F405, "spindle_firmware", kinds)?;
             scenes::check(root)
         },
     );

@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn a_solver_in_single_precision_has_nothing_unwanted() {
         let names = "main spindle_bearing::sqrt::sqrt_f32 libm::math::atan2f::atan2f __aeabi_memcpy4 \
-            __aeabi_fadd __aeabi_uidiv __addsf3 spindle_bearing::record::round __defmt_default_timestamp";
+            __aeabi_fadd __aeabi_uidiv __addsf3 spindle_monitor::record::round __defmt_default_timestamp";
         for name in names.split(' ') {
             assert_eq!(kind(name), None, "{name}");
         }

@@ -59,7 +59,7 @@ impl Firmware {
     pub fn build(root: &Path) -> Result<Self> {
         eprintln!("building the firmware for {TARGET}; the first time takes about a minute");
         let built = Build {
-            program: "spindle_monitor",
+            program: "spindle_firmware",
             ..Build::default()
         }
         .run(root)?;

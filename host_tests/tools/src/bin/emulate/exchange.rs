@@ -5,7 +5,7 @@ use crate::plan::Plan;
 use crate::rows;
 use anyhow::{Result, bail};
 use host_tests::telemetry::decoder::{Decoder, Event};
-use spindle_bearing::monitor::telemetry::{Frame, Payload};
+use spindle_monitor::telemetry::{Frame, Payload};
 use std::io::{self, Write};
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
@@ -123,8 +123,8 @@ fn difference(expected: &[u8], received: &[u8], log: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use spindle_bearing::framing;
-    use spindle_bearing::monitor::telemetry::{FRAME_LENGTH, HealthReport, VERSION};
+    use spindle_monitor::framing;
+    use spindle_monitor::telemetry::{FRAME_LENGTH, HealthReport, VERSION};
 
     fn stream(ticks: [u64; 3]) -> Vec<u8> {
         let mut bytes = Vec::new();

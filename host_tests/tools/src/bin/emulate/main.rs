@@ -29,7 +29,7 @@ use clap::Parser;
 use emulator::Firmware;
 use host_tests::milling_cycle::record_of;
 use plan::Plan;
-use spindle_bearing::monitor::tick::CycleCost;
+use spindle_monitor::tick::CycleCost;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::mpsc;

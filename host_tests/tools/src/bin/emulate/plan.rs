@@ -3,12 +3,12 @@
 use crate::chain::Chain;
 use crate::monitor_settings::MONITOR;
 use anyhow::{Result, ensure};
-use spindle_bearing::monitor::board::Check;
-use spindle_bearing::monitor::command::{self, Command};
-use spindle_bearing::monitor::loads::FrameCounts;
-use spindle_bearing::monitor::telemetry::HealthReport;
-use spindle_bearing::monitor::tick::{NoCycles, NoWatchdog};
-use spindle_bearing::monitor::{BoardReport, Mark, Past};
+use spindle_monitor::board::Check;
+use spindle_monitor::command::{self, Command};
+use spindle_monitor::loads::FrameCounts;
+use spindle_monitor::telemetry::HealthReport;
+use spindle_monitor::tick::{NoCycles, NoWatchdog};
+use spindle_monitor::{BoardReport, Mark, Past};
 use tools::stream::{
     self,
     faults::{Episode, Spoiler},

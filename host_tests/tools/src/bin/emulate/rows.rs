@@ -1,6 +1,6 @@
 //! An estimate as a row of the table.
 
-use spindle_bearing::monitor::telemetry::EstimateReport;
+use spindle_monitor::telemetry::EstimateReport;
 
 /// Names of the five freedoms, in the order of the stiffness matrix.
 const DIRECTIONS: [&str; 5] = ["x", "y", "z", "ty", "tz"];

@@ -4,9 +4,9 @@
 use crate::exchange::Answer;
 use crate::plan::Plan;
 use anyhow::{Context, Result, ensure};
-use spindle_bearing::monitor::judgement::AlarmChange;
-use spindle_bearing::monitor::telemetry::{HealthReport, Payload};
-use spindle_bearing::monitor::{Alarm, Mark};
+use spindle_monitor::judgement::AlarmChange;
+use spindle_monitor::telemetry::{HealthReport, Payload};
+use spindle_monitor::{Alarm, Mark};
 use std::fmt::Write;
 use std::fs;
 use std::iter;

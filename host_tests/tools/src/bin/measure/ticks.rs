@@ -13,9 +13,9 @@ use host_tests::campaign::report::Spread;
 use host_tests::dispatch::Precision;
 use host_tests::milling_cycle::record_of;
 use rayon::prelude::*;
-use spindle_bearing::monitor::Past;
-use spindle_bearing::monitor::tick::{CycleCounter, NoWatchdog, TickSettings};
-use spindle_bearing::record::LoadRecord;
+use spindle_monitor::Past;
+use spindle_monitor::record::LoadRecord;
+use spindle_monitor::tick::{CycleCounter, NoWatchdog, TickSettings};
 use std::collections::VecDeque;
 use std::path::Path;
 use tools::report::Figures;
@@ -36,7 +36,7 @@ macro_rules! board {
         #[path = "."]
         mod $board {
             use super::{Board, Context, Core, Looks, NoWatchdog, Past, Tick};
-            use spindle_bearing::monitor::tick::CycleCost;
+            use spindle_monitor::tick::CycleCost;
             pub const CORE_HZ: u32 = $hz;
             pub const COST: CycleCost = CycleCost::$cost;
             #[path = "../../../../../examples/firmware/chain.rs"]

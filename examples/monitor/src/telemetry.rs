@@ -14,18 +14,18 @@
 //! | [`Payload::Estimate`], [`Payload::Rows`] | at a fixed interval | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
 //!
-//! [`Outbox`](super::outbox::Outbox) is the queue.
+//! [`Outbox`](crate::outbox::Outbox) is the queue.
 
-use super::board::{BoardReport, ResetCause};
-use super::command::Answer;
-use super::judgement::{Alarm, AlarmChange, AlarmState};
-use super::loads::FrameCounts;
-use super::marks::Marks;
-use super::temperature::TemperatureSource;
+use crate::board::{BoardReport, ResetCause};
+use crate::command::Answer;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
-use crate::{Limit, Status};
+use crate::judgement::{Alarm, AlarmChange, AlarmState};
+use crate::loads::FrameCounts;
+use crate::marks::Marks;
+use crate::temperature::TemperatureSource;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
+use spindle_bearing::{Limit, Status};
 
 /// Version of the format.
 pub const VERSION: u8 = 7;
@@ -373,7 +373,7 @@ impl Recovery {
     }
 }
 
-/// Data kept over a power cycle ([`retained`](super::retained)).
+/// Data kept over a power cycle ([`retained`](crate::retained)).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RetentionReport {
@@ -432,9 +432,9 @@ pub type Read = Result<Frame, FrameError>;
 
 #[cfg(test)]
 mod tests {
-    use super::super::board::{Check, ResetCause};
-    use super::super::command::{AnswerCode, Order};
     use super::*;
+    use crate::board::{Check, ResetCause};
+    use crate::command::{AnswerCode, Order};
     use std::vec::Vec as Bytes;
 
     fn longest(payload: Payload) -> Frame {
@@ -463,7 +463,7 @@ mod tests {
     }
 
     fn all_marks() -> Marks {
-        let all = super::super::marks::Mark::ALL.into_iter();
+        let all = crate::marks::Mark::ALL.into_iter();
         all.fold(Marks::NONE, Marks::with)
     }
 
@@ -482,7 +482,7 @@ mod tests {
             least_force: f32::MAX,
             largest_force: f32::MAX,
             status: Status::OutOfRange {
-                quantity: crate::Quantity::Tolerance,
+                quantity: spindle_bearing::Quantity::Tolerance,
                 value: f32::MAX,
                 limit: f32::MAX,
             },

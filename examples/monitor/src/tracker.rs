@@ -7,16 +7,16 @@
 //! A tick may leave a pass between two rows of balls, and the next tick goes on there. A solve that is cut at every row
 //! has the bits of one that is not.
 
-use super::plausibility::GoodSample;
-use super::settings::MonitorSettings;
-use crate::{
+use crate::plausibility::GoodSample;
+use crate::settings::MonitorSettings;
+use spindle_bearing::{
     Growth, RacewayControlFree, Settings, ShaftLoad, Speed, Spindle, SpindleSolution,
     SpindleSolver, Status,
 };
 
 /// Purpose of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Purpose {
+pub(crate) enum Purpose {
     /// An estimate.
     Estimate,
     /// The life that the loads use up: the sample's, times this factor.
@@ -25,23 +25,23 @@ pub(super) enum Purpose {
 
 /// A sample to be solved.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Task<const R: usize> {
-    pub(super) sample: GoodSample,
+pub(crate) struct Task<const R: usize> {
+    pub(crate) sample: GoodSample,
     /// The tick of the sample.
-    pub(super) tick: u64,
-    pub(super) purpose: Purpose,
-    pub(super) growth: [Growth<f32>; R],
+    pub(crate) tick: u64,
+    pub(crate) purpose: Purpose,
+    pub(crate) growth: [Growth<f32>; R],
     /// Rows passed so far.
-    pub(super) rows: u16,
+    pub(crate) rows: u16,
 }
 
 /// An equilibrium of the spindle.
-pub(super) type Solved<'s, const R: usize, const N: usize, const D: usize, const E: usize> =
+pub(crate) type Solved<'s, const R: usize, const N: usize, const D: usize, const E: usize> =
     SpindleSolution<'s, f32, R, N, RacewayControlFree, D, E>;
 
 /// The spindle and its solver.
 #[derive(Debug)]
-pub(super) struct Tracker<const R: usize, const N: usize, const D: usize, const E: usize> {
+pub(crate) struct Tracker<const R: usize, const N: usize, const D: usize, const E: usize> {
     spindle: Spindle<'static, f32, R, N, D, E>,
     solver: SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
     /// The solve that has begun, and has not ended.
@@ -49,7 +49,7 @@ pub(super) struct Tracker<const R: usize, const N: usize, const D: usize, const 
 }
 
 impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, N, D, E> {
-    pub(super) fn new(spindle: Spindle<'static, f32, R, N, D, E>) -> Self {
+    pub(crate) fn new(spindle: Spindle<'static, f32, R, N, D, E>) -> Self {
         Self {
             spindle,
             solver: SpindleSolver::of(),
@@ -58,23 +58,23 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
     }
 
     /// Whether a solve has begun that another sample must wait for.
-    pub(super) const fn is_busy(&self) -> bool {
+    pub(crate) const fn is_busy(&self) -> bool {
         self.begun.is_some()
     }
 
     /// Rows that the solve has passed so far.
-    pub(super) fn rows_passed(&self) -> u16 {
+    pub(crate) fn rows_passed(&self) -> u16 {
         self.begun.as_ref().map_or(0, |task| task.rows)
     }
 
     /// Begins with a task.
-    pub(super) const fn begin(&mut self, task: Task<R>) {
+    pub(crate) const fn begin(&mut self, task: Task<R>) {
         self.begun = Some(task);
     }
 
     /// Goes on with the solve that has begun, for as long as there is `more_time`, which is asked after every row. At its end,
     /// the task with `see` of its equilibrium, or why there is none.
-    pub(super) fn go_on<Seen>(
+    pub(crate) fn go_on<Seen>(
         &mut self,
         settings: &MonitorSettings<R>,
         mut more_time: impl FnMut() -> bool,

@@ -1,12 +1,12 @@
 //! Everything that fits a monitor to one spindle, in one place, for the compiler to check.
 
-use super::judgement::{Alarm, Threshold, Thresholds};
-use super::plausibility::PlausibilitySettings;
-use super::temperature::TemperatureSettings;
-use super::tick::{CycleCost, TickSettings};
-use super::watch::WatchSettings;
-use crate::{Design, Expansion, Growth, LifeRating, Limits};
+use crate::judgement::{Alarm, Threshold, Thresholds};
+use crate::plausibility::PlausibilitySettings;
+use crate::temperature::TemperatureSettings;
+use crate::tick::{CycleCost, TickSettings};
+use crate::watch::WatchSettings;
 use core::fmt;
+use spindle_bearing::{Design, Expansion, Growth, LifeRating, Limits};
 
 /// How often telemetry goes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl RowSettings {
 }
 
 /// Where on the shaft loads are measured and stiffness is wanted: positions along the axis of the
-/// [`Spindle`](crate::Spindle).
+/// [`Spindle`](spindle_bearing::Spindle).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftSettings {
@@ -93,7 +93,7 @@ pub struct ShaftSettings {
 /// Everything that fits a monitor to one spindle with `R` rows of balls.
 ///
 /// ```
-/// use spindle_bearing::monitor::settings::MonitorSettings;
+/// use spindle_monitor::settings::MonitorSettings;
 /// use spindle_bearing::Design;
 /// const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 /// static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN, 16);
@@ -255,7 +255,7 @@ impl<const R: usize> MonitorSettings<R> {
     }
 
     /// Load ratings of the rows.
-    pub(super) fn ratings(&self) -> [LifeRating<f32>; R] {
+    pub(crate) fn ratings(&self) -> [LifeRating<f32>; R] {
         self.rows.each_ref().map(|row| row.rating)
     }
 
@@ -415,7 +415,7 @@ impl<const R: usize> MonitorSettings<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FreeContact, Material};
+    use spindle_bearing::{FreeContact, Material};
 
     const DESIGN: Design = Design {
         ball_diameter: 6.35e-3,

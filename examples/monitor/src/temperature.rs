@@ -11,9 +11,9 @@
 //!
 //! The value in use changes by [`TemperatureSettings::rate`] at most: no estimate jumps when a sensor fails or comes
 //! back. A good value is in its range and near the other side's, and has not changed faster than that rate since the
-//! last good one. [`Alarm::Temperature`](super::Alarm::Temperature) tells how long a side has had none.
+//! last good one. [`Alarm::Temperature`](crate::Alarm::Temperature) tells how long a side has had none.
 
-use super::plausibility::seconds;
+use crate::plausibility::seconds;
 use serde::{Deserialize, Serialize};
 
 /// Bounds of plausible temperatures, and their substitutes.
@@ -94,7 +94,7 @@ struct Side {
 
 /// Both sides, the inner one first.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Temperatures {
+pub(crate) struct Temperatures {
     sides: [Side; 2],
     began_us: Option<u64>,
     last_us: u64,
@@ -102,7 +102,7 @@ pub(super) struct Temperatures {
 
 impl Temperatures {
     /// The spindle as it was built.
-    pub(super) const fn new(settings: Option<&TemperatureSettings>) -> Self {
+    pub(crate) const fn new(settings: Option<&TemperatureSettings>) -> Self {
         let (used, source) = match settings {
             Some(settings) => (settings.reference, TemperatureSource::Held),
             None => (0.0, TemperatureSource::Unused),
@@ -120,7 +120,7 @@ impl Temperatures {
     }
 
     /// Takes a tick's temperatures, degrees Celsius, if there are new ones; a failing sensor gives no number.
-    pub(super) fn judge(
+    pub(crate) fn judge(
         &mut self,
         time_us: u64,
         reading: Option<[f32; 2]>,
@@ -144,17 +144,17 @@ impl Temperatures {
     }
 
     /// Temperatures in use, degrees Celsius.
-    pub(super) fn used(&self) -> [f32; 2] {
+    pub(crate) fn used(&self) -> [f32; 2] {
         self.sides.map(|side| side.used)
     }
 
     /// Where these temperatures come from.
-    pub(super) fn sources(&self) -> [TemperatureSource; 2] {
+    pub(crate) fn sources(&self) -> [TemperatureSource; 2] {
         self.sides.map(|side| side.source)
     }
 
     /// Time since both sides had a good value, s.
-    pub(super) fn age(&self, time_us: u64) -> f32 {
+    pub(crate) fn age(&self, time_us: u64) -> f32 {
         let since = |side: &Side| side.since(self.began_us.unwrap_or(time_us));
         let oldest = self.sides.iter().map(since).min();
         seconds(oldest.unwrap_or(time_us), time_us)

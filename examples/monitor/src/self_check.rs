@@ -4,8 +4,10 @@
 //! another machine has computed it with the same source. Both checks go step by step, so that they fit between ticks.
 
 use crate::framing::CHECKSUM;
-use crate::{RacewayControlFree, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status};
 use crc::Digest;
+use spindle_bearing::{
+    RacewayControlFree, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Status,
+};
 
 /// A checksum of many pieces: CRC-32 (ISO-HDLC), as frames have it.
 #[derive(Clone)]

@@ -19,7 +19,7 @@
 //! whole of a firmware's loop:
 //!
 //! ```
-//! use spindle_bearing::monitor::{
+//! use spindle_monitor::{
 //!     Monitor, Readings,
 //!     loads::{FramedLoads, LoadSource},
 //!     settings::MonitorSettings,
@@ -103,9 +103,15 @@
 //! Filters before the solver (an analogue one belongs before the converter), the spectrum of vibrations,
 //! and lubrication.
 
+#![no_std]
+
+#[cfg(test)]
+extern crate std;
+
 pub mod board;
 pub mod command;
 mod cost;
+pub mod framing;
 pub mod judgement;
 pub mod life;
 pub mod loads;
@@ -113,6 +119,7 @@ pub mod log;
 pub mod marks;
 pub mod outbox;
 pub mod plausibility;
+pub mod record;
 mod reports;
 pub mod retained;
 pub mod self_check;
@@ -135,7 +142,9 @@ pub use settings::{MonitorSettings, RowSettings, SettingsError, ShaftSettings};
 pub use temperature::{TemperatureSettings, TemperatureSource};
 pub use watch::WatchSettings;
 
-use crate::{Growth, RatingLife, Spindle, Status};
+// In signatures.
+pub use heapless;
+
 use command::{Answer, AnswerCode, ORDER_EVERY, Request};
 use embedded_storage::nor_flash::NorFlash;
 use judgement::Levels;
@@ -143,6 +152,7 @@ use loads::FrameCounts;
 use outbox::Outbox;
 use plausibility::Plausibility;
 use reports::Reports;
+use spindle_bearing::{Growth, RatingLife, Spindle, Status};
 use telemetry::{HealthReport, Payload};
 use temperature::Temperatures;
 use tick::{CycleCounter, SolveTime, Ticker, Watchdog};

@@ -156,7 +156,7 @@ pub struct Threshold {
 
 impl Threshold {
     /// `clear` below `raise`, both numbers, `at_once` not below, and `worse` positive.
-    pub(super) const fn is_sound(&self) -> bool {
+    pub(crate) const fn is_sound(&self) -> bool {
         self.raise.is_finite()
             && self.clear.is_finite()
             && self.clear < self.raise

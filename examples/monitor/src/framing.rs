@@ -266,7 +266,6 @@ impl<T, const CAP: usize> FrameReader<T, CAP> {
 }
 
 /// The version `V` of a message, for its first field: another one is not read.
-#[cfg(feature = "monitor")]
 pub(crate) fn version<'de, D: serde::Deserializer<'de>, const V: u8>(
     deserializer: D,
 ) -> Result<u8, D::Error> {

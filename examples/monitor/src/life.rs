@@ -1,6 +1,6 @@
 //! Rating life that has been used up, from the forces on the balls.
 //!
-//! [`LifeRating`](crate::LifeRating) has the formulas of the rating life.
+//! [`LifeRating`](spindle_bearing::LifeRating) has the formulas of the rating life.
 //!
 //! # Life
 //!
@@ -96,7 +96,7 @@ pub struct Life {
 }
 
 /// Most that measured loads count over their range, or over the solved loads; beyond is no load.
-pub(super) const LARGEST_GROWTH: f32 = 10.0;
+pub(crate) const LARGEST_GROWTH: f32 = 10.0;
 
 impl Life {
     /// A new bearing.
@@ -135,7 +135,7 @@ impl Life {
         (self.used.units(), self.revolutions.units())
     }
 
-    /// From now on, these forces act. `damage` is `1 / L10`, per million revolutions, of [`LifeRating`](crate::LifeRating), under loads
+    /// From now on, these forces act. `damage` is `1 / L10`, per million revolutions, of [`LifeRating`](spindle_bearing::LifeRating), under loads
     /// that take this part of their range ([`Life::measure`]); what is no number changes nothing.
     pub const fn set_damage(&mut self, damage: f32, part: f32) {
         if damage.is_finite() {
@@ -150,7 +150,7 @@ impl Life {
     }
 
     /// The measured loads take this part of their range
-    /// ([`PlausibilitySettings::part`](super::plausibility::PlausibilitySettings::part)); 0 if they cannot be believed.
+    /// ([`PlausibilitySettings::part`](crate::plausibility::PlausibilitySettings::part)); 0 if they cannot be believed.
     pub const fn measure(&mut self, part: f32) {
         self.measured = part;
     }

@@ -1,18 +1,18 @@
 //! Reports to the host: when each is due, and the frames that they become.
 
-use super::board::BoardReport;
-use super::judgement::{Alarm, AlarmChange, Changes, Judgement, Level, Thresholds};
-use super::marks::Marks;
-use super::outbox::Outbox;
-use super::retained::Past;
-use super::settings::MonitorSettings;
-use super::telemetry::{
+use crate::board::BoardReport;
+use crate::judgement::{Alarm, AlarmChange, Changes, Judgement, Level, Thresholds};
+use crate::marks::Marks;
+use crate::outbox::Outbox;
+use crate::retained::Past;
+use crate::settings::MonitorSettings;
+use crate::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HelloReport, LIFT_OFF,
     Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, StartReport,
 };
-use super::tracker::{Solved, Task};
-use crate::{BallState, Facing, RowSummary, Spindle, Status, compliance};
+use crate::tracker::{Solved, Task};
 use heapless::Vec;
+use spindle_bearing::{BallState, Facing, RowSummary, Spindle, Status, compliance};
 
 /// Time from one hello to the next, us: for hosts that join in later.
 const HELLO_US: u32 = 60_000_000;
@@ -76,12 +76,12 @@ struct Picture<const N: usize> {
 
 /// Reports, and the outbox that they go into.
 #[derive(Debug)]
-pub(super) struct Reports<const R: usize, const N: usize, const FRAMES: usize> {
-    pub(super) outbox: Outbox<FRAMES>,
+pub(crate) struct Reports<const R: usize, const N: usize, const FRAMES: usize> {
+    pub(crate) outbox: Outbox<FRAMES>,
     hello: HelloReport,
     taken: Option<Taken<R>>,
     /// How the last solve ended.
-    pub(super) status: Status<f32>,
+    pub(crate) status: Status<f32>,
     picture: Option<Picture<N>>,
     /// An estimate is due, and the row whose balls are due.
     wants_estimate: bool,
@@ -90,7 +90,7 @@ pub(super) struct Reports<const R: usize, const N: usize, const FRAMES: usize> {
 }
 
 impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> {
-    pub(super) fn new<const D: usize, const E: usize>(
+    pub(crate) fn new<const D: usize, const E: usize>(
         spindle: &Spindle<'_, f32, R, N, D, E>,
         settings: &MonitorSettings<R>,
     ) -> Self {
@@ -121,12 +121,12 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     }
 
     /// Goes on with the data kept over a power cycle.
-    pub(super) fn set_past(&mut self, past: &Past) {
+    pub(crate) fn set_past(&mut self, past: &Past) {
         self.hello.start = past.start;
     }
 
     /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.
-    pub(super) fn set_board(&mut self, report: BoardReport) {
+    pub(crate) fn set_board(&mut self, report: BoardReport) {
         if report.differs(&self.hello.board) {
             self.due.hello = Every { next_us: 0 };
         }
@@ -134,7 +134,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     }
 
     /// A tick begins: what is due is taken of the next solve.
-    pub(super) fn begin(&mut self, time_us: u64, settings: &MonitorSettings<R>) {
+    pub(crate) fn begin(&mut self, time_us: u64, settings: &MonitorSettings<R>) {
         if self
             .due
             .estimate
@@ -154,12 +154,12 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     }
 
     /// Whether anything is due of the next equilibrium.
-    pub(super) const fn wants_something(&self) -> bool {
+    pub(crate) const fn wants_something(&self) -> bool {
         self.wants_estimate || (self.wanted_row.is_some() && self.picture.is_none())
     }
 
     /// Takes what is due of an equilibrium.
-    pub(super) fn see<const D: usize, const E: usize>(
+    pub(crate) fn see<const D: usize, const E: usize>(
         &mut self,
         task: &Task<R>,
         solution: &Solved<'_, R, N, D, E>,
@@ -192,19 +192,19 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     }
 
     /// The last solve gave no estimate.
-    pub(super) const fn is_unsolved(&self) -> bool {
+    pub(crate) const fn is_unsolved(&self) -> bool {
         !matches!(self.status, Status::Converged | Status::PrecisionLimit)
     }
 
     /// Whether counters are due.
-    pub(super) fn wants_health(&mut self, time_us: u64, settings: &MonitorSettings<R>) -> bool {
+    pub(crate) fn wants_health(&mut self, time_us: u64, settings: &MonitorSettings<R>) -> bool {
         self.due
             .health
             .is_due(time_us, settings.telemetry.health_us)
     }
 
     /// Puts due frames into the outbox, but for counters.
-    pub(super) fn send(
+    pub(crate) fn send(
         &mut self,
         time_us: u64,
         (tick, marks): (u64, Marks),
@@ -279,7 +279,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     }
 
     /// Reports a change of an alarm.
-    pub(super) fn post_alarm(
+    pub(crate) fn post_alarm(
         &mut self,
         time_us: u64,
         alarm: Alarm,

@@ -1,7 +1,7 @@
 //! Cost of a tick on cores that were measured. `cargo reports --check` holds it against the figures of the repository's
 //! page `docs/report.md`.
 
-use super::tick::CycleCost;
+use crate::tick::CycleCost;
 
 impl CycleCost {
     /// Cortex-M4F: modelled.

@@ -1,8 +1,8 @@
 //! Levels of a tick, for the alarms to judge.
 
-use super::judgement::{Alarm, Level, Levels};
-use super::plausibility::seconds;
-use crate::{Facing, Limit, Limits, RowSummary};
+use crate::judgement::{Alarm, Level, Levels};
+use crate::plausibility::seconds;
+use spindle_bearing::{Facing, Limit, Limits, RowSummary};
 
 /// Figures that levels are measured by.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ struct Second {
 
 /// How well the monitor itself sees, second by second.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Watch<const R: usize> {
+pub(crate) struct Watch<const R: usize> {
     /// Number of balls of each row, and whether rows of either facing hold each other.
     balls: [u16; R],
     opposed: bool,
@@ -43,7 +43,7 @@ pub(super) struct Watch<const R: usize> {
 
 impl<const R: usize> Watch<R> {
     /// Of rows of so many balls, and of these facings.
-    pub(super) fn new(balls: &[u16; R], facings: &[Facing; R]) -> Self {
+    pub(crate) fn new(balls: &[u16; R], facings: &[Facing; R]) -> Self {
         Self {
             balls: *balls,
             opposed: facings.iter().any(|facing| *facing != facings[0]),
@@ -60,18 +60,18 @@ impl<const R: usize> Watch<R> {
     }
 
     /// Whether rows of either facing hold each other.
-    pub(super) const fn is_opposed(&self) -> bool {
+    pub(crate) const fn is_opposed(&self) -> bool {
         self.opposed
     }
 
     /// Share of ticks with a fresh estimate in the last second, a part of 1.
-    pub(super) fn availability(&self) -> f32 {
+    pub(crate) fn availability(&self) -> f32 {
         self.last.fresh as f32 / self.last.ticks as f32
     }
 
     /// Takes how well a tick sees: a sample without doubts, a fresh estimate, ticks before it that overran or did not
     /// begin (`missed` since the start).
-    pub(super) fn tick(
+    pub(crate) fn tick(
         &mut self,
         time_us: u64,
         [good, fresh, late]: [bool; 3],
@@ -99,7 +99,7 @@ impl<const R: usize> Watch<R> {
     }
 
     /// Takes the levels of an equilibrium. Balls are counted on from row to row.
-    pub(super) fn rows(
+    pub(crate) fn rows(
         &self,
         rows: &[RowSummary<f32>; R],
         settings: &WatchSettings,
@@ -149,7 +149,7 @@ impl<const R: usize> Watch<R> {
 
 /// The level of measured loads, doubted or not, over the loads that the spindle may carry. None if it is not known: the load that is
 /// missing may be the largest, unless the others `raise` the alarm already.
-pub(super) fn overload(load: &[f32; 5], settings: &WatchSettings, raise: f32) -> Option<f32> {
+pub(crate) fn overload(load: &[f32; 5], settings: &WatchSettings, raise: f32) -> Option<f32> {
     let mut largest = 0.0_f32;
     for (load, most) in load.iter().zip(&settings.overload) {
         if load.is_finite() {

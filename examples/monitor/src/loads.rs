@@ -3,7 +3,7 @@
 //! Read [`LoadSource`] first. [`FramedLoads`] takes the frames of [`record`](crate::record) apart;
 //! [`StrainBridge`] turns the counts of `K` bridges into five loads by a [`Calibration`], after tare and
 //! temperature. Sources tell their own faults: a bus error, a converter at its rail, a damaged
-//! frame. Whether loads make sense is the next stage's to say ([`plausibility`](super::plausibility)).
+//! frame. Whether loads make sense is the next stage's to say ([`plausibility`](crate::plausibility)).
 //!
 //! # The converter
 //!
@@ -26,8 +26,8 @@
 //!
 //! [`BridgeAdc`] is all that another converter has to be.
 
-use super::marks::{Mark, Marks, StuckWatch};
 use crate::framing::FrameError;
+use crate::marks::{Mark, Marks, StuckWatch};
 use crate::record::{FrameReader, LoadRecord, MESSAGE_LENGTH};
 use core::fmt;
 use embedded_hal::delay::DelayNs;

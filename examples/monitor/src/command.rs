@@ -1,7 +1,7 @@
 //! Commands of a host to the monitor, over the port of the load records.
 //!
 //! A command is a frame of [`framing`]. [`encode`] is the host's side. [`PortReader`] is the board's: it tells commands
-//! from load records, which are for [`FramedLoads`](super::loads::FramedLoads), by their length. Commands are shorter
+//! from load records, which are for [`FramedLoads`](crate::loads::FramedLoads), by their length. Commands are shorter
 //! than any record.
 //!
 //! # Requests
@@ -22,8 +22,8 @@
 //! machine. So orders are not authenticated either. An acknowledgement ends no condition, and a life is not forgotten from
 //! afar.
 
-use super::judgement::Alarm;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError, FrameReader};
+use crate::judgement::Alarm;
 use crate::record::{self, LoadRecord};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -54,7 +54,7 @@ pub enum Order {
     Acknowledge {
         /// The alarm.
         alarm: Alarm,
-        /// How often it had been raised ([`AlarmReport::raised`](super::telemetry::AlarmReport::raised)).
+        /// How often it had been raised ([`AlarmReport::raised`](crate::telemetry::AlarmReport::raised)).
         raised: u32,
     },
     /// The bearing was replaced by a new one of the same design: forget the life used.
@@ -157,7 +157,7 @@ impl PortReader {
     ///
     /// # Errors
     ///
-    /// Why a frame was skipped; it counts as a load record ([`FramedLoads::take`](super::loads::FramedLoads::take)).
+    /// Why a frame was skipped; it counts as a load record ([`FramedLoads::take`](crate::loads::FramedLoads::take)).
     #[inline(always)]
     pub fn push(&mut self, byte: u8) -> Option<Result<Received, FrameError>> {
         self.reader.push_with(byte, |content| {

@@ -1,8 +1,8 @@
 //! Data that the monitor keeps over a power cycle: life used, alarms, number of starts.
 //!
-//! [`Store::open`] reads the [`Past`] before ticks begin. [`Monitor::retain`](super::Monitor::retain) sees changes, and
+//! [`Store::open`] reads the [`Past`] before ticks begin. [`Monitor::retain`](crate::Monitor::retain) sees changes, and
 //! [`Store::step`] writes them between ticks, one unit of the flash at a time. The flash is whatever implements
-//! [`NorFlash`]; all of it is the store's, as a [`log`](super::log).
+//! [`NorFlash`]; all of it is the store's, as a [`log`](crate::log).
 //!
 //! There is one kind of record. Each of these reasons writes all of it:
 //!
@@ -28,14 +28,14 @@
 //! halves of 1,365 slots out in 130 years, at 10,000 erases. Power cuts every two minutes, day and night, wear them out
 //! in 13 years, a reset every second in 79 days.
 
-use super::board::ResetCause;
-use super::judgement::{Alarm, Judgement};
-use super::life::Life;
-use super::log::{Log, PAYLOAD};
-pub use super::log::{NorFlash, WriteError};
-use super::telemetry::{Recovery, RetentionReport, StartReport};
-use crate::{Design, Facing, FreeContact, Material};
+use crate::board::ResetCause;
+use crate::judgement::{Alarm, Judgement};
+use crate::life::Life;
+use crate::log::{Log, PAYLOAD};
+pub use crate::log::{NorFlash, WriteError};
+use crate::telemetry::{Recovery, RetentionReport, StartReport};
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use spindle_bearing::{Design, Facing, FreeContact, Material};
 
 /// Version of the records. Alarms are kept by their place in [`Alarm::ALL`].
 pub const VERSION: u8 = 5;
@@ -241,7 +241,7 @@ impl<F: NorFlash> Store<F> {
         (store, past)
     }
 
-    /// Sees new data to be kept, as [`Monitor::retain`](super::Monitor::retain) does, with a monitor of
+    /// Sees new data to be kept, as [`Monitor::retain`](crate::Monitor::retain) does, with a monitor of
     /// one's own. Looks once a second, and else does nothing.
     pub fn look(&mut self, time_us: u64, judgement: &Judgement, life: &Life) {
         if time_us < self.look_us {

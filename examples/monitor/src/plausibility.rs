@@ -14,8 +14,8 @@
 //! as time goes by, it may have come that far. A true step is thus believed after a few samples, and a
 //! spike never.
 
-use super::loads::LoadSample;
-use super::marks::{Mark, Marks, StuckWatch};
+use crate::loads::LoadSample;
+use crate::marks::{Mark, Marks, StuckWatch};
 
 /// Bounds of plausible loads and speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,7 +70,7 @@ pub struct Readings {
     /// Shaft speed from a source of its own, rad/s, if there is one; `Some(None)` if that source fails.
     pub speed: Option<Option<f32>>,
     /// Temperatures of the inner and of the outer side, degrees Celsius, if there are new ones. No number from a sensor
-    /// that fails. See [`temperature`](super::temperature).
+    /// that fails. See [`temperature`](crate::temperature).
     pub temperatures: Option<[f32; 2]>,
 }
 
@@ -179,7 +179,7 @@ impl Plausibility {
     }
 
     /// The speed, if it was believed in the tick of this time.
-    pub(super) fn speed_of(&self, time_us: u64) -> Option<f32> {
+    pub(crate) fn speed_of(&self, time_us: u64) -> Option<f32> {
         let (speed, then) = self.speed?;
         (then == time_us && self.speed_doubts.is_empty()).then_some(speed)
     }
@@ -259,7 +259,7 @@ impl Plausibility {
 }
 
 /// Seconds between two times in us.
-pub(super) fn seconds(from: u64, to: u64) -> f32 {
+pub(crate) fn seconds(from: u64, to: u64) -> f32 {
     let us = to.saturating_sub(from).min(u32::MAX.into()) as u32;
     us as f32 * 1e-6
 }

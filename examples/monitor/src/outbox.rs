@@ -10,10 +10,10 @@
 //! meanwhile. An alarm that stands is sent again at an interval, which makes up for frames that the
 //! link itself loses.
 
-use super::command::Answer;
-use super::judgement::{Alarm, AlarmChange};
-use super::telemetry::{AlarmReport, FRAME_LENGTH, HealthReport, HelloReport, Payload, VERSION};
+use crate::command::Answer;
 use crate::framing;
+use crate::judgement::{Alarm, AlarmChange};
+use crate::telemetry::{AlarmReport, FRAME_LENGTH, HealthReport, HelloReport, Payload, VERSION};
 use heapless::{Deque, Vec};
 use serde::Serialize;
 
@@ -237,9 +237,9 @@ fn encode_numbered(sequence: u32, time_us: u64, payload: &Payload, to: &mut Vec<
 
 #[cfg(test)]
 mod tests {
-    use super::super::judgement::AlarmState;
-    use super::super::telemetry::{EstimateReport, Frame, FrameReader, Read};
     use super::*;
+    use crate::judgement::AlarmState;
+    use crate::telemetry::{EstimateReport, Frame, FrameReader, Read};
     use std::vec::Vec as Bytes;
 
     fn estimate(iterations: u16) -> Payload {

@@ -19,7 +19,7 @@
 //!
 //! Slower than a pitch in the time-out reads as standstill.
 
-use super::tick::Widened;
+use crate::tick::Widened;
 use core::f32::consts::TAU;
 use core::fmt;
 
@@ -276,7 +276,7 @@ impl<P: PulseInput> SpeedSource for PulseSpeed<P> {
         let pitch = self.pitch();
         let size = omega.abs();
         let discriminant = size * size - 2.0 * self.settings.deceleration * pitch;
-        let root = crate::sqrt_f32(discriminant);
+        let root = spindle_bearing::sqrt_f32(discriminant);
         if discriminant > 0.0 {
             // Time to the next pulse under the greatest deceleration; rearranged, so that it is
             // right where deceleration hardly counts.
