@@ -4,7 +4,7 @@
 //! Two kinds of frames come in over one port: load records, and now and then a [`Command`], such as temperatures.
 
 use super::monitor_settings::{IDLE, MONITOR};
-use super::monitored::{BALLS, ROWS, spindle};
+use super::monitored::{BALLS, ROWS, SPINDLE};
 use spindle_bearing::Status;
 use spindle_monitor::command::{Command, PortReader, Received};
 use spindle_monitor::framing::FrameError;
@@ -53,7 +53,7 @@ impl Sensors for FramedLoads {
 
 /// The monitor with its sensors.
 pub struct Chain<S = FramedLoads> {
-    monitor: Monitor<ROWS, BALLS, FRAMES>,
+    monitor: Monitor<ROWS, BALLS, FRAMES, 5, ROWS>,
     sensors: S,
     port: PortReader,
     /// The newest temperatures of the port, until they are taken.
@@ -77,11 +77,8 @@ impl Chain {
 impl<S: Sensors> Chain<S> {
     /// At the beginning, with what was kept over a power cycle.
     pub fn with(sensors: S, past: &Past) -> Self {
-        let Ok(spindle) = spindle() else {
-            unreachable!("the same rows are built by the host's tests");
-        };
         Self {
-            monitor: Monitor::new(spindle, &MONITOR).with_past(past),
+            monitor: Monitor::new(&SPINDLE, &MONITOR).with_past(past),
             sensors,
             port: PortReader::new(),
             temperatures: None,

@@ -3,8 +3,8 @@
 
 use core::f64::consts::PI;
 use spindle_bearing::{
-    Arrangement, Bearing, Design, Facing, FreeContact, Material, Mounted, Preload, Spindle,
-    SpindleError,
+    Arrangement, Bearing, Design, ElasticSpindle, Facing, FreeContact, Material, Mounted, Preload,
+    Section, Shaft, Spindle, Support,
 };
 
 /// Rows of balls: two bearings back to back, or a single one. Set it here, or build with `SPINDLE_ROWS=1` in the
@@ -56,20 +56,51 @@ pub const FACINGS: [Facing; ROWS] = {
     facings
 };
 
-/// Preload, N: of the pair by its spacers; of a single bearing by springs, as a part of its measured load.
+/// Preload, N: of the pair by its spacers, as its rings are ground; of a single bearing by springs, as a part of its measured
+/// load.
 pub const PRELOAD: f64 = if ROWS == 1 { 420.0 } else { 250.0 };
 
-/// The bearings on their shaft.
-///
-/// # Errors
-///
-/// Rows that are not arranged as they are said to be.
-#[allow(dead_code, reason = "not of those who want the bearing alone")]
-pub fn spindle() -> Result<Spindle<'static, f32, ROWS, BALLS>, SpindleError<f32>> {
+/// Diameter of the hollow shaft's bore, m.
+pub const BORE: f64 = 0.01;
+
+/// A shaft of 25 mm, hollow, with a nose of 32 mm.
+static SHAFT: Shaft<f32, 2> = Shaft::<f32, 2>::const_new(
+    &[
+        Section {
+            from: 0.0,
+            to: 0.022,
+            outer: 0.032,
+            inner: BORE,
+        },
+        Section {
+            from: 0.022,
+            to: 0.16,
+            outer: 0.025,
+            inner: BORE,
+        },
+    ],
+    &Material::STEEL,
+);
+
+/// The housing at each row. **To be replaced by your spindle's**, measured or by finite elements: these are made up.
+const SUPPORT: Support<f32> = Support {
+    axial: 400e6,
+    radial: 300e6,
+    tilting: f32::INFINITY,
+};
+
+/// The bearings on the elastic shaft, in their housing.
+pub static SPINDLE: ElasticSpindle<'static, f32, ROWS, BALLS> = {
     let (arrangement, preload) = match ROWS {
         1 => (Arrangement::ByRows, Preload::Closure(0.0)),
         _ => (Arrangement::BackToBack, Preload::Force(PRELOAD as f32)),
     };
-    let mounted = |i| Mounted::new(&BEARING, POSITIONS[i] as f32, FACINGS[i]).with(preload);
-    Spindle::new(arrangement, core::array::from_fn(mounted))
-}
+    let mut rows = [Mounted::new(&BEARING, 0.0, Facing::PlusX); ROWS];
+    let mut row = 0;
+    while row < ROWS {
+        let mounted = Mounted::new(&BEARING, POSITIONS[row] as f32, FACINGS[row]);
+        rows[row] = mounted.with(preload);
+        row += 1;
+    }
+    Spindle::<f32, ROWS, BALLS>::const_new(arrangement, rows).const_elastic(&SHAFT, [SUPPORT; ROWS])
+};

@@ -12,7 +12,8 @@
 //! - **Repeats.** A host that hears no answer sends the very request again. An order that is carried out twice does what it
 //!   does once.
 //! - **State of the spindle.** An acknowledgement says how often the alarm had been raised when somebody saw it. If it was
-//!   raised again since, the acknowledgement is refused. A bearing is replaced at a standstill, while an input of the board says that somebody is at the machine.
+//!   raised again since, the acknowledgement is refused. A bearing is replaced at a standstill, while an input of the board says that
+//!   somebody is at the machine. While it does, somebody may say that the shaft stands, too.
 //! - **Share.** One order is carried out in [`ORDER_EVERY`] ticks, and only if the answer before it is gone: orders cannot
 //!   starve the telemetry. Requests for which there is no room are as ones that were not heard.
 //!
@@ -59,6 +60,8 @@ pub enum Order {
     },
     /// The bearing was replaced by a new one of the same design: forget the life used.
     ReplaceBearing,
+    /// The shaft stands still, though its speed was lost.
+    ShaftStands,
 }
 
 /// An order on its way to the board.
@@ -192,6 +195,7 @@ mod tests {
             })
             .into();
         all.push(ask(Order::ReplaceBearing));
+        all.push(ask(Order::ShaftStands));
         all.extend([0, 1, 127, 128, 46, u16::MAX].map(Command::Tick));
         all
     }

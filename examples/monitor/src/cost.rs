@@ -4,20 +4,20 @@
 use crate::tick::CycleCost;
 
 impl CycleCost {
-    /// Cortex-M4F: modelled.
+    /// Cortex-M4F, rows on an elastic shaft: modelled.
     pub const CORTEX_M4F: Self = Self {
         tick: 12_500,
-        ball: 1_050,
-        ball_report: 740,
-        pass: 9_000,
+        ball: 1_250,
+        ball_report: 1_040,
+        pass: 19_200,
         ball_pass: 2_490,
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
         tick: 9_000,
-        ball: 750,
-        ball_report: 485,
-        pass: 6_500,
+        ball: 880,
+        ball_report: 610,
+        pass: 12_600,
         ball_pass: 1_820,
     };
 }

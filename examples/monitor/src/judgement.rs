@@ -13,36 +13,36 @@
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// Alarms, the most serious first.
+/// Alarms, the most serious first, with their numbers on the wire. A new one takes the next number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Alarm {
     /// Peak contact pressure, Pa.
-    PeakPressure,
+    PeakPressure = 0,
     /// A contact near or past the edge of its shoulder: contact angle less the shoulder's, rad.
-    ContactAngle,
+    ContactAngle = 1,
     /// Gross slip is to be suspected: friction force that the gyroscopic moment calls for over contact
     /// force.
-    Slip,
+    Slip = 2,
     /// Balls off the inner race: their number.
-    UnloadedBalls,
+    UnloadedBalls = 3,
     /// Preload that has grown: in the row with the most, over the mounted preload.
-    PreloadGrowth,
+    PreloadGrowth = 4,
     /// Preload that is lost: in the row with the least, as a part of 1 of the mounted preload.
-    PreloadLoss,
+    PreloadLoss = 5,
     /// Measured loads, doubted or not, over the loads allowed: the largest of five parts of 1.
-    Overload,
+    Overload = 6,
     /// Rating life used up, part of 1.
-    LifeUsed,
+    LifeUsed = 7,
     /// Samples have been doubted for a time: seconds since the last good one.
-    Sensor,
+    Sensor = 8,
     /// A temperature has not been measured for a time: seconds since the last good one.
-    Temperature,
+    Temperature = 9,
     /// The monitor is blind: ticks of a second without a fresh estimate, part of 1.
-    Availability,
+    Availability = 10,
     /// Ticks miss their deadline: how many within the last second or two.
-    Deadline,
+    Deadline = 11,
 }
 
 impl Alarm {

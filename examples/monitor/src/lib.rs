@@ -26,13 +26,17 @@
 //!     speed::{Edges, PulseSpeed, SpeedSettings, SpeedSource},
 //!     tick::{CycleCounter, Watchdog, Widened},
 //! };
-//! use spindle_bearing::{Bearing, Design, Spindle};
+//! use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Spindle};
 //!
 //! const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
 //! static BEARING: Bearing<f32, 16> = match Bearing::<f32, 16>::new(&DESIGN) {
 //!     Ok(bearing) => bearing,
 //!     Err(_) => panic!("this bearing cannot be built"),
 //! };
+//! static SPINDLE: Spindle<f32, 1, 16> = Spindle::<f32, 1, 16>::const_new(
+//!     Arrangement::ByRows,
+//!     [Mounted::new(&BEARING, 0.0, Facing::PlusX)],
+//! );
 //! static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN, 16);
 //! const _: () = assert!(SETTINGS.check().is_ok() && SETTINGS.tick.has_time(1, 16));
 //! const TACHOMETER: SpeedSettings = SpeedSettings {
@@ -57,7 +61,7 @@
 //! # struct Iwdg; impl Watchdog for Iwdg { fn feed(&mut self) {} }
 //! # let (mut board, mut dwt, mut iwdg) = (Board { us: 0 }, Dwt, Iwdg);
 //!
-//! let mut monitor: Monitor<1, 16> = Monitor::new(Spindle::single(&BEARING), &SETTINGS);
+//! let mut monitor: Monitor<1, 16> = Monitor::new(&SPINDLE, &SETTINGS);
 //! // From nothing, a solve takes more iterations than a tick has: once, before ticks begin.
 //! monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).expect("the preload has an equilibrium");
 //! let mut loads = FramedLoads::new();
@@ -226,7 +230,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
 {
     /// A monitor at its beginning: no estimate, no alarm, a new bearing.
     pub fn new(
-        spindle: Spindle<'static, f32, R, N, D, E>,
+        spindle: &'static Spindle<'static, f32, R, N, D, E>,
         settings: &'static MonitorSettings<R>,
     ) -> Self {
         Self {
@@ -235,7 +239,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             temperatures: Temperatures::new(settings.temperatures.as_ref()),
             growth: [Growth::NONE; R],
             ticker: Ticker::new(&settings.tick, &spindle.ball_counts()),
-            reports: Reports::new(&spindle, settings),
+            reports: Reports::new(spindle, settings),
             watch: Watch::new(&spindle.ball_counts(), &spindle.facings()),
             tracker: Tracker::new(spindle),
             waiting: None,
@@ -289,7 +293,11 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
                 self.acknowledge(time_us, alarm);
                 AnswerCode::Done
             }
-            Order::ReplaceBearing if !service => AnswerCode::NotInService,
+            _ if !service => AnswerCode::NotInService,
+            Order::ShaftStands => {
+                self.plausibility.stand(time_us);
+                AnswerCode::Done
+            }
             Order::ReplaceBearing if self.replace_bearing(time_us) => AnswerCode::Done,
             Order::ReplaceBearing => AnswerCode::NotAtStandstill,
         }

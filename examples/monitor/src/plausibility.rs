@@ -12,7 +12,9 @@
 //!
 //! A value that changed too fast is not the new truth at once. It is held against the last good value:
 //! as time goes by, it may have come that far. A true step is thus believed after a few samples, and a
-//! spike never.
+//! spike never. A speed that falls to 0 faster than the shaft can is not believed, however long it reads 0: a tachometer
+//! that fails reads 0, too. The last speed that was believed counts, until the shaft is seen to turn or somebody at the machine
+//! says that it stands.
 
 use crate::loads::LoadSample;
 use crate::marks::{Mark, Marks, StuckWatch};
@@ -38,6 +40,8 @@ pub struct PlausibilitySettings {
     /// Fastest change of speed, rad/s^2, from tick to tick. A source with a new value every few ticks
     /// makes the change of all of them in one.
     pub speed_rate: f32,
+    /// The greatest deceleration of the shaft, rad/s^2: what its brake can do, and more.
+    pub deceleration: f32,
     /// Equal speeds in a row, other than 0, after which the speed is stuck. 0: never, for a control that sends the speed
     /// it commands instead of one it measures.
     pub speed_stuck_after: u16,
@@ -88,6 +92,8 @@ pub struct GoodSample {
 
 /// Speed below which the shaft stands still, rad/s.
 const STANDSTILL: f32 = 1.0;
+/// Time at that speed after which it is believed to stand, us.
+const STANDING_US: u64 = 5_000_000;
 
 /// Holds samples against the bounds of plausible ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,6 +110,10 @@ pub struct Plausibility {
     /// Doubts about the last sample, and about the last speed, which hold until the next one.
     doubts: Marks,
     speed_doubts: Marks,
+    /// The speed fell to 0 faster than the shaft can: whatever it reads, the shaft may turn until it is seen to.
+    lost: bool,
+    /// Since when it has stood, us.
+    standing: Option<u64>,
 }
 
 impl Plausibility {
@@ -118,6 +128,8 @@ impl Plausibility {
             heard: None,
             doubts: Marks::NONE,
             speed_doubts: Marks::NONE.with(Mark::SpeedMissing),
+            lost: false,
+            standing: None,
         }
     }
 
@@ -129,12 +141,17 @@ impl Plausibility {
         }
     }
 
-    /// The shaft stands still, beyond doubt, as of a speed that is not older than `oldest_us`.
+    /// The shaft has stood still for five seconds, beyond doubt, as of a speed that is not older than `oldest_us`.
     pub fn stands_still(&self, time_us: u64, oldest_us: u32) -> bool {
-        let still = |(speed, then): (f32, u64)| {
-            speed.abs() <= STANDSTILL && time_us.saturating_sub(then) <= oldest_us.into()
-        };
-        self.speed.is_some_and(still) && self.speed_doubts.is_empty()
+        let is_new = |(_, then): (f32, u64)| time_us.saturating_sub(then) <= oldest_us.into();
+        let long = |since: u64| time_us.saturating_sub(since) >= STANDING_US;
+        self.standing.is_some_and(long) && self.speed.is_some_and(is_new)
+    }
+
+    /// Somebody at the machine says that the shaft stands still.
+    pub const fn stand(&mut self, time_us: u64) {
+        self.lost = false;
+        self.speed = Some((0.0, time_us));
     }
 
     /// Judges the readings of a tick. With a new sample that nothing speaks against, returns it; without
@@ -243,10 +260,22 @@ impl Plausibility {
             marks.mark_if(!(speed.abs() <= settings.speed), Mark::SpeedRange);
             let stuck = self.speed_stuck.watch([speed.to_bits() as i32]);
             marks.mark_if(stuck && speed != 0.0, Mark::SpeedStuck);
+            let stands = speed.abs() <= STANDSTILL;
             if let Some((last, then)) = self.speed {
-                let change = (speed - last).abs();
-                let allowed = settings.speed_rate * seconds(then, time_us);
-                marks.mark_if(change > allowed, Mark::SpeedRate);
+                let slows = speed.abs() < last.abs() && speed * last >= 0.0;
+                let (rate, slack) = if slows {
+                    (settings.deceleration, STANDSTILL)
+                } else {
+                    (settings.speed_rate, 0.0)
+                };
+                let fast = (speed - last).abs() > rate * seconds(then, time_us) + slack;
+                self.lost = stands && (self.lost || fast);
+                marks.mark_if(fast || self.lost, Mark::SpeedRate);
+            }
+            if !stands || !marks.is_empty() {
+                self.standing = None;
+            } else {
+                self.standing.get_or_insert(time_us);
             }
         } else {
             marks = marks.with(Mark::SpeedMissing);

@@ -8,7 +8,7 @@ use crate::retained::Past;
 use crate::settings::MonitorSettings;
 use crate::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HelloReport, LIFT_OFF,
-    Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, StartReport,
+    Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, StartReport, bit_of,
 };
 use crate::tracker::{Solved, Task};
 use heapless::Vec;
@@ -354,7 +354,9 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
     for row in rows {
         least = least.min(row.inner_force[0]);
         largest = largest.max(row.inner_force[1]);
-        limits |= row.margins.passed().bits();
+        for limit in row.margins.passed().iter() {
+            limits |= bit_of(limit);
+        }
         if opposed && !(row.force[0] > 0.0) {
             limits |= LIFT_OFF;
         }

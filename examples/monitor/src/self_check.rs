@@ -117,7 +117,7 @@ impl ImageCheck {
 /// answers have the same bits on every machine.
 #[derive(Debug)]
 pub struct KnownAnswer<const R: usize, const N: usize, const D: usize = 5, const E: usize = 0> {
-    spindle: Spindle<'static, f32, R, N, D, E>,
+    spindle: &'static Spindle<'static, f32, R, N, D, E>,
     solver: SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
     preload: f32,
     /// Solves that have ended, and steps of the one that has not.
@@ -137,7 +137,7 @@ const MOST_STEPS: u16 = 50;
 
 impl<const R: usize, const N: usize, const D: usize, const E: usize> KnownAnswer<R, N, D, E> {
     /// Of this spindle, under an axial load (N) that it carries in normal use.
-    pub fn new(spindle: Spindle<'static, f32, R, N, D, E>, preload: f32) -> Self {
+    pub fn new(spindle: &'static Spindle<'static, f32, R, N, D, E>, preload: f32) -> Self {
         Self {
             spindle,
             solver: SpindleSolver::of(),
@@ -166,7 +166,7 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> KnownAnswer
         sum.add(&self.sum.to_le_bytes());
         sum.add(&self.steps.to_le_bytes());
         self.steps += 1;
-        match self.solver.solve(&self.spindle, load, speed, &settings) {
+        match self.solver.solve(self.spindle, load, speed, &settings) {
             Err(Status::IterationLimit) if self.steps < MOST_STEPS => return None,
             Err(status) => sum.add(status.name().as_bytes()),
             Ok(solution) => add(&mut sum, &solution),

@@ -217,6 +217,7 @@ impl<const R: usize> MonitorSettings<R> {
                 residual: f32::INFINITY,
                 speed: 5e3,
                 speed_rate: 2e4,
+                deceleration: 4e3,
                 speed_stuck_after: 0,
                 speed_difference: [10.0, 0.02],
             },
@@ -371,6 +372,11 @@ impl<const R: usize> MonitorSettings<R> {
         demand!(
             positive(p.speed_rate),
             "plausibility.speed_rate",
+            "positive"
+        );
+        demand!(
+            positive(p.deceleration),
+            "plausibility.deceleration",
             "positive"
         );
         let [absolute, relative] = p.speed_difference;

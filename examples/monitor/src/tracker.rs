@@ -42,14 +42,14 @@ pub(crate) type Solved<'s, const R: usize, const N: usize, const D: usize, const
 /// The spindle and its solver.
 #[derive(Debug)]
 pub(crate) struct Tracker<const R: usize, const N: usize, const D: usize, const E: usize> {
-    spindle: Spindle<'static, f32, R, N, D, E>,
+    spindle: &'static Spindle<'static, f32, R, N, D, E>,
     solver: SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
     /// The solve that has begun, and has not ended.
     begun: Option<Task<R>>,
 }
 
 impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, N, D, E> {
-    pub(crate) fn new(spindle: Spindle<'static, f32, R, N, D, E>) -> Self {
+    pub(crate) const fn new(spindle: &'static Spindle<'static, f32, R, N, D, E>) -> Self {
         Self {
             spindle,
             solver: SpindleSolver::of(),
@@ -99,7 +99,7 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
         };
         let solved = self
             .solver
-            .solve_while(&self.spindle, &acting, at, &effort, more);
+            .solve_while(self.spindle, &acting, at, &effort, more);
         let seen = match solved {
             Ok(solution) => Ok(see(&task, &solution)),
             Err(Status::IterationLimit) => {

@@ -162,6 +162,7 @@ impl<W: Write> Operator<W> {
 const fn order_of(key: char) -> Option<Order> {
     Some(match key {
         'r' => Order::ReplaceBearing,
+        's' => Order::ShaftStands,
         _ => return None,
     })
 }

@@ -6,7 +6,7 @@
 use anyhow::Result;
 use files::recordings::LoadRow;
 use monitor_settings::{IDLE, MONITOR};
-use monitored::{BALLS, ROWS, spindle};
+use monitored::{BALLS, ROWS, SPINDLE};
 use spindle_monitor::Marks;
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::tick::{CycleCost, NoCycles, NoWatchdog};
@@ -29,7 +29,7 @@ const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
 ///
 /// The shipped spindle cannot be built.
 pub fn stream(rows: &[LoadRow]) -> Result<Vec<u8>> {
-    let mut monitor: Monitor<ROWS, BALLS> = Monitor::new(spindle()?, &MONITOR);
+    let mut monitor: Monitor<ROWS, BALLS, 12, 5, ROWS> = Monitor::new(&SPINDLE, &MONITOR);
     // A start without a solution is one that the first ticks make up for.
     let _ = monitor.prepare(IDLE, 0.0);
     let mut bytes = Vec::new();

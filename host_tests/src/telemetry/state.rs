@@ -58,6 +58,7 @@ pub fn words(order: &Order) -> String {
     match order {
         Order::Acknowledge { alarm, raised } => format!("acknowledge {alarm}, occurrence {raised}"),
         Order::ReplaceBearing => "take the bearing for a new one".into(),
+        Order::ShaftStands => "believe that the shaft stands".into(),
     }
 }
 

@@ -11,8 +11,11 @@ use host_tests::cases::B7005C;
 use host_tests::milling_cycle::{Place, recorded};
 use host_tests::telemetry::simulated::monitor_settings::{MONITOR, TACHOMETER};
 pub(super) use host_tests::telemetry::simulated::monitored::BEARING;
-use host_tests::telemetry::simulated::monitored::{ROWS, spindle};
-use spindle_bearing::{Settings, Solver, Speed, Spindle, SpindleSolver};
+use host_tests::telemetry::simulated::monitored::{ROWS, SPINDLE};
+use spindle_bearing::{
+    Arrangement, Facing, Mounted, RacewayControlFree, Settings, Solver, Speed, Spindle,
+    SpindleSolver,
+};
 use spindle_monitor::command::Answer;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{
@@ -61,6 +64,12 @@ pub(super) static ON_BEARING: MonitorSettings = {
     settings
 };
 
+/// One bearing.
+pub(super) static SINGLE: Spindle<f32, 1, 16> = Spindle::<f32, 1, 16>::const_new(
+    Arrangement::ByRows,
+    [Mounted::new(&BEARING, 0.0, Facing::PlusX)],
+);
+
 pub(super) const IDLE: [f32; 5] = [420.0, 5.0, -8.0, 0.05, -0.1];
 pub(super) const SPEED: f32 = 1500.0;
 
@@ -81,15 +90,18 @@ pub(super) fn at_speed(loads: Result<Option<LoadSample>, Marks>) -> Readings {
 
 /// Cycles as a test says.
 #[derive(Default)]
-struct Counter {
+pub(super) struct Counter {
     now: u32,
+    /// Of a tick, and of each look.
     cost: u32,
+    pub(super) look: u32,
     reads: u32,
 }
 
 impl CycleCounter for Counter {
     fn cycles(&mut self) -> u32 {
         self.reads += 1;
+        self.now = self.now.wrapping_add(self.look);
         if self.reads.is_multiple_of(2) {
             self.now = self.now.wrapping_add(self.cost);
         }
@@ -123,11 +135,11 @@ pub(super) struct Host {
 }
 
 /// A monitor, and a host at the end of its link that knows what must arrive.
-pub(super) struct Rig<const R: usize = 1> {
-    pub(super) monitor: Monitor<R, 16>,
+pub(super) struct Rig<const R: usize = 1, const E: usize = 0> {
+    pub(super) monitor: Monitor<R, 16, 12, 5, E>,
     /// Loads of the idling spindle.
     pub(super) idle: [f32; 5],
-    counter: Counter,
+    pub(super) counter: Counter,
     dog: Dog,
     pub(super) time_us: u64,
     ticks: u64,
@@ -143,7 +155,7 @@ pub(super) struct Rig<const R: usize = 1> {
 
 impl Rig {
     pub(super) fn new(settings: &'static MonitorSettings) -> Self {
-        Self::of(Spindle::single(&BEARING), settings, IDLE)
+        Self::of(&SINGLE, settings, IDLE)
     }
 
     /// At the tests' speed.
@@ -152,16 +164,16 @@ impl Rig {
     }
 }
 
-impl Rig<ROWS> {
+impl Rig<ROWS, ROWS> {
     /// The shipped spindle.
     pub(super) fn shipped() -> Self {
-        Self::of(spindle().unwrap(), &MONITOR, [0.0; 5])
+        Self::of(&SPINDLE, &MONITOR, [0.0; 5])
     }
 }
 
-impl<const R: usize> Rig<R> {
+impl<const R: usize, const E: usize> Rig<R, E> {
     fn of(
-        spindle: Spindle<'static, f32, R, 16>,
+        spindle: &'static Spindle<'static, f32, R, 16, 5, E>,
         settings: &'static MonitorSettings<R>,
         idle: [f32; 5],
     ) -> Self {
@@ -320,7 +332,7 @@ impl<const R: usize> Rig<R> {
     }
 }
 
-impl<const R: usize> Drop for Rig<R> {
+impl<const R: usize, const E: usize> Drop for Rig<R, E> {
     fn drop(&mut self) {
         if !std::thread::panicking() {
             self.no_alarm_is_lost();
@@ -344,6 +356,17 @@ fn assert_stiffness(reported: [f32; 5], load: [f32; 5], within: f32) {
         .unwrap();
     for (i, k) in reported.iter().enumerate() {
         assert_near("stiffness", k / own.stiffness()[i][i], 1.0, within);
+    }
+}
+
+/// The housing gives way: less preload is left than the rings are ground for.
+#[test]
+fn the_preload_that_is_watched_is_the_mounted_spindles() {
+    let mut solver = SpindleSolver::<f32, ROWS, 16, RacewayControlFree, 5, ROWS>::of();
+    let (cold, settings) = (Speed::rad_per_s(0.0), Settings::default());
+    let mounted = solver.solve(&SPINDLE, [0.0; 5], cold, &settings).unwrap();
+    for row in mounted.rows() {
+        assert_near("preload", row.preload() / MONITOR.watch.preload, 1.0, 0.01);
     }
 }
 
@@ -375,10 +398,10 @@ fn the_estimate_of_a_pair_is_its_spindles_own() {
     });
     // Loads are measured at x = 0, where the nose is.
     assert_eq!([MONITOR.shaft.loads_at, MONITOR.shaft.nose], [0.0; 2]);
-    let (mut solver, spindle) = (SpindleSolver::new(), spindle().unwrap());
+    let mut solver = SpindleSolver::new();
     let at = Speed::rad_per_s(report.speed).with_growth(growth);
     let own = solver
-        .solve(&spindle, report.load, at, &Settings::default())
+        .solve(&SPINDLE, report.load, at, &Settings::default())
         .unwrap();
 
     let nose = own.compliance_at(0.0);
@@ -632,7 +655,7 @@ fn loads_without_an_equilibrium_are_refused_with_a_mark_and_cost_nothing_later()
 #[test]
 fn without_a_prepared_start_the_first_ticks_solve_from_nothing() {
     let mut rig = Rig::new(&TIGHT);
-    rig.monitor = Monitor::new(Spindle::single(&BEARING), &TIGHT);
+    rig.monitor = Monitor::new(&SINGLE, &TIGHT);
     let outcome = rig.tick(&at_speed(Ok(None)));
     assert!(outcome.marks.contains(Mark::NoEstimate));
     assert!(rig.host.estimates.is_empty());
@@ -1380,7 +1403,7 @@ fn a_day_passes_without_drift_or_overflow() {
         .sum::<f64>()
         / std::f64::consts::TAU;
 
-    let mut monitor: Monitor<1, 16> = Monitor::new(Spindle::single(&BEARING), &DAY);
+    let mut monitor: Monitor<1, 16> = Monitor::new(&SINGLE, &DAY);
     monitor.outbox().number_from(u32::MAX - 100);
     let (mut counter, mut dog) = (Counter::default(), Dog::default());
     let mut reader = FrameReader::new();
@@ -1456,7 +1479,10 @@ fn a_day_passes_without_drift_or_overflow() {
 /// Memory is what the type has: there is no other.
 #[test]
 fn a_monitor_is_of_a_fixed_size() {
-    const SIZE: [usize; 2] = [size_of::<Monitor<1, 16>>(), size_of::<Monitor<2, 16>>()];
+    const SIZE: [usize; 2] = [
+        size_of::<Monitor<1, 16>>(),
+        size_of::<Monitor<2, 16, 12, 5, 2>>(),
+    ];
     let [one, pair] = SIZE;
     assert!((8_000..17_408).contains(&one), "{one}");
     assert!((one..28_672).contains(&pair), "{pair}");

@@ -4,17 +4,17 @@ use spindle_monitor::self_check::KnownAnswer;
 
 #[path = "../../../examples/firmware/monitored.rs"]
 mod monitored;
-use monitored::{BALLS, ROWS, spindle};
+use monitored::{BALLS, ROWS, SPINDLE};
 
 /// The spindle's preload, N.
 const PRELOAD: f32 = monitored::PRELOAD as f32;
 
-fn known(preload: f32) -> KnownAnswer<ROWS, BALLS> {
-    KnownAnswer::new(spindle().unwrap(), preload)
+fn known(preload: f32) -> KnownAnswer<ROWS, BALLS, 5, ROWS> {
+    KnownAnswer::new(&SPINDLE, preload)
 }
 
 /// The answer's checksum, and the steps to it.
-fn answer(known: &mut KnownAnswer<ROWS, BALLS>) -> (u32, usize) {
+fn answer(known: &mut KnownAnswer<ROWS, BALLS, 5, ROWS>) -> (u32, usize) {
     let mut steps = 1;
     loop {
         match known.step() {

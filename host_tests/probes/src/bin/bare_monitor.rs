@@ -106,13 +106,15 @@ mod bare {
     }
 
     pub fn run() {
-        let Ok(spindle) = monitored::spindle() else {
-            return;
-        };
         let (mut store, past) =
             Store::open(Unknown, black_box(IDENTITY), black_box(ResetCause::Pin));
-        let mut monitor: Monitor<{ monitored::ROWS }, { monitored::BALLS }> =
-            Monitor::new(spindle, &MONITOR).with_past(&past);
+        let mut monitor: Monitor<
+            { monitored::ROWS },
+            { monitored::BALLS },
+            12,
+            5,
+            { monitored::ROWS },
+        > = Monitor::new(&monitored::SPINDLE, &MONITOR).with_past(&past);
         let _ = monitor.prepare(black_box([420.0; 5]), black_box(0.0));
         let mut frames = FramedLoads::new();
         let calibration = black_box(CALIBRATION);

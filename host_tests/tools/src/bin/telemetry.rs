@@ -50,6 +50,10 @@ struct Arguments {
     #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     new_bearing: bool,
 
+    /// The shaft stands still, though its speed was lost, with the board in service; with --view, press s
+    #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
+    shaft_stands: bool,
+
     /// Baud rate of the port
     #[arg(long, value_name = "BAUD", default_value_t = 460_800)]
     baud: u32,
@@ -114,6 +118,9 @@ fn run(arguments: &Arguments) -> Result<()> {
         if arguments.new_bearing {
             operator.want(Order::ReplaceBearing);
         }
+        if arguments.shaft_stands {
+            operator.want(Order::ShaftStands);
+        }
     }
     let shows = arguments.view || arguments.picture.is_some();
     let json = match arguments.json.as_deref() {
@@ -177,7 +184,7 @@ mod tests {
     #[test]
     fn what_a_source_cannot_do_is_refused() {
         let parse = |words: &[&str]| Arguments::try_parse_from([&["telemetry"], words].concat());
-        for order in ["--acknowledge", "--new-bearing"] {
+        for order in ["--acknowledge", "--new-bearing", "--shaft-stands"] {
             let order = &[order][..];
             assert!(parse(&[&["--port", "COM3"], order].concat()).is_ok());
             for source in [&["--simulate"][..], &["--replay", "stream"]] {

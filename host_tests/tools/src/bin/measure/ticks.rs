@@ -172,7 +172,7 @@ impl Board {
 }
 
 impl Costs {
-    /// Cycles besides the passes: of ticks without a new estimate, all but a hundredth, which end a solve for the life alone; of ticks with
+    /// Cycles besides the passes: of ticks without a new estimate, all but a tenth, some of which end a solve for the life alone; of ticks with
     /// one, all but a tenth, and all but a thousandth. Estimates are reported in fewer than a tenth of the ticks.
     fn besides(&self) -> [u64; 3] {
         let of = |ended: bool, one_in: usize| {
@@ -183,7 +183,7 @@ impl Costs {
             let most = besides.len().saturating_sub(1 + besides.len() / one_in);
             besides.get(most).copied().unwrap_or_default()
         };
-        [of(false, 100), of(true, 10), of(true, 1000)]
+        [of(false, 10), of(true, 10), of(true, 1000)]
     }
 
     /// Cycles of the dearest pass over a row.
@@ -218,7 +218,7 @@ pub const MEDIAN: &str = "cycles of a tick, median";
 const MOST: &str = "cycles of a tick, 99 %";
 const WORST: &str = "cycles of a tick, worst";
 const ROW: &str = "cycles of the dearest pass over a row";
-const UNFINISHED: &str = "cycles besides passes, no solve ends, 99 %";
+const UNFINISHED: &str = "cycles besides passes, no solve ends, 90 %";
 const ENDED: &str = "cycles besides passes, a solve ends, 90 %";
 const REPORTED: &str = "cycles besides passes, a solve ends, 99.9 %";
 /// Part by which the constants of the firmware may be above the figures. They are not below.
@@ -345,7 +345,7 @@ pub fn section(measured: &[Costs]) -> String {
          alarms, life, telemetry. The input is the first {SECONDS} s of the recorded cycle with the faults of \
          `cargo emulate --faults`, then {TEETH} ticks of passing teeth. Interrupts and the log are not counted. The telemetry of both \
          cores equals that of the host to the last bit.\n\n{}\n\
-         *Besides* covers everything but the passes over rows of balls: in ticks in which no solve ends, 99 %; in ticks in which one \
+         *Besides* covers everything but the passes over rows of balls: in ticks in which no solve ends, 90 %; in ticks in which one \
          ends, 90 %, and 99.9 %, with reports. A tick begins another row only if the dearest one still fits into a period of 1 ms. A tick beyond the period lets the next one begin late, and is \
          counted as an overrun.\n\n",
         markdown(
