@@ -179,6 +179,18 @@ pub struct Outcome {
     pub changes: Changes,
     /// Whether the tick took longer than its deadline.
     pub overrun: bool,
+    /// Outputs of the board from now on.
+    pub outputs: Outputs,
+}
+
+/// Two outputs for the machine's controller, on while all is well: a wire that breaks is no good news.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Outputs {
+    /// No alarm stands.
+    pub no_alarm: bool,
+    /// There was a fresh estimate within the last second, and no self-check has failed.
+    pub monitored: bool,
 }
 
 /// Growth that is worth telling the solver of, m: a tenth of a newton of preload.
@@ -423,6 +435,12 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             age: self.age(tick),
             changes,
             overrun: self.late,
+            outputs: Outputs {
+                no_alarm: !Alarm::ALL
+                    .iter()
+                    .any(|alarm| self.alarms.alarm(*alarm).stands()),
+                monitored: self.watch.sees(time_us) && !self.reports.is_board_broken(),
+            },
         }
     }
 

@@ -133,6 +133,11 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         self.hello.board = report;
     }
 
+    /// Whether a self-check of the board has failed.
+    pub(crate) fn is_board_broken(&self) -> bool {
+        self.hello.board.is_broken()
+    }
+
     /// A tick begins: what is due is taken of the next solve.
     pub(crate) fn begin(&mut self, time_us: u64, settings: &MonitorSettings<R>) {
         if self

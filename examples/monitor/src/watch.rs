@@ -39,7 +39,12 @@ pub(crate) struct Watch<const R: usize> {
     missed: u64,
     /// When a sample was good last, or when the monitor began, us.
     good_us: Option<u64>,
+    /// When there was a fresh estimate last, us.
+    fresh_us: Option<u64>,
 }
+
+/// Time without a fresh estimate after which the monitor is blind, us.
+const BLIND_US: u64 = 1_000_000;
 
 impl<const R: usize> Watch<R> {
     /// Of rows of so many balls, and of these facings.
@@ -56,7 +61,14 @@ impl<const R: usize> Watch<R> {
             },
             missed: 0,
             good_us: None,
+            fresh_us: None,
         }
+    }
+
+    /// Whether there was a fresh estimate within the last second.
+    pub(crate) fn sees(&self, time_us: u64) -> bool {
+        let is_new = |then: u64| time_us.saturating_sub(then) < BLIND_US;
+        self.fresh_us.is_some_and(is_new)
     }
 
     /// Whether rows of either facing hold each other.
@@ -83,6 +95,9 @@ impl<const R: usize> Watch<R> {
             *good_us = time_us;
         }
         levels.set_value(Alarm::Sensor, seconds(*good_us, time_us));
+        if fresh {
+            self.fresh_us = Some(time_us);
+        }
         let left_out = missed.saturating_sub(self.missed).min(u32::MAX.into()) as u32;
         self.missed = missed;
         let now = &mut self.now;

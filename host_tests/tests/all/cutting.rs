@@ -5,9 +5,10 @@ use host_tests::milling_cycle::{curve, tooth};
 use host_tests::telemetry::simulated::monitor_settings::MONITOR;
 use host_tests::telemetry::simulated::monitored::ROWS;
 use rayon::prelude::*;
+use spindle_monitor::board::Check;
 use spindle_monitor::command::{AnswerCode, ORDER_EVERY, Order, Request};
 use spindle_monitor::judgement::AlarmChange;
-use spindle_monitor::{Alarm, AlarmState, Mark, Outcome};
+use spindle_monitor::{Alarm, AlarmState, BoardReport, Mark, Outcome, Readings};
 
 /// Greatest age of the estimate under these loads, in ticks, and the share of ticks with one that is not older than a tick.
 fn ages<const R: usize, const E: usize>(
@@ -220,6 +221,81 @@ fn a_monitor_that_is_blind_says_so() {
             _ => {}
         }
     }
+}
+
+/// A fault of a spindle that runs well, and the output that it takes away: of alarms, or of the monitor.
+type Trip = (&'static str, fn(&mut Rig) -> Outcome, [bool; 2]);
+
+/// Ticks of each fault. The monitor is blind after a thousand.
+#[test]
+fn each_fault_takes_its_output_away_and_none_comes_back_before_it_may() {
+    const ALARM: [bool; 2] = [false, true];
+    const BOTH: [bool; 2] = [false, false];
+    let trips: [Trip; 7] = [
+        ("nothing", |rig| rig.good(IDLE, SPEED), [true, true]),
+        ("pressure", |rig| pressed(rig, 2500.0), ALARM),
+        ("overload", |rig| pressed(rig, 2e4), BOTH),
+        ("no loads", |rig| rig.tick(&at_speed(Ok(None))), BOTH),
+        (
+            "bus",
+            |rig| rig.tick(&at_speed(Err(Mark::Bus.into()))),
+            BOTH,
+        ),
+        (
+            "no speed",
+            |rig| {
+                let readings = rig.spoilt(|_| ());
+                rig.tick(&Readings {
+                    speed: Some(None),
+                    ..readings
+                })
+            },
+            BOTH,
+        ),
+        (
+            "floating ring",
+            |rig| {
+                let readings = rig.spoilt(|sample| sample.load = [0.0; 5]);
+                rig.tick(&readings)
+            },
+            BOTH,
+        ),
+    ];
+    let outputs = |outcome: Outcome| [outcome.outputs.no_alarm, outcome.outputs.monitored];
+    for (name, trip, expected) in trips {
+        let mut rig = Rig::running(&SETTINGS);
+        assert_eq!(outputs(rig.good(IDLE, SPEED)), [true; 2], "{name}");
+        for _ in 0..990 {
+            let [_, monitored] = outputs(trip(&mut rig));
+            assert!(monitored, "{name}");
+        }
+        for _ in 0..110 {
+            trip(&mut rig);
+        }
+        assert_eq!(outputs(trip(&mut rig)), expected, "{name}");
+        for _ in 0..3000 {
+            rig.good(IDLE, SPEED);
+        }
+        // An alarm stands until somebody has seen it.
+        assert_eq!(
+            outputs(rig.good(IDLE, SPEED)),
+            [expected[0], true],
+            "{name}"
+        );
+        for alarm in Alarm::ALL {
+            rig.monitor.acknowledge(rig.time_us, alarm);
+        }
+        assert_eq!(outputs(rig.good(IDLE, SPEED)), [true; 2], "{name}");
+    }
+    // Before the first estimate, and on a board that is broken.
+    let mut rig = Rig::new(&SETTINGS);
+    assert_eq!(outputs(rig.tick(&at_speed(Ok(None)))), [true, false]);
+    let mut rig = Rig::running(&SETTINGS);
+    rig.monitor.set_board(BoardReport {
+        image: Check::Failed,
+        ..BoardReport::NONE
+    });
+    assert_eq!(outputs(rig.good(IDLE, SPEED)), [true, false]);
 }
 
 /// Outcome of an order.
