@@ -11,41 +11,24 @@
 //! `cargo emulate` runs it without a board, `cargo flash-f405` brings it onto one with an 8 MHz crystal.
 //! `firmware_h743` has the same for another board.
 
-#![cfg_attr(target_os = "none", no_std)]
-#![cfg_attr(target_os = "none", no_main)]
+#![no_std]
+#![no_main]
 
-#[cfg(target_os = "none")]
-mod application;
-#[cfg(target_os = "none")]
 mod board;
-#[cfg(target_os = "none")]
-mod chain;
-#[cfg(target_os = "none")]
-mod monitor_settings;
-#[cfg(target_os = "none")]
-mod monitored;
-#[cfg(target_os = "none")]
-mod self_check;
 
-#[cfg(target_os = "none")]
+use spindle_firmware::application;
+use spindle_firmware::monitor_settings::monitor_settings;
+use spindle_firmware::monitored::ROWS;
+use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::tick::CycleCost;
 
-/// The core's frequency, and the cost of a tick there.
-#[cfg(target_os = "none")]
-const CORE_HZ: u32 = 168_000_000;
-#[cfg(target_os = "none")]
-const COST: CycleCost = CycleCost::CORTEX_M4F;
+/// The monitor's settings on this core.
+static MONITOR: MonitorSettings<ROWS> = monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
 
-#[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    application::run()
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() {
-    println!(
-        "This is firmware for an STM32F405. `cargo emulate` runs it on an emulated one, \
-         `cargo flash-f405` on a board."
-    );
+    let Some(board) = board::start() else {
+        unreachable!("main runs once, and takes the peripherals once");
+    };
+    application::run(board)
 }

@@ -7,25 +7,21 @@
 #![no_std]
 #![no_main]
 
-#[path = "../firmware/application.rs"]
-mod application;
 mod board;
-#[path = "../firmware/chain.rs"]
-mod chain;
-#[path = "../firmware/monitor_settings.rs"]
-mod monitor_settings;
-#[path = "../firmware/monitored.rs"]
-mod monitored;
-#[path = "../firmware/self_check.rs"]
-mod self_check;
 
+use spindle_firmware::application;
+use spindle_firmware::monitor_settings::monitor_settings;
+use spindle_firmware::monitored::ROWS;
+use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::tick::CycleCost;
 
-/// The core's frequency, and the cost of a tick there.
-const CORE_HZ: u32 = 400_000_000;
-const COST: CycleCost = CycleCost::CORTEX_M7;
+/// The monitor's settings on this core.
+static MONITOR: MonitorSettings<ROWS> = monitor_settings(400_000_000, CycleCost::CORTEX_M7);
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    application::run()
+    let Some(board) = board::start() else {
+        unreachable!("main runs once, and takes the peripherals once");
+    };
+    application::run(board)
 }

@@ -23,20 +23,11 @@ const WAIT_STATES: u8 = 5;
 /// A crystal takes 2 ms and the PLL 0.3 ms.
 const PATIENCE: u32 = 100_000;
 
-/// Where the clock comes from.
-#[derive(Clone, Copy, defmt::Format)]
-pub enum Source {
-    /// The crystal, through the PLL.
-    Crystal,
-    /// The internal oscillator: the crystal or the PLL did not start.
-    InternalOscillator,
-}
-
 /// The clock that was reached.
 #[derive(Clone, Copy)]
 pub struct Clock {
     /// Where it comes from.
-    pub source: Source,
+    pub source: &'static str,
     /// Frequency of the core, Hz.
     pub core_hz: u32,
     /// Frequency that USART1 divides its baud rate from, Hz.
@@ -52,7 +43,7 @@ pub struct Clock {
 pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
     if crystal(rcc) && pll(rcc) && wait_states(flash) && switch(rcc) {
         return Clock {
-            source: Source::Crystal,
+            source: "Crystal",
             core_hz: CORE_HZ,
             usart_hz: CORE_HZ / 2,
             log_hz: CORE_HZ / 4,
@@ -63,7 +54,7 @@ pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
     within(PATIENCE, || rcc.cfgr().read().sws().is_hsi());
     rcc.cr().modify(|_, w| w.pllon().off().hseon().off());
     Clock {
-        source: Source::InternalOscillator,
+        source: "InternalOscillator",
         core_hz: INTERNAL_HZ,
         usart_hz: INTERNAL_HZ,
         log_hz: INTERNAL_HZ,

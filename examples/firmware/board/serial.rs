@@ -6,9 +6,10 @@
 #![allow(unsafe_code, reason = "registers shared with an interrupt handler")]
 
 use super::clock::Clock;
-use super::receiver::{Receiver, Sender};
 use super::{pac, within};
 use pac::{GPIOA, Interrupt, NVIC, RCC, USART1, USART2, interrupt};
+use spindle_firmware::log;
+use spindle_firmware::receiver::{Receiver, Sender};
 
 /// Baud rate of both, 8N1. From 84, 42 and 16 MHz alike it is met within 1 %.
 pub const BAUD: u32 = 460_800;
@@ -41,16 +42,17 @@ pub fn start(
     });
 
     let divisor = |hz: u32| ((hz + BAUD / 2) / BAUD) as u16;
-    let (usart, log) = ports;
+    let (usart, of_log) = ports;
     // SAFETY: mantissa and fraction side by side are sixteenths of the divisor by 16, that is,
     // the divisor itself; at 84 MHz it is 182.
     usart
         .brr()
         .write(|w| unsafe { w.bits(divisor(clock.usart_hz)) });
     // SAFETY: likewise, 91 at 42 MHz.
-    log.brr()
+    of_log
+        .brr()
         .write(|w| unsafe { w.bits(divisor(clock.log_hz)) });
-    log.cr1().write(|w| w.ue().enabled().te().enabled());
+    of_log.cr1().write(|w| w.ue().enabled().te().enabled());
     usart.cr1().write(|w| {
         w.ue().enabled().te().enabled().re().enabled();
         w.rxneie().bit(!lock_step)
@@ -59,6 +61,7 @@ pub fn start(
         // SAFETY: the handler shares nothing with the main program but the queue and an atomic.
         unsafe { NVIC::unmask(Interrupt::USART1) };
     }
+    log::start(log_byte, flush_log);
     Some(receiver)
 }
 
@@ -96,7 +99,7 @@ pub fn send(byte: u8) {
 }
 
 /// Sends a byte of the log, or drops it if the transmitter is stuck.
-pub fn log(byte: u8) {
+fn log_byte(byte: u8) {
     let usart = log_registers();
     if within(PATIENCE, || usart.sr().read().txe().bit_is_set()) {
         usart.dr().write(|w| w.dr().set(byte.into()));
@@ -104,7 +107,7 @@ pub fn log(byte: u8) {
 }
 
 /// Waits until the last byte of the log has left.
-pub fn flush_log() {
+fn flush_log() {
     within(PATIENCE, || log_registers().sr().read().tc().bit_is_set());
 }
 

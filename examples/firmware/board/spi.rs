@@ -3,17 +3,13 @@
 #![allow(unsafe_code, reason = "registers without an owner")]
 
 use super::pac::SPI1;
-use super::sensors::Delay;
 use super::within;
-
-/// By the fastest clock.
-pub const DELAY: Delay = Delay { core_mhz: 168 };
 
 /// Looks at the bus before a byte is given up: many times the time of a byte.
 const PATIENCE: u32 = 10_000;
 
 /// Starts it: 84 MHz by 8, of the 25 MHz that the converter takes.
-pub fn start(spi: SPI1) {
+pub fn start(spi: &SPI1) {
     spi.cr1().write(|w| {
         w.mstr().master().br().div8().cpol().idle_low();
         w.cpha().second_edge().ssm().enabled();
@@ -22,6 +18,7 @@ pub fn start(spi: SPI1) {
 }
 
 /// Sends a byte and returns the one that comes in meanwhile; none if the bus is dead.
+#[inline(never)]
 pub fn exchange(byte: u8) -> Option<u8> {
     // SAFETY: it is always there, every access is volatile, and only the main program has any.
     let spi = unsafe { &*SPI1::ptr() };

@@ -7,11 +7,11 @@
 #![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
 
 use super::dog::feed_at_start;
-use super::flash::{Cells, SECTOR};
 use super::{pac, within};
 use core::arch::asm;
 use cortex_m::peripheral::SCB;
 use pac::FLASH;
+use spindle_firmware::flash::{Cells, SECTOR};
 
 /// The first of the two sectors, in its bank: `memory.x` holds its address against it.
 const FIRST: u8 = 6;

@@ -26,22 +26,11 @@ const PROGRAMMING_DELAY: u8 = 2;
 /// A crystal takes 2 ms and the PLL 0.2 ms.
 const PATIENCE: u32 = 100_000;
 
-/// Where the clock comes from.
-#[derive(Clone, Copy, PartialEq, defmt::Format)]
-pub enum Source {
-    /// The oscillator's pins, through the PLL.
-    External,
-    /// The internal oscillator, through the PLL: nothing came in at the pins. Good to 1 % or 2 %.
-    InternalOscillator,
-    /// The internal oscillator as it is: supply or PLL did not get ready.
-    InternalWithoutPll,
-}
-
 /// The clock that was reached.
 #[derive(Clone, Copy)]
 pub struct Clock {
     /// Where it comes from.
-    pub source: Source,
+    pub source: &'static str,
     /// Frequency of the core, Hz.
     pub core_hz: u32,
     /// Frequency that USART3 divides its baud rate from, Hz.
@@ -53,14 +42,14 @@ pub struct Clock {
 /// Goes as fast as the hardware lets it. Expects the chip as a reset leaves it: on the internal
 /// oscillator, with the core supply scaled for slow clocks.
 pub fn start(rcc: &RCC, pwr: &PWR, flash: &FLASH) -> Clock {
-    let source = if external(rcc) {
-        Source::External
-    } else {
-        Source::InternalOscillator
-    };
-    if supply(pwr) && pll(rcc, source) && wait_states(flash) && switch(rcc) {
+    let is_external = external(rcc);
+    if supply(pwr) && pll(rcc, is_external) && wait_states(flash) && switch(rcc) {
         return Clock {
-            source,
+            source: if is_external {
+                "External"
+            } else {
+                "InternalOscillator"
+            },
             core_hz: CORE_HZ,
             usart_hz: CORE_HZ / 4,
             timer_hz: CORE_HZ / 2,
@@ -73,7 +62,7 @@ pub fn start(rcc: &RCC, pwr: &PWR, flash: &FLASH) -> Clock {
     rcc.d3cfgr().reset();
     rcc.cr().modify(|_, w| w.pll1on().off().hseon().off());
     Clock {
-        source: Source::InternalWithoutPll,
+        source: "InternalWithoutPll",
         core_hz: INTERNAL_HZ,
         usart_hz: INTERNAL_HZ,
         timer_hz: INTERNAL_HZ,
@@ -111,14 +100,14 @@ fn supply(pwr: &PWR) -> bool {
     unsafe_code,
     reason = "the register description does not know the ranges of all factors"
 )]
-fn pll(rcc: &RCC, source: Source) -> bool {
+fn pll(rcc: &RCC, is_external: bool) -> bool {
     const {
         assert!(EXTERNAL_HZ.is_multiple_of(COMPARED_HZ) && EXTERNAL_HZ / COMPARED_HZ <= 63);
         assert!(INTERNAL_HZ.is_multiple_of(COMPARED_HZ) && INTERNAL_HZ / COMPARED_HZ <= 63);
         assert!(PLL_N >= 4 && PLL_N <= 512);
     };
     rcc.pllckselr().modify(|_, w| {
-        let divisor = if source == Source::External {
+        let divisor = if is_external {
             w.pllsrc().hse();
             EXTERNAL_HZ / COMPARED_HZ
         } else {

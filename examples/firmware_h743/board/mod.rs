@@ -1,82 +1,52 @@
-//! An STM32H743 as the monitor needs it: a clock, a beat, serial ports, a log, and a way out of a panic. What
-//! does not depend on the chip is the other board's.
+//! An STM32H743 as the monitor needs it: a clock, serial ports, flash, watchdogs and sensors.
 
-#[path = "../../firmware/board/beat.rs"]
-mod beat;
 mod brown_out;
-#[path = "../../firmware/board/bus.rs"]
-mod bus;
 mod cells;
 mod clock;
-#[path = "../../firmware/board/dog.rs"]
 mod dog;
-#[path = "../../firmware/board/faults.rs"]
-mod faults;
-#[path = "../../firmware/board/flash.rs"]
-mod flash;
-#[cfg_attr(not(feature = "rtt"), path = "../../firmware/board/log.rs")]
-#[cfg_attr(feature = "rtt", path = "../../firmware/board/rtt.rs")]
-mod log;
-#[path = "../../firmware/board/memory.rs"]
-mod memory;
-#[path = "../../firmware/board/receiver.rs"]
-mod receiver;
+mod pins;
 mod reset;
-#[path = "../../firmware/board/sensors.rs"]
 mod sensors;
-#[cfg_attr(feature = "rtt", allow(dead_code, reason = "the log's port"))]
 mod serial;
 mod spi;
-#[path = "../../firmware/board/strap.rs"]
-mod strap;
 
-pub use beat::{Cycles, left, start_timer, ticks};
-pub use clock::Clock;
-pub use dog::{Dog, feed_at_start};
-pub use memory::{Stack, image, seal};
-pub use receiver::Receiver;
-pub use sensors::Measured;
-pub use serial::{BAUD, is_free, received, send};
-pub use strap::Service;
-
-/// Flash for what is kept over a power cycle.
-pub type Memory = flash::Flash<cells::Memory>;
-
-use crate::monitor_settings::{BRIDGES, SET_BROWN_OUT};
-use cortex_m::peripheral::SYST;
-use spindle_monitor::board::{BoardReport, ResetCause};
+use crate::MONITOR;
+use spindle_firmware::beat::Cycles;
+use spindle_firmware::board::{Board, Started, within};
+use spindle_firmware::monitor_settings::{BRIDGES, SET_BROWN_OUT};
+use spindle_firmware::monitored::ROWS;
+use spindle_firmware::sensors::Measured;
+use spindle_firmware::strap::{self, Wires};
+use spindle_monitor::board::BoardReport;
+use spindle_monitor::settings::MonitorSettings;
 use stm32h7::stm32h743 as pac;
 
-/// The board once it is started.
-pub struct Board {
-    /// The clock that was reached.
-    pub clock: Clock,
-    /// Receiver of the bytes that come in over the port.
-    pub receiver: Receiver,
-    /// Counts cycles.
-    pub cycles: Cycles,
-    /// The independent watchdog, which runs.
-    pub iwdg: pac::IWDG,
-    /// The window to feed it in: not watched yet.
-    pub window: reset::Window,
-    /// The timer: not started yet.
-    pub timer: SYST,
-    /// PC0 is wired to ground and PC1 to PC2: ticks are asked for over the port.
-    pub lock_step: bool,
-    /// Input by which somebody at the machine lets a bearing be replaced.
-    pub service: Service,
-    /// Report of the board on itself: why it started, and its brown-out level.
-    pub report: BoardReport,
-    /// Why it started.
-    pub reset: ResetCause,
-    /// Strain bridges and tachometer, if they are chosen.
-    pub sensors: Option<Measured>,
-    /// Flash for what is kept over a power cycle.
-    pub memory: Option<Memory>,
+/// The board.
+pub struct Stm32h743;
+
+impl Board for Stm32h743 {
+    const BAUD: u32 = serial::BAUD;
+    const MONITOR: &'static MonitorSettings<ROWS> = &MONITOR;
+
+    type Cells = cells::Memory;
+    type Pins = pins::PortC;
+    type Watchdogs = dog::Watchdogs;
+
+    fn received() -> Option<u8> {
+        serial::received()
+    }
+
+    fn is_free() -> bool {
+        serial::is_free()
+    }
+
+    fn send(byte: u8) {
+        serial::send(byte);
+    }
 }
 
 /// Starts everything but the timer; `None` if it was started before.
-pub fn start() -> Option<Board> {
+pub fn start() -> Option<Started<Stm32h743>> {
     let p = pac::Peripherals::take()?;
     let mut core = cortex_m::Peripherals::take()?;
     // Flash is several cycles away from this core. Nothing here uses DMA, which the data cache would
@@ -94,8 +64,9 @@ pub fn start() -> Option<Board> {
     let cycles = Cycles::start(&mut core.DCB, &mut core.DWT);
     p.RCC.ahb4enr().modify(|_, w| w.gpiocen().enabled());
     let _ = p.RCC.ahb4enr().read();
+    let port = pins::PortC(p.GPIOC);
     let lock_step =
-        strap::is_grounded(&p.GPIOC, clock.core_hz) && strap::is_wired(&p.GPIOC, clock.core_hz);
+        strap::is_grounded(&port, clock.core_hz) && strap::is_wired(&port, clock.core_hz);
     let receiver = serial::start((p.USART3, p.USART2), &p.RCC, &p.GPIOD, &clock, lock_step)?;
     if SET_BROWN_OUT && report.brown_out.is_some_and(|of| of < brown_out::HIGHEST) {
         if brown_out::set(&p.FLASH) {
@@ -112,27 +83,22 @@ pub fn start() -> Option<Board> {
         p.RCC.d2ccip1r().modify(|_, w| w.spi123sel().per());
         p.RCC.apb2enr().modify(|_, w| w.spi1en().enabled());
         let _ = p.RCC.apb2enr().read();
-        spi::start(p.SPI1);
-        sensors::start(p.GPIOA, p.GPIOB, p.TIM2, clock.timer_hz)
+        spi::start(&p.SPI1);
+        sensors::start(&p.GPIOA, &p.GPIOB, &p.TIM2, clock.timer_hz);
+        Measured::start(&sensors::WIRING, MONITOR.plausibility.stuck_after)
     });
-    Some(Board {
-        clock,
+    Some(Started {
+        clock: clock.source,
+        core_hz: clock.core_hz,
         receiver,
         cycles,
-        iwdg: p.IWDG,
-        window: reset::Window,
+        watchdogs: dog::Watchdogs(p.IWDG),
         timer: core.SYST,
         lock_step,
-        service: Service::start(p.GPIOC),
+        wires: Wires::start(port),
         report,
         reset,
         sensors,
-        memory: cells::start(p.FLASH, core.SCB).map(flash::Flash),
+        cells: cells::start(p.FLASH, core.SCB),
     })
-}
-
-/// Whether a condition comes true within `tries` looks at it. Every wait for hardware goes through
-/// here, so that hardware that is broken cannot stop the program.
-fn within(tries: u32, mut condition: impl FnMut() -> bool) -> bool {
-    (0..tries).any(|_| condition())
 }

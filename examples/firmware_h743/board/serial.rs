@@ -4,9 +4,10 @@
 #![allow(unsafe_code, reason = "registers shared with an interrupt handler")]
 
 use super::clock::Clock;
-use super::receiver::{Receiver, Sender};
 use super::{pac, within};
 use pac::{GPIOD, Interrupt, NVIC, RCC, USART2, USART3, interrupt};
+use spindle_firmware::log;
+use spindle_firmware::receiver::{Receiver, Sender};
 
 /// Baud rate of both, 8N1. From 100 MHz and from 64 MHz alike it is met within 0.1 %.
 pub const BAUD: u32 = 460_800;
@@ -39,12 +40,12 @@ pub fn start(
     });
 
     let divisor = (clock.usart_hz + BAUD / 2) / BAUD;
-    let (usart, log) = ports;
+    let (usart, of_log) = ports;
     // SAFETY: with sixteenfold oversampling the register is the divisor; at 100 MHz it is 217.
     usart.brr().write(|w| unsafe { w.bits(divisor) });
     // SAFETY: likewise.
-    log.brr().write(|w| unsafe { w.bits(divisor) });
-    log.cr1().write(|w| w.ue().enabled().te().enabled());
+    of_log.brr().write(|w| unsafe { w.bits(divisor) });
+    of_log.cr1().write(|w| w.ue().enabled().te().enabled());
     usart.cr1().write(|w| {
         w.ue().enabled().te().enabled().re().enabled();
         w.rxneie().bit(!lock_step)
@@ -53,6 +54,7 @@ pub fn start(
         // SAFETY: the handler shares nothing with the main program but the queue and an atomic.
         unsafe { NVIC::unmask(Interrupt::USART3) };
     }
+    log::start(log_byte, flush_log);
     Some(receiver)
 }
 
@@ -90,7 +92,7 @@ pub fn send(byte: u8) {
 }
 
 /// Sends a byte of the log, or drops it if the transmitter is stuck.
-pub fn log(byte: u8) {
+fn log_byte(byte: u8) {
     let usart = log_registers();
     if within(PATIENCE, || usart.isr().read().txe().bit_is_set()) {
         usart.tdr().write(|w| w.tdr().set(byte.into()));
@@ -98,7 +100,7 @@ pub fn log(byte: u8) {
 }
 
 /// Waits until the last byte of the log has left.
-pub fn flush_log() {
+fn flush_log() {
     within(PATIENCE, || log_registers().isr().read().tc().bit_is_set());
 }
 

@@ -3,18 +3,14 @@
 #![allow(unsafe_code, reason = "registers without an owner")]
 
 use super::pac::SPI1;
-use super::sensors::Delay;
 use super::within;
-
-/// By the fastest clock.
-pub const DELAY: Delay = Delay { core_mhz: 400 };
 
 /// Looks at the bus before a byte is given up: many times the time of a byte.
 const PATIENCE: u32 = 10_000;
 
 /// Starts it, on the internal oscillator, which always runs: 64 MHz by 8, of the 25 MHz that the converter
 /// takes.
-pub fn start(spi: SPI1) {
+pub fn start(spi: &SPI1) {
     // SAFETY: eight bits less one.
     spi.cfg1()
         .write(|w| unsafe { w.dsize().bits(7) }.mbr().div8());
@@ -29,6 +25,7 @@ pub fn start(spi: SPI1) {
 }
 
 /// Sends a byte and returns the one that comes in meanwhile; none if the bus is dead.
+#[inline(never)]
 pub fn exchange(byte: u8) -> Option<u8> {
     // SAFETY: it is always there, every access is volatile, and only the main program has any.
     let spi = unsafe { &*SPI1::ptr() };

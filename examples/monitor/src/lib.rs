@@ -4,7 +4,7 @@
 //!
 //! | step | module | gives |
 //! | --- | --- | --- |
-//! | acquisition | [`loads`], [`speed`] | five loads and a speed, or why there are none |
+//! | acquisition | [`loads`] | five loads and a speed, or why there are none |
 //! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of its doubts |
 //! | solve | [`tick`], `tracker` | an equilibrium, in the time that ticks have |
 //! | levels | [`watch`] | a level for each alarm |
@@ -23,7 +23,6 @@
 //!     Monitor, Readings,
 //!     loads::{FramedLoads, LoadSource},
 //!     settings::MonitorSettings,
-//!     speed::{Edges, PulseSpeed, SpeedSettings, SpeedSource},
 //!     tick::{CycleCounter, Watchdog, Widened},
 //! };
 //! use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Spindle};
@@ -39,17 +38,6 @@
 //! );
 //! static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN, 16);
 //! const _: () = assert!(SETTINGS.check().is_ok() && SETTINGS.tick.has_time(1, 16));
-//! const TACHOMETER: SpeedSettings = SpeedSettings {
-//!     pulses_per_revolution: 4,
-//!     timer_hz: 1_000_000,
-//!     timer_bits: 32,
-//!     counter_bits: 16,
-//!     count_above: 400.0,
-//!     period_below: 300.0,
-//!     gate_us: 5000,
-//!     standstill_us: 500_000,
-//!     deceleration: 1000.0,
-//! };
 //! # struct Board { us: u32 }
 //! # impl Board {
 //! #     fn wait_for_tick(&mut self) -> u32 { self.us += 1000; self.us }
@@ -65,7 +53,6 @@
 //! // From nothing, a solve takes more iterations than a tick has: once, before ticks begin.
 //! monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).expect("the preload has an equilibrium");
 //! let mut loads = FramedLoads::new();
-//! let mut tachometer = PulseSpeed::new(Edges::default(), TACHOMETER);
 //! let mut clock = Widened::new(32, 0);
 //! # for _ in 0..3 {
 //! // loop {
@@ -76,7 +63,8 @@
 //!     }
 //!     let readings = Readings {
 //!         loads: loads.sample(time_us),
-//!         speed: Some(tachometer.speed(now).ok().map(|speed| speed.omega)),
+//!         // Records carry the speed.
+//!         speed: None,
 //!         temperatures: None,
 //!     };
 //!     let outcome = monitor.tick(time_us, &readings, &mut dwt, &mut iwdg);
@@ -128,7 +116,6 @@ mod reports;
 pub mod retained;
 pub mod self_check;
 pub mod settings;
-pub mod speed;
 pub mod telemetry;
 pub mod temperature;
 pub mod tick;

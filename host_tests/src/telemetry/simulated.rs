@@ -5,20 +5,16 @@
 
 use anyhow::Result;
 use files::recordings::LoadRow;
-use monitor_settings::{IDLE, MONITOR};
-use monitored::{BALLS, ROWS, SPINDLE};
+use spindle_firmware::monitor_settings::{IDLE, monitor_settings};
+use spindle_firmware::monitored::{BALLS, ROWS, SPINDLE};
 use spindle_monitor::Marks;
 use spindle_monitor::loads::LoadSample;
+use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::tick::{CycleCost, NoCycles, NoWatchdog};
 use spindle_monitor::{Monitor, Readings};
 
-#[path = "../../../examples/firmware/monitor_settings.rs"]
-pub mod monitor_settings;
-#[path = "../../../examples/firmware/monitored.rs"]
-pub mod monitored;
-
-const CORE_HZ: u32 = 168_000_000;
-const COST: CycleCost = CycleCost::CORTEX_M4F;
+/// Settings of the STM32F405's monitor.
+pub static MONITOR: MonitorSettings<ROWS> = monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
 
 /// One revolution per minute.
 const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;

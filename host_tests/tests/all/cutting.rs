@@ -2,9 +2,9 @@
 
 use super::monitor::{IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_nose, at_speed};
 use host_tests::milling_cycle::{curve, tooth};
-use host_tests::telemetry::simulated::monitor_settings::MONITOR;
-use host_tests::telemetry::simulated::monitored::ROWS;
+use host_tests::telemetry::simulated::MONITOR;
 use rayon::prelude::*;
+use spindle_firmware::monitored::ROWS;
 use spindle_monitor::board::Check;
 use spindle_monitor::command::{AnswerCode, ORDER_EVERY, Order, Request};
 use spindle_monitor::judgement::AlarmChange;

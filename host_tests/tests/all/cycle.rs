@@ -3,8 +3,8 @@
 use super::monitor::Rig;
 use files::recordings::LoadRow;
 use host_tests::milling_cycle::{CRASH, Place, recorded};
-use host_tests::telemetry::simulated::monitor_settings::MONITOR;
-use host_tests::telemetry::simulated::monitored::ROWS;
+use host_tests::telemetry::simulated::MONITOR;
+use spindle_firmware::monitored::ROWS;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Outcome, Readings};

@@ -6,8 +6,9 @@ use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::Precision;
-use host_tests::telemetry::simulated::{monitor_settings::MONITOR, monitored};
+use host_tests::telemetry::simulated::MONITOR;
 use spindle_bearing::{Expansion, Growth, Speed};
+use spindle_firmware::monitored;
 use std::path::Path;
 
 const LOAD: [f64; 5] = [60.0, 150.0, -40.0, 0.5, 1.0];

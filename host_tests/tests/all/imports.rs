@@ -67,6 +67,8 @@ fn imports_do_not_go_round() {
     read(&here.join("../src"), "library", "library", &mut modules);
     let monitor = here.join("../examples/monitor/src");
     read(&monitor, "monitor", "monitor", &mut modules);
+    let firmware = here.join("../examples/firmware/src");
+    read(&firmware, "firmware", "firmware", &mut modules);
     read(&here.join("src"), "judge", "judge", &mut modules);
     read(&here.join("files/src"), "files", "files", &mut modules);
     read(&here.join("tools/src"), "tools", "tools", &mut modules);

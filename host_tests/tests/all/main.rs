@@ -36,6 +36,7 @@ mod refusals;
 mod retained;
 mod scenes;
 mod self_check;
+mod sensors;
 mod solution;
 mod solves;
 mod spindles;

@@ -5,6 +5,7 @@ use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind, ReadNorFlash};
 use host_tests::cases::B7005C;
 use host_tests::flash::FailingFlash;
 use spindle_bearing::{Design, FreeContact, Material};
+use spindle_firmware::flash;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
@@ -569,9 +570,6 @@ fn without_a_memory_the_monitor_says_so() {
 }
 
 // --- the boards' flash -------------------------------------------------------------------------
-
-#[path = "../../../examples/firmware/board/flash.rs"]
-mod flash;
 
 /// Cells that write down what is asked of them.
 #[derive(Default)]

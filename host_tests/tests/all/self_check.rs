@@ -1,10 +1,7 @@
 //! The solve whose answer is known, on the shipped spindle.
 
+use spindle_firmware::monitored::{self, BALLS, ROWS, SPINDLE};
 use spindle_monitor::self_check::KnownAnswer;
-
-#[path = "../../../examples/firmware/monitored.rs"]
-mod monitored;
-use monitored::{BALLS, ROWS, SPINDLE};
 
 /// The spindle's preload, N.
 const PRELOAD: f32 = monitored::PRELOAD as f32;

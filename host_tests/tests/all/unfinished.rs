@@ -5,13 +5,13 @@ use super::solves::{SKEW, lengths, vector_error};
 use host_tests::cases::{B7005C, Random};
 use host_tests::compare::stiffness_error;
 use host_tests::milling_cycle::{Place, recorded};
-use host_tests::telemetry::simulated::monitored;
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Bearing, Design, Facing, Given, Growth, Material, Mounted, Preload,
     RacewayControlFree, Real, Section, Settings, Shaft, ShaftLoad, Solver, Speed, Spindle,
     SpindleSolution, SpindleSolver, SprungSpindle, Status, Support,
 };
+use spindle_firmware::monitored;
 use std::f64::consts::TAU;
 
 /// A tick of one bearing: whether it was solved, and the errors of its stiffness, true and as stated.

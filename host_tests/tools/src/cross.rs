@@ -59,7 +59,9 @@ impl Build<'_> {
         let mut command = cargo();
         command.args(["rustc", "--release"]);
         match self.origin {
-            Origin::F405 => command.args(["-p", "spindle_firmware", "--target", TARGET]),
+            Origin::F405 => command
+                .args(["-p", "spindle_firmware", "--features", "f405"])
+                .args(["--target", TARGET]),
             Origin::H743 => command
                 .args(["--manifest-path", "examples/firmware_h743/Cargo.toml"])
                 .args(["--config", "examples/firmware_h743/.cargo/config.toml"]),

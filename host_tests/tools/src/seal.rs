@@ -5,21 +5,8 @@ use anyhow::{Context, Result, bail, ensure};
 use object::elf::PT_LOAD;
 use object::read::elf::ProgramHeader;
 use object::{Endianness, Object, ObjectSymbol};
+use spindle_firmware::monitored;
 use spindle_monitor::self_check::{Checksum, KnownAnswer, Seal};
-
-/// The monitored spindle. Cores do not matter here: its settings ask for one.
-#[path = "."]
-mod spindle {
-    use spindle_monitor::tick::CycleCost;
-    const CORE_HZ: u32 = 168_000_000;
-    const COST: CycleCost = CycleCost::CORTEX_M4F;
-    #[path = "../../../examples/firmware/monitor_settings.rs"]
-    pub mod monitor_settings;
-    #[path = "../../../examples/firmware/monitored.rs"]
-    pub mod monitored;
-}
-
-use spindle::monitored;
 
 /// The symbol of the seal.
 const SYMBOL: &str = "IMAGE_SEAL";

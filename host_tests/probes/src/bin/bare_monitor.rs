@@ -6,34 +6,25 @@
 probes::image!(bare::run, proved: true);
 
 #[cfg(target_os = "none")]
-#[path = "../../../../examples/firmware/monitor_settings.rs"]
-mod monitor_settings;
-#[cfg(target_os = "none")]
-#[path = "../../../../examples/firmware/monitored.rs"]
-mod monitored;
-
-#[cfg(target_os = "none")]
-use bare::{CORE_HZ, COST};
-#[cfg(target_os = "none")]
 mod bare {
-    use super::monitor_settings::{CALIBRATION, IDENTITY, MONITOR, TACHOMETER};
-    use super::monitored;
     use core::convert::Infallible;
     use core::hint::black_box;
     use embedded_hal::delay::DelayNs;
     use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
     use embedded_hal::spi::{self, Operation, SpiDevice};
     use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
+    use spindle_firmware::bridges::{Ads131m08, Ads131m08Bridges, StrainBridge};
+    use spindle_firmware::monitor_settings::{CALIBRATION, IDENTITY, TACHOMETER, monitor_settings};
+    use spindle_firmware::monitored;
+    use spindle_firmware::tachometer::{Edges, PulseSpeed, SpeedMethod, SpeedSource};
     use spindle_monitor::board::ResetCause;
-    use spindle_monitor::loads::{
-        Ads131m08, Ads131m08Bridges, FramedLoads, LoadSource, StrainBridge,
-    };
-    use spindle_monitor::speed::{Edges, PulseSpeed, SpeedMethod, SpeedSource};
+    use spindle_monitor::loads::{FramedLoads, LoadSource};
+    use spindle_monitor::settings::MonitorSettings;
     use spindle_monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
     use spindle_monitor::{Alarm, Monitor, Readings, Store};
 
-    pub const CORE_HZ: u32 = 168_000_000;
-    pub const COST: CycleCost = CycleCost::CORTEX_M4F;
+    static MONITOR: MonitorSettings<{ monitored::ROWS }> =
+        monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
 
     /// Pins, bus, cycles and watchdog that the compiler knows nothing of.
     struct Unknown;

@@ -10,12 +10,7 @@
 probes::image!(bare::run, proved: true);
 
 #[cfg(target_os = "none")]
-#[path = "../../../../examples/firmware/monitored.rs"]
-mod monitored;
-
-#[cfg(target_os = "none")]
 mod bare {
-    use super::monitored;
     use core::hint::black_box;
     use probes::{ring, spoiled};
     use spindle_bearing::{
@@ -23,6 +18,7 @@ mod bare {
         Solver, Speed, Static,
     };
     use spindle_bearing::{InnerRaceControl, Limits, OuterRaceControl, Real, elliptic_integrals};
+    use spindle_firmware::monitored;
     use spindle_monitor::record::{FrameReader, MESSAGE_LENGTH, encode};
 
     pub fn run() {

@@ -9,37 +9,25 @@
 probes::image!(measured::keep, proved: false);
 
 #[cfg(target_os = "none")]
-#[path = "../../../../examples/firmware/chain.rs"]
-mod chain;
-#[cfg(target_os = "none")]
-#[path = "../../../../examples/firmware/monitor_settings.rs"]
-mod monitor_settings;
-#[cfg(target_os = "none")]
-#[path = "../../../../examples/firmware/monitored.rs"]
-mod monitored;
-
-#[cfg(target_os = "none")]
-use measured::{CORE_HZ, COST};
-
-#[cfg(target_os = "none")]
 #[allow(
     unsafe_code,
     reason = "symbols that a debugger finds, in memory that it writes"
 )]
 mod measured {
-    use super::chain::Chain;
-    use super::monitor_settings::MONITOR;
     use core::hint::black_box;
     use core::mem::MaybeUninit;
+    use spindle_firmware::chain::Chain;
+    use spindle_firmware::monitor_settings::{PERIOD_US, monitor_settings};
+    use spindle_firmware::monitored::ROWS;
     use spindle_monitor::Past;
+    use spindle_monitor::settings::MonitorSettings;
     use spindle_monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
 
     const IS_M7: bool = option_env!("MEASURED_CORE").is_some();
-    pub const CORE_HZ: u32 = if IS_M7 { 400_000_000 } else { 168_000_000 };
-    pub const COST: CycleCost = if IS_M7 {
-        CycleCost::CORTEX_M7
+    static MONITOR: MonitorSettings<ROWS> = if IS_M7 {
+        monitor_settings(400_000_000, CycleCost::CORTEX_M7)
     } else {
-        CycleCost::CORTEX_M4F
+        monitor_settings(168_000_000, CycleCost::CORTEX_M4F)
     };
 
     /// Bytes that come in before a tick, at most.
@@ -82,7 +70,7 @@ mod measured {
         // SAFETY: one thread, and no reference to it is left from before.
         let chain = unsafe {
             let chain = (&raw mut CHAIN).cast::<Chain>();
-            chain.write(Chain::new(&Past::default()));
+            chain.write(Chain::new(&Past::default(), &MONITOR));
             &mut *chain
         };
         u32::from(chain.prepare().is_ok())
@@ -111,7 +99,7 @@ mod measured {
             let _ = chain.push(*byte, false);
         }
         let outcome = chain.tick(*time_us, &mut Cycles, &mut NoWatchdog);
-        *time_us = time_us.saturating_add(MONITOR.tick.period_us.into());
+        *time_us = time_us.saturating_add(PERIOD_US.into());
         let mut sent = 0;
         for to in black_box(&mut *output).iter_mut().take(room as usize) {
             let Some(byte) = chain.next_byte() else {

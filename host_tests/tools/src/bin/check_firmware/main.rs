@@ -240,8 +240,16 @@ fn shipped(
     if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
         bail!("this check is blind: it does not see the panics of the firmware's main");
     }
-    let roots = ["recall", "take", "tick", "keep", "check_step"]
-        .map(|function| format!("{name}::application::{function}"));
+    let mut roots = ["recall", "take", "tick", "keep", "check_step"]
+        .map(|function| format!("spindle_firmware::application::{function}"))
+        .to_vec();
+    if sensors.is_some() {
+        // Functions of the board that a tick calls by pointers, which no relocation follows.
+        let functions = ["spi::exchange", "sensors::ready", "sensors::reset"];
+        let others = ["sensors::select", "sensors::now"];
+        let all = functions.iter().chain(&others);
+        roots.extend(all.map(|function| format!("{name}::board::{function}")));
+    }
     let is_root = |name: &str| {
         let is = |root: &String| {
             let rest = name.strip_prefix(root.as_str());

@@ -12,14 +12,8 @@
 //! | `rows` | an estimate as a row of the table |
 //! | `summary` | counts, and the golden file |
 
-#[path = "../../../../../examples/firmware/chain.rs"]
-mod chain;
 mod emulator;
 mod exchange;
-#[path = "../../../../../examples/firmware/monitor_settings.rs"]
-mod monitor_settings;
-#[path = "../../../../../examples/firmware/monitored.rs"]
-mod monitored;
 mod plan;
 mod rows;
 mod summary;
@@ -29,7 +23,8 @@ use clap::Parser;
 use emulator::Firmware;
 use host_tests::milling_cycle::record_of;
 use plan::Plan;
-use spindle_monitor::tick::CycleCost;
+use spindle_firmware::monitor_settings::PERIOD_US;
+use spindle_firmware::monitored;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::mpsc;
@@ -38,10 +33,6 @@ use tools::stream::faults::{self, Spoiler};
 use tools::stream::records;
 use tools::telemetry::session::Session;
 use tools::telemetry::{source, view};
-
-/// The board's core, and the cost of a tick there.
-const CORE_HZ: u32 = 168_000_000;
-const COST: CycleCost = CycleCost::CORTEX_M4F;
 
 /// Status when the run did not show what it should.
 const DISAGREEMENT: u8 = 1;
@@ -114,8 +105,7 @@ fn main() -> ExitCode {
 fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let shipped = || record_of(monitored::ROWS).to_owned();
     let input = arguments.input.clone().unwrap_or_else(shipped);
-    let period_us = monitor_settings::MONITOR.tick.period_us;
-    let recording = records::read(&input, arguments.seconds, period_us)?;
+    let recording = records::read(&input, arguments.seconds, PERIOD_US)?;
     tools::cross::add_target(tools::root())?;
     emulator::find()?;
     let firmware = Firmware::build(tools::root())?;

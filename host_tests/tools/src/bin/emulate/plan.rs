@@ -1,8 +1,8 @@
 //! A run: bytes over the port, tick by tick, and the answers of the host's own build of the same monitor.
 
-use crate::chain::Chain;
-use crate::monitor_settings::MONITOR;
 use anyhow::{Result, ensure};
+use host_tests::telemetry::simulated::MONITOR;
+use spindle_firmware::chain::Chain;
 use spindle_monitor::board::Check;
 use spindle_monitor::command::{self, Command};
 use spindle_monitor::loads::FrameCounts;
@@ -37,7 +37,7 @@ pub fn plan(recording: &Recording, mut spoiler: Spoiler) -> Result<Plan> {
     let mut input = Vec::new();
     let mut expected = Vec::new();
     let mut marks = [0; Mark::ALL.len()];
-    let mut chain = Chain::new(&Past::default());
+    let mut chain = Chain::new(&Past::default(), &MONITOR);
     let prepared = chain.prepare();
     ensure!(prepared.is_ok(), "no equilibrium to start from");
     // Self-checks of a sound emulated board: there is no cause of a reset, and in lock-step no stack is measured.

@@ -12,10 +12,15 @@ use anyhow::{Context, Result, ensure};
 use host_tests::campaign::report::Spread;
 use host_tests::dispatch::Precision;
 use host_tests::milling_cycle::record_of;
+use host_tests::telemetry::simulated::MONITOR as F405;
 use rayon::prelude::*;
+use spindle_firmware::chain::Chain;
+use spindle_firmware::monitor_settings::{PERIOD_US, monitor_settings};
+use spindle_firmware::monitored::{BALLS, ROWS};
 use spindle_monitor::Past;
 use spindle_monitor::record::LoadRecord;
-use spindle_monitor::tick::{CycleCounter, NoWatchdog, TickSettings};
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
 use std::collections::VecDeque;
 use std::path::Path;
 use tools::report::Figures;
@@ -30,48 +35,19 @@ const TEETH: u32 = 4000;
 const INPUT: usize = 1024;
 const OUTPUT: usize = 8192;
 
-/// A board, and the host's own build of its chain.
-macro_rules! board {
-    ($board:ident, $core:ident, $hz:literal, $cost:ident) => {
-        #[path = "."]
-        mod $board {
-            use super::{Board, Context, Core, Looks, NoWatchdog, Past, Tick};
-            use spindle_monitor::tick::CycleCost;
-            pub const CORE_HZ: u32 = $hz;
-            pub const COST: CycleCost = CycleCost::$cost;
-            #[path = "../../../../../examples/firmware/chain.rs"]
-            pub mod chain;
-            #[path = "../../../../../examples/firmware/monitor_settings.rs"]
-            pub mod monitor_settings;
-            #[path = "../../../../../examples/firmware/monitored.rs"]
-            pub mod monitored;
-
-            pub const BOARD: Board = Board {
-                core: Core::$core,
-                settings: &monitor_settings::MONITOR.tick,
-                constant: stringify!($cost),
-                start: || {
-                    let mut chain = chain::Chain::new(&Past::default());
-                    let prepared = chain.prepare().ok();
-                    prepared.context("the host has no equilibrium to start from")?;
-                    let period = u64::from(monitor_settings::MONITOR.tick.period_us);
-                    let mut time_us = 0;
-                    Ok(Box::new(move |tick: &Tick, looks: &[u32]| {
-                        for byte in &tick.bytes {
-                            chain.push(*byte, false);
-                        }
-                        chain.tick(time_us, &mut Looks(looks.iter()), &mut NoWatchdog);
-                        time_us += period;
-                        (0..tick.room).map_while(|_| chain.next_byte()).collect()
-                    }))
-                },
-            };
-        }
-    };
-}
-board!(f405, M4f, 168_000_000, CORTEX_M4F);
-board!(h743, M7, 400_000_000, CORTEX_M7);
-const BOARDS: [Board; 2] = [f405::BOARD, h743::BOARD];
+static H743: MonitorSettings<ROWS> = monitor_settings(400_000_000, CycleCost::CORTEX_M7);
+const BOARDS: [Board; 2] = [
+    Board {
+        core: Core::M4f,
+        settings: &F405,
+        constant: "CORTEX_M4F",
+    },
+    Board {
+        core: Core::M7,
+        settings: &H743,
+        constant: "CORTEX_M7",
+    },
+];
 
 /// A counter that shows what another one has shown; 0 without one.
 struct Looks<'a>(std::slice::Iter<'a, u32>);
@@ -88,11 +64,9 @@ type Telemetry = Box<dyn FnMut(&Tick, &[u32]) -> Vec<u8>>;
 /// A board whose chain is measured.
 struct Board {
     core: Core,
-    settings: &'static TickSettings,
+    settings: &'static MonitorSettings<ROWS>,
     /// Name of the firmware's constant.
     constant: &'static str,
-    /// Starts the host's build.
-    start: fn() -> Result<Telemetry>,
 }
 
 /// The cost of a tick.
@@ -135,12 +109,28 @@ impl Board {
 
     /// Cycles of a period.
     fn period(&self) -> u32 {
-        self.settings.deadline_cycles
+        self.settings.tick.deadline_cycles
+    }
+
+    /// Starts the host's own build of its chain.
+    fn start(&self) -> Result<Telemetry> {
+        let mut chain = Chain::new(&Past::default(), self.settings);
+        let prepared = chain.prepare().ok();
+        prepared.context("the host has no equilibrium to start from")?;
+        let mut time_us = 0;
+        Ok(Box::new(move |tick: &Tick, looks: &[u32]| {
+            for byte in &tick.bytes {
+                chain.push(*byte, false);
+            }
+            chain.tick(time_us, &mut Looks(looks.iter()), &mut NoWatchdog);
+            time_us += u64::from(PERIOD_US);
+            (0..tick.room).map_while(|_| chain.next_byte()).collect()
+        }))
     }
 
     /// Fails if the telemetry of the core is not the host's to the last bit.
     fn measure(&'static self, image: &Image, ticks: &[Tick]) -> Result<Costs> {
-        let mut host = (self.start)()?;
+        let mut host = self.start()?;
         let mut machine = Machine::new(self.core, image)?;
         let (prepared, _) = machine.call(image.symbol("measured_prepare")?)?;
         ensure!(prepared == 1, "the core has no equilibrium to start from");
@@ -240,7 +230,7 @@ fn teeth(before: &[LoadRecord]) -> Vec<LoadRecord> {
     let Some(last) = before.last() else {
         return Vec::new();
     };
-    let (held, part, arm) = match f405::monitored::ROWS {
+    let (held, part, arm) = match ROWS {
         1 => (420.0, 1.0, 0.0),
         _ => (0.0, 0.55, -0.05),
     };
@@ -285,9 +275,8 @@ fn paced(ticks: Vec<Tick>) -> Vec<Tick> {
 
 /// Measures all boards.
 pub fn measure(root: &Path) -> Result<Vec<Costs>> {
-    let settings = &f405::monitor_settings::MONITOR;
-    let record = record_of(f405::monitored::ROWS);
-    let mut recording = records::read(record, Some(SECONDS), settings.tick.period_us)?;
+    let record = record_of(ROWS);
+    let mut recording = records::read(record, Some(SECONDS), PERIOD_US)?;
     let episodes = faults::schedule(SEED, &recording.records);
     let mut spoiler = Spoiler::new(SEED, episodes);
     let teeth = teeth(&recording.records);
@@ -297,10 +286,8 @@ pub fn measure(root: &Path) -> Result<Vec<Costs>> {
             .temperatures
             .resize(recording.records.len(), *last);
     }
-    let mut board = (f405::BOARD.start)()?;
-    let ticks = stream::ticks(&recording, &mut spoiler, settings, |tick| {
-        Ok(board(tick, &[]))
-    })?;
+    let mut board = BOARDS[0].start()?;
+    let ticks = stream::ticks(&recording, &mut spoiler, &F405, |tick| Ok(board(tick, &[])))?;
     let ticks = paced(ticks);
     let images = BOARDS
         .iter()
@@ -341,7 +328,7 @@ pub fn section(measured: &[Costs]) -> String {
     let lines: Vec<Vec<String>> = measured.iter().map(line).collect();
     format!(
         "## A tick of the monitor\n\n\
-         Cycles of the shipped firmware's chain (`examples/firmware/chain.rs`): bytes of the port, the passes of a solve, limits, \
+         Cycles of the shipped firmware's chain (`examples/firmware/src/chain.rs`): bytes of the port, the passes of a solve, limits, \
          alarms, life, telemetry. The input is the first {SECONDS} s of the recorded cycle with the faults of \
          `cargo emulate --faults`, then {TEETH} ticks of passing teeth. Interrupts and the log are not counted. The telemetry of both \
          cores equals that of the host to the last bit.\n\n{}\n\
@@ -357,9 +344,9 @@ pub fn section(measured: &[Costs]) -> String {
 
 /// Constants of the firmware's deadline that are below these figures, or far above them.
 pub fn other_constants(figures: &Figures) -> Vec<String> {
-    let (rows, balls) = (f405::monitored::ROWS as u32, f405::monitored::BALLS as u32);
+    let (rows, balls) = (ROWS as u32, BALLS as u32);
     let of_board = |board: &Board| {
-        let cost = board.settings.cost;
+        let cost = board.settings.tick.cost;
         let all = rows * balls;
         let said = [
             (UNFINISHED, cost.tick),
@@ -396,7 +383,7 @@ mod tests {
     #[test]
     fn constants_that_do_not_fit_the_figures_are_named() {
         let board = &BOARDS[0];
-        let row = u64::from(board.settings.cost.row(f405::monitored::BALLS as u32));
+        let row = u64::from(board.settings.tick.cost.row(BALLS as u32));
         let figures = |row: u64| Figures::from([(format!("{}: {ROW}", board.name()), row)]);
         assert!(other_constants(&figures(row)).is_empty());
         for other in [row + 1, row / 2] {

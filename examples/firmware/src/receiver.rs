@@ -40,6 +40,7 @@ impl Receiver {
 }
 
 /// The interrupt handler's side, which it keeps between interrupts.
+#[derive(Default)]
 pub struct Sender(Option<Producer<'static, u8>>);
 
 impl Sender {

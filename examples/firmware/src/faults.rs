@@ -1,7 +1,8 @@
-//! Ways out of a panic, of a fault, and of an interrupt that nobody handles. A monitor is without its operator: say
-//! what happened, and start again. The next start reports a reset by software.
+//! Ways out of a panic, of a fault, and of an interrupt that nobody handles.
+//!
+//! A monitor is without its operator: say what happened, and start again. The next start reports a reset by software.
 
-use super::log;
+use crate::log;
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::SCB;

@@ -1,26 +1,25 @@
-//! The monitor's application, the same on every board: loads and speed in, alarms and telemetry out. The
-//! board is `super::board`, the spindle `super::monitored` and `super::monitor_settings`, and all that needs no
-//! hardware `super::chain`.
+//! The monitor's application, the same on every board: loads and speed in, alarms and telemetry out.
 
-use super::board::{self, Board, Cycles, Dog, Measured, Memory};
-use super::chain::{Chain, Sensors};
-use super::monitor_settings::{BRIDGES, IDENTITY, MONITOR};
-use super::self_check::SelfCheck;
+use crate::beat::{self, Cycles};
+use crate::board::{Board, Started};
+use crate::chain::{Chain, Sensors};
+use crate::dog::{Dog, feed_at_start};
+use crate::flash::{Cells, Flash};
+use crate::monitor_settings::{BRIDGES, IDENTITY, PERIOD_US};
+use crate::self_check::SelfCheck;
+use crate::sensors::Measured;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::retained::WriteError;
 use spindle_monitor::tick::{Watchdog, Widened};
 use spindle_monitor::{Outcome, Past, Store};
 
 /// Takes the board, and never gives it back.
-pub fn run() -> ! {
-    let Some(mut board) = board::start() else {
-        unreachable!("main runs once, and takes the peripherals once");
-    };
+pub fn run<B: Board>(mut board: Started<B>) -> ! {
     defmt::info!(
-        "ready: core at {=u32} MHz, clock {}, {=u32} baud, ticks by {=str}",
-        board.clock.core_hz / 1_000_000,
-        board.clock.source,
-        board::BAUD,
+        "ready: core at {=u32} MHz, clock {=str}, {=u32} baud, ticks by {=str}",
+        board.core_hz / 1_000_000,
+        board.clock,
+        B::BAUD,
         if board.lock_step {
             "the port"
         } else {
@@ -33,21 +32,22 @@ pub fn run() -> ! {
             "brown-out reset is off: the chip runs on where the supply is too low for its flash"
         );
     }
-    board::feed_at_start();
-    let (keeper, past) = Keeper::start(board.memory.take(), board.reset, board.clock.core_hz);
+    feed_at_start::<B::Watchdogs>();
+    let (keeper, past) = Keeper::start(board.cells.take(), board.reset, board.core_hz);
     // The compiler leaves out what is not chosen.
     if BRIDGES && let Some(sensors) = board.sensors.take() {
-        let chain = cortex_m::singleton!(: Chain<Measured> = Chain::with(sensors, &past));
+        let chain =
+            cortex_m::singleton!(: Chain<Measured> = Chain::with(sensors, &past, B::MONITOR));
         with(chain, board, keeper)
     } else {
-        let chain = cortex_m::singleton!(: Chain = Chain::new(&past));
+        let chain = cortex_m::singleton!(: Chain = Chain::new(&past, B::MONITOR));
         with(chain, board, keeper)
     }
 }
 
 /// Keeps life and alarms over a power cycle, where the board has a memory for them.
-struct Keeper {
-    store: Option<Store<Memory>>,
+struct Keeper<C> {
+    store: Option<Store<Flash<C>>>,
     /// Cycles of the core that a step may take.
     step: u32,
     /// Ticks since there was time for one.
@@ -62,16 +62,16 @@ const STEP_US: u32 = 300;
 /// A core that is always late takes the time for a step after so many ticks.
 const PATIENCE: u16 = 1000;
 
-impl Keeper {
+impl<C: Cells> Keeper<C> {
     /// Reads what was kept. May take some seconds, if there is something to erase.
-    fn start(memory: Option<Memory>, cause: ResetCause, core_hz: u32) -> (Self, Past) {
-        let (store, past) = match memory {
+    fn start(cells: Option<C>, cause: ResetCause, core_hz: u32) -> (Self, Past) {
+        let (store, past) = match cells {
             None => {
                 defmt::warn!("no flash to write: life and alarms are lost with the power");
                 (None, Past::without_memory(cause))
             }
-            Some(memory) => {
-                let (store, past) = recall(memory, cause);
+            Some(cells) => {
+                let (store, past) = recall(cells, cause);
                 let report = store.report();
                 defmt::info!(
                     "start {=u32}, life and alarms over the power cycle: {=str}, {=u16} damaged records",
@@ -132,22 +132,27 @@ impl Keeper {
 }
 
 /// Runs a chain.
-fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, mut board: Board, keeper: Keeper) -> ! {
+fn with<B: Board, S: Sensors>(
+    chain: Option<&'static mut Chain<S>>,
+    mut board: Started<B>,
+    keeper: Keeper<B::Cells>,
+) -> ! {
     let Some(chain) = chain else {
         unreachable!("main runs once, and makes one monitor");
     };
-    board::feed_at_start();
+    feed_at_start::<B::Watchdogs>();
     if let Err(status) = chain.prepare() {
         defmt::warn!("no equilibrium to start from: {=str}", status.name());
     }
-    let core_hz = board.clock.core_hz;
-    let started = SelfCheck::start(board.report, board.lock_step, core_hz, &mut board.cycles);
+    let (lock_step, core_hz) = (board.lock_step, board.core_hz);
+    let started =
+        SelfCheck::start::<B::Watchdogs>(board.report, lock_step, core_hz, &mut board.cycles);
     let Some(checks) = cortex_m::singleton!(: SelfCheck = started) else {
         unreachable!("main runs once, and checks one board");
     };
     chain.set_board(checks.report());
-    board::feed_at_start();
-    if board.lock_step {
+    feed_at_start::<B::Watchdogs>();
+    if lock_step {
         in_lock_step(chain, board, keeper, checks)
     } else {
         by_the_timer(chain, board, keeper, checks)
@@ -155,29 +160,29 @@ fn with<S: Sensors>(chain: Option<&'static mut Chain<S>>, mut board: Board, keep
 }
 
 /// Ticks by the timer. Between them, bytes come in and go out.
-fn by_the_timer<S: Sensors>(
+fn by_the_timer<B: Board, S: Sensors>(
     chain: &mut Chain<S>,
-    mut board: Board,
-    mut keeper: Keeper,
+    mut board: Started<B>,
+    mut keeper: Keeper<B::Cells>,
     checks: &mut SelfCheck,
 ) -> ! {
-    board::start_timer(board.timer, board.clock.core_hz, MONITOR.tick.period_us);
-    let mut dog = Dog::strict(board.iwdg, board.window, &board.clock);
-    let mut last = board::ticks();
+    beat::start_timer(board.timer, board.core_hz, PERIOD_US);
+    let mut dog = Dog::strict(board.watchdogs);
+    let mut last = beat::ticks();
     let mut clock = Widened::new(32, last);
     let mut lost = 0;
     loop {
         while let Some(byte) = board.receiver.byte() {
-            take(chain, byte, board.service.is_on());
+            take(chain, byte, board.wires.is_in_service());
         }
-        if board::is_free()
+        if B::is_free()
             && let Some(byte) = chain.next_byte()
         {
-            board::send(byte);
+            B::send(byte);
         }
         // First, so that after a tick that comes in between it is not the time until the next one.
-        let left = board::left();
-        let now = board::ticks();
+        let left = beat::left();
+        let now = beat::ticks();
         if now == last {
             if !keeper.step_within(left) {
                 check(checks, left, chain);
@@ -185,8 +190,9 @@ fn by_the_timer<S: Sensors>(
             continue;
         }
         last = now;
-        let time_us = clock.at(now).saturating_mul(MONITOR.tick.period_us.into());
+        let time_us = clock.at(now).saturating_mul(PERIOD_US.into());
         let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
+        board.wires.put_out(&outcome.outputs);
         tell(&outcome);
         keeper.look(chain);
         checks.ticked();
@@ -199,16 +205,16 @@ fn by_the_timer<S: Sensors>(
 
 /// Ticks as they are asked for: the monitor's work is then a matter of the bytes alone, and can be held
 /// against another machine.
-fn in_lock_step<S: Sensors>(
+fn in_lock_step<B: Board, S: Sensors>(
     chain: &mut Chain<S>,
-    mut board: Board,
-    mut keeper: Keeper,
+    mut board: Started<B>,
+    mut keeper: Keeper<B::Cells>,
     checks: &mut SelfCheck,
 ) -> ! {
-    let mut dog = Dog::patient(board.iwdg);
+    let mut dog = Dog::patient(board.watchdogs);
     let mut time_us = 0_u64;
     loop {
-        let Some(byte) = board::received() else {
+        let Some(byte) = B::received() else {
             dog.feed();
             keeper.step();
             check(checks, u32::MAX, chain);
@@ -216,19 +222,20 @@ fn in_lock_step<S: Sensors>(
             cortex_m::asm::delay(4000);
             continue;
         };
-        let Some(room) = take(chain, byte, board.service.is_on()) else {
+        let Some(room) = take(chain, byte, board.wires.is_in_service()) else {
             continue;
         };
         let outcome = tick(chain, time_us, &mut board.cycles, &mut dog);
+        board.wires.put_out(&outcome.outputs);
         tell(&outcome);
         keeper.look(chain);
         checks.ticked();
-        time_us = time_us.saturating_add(MONITOR.tick.period_us.into());
+        time_us = time_us.saturating_add(PERIOD_US.into());
         for _ in 0..room {
             let Some(byte) = chain.next_byte() else {
                 break;
             };
-            board::send(byte);
+            B::send(byte);
         }
     }
 }
@@ -253,12 +260,12 @@ fn check<S: Sensors>(checks: &mut SelfCheck, left: u32, chain: &mut Chain<S>) {
 // looks at what these call.
 
 #[inline(never)]
-fn recall(memory: Memory, cause: ResetCause) -> (Store<Memory>, Past) {
-    Store::open(memory, IDENTITY, cause)
+fn recall<C: Cells>(cells: C, cause: ResetCause) -> (Store<Flash<C>>, Past) {
+    Store::open(Flash(cells), IDENTITY, cause)
 }
 
 #[inline(never)]
-fn keep(store: &mut Store<Memory>) -> bool {
+fn keep<C: Cells>(store: &mut Store<Flash<C>>) -> bool {
     store.step()
 }
 

@@ -1,12 +1,12 @@
 //! The monitor's settings on this spindle: one place for the firmware and for the host program that checks
-//! it. Whoever includes it says how fast the core is.
+//! it.
 
-use super::monitored::{BALLS, BORE, DESIGN, FACINGS, POSITIONS, PRELOAD, ROWS};
-use super::{CORE_HZ, COST};
+use crate::bridges::Calibration;
+use crate::monitored::{BALLS, BORE, DESIGN, FACINGS, POSITIONS, PRELOAD, ROWS};
+use crate::tachometer::SpeedSettings;
 use spindle_bearing::{Expansion, Facing};
-use spindle_monitor::loads::Calibration;
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::speed::SpeedSettings;
+use spindle_monitor::tick::CycleCost;
 use spindle_monitor::{Identity, TemperatureSettings};
 
 /// Loads of the idling spindle (N, N m), to start from: none on a pair, the springs' preload on a single bearing.
@@ -24,8 +24,16 @@ const MOUNTED_PRELOAD: f32 = 225.0;
 /// Of shaft, housing, rings and balls.
 const EXPANSION: Expansion = Expansion::STEEL;
 
-/// Rate, doubts, alarms and telemetry. What is particular to this spindle is set here.
-pub static MONITOR: MonitorSettings<ROWS> = {
+/// Period of a tick, us.
+pub const PERIOD_US: u32 = 1000;
+
+/// Rate, doubts, alarms and telemetry on a core of this frequency, with these costs of a tick. What is particular to this
+/// spindle is set here. For a constant: settings out of order do not compile.
+///
+/// # Panics
+///
+/// The settings are out of order, or a tick has no time to solve.
+pub const fn monitor_settings(core_hz: u32, cost: CycleCost) -> MonitorSettings<ROWS> {
     let mut settings = MonitorSettings::new(&DESIGN, BALLS);
     if ROWS == 1 {
         of_a_bearing(&mut settings);
@@ -46,12 +54,17 @@ pub static MONITOR: MonitorSettings<ROWS> = {
         settings.plausibility.speed_stuck_after = 10_000;
     }
     // All of a tick's time.
-    settings.tick.deadline_cycles = CORE_HZ / 1_000_000 * settings.tick.period_us;
-    settings.tick.cost = COST;
+    settings.tick.period_us = PERIOD_US;
+    settings.tick.deadline_cycles = core_hz / 1_000_000 * PERIOD_US;
+    settings.tick.cost = cost;
     // Far below any threshold, and what two iterations mostly reach in a cut.
     settings.tolerance = 5e-3;
-    settings
-};
+    assert!(settings.tick.has_time(ROWS, BALLS));
+    match settings.check() {
+        Ok(()) => settings,
+        Err(error) => panic!("{}", error.field),
+    }
+}
 
 /// Loads at the nose, and what heat and speed make of the rows.
 const fn of_a_pair(settings: &mut MonitorSettings<ROWS>) {
@@ -98,14 +111,7 @@ const fn of_a_bearing(settings: &mut MonitorSettings<ROWS>) {
     settings.watch.overload = [3e3, 3e3, 3e3, 60.0, 60.0];
 }
 
-const _: () = assert!(MONITOR.tick.has_time(ROWS, BALLS));
-const _: () = match MONITOR.check() {
-    Ok(()) => {}
-    Err(error) => panic!("{}", error.field),
-};
-
 /// Whose life and alarms are kept over a power cycle: another spindle does not take them.
-#[allow(dead_code, reason = "the boards'")]
 pub const IDENTITY: Identity = {
     let first = Identity::new(&DESIGN, BALLS);
     if ROWS == 1 {
@@ -117,18 +123,15 @@ pub const IDENTITY: Identity = {
 
 /// Whether loads and speed come from strain bridges and a tachometer at the board, not as records over
 /// the port. Set it here, or build with `SPINDLE_SENSORS=bridges` in the environment.
-#[allow(dead_code, reason = "the boards'")]
 pub const BRIDGES: bool = option_env!("SPINDLE_SENSORS").is_some();
 
 /// Whether the firmware programs the highest brown-out level into the chip's option bytes.
 ///
 /// They stay so whatever is flashed later. Set it here, or build with `SPINDLE_BROWN_OUT=set` in the environment.
-#[allow(dead_code, reason = "the boards'")]
 pub const SET_BROWN_OUT: bool = option_env!("SPINDLE_BROWN_OUT").is_some();
 
 /// Six bridges, by `cargo calibrate`: **to be replaced by your spindle's**.
 /// These are of bridges that each see one load, the sixth one all forces (`host_tests/bridges.csv`). Condition 1.04.
-#[allow(dead_code, reason = "the boards'")]
 pub const CALIBRATION: Calibration<6> = {
     let mut calibration = Calibration::new(
         [
@@ -175,11 +178,9 @@ pub const CALIBRATION: Calibration<6> = {
 const _: () = assert!(CALIBRATION.check().is_ok());
 
 /// Samples of a tare.
-#[allow(dead_code, reason = "the boards'")]
 pub const TARE_SAMPLES: u16 = 1000;
 
 /// The tachometer's pulses, at a timer of 1 MHz.
-#[allow(dead_code, reason = "the boards'")]
 pub const TACHOMETER: SpeedSettings = SpeedSettings {
     pulses_per_revolution: 4,
     timer_hz: 1_000_000,

@@ -19,13 +19,12 @@
 //!
 //! Slower than a pitch in the time-out reads as standstill.
 
-use crate::tick::Widened;
 use core::f32::consts::TAU;
 use core::fmt;
+use spindle_monitor::tick::Widened;
 
 /// Pulses at a timer: their count, and the time of the last one. Both wrap at their width.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pulses {
     /// Pulses so far; counts down when the shaft turns backwards.
     pub count: u32,
@@ -41,13 +40,20 @@ pub trait PulseInput {
 
 /// Pulses that an interrupt handler counts, where no timer does.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Edges {
     count: u32,
     capture: u32,
 }
 
 impl Edges {
+    /// None so far.
+    pub const fn new() -> Self {
+        Self {
+            count: 0,
+            capture: 0,
+        }
+    }
+
     /// An edge at this time of the timer; `forward` is the level of the second channel, or `true`
     /// without one.
     pub const fn edge(&mut self, capture: u32, forward: bool) {
@@ -71,7 +77,6 @@ impl PulseInput for Edges {
 
 /// How pulses become a speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SpeedSettings {
     /// Pulses of a revolution.
     pub pulses_per_revolution: u16,
@@ -95,7 +100,6 @@ pub struct SpeedSettings {
 
 /// How a speed came about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SpeedMethod {
     /// There are no pulses, and need not be.
     Standstill,
@@ -107,7 +111,6 @@ pub enum SpeedMethod {
 
 /// A measured speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Speed {
     /// Shaft speed `omega`, rad/s; negative backwards.
     pub omega: f32,
@@ -117,7 +120,6 @@ pub struct Speed {
 
 /// Why there is no speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SpeedError {
     /// Not enough pulses yet, nor a time-out without any.

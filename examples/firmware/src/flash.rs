@@ -1,5 +1,6 @@
 //! Two sectors of the board's flash that the linker fills with nothing, for data kept over a power cycle.
-//! Without any hardware, so that it is tested on the host; the registers are in `cells.rs`.
+//!
+//! Without any hardware, so that it is tested on the host; the registers are in the boards' `cells.rs`.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,

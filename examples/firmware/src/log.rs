@@ -1,5 +1,7 @@
 //! defmt's log, out through a serial port of its own.
 //!
+//! Nothing is logged before [`start`].
+//!
 //! A log that held interrupts back while it waits for the port would lose received bytes. This one
 //! leaves them on, and therefore belongs to the main program: interrupt handlers must not log.
 
@@ -8,9 +10,9 @@
     reason = "defmt's logger is an unsafe trait around a static"
 )]
 
-use super::serial;
-use core::cell::UnsafeCell;
+use core::cell::{Cell, UnsafeCell};
 use core::sync::atomic::{AtomicBool, Ordering};
+use critical_section::Mutex;
 use defmt::{Encoder, Logger, global_logger};
 
 #[global_logger]
@@ -24,6 +26,27 @@ unsafe impl Sync for Shared {}
 static ENCODER: Shared = Shared(UnsafeCell::new(Encoder::new()));
 static TAKEN: AtomicBool = AtomicBool::new(false);
 
+/// The log's port, as [`start`] says.
+#[derive(Clone, Copy)]
+struct Port {
+    send: fn(u8),
+    finish: fn(),
+}
+
+static PORT: Mutex<Cell<Port>> = Mutex::new(Cell::new(Port {
+    send: |_| {},
+    finish: || {},
+}));
+
+/// Logs through a port, by a function that sends a byte, and one that waits until the last one has left.
+pub fn start(send: fn(u8), finish: fn()) {
+    critical_section::with(|cs| PORT.borrow(cs).set(Port { send, finish }));
+}
+
+fn port() -> Port {
+    critical_section::with(|cs| PORT.borrow(cs).get())
+}
+
 /// Whether a frame may be begun.
 pub fn is_free() -> bool {
     !TAKEN.load(Ordering::Acquire)
@@ -31,11 +54,11 @@ pub fn is_free() -> bool {
 
 /// Waits until all of it has left, before a reset.
 pub fn finish() {
-    serial::flush_log();
+    (port().finish)();
 }
 
 fn send(bytes: &[u8]) {
-    bytes.iter().copied().for_each(serial::log);
+    bytes.iter().copied().for_each(port().send);
 }
 
 // SAFETY: `acquire` lets one frame at a time begin, and panics where a second one would, whatever

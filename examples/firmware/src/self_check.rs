@@ -1,15 +1,16 @@
 //! The board's self-checks: all of them before ticks begin, and then again and again between ticks.
 
-use super::board::{Stack, feed_at_start, image, seal};
-use super::monitor_settings::MONITOR;
-use super::monitored::{BALLS, PRELOAD, ROWS, SPINDLE};
+use crate::dog::{Watchdogs, feed_at_start};
+use crate::memory::{Stack, image, seal};
+use crate::monitor_settings::PERIOD_US;
+use crate::monitored::{BALLS, PRELOAD, ROWS, SPINDLE};
 use spindle_monitor::BoardReport;
 use spindle_monitor::board::Check;
 use spindle_monitor::self_check::{ImageCheck, KnownAnswer, Seal};
 use spindle_monitor::tick::CycleCounter;
 
 /// Ticks from one solve whose answer is known to the next: a minute.
-const MINUTE: u32 = 60_000_000 / MONITOR.tick.period_us;
+const MINUTE: u32 = 60_000_000 / PERIOD_US;
 /// Bytes of the image, and words of the stack, in a step between ticks, and cycles enough for both.
 /// A byte takes ten, with wait states of the flash, a word some. 127 KB of flash are gone through in 500 ticks.
 const BYTES: usize = 256;
@@ -36,7 +37,7 @@ pub struct SelfCheck {
 
 impl SelfCheck {
     /// Makes all checks once. `lock_step` is to give the same report as a host, which has no stack to measure.
-    pub fn start(
+    pub fn start<W: Watchdogs>(
         report: BoardReport,
         lock_step: bool,
         core_hz: u32,
@@ -69,12 +70,12 @@ impl SelfCheck {
 
         let began = counter.cycles();
         while checks.report.image == Check::NotYet {
-            feed_at_start();
+            feed_at_start::<W>();
             checks.step_image(16 * BYTES);
         }
         let read = counter.cycles();
         while checks.report.known_answer == Check::NotYet {
-            feed_at_start();
+            feed_at_start::<W>();
             let before = counter.cycles();
             checks.step_answer();
             let took = counter.cycles().wrapping_sub(before);
@@ -91,7 +92,7 @@ impl SelfCheck {
             us(read, solved)
         );
         let unused = loop {
-            feed_at_start();
+            feed_at_start::<W>();
             if let Some(bytes) = checks.stack.step(16 * WORDS) {
                 break bytes;
             }

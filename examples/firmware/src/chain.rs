@@ -3,14 +3,15 @@
 //!
 //! Two kinds of frames come in over one port: load records, and now and then a [`Command`], such as temperatures.
 
-use super::monitor_settings::{IDLE, MONITOR};
-use super::monitored::{BALLS, ROWS, SPINDLE};
+use crate::monitor_settings::IDLE;
+use crate::monitored::{BALLS, ROWS, SPINDLE};
 use spindle_bearing::Status;
 use spindle_monitor::command::{Command, PortReader, Received};
 use spindle_monitor::framing::FrameError;
 use spindle_monitor::loads::{FrameCounts, FramedLoads, LoadSource};
 use spindle_monitor::record::LoadRecord;
 use spindle_monitor::retained::NorFlash;
+use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::HealthReport;
 use spindle_monitor::tick::{CycleCounter, Watchdog};
 use spindle_monitor::{BoardReport, Monitor, Outcome, Past, Readings, Store};
@@ -63,12 +64,11 @@ pub struct Chain<S = FramedLoads> {
 
 impl Chain {
     /// At the beginning, with records of the port.
-    pub fn new(past: &Past) -> Self {
-        Self::with(FramedLoads::new(), past)
+    pub fn new(past: &Past, settings: &'static MonitorSettings<ROWS>) -> Self {
+        Self::with(FramedLoads::new(), past, settings)
     }
 
     /// Counts of the records that came over the port.
-    #[allow(dead_code, reason = "the host's side")]
     pub fn counts(&self) -> FrameCounts {
         Sensors::counts(&self.sensors)
     }
@@ -76,9 +76,9 @@ impl Chain {
 
 impl<S: Sensors> Chain<S> {
     /// At the beginning, with what was kept over a power cycle.
-    pub fn with(sensors: S, past: &Past) -> Self {
+    pub fn with(sensors: S, past: &Past, settings: &'static MonitorSettings<ROWS>) -> Self {
         Self {
-            monitor: Monitor::new(&SPINDLE, &MONITOR).with_past(past),
+            monitor: Monitor::new(&SPINDLE, settings).with_past(past),
             sensors,
             port: PortReader::new(),
             temperatures: None,
@@ -109,7 +109,6 @@ impl<S: Sensors> Chain<S> {
     }
 
     /// Takes the board's report on itself, for the telemetry.
-    #[allow(dead_code, reason = "the boards'")]
     pub fn set_board(&mut self, report: BoardReport) {
         self.monitor.set_board(report);
     }
@@ -129,7 +128,6 @@ impl<S: Sensors> Chain<S> {
     }
 
     /// Has a store keep new data. Between ticks.
-    #[allow(dead_code, reason = "the boards'")]
     pub fn retain<F: NorFlash>(&mut self, store: &mut Store<F>) {
         self.monitor.retain(self.time_us, store);
     }
@@ -140,7 +138,6 @@ impl<S: Sensors> Chain<S> {
     }
 
     /// Counters of the monitor.
-    #[allow(dead_code, reason = "the host's side")]
     pub fn health(&self) -> HealthReport {
         self.monitor.health()
     }
