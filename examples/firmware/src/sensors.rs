@@ -22,7 +22,7 @@ pub struct Wiring {
     /// Sends a byte and returns the one that comes in meanwhile; none if the bus is dead.
     pub exchange: fn(u8) -> Option<u8>,
     /// Whether DRDY is high. It is low when there is a conversion.
-    pub ready: fn() -> bool,
+    pub drdy: fn() -> bool,
     /// Sets SYNC/RESET.
     pub reset: fn(bool),
     /// Sets CS.
@@ -118,7 +118,7 @@ impl Measured {
         };
         let device = Ads131m08::new(
             Bus::new(wiring.exchange, delay()),
-            Input(wiring.ready),
+            Input(wiring.drdy),
             Output(wiring.reset),
             Output(wiring.select),
             delay(),

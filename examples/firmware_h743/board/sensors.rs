@@ -18,7 +18,7 @@ use spindle_firmware::sensors::{Wiring, edge};
 /// The wiring.
 pub const WIRING: Wiring = Wiring {
     exchange: spi::exchange,
-    ready,
+    drdy,
     reset,
     select,
     now,
@@ -68,7 +68,7 @@ pub fn start(gpioa: &GPIOA, gpiob: &GPIOB, tim2: &TIM2, timer_hz: u32) {
 // Functions by themselves, so that `cargo check-firmware` finds them.
 
 #[inline(never)]
-fn ready() -> bool {
+fn drdy() -> bool {
     // SAFETY: reading a port's pins changes nothing.
     let port = unsafe { &*GPIOB::ptr() };
     port.idr().read().idr0().bit_is_set()

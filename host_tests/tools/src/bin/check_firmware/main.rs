@@ -245,7 +245,7 @@ fn shipped(
         .to_vec();
     if sensors.is_some() {
         // Functions of the board that a tick calls by pointers, which no relocation follows.
-        let functions = ["spi::exchange", "sensors::ready", "sensors::reset"];
+        let functions = ["spi::exchange", "sensors::drdy", "sensors::reset"];
         let others = ["sensors::select", "sensors::now"];
         let all = functions.iter().chain(&others);
         roots.extend(all.map(|function| format!("{name}::board::{function}")));
