@@ -1,6 +1,6 @@
 //! Firmware for an STM32F405: measured loads and speed in, stiffness, alarms and rating life out.
 //!
-//! - USART1, 460,800 baud, 8N1: in (PA10), [`LoadRecord`](spindle_monitor::record::LoadRecord)s, framed as
+//! - USART1, 921,600 baud, 8N1: in (PA10), [`LoadRecord`](spindle_monitor::record::LoadRecord)s, framed as
 //!   the `record` module says, and commands (`chain.rs`); out (PA9), frames of
 //!   [`telemetry`](spindle_monitor::telemetry).
 //! - USART2 (PA2), the same baud rate: a defmt log. `ready: ...` once, then alarms that change, and

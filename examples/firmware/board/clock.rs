@@ -1,4 +1,4 @@
-//! 168 MHz from the crystal, or the internal 16 MHz where that cannot be had.
+//! 168 MHz from the crystal, or from the internal oscillator where that cannot be had; its 16 MHz where the PLL does not start.
 
 use super::{pac, within};
 use pac::{FLASH, RCC};
@@ -6,14 +6,14 @@ use pac::{FLASH, RCC};
 /// Frequency of the board's crystal, Hz: a whole number of MHz.
 const CRYSTAL_HZ: u32 = 8_000_000;
 /// Frequency of the internal oscillator, Hz.
-const INTERNAL_HZ: u32 = 16_000_000;
+pub const INTERNAL_HZ: u32 = 16_000_000;
 /// Frequency of the core when it runs from the PLL, Hz: the most the chip allows.
-const CORE_HZ: u32 = 168_000_000;
+pub const CORE_HZ: u32 = 168_000_000;
 
-/// The PLL compares at 2 MHz, which jitters least of what it accepts.
-const PLL_M: u8 = (CRYSTAL_HZ / 2_000_000) as u8;
+/// Frequency that the PLL compares at, Hz: it jitters least of what it accepts.
+const COMPARED_HZ: u32 = 2_000_000;
 /// Its oscillator runs at twice the core's frequency,
-const PLL_N: u16 = (2 * CORE_HZ / 2_000_000) as u16;
+const PLL_N: u16 = (2 * CORE_HZ / COMPARED_HZ) as u16;
 /// and leaves 48 MHz for the peripherals that need them.
 const PLL_Q: u8 = (2 * CORE_HZ / 48_000_000) as u8;
 /// Flash wait states at this frequency and 2.7 V to 3.6 V.
@@ -41,9 +41,14 @@ pub struct Clock {
 /// Goes as fast as the hardware lets it. Expects the chip as a reset leaves it: on the internal
 /// oscillator, with the core supply scaled for 168 MHz.
 pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
-    if crystal(rcc) && pll(rcc) && wait_states(flash) && switch(rcc) {
+    let (source, from_hz) = if crystal(rcc) {
+        ("Crystal", CRYSTAL_HZ)
+    } else {
+        ("InternalOscillator", INTERNAL_HZ)
+    };
+    if pll(rcc, from_hz) && wait_states(flash) && switch(rcc) {
         return Clock {
-            source: "Crystal",
+            source,
             core_hz: CORE_HZ,
             usart_hz: CORE_HZ / 2,
             log_hz: CORE_HZ / 4,
@@ -54,7 +59,7 @@ pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
     within(PATIENCE, || rcc.cfgr().read().sws().is_hsi());
     rcc.cr().modify(|_, w| w.pllon().off().hseon().off());
     Clock {
-        source: "InternalOscillator",
+        source: "InternalWithoutPll",
         core_hz: INTERNAL_HZ,
         usart_hz: INTERNAL_HZ,
         log_hz: INTERNAL_HZ,
@@ -71,12 +76,25 @@ fn crystal(rcc: &RCC) -> bool {
     unsafe_code,
     reason = "the register description does not know the ranges of the factors"
 )]
-fn pll(rcc: &RCC) -> bool {
-    const { assert!(PLL_M >= 2 && PLL_M <= 63 && PLL_N >= 50 && PLL_N <= 432) };
+fn pll(rcc: &RCC, from_hz: u32) -> bool {
+    const {
+        assert!(CRYSTAL_HZ / COMPARED_HZ >= 2 && CRYSTAL_HZ / COMPARED_HZ <= 63);
+        assert!(INTERNAL_HZ / COMPARED_HZ >= 2 && PLL_N >= 50 && PLL_N <= 432);
+    };
+    let pll_m = (from_hz / COMPARED_HZ) as u8;
     rcc.pllcfgr().write(|w| {
-        w.pllsrc().hse().pllp().div2();
-        // SAFETY: in range, by the assertion above.
-        unsafe { w.pllm().bits(PLL_M).plln().bits(PLL_N).pllq().bits(PLL_Q) }
+        let source = w.pllsrc().bit(from_hz == CRYSTAL_HZ);
+        source.pllp().div2();
+        // SAFETY: in range, by the assertions above.
+        unsafe {
+            source
+                .pllm()
+                .bits(pll_m)
+                .plln()
+                .bits(PLL_N)
+                .pllq()
+                .bits(PLL_Q)
+        }
     });
     rcc.cr().modify(|_, w| w.pllon().on());
     within(PATIENCE, || rcc.cr().read().pllrdy().is_ready())

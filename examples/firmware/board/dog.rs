@@ -5,10 +5,11 @@
     reason = "registers without an owner, fields without ranges"
 )]
 
-use super::clock::Clock;
+use super::clock::{CORE_HZ, Clock, INTERNAL_HZ};
 use super::pac::{IWDG, WWDG};
 use super::within;
-use spindle_firmware::dog::{self, COUNTS, TOO_EARLY_US};
+use crate::MONITOR;
+use spindle_firmware::dog::{self, COUNTS, FED_EVERY_US, TOO_EARLY_US};
 
 // The registers of `IWDG`.
 spindle_firmware::start_watchdog!(0x4000_3000);
@@ -20,6 +21,17 @@ const PATIENCE: u32 = 200_000;
 const CYCLES: u32 = 4096 * 8;
 /// The count that it starts from.
 const FULL: u8 = 0x7f;
+
+/// A solve is left where the time of a tick is over: on any clock, the longest tick ends well before the window does.
+const fn ends_in_time(core_hz: u32, bus_hz: u32) -> bool {
+    let tick_us = MONITOR.tick.deadline_cycles / (core_hz / 1_000_000);
+    let window_us = 64 * (CYCLES / (bus_hz / 1_000_000));
+    FED_EVERY_US + 2 * tick_us < window_us
+}
+const _: () = assert!(
+    ends_in_time(CORE_HZ, CORE_HZ / 4) && ends_in_time(INTERNAL_HZ, INTERNAL_HZ),
+    "a tick may last longer than the window watchdog waits"
+);
 
 /// Feeds the independent watchdog while the board starts.
 pub fn feed_at_start() {

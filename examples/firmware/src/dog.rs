@@ -46,7 +46,7 @@ macro_rules! start_watchdog {
 static WATCHED: AtomicBool = AtomicBool::new(false);
 
 /// Time between two feedings, us.
-const FED_EVERY_US: u32 = 16_000;
+pub const FED_EVERY_US: u32 = 16_000;
 /// The least that is allowed, us. A tick that comes after a late one may be early by a period.
 pub const TOO_EARLY_US: u32 = FED_EVERY_US / 2;
 /// Ticks between two feedings. One is not enough: the first may come at once.

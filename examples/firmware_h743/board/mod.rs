@@ -14,7 +14,7 @@ use crate::MONITOR;
 use spindle_firmware::beat::Cycles;
 use spindle_firmware::board::{Board, Started, within};
 use spindle_firmware::monitor_settings::{BRIDGES, SET_BROWN_OUT};
-use spindle_firmware::monitored::ROWS;
+use spindle_firmware::monitored::{BALLS, ROWS};
 use spindle_firmware::sensors::Measured;
 use spindle_firmware::strap::{self, Wires};
 use spindle_monitor::board::BoardReport;
@@ -44,6 +44,11 @@ impl Board for Stm32h743 {
         serial::send(byte);
     }
 }
+
+const _: () = assert!(
+    MONITOR.fits_port(serial::BAUD, BALLS),
+    "the port is too slow for the telemetry"
+);
 
 /// Starts everything but the timer; `None` if it was started before.
 pub fn start() -> Option<Started<Stm32h743>> {

@@ -10,7 +10,7 @@ use spindle_firmware::log;
 use spindle_firmware::receiver::{Receiver, Sender};
 
 /// Baud rate of both, 8N1. From 100 MHz and from 64 MHz alike it is met within 0.1 %.
-pub const BAUD: u32 = 460_800;
+pub const BAUD: u32 = 921_600;
 
 /// Looks at the transmitter before a byte is given up: many times the time of a byte on the wire.
 const PATIENCE: u32 = 100_000;

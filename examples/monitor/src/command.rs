@@ -29,7 +29,7 @@ use crate::record::{self, LoadRecord};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Ticks in which one order is carried out. An answer has some 20 bytes, a tenth of what a line of 460,800 baud takes
+/// Ticks in which one order is carried out. An answer has some 20 bytes, a twentieth of what a line of 921,600 baud takes
 /// meanwhile.
 pub const ORDER_EVERY: u64 = 4;
 

@@ -17,10 +17,6 @@ use spindle_bearing::{BallState, Facing, RowSummary, Spindle, Status, compliance
 /// Time from one hello to the next, us: for hosts that join in later.
 const HELLO_US: u32 = 60_000_000;
 
-/// Balls that are reported in a tick.
-const BALLS_PER_TICK: usize = 4;
-const _: () = assert!(BALLS_PER_TICK <= BALLS_PER_FRAME);
-
 /// Something that is due now and then.
 #[derive(Debug, Clone, Copy)]
 struct Every {
@@ -274,10 +270,10 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
             first: picture.sent as u16,
             count: picture.balls.len() as u16,
             first_azimuth: picture.first_azimuth,
-            balls: as_many_as_fit(rest.take(BALLS_PER_TICK).copied()),
+            balls: as_many_as_fit(rest.copied()),
         };
         self.outbox.post(picture.time_us, Payload::Balls(report));
-        picture.sent += BALLS_PER_TICK;
+        picture.sent += BALLS_PER_FRAME;
         if picture.sent >= picture.balls.len() {
             self.picture = None;
         }

@@ -31,7 +31,7 @@ use spindle_bearing::{Limit, Status};
 pub const VERSION: u8 = 7;
 
 /// Balls in one [`BallsReport`].
-pub const BALLS_PER_FRAME: usize = 8;
+pub const BALLS_PER_FRAME: usize = 4;
 /// Rows in one [`RowsReport`], and in a [`ShaftReport`].
 pub const ROWS_PER_FRAME: usize = 4;
 

@@ -410,11 +410,11 @@ fn an_acknowledgement_of_one_occurrence_is_none_of_the_next() {
     }
 }
 
-/// Orders at two a tick, and a line of 460,800 baud.
+/// Orders at two a tick, and a line of 921,600 baud.
 #[test]
 fn orders_at_any_rate_leave_the_telemetry_its_room() {
     let mut rig = Rig::running(&SETTINGS);
-    rig.link = 46;
+    rig.link = 92;
     rig.host.estimates.clear();
     for _ in 0..4000 {
         forge(&mut rig, 2);

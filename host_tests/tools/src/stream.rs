@@ -13,8 +13,8 @@ use records::Recording;
 use spindle_monitor::command::{self, Command, ORDER_EVERY};
 use spindle_monitor::{Alarm, MonitorSettings};
 
-/// Bytes that the link takes in a tick: 460,800 baud for a millisecond.
-pub const ROOM: u16 = 46;
+/// Bytes that the link takes in a tick: 921,600 baud for a millisecond.
+pub const ROOM: u16 = 92;
 /// Ticks from one message of temperatures to the next.
 const TEMPERATURES: usize = 100;
 /// Ticks between two looks of the operator, who then acknowledges what there is.

@@ -55,7 +55,7 @@ struct Arguments {
     shaft_stands: bool,
 
     /// Baud rate of the port
-    #[arg(long, value_name = "BAUD", default_value_t = 460_800)]
+    #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
     baud: u32,
 
     /// Recorded stream: bytes as they came from the port, or lines of --json; `-` is standard input

@@ -100,7 +100,7 @@ fn a_stream_that_breaks_off_gives_what_came_and_then_its_error() {
     assert_eq!(chunks.next().unwrap().unwrap(), bytes);
     assert_eq!(chunks.next().unwrap().unwrap_err().to_string(), "unplugged");
     assert!(chunks.next().is_none());
-    let refused = source::port("/dev/there_is_no_such_port", 460_800);
+    let refused = source::port("/dev/there_is_no_such_port", 921_600);
     let said = refused.err().unwrap().to_string();
     assert!(said.contains("there_is_no_such_port"));
 }
@@ -111,7 +111,7 @@ fn a_stream_that_breaks_off_gives_what_came_and_then_its_error() {
 fn the_bytes_of_a_port_arrive_as_they_were_sent_silence_is_no_end_and_unplugging_is() {
     use serialport::{SerialPort, TTYPort};
     let (mut sender, port_side) = TTYPort::pair().unwrap();
-    let (chunks, mut operator) = source::port(&port_side.name().unwrap(), 460_800).unwrap();
+    let (chunks, mut operator) = source::port(&port_side.name().unwrap(), 921_600).unwrap();
     let next = || chunks.recv_timeout(Duration::from_secs(10));
     // All of them: a terminal would change some.
     let sent: Vec<u8> = (0..=255).collect();
