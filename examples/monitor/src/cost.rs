@@ -6,18 +6,18 @@ use crate::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, rows on an elastic shaft: modelled.
     pub const CORTEX_M4F: Self = Self {
-        tick: 12_500,
-        ball: 1_250,
-        ball_report: 1_040,
-        pass: 19_200,
+        tick: 13_000,
+        ball: 1_300,
+        ball_report: 1_030,
+        pass: 22_900,
         ball_pass: 2_490,
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
-        tick: 9_000,
-        ball: 880,
+        tick: 5_800,
+        ball: 1_000,
         ball_report: 610,
-        pass: 12_600,
+        pass: 12_800,
         ball_pass: 1_820,
     };
 }

@@ -1,14 +1,17 @@
 //! Reports to the host: when each is due, and the frames that they become.
 
 use crate::board::BoardReport;
+use crate::command::COMMAND_LENGTH;
 use crate::judgement::{Alarm, AlarmChange, Changes, Judgement, Level, Thresholds};
 use crate::marks::Marks;
 use crate::outbox::Outbox;
-use crate::retained::Past;
-use crate::settings::MonitorSettings;
+use crate::record;
+use crate::retained::{Past, StartReport};
+use crate::settings::{MonitorSettings, TelemetrySettings};
 use crate::telemetry::{
-    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, HelloReport, LIFT_OFF,
-    Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, StartReport, bit_of,
+    AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, FRAME_LENGTH,
+    HelloReport, LIFT_OFF, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
+    bit_of,
 };
 use crate::tracker::{Solved, Task};
 use heapless::Vec;
@@ -306,6 +309,31 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
             cleared,
         };
         self.outbox.post(time_us, Payload::Alarm(report));
+    }
+}
+
+impl TelemetrySettings {
+    /// Frames in ten seconds at most, of a spindle of so many rows of so many balls; alarms that change and answers besides.
+    const fn frames(&self, rows: usize, balls: usize) -> u64 {
+        const TIME_US: u64 = 10_000_000;
+        let estimate = 1 + rows.div_ceil(ROWS_PER_FRAME);
+        let picture = rows * balls.div_ceil(BALLS_PER_FRAME);
+        TIME_US / self.estimate_us as u64 * estimate as u64
+            + TIME_US / self.balls_us as u64 * picture as u64
+            + TIME_US / self.health_us as u64
+            + TIME_US / self.standing_us as u64 * Alarm::COUNT as u64
+    }
+}
+
+impl<const R: usize> MonitorSettings<R> {
+    /// Whether a port of this baud rate takes a record and a command in a tick, and three quarters of it all of the
+    /// telemetry, for rows of at most so many balls: for the compiler to ask.
+    pub const fn fits_port(&self, baud: u32, balls: usize) -> bool {
+        // Ten bits a byte.
+        let of_tick = baud as u64 / 10 * self.tick.period_us as u64 / 1_000_000;
+        let record = (record::FRAME_LENGTH + COMMAND_LENGTH) as u64;
+        let frames = self.telemetry.frames(R, balls) * FRAME_LENGTH as u64;
+        record <= of_tick && frames <= baud as u64 * 3 / 4
     }
 }
 

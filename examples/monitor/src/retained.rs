@@ -33,8 +33,8 @@ use crate::judgement::{Alarm, Judgement};
 use crate::life::Life;
 use crate::log::{Log, PAYLOAD};
 pub use crate::log::{NorFlash, WriteError};
-use crate::telemetry::{Recovery, RetentionReport, StartReport};
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use serde::{Deserialize, Serialize};
 use spindle_bearing::{Design, Facing, FreeContact, Material};
 
 /// Version of the records. Alarms are kept by their place in [`Alarm::ALL`].
@@ -49,6 +49,99 @@ const PART: u64 = 64;
 const ALARMS_US: u64 = 10_000_000;
 /// Time between looks at new data, us.
 const LOOK_US: u64 = 1_000_000;
+
+/// Recovery of the kept data at the start of the monitor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Recovery {
+    /// There is no memory: the data are lost with the power.
+    #[default]
+    NoMemory,
+    /// Nothing has been kept yet.
+    Blank,
+    /// The newest undamaged record goes on.
+    Recovered,
+    /// The record is of another spindle: life and alarms begin anew, the number of starts goes on.
+    OtherSpindle,
+    /// The record is of another version of the monitor.
+    OtherVersion,
+    /// There are records, but damaged: none can be read.
+    Damaged,
+}
+
+impl Recovery {
+    /// All of them, in the order of the format.
+    pub const ALL: [Self; 6] = [
+        Self::NoMemory,
+        Self::Blank,
+        Self::Recovered,
+        Self::OtherSpindle,
+        Self::OtherVersion,
+        Self::Damaged,
+    ];
+
+    /// Short name in lower case.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NoMemory => "no-memory",
+            Self::Blank => "blank",
+            Self::Recovered => "recovered",
+            Self::OtherSpindle => "other-spindle",
+            Self::OtherVersion => "other-version",
+            Self::Damaged => "damaged",
+        }
+    }
+}
+
+/// Data kept over a power cycle ([`retained`](crate::retained)).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RetentionReport {
+    /// Recovery of life and alarms.
+    pub recovery: Recovery,
+    /// Damaged records that were met at the start, such as one that the power was lost in.
+    pub damaged: u16,
+    /// Copies of records written since the start, two of each record.
+    pub written: u32,
+    /// Copies that could not be written, and halves of the flash that could not be erased, since the start.
+    pub failed: u32,
+}
+
+impl RetentionReport {
+    /// Without a memory.
+    pub const NO_MEMORY: Self = Self {
+        recovery: Recovery::NoMemory,
+        damaged: 0,
+        written: 0,
+        failed: 0,
+    };
+}
+
+/// A start of the monitor, and the data kept from earlier ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StartReport {
+    /// Starts so far, this one included; 0 without a memory.
+    pub boots: u32,
+    /// Why this one was.
+    pub cause: ResetCause,
+    /// Alarms that nobody had acknowledged before, and that were latched again. One bit each, in the order of
+    /// [`Alarm::ALL`] from the lowest.
+    pub alarms: u32,
+    /// How often each alarm was raised before, in all starts, in that order; 255 stands for more, too.
+    pub raised: [u8; Alarm::COUNT],
+}
+
+impl StartReport {
+    /// The alarms that were latched again, the most serious first.
+    pub fn latched(&self) -> impl Iterator<Item = Alarm> {
+        let bits = self.alarms;
+        Alarm::ALL
+            .into_iter()
+            .filter(move |alarm| bits & (1 << *alarm as u32) != 0)
+    }
+}
 
 /// Data kept from earlier starts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,10 +1,7 @@
 //! Everything that fits a monitor to one spindle, in one place, for the compiler to check.
 
-use crate::command::COMMAND_LENGTH;
 use crate::judgement::{Alarm, Threshold, Thresholds};
 use crate::plausibility::PlausibilitySettings;
-use crate::record;
-use crate::telemetry::{BALLS_PER_FRAME, FRAME_LENGTH, ROWS_PER_FRAME};
 use crate::temperature::TemperatureSettings;
 use crate::tick::{CycleCost, TickSettings};
 use crate::watch::WatchSettings;
@@ -187,30 +184,7 @@ const fn silence(raise: f32, clear: f32) -> Threshold {
     }
 }
 
-impl TelemetrySettings {
-    /// Frames in ten seconds at most, of a spindle of so many rows of so many balls; alarms that change and answers besides.
-    const fn frames(&self, rows: usize, balls: usize) -> u64 {
-        const TIME_US: u64 = 10_000_000;
-        let estimate = 1 + rows.div_ceil(ROWS_PER_FRAME);
-        let picture = rows * balls.div_ceil(BALLS_PER_FRAME);
-        TIME_US / self.estimate_us as u64 * estimate as u64
-            + TIME_US / self.balls_us as u64 * picture as u64
-            + TIME_US / self.health_us as u64
-            + TIME_US / self.standing_us as u64 * Alarm::COUNT as u64
-    }
-}
-
 impl<const R: usize> MonitorSettings<R> {
-    /// Whether a port of this baud rate takes a record and a command in a tick, and three quarters of it all of the
-    /// telemetry, for rows of at most so many balls: for the compiler to ask.
-    pub const fn fits_port(&self, baud: u32, balls: usize) -> bool {
-        // Ten bits a byte.
-        let of_tick = baud as u64 / 10 * self.tick.period_us as u64 / 1_000_000;
-        let record = (record::FRAME_LENGTH + COMMAND_LENGTH) as u64;
-        let frames = self.telemetry.frames(R, balls) * FRAME_LENGTH as u64;
-        record <= of_tick && frames <= baud as u64 * 3 / 4
-    }
-
     /// Settings to start from, for bearings of `balls` balls, all of one design, on a machine tool's
     /// spindle. Loads are sampled at 1 kHz and solved at every tick on a Cortex-M4F at 168 MHz, thresholds
     /// are on the safe side. Ranges and rates of loads are wide; narrow them to your spindle's.

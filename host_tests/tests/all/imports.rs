@@ -54,10 +54,41 @@ const LAYERS: [&[&str]; 8] = [
     ],
 ];
 
+/// Layers of the monitor, from the top: what goes out on the wire is made of the domain, which knows nothing of it.
+const OF_MONITOR: [&[&str]; 7] = [
+    &["reports"],
+    &["outbox"],
+    &["telemetry"],
+    &["tracker"],
+    &["settings", "self_check", "retained"],
+    &[
+        "watch",
+        "life",
+        "temperature",
+        "plausibility",
+        "log",
+        "command",
+    ],
+    &[
+        "judgement",
+        "loads",
+        "record",
+        "framing",
+        "marks",
+        "board",
+        "tick",
+        "cost",
+    ],
+];
+
 /// The layer of a module, counted from the top, if it is in one.
 fn layer(module: &str) -> Option<usize> {
-    let name = module.strip_prefix("library::")?.split("::").next()?;
-    LAYERS.iter().position(|layer| layer.contains(&name))
+    let (layers, module) = match module.strip_prefix("monitor::") {
+        Some(module) => (&OF_MONITOR[..], module),
+        None => (&LAYERS[..], module.strip_prefix("library::")?),
+    };
+    let name = module.split("::").next()?;
+    layers.iter().position(|layer| layer.contains(&name))
 }
 
 #[test]

@@ -10,9 +10,11 @@ use spindle_monitor::board::ResetCause;
 use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::log::Log;
-use spindle_monitor::retained::{Identity, LIFE_US, Past, Store, VERSION};
+use spindle_monitor::retained::{
+    Identity, LIFE_US, Past, Recovery, RetentionReport, Store, VERSION,
+};
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::telemetry::{FrameReader, Payload, Recovery, RetentionReport};
+use spindle_monitor::telemetry::{FrameReader, Payload};
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
 use spindle_monitor::{Judgement, Life, Marks, Monitor, Readings};
 

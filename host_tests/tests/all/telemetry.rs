@@ -16,8 +16,9 @@ use spindle_firmware::monitored::ROWS;
 use spindle_monitor::board::{BoardReport, Check, ResetCause};
 use spindle_monitor::command::{Answer, AnswerCode, Command, Order, PortReader, Received};
 use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
+use spindle_monitor::retained::Recovery;
 use spindle_monitor::telemetry::{
-    EstimateReport, Frame, HealthReport, HelloReport, Payload, Recovery, VERSION, encode,
+    EstimateReport, Frame, HealthReport, HelloReport, Payload, VERSION, encode,
 };
 use spindle_monitor::{Mark, Marks, TemperatureSource};
 

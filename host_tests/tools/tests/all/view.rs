@@ -11,9 +11,8 @@ use ratatui::style::Color;
 use spindle_monitor::board::{BoardReport, Check};
 use spindle_monitor::command::{self, Command, Order, Request};
 use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
-use spindle_monitor::telemetry::{
-    EstimateReport, HealthReport, HelloReport, Payload, Recovery, RetentionReport, encode,
-};
+use spindle_monitor::retained::{Recovery, RetentionReport};
+use spindle_monitor::telemetry::{EstimateReport, HealthReport, HelloReport, Payload, encode};
 use spindle_monitor::{Mark, Marks};
 use std::io::{Cursor, Read, Write};
 use std::sync::mpsc::RecvTimeoutError;
