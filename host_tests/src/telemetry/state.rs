@@ -53,6 +53,9 @@ pub const fn facing(place: &RowPlace) -> Facing {
     }
 }
 
+/// Age of an estimate up to which it is fresh, in ticks: a solve may take some.
+pub const FRESH: u32 = 20;
+
 /// An order in a few words.
 pub fn words(order: &Order) -> String {
     match order {
@@ -129,7 +132,7 @@ impl State {
                 self.history.push_back(Point {
                     time: time_us as f64 * 1e-6,
                     stiffness: report.stiffness,
-                    trusted: report.age == 0 && report.marks.is_empty(),
+                    trusted: report.age <= FRESH && report.marks.is_empty(),
                 });
             }
             Payload::Balls(report) => self.take_balls(report),

@@ -5,7 +5,7 @@ use super::session::Session;
 use super::source::Chunks;
 use anyhow::{Context, Result};
 use host_tests::telemetry::operator::wants_a_board;
-use host_tests::telemetry::state::{Balls, State, facing};
+use host_tests::telemetry::state::{Balls, FRESH, State, facing};
 use ratatui::DefaultTerminal;
 use ratatui::buffer::Buffer;
 use ratatui::crossterm::event::{self, KeyCode, KeyModifiers};
@@ -115,15 +115,18 @@ fn header(state: &State) -> Vec<Line<'static>> {
         "   {rpm:6.0} rpm   F = {fx:.0}, {fy:.0}, {fz:.0} N   M = {my:.2}, {mz:.2} N m   \
          nose {kx:.0}, {ky:.0}, {kz:.0} N/um"
     );
-    let solve = format!(
+    let mut solve = format!(
         " estimate {} after {} iterations, good to {:.0e}",
         report.status.name(),
         report.iterations,
         report.error[2]
     );
     let mut doubts = String::new();
-    if report.age > 0 {
-        doubts += &format!(", {} ticks old", report.age);
+    let age = format!(", {} ticks old", report.age);
+    match report.age {
+        0 => {}
+        1..=FRESH => solve += &age,
+        _ => doubts += &age,
     }
     if !report.marks.is_empty() {
         doubts += &format!(", doubted: {}", report.marks);
