@@ -4,7 +4,7 @@
 use crate::bridges::Calibration;
 use crate::monitored::{BALLS, BORE, DESIGN, FACINGS, POSITIONS, PRELOAD, ROWS};
 use crate::tachometer::SpeedSettings;
-use spindle_bearing::{Expansion, Facing};
+use spindle_bearing::{Expansion, Facing, Settings};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::tick::CycleCost;
 use spindle_monitor::{Identity, TemperatureSettings};
@@ -57,8 +57,8 @@ pub const fn monitor_settings(core_hz: u32, cost: CycleCost) -> MonitorSettings<
     settings.tick.period_us = PERIOD_US;
     settings.tick.deadline_cycles = core_hz / 1_000_000 * PERIOD_US;
     settings.tick.cost = cost;
-    // Far below any threshold, and what two iterations mostly reach in a cut.
-    settings.tolerance = 5e-3;
+    // That of a tick: the stated error of the stiffness is 5e-3 at most.
+    settings.tolerance = Settings::<f32>::TICK.tolerance;
     assert!(settings.tick.has_time(ROWS, BALLS));
     match settings.check() {
         Ok(()) => settings,

@@ -50,7 +50,7 @@
 //! # let (mut board, mut dwt, mut iwdg) = (Board { us: 0 }, Dwt, Iwdg);
 //!
 //! let mut monitor: Monitor<1, 16> = Monitor::new(&SPINDLE, &SETTINGS);
-//! // From nothing, a solve takes more iterations than a tick has: once, before ticks begin.
+//! // From nothing, a solve takes some ticks: once, before ticks begin.
 //! monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).expect("the preload has an equilibrium");
 //! let mut loads = FramedLoads::new();
 //! let mut clock = Widened::new(32, 0);

@@ -83,7 +83,7 @@ pub struct Life {
     used: Used,
     revolutions: Revolutions,
     doubtful: Revolutions,
-    /// The part of `used` that was counted without an estimate of the tick, since the start.
+    /// The part of `used` that was counted between samples that were solved, since the start.
     estimated: Used,
     /// Damage per million revolutions under the last loads that were solved, and the part of their range that these
     /// took.
@@ -175,7 +175,7 @@ impl Life {
         }
     }
 
-    /// The part of [`Life::used`] that was counted without an estimate of the tick, since the start: an upper bound.
+    /// The part of [`Life::used`] that was counted between samples that were solved, since the start.
     pub const fn estimated(&self) -> f32 {
         self.estimated.value()
     }

@@ -40,7 +40,7 @@ pub enum Mark {
     SpeedRate,
     /// Two sources of speed do not agree.
     SpeedDisagreement,
-    /// The sample was good, but has no equilibrium, or none was found in time.
+    /// The last sample that was solved has no equilibrium.
     Unsolved,
     /// There is no estimate yet.
     NoEstimate,

@@ -31,7 +31,7 @@ pub struct PlausibilitySettings {
     pub stuck_after: u16,
     /// Time without a sample that is one without loads, us.
     pub missing_after_us: u32,
-    /// Age of an estimate beyond which it is no longer fresh, us, unless solves are further apart.
+    /// Age of an estimate beyond which it is no longer fresh, us.
     pub fresh_us: u32,
     /// Largest residual of redundant channels, counts.
     pub residual: f32,

@@ -332,7 +332,7 @@ pub struct HealthReport {
     pub records: FrameCounts,
     /// Revolutions at a doubtful speed or under doubtful loads.
     pub doubtful_revolutions: u64,
-    /// Part of `life_used` that doubtful revolutions used, an upper bound.
+    /// Part of `life_used` that was counted between samples that were solved, by the cube of the loads.
     pub life_estimated: f32,
     /// Temperatures of the inner and of the outer side that are used, degrees Celsius.
     pub temperatures: [f32; 2],

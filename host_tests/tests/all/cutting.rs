@@ -104,7 +104,7 @@ fn estimates_under_passing_teeth_and_ramps_are_a_few_ticks_old_at_most() {
         let at_nose = |tick| at_nose(force(tick));
         let modelled = ages(Rig::shipped(), at_nose);
         let pair = ages(counted(Rig::shipped()), at_nose);
-        (!(bearing.0 <= 2 && pair.0 <= 7 && modelled.0 <= 8))
+        (!(bearing.0 <= 2 && pair.0 <= 8 && modelled.0 <= 8))
             .then_some((name, bearing, pair, modelled))
     };
     let old: Vec<_> = cuts().into_par_iter().filter_map(old).collect();
