@@ -133,8 +133,9 @@ pub(super) struct Rig<const R: usize = 1, const E: usize = 0> {
     ticks: u64,
     /// Bytes that the link takes in a tick.
     pub(super) link: usize,
-    /// Marks of every tick, by its time in ms.
+    /// Marks of every tick, by its time in ms, and one after the other.
     marks: Vec<Marks>,
+    doubts: Vec<Marks>,
     /// Changes of alarms.
     pub(super) happened: Vec<(Alarm, AlarmChange)>,
     pub(super) host: Host,
@@ -176,6 +177,7 @@ impl<const R: usize, const E: usize> Rig<R, E> {
             ticks: 0,
             link: 4096,
             marks: Vec::new(),
+            doubts: Vec::new(),
             happened: Vec::new(),
             host: Host::default(),
             jitter: 0.0,
@@ -194,6 +196,14 @@ impl<const R: usize, const E: usize> Rig<R, E> {
             (self.ticks, self.ticks)
         );
         assert!(!outcome.solved || outcome.rows > 0, "{outcome:?}");
+        // An estimate is of a sample that was good when it came, in that many ticks before.
+        self.doubts.push(outcome.marks);
+        if outcome.solved {
+            let age = outcome.age.unwrap() as usize;
+            let of_sample = self.doubts[self.doubts.len() - 1 - age];
+            let of_solve = Marks::from(Mark::Unsolved).with(Mark::NoEstimate);
+            assert!(of_sample.is_within(of_solve), "{age}: {of_sample}");
+        }
         self.marks.push(outcome.marks);
         let changes = outcome.changes.iter();
         self.happened.extend(changes.map(|c| (c.alarm, c.change)));
