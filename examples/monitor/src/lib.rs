@@ -635,7 +635,7 @@ fn damage_of<const R: usize, const N: usize, const D: usize, const E: usize>(
         .million_revolutions
 }
 
-/// The same of the rows' rates.
+/// Rating life that a sum of the rows' rates uses per million revolutions, as a part of 1.
 fn damage(rate: f32) -> f32 {
     1.0 / RatingLife::of_weight(rate, 0.0).million_revolutions
 }

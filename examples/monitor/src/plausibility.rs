@@ -263,12 +263,12 @@ impl Plausibility {
             let stands = speed.abs() <= STANDSTILL;
             if let Some((last, then)) = self.speed {
                 let slows = speed.abs() < last.abs() && speed * last >= 0.0;
-                let (rate, slack) = if slows {
+                let (rate, allowance) = if slows {
                     (settings.deceleration, STANDSTILL)
                 } else {
                     (settings.speed_rate, 0.0)
                 };
-                let fast = (speed - last).abs() > rate * seconds(then, time_us) + slack;
+                let fast = (speed - last).abs() > rate * seconds(then, time_us) + allowance;
                 self.lost = stands && (self.lost || fast);
                 marks.mark_if(fast || self.lost, Mark::SpeedRate);
             }

@@ -15,8 +15,8 @@
 //! How often each alarm was raised is kept along with them. The tare is not kept: it drifts, and a shaft stands still when
 //! power comes on, so that it is taken again.
 //!
-//! Life and alarms belong to a spindle ([`Identity`]). With another spindle they begin anew, and the number of starts goes on.
-//! With a record of another [`VERSION`] everything begins anew.
+//! Life and alarms belong to a spindle ([`Identity`]). With another spindle life begins at 0 without alarms, and the number of starts goes on.
+//! With a record of another [`VERSION`] all of it begins at 0.
 //!
 //! **A power cut loses** the larger of two lives: the one used in two minutes, and a 64th of the one used since the
 //! start. With a cut every nine minutes, that is a ninth. Cuts every two minutes lose everything. A board that is
@@ -62,7 +62,7 @@ pub enum Recovery {
     Blank,
     /// The newest undamaged record goes on.
     Recovered,
-    /// The record is of another spindle: life and alarms begin anew, the number of starts goes on.
+    /// The record is of another spindle: life begins at 0 without alarms, the number of starts goes on.
     OtherSpindle,
     /// The record is of another version of the monitor.
     OtherVersion,
