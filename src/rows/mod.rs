@@ -212,9 +212,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             }
             pass.far |= !row.follow::<A>(v, pass.ds);
             pass.rows = number;
-            if number < R {
-                time.is_up = !(time.more)();
-            }
+            time.is_up = !(time.more)();
         });
         pass.rows >= R
     }

@@ -235,7 +235,7 @@ impl<T: Real, const D: usize> State<T, D> {
             rows.sum::<A>(&mut self.sum);
             (self.at, self.stale, self.plain) = (self.v, false, false);
             (time.taken, self.attempt.taken) = (time.taken + 1, self.attempt.taken + 1);
-            time.is_up = time.taken >= time.max_iterations || !(time.more)();
+            time.is_up |= time.taken >= time.max_iterations;
 
             let r = self.unbalanced::<E>(problem, T::ZERO);
             let mut size = problem.load_scale.at_least(*rows.preload);

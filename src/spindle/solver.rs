@@ -205,6 +205,39 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         Ok(solution)
     }
 
+    /// The last solve's answer once more, under the `loads` of that solve: for figures that are taken one after another, with
+    /// other work between them.
+    ///
+    /// Its iterations are those of all calls that led to it. None without an answer, of another spindle, or where displacements are given.
+    ///
+    /// ```
+    /// use spindle_bearing::{Arrangement, Bearing, Design, Preload, Settings, Speed, Spindle, SpindleSolver};
+    ///
+    /// let design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// let bearing = Bearing::<f64, 15>::new(&design)?;
+    /// let spindle = Spindle::pair(Arrangement::BackToBack, &bearing, 0.1, Preload::Force(240.0))?;
+    /// let (mut solver, speed) = (SpindleSolver::new(), Speed::rpm(10_000.0));
+    /// let load = [50.0, 0.0, 0.0, 0.0, 0.0];
+    /// let k = solver.solve(&spindle, load, speed, &Settings::default())?.stiffness();
+    /// let again = solver.solved(&spindle, load).ok_or("no answer")?;
+    /// assert_eq!(again.stiffness(), k);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn solved<'s, L: Loading<'s, T, 5>>(
+        &'s self,
+        spindle: &'s Spindle<'_, T, R, N, D, E>,
+        loads: L,
+    ) -> Option<SpindleSolution<'s, T, R, N, M, D, E>> {
+        let (last, layout) = (&self.last, &spindle.layout);
+        let attempt = &last.state.attempt;
+        let is_solved = attempt.termination.is_solved() && last.fingerprint == layout.fingerprint;
+        (is_solved && !L::GIVEN).then(|| {
+            let reached = last.reached(layout, attempt.taken);
+            let load = loads.given().map(|given| given.load_or(T::ZERO));
+            SpindleSolution::new(spindle, last, &reached, load, loads.placed())
+        })
+    }
+
     /// The state that a solve had reached when it ended as [`Status::IterationLimit`]: as
     /// [`Solver::unfinished`](crate::Solver::unfinished).
     ///

@@ -6,18 +6,20 @@ use crate::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, rows on an elastic shaft: modelled.
     pub const CORTEX_M4F: Self = Self {
-        tick: 13_000,
-        ball: 1_300,
-        ball_report: 1_030,
-        pass: 22_900,
-        ball_pass: 2_490,
+        tick: 13_800,
+        ball_row: 2_950,
+        step: 10_000,
+        ball_step: 500,
+        ball_look: 1_040,
+        ball_report: 1_150,
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
         tick: 5_800,
-        ball: 1_000,
-        ball_report: 610,
-        pass: 12_800,
-        ball_pass: 1_820,
+        ball_row: 2_290,
+        step: 8_000,
+        ball_step: 330,
+        ball_look: 700,
+        ball_report: 690,
     };
 }

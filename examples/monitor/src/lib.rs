@@ -143,11 +143,11 @@ use loads::FrameCounts;
 use outbox::Outbox;
 use plausibility::Plausibility;
 use reports::Reports;
-use spindle_bearing::{Growth, RatingLife, Spindle, Status};
+use spindle_bearing::{Growth, RatingLife, RowSummary, Spindle, Status};
 use telemetry::{HealthReport, Payload};
 use temperature::Temperatures;
 use tick::{CycleCounter, SolveTime, Ticker, Watchdog};
-use tracker::{Purpose, Solved, Task, Tracker};
+use tracker::{Ended, Purpose, Task, Tracker};
 use watch::Watch;
 
 /// Outcome of a tick.
@@ -355,11 +355,12 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             rows: 0,
         };
         self.tracker.begin(task);
-        let damage = |_: &Task<R>, solution: &Solved<'_, R, N, D, E>| damage_of(solution, settings);
-        let Some((_, damage)) = self.tracker.go_on(settings, || true, damage) else {
-            return Err(Status::IterationLimit);
-        };
-        let damage = damage?;
+        self.tracker
+            .go_on(settings, || true)
+            .map_err(|(_, status)| status)?;
+        let ended = self.tracker.ended.take();
+        let damage = ended.and_then(|Ended { task, .. }| self.damage_of(&task));
+        let damage = damage.ok_or(Status::IterationLimit)?;
         let part = settings.plausibility.part(&load);
         self.life.measure(part);
         self.life.set_idle(damage, part);
@@ -383,11 +384,8 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         self.serve(time_us, tick);
 
         let doubts = self.read(time_us, tick, readings, &mut levels);
-        let mut time = self.ticker.solve_time(
-            counter,
-            self.tracker.rows_passed(),
-            self.reports.wants_something(),
-        );
+        let passed = self.tracker.rows_passed();
+        let mut time = self.ticker.solve_time(counter, passed);
         let solved = self.solve(&mut time, &mut levels);
         let rows = time.rows();
 
@@ -518,51 +516,89 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         self.growth
     }
 
-    /// Goes on with the solve that has begun, or begins with the newest sample; whether there is a new estimate.
+    /// Looks at the solve that has ended, then goes on with one that has begun or begins with the newest sample; whether there is
+    /// a new estimate.
     fn solve(&mut self, time: &mut SolveTime<'_, impl CycleCounter>, levels: &mut Levels) -> bool {
-        let settings = self.settings;
+        let earlier = self.look(time, levels);
         if !self.tracker.is_busy()
+            && self.waiting.is_some()
+            && time.has_a_solve()
             && let Some(task) = self.waiting.take()
         {
             let growth = self.growth(task.sample.speed);
             self.tracker.begin(Task { growth, ..task });
         }
-        let (reports, watch) = (&mut self.reports, &self.watch);
         let more_time = || time.has_a_row_more();
-        let ended = self.tracker.go_on(settings, more_time, |task, solution| {
-            if let Purpose::Life(_) = task.purpose {
-                return damage_of(solution, settings);
-            }
-            let rows = solution.summary(&settings.watch.limits, &settings.ratings());
-            watch.rows(&rows, &settings.watch, levels);
-            reports.see(task, solution, &rows, watch.is_opposed(), settings);
-            damage(rows.iter().map(|row| row.life_rate).sum())
-        });
-        let Some((task, seen)) = ended else {
+        if let Err((Purpose::Estimate, status)) = self.tracker.go_on(self.settings, more_time) {
+            self.reports.status = status;
+            self.counts.refusals = self.counts.refusals.saturating_add(1);
+        }
+        self.look(time, levels) || earlier
+    }
+
+    /// Takes levels, life and what is due for reports of the solve that has ended, for as long as there is time; whether there is
+    /// a new estimate.
+    fn look(&mut self, time: &mut SolveTime<'_, impl CycleCounter>, levels: &mut Levels) -> bool {
+        let Some(mut ended) = self.tracker.ended.take() else {
             return false;
         };
-        let part = settings.plausibility.part(&task.sample.load);
-        match (task.purpose, seen) {
-            (Purpose::Life(scale), Ok(damage)) => {
-                let damage = damage * scale * scale * scale;
-                self.life.set_damage(damage, part * scale);
+        let is_new = ended.rows.is_none();
+        if is_new {
+            if !time.has_a_look() {
+                self.tracker.ended = Some(ended);
+                return false;
             }
-            (Purpose::Estimate, Ok(damage)) => {
-                self.life.set_damage(damage, part);
-                self.counts.estimates = self.counts.estimates.saturating_add(1);
-                self.estimate = Some(Estimate {
-                    time_us: task.sample.time_us,
-                    tick: task.tick,
-                });
-                return true;
-            }
-            (Purpose::Estimate, Err(status)) => {
-                self.reports.status = status;
-                self.counts.refusals = self.counts.refusals.saturating_add(1);
-            }
-            (Purpose::Life(_), Err(_)) => {}
+            ended.rows = self.see(&ended.task, levels);
         }
-        false
+        let Ended { task, rows } = &ended;
+        let Some(rows) = rows else {
+            return false;
+        };
+        if self.reports.wants_something() {
+            if time.has_a_report() {
+                let (reports, opposed) = (&mut self.reports, self.watch.is_opposed());
+                self.tracker.look(task, self.settings, |solution| {
+                    reports.see(task, solution, rows, opposed, self.settings);
+                });
+            } else {
+                self.tracker.ended = Some(ended);
+            }
+        }
+        is_new
+    }
+
+    /// Takes levels and life of the equilibrium of a task, and the rows at a glance; none of a task for the life alone.
+    fn see(&mut self, task: &Task<R>, levels: &mut Levels) -> Option<[RowSummary<f32>; R]> {
+        let settings = self.settings;
+        let part = settings.plausibility.part(&task.sample.load);
+        if let Purpose::Life(scale) = task.purpose {
+            let damage = self.damage_of(task)? * scale * scale * scale;
+            self.life.set_damage(damage, part * scale);
+            return None;
+        }
+        let (rows, status) = self.tracker.look(task, settings, |solution| {
+            let rows = solution.summary(&settings.watch.limits, &settings.ratings());
+            (rows, solution.status)
+        })?;
+        self.watch.rows(&rows, &settings.watch, levels);
+        let rate = rows.iter().map(|row| row.life_rate).sum();
+        let life = RatingLife::of_weight(rate, 0.0);
+        self.life.set_damage(1.0 / life.million_revolutions, part);
+        self.counts.estimates = self.counts.estimates.saturating_add(1);
+        self.reports.status = status;
+        self.estimate = Some(Estimate {
+            time_us: task.sample.time_us,
+            tick: task.tick,
+        });
+        Some(rows)
+    }
+
+    /// Rating life that the equilibrium of a task uses per million revolutions, as a part of 1.
+    fn damage_of(&self, task: &Task<R>) -> Option<f32> {
+        let ratings = self.settings.ratings();
+        self.tracker.look(task, self.settings, |solution| {
+            1.0 / solution.rating_life(&ratings).million_revolutions
+        })
     }
 
     /// Whether the estimate is of a sample that is not too old.
@@ -623,19 +659,4 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
     pub const fn life(&self) -> &Life {
         &self.life
     }
-}
-
-/// Rating life that an equilibrium uses per million revolutions, as a part of 1.
-fn damage_of<const R: usize, const N: usize, const D: usize, const E: usize>(
-    solution: &Solved<'_, R, N, D, E>,
-    settings: &MonitorSettings<R>,
-) -> f32 {
-    1.0 / solution
-        .rating_life(&settings.ratings())
-        .million_revolutions
-}
-
-/// Rating life that a sum of the rows' rates uses per million revolutions, as a part of 1.
-fn damage(rate: f32) -> f32 {
-    1.0 / RatingLife::of_weight(rate, 0.0).million_revolutions
 }

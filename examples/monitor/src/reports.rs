@@ -171,7 +171,6 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         opposed: bool,
         settings: &MonitorSettings<R>,
     ) {
-        self.status = solution.status;
         if self.wants_estimate {
             self.wants_estimate = false;
             self.taken = Some(Taken {

@@ -35,54 +35,63 @@ impl Watchdog for NoWatchdog {
     fn feed(&mut self) {}
 }
 
-/// Cost of a tick on a core, in its cycles, by the rows of the spindle and their balls.
+/// Cost of a tick's parts on a core, in its cycles, by the balls of the spindle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CycleCost {
-    /// A tick whose solve does not end, besides the passes over rows: bytes in, doubts, alarms, life, telemetry, bytes out.
+    /// A tick without a solve: bytes in, doubts, alarms, life, telemetry, bytes out.
     pub tick: u32,
-    /// A ball at the end of a solve: its last step, limits, life.
-    pub ball: u32,
-    /// A ball in a report of the estimate.
+    /// A ball in the dearest pass over its row.
+    pub ball_row: u32,
+    /// The step of the shaft that follows a pass over all rows.
+    pub step: u32,
+    /// A ball of any row in that step.
+    pub ball_step: u32,
+    /// A ball where levels and life are taken of an equilibrium.
+    pub ball_look: u32,
+    /// A ball where a report is taken of an equilibrium.
     pub ball_report: u32,
-    /// The dearest pass of a solve over a row, besides its balls: Newton's step, the shaft.
-    pub pass: u32,
-    /// A ball in that pass.
-    pub ball_pass: u32,
+}
+
+/// The cost of a tick's parts for one spindle, cycles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SpindleCost {
+    /// The dearest pass over a row.
+    pub row: u32,
+    /// The step of the shaft that follows a pass over all rows.
+    pub step: u32,
+    /// Levels and life of an equilibrium.
+    pub look: u32,
+    /// A report of an equilibrium.
+    pub report: u32,
 }
 
 impl CycleCost {
-    /// The end of a solve, for so many balls on the spindle, with or without a report.
-    pub const fn end(&self, balls: u32, reports: bool) -> u32 {
-        let ball = if reports {
-            self.ball.saturating_add(self.ball_report)
-        } else {
-            self.ball
-        };
-        ball.saturating_mul(balls)
-    }
-
-    /// The dearest pass over a row of so many balls.
-    pub const fn row(&self, balls: u32) -> u32 {
-        self.pass
-            .saturating_add(self.ball_pass.saturating_mul(balls))
+    /// The cost for a spindle with so many balls, and at most so many in a row.
+    pub const fn of(&self, all: u32, most: u32) -> SpindleCost {
+        SpindleCost {
+            row: self.ball_row.saturating_mul(most),
+            step: self.step.saturating_add(self.ball_step.saturating_mul(all)),
+            look: self.ball_look.saturating_mul(all),
+            report: self.ball_report.saturating_mul(all),
+        }
     }
 }
 
 /// The time that a tick has for its solve.
 ///
-/// Before each row the counter of the core is asked whether the dearest pass over a row still fits, and behind the last row of a
-/// pass the end of the solve. A counter that stands still, as on an emulator, is replaced by the cost of the rows so far: never
-/// less than a counter would show.
+/// After each row the counter of the core is asked whether the dearest pass over the next row still fits, with the step that
+/// follows the last row of a pass. A counter that stands still, as on an emulator, is replaced by the cost of the parts so far:
+/// never less than a counter would show.
 #[derive(Debug)]
 pub struct SolveTime<'c, C> {
     counter: &'c mut C,
     began: u32,
-    /// Cycles for the solve, of one row, of the solve's end, and of the rows so far.
+    /// Cycles for the solve, and those spent.
     most: u32,
-    row: u32,
-    end: u32,
-    passed: u32,
+    spent: u32,
+    cost: SpindleCost,
     /// Rows in this tick, rows of the spindle, and rows of this pass that are left.
     rows: u16,
     all: u16,
@@ -95,18 +104,57 @@ impl<C: CycleCounter> SolveTime<'_, C> {
         self.rows
     }
 
+    const fn has(&self, cycles: u32) -> bool {
+        self.spent.saturating_add(cycles) <= self.most
+    }
+
+    /// Whether there is time for this part, which is then spent.
+    const fn spend(&mut self, cycles: u32) -> bool {
+        let has = self.has(cycles);
+        if has {
+            self.spent = self.spent.saturating_add(cycles);
+        }
+        has
+    }
+
+    fn count(&mut self) {
+        let counted = self.counter.cycles().wrapping_sub(self.began);
+        if counted > 0 {
+            self.spent = counted;
+        }
+    }
+
+    /// Whether there is time to take levels and life of an equilibrium, which then goes on.
+    pub const fn has_a_look(&mut self) -> bool {
+        self.spend(self.cost.look)
+    }
+
+    /// Whether there is time to take a report of an equilibrium, which then goes on.
+    pub const fn has_a_report(&mut self) -> bool {
+        self.spend(self.cost.report)
+    }
+
+    /// Whether a solve may begin: its prediction is a step.
+    pub fn has_a_solve(&mut self) -> bool {
+        self.count();
+        let SpindleCost { row, step, .. } = self.cost;
+        let last = if self.all == 1 { step } else { 0 };
+        self.has(step.saturating_add(row).saturating_add(last)) && self.spend(step)
+    }
+
     /// A row was passed; whether another one fits.
     pub fn has_a_row_more(&mut self) -> bool {
+        let SpindleCost { row, step, .. } = self.cost;
         self.rows = self.rows.saturating_add(1);
-        self.left = match self.left {
-            0 | 1 => self.all,
-            left => left - 1,
-        };
-        self.passed = self.passed.saturating_add(self.row);
-        let counted = self.counter.cycles().wrapping_sub(self.began);
-        let spent = if counted == 0 { self.passed } else { counted };
-        let end = if self.left == 1 { self.end } else { 0 };
-        spent.saturating_add(self.row).saturating_add(end) <= self.most
+        self.left = self.left.saturating_sub(1);
+        self.spent = self.spent.saturating_add(row);
+        self.count();
+        if self.left == 0 {
+            self.left = self.all;
+            self.spent = self.spent.saturating_add(step);
+        }
+        let last = if self.left == 1 { step } else { 0 };
+        self.has(row.saturating_add(last))
     }
 }
 
@@ -165,12 +213,23 @@ pub struct TickSettings {
 }
 
 impl TickSettings {
-    /// Whether a tick has the time for a row, on a spindle of so many rows of so many balls: for the compiler to ask.
+    /// Whether a tick has the time for each part of a solve, on a spindle of so many rows of so many balls: for the compiler to ask.
     pub const fn has_time(&self, rows: usize, balls: usize) -> bool {
-        let cost = &self.cost;
-        let row = cost.row(balls as u32);
-        let end = cost.end((rows * balls) as u32, true);
-        cost.tick.saturating_add(row).saturating_add(end) <= self.deadline_cycles
+        let SpindleCost {
+            row,
+            step,
+            look,
+            report,
+        } = self.cost.of((rows * balls) as u32, balls as u32);
+        let left = self.deadline_cycles.saturating_sub(self.cost.tick);
+        let solve = step.saturating_add(row);
+        // The only row is the last one, too.
+        let solve = if rows == 1 {
+            solve.saturating_add(step)
+        } else {
+            solve
+        };
+        solve <= left && look <= left && report <= left
     }
 }
 
@@ -180,10 +239,9 @@ impl TickSettings {
 pub struct Ticker {
     period_us: u32,
     deadline_cycles: u32,
-    /// Cycles that a tick leaves for its solve, of the dearest pass over a row, and of a solve's end without and with a report.
+    /// Cycles that a tick leaves for its solve, and the cost of its parts.
     most: u32,
-    row: u32,
-    end: [u32; 2],
+    cost: SpindleCost,
     /// Rows of the spindle.
     rows: u16,
     began_cycles: u32,
@@ -208,8 +266,7 @@ impl Ticker {
             period_us: *period_us,
             deadline_cycles: *deadline_cycles,
             most: deadline_cycles.saturating_sub(cost.tick),
-            row: cost.row(most.into()),
-            end: [cost.end(all, false), cost.end(all, true)],
+            cost: cost.of(all, most.into()),
             rows: balls.len() as u16,
             began_cycles: 0,
             last_us: None,
@@ -225,15 +282,13 @@ impl Ticker {
         &self,
         counter: &'c mut C,
         passed: u16,
-        reports: bool,
     ) -> SolveTime<'c, C> {
         SolveTime {
             began: counter.cycles(),
             counter,
             most: self.most,
-            row: self.row,
-            end: self.end[usize::from(reports)],
-            passed: 0,
+            spent: 0,
+            cost: self.cost,
             rows: 0,
             all: self.rows,
             left: self.rows - passed % self.rows.max(1),
@@ -323,35 +378,46 @@ mod tests {
         deadline_cycles: 168_000,
         cost: CycleCost {
             tick: 10_000,
-            ball: 1000,
-            ball_report: 500,
-            pass: 10_000,
-            ball_pass: 1500,
+            ball_row: 1500,
+            step: 6000,
+            ball_step: 250,
+            ball_look: 800,
+            ball_report: 1000,
         },
     };
 
-    /// Two rows of 16 balls: a row has 34,000 cycles, and the end of a solve 32,000 or 48,000. A tick has 158,000 for both.
+    /// Two rows of 16 balls: a tick has 158,000 cycles, a row 24,000 of them, a step 14,000, a look 25,600, a report 32,000.
     #[test]
-    fn a_row_begins_only_if_it_ends_in_time() {
-        let rows = |counts: &[u32], passed: u16, reports: bool| {
+    fn a_row_begins_only_if_it_ends_in_time_with_the_step_behind_it() {
+        let rows = |counts: &[u32], passed: u16| {
             let mut counter = Steps(counts.to_vec());
             let ticker = Ticker::new(&SETTINGS, &[16, 16]);
-            let mut time = ticker.solve_time(&mut counter, passed, reports);
+            let mut time = ticker.solve_time(&mut counter, passed);
             while time.has_a_row_more() {}
             time.rows()
         };
-        // The counter stands still: by the model. The fourth row would end a pass.
-        assert_eq!(rows(&[7; 9], 0, false), 3);
-        assert_eq!(rows(&[7; 9], 1, false), 4);
-        assert_eq!(rows(&[7; 9], 1, true), 4);
-        // Cheap rows, up to one that would end a pass.
-        let cheap = [0, 20_000, 40_000, 60_000, 80_000, 92_001];
-        assert_eq!(rows(&cheap, 0, false), 5);
+        // The counter stands still: by the model. Five rows and two steps take 148,000.
+        assert_eq!(rows(&[7; 9], 0), 5);
+        assert_eq!(rows(&[7; 9], 1), 4);
+        // Cheap rows, up to one that would be the last of its pass.
+        let cheap = [0, 20_000, 40_000, 60_000, 80_000, 120_001];
+        assert_eq!(rows(&cheap, 0), 5);
         // A dear one, across the wrap.
         let from = u32::MAX - 50_000;
-        let dear = [92_000, 124_000, 124_001].map(|cycles| from.wrapping_add(cycles));
-        assert_eq!(rows(&[&[from], &dear[..]].concat(), 0, false), 3);
-        assert!(SETTINGS.has_time(2, 16) && !SETTINGS.has_time(2, 60));
+        let dear = [92_000, 120_001].map(|cycles| from.wrapping_add(cycles));
+        assert_eq!(rows(&[&[from], &dear[..]].concat(), 0), 2);
+        assert!(SETTINGS.has_time(2, 16) && !SETTINGS.has_time(2, 80));
+    }
+
+    #[test]
+    fn figures_taken_of_an_equilibrium_leave_less_for_the_next_solve() {
+        let mut counter = Steps(std::vec![7; 9]);
+        let mut time = Ticker::new(&SETTINGS, &[16, 16]).solve_time(&mut counter, 0);
+        assert!(time.has_a_look() && time.has_a_report() && time.has_a_solve());
+        // 25,600 and 32,000 and 14,000 are spent: three rows and a step more.
+        while time.has_a_row_more() {}
+        assert_eq!(time.rows(), 3);
+        assert!(!time.has_a_report() && !time.has_a_solve());
     }
 
     #[test]

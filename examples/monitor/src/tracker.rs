@@ -5,12 +5,12 @@
 //! estimate, and the last one grows older.
 //!
 //! A tick may leave a pass between two rows of balls, and the next tick goes on there. A solve that is cut at every row
-//! has the bits of one that is not.
+//! has the bits of one that is not. Levels and reports are taken of its equilibrium in turn, as ticks have the time.
 
 use crate::plausibility::GoodSample;
 use crate::settings::MonitorSettings;
 use spindle_bearing::{
-    Growth, RacewayControlFree, Settings, ShaftLoad, Speed, Spindle, SpindleSolution,
+    Growth, RacewayControlFree, RowSummary, Settings, ShaftLoad, Speed, Spindle, SpindleSolution,
     SpindleSolver, Status,
 };
 
@@ -46,6 +46,16 @@ pub(crate) struct Tracker<const R: usize, const N: usize, const D: usize, const 
     solver: SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
     /// The solve that has begun, and has not ended.
     begun: Option<Task<R>>,
+    /// The solve that has ended with an equilibrium that is still to be looked at.
+    pub(crate) ended: Option<Ended<R>>,
+}
+
+/// A solve that ended with an equilibrium.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ended<const R: usize> {
+    pub(crate) task: Task<R>,
+    /// Its rows at a glance, once they were looked at.
+    pub(crate) rows: Option<[RowSummary<f32>; R]>,
 }
 
 impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, N, D, E> {
@@ -54,12 +64,13 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
             spindle,
             solver: SpindleSolver::of(),
             begun: None,
+            ended: None,
         }
     }
 
-    /// Whether a solve has begun that another sample must wait for.
+    /// Whether there is a solve that another sample must wait for.
     pub(crate) const fn is_busy(&self) -> bool {
-        self.begun.is_some()
+        self.begun.is_some() || self.ended.is_some()
     }
 
     /// Rows that the solve has passed so far.
@@ -72,27 +83,26 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
         self.begun = Some(task);
     }
 
-    /// Goes on with the solve that has begun, for as long as there is `more_time`, which is asked after every row. At its end,
-    /// the task with `see` of its equilibrium, or why there is none.
-    pub(crate) fn go_on<Seen>(
+    /// Goes on with the solve that has begun, for as long as there is `more_time`, which is asked after every row.
+    ///
+    /// # Errors
+    ///
+    /// Why the solve ended without an equilibrium.
+    pub(crate) fn go_on(
         &mut self,
         settings: &MonitorSettings<R>,
         mut more_time: impl FnMut() -> bool,
-        see: impl FnOnce(&Task<R>, &Solved<'_, R, N, D, E>) -> Seen,
-    ) -> Option<(Task<R>, Result<Seen, Status<f32>>)> {
-        let mut task = self.begun.take()?;
-        let GoodSample { load, speed, .. } = task.sample;
-        let acting = [ShaftLoad {
-            position: settings.shaft.loads_at,
-            load,
-        }];
-        let at = Speed::rad_per_s(speed).with_growth(task.growth);
+    ) -> Result<(), (Purpose, Status<f32>)> {
+        let Some(mut task) = self.begun.take() else {
+            return Ok(());
+        };
+        let at = Speed::rad_per_s(task.sample.speed).with_growth(task.growth);
         let effort = Settings {
             // Time is the bound, and the solver's own on an attempt.
             max_iterations: u16::MAX,
             tolerance: settings.tolerance,
         };
-        let rows = &mut task.rows;
+        let (acting, rows) = (task.acting(settings), &mut task.rows);
         let more = || {
             *rows = rows.saturating_add(1);
             more_time()
@@ -100,14 +110,34 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
         let solved = self
             .solver
             .solve_while(self.spindle, &acting, at, &effort, more);
-        let seen = match solved {
-            Ok(solution) => Ok(see(&task, &solution)),
-            Err(Status::IterationLimit) => {
-                self.begun = Some(task);
-                return None;
-            }
-            Err(status) => Err(status),
-        };
-        Some((task, seen))
+        match solved.map(|_| ()) {
+            Ok(()) => self.ended = Some(Ended { task, rows: None }),
+            Err(Status::IterationLimit) => self.begun = Some(task),
+            Err(status) => return Err((task.purpose, status)),
+        }
+        Ok(())
+    }
+
+    /// The figures that `see` takes of the equilibrium that a task has led to.
+    pub(crate) fn look<Seen>(
+        &self,
+        task: &Task<R>,
+        settings: &MonitorSettings<R>,
+        see: impl FnOnce(&Solved<'_, R, N, D, E>) -> Seen,
+    ) -> Option<Seen> {
+        let acting = task.acting(settings);
+        self.solver
+            .solved(self.spindle, &acting)
+            .map(|solution| see(&solution))
+    }
+}
+
+impl<const R: usize> Task<R> {
+    /// The load on the shaft.
+    const fn acting(&self, settings: &MonitorSettings<R>) -> [ShaftLoad<f32>; 1] {
+        [ShaftLoad {
+            position: settings.shaft.loads_at,
+            load: self.sample.load,
+        }]
     }
 }

@@ -31,7 +31,9 @@ static TIGHT: MonitorSettings = settings(1);
 pub(super) const fn settings(passes: u32) -> MonitorSettings {
     let mut settings = MonitorSettings::new(&B7005C, 16);
     let cost = settings.tick.cost;
-    settings.tick.deadline_cycles = cost.tick + cost.end(16, true) + passes * cost.row(16);
+    let cost_of = cost.of(16, 16);
+    settings.tick.deadline_cycles =
+        cost.tick + cost_of.look + cost_of.report + (passes + 1) * (cost_of.step + cost_of.row);
     settings
 }
 const _: () = assert!(SETTINGS.check().is_ok() && TIGHT.check().is_ok() && DAY.check().is_ok());
@@ -83,6 +85,7 @@ pub(super) struct Counter {
     /// Of a tick, and of each look.
     cost: u32,
     pub(super) look: u32,
+    /// Looks in this tick.
     reads: u32,
 }
 
@@ -90,7 +93,7 @@ impl CycleCounter for Counter {
     fn cycles(&mut self) -> u32 {
         self.reads += 1;
         self.now = self.now.wrapping_add(self.look);
-        if self.reads.is_multiple_of(2) {
+        if self.reads == 2 {
             self.now = self.now.wrapping_add(self.cost);
         }
         self.now
@@ -131,6 +134,8 @@ pub(super) struct Rig<const R: usize = 1, const E: usize = 0> {
     dog: Dog,
     pub(super) time_us: u64,
     ticks: u64,
+    /// Rows passed for the next estimate.
+    rows: u16,
     /// Bytes that the link takes in a tick.
     pub(super) link: usize,
     /// Marks of every tick, by its time in ms, and one after the other.
@@ -161,7 +166,7 @@ impl Rig<ROWS, ROWS> {
 }
 
 impl<const R: usize, const E: usize> Rig<R, E> {
-    fn of(
+    pub(super) fn of(
         spindle: &'static Spindle<'static, f32, R, 16, 5, E>,
         settings: &'static MonitorSettings<R>,
         idle: [f32; 5],
@@ -175,6 +180,7 @@ impl<const R: usize, const E: usize> Rig<R, E> {
             dog: Dog::default(),
             time_us: 0,
             ticks: 0,
+            rows: 0,
             link: 4096,
             marks: Vec::new(),
             doubts: Vec::new(),
@@ -186,6 +192,7 @@ impl<const R: usize, const E: usize> Rig<R, E> {
 
     /// One tick, and the laws.
     pub(super) fn tick(&mut self, readings: &Readings) -> Outcome {
+        self.counter.reads = 0;
         let outcome = self
             .monitor
             .tick(self.time_us, readings, &mut self.counter, &mut self.dog);
@@ -195,10 +202,12 @@ impl<const R: usize, const E: usize> Rig<R, E> {
             (self.monitor.health().ticks, self.dog.fed),
             (self.ticks, self.ticks)
         );
-        assert!(!outcome.solved || outcome.rows > 0, "{outcome:?}");
+        self.rows += outcome.rows;
+        assert!(!outcome.solved || self.rows > 0, "{outcome:?}");
         // An estimate is of a sample that was good when it came, in that many ticks before.
         self.doubts.push(outcome.marks);
         if outcome.solved {
+            self.rows = outcome.rows;
             let age = outcome.age.unwrap() as usize;
             let of_sample = self.doubts[self.doubts.len() - 1 - age];
             let of_solve = Marks::from(Mark::Unsolved).with(Mark::NoEstimate);
