@@ -1,15 +1,7 @@
-//! From ball count, precision and attitude rule known at run time to the solver, which wants them
-//! at compile time.
-//!
-//! The solver is generic over the ball count and owns no memory. A host program that reads the bearing from a file has
-//! one bearing compiled for every count. Solvers are for the largest alone: a row may have fewer balls than its spindle.
+//! Precision and attitude rule known at run time, and figures of any precision in doubles.
 
-use files::plan::{BALL_COUNTS, MOST_BALLS};
 use serde::Deserialize;
-use spindle_bearing::{
-    BallKinematics, BallState, Bearing, ContactPatch, Design, DesignError, Facing, Frequencies,
-    Mounted, Quantity, Real, Status,
-};
+use spindle_bearing::{BallKinematics, BallState, ContactPatch, Frequencies, Real, Status};
 use std::fmt::{self, Write};
 
 /// The working precision of a solve.
@@ -47,46 +39,6 @@ pub enum Attitude {
     Outer,
     /// Inner race control: no spin at the inner race; not for loads that lift balls off it
     Inner,
-}
-
-/// A bearing of any ball count.
-pub trait Mount<T: Real> {
-    /// The bearing on a shaft: clamped, with its rings just touching.
-    fn mounted(&self, position: f64, facing: Facing) -> Mounted<'_, T, MOST_BALLS>;
-}
-
-impl<T: Real, const N: usize> Mount<T> for Bearing<T, N> {
-    fn mounted(&self, position: f64, facing: Facing) -> Mounted<'_, T, MOST_BALLS> {
-        Mounted::new(self, T::of(position), facing)
-    }
-}
-
-macro_rules! mounts {
-    ($t:ident, $design:expr, $balls:expr, $($n:literal)*) => {
-        match $balls {
-            $($n => Ok(Box::new(Bearing::<$t, $n>::of($design)?) as Box<dyn Mount<$t>>),)*
-            balls => Err(DesignError {
-                quantity: Quantity::BallCount,
-                value: balls as f64,
-                least: *BALL_COUNTS.start() as f64,
-                most: MOST_BALLS as f64,
-            }),
-        }
-    };
-}
-
-/// Builds a bearing that can be mounted.
-///
-/// # Errors
-///
-/// The first quantity of the design that is out of its range; the ball count, if it is not among
-/// [`BALL_COUNTS`].
-pub fn mount<T: Real>(design: &Design, balls: usize) -> Result<Box<dyn Mount<T>>, DesignError> {
-    mounts!(
-        T, design, balls,
-        3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34
-        35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64
-    )
 }
 
 /// A status in single precision.

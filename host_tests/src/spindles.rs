@@ -3,15 +3,14 @@
 
 use crate::compare::Equilibrium;
 use crate::dispatch::{
-    Attitude, Mount, Precision, mount, narrowed, wide, widened, widened_frequencies, widened_motion,
+    Attitude, Precision, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
-use files::designs::short;
-use files::plan::{BuildError, MOST_BALLS, MOST_SECTIONS, Plan, Question, ShaftEnd};
+use files::plan::{BuildError, MOST_BALLS, Plan, Question, ShaftEnd};
+use mounting::{Visitor, closed, visit};
 use spindle_bearing::{
-    BallKinematics, BallState, Centrifugal, ErrorEstimate, Facing, Frequencies, Given, Growth,
-    InnerRaceControl, Limit, LimitSet, Limits, Motion, Mounted, OuterRaceControl, Preload,
-    Quantity, RacewayControlFree, Real, RowSolution, Section, Settings, Shaft, ShaftLoad, Speed,
-    Spindle, SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
+    BallKinematics, BallState, Centrifugal, ErrorEstimate, Frequencies, Given, Growth,
+    InnerRaceControl, Limit, LimitSet, Limits, Motion, OuterRaceControl, RacewayControlFree, Real,
+    RowSolution, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
 };
 use std::array::from_fn;
 
@@ -271,214 +270,34 @@ pub fn with_solver<O>(
     let plan = closed.as_ref().unwrap_or(plan);
     let (mut f, mut outcome) = (Some(f), None);
     let mut hand = |solver: &mut dyn AnySolver| outcome = f.take().map(|f| f(solver));
+    let hand = OfBalls {
+        balls,
+        hand: &mut hand,
+    };
     match precision {
-        Precision::F32 => with::<f32>(plan, balls, &mut hand)?,
-        Precision::F64 => with::<f64>(plan, balls, &mut hand)?,
+        Precision::F32 => visit::<f32>(plan, hand)?,
+        Precision::F64 => visit::<f64>(plan, hand)?,
     }
     Ok(outcome.expect("a solver was handed over"))
-}
-
-/// The plan with the closure of all rows that gives its mounted preload; none if it has no such preload.
-fn closed(plan: &Plan) -> Result<Option<Plan>, BuildError> {
-    let Some((force, growth)) = &plan.mounted_preload else {
-        return Ok(None);
-    };
-    let held_by = |preload| {
-        let mut plan = Plan {
-            mounted_preload: None,
-            ..plan.clone()
-        };
-        plan.rows.iter_mut().for_each(|row| row.preload = preload);
-        plan
-    };
-    let mut ground = held_by(Preload::Force(*force));
-    if let Some(shaft) = &mut ground.shaft {
-        shaft.loads.clear();
-    }
-    let mut closure = None;
-    with::<f64>(&ground, Balls::Static, &mut |solver| {
-        closure = mounted_closure(solver, plan, *force, growth);
-    })?;
-    match closure {
-        Some(closure) => Ok(Some(held_by(Preload::Closure(closure)))),
-        None => Err(BuildError::Spindle(format!(
-            "`mounted_preload_n`: no closure of these rows gives {force} N between them"
-        ))),
-    }
-}
-
-/// The closure of all rows that gives this force between the rows that face `+x` and the others. The solver's rows are
-/// ground for that force.
-fn mounted_closure(
-    solver: &mut dyn AnySolver,
-    plan: &Plan,
-    force: f64,
-    growth: &[Growth<f64>],
-) -> Option<f64> {
-    let mut solve = |axial: &dyn Fn(usize) -> f64| {
-        let grown = growth.iter().enumerate().map(|(i, growth)| Growth {
-            axial: growth.axial + axial(i),
-            ..*growth
-        });
-        let question = Question {
-            growth: grown.collect(),
-            ..Question::default()
-        };
-        solver.reset();
-        solver.solve(&question).map(|answer| answer.rows)
-    };
-    let ground = solve(&|_| 0.0).ok()?;
-    let mut preload = |closure: f64| {
-        // More closure is an axial growth. Rows that do not touch have no answer, and no preload.
-        let rows = solve(&|i| closure - ground[i].closure).unwrap_or_default();
-        let rows = rows.iter().zip(&plan.rows);
-        let ahead = rows.filter(|(_, row)| row.facing == Facing::PlusX);
-        ahead.map(|(row, _)| row.preload).sum::<f64>()
-    };
-    // The closure as ground is of the size that is looked for.
-    let step = ground[0].closure;
-    let (mut low, mut high) = (0.0, step);
-    while preload(high) < force && high < 1e3 * step {
-        (low, high) = (high, 2.0 * high);
-    }
-    while preload(low) > force && low > -1e3 * step {
-        (low, high) = (2.0 * low - step, low);
-    }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        match preload(middle) < force {
-            true => low = middle,
-            false => high = middle,
-        }
-    }
-    ((preload(high) / force - 1.0).abs() < 1e-6).then_some(high)
 }
 
 /// Takes a solver, whoever asked for it: without the type of a closure, a solver is compiled once.
 type Hand<'h> = &'h mut dyn FnMut(&mut dyn AnySolver);
 
-fn with<T: Real>(plan: &Plan, balls: Balls, hand: Hand<'_>) -> Result<(), BuildError> {
-    let bearings = plan.rows.iter().enumerate();
-    let bearings: Vec<Box<dyn Mount<T>>> = bearings
-        .map(|(i, row)| mount(&row.design, row.balls).map_err(|e| BuildError::Design(i, e)))
-        .collect::<Result<_, _>>()?;
-    // The library's loads act at x = 0.
-    let loaded_at = plan.loaded_at();
-    let mounted = plan.rows.iter().zip(&bearings).map(|(row, bearing)| {
-        let preload = match row.preload {
-            Preload::Closure(e) => Preload::Closure(T::of(e)),
-            Preload::Force(force) => Preload::Force(T::of(force)),
-            _ => Preload::Spring,
-        };
-        let position = row.position - loaded_at;
-        bearing.mounted(position, row.facing).with(preload)
-    });
-    let mounted: Vec<_> = mounted.collect();
-    match mounted.len() {
-        1 => of_rows::<T, 1>(plan, &mounted, balls, hand),
-        2 => of_rows::<T, 2>(plan, &mounted, balls, hand),
-        3 => of_rows::<T, 3>(plan, &mounted, balls, hand),
-        4 => of_rows::<T, 4>(plan, &mounted, balls, hand),
-        5 => of_rows::<T, 5>(plan, &mounted, balls, hand),
-        6 => of_rows::<T, 6>(plan, &mounted, balls, hand),
-        7 => of_rows::<T, 7>(plan, &mounted, balls, hand),
-        8 => of_rows::<T, 8>(plan, &mounted, balls, hand),
-        rows => Err(BuildError::Rows(rows)),
-    }
-}
-
-fn of_rows<T: Real, const R: usize>(
-    plan: &Plan,
-    mounted: &[Mounted<'_, T, MOST_BALLS>],
+/// Hands over the solver of a spindle for this motion of its balls.
+struct OfBalls<'h> {
     balls: Balls,
-    hand: Hand<'_>,
-) -> Result<(), BuildError> {
-    let rows: [Mounted<'_, T, MOST_BALLS>; R] = from_fn(|i| mounted[i]);
-    let made = match plan.spring {
-        Some(spring) => Spindle::sprung(plan.arrangement, rows, T::of(spring)).map(|spindle| {
-            if const { R > 1 } {
-                on_shaft(spindle, plan, balls, hand)
-            } else {
-                unreachable!("a spring holds a row against another one")
-            }
-        }),
-        None => {
-            Spindle::new(plan.arrangement, rows).map(|spindle| on_shaft(spindle, plan, balls, hand))
-        }
-    };
-    made.map_err(|error| refused(&error, plan.loaded_at()))?
+    hand: Hand<'h>,
 }
 
-/// The error, in the unit of files where that is a position.
-fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
-    let millimetres = |x: T| short(1e3 * x.to_f64());
-    match *error {
-        SpindleError::Row {
-            row,
-            quantity: Quantity::RowDistance,
-            value,
-            least,
-            ..
-        } => {
-            let [distance, least] = [value, least].map(millimetres);
-            let message = format!(
-                "another row is {distance} mm away, nearer than half a ball's diameter, {least} mm: check the positions"
-            );
-            BuildError::Position(row, message)
-        }
-        SpindleError::Row {
-            row,
-            quantity: Quantity::RowPosition,
-            value,
-            most,
-            ..
-        } => {
-            let said = millimetres(value + T::of(loaded_at));
-            let [limit, loaded_at] = [millimetres(most), short(1e3 * loaded_at)];
-            let message = format!(
-                "`position_mm` is {said}, but must lie within {limit} mm of x = {loaded_at}, where loads act"
-            );
-            BuildError::Position(row, message)
-        }
-        ref other => BuildError::Spindle(other.to_string()),
+impl<T: Real> Visitor<T> for OfBalls<'_> {
+    fn visit<const R: usize, const D: usize, const E: usize>(
+        self,
+        spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
+        loaded_at: f64,
+    ) -> Result<(), BuildError> {
+        of_balls(spindle, self.balls, loaded_at, self.hand)
     }
-}
-
-fn on_shaft<T: Real, const R: usize, const D: usize>(
-    spindle: Spindle<'_, T, R, MOST_BALLS, D>,
-    plan: &Plan,
-    balls: Balls,
-    hand: Hand<'_>,
-) -> Result<(), BuildError> {
-    let Some(elastic) = &plan.shaft else {
-        return of_balls(spindle, balls, 0.0, hand);
-    };
-    let loaded_at = elastic.loaded_at;
-    let sections = elastic.sections.iter().map(|section| Section {
-        from: section.from - loaded_at,
-        to: section.to - loaded_at,
-        ..*section
-    });
-    let sections: Vec<_> = sections.collect();
-    let shaft = Shaft::<T, MOST_SECTIONS>::new(&sections, &elastic.material)
-        .map_err(|e| BuildError::Spindle(e.to_string()))?;
-    let supports = from_fn(|i| {
-        let support = elastic.supports.get(i).unwrap_or(&Support::RIGID);
-        Support {
-            axial: T::of(support.axial),
-            radial: T::of(support.radial),
-            tilting: T::of(support.tilting),
-        }
-    });
-    let loads = elastic.loads.iter().map(|at| ShaftLoad {
-        position: T::of(at.position - loaded_at),
-        load: at.load.map(T::of),
-    });
-    let loads: Vec<_> = loads.collect();
-    let spindle = spindle.elastic(&shaft, supports);
-    let spindle = spindle.and_then(|spindle| spindle.with_loads(&loads));
-    let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
-    of_balls(spindle, balls, loaded_at, hand)
 }
 
 /// Hands over the solver for this motion of the balls.

@@ -9,7 +9,6 @@ use spindle_bearing::{
     Arrangement, ElasticSpindle, Facing, Material, Mounted, Preload, Section, Shaft, Spindle,
     Support,
 };
-use spindle_firmware::monitored::ROWS;
 use spindle_monitor::board::Check;
 use spindle_monitor::command::{AnswerCode, ORDER_EVERY, Order, Request};
 use spindle_monitor::judgement::AlarmChange;

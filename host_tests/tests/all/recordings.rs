@@ -10,7 +10,7 @@ use files::plan::{Plan, Question};
 use files::recordings::{LoadRow, Loads};
 use files::spindles::SpindleFile;
 use host_tests::cases::Random;
-use host_tests::dispatch::{self, Precision};
+use host_tests::dispatch::Precision;
 use host_tests::replay::{Job, Output, Summary, Table, replay};
 use host_tests::spindles::{Answer, AnySolver, Balls, Choices, with_solver};
 use spindle_bearing::{Design, FreeContact, Material, Status};
@@ -390,7 +390,7 @@ fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
     ];
     let explained = changes.into_iter().map(|(from, to)| {
         let file = DesignFile::parse("b.toml", &DESIGN.replace(from, to)).unwrap();
-        let bearing = dispatch::mount::<f64>(&file.design, file.balls);
+        let bearing = mounting::mount::<f64>(&file.design, file.balls);
         file.explain(&bearing.err().unwrap()).to_string()
     });
     assert_starts(
