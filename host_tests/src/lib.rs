@@ -1,7 +1,6 @@
 //! The judge: a second implementation of the solver's task, cases with known answers, and what a comparison with
 //! them allows. `../README.md` says which part judges what.
 
-pub mod calibration;
 pub mod campaign;
 pub mod cases;
 pub mod compare;

@@ -1,5 +1,6 @@
 //! What reads files: bearings and spindles as people type them, recordings as programs write them.
 
+pub mod calibration;
 pub mod catalogue;
 pub mod designs;
 pub mod fault;

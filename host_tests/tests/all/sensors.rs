@@ -4,7 +4,7 @@ use crate::monitor::{IDLE, Rig, SETTINGS, SPEED, assert_near, at_speed};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
-use host_tests::calibration::{Loads, loads};
+use files::calibration::{Loads, loads};
 use spindle_firmware::bridges::{
     AdcError, Ads131m08, Ads131m08Bridges, Ads131m08Config, BridgeAdc, Calibration,
     CalibrationError, Gain, StrainBridge, TareError, TareState,

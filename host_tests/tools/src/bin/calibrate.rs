@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use csv::ReaderBuilder;
-use host_tests::calibration::{Loads, loads};
+use files::calibration::{Loads, loads};
 use std::path::PathBuf;
 
 /// Turns the counts that each load makes alone into the matrices of the firmware, and prints them for
@@ -40,7 +40,7 @@ fn text(counts: &[[f64; 5]]) -> Result<String> {
     let Loads {
         by_bridge,
         condition,
-    } = loads(counts)?;
+    } = loads(counts).map_err(anyhow::Error::msg)?;
     let mut text = format!("// Condition {condition:.2}.\nCalibration::new(\n    [\n");
     for load in 0..5 {
         let row: Vec<_> = by_bridge.iter().map(|of| of[load] as f32).collect();
