@@ -488,11 +488,15 @@ impl DesignFile {
         })
     }
 
-    /// Load ratings of its contacts: from the maker's `C` if it is known, else from the formula.
-    pub fn rating(&self) -> LifeRating<f64> {
+    /// Basic dynamic load rating `C`, N: the maker's if it is known, else by the formula.
+    pub fn dynamic_rating(&self) -> f64 {
         let formula = || self.design.dynamic_load_rating(self.balls);
-        let rating = self.dynamic_load_rating.unwrap_or_else(formula);
-        LifeRating::<f64>::new(&self.design, self.balls, rating)
+        self.dynamic_load_rating.unwrap_or_else(formula)
+    }
+
+    /// Load ratings of its contacts.
+    pub fn rating(&self) -> LifeRating<f64> {
+        LifeRating::<f64>::new(&self.design, self.balls, self.dynamic_rating())
     }
 
     /// The message for a design that the solver refuses: the key and the place it came from, in the file's unit.

@@ -6,6 +6,7 @@ pub mod designs;
 pub mod fault;
 pub mod import;
 mod lines;
+pub mod monitors;
 pub mod noses;
 pub mod plan;
 pub mod propose;

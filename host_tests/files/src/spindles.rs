@@ -55,6 +55,9 @@
 //!
 //! [nose.tool]                    # more of them, by name
 //! position_mm = -120
+//!
+//! [monitor.plausible]            # and more about the monitor: see `docs/monitor_keys.md`
+//! fx_n = [-1700, 1700]
 //! ```
 //!
 //! On a rigid shaft, loads are referred to `x = 0`. With `sections` or a `support`, they act where they stand.
@@ -64,6 +67,7 @@ use crate::designs::{
     ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Place, Reading,
     micrometres, millimetres, read_text,
 };
+use crate::monitors::{MonitorFile, MonitorKeys};
 use crate::noses::{Nose, NoseKeys, PLAIN};
 use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Plan, Question, Row, ShaftEnd};
 use crate::recordings::LoadRow;
@@ -92,6 +96,8 @@ pub struct SpindleFile {
     bores: Vec<f64>,
     /// Thermal expansion, if temperatures count.
     pub heat: Option<Heat>,
+    /// Its monitor.
+    pub monitor: MonitorFile,
     /// Figures that are solved as they are, and seem to be meant otherwise.
     pub doubts: Vec<String>,
     /// Where loads act.
@@ -127,6 +133,8 @@ struct SpindleKeys {
     load: Option<LoadKeys>,
     #[serde(default)]
     constant_load: Vec<ConstantLoadKeys>,
+    #[serde(default)]
+    monitor: MonitorKeys,
 }
 
 #[derive(Deserialize)]
@@ -203,6 +211,7 @@ impl From<DesignFile> for SpindleFile {
             growth: vec![Growth::NONE],
             bores: Vec::new(),
             heat: None,
+            monitor: MonitorFile::of(std::slice::from_ref(&file)),
             doubts: Vec::new(),
             loading: file.loading.clone(),
             file: String::new(),
@@ -391,6 +400,11 @@ impl SpindleFile {
                 loaded_at: position,
             }
         });
+        let reference = keys
+            .heat
+            .as_ref()
+            .and_then(|heat| heat.reference_c.as_ref());
+        let reference = reference.map(|said| (*said.get_ref(), r.place(said.span())));
         let heat = keys.heat.map(|keys| {
             let place = keys.reference_c.as_ref().map(|value| r.place(value.span()));
             let reference = r.needed("heat", "reference_c", "20", keys.reference_c)?;
@@ -421,6 +435,7 @@ impl SpindleFile {
             growth,
             bores,
             heat: heat.transpose()?,
+            monitor: keys.monitor.read(r, &designs, reference)?,
             doubts,
             loading,
             file: file.to_owned(),

@@ -799,8 +799,8 @@ const TABLES: [(&str, &str); 16] = [
     ("spindle.nose", "[nose.tool]\nunknown = 0"),
 ];
 
-/// Keys of the other tests here. A name is a text.
-const OTHERS: [&str; 12] = [
+/// Keys of the other tests here, and of `monitor_keys.rs`. A name is a text.
+const OTHERS: [&str; 13] = [
     "bearing.name",
     "bearing.inner_shoulder_deg",
     "bearing.outer_shoulder_deg",
@@ -813,6 +813,7 @@ const OTHERS: [&str; 12] = [
     "spindle.shaft.grow_with_speed",
     "spindle.preload_n",
     "spindle.row.preload_offset_um",
+    "spindle.monitor",
 ];
 
 #[test]

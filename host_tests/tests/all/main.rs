@@ -28,6 +28,7 @@ mod life;
 mod limits;
 mod log;
 mod monitor;
+mod monitor_keys;
 mod motions;
 mod net;
 mod precision;
