@@ -3,13 +3,18 @@
 use crate::beat::Cycles;
 use crate::dog::Watchdogs;
 use crate::flash::Cells;
-use crate::monitored::ROWS;
 use crate::receiver::Receiver;
 use crate::sensors::Measured;
+use crate::spindle::ROWS;
 use crate::strap::{Pins, Wires};
 use cortex_m::peripheral::SYST;
 use spindle_monitor::board::{BoardReport, ResetCause};
 use spindle_monitor::settings::MonitorSettings;
+
+/// Whether the firmware programs the highest brown-out level into the chip's option bytes.
+///
+/// They stay so whatever is flashed later. Set it here, or build with `SPINDLE_BROWN_OUT=set` in the environment.
+pub const SET_BROWN_OUT: bool = option_env!("SPINDLE_BROWN_OUT").is_some();
 
 /// A kind of board: its constants, and what its chip does.
 pub trait Board: Sized {

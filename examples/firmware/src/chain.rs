@@ -3,8 +3,7 @@
 //!
 //! Two kinds of frames come in over one port: load records, and now and then a [`Command`], such as temperatures.
 
-use crate::monitor_settings::IDLE;
-use crate::monitored::{BALLS, ROWS, SPINDLE};
+use crate::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, ROWS, SPINDLE};
 use spindle_bearing::Status;
 use spindle_monitor::command::{Command, PortReader, Received};
 use spindle_monitor::framing::FrameError;
@@ -54,7 +53,7 @@ impl Sensors for FramedLoads {
 
 /// The monitor with its sensors.
 pub struct Chain<S = FramedLoads> {
-    monitor: Monitor<ROWS, BALLS, FRAMES, 5, ROWS>,
+    monitor: Monitor<ROWS, BALLS, FRAMES, FREEDOMS, JOINTS>,
     sensors: S,
     port: PortReader,
     /// The newest temperatures of the port, until they are taken.
@@ -92,7 +91,7 @@ impl<S: Sensors> Chain<S> {
     ///
     /// How that solve ended; the monitor goes on without it.
     pub fn prepare(&mut self) -> Result<(), Status<f32>> {
-        self.monitor.prepare(IDLE, 0.0)
+        self.monitor.prepare(IDLE)
     }
 
     /// Takes a byte of the port, while the input for service is on or off. Returns how many bytes the link takes if it is a

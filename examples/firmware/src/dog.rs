@@ -9,7 +9,7 @@
 //! | lock-step | as at the start | while it waits for bytes, and by every tick |
 
 use crate::beat::ticks;
-use crate::monitor_settings::PERIOD_US;
+use crate::spindle::PERIOD_US;
 use core::sync::atomic::{AtomicBool, Ordering};
 use spindle_monitor::tick::Watchdog;
 

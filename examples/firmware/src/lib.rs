@@ -23,8 +23,6 @@ pub mod flash;
 pub mod log;
 #[cfg(feature = "program")]
 mod memory;
-pub mod monitor_settings;
-pub mod monitored;
 #[cfg(feature = "program")]
 pub mod receiver;
 #[cfg(feature = "rtt")]
@@ -35,6 +33,7 @@ pub use rtt as log;
 mod self_check;
 #[cfg(feature = "program")]
 pub mod sensors;
+pub mod spindle;
 #[cfg(feature = "program")]
 pub mod strap;
 pub mod tachometer;

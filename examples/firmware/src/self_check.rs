@@ -2,8 +2,7 @@
 
 use crate::dog::{Watchdogs, feed_at_start};
 use crate::memory::{Stack, image, seal};
-use crate::monitor_settings::PERIOD_US;
-use crate::monitored::{BALLS, PRELOAD, ROWS, SPINDLE};
+use crate::spindle::{BALLS, FREEDOMS, JOINTS, KNOWN_LOAD, PERIOD_US, ROWS, SPINDLE};
 use spindle_monitor::BoardReport;
 use spindle_monitor::board::Check;
 use spindle_monitor::self_check::{ImageCheck, KnownAnswer, Seal};
@@ -20,7 +19,7 @@ const CYCLES: u32 = 5000;
 /// The checks, and their report.
 pub struct SelfCheck {
     image: Option<ImageCheck>,
-    answer: KnownAnswer<ROWS, BALLS, 5, ROWS>,
+    answer: KnownAnswer<ROWS, BALLS, FREEDOMS, JOINTS>,
     /// Checksum that the answer is to have.
     expected: Option<u32>,
     /// Cycles that the longest step of that solve took at the start, and a quarter more.
@@ -51,7 +50,7 @@ impl SelfCheck {
         };
         let mut checks = Self {
             image,
-            answer: KnownAnswer::new(&SPINDLE, PRELOAD as f32),
+            answer: KnownAnswer::new(&SPINDLE, KNOWN_LOAD),
             expected,
             answer_cycles: 0,
             stack: Stack::default(),

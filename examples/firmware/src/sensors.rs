@@ -3,7 +3,7 @@
 use crate::bridges::{Ads131m08, Ads131m08Bridges, Ads131m08Config, StrainBridge, TareState};
 use crate::bus::Bus;
 use crate::chain::Sensors;
-use crate::monitor_settings::{CALIBRATION, TACHOMETER, TARE_SAMPLES};
+use crate::spindle::{CALIBRATION, TACHOMETER, TARE_SAMPLES};
 use crate::tachometer::{Edges, PulseInput, PulseSpeed, Pulses, SpeedMethod, SpeedSource};
 use core::cell::Cell;
 use core::convert::Infallible;

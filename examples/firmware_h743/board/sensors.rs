@@ -12,7 +12,7 @@
 
 use super::{pac, spi};
 use pac::{GPIOA, GPIOB, Interrupt, NVIC, TIM2, interrupt};
-use spindle_firmware::monitor_settings::TACHOMETER;
+use spindle_firmware::spindle::TACHOMETER;
 use spindle_firmware::sensors::{Wiring, edge};
 
 /// The wiring.

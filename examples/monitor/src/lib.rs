@@ -51,7 +51,7 @@
 //!
 //! let mut monitor: Monitor<1, 16> = Monitor::new(&SPINDLE, &SETTINGS);
 //! // From nothing, a solve takes some ticks: once, before ticks begin.
-//! monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0], 0.0).expect("the preload has an equilibrium");
+//! monitor.prepare([420.0, 0.0, 0.0, 0.0, 0.0]).expect("the preload has an equilibrium");
 //! let mut loads = FramedLoads::new();
 //! let mut clock = Widened::new(32, 0);
 //! # for _ in 0..3 {
@@ -335,23 +335,23 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         stands_still
     }
 
-    /// Solves a first equilibrium (loads in N, N m; speed in rad/s) to start from, before ticks begin. It may
-    /// take longer than one. Gives no estimate.
+    /// Solves the spindle at rest under the loads of idling (N, N m) to start from, before ticks begin: cold, since preloads are
+    /// held against those of that solve. It may take longer than a tick. Gives no estimate.
     ///
     /// # Errors
     ///
     /// How the solve ended without an answer.
-    pub fn prepare(&mut self, load: [f32; 5], speed: f32) -> Result<(), Status<f32>> {
+    pub fn prepare(&mut self, load: [f32; 5]) -> Result<(), Status<f32>> {
         let settings = self.settings;
         let task = Task {
             sample: GoodSample {
                 time_us: 0,
                 load,
-                speed,
+                speed: 0.0,
             },
             tick: 0,
             purpose: Purpose::Estimate,
-            growth: self.growth(speed),
+            growth: settings.rows.each_ref().map(|row| row.growth),
             rows: 0,
         };
         self.tracker.begin(task);
@@ -359,11 +359,13 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             .go_on(settings, || true)
             .map_err(|(_, status)| status)?;
         let ended = self.tracker.ended.take();
-        let damage = ended.and_then(|Ended { task, .. }| self.damage_of(&task));
-        let damage = damage.ok_or(Status::IterationLimit)?;
+        let rows = ended.and_then(|Ended { task, .. }| self.rows_of(&task));
+        let (rows, _) = rows.ok_or(Status::IterationLimit)?;
+        self.watch.mount(&rows);
+        self.reports.mount(&rows);
         let part = settings.plausibility.part(&load);
         self.life.measure(part);
-        self.life.set_idle(damage, part);
+        self.life.set_idle(damage_of(&rows), part);
         Ok(())
     }
 
@@ -504,7 +506,8 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         };
         for (known, row) in self.growth.iter_mut().zip(&self.settings.rows) {
             let [per_inner, per_outer] = row.heat;
-            let grown = row.rotation * (speed * speed) + per_inner * inner + per_outer * outer;
+            let turning = row.rotation * (speed * speed);
+            let grown = row.growth + turning + per_inner * inner + per_outer * outer;
             let differs = |a: f32, b: f32| (a - b).abs() > GROWTH_STEP;
             if differs(grown.axial, known.axial)
                 || differs(grown.radial, known.radial)
@@ -571,19 +574,14 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
     fn see(&mut self, task: &Task<R>, levels: &mut Levels) -> Option<[RowSummary<f32>; R]> {
         let settings = self.settings;
         let part = settings.plausibility.part(&task.sample.load);
+        let (rows, status) = self.rows_of(task)?;
         if let Purpose::Life(scale) = task.purpose {
-            let damage = self.damage_of(task)? * scale * scale * scale;
+            let damage = damage_of(&rows) * scale * scale * scale;
             self.life.set_damage(damage, part * scale);
             return None;
         }
-        let (rows, status) = self.tracker.look(task, settings, |solution| {
-            let rows = solution.summary(&settings.watch.limits, &settings.ratings());
-            (rows, solution.status)
-        })?;
-        self.watch.rows(&rows, &settings.watch, levels);
-        let rate = rows.iter().map(|row| row.life_rate).sum();
-        let life = RatingLife::of_weight(rate, 0.0);
-        self.life.set_damage(1.0 / life.million_revolutions, part);
+        self.watch.rows(&rows, levels);
+        self.life.set_damage(damage_of(&rows), part);
         self.counts.estimates = self.counts.estimates.saturating_add(1);
         self.reports.status = status;
         self.estimate = Some(Estimate {
@@ -593,11 +591,12 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         Some(rows)
     }
 
-    /// Rating life that the equilibrium of a task uses per million revolutions, as a part of 1.
-    fn damage_of(&self, task: &Task<R>) -> Option<f32> {
-        let ratings = self.settings.ratings();
-        self.tracker.look(task, self.settings, |solution| {
-            1.0 / solution.rating_life(&ratings).million_revolutions
+    /// The rows at a glance in the equilibrium of a task, and how its solve ended.
+    fn rows_of(&self, task: &Task<R>) -> Option<([RowSummary<f32>; R], Status<f32>)> {
+        let settings = self.settings;
+        self.tracker.look(task, settings, |solution| {
+            let rows = solution.summary(&settings.watch.limits, &settings.ratings());
+            (rows, solution.status)
         })
     }
 
@@ -659,4 +658,10 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
     pub const fn life(&self) -> &Life {
         &self.life
     }
+}
+
+/// Rating life that an equilibrium uses per million revolutions, as a part of 1.
+fn damage_of<const R: usize>(rows: &[RowSummary<f32>; R]) -> f32 {
+    let rate = rows.iter().map(|row| row.life_rate).sum();
+    1.0 / RatingLife::of_weight(rate, 0.0).million_revolutions
 }

@@ -7,13 +7,14 @@ use crate::marks::Marks;
 use crate::outbox::Outbox;
 use crate::record;
 use crate::retained::{Past, StartReport};
-use crate::settings::{MonitorSettings, TelemetrySettings};
+use crate::settings::{MonitorSettings, ShaftSettings, TelemetrySettings};
 use crate::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, FRAME_LENGTH,
     HelloReport, LIFT_OFF, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
     bit_of,
 };
 use crate::tracker::{Solved, Task};
+use core::array::from_fn;
 use heapless::Vec;
 use spindle_bearing::{BallState, Facing, RowSummary, Spindle, Status, compliance};
 
@@ -124,6 +125,12 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         self.hello.start = past.start;
     }
 
+    /// Takes the rows of the mounted spindle, cold and at rest.
+    pub(crate) fn mount(&mut self, rows: &[RowSummary<f32>; R]) {
+        let preloads = rows.iter().map(|row| row.preload);
+        self.hello.shaft.preload = preloads.fold(0.0, f32::max);
+    }
+
     /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.
     pub(crate) fn set_board(&mut self, report: BoardReport) {
         if report.differs(&self.hello.board) {
@@ -175,7 +182,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
             self.wants_estimate = false;
             self.taken = Some(Taken {
                 tick: task.tick,
-                report: estimate_report(task, solution, rows, opposed, settings.shaft.nose),
+                report: estimate_report(task, solution, rows, opposed, &settings.shaft),
                 rows: rows.each_ref().map(row_report),
                 is_new: true,
             });
@@ -362,7 +369,7 @@ fn shaft_report<const R: usize, const N: usize, const D: usize, const E: usize>(
     ShaftReport {
         nose: settings.shaft.nose,
         loads_at: settings.shaft.loads_at,
-        preload: settings.watch.preload,
+        preload: 0.0,
         count: R as u8,
         rows: as_many_as_fit(rows.map(place)),
     }
@@ -373,9 +380,16 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
     solution: &Solved<'_, R, N, D, E>,
     rows: &[RowSummary<f32>; R],
     opposed: bool,
-    nose: f32,
+    shaft: &ShaftSettings,
 ) -> EstimateReport {
-    let k = solution.stiffness_at(nose);
+    let mut k = solution.stiffness_at(shaft.nose);
+    for (i, by) in shaft.flexibility.into_iter().enumerate() {
+        if by > 0.0 {
+            // A spring in series.
+            let (rigid, taken) = (k, by / (1.0 + by * k[i][i]));
+            k = from_fn(|r| from_fn(|c| rigid[r][c] - rigid[r][i] * taken * rigid[i][c]));
+        }
+    }
     let compliance = compliance(&k);
     let (row, column) = strongest_coupling(&k);
     let (mut least, mut largest, mut limits) = (f32::INFINITY, 0.0_f32, 0);
@@ -392,9 +406,9 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
     EstimateReport {
         load: task.sample.load,
         speed: task.sample.speed,
-        displacement: solution.displacement_at(nose),
-        stiffness: core::array::from_fn(|i| k[i][i]),
-        nose: core::array::from_fn(|i| 1.0 / compliance[i][i]),
+        displacement: solution.displacement_at(shaft.nose),
+        stiffness: from_fn(|i| k[i][i]),
+        nose: from_fn(|i| 1.0 / compliance[i][i]),
         coupling: k[row][column],
         coupling_row: row as u8,
         coupling_column: column as u8,

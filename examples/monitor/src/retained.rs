@@ -33,9 +33,7 @@ use crate::judgement::{Alarm, Judgement};
 use crate::life::Life;
 use crate::log::{Log, PAYLOAD};
 pub use crate::log::{NorFlash, WriteError};
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use serde::{Deserialize, Serialize};
-use spindle_bearing::{Design, Facing, FreeContact, Material};
 
 /// Version of the records. Alarms are kept by their place in [`Alarm::ALL`].
 pub const VERSION: u8 = 5;
@@ -206,73 +204,15 @@ impl Past {
 // A record has room for all alarms.
 const _: () = assert!(Alarm::COUNT <= 16 && 2 + 2 + 4 + 8 + 8 + 4 + Alarm::COUNT == PAYLOAD);
 
-/// Identity of a spindle, which tells its data from another's: a checksum of all that they depend on.
+/// Identity of a spindle, which tells its data from another's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Identity(u32);
 
 impl Identity {
-    /// Identity of a bearing of `balls` balls. Shoulders and load rating are left out: only alarms and
-    /// life from now on go by them.
-    pub const fn new(design: &Design, balls: usize) -> Self {
-        // Without a table, which would be for the compiler alone.
-        const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
-        let (kind, contact) = match design.free_contact {
-            FreeContact::Angle(angle) => (0, angle),
-            FreeContact::DiametralClearance(clearance) => (1, clearance),
-        };
-        const fn material(of: &Material) -> [u64; 3] {
-            [
-                of.youngs_modulus.to_bits(),
-                of.poissons_ratio.to_bits(),
-                of.density.to_bits(),
-            ]
-        }
-        let (ring, ball) = (material(&design.ring), material(&design.ball));
-        let numbers = [
-            balls as u64,
-            design.ball_diameter.to_bits(),
-            design.pitch_diameter.to_bits(),
-            design.inner_groove_factor.to_bits(),
-            design.outer_groove_factor.to_bits(),
-            kind,
-            contact.to_bits(),
-            design.first_ball.to_bits(),
-            ring[0],
-            ring[1],
-            ring[2],
-            ball[0],
-            ball[1],
-            ball[2],
-        ];
-        let mut digest = CHECKSUM.digest();
-        let mut i = 0;
-        while i < numbers.len() {
-            digest.update(&numbers[i].to_le_bytes());
-            i += 1;
-        }
-        Self(digest.finalize())
-    }
-
-    /// Identity of such bearings on a shaft: the rows' positions (m), facings and preload (N).
-    #[must_use]
-    pub const fn mounted<const R: usize>(
-        self,
-        positions: &[f64; R],
-        facings: &[Facing; R],
-        preload: f64,
-    ) -> Self {
-        const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
-        let mut digest = CHECKSUM.digest();
-        digest.update(&self.0.to_le_bytes());
-        digest.update(&preload.to_bits().to_le_bytes());
-        let mut row = 0;
-        while row < R {
-            digest.update(&positions[row].to_bits().to_le_bytes());
-            digest.update(facings[row].name().as_bytes());
-            row += 1;
-        }
-        Self(digest.finalize())
+    /// Of a checksum of all that the kept data of a spindle depend on.
+    pub const fn of(checksum: u32) -> Self {
+        Self(checksum)
     }
 }
 

@@ -28,6 +28,8 @@ pub struct TelemetrySettings {
 pub struct RowSettings {
     /// The contacts' dynamic load ratings.
     pub rating: LifeRating,
+    /// Growth of the cold bearing at rest, besides that of its preload.
+    pub growth: Growth<f32>,
     /// Growth per K of the inner and of the outer side.
     pub heat: [Growth<f32>; 2],
     /// Growth per square of the speed, (rad/s)^2.
@@ -43,6 +45,7 @@ impl RowSettings {
         let dynamic = design.dynamic_load_rating(balls);
         Self {
             rating: LifeRating::<f32>::new(design, balls, dynamic),
+            growth: Growth::NONE,
             heat: [Growth::NONE; 2],
             rotation: Growth::NONE,
         }
@@ -88,6 +91,8 @@ pub struct ShaftSettings {
     pub loads_at: f32,
     /// The point to which displacement and stiffness belong, m.
     pub nose: f32,
+    /// Flexibility of a rigid shaft's own end there: displacement of each freedom (m, rad) per its force (N) or moment (N m).
+    pub flexibility: [f32; 5],
 }
 
 /// Everything that fits a monitor to one spindle with `R` rows of balls.
@@ -194,6 +199,7 @@ impl<const R: usize> MonitorSettings<R> {
             shaft: ShaftSettings {
                 loads_at: 0.0,
                 nose: 0.0,
+                flexibility: [0.0; 5],
             },
             temperatures: None,
             tick: TickSettings {
@@ -223,7 +229,6 @@ impl<const R: usize> MonitorSettings<R> {
             },
             watch: WatchSettings {
                 overload: [10e3, 10e3, 10e3, 200.0, 200.0],
-                preload: 0.0,
                 limits: Limits {
                     peak_pressure: 2.0e9,
                     friction: 0.06,
@@ -282,8 +287,11 @@ impl<const R: usize> MonitorSettings<R> {
                 "positive and finite"
             );
             demand!(
-                is_finite(&row.heat[0]) && is_finite(&row.heat[1]) && is_finite(&row.rotation),
-                "rows.heat, rows.rotation",
+                is_finite(&row.growth)
+                    && is_finite(&row.heat[0])
+                    && is_finite(&row.heat[1])
+                    && is_finite(&row.rotation),
+                "rows.growth, rows.heat, rows.rotation",
                 "numbers"
             );
             i += 1;
@@ -294,6 +302,15 @@ impl<const R: usize> MonitorSettings<R> {
             "shaft",
             "positions that are numbers"
         );
+        let mut i = 0;
+        while i < 5 {
+            demand!(
+                shaft.flexibility[i] >= 0.0 && shaft.flexibility[i].is_finite(),
+                "shaft.flexibility",
+                "numbers, not below 0"
+            );
+            i += 1;
+        }
         if let Some(temperatures) = &self.temperatures {
             let [low, high] = temperatures.range;
             demand!(low < high, "temperatures.range", "low, then high");
@@ -403,11 +420,6 @@ impl<const R: usize> MonitorSettings<R> {
             );
             i += 1;
         }
-        demand!(
-            self.watch.preload >= 0.0 && self.watch.preload.is_finite(),
-            "watch.preload",
-            "a number, not below 0"
-        );
         let s = &self.telemetry;
         demand!(
             s.estimate_us > 0 && s.balls_us > 0 && s.health_us > 0 && s.standing_us > 0,
@@ -441,7 +453,7 @@ mod tests {
         let good = MonitorSettings::<1>::new(&DESIGN, 16);
         assert_eq!(good.check(), Ok(()));
         type Spoil = fn(&mut MonitorSettings);
-        let spoils: [(Spoil, &str); 11] = [
+        let spoils: [(Spoil, &str); 10] = [
             (|s| s.tick.period_us = 0, "tick.period_us"),
             (
                 |s| s.tick.deadline_cycles = s.tick.cost.tick,
@@ -462,10 +474,9 @@ mod tests {
                 "rows.rating.outer",
             ),
             (|s| s.telemetry.health_us = 0, "telemetry"),
-            (|s| s.watch.preload = -1.0, "watch.preload"),
             (
                 |s| s.rows[0].heat[1].radial = f32::INFINITY,
-                "rows.heat, rows.rotation",
+                "rows.growth, rows.heat, rows.rotation",
             ),
             (
                 |s| {

@@ -10,8 +10,6 @@ use spindle_bearing::{Facing, Limit, Limits, RowSummary};
 pub struct WatchSettings {
     /// Largest amount of each load that the spindle may carry, N, N m.
     pub overload: [f32; 5],
-    /// Preload of the mounted spindle, cold and at rest, N; 0 for none that would be watched.
-    pub preload: f32,
     /// Limits that estimates report when they are passed.
     pub limits: Limits<f32>,
 }
@@ -31,6 +29,8 @@ pub(crate) struct Watch<const R: usize> {
     /// Number of balls of each row, and whether rows of either facing hold each other.
     balls: [u16; R],
     opposed: bool,
+    /// Preload of each row, cold and at rest, N; 0 before it is known.
+    mounted: [f32; R],
     /// The second that runs, when it began, and the last one.
     now: Second,
     began_us: u64,
@@ -52,6 +52,7 @@ impl<const R: usize> Watch<R> {
         Self {
             balls: *balls,
             opposed: facings.iter().any(|facing| *facing != facings[0]),
+            mounted: [0.0; R],
             now: Second::default(),
             began_us: 0,
             last: Second {
@@ -69,6 +70,11 @@ impl<const R: usize> Watch<R> {
     pub(crate) fn sees(&self, time_us: u64) -> bool {
         let is_new = |then: u64| time_us.saturating_sub(then) < BLIND_US;
         self.fresh_us.is_some_and(is_new)
+    }
+
+    /// Takes the rows of the mounted spindle, cold and at rest.
+    pub(crate) fn mount(&mut self, rows: &[RowSummary<f32>; R]) {
+        self.mounted = rows.each_ref().map(|row| row.preload);
     }
 
     /// Whether rows of either facing hold each other.
@@ -114,12 +120,7 @@ impl<const R: usize> Watch<R> {
     }
 
     /// Takes the levels of an equilibrium. Balls are counted on from row to row.
-    pub(crate) fn rows(
-        &self,
-        rows: &[RowSummary<f32>; R],
-        settings: &WatchSettings,
-        levels: &mut Levels,
-    ) {
+    pub(crate) fn rows(&self, rows: &[RowSummary<f32>; R], levels: &mut Levels) {
         for (alarm, limit, least) in [
             (Alarm::PeakPressure, Limit::PeakPressure, 0.0),
             (Alarm::ContactAngle, Limit::Shoulder, f32::NEG_INFINITY),
@@ -149,16 +150,16 @@ impl<const R: usize> Watch<R> {
             first += count;
         }
         levels.set(Alarm::UnloadedBalls, unloaded);
-        if !self.opposed || !(settings.preload > 0.0) {
+        if !self.opposed || !self.mounted.iter().all(|mounted| *mounted > 0.0) {
             return;
         }
         let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
-        for row in rows {
-            (least, largest) = (least.min(row.preload), largest.max(row.preload));
+        for (row, mounted) in rows.iter().zip(&self.mounted) {
+            let part = row.preload / mounted;
+            (least, largest) = (least.min(part), largest.max(part));
         }
-        let mounted = 1.0 / settings.preload;
-        levels.set_value(Alarm::PreloadGrowth, largest * mounted);
-        levels.set_value(Alarm::PreloadLoss, 1.0 - least * mounted);
+        levels.set_value(Alarm::PreloadGrowth, largest);
+        levels.set_value(Alarm::PreloadLoss, 1.0 - least);
     }
 }
 
@@ -206,7 +207,6 @@ mod tests {
     fn loads_that_are_missing_say_nothing_of_an_overload() {
         let settings = WatchSettings {
             overload: [100.0, 100.0, 100.0, 5.0, 5.0],
-            preload: 0.0,
             limits: Limits::default(),
         };
         let of = |load: [f32; 5]| overload(&load, &settings, 1.0);

@@ -194,6 +194,15 @@ fn named<T: Copy>(
     })
 }
 
+fn shaft_loads(forces: impl IntoIterator<Item = (f64, [f64; 3])>) -> Vec<ShaftLoad<f64>> {
+    let forces = forces.into_iter();
+    let loads = forces.map(|(position, [fx, fy, fz])| ShaftLoad {
+        position,
+        load: [fx, fy, fz, 0.0, 0.0],
+    });
+    loads.collect()
+}
+
 /// Whether a file describes a spindle: it has rows.
 fn is_spindle(text: &str) -> bool {
     match text.parse::<toml::Table>() {
@@ -383,12 +392,6 @@ impl SpindleFile {
         let is_elastic = bends || supports.iter().any(Option::is_some);
         let shaft = is_elastic.then(|| {
             let Loading { position, constant } = std::mem::take(&mut loading);
-            let loads = constant
-                .into_iter()
-                .map(|(position, [fx, fy, fz])| ShaftLoad {
-                    position,
-                    load: [fx, fy, fz, 0.0, 0.0],
-                });
             let supports = supports.into_iter();
             ElasticShaft {
                 sections: sections.unwrap_or_default(),
@@ -396,7 +399,7 @@ impl SpindleFile {
                 supports: supports
                     .map(|support| support.unwrap_or(Support::RIGID))
                     .collect(),
-                loads: loads.collect(),
+                loads: shaft_loads(constant),
                 loaded_at: position,
             }
         });
@@ -444,26 +447,53 @@ impl SpindleFile {
         })
     }
 
+    /// Growth of each row: cold and at rest, per K of the inner and of the outer side, and per square of the speed, (rad/s)^2.
+    pub fn growths(&self) -> Vec<[Growth<f64>; 4]> {
+        let middle = self.plan.middle();
+        let rows = self.plan.rows.iter().zip(&self.growth).enumerate();
+        let growths = rows.map(|(i, (row, fixed))| {
+            let design: &Design = &row.design;
+            let turning = self.bores.get(i);
+            let turning = turning.map(|bore| Growth::by_rotation(design, *bore, 1.0));
+            let reach = row.facing.sign::<f64>() * (row.position - middle);
+            let per_kelvin = |sides| match &self.heat {
+                Some(heat) => Growth::by_temperatures(design, &heat.expansion, reach, sides),
+                None => Growth::NONE,
+            };
+            [
+                *fixed,
+                per_kelvin([1.0, 0.0]),
+                per_kelvin([0.0, 1.0]),
+                turning.unwrap_or(Growth::NONE),
+            ]
+        });
+        growths.collect()
+    }
+
+    /// Where recorded loads act, m.
+    pub fn loaded_at(&self) -> f64 {
+        match &self.plan.shaft {
+            Some(shaft) => shaft.loaded_at,
+            None => self.loading.position,
+        }
+    }
+
+    /// Loads besides the recorded ones on a rigid shaft.
+    pub fn constant_loads(&self) -> Vec<ShaftLoad<f64>> {
+        shaft_loads(self.loading.constant.iter().copied())
+    }
+
     /// The load, speed and growth that a row of loads stands for, at the noses.
     pub fn question(&self, row: &LoadRow) -> Question {
         let omega = row.omega();
-        let middle = self.plan.middle();
         let heat = self.heat.as_ref().zip(row.temperatures);
         let heat = heat.map(|(heat, t)| (&heat.expansion, t.map(|t| t - heat.reference)));
-        let growth = self.plan.rows.iter().zip(&self.growth).enumerate();
-        let growth = growth.map(|(i, (row_of_balls, fixed))| {
-            let design: &Design = &row_of_balls.design;
-            let mut growth = *fixed;
-            if let Some(bore) = self.bores.get(i) {
-                growth = growth + Growth::by_rotation(design, *bore, omega);
-            }
-            if let Some((expansion, warmer)) = heat {
-                let ahead = row_of_balls.position - middle;
-                let reach = row_of_balls.facing.sign::<f64>() * ahead;
-                growth = growth + Growth::by_temperatures(design, expansion, reach, warmer);
-            }
-            growth
+        let [inner, outer] = heat.map_or([0.0; 2], |(_, warmer)| warmer);
+        let growth = self.growths().into_iter();
+        let growth = growth.map(|[fixed, per_inner, per_outer, turning]| {
+            fixed + turning * (omega * omega) + per_inner * inner + per_outer * outer
         });
+        let middle = self.plan.middle();
         let middle_growth = |(expansion, warmer)| Growth::by_length(expansion, middle, warmer);
         Question {
             growth: growth.collect(),

@@ -5,8 +5,7 @@
 
 use anyhow::Result;
 use files::recordings::LoadRow;
-use spindle_firmware::monitor_settings::{IDLE, monitor_settings};
-use spindle_firmware::monitored::{BALLS, ROWS, SPINDLE};
+use spindle_firmware::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, ROWS, SPINDLE, monitor_settings};
 use spindle_monitor::Marks;
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::settings::MonitorSettings;
@@ -25,9 +24,9 @@ const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
 ///
 /// The shipped spindle cannot be built.
 pub fn stream(rows: &[LoadRow]) -> Result<Vec<u8>> {
-    let mut monitor: Monitor<ROWS, BALLS, 12, 5, ROWS> = Monitor::new(&SPINDLE, &MONITOR);
+    let mut monitor: Monitor<ROWS, BALLS, 12, FREEDOMS, JOINTS> = Monitor::new(&SPINDLE, &MONITOR);
     // A start without a solution is one that the first ticks make up for.
-    let _ = monitor.prepare(IDLE, 0.0);
+    let _ = monitor.prepare(IDLE);
     let mut bytes = Vec::new();
     let mut time_us = 0;
     for (from, to) in rows.iter().zip(rows.iter().skip(1)) {

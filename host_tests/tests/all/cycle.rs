@@ -4,7 +4,7 @@ use super::monitor::Rig;
 use files::recordings::LoadRow;
 use host_tests::milling_cycle::{CRASH, Place, recorded};
 use host_tests::telemetry::simulated::MONITOR;
-use spindle_firmware::monitored::ROWS;
+use spindle_firmware::spindle::ROWS;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Outcome, Readings};

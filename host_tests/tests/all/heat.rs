@@ -8,7 +8,7 @@ use host_tests::compare::stiffness_error;
 use host_tests::dispatch::Precision;
 use host_tests::telemetry::simulated::MONITOR;
 use spindle_bearing::{Expansion, Growth, Speed};
-use spindle_firmware::monitored;
+use spindle_firmware::spindle;
 use std::path::Path;
 
 const LOAD: [f64; 5] = [60.0, 150.0, -40.0, 0.5, 1.0];
@@ -163,7 +163,7 @@ fn the_firmware_s_rows_grow_as_those_of_a_file_do() {
         [shaft]\nbore_mm = 10\n[heat]\nreference_c = 20\n";
     let (rpm, [inner, outer]) = (14_000.0, [41.0, 33.0]);
     let question = parsed(text).question(&at([0.0; 5], rpm, [inner, outer]));
-    assert_eq!(monitored::ROWS, 2);
+    assert_eq!(spindle::ROWS, 2);
     let omega = Speed::rpm(rpm).as_rad_per_s() as f32;
     let warmer = [inner, outer].map(|t| (t - 20.0) as f32);
     for (row, growth) in MONITOR.rows.iter().zip(&question.growth) {

@@ -10,8 +10,8 @@ use spindle_bearing::{
     Arrangement, Facing, Mounted, RacewayControlFree, Settings, Solver, Speed, Spindle,
     SpindleSolver,
 };
-pub(super) use spindle_firmware::monitored::BEARING;
-use spindle_firmware::monitored::{ROWS, SPINDLE};
+pub(super) use spindle_firmware::spindle::BEARING_0 as BEARING;
+use spindle_firmware::spindle::{ROWS, SPINDLE};
 use spindle_monitor::command::Answer;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSample, LoadSource};
@@ -172,7 +172,7 @@ impl<const R: usize, const E: usize> Rig<R, E> {
         idle: [f32; 5],
     ) -> Self {
         let mut monitor = Monitor::new(spindle, settings);
-        monitor.prepare([idle[0], 0.0, 0.0, 0.0, 0.0], 0.0).unwrap();
+        monitor.prepare([idle[0], 0.0, 0.0, 0.0, 0.0]).unwrap();
         Self {
             monitor,
             idle,
@@ -368,12 +368,19 @@ fn assert_stiffness(reported: [f32; 5], load: [f32; 5], within: f32) {
 
 /// The housing gives way: less preload is left than the rings are ground for.
 #[test]
-fn the_preload_that_is_watched_is_the_mounted_spindles() {
+fn preloads_are_held_against_those_of_the_mounted_spindle() {
+    let mut rig = Rig::shipped().run_up();
+    rig.run(100, [0.0; 5]);
+    let warm = rig.host.rows.iter().map(|row| row.preload);
+    let warm = warm.fold(0.0, f32::max);
+    let growth = rig.monitor.judgement().alarm(Alarm::PreloadGrowth);
+    let growth = growth.level().value;
     let mut solver = SpindleSolver::<f32, ROWS, 16, RacewayControlFree, 5, ROWS>::of();
     let (cold, settings) = (Speed::rad_per_s(0.0), Settings::default());
     let mounted = solver.solve(&SPINDLE, [0.0; 5], cold, &settings).unwrap();
     for row in mounted.rows() {
-        assert_near("preload", row.preload() / MONITOR.watch.preload, 1.0, 0.01);
+        assert_near("cold", row.preload(), 225.0, 2.0);
+        assert_near("growth", warm / row.preload() / growth, 1.0, 0.01);
     }
 }
 

@@ -4,7 +4,6 @@ use super::monitor::SINGLE;
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind, ReadNorFlash};
 use host_tests::cases::B7005C;
 use host_tests::flash::FailingFlash;
-use spindle_bearing::{Design, FreeContact, Material};
 use spindle_firmware::flash;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
@@ -24,7 +23,7 @@ static SETTINGS: MonitorSettings = {
     settings
 };
 /// Worked out by the compiler, as a firmware has it.
-const IDENTITY: Identity = Identity::new(&B7005C, 16);
+const IDENTITY: Identity = Identity::of(7005);
 
 /// As an STM32F405 has it, with smaller sectors.
 type Words = FailingFlash<4, 4096>;
@@ -267,29 +266,10 @@ fn a_board_that_is_warned_of_the_power_cut_loses_nothing() {
 #[test]
 fn another_spindle_begins_anew_and_the_starts_go_on() {
     use Recovery::{OtherSpindle, Recovered};
-    type Change = fn(&mut Design, &mut usize);
-    let cases: [(Change, Recovery); 5] = [
-        (|_, _| {}, Recovered),
-        (|_, balls| *balls = 17, OtherSpindle),
-        (
-            |design, _| design.ball = Material::SILICON_NITRIDE,
-            OtherSpindle,
-        ),
-        (
-            |design, _| {
-                let angle = 15.0 * std::f64::consts::PI / 180.0;
-                design.free_contact = FreeContact::DiametralClearance(angle);
-            },
-            OtherSpindle,
-        ),
-        // Shoulders have no part in the forces.
-        (|design, _| design.inner_shoulder_angle = 0.8, Recovered),
-    ];
+    let cases = [(IDENTITY, Recovered), (Identity::of(7014), OtherSpindle)];
     let (flash, kept) = used(Words::new(2));
-    for (i, (change, expected)) in cases.into_iter().enumerate() {
-        let (mut design, mut balls) = (B7005C, 16);
-        change(&mut design, &mut balls);
-        let board = Board::start_as(flash.clone(), Identity::new(&design, balls));
+    for (i, (identity, expected)) in cases.into_iter().enumerate() {
+        let board = Board::start_as(flash.clone(), identity);
         assert_eq!(board.recovery(), expected, "{i}");
         let (found, raised) = match expected {
             Recovered => (kept, 1),
@@ -464,7 +444,7 @@ fn readings(time_us: u64) -> Readings {
 
 fn monitor(past: &Past) -> Monitor<1, 16> {
     let mut monitor = Monitor::new(&SINGLE, &SETTINGS).with_past(past);
-    monitor.prepare(IDLE, 0.0).unwrap();
+    monitor.prepare(IDLE).unwrap();
     monitor
 }
 

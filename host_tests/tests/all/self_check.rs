@@ -1,17 +1,14 @@
 //! The solve whose answer is known, on the shipped spindle.
 
-use spindle_firmware::monitored::{self, BALLS, ROWS, SPINDLE};
+use spindle_firmware::spindle::{BALLS, FREEDOMS, JOINTS, KNOWN_LOAD, ROWS, SPINDLE};
 use spindle_monitor::self_check::KnownAnswer;
 
-/// The spindle's preload, N.
-const PRELOAD: f32 = monitored::PRELOAD as f32;
-
-fn known(preload: f32) -> KnownAnswer<ROWS, BALLS, 5, ROWS> {
+fn known(preload: f32) -> KnownAnswer<ROWS, BALLS, FREEDOMS, JOINTS> {
     KnownAnswer::new(&SPINDLE, preload)
 }
 
 /// The answer's checksum, and the steps to it.
-fn answer(known: &mut KnownAnswer<ROWS, BALLS, 5, ROWS>) -> (u32, usize) {
+fn answer(known: &mut KnownAnswer<ROWS, BALLS, FREEDOMS, JOINTS>) -> (u32, usize) {
     let mut steps = 1;
     loop {
         match known.step() {
@@ -23,15 +20,15 @@ fn answer(known: &mut KnownAnswer<ROWS, BALLS, 5, ROWS>) -> (u32, usize) {
 
 #[test]
 fn a_known_answer_is_the_same_every_time_and_another_one_for_another_load() {
-    let mut first = known(PRELOAD);
+    let mut first = known(KNOWN_LOAD);
     let (sum, steps) = answer(&mut first);
     // Two solves of an iteration each at least, neither of which fails.
     assert!((4..=20).contains(&steps), "{steps}");
     for _ in 0..3 {
         assert_eq!(answer(&mut first), (sum, steps));
     }
-    assert_eq!(answer(&mut known(PRELOAD)), (sum, steps));
-    let (other, _) = answer(&mut known(PRELOAD.next_up()));
+    assert_eq!(answer(&mut known(KNOWN_LOAD)), (sum, steps));
+    let (other, _) = answer(&mut known(KNOWN_LOAD.next_up()));
     assert_ne!(other, sum);
 }
 

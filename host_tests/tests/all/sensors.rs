@@ -10,7 +10,7 @@ use spindle_firmware::bridges::{
     CalibrationError, Gain, StrainBridge, TareError, TareState,
 };
 use spindle_firmware::bus::Bus;
-use spindle_firmware::monitor_settings::TACHOMETER;
+use spindle_firmware::spindle::TACHOMETER;
 use spindle_firmware::tachometer::{Edges, PulseSpeed, SpeedError, SpeedSource};
 use spindle_monitor::loads::{LoadSample, LoadSource};
 use spindle_monitor::{Alarm, AlarmState, Mark, Readings};

@@ -12,7 +12,7 @@ use host_tests::telemetry::state::{HISTORY, State};
 use host_tests::telemetry::{json, simulated};
 use proptest::prelude::*;
 use serde_json::Value;
-use spindle_firmware::monitored::ROWS;
+use spindle_firmware::spindle::ROWS;
 use spindle_monitor::board::{BoardReport, Check, ResetCause};
 use spindle_monitor::command::{Answer, AnswerCode, Command, Order, PortReader, Received};
 use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};

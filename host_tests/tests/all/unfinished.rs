@@ -11,7 +11,7 @@ use spindle_bearing::{
     RacewayControlFree, Real, Section, Settings, Shaft, ShaftLoad, Solver, Speed, Spindle,
     SpindleSolution, SpindleSolver, SprungSpindle, Status, Support,
 };
-use spindle_firmware::monitored;
+use spindle_firmware::spindle;
 use std::f64::consts::TAU;
 
 /// A tick of one bearing: whether it was solved, and the errors of its stiffness, true and as stated.
@@ -227,7 +227,7 @@ fn no_estimate_of_a_pair_that_cuts_is_older_than_4_ms() {
         .par_iter()
         .map(|cut| {
             let mut solver = SpindleSolver::new();
-            let spindle = &monitored::SPINDLE;
+            let spindle = &spindle::SPINDLE;
             let mut settings = Settings::default();
             longest(cut.iter().map(|tick| {
                 let [x, y, z, my, mz, omega] = tick.map(|x| x as f32);

@@ -85,7 +85,7 @@ impl Build<'_> {
             .env_remove("RUSTFLAGS")
             .env_remove("CARGO_ENCODED_RUSTFLAGS")
             // Host programs speak to the firmware as it is shipped.
-            .env_remove("SPINDLE_SENSORS")
+            .env_remove("SPINDLE")
             .env("DEFMT_LOG", "info");
         let bare = self.origin == Origin::Bare;
         if let Some(processor) = self.processor.or(bare.then_some("cortex-m4")) {

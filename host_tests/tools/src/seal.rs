@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail, ensure};
 use object::elf::PT_LOAD;
 use object::read::elf::ProgramHeader;
 use object::{Endianness, Object, ObjectSymbol};
-use spindle_firmware::monitored;
+use spindle_firmware::spindle::{KNOWN_LOAD, SPINDLE};
 use spindle_monitor::self_check::{Checksum, KnownAnswer, Seal};
 
 /// The symbol of the seal.
@@ -13,7 +13,7 @@ const SYMBOL: &str = "IMAGE_SEAL";
 
 /// The checksum of the answer that is known.
 fn answer() -> u32 {
-    let mut known = KnownAnswer::new(&monitored::SPINDLE, monitored::PRELOAD as f32);
+    let mut known = KnownAnswer::new(&SPINDLE, KNOWN_LOAD);
     loop {
         if let Some(sum) = known.step() {
             return sum;

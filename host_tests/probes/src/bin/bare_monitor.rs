@@ -14,8 +14,7 @@ mod bare {
     use embedded_hal::spi::{self, Operation, SpiDevice};
     use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
     use spindle_firmware::bridges::{Ads131m08, Ads131m08Bridges, StrainBridge};
-    use spindle_firmware::monitor_settings::{CALIBRATION, IDENTITY, TACHOMETER, monitor_settings};
-    use spindle_firmware::monitored;
+    use spindle_firmware::spindle::{self, CALIBRATION, IDENTITY, TACHOMETER, monitor_settings};
     use spindle_firmware::tachometer::{Edges, PulseSpeed, SpeedMethod, SpeedSource};
     use spindle_monitor::board::ResetCause;
     use spindle_monitor::loads::{FramedLoads, LoadSource};
@@ -23,7 +22,7 @@ mod bare {
     use spindle_monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
     use spindle_monitor::{Alarm, Monitor, Readings, Store};
 
-    static MONITOR: MonitorSettings<{ monitored::ROWS }> =
+    static MONITOR: MonitorSettings<{ spindle::ROWS }> =
         monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
 
     /// Pins, bus, cycles and watchdog that the compiler knows nothing of.
@@ -100,13 +99,13 @@ mod bare {
         let (mut store, past) =
             Store::open(Unknown, black_box(IDENTITY), black_box(ResetCause::Pin));
         let mut monitor: Monitor<
-            { monitored::ROWS },
-            { monitored::BALLS },
+            { spindle::ROWS },
+            { spindle::BALLS },
             12,
-            5,
-            { monitored::ROWS },
-        > = Monitor::new(&monitored::SPINDLE, &MONITOR).with_past(&past);
-        let _ = monitor.prepare(black_box([420.0; 5]), black_box(0.0));
+            { spindle::FREEDOMS },
+            { spindle::JOINTS },
+        > = Monitor::new(&spindle::SPINDLE, &MONITOR).with_past(&past);
+        let _ = monitor.prepare(black_box([420.0; 5]));
         let mut frames = FramedLoads::new();
         let calibration = black_box(CALIBRATION);
         let _ = black_box(calibration.check());

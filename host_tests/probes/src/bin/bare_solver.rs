@@ -18,7 +18,7 @@ mod bare {
         Solver, Speed, Static,
     };
     use spindle_bearing::{InnerRaceControl, Limits, OuterRaceControl, Real, elliptic_integrals};
-    use spindle_firmware::monitored;
+    use spindle_firmware::spindle::{BEARING_0, DESIGN_0};
     use spindle_monitor::record::{FrameReader, MESSAGE_LENGTH, encode};
 
     pub fn run() {
@@ -32,13 +32,13 @@ mod bare {
 
     /// Functions that firmware in single precision uses, for a design that the compiler works out.
     fn single() {
-        every_scene(&monitored::BEARING);
+        every_scene(&BEARING_0);
         monitor();
     }
 
     /// Double precision, and bearings of designs that only turn up at run time.
     fn double() {
-        let design = black_box(monitored::DESIGN);
+        let design = black_box(DESIGN_0);
         if let Ok(bearing) = Bearing::<f32, 16>::new(&design) {
             every_scene(&bearing);
         }
@@ -100,7 +100,7 @@ mod bare {
                 None => {}
                 Some(Ok(record)) => {
                     let speed = Speed::rpm(record.speed_rpm);
-                    let solved = solver.solve(&monitored::BEARING, record.load(), speed, &settings);
+                    let solved = solver.solve(&BEARING_0, record.load(), speed, &settings);
                     if let Ok(solution) = solved {
                         black_box(solution.stiffness());
                         solution.inner_forces().for_each(|force| {

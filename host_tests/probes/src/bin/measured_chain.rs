@@ -17,8 +17,8 @@ mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
     use spindle_firmware::chain::Chain;
-    use spindle_firmware::monitor_settings::{PERIOD_US, monitor_settings};
-    use spindle_firmware::monitored::ROWS;
+    use spindle_firmware::spindle::ROWS;
+    use spindle_firmware::spindle::{PERIOD_US, monitor_settings};
     use spindle_monitor::Past;
     use spindle_monitor::settings::MonitorSettings;
     use spindle_monitor::tick::{CycleCost, CycleCounter, NoWatchdog};

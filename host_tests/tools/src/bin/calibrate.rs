@@ -1,13 +1,14 @@
-//! `cargo calibrate`: a calibration of strain bridges, as the firmware takes it.
+//! `cargo calibrate`: a calibration of strain bridges, as a spindle file takes it.
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use csv::ReaderBuilder;
-use files::calibration::{Loads, loads};
+use files::calibration::loads;
 use std::path::PathBuf;
 
-/// Turns the counts that each load makes alone into the matrices of the firmware, and prints them for
-/// `monitor_settings.rs`.
+/// Judges the counts that each load makes alone, and prints them for a spindle file.
+///
+/// The condition tells how much of a count's noise gets into the loads: 1 is best.
 #[derive(Parser, Debug)]
 #[command(name = "calibrate", bin_name = "cargo calibrate")]
 struct Arguments {
@@ -33,24 +34,16 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// The calibration as code.
+/// The calibration as lines of a spindle file.
 fn text(counts: &[[f64; 5]]) -> Result<String> {
     let bridges = counts.len();
     ensure!((5..=8).contains(&bridges), "{bridges} bridges, not 5 to 8");
-    let Loads {
-        by_bridge,
-        condition,
-    } = loads(counts).map_err(anyhow::Error::msg)?;
-    let mut text = format!("// Condition {condition:.2}.\nCalibration::new(\n    [\n");
-    for load in 0..5 {
-        let row: Vec<_> = by_bridge.iter().map(|of| of[load] as f32).collect();
-        text += &format!("        {row:?},\n");
-    }
-    text += "    ],\n    [\n";
+    let condition = loads(counts).map_err(anyhow::Error::msg)?.condition;
+    let mut text = format!("# Condition {condition:.2}.\n[monitor.bridges]\ncounts = [\n");
     for of in counts {
-        text += &format!("        {:?},\n", of.map(|count| count as f32));
+        text += &format!("    {of:?},\n");
     }
-    Ok(text + "    ],\n)\n")
+    Ok(text + "]\n")
 }
 
 #[cfg(test)]
@@ -58,16 +51,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bridges_that_see_a_load_each_have_the_best_condition_and_code_that_says_so() {
+    fn bridges_that_see_a_load_each_have_the_best_condition_and_are_printed_for_a_file() {
         let counts: [[f64; 5]; 5] = std::array::from_fn(|i| {
             std::array::from_fn(|j| if i == j { [500.0, 2e4][i / 3] } else { 0.0 })
         });
         let text = text(&counts).unwrap();
         let parts = [
-            "// Condition 1.00.\n",
-            "[0.002, 0.0,",
-            " 5e-5],\n",
-            " 20000.0],\n",
+            "# Condition 1.00.\n",
+            "counts = [\n    [500.0, 0.0,",
+            " 20000.0],\n]",
         ];
         assert!(parts.iter().all(|part| text.contains(part)), "{text}");
         assert!(super::text(&counts[1..]).is_err());

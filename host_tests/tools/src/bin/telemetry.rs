@@ -7,7 +7,7 @@ use files::import::Wanted;
 use files::recordings;
 use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::simulated;
-use spindle_firmware::monitored::ROWS;
+use spindle_firmware::spindle::ROWS;
 use spindle_monitor::command::Order;
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};

@@ -68,7 +68,8 @@ fn check() -> Result<()> {
 /// Checks the monitor's firmware for a board, with both kinds of sensors.
 fn boards(root: &Path, origin: Origin, name: &str, kinds: &[Unwanted]) -> Result<()> {
     shipped(root, origin, name, None, kinds)?;
-    shipped(root, origin, name, Some("bridges"), kinds)
+    let bridges = "host_tests/probes/spindles/bridges.toml";
+    shipped(root, origin, name, Some(bridges), kinds)
 }
 
 /// A program without a panic handler.
@@ -226,14 +227,14 @@ fn shipped(
     root: &Path,
     origin: Origin,
     name: &str,
-    sensors: Option<&str>,
+    spindle: Option<&str>,
     kinds: &[Unwanted],
 ) -> Result<()> {
     let build = Build {
         origin,
         program: name,
         link: &[RELOCATIONS],
-        environment: &[("SPINDLE_SENSORS", sensors)],
+        environment: &[("SPINDLE", spindle)],
         ..Build::default()
     };
     let program = Program::build(&build, root)?;
@@ -243,7 +244,7 @@ fn shipped(
     let mut roots = ["recall", "take", "tick", "keep", "check_step"]
         .map(|function| format!("spindle_firmware::application::{function}"))
         .to_vec();
-    if sensors.is_some() {
+    if spindle.is_some() {
         // Functions of the board that a tick calls by pointers, which no relocation follows.
         let functions = ["spi::exchange", "sensors::drdy", "sensors::reset"];
         let others = ["sensors::select", "sensors::now"];
@@ -265,7 +266,7 @@ fn shipped(
         }
     }
     let root = roots.join(", ");
-    let with = sensors.map_or(String::new(), |sensors| format!(" with {sensors}"));
+    let with = spindle.map_or(String::new(), |spindle| format!(" of {spindle}"));
     let what = format!("{root} in the firmware{with}");
     refuse(&what, &program, &reach, kinds)
 }

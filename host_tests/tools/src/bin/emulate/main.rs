@@ -23,8 +23,7 @@ use clap::Parser;
 use emulator::Firmware;
 use host_tests::milling_cycle::record_of;
 use plan::Plan;
-use spindle_firmware::monitor_settings::PERIOD_US;
-use spindle_firmware::monitored;
+use spindle_firmware::spindle::{PERIOD_US, ROWS};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::mpsc;
@@ -103,7 +102,7 @@ fn main() -> ExitCode {
 
 /// All that a run takes.
 fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
-    let shipped = || record_of(monitored::ROWS).to_owned();
+    let shipped = || record_of(ROWS).to_owned();
     let input = arguments.input.clone().unwrap_or_else(shipped);
     let recording = records::read(&input, arguments.seconds, PERIOD_US)?;
     tools::cross::add_target(tools::root())?;
@@ -123,8 +122,7 @@ fn golden(arguments: &Arguments) -> Option<PathBuf> {
         Some(seconds) => format!("{seconds}_s"),
         None => "whole".into(),
     };
-    let rows = if monitored::ROWS == 1 { "bearing_" } else { "" };
-    let name = format!("{rows}faults_{length}_seed_{}.txt", arguments.seed);
+    let name = format!("faults_{length}_seed_{}.txt", arguments.seed);
     let is_known = arguments.faults && arguments.input.is_none();
     is_known.then(|| tools::root().join("host_tests/golden").join(name))
 }

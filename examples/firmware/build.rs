@@ -1,0 +1,386 @@
+//! Makes the monitored spindle of its file: constants in Rust, of which the compiler makes bearings, shaft and spindle.
+//!
+//! `SPINDLE` in the environment names the file, from the root of the checkout on. Without it, `spindle.toml` beside this
+//! script counts. Errors are those of `cargo replay`, with line and column.
+
+use files::monitors::{AlarmLevels, MonitorFile};
+use files::plan::{BuildError, ElasticShaft, MOST_BALLS, Plan, Row};
+use files::spindles::SpindleFile;
+use mounting::Visitor;
+use spindle_bearing::{Design, Growth, LifeRating, Preload, Spindle, Support};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+fn main() {
+    println!("cargo::rerun-if-env-changed=SPINDLE");
+    if let Err(error) = make() {
+        for line in error.to_string().lines() {
+            println!("cargo::error={line}");
+        }
+    }
+}
+
+fn make() -> Result<()> {
+    let here = PathBuf::from(std::env::var("CARGO_MANIFEST_DIR")?);
+    let path = match std::env::var_os("SPINDLE") {
+        // An absolute path stays, and so does a name of the catalogue.
+        Some(path) if here.join("../..").join(&path).exists() => here.join("../..").join(path),
+        Some(name) => name.into(),
+        None => here.join("spindle.toml"),
+    };
+    let mut file = SpindleFile::read(&path)?;
+    for path in file.files().filter(|path| path.exists()) {
+        println!("cargo::rerun-if-changed={}", path.display());
+    }
+    for doubt in &file.doubts {
+        println!("cargo::warning={doubt}");
+    }
+    let closed = mounting::closed(&file.plan).map_err(|error| file.explain(&error))?;
+    file.plan = closed.unwrap_or(file.plan);
+    let constant = file.constant_loads();
+    if file.plan.shaft.is_none() && !constant.is_empty() {
+        // A shaft without sections is rigid, and takes them.
+        file.plan.shaft = Some(ElasticShaft {
+            loads: constant,
+            loaded_at: file.loaded_at(),
+            ..ElasticShaft::of(Vec::new(), vec![Support::RIGID; file.plan.rows.len()])
+        });
+    }
+    mounting::visit(&file.plan, Check).map_err(|error| file.explain(&error))?;
+    let to = Path::new(&std::env::var("OUT_DIR")?).join("spindle.rs");
+    Ok(std::fs::write(to, constants(&file)?)?)
+}
+
+/// Whether the spindle can be built in the board's precision.
+struct Check;
+
+impl Visitor<f32> for Check {
+    fn visit<const R: usize, const D: usize, const E: usize>(
+        self,
+        _: Spindle<'_, f32, R, MOST_BALLS, D, E>,
+        _: f64,
+    ) -> std::result::Result<(), BuildError> {
+        Ok(())
+    }
+}
+
+/// The spindle and its settings as Rust.
+fn constants(file: &SpindleFile) -> Result<String> {
+    let mut text = String::new();
+    spindle(&mut text, &file.plan)?;
+    sensors(&mut text, &file.monitor)?;
+    settings(&mut text, file)?;
+    Ok(text)
+}
+
+/// A number in single precision, as Rust writes it.
+fn number(x: f64) -> String {
+    match x {
+        f64::INFINITY => "f32::INFINITY".into(),
+        f64::NEG_INFINITY => "f32::NEG_INFINITY".into(),
+        _ => format!("{:?}", x as f32),
+    }
+}
+
+/// Some of them, as an array.
+fn numbers(all: impl IntoIterator<Item = f64>) -> String {
+    let all: Vec<String> = all.into_iter().map(number).collect();
+    format!("[{}]", all.join(", "))
+}
+
+fn spindle(text: &mut String, plan: &Plan) -> Result<()> {
+    let Plan { rows, shaft, .. } = plan;
+    let most = rows.iter().map(|row| row.balls).max().unwrap_or_default();
+    let joints = shaft.as_ref().map_or(0, |_| rows.len());
+    let freedoms = if plan.spring.is_some() { 6 } else { 5 };
+    for (name, size, means) in [
+        ("ROWS", rows.len(), "Rows of balls."),
+        ("BALLS", most, "Balls of the largest row."),
+        (
+            "FREEDOMS",
+            freedoms,
+            "Freedoms of the shaft, with the one of a sprung sleeve.",
+        ),
+        ("JOINTS", joints, "Rows on an elastic shaft."),
+    ] {
+        writeln!(text, "/// {means}\npub const {name}: usize = {size};")?;
+    }
+    // Alike bearings are one.
+    let mut bearings: Vec<(&Design, usize)> = Vec::new();
+    let mut mounted = String::new();
+    for Row {
+        balls,
+        design,
+        position,
+        facing,
+        preload,
+    } in rows
+    {
+        let known = bearings.iter().position(|known| *known == (design, *balls));
+        let bearing = known.unwrap_or_else(|| {
+            bearings.push((design, *balls));
+            bearings.len() - 1
+        });
+        let preload = match preload {
+            Preload::Closure(e) => format!("Closure({})", number(*e)),
+            Preload::Force(force) => format!("Force({})", number(*force)),
+            _ => "Spring".into(),
+        };
+        writeln!(
+            mounted,
+            "Mounted::new(&BEARING_{bearing}, {}, Facing::{facing:?}).with(Preload::{preload}),",
+            number(*position)
+        )?;
+    }
+    for (i, (design, balls)) in bearings.into_iter().enumerate() {
+        writeln!(
+            text,
+            "/// A bearing's design.\n\
+             pub const DESIGN_{i}: Design = {{ use FreeContact::*; {design:?} }};\n\
+             /// The bearing of that design.\n\
+             pub static BEARING_{i}: Bearing<f32, {balls}> = Bearing::<f32, {balls}>::const_new(&DESIGN_{i});"
+        )?;
+    }
+    let (make, spring) = match plan.spring {
+        Some(force) => ("const_sprung", format!(", {}", number(force))),
+        None => ("const_new", String::new()),
+    };
+    let mut on_shaft = String::new();
+    if let Some(shaft) = shaft {
+        let (sections, said) = (shaft.sections.len(), &shaft.sections);
+        writeln!(
+            text,
+            "static SHAFT: spindle_bearing::Shaft<f32, {sections}> = {{\n\
+             use spindle_bearing::*;\n\
+             Shaft::<f32, {sections}>::const_new(&{said:?}, &{:?})\n}};",
+            shaft.material
+        )?;
+        on_shaft += ".const_elastic(&SHAFT, [";
+        for Support {
+            axial,
+            radial,
+            tilting,
+        } in &shaft.supports
+        {
+            let [axial, radial, tilting] = [axial, radial, tilting].map(|k| number(*k));
+            write!(
+                on_shaft,
+                "spindle_bearing::Support {{ axial: {axial}, radial: {radial}, tilting: {tilting} }}, "
+            )?;
+        }
+        on_shaft += "])";
+        if !shaft.loads.is_empty() {
+            writeln!(
+                text,
+                "static LOADS: [spindle_bearing::ShaftLoad<f32>; {}] = [",
+                shaft.loads.len()
+            )?;
+            for at in &shaft.loads {
+                let (position, load) = (number(at.position), numbers(at.load));
+                writeln!(
+                    text,
+                    "spindle_bearing::ShaftLoad {{ position: {position}, load: {load} }},"
+                )?;
+            }
+            writeln!(text, "];")?;
+            on_shaft += ".const_with_loads(&LOADS)";
+        }
+    }
+    writeln!(
+        text,
+        "/// The spindle.\npub static SPINDLE: Spindle<'static, f32, ROWS, BALLS, FREEDOMS, JOINTS> = \
+         Spindle::<f32, ROWS, BALLS{}>::{make}(Arrangement::{:?}, [{mounted}]{spring}){on_shaft};",
+        if freedoms == 6 { ", 6" } else { "" },
+        plan.arrangement
+    )?;
+    let identity = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(text.as_bytes());
+    let load = known_load(plan);
+    Ok(writeln!(
+        text,
+        "/// Axial load that the spindle carries in normal use, N, for a self check.\n\
+         pub const KNOWN_LOAD: f32 = {load:?};\n\
+         /// Whose life and alarms are kept over a power cycle: another spindle does not take them.\n\
+         pub const IDENTITY: Identity = Identity::of({identity:#x});"
+    )?)
+}
+
+/// Of the size of the preload, or, without a preload as a force, of a thousandth of the load rating.
+fn known_load(plan: &Plan) -> f32 {
+    let forces = plan.rows.iter().map(|row| match row.preload {
+        Preload::Force(force) => force,
+        _ => row.design.dynamic_load_rating(row.balls) * 1e-3,
+    });
+    plan.spring.unwrap_or(forces.fold(0.0, f64::max)) as f32
+}
+
+/// Where loads and speed come from.
+fn sensors(text: &mut String, monitor: &MonitorFile) -> Result<()> {
+    let bridges = monitor.bridges.as_ref();
+    // Without bridges, nobody reads their calibration.
+    let count = bridges.map_or(5, |bridges| bridges.counts.len());
+    let (mut loads, mut counts) = (String::new(), String::new());
+    if let Some(bridges) = bridges {
+        for load in 0..5 {
+            write!(
+                loads,
+                "{},",
+                numbers(bridges.loads.iter().map(|bridge| bridge[load]))
+            )?;
+        }
+        for bridge in &bridges.counts {
+            write!(counts, "{},", numbers(*bridge))?;
+        }
+    } else {
+        (loads, counts) = ("[0.0; 5]; 5".into(), "[0.0; 5]; 5".into());
+    }
+    let idle = numbers(monitor.idle);
+    let tachometer = &monitor.tachometer;
+    Ok(writeln!(
+        text,
+        "/// Loads of the idling spindle (N, N m), to start from.\n\
+         pub const IDLE: [f32; 5] = {idle};\n\
+         /// Whether loads and speed come from strain bridges and a tachometer at the board, not as records over the port.\n\
+         pub const BRIDGES: bool = {};\n\
+         /// Bridges.\n\
+         pub const CHANNELS: usize = {count};\n\
+         /// Calibration of the bridges.\n\
+         pub const CALIBRATION: Calibration<CHANNELS> = {{\n\
+         let mut calibration = Calibration::new([{loads}], [{counts}]);\n\
+         calibration.standing = IDLE;\n\
+         calibration\n}};\n\
+         const _: () = assert!(!BRIDGES || CALIBRATION.check().is_ok());\n\
+         /// Samples of a tare.\n\
+         pub const TARE_SAMPLES: u16 = {};\n\
+         /// The tachometer's pulses, at a timer of 1 MHz.\n\
+         pub const TACHOMETER: SpeedSettings = SpeedSettings {{\n\
+         pulses_per_revolution: {},\ntimer_hz: 1_000_000,\ntimer_bits: 32,\ncounter_bits: 32,\n\
+         count_above: {},\nperiod_below: {},\ngate_us: {},\nstandstill_us: {},\ndeceleration: {},\n}};",
+        bridges.is_some(),
+        monitor.tare_samples,
+        tachometer.pulses_per_revolution,
+        number(tachometer.count_above),
+        number(tachometer.period_below),
+        tachometer.gate_us,
+        tachometer.standstill_us,
+        number(monitor.plausible.deceleration),
+    )?)
+}
+
+fn growth(growth: Growth<f64>) -> String {
+    let Growth {
+        axial,
+        radial,
+        ball,
+    } = growth.to_f32();
+    format!("Growth {{ axial: {axial:?}, radial: {radial:?}, ball: {ball:?} }}")
+}
+
+/// Settings of the rows.
+fn rows(file: &SpindleFile) -> String {
+    let rows = file.growths().into_iter().zip(file.ratings());
+    let rows = rows.map(|(of_row, LifeRating { inner, outer })| {
+        let [inner, outer] = [inner, outer].map(number);
+        let [at_rest, warm_inner, warm_outer, turning] = of_row.map(growth);
+        format!(
+            "RowSettings {{ rating: LifeRating {{ inner: {inner}, outer: {outer} }}, growth: {at_rest}, \
+             heat: [{warm_inner}, {warm_outer}], rotation: {turning} }}"
+        )
+    });
+    rows.collect::<Vec<_>>().join(", ")
+}
+
+fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
+    let MonitorFile {
+        period_us,
+        plausible,
+        overload,
+        alarms,
+        temperatures,
+        telemetry,
+        ..
+    } = &file.monitor;
+    let nose = file.noses.first().map(|nose| nose.end);
+    let heat = file.heat.map_or("None".into(), |heat| {
+        let t = temperatures;
+        format!(
+            "Some(spindle_monitor::TemperatureSettings {{ reference: {}, range: {}, difference: {}, rate: {}, noise: {}, \
+             missing_after_us: {}, hold_us: {}, warm: {} }})",
+            number(heat.reference), numbers(t.range), number(t.difference), number(t.rate), number(t.noise),
+            t.missing_after_us, t.hold_us, numbers(t.warm)
+        )
+    });
+    let mut thresholds = String::new();
+    for AlarmLevels {
+        name,
+        limit,
+        clear,
+        hold_us,
+        at_once,
+        worse,
+    } in alarms
+    {
+        let [limit, clear, at_once, worse] = [limit, clear, at_once, worse].map(|x| number(*x));
+        writeln!(
+            thresholds,
+            "{}: Threshold {{ raise: {limit}, clear: {clear}, hold_us: {hold_us}, at_once: {at_once}, worse: {worse} }},",
+            name.replace('-', "_")
+        )?;
+    }
+    let limit = |name: &str| {
+        alarms
+            .iter()
+            .find(|alarm| alarm.name == name)
+            .map_or(f64::INFINITY, |a| a.limit)
+    };
+    let ranges: Vec<String> = plausible.load.iter().map(|range| numbers(*range)).collect();
+    Ok(writeln!(
+        text,
+        "/// Period of a tick, us.\n\
+         pub const PERIOD_US: u32 = {period_us};\n\
+         /// Settings of the monitor on a core of this frequency, with these costs of a tick's parts.\n\
+         pub const fn monitor_settings(core_hz: u32, cost: CycleCost) -> MonitorSettings<ROWS> {{\n\
+         let settings = MonitorSettings {{\n\
+         rows: [{}],\n\
+         shaft: ShaftSettings {{ loads_at: {}, nose: {}, flexibility: {} }},\n\
+         temperatures: {heat},\n\
+         tick: TickSettings {{ period_us: PERIOD_US, deadline_cycles: core_hz / 1_000_000 * PERIOD_US, cost }},\n\
+         tolerance: Settings::<f32>::TICK.tolerance,\n\
+         plausibility: PlausibilitySettings {{\n\
+         load: [{}],\nload_rate: {},\nstuck_after: {},\nmissing_after_us: {},\nfresh_us: {},\nresidual: {},\n\
+         speed: {},\nspeed_rate: {},\ndeceleration: {},\nspeed_stuck_after: {},\nspeed_difference: {},\n}},\n\
+         watch: WatchSettings {{\n\
+         overload: {},\nlimits: Limits {{ peak_pressure: {}, friction: {} }},\n}},\n\
+         alarms: Thresholds {{\n{thresholds}}},\n\
+         telemetry: TelemetrySettings {{ estimate_us: {}, balls_us: {}, health_us: {}, standing_us: {} }},\n\
+         }};\n\
+         match settings.check() {{\n\
+         Ok(()) if settings.tick.has_time(ROWS, BALLS) => settings,\n\
+         Ok(()) => panic!(\"a tick has no time to solve\"),\n\
+         Err(error) => panic!(\"{{}}\", error.field),\n\
+         }}\n}}",
+        rows(file),
+        number(file.loaded_at()),
+        number(nose.map_or(0.0, |nose| nose.position)),
+        numbers(nose.map_or([0.0; 5], |nose| nose.flexibility)),
+        ranges.join(", "),
+        numbers(plausible.load_rate),
+        plausible.stuck_after,
+        plausible.missing_after_us,
+        plausible.fresh_us,
+        number(plausible.residual),
+        number(plausible.speed),
+        number(plausible.speed_rate),
+        number(plausible.deceleration),
+        plausible.speed_stuck_after,
+        numbers(plausible.speed_difference),
+        numbers(*overload),
+        number(limit("peak-pressure")),
+        number(limit("slip")),
+        telemetry.estimate_us,
+        telemetry.balls_us,
+        telemetry.health_us,
+        telemetry.standing_us,
+    )?)
+}
