@@ -190,17 +190,29 @@ impl<T: Real> Kinetics<T> {
         }
     }
 
+    /// The ball's rotation along the bearing's axis, over the shaft speed, times tau. With that across, the ball rolls on the race
+    /// whose contact is more radial.
+    #[inline(always)]
+    fn along(&self, c: &Constants<T>) -> T {
+        let ([si, ci], [so, co]) = (self.inner.n, self.outer.n);
+        if co >= ci {
+            (self.mu * (T::ONE + c.tau * co) - self.nu * so) / co.at_least(T::of(1e-3))
+        } else {
+            ((T::ONE - self.mu) * (T::ONE - c.tau * ci) - self.nu * si) / ci.at_least(T::of(1e-3))
+        }
+    }
+
+    /// Magnitude of the ball's rotation, over the shaft speed, times tau.
+    #[inline(always)]
+    pub fn rotation(&self, c: &Constants<T>) -> T {
+        let along = self.along(c);
+        (along * along + self.nu * self.nu).sqrt_abs()
+    }
+
     /// How the ball turns on a shaft with the speed `omega`, rad/s, and how its contacts are pressed, in SI units.
     pub fn turning(&self, c: &Constants<T>, omega: T) -> BallKinematics<T> {
         let ([si, ci], [so, co]) = (self.inner.n, self.outer.n);
-        // The rotation across the bearing's axis, and along it so that the ball rolls on the race whose contact is
-        // more radial: over the shaft speed, times tau.
-        let across = self.nu;
-        let along = if co >= ci {
-            (self.mu * (T::ONE + c.tau * co) - across * so) / co.at_least(T::of(1e-3))
-        } else {
-            ((T::ONE - self.mu) * (T::ONE - c.tau * ci) - across * si) / ci.at_least(T::of(1e-3))
-        };
+        let (along, across) = (self.along(c), self.nu);
         let (orbit_i, orbit_o) = (c.tau * (T::ONE - self.mu), -(c.tau * self.mu));
         let spin_to_roll = |orbit: T, [sin, cos]: Pair<T>| {
             let spin = orbit * sin + (along * sin - across * cos);
@@ -225,7 +237,7 @@ impl<T: Real> Kinetics<T> {
         };
         BallKinematics {
             cage_speed: self.mu * omega,
-            rotation: (along * along + across * across).sqrt_abs() * (omega.abs() / c.tau),
+            rotation: self.rotation(c) * (omega.abs() / c.tau),
             attitude: across.atan2(along),
             inner: patch(&self.inner, &c.grooves[0], spin_to_roll(orbit_i, [si, ci])),
             outer: patch(&self.outer, &c.grooves[1], spin_to_roll(orbit_o, [so, co])),

@@ -1,6 +1,8 @@
 //! Frequencies at which a bearing's parts pass each other, from the speeds that its balls have under load.
 
-use crate::ball::report::BallKinematics;
+use crate::ball::report::Kinetics;
+use crate::bearing::Constants;
+use crate::linalg::vector;
 use crate::real::Real;
 
 /// Characteristic frequencies of a bearing, Hz. A defect of one of its parts makes vibrations at these and their multiples.
@@ -22,28 +24,36 @@ pub struct Frequencies<T> {
     pub ball: T,
 }
 
-impl<T: Real> Frequencies<T> {
-    /// Of `count` balls that turn like this, on a shaft with the speed `omega`, rad/s.
-    pub(crate) fn of(balls: impl Iterator<Item = BallKinematics<T>>, count: T, omega: T) -> Self {
-        let (mut held, mut all) = ([T::ZERO; 3], [T::ZERO; 3]);
-        for ball in balls {
-            let carries = ball.inner.peak_pressure > T::ZERO;
-            for (sums, counts) in [(&mut held, carries), (&mut all, true)] {
-                if counts {
-                    sums[0] += T::ONE;
-                    sums[1] += ball.cage_speed;
-                    sums[2] += ball.rotation;
-                }
+/// Numbers of balls, with the sums of their cage speeds and of their rotations: of those that the inner race touches, and of all.
+pub struct Turns<T>([[T; 3]; 2]);
+
+impl<T: Real> Turns<T> {
+    pub fn none() -> Self {
+        Self([[T::ZERO; 3]; 2])
+    }
+
+    #[inline(always)]
+    pub fn take(&mut self, c: &Constants<T>, ball: &Kinetics<T>) {
+        let turns = [T::ONE, ball.mu, ball.rotation(c)];
+        let carries = ball.inner.delta > T::ZERO;
+        for (sums, counts) in self.0.iter_mut().zip([carries, true]) {
+            if counts {
+                *sums = vector(|i| sums[i] + turns[i]);
             }
         }
+    }
+
+    /// On a shaft with the speed `omega`, rad/s.
+    pub fn frequencies(&self, c: &Constants<T>, omega: T) -> Frequencies<T> {
+        let [held, all] = self.0;
         let [number, cage, ball] = if held[0] > T::ZERO { held } else { all };
         let per_turn = T::of(0.5 / core::f64::consts::PI);
-        let hertz = per_turn / number.at_least(T::ONE);
-        let (cage, ball) = (cage * hertz, ball * hertz);
-        Self {
+        let hertz = omega * per_turn / number.at_least(T::ONE);
+        let (cage, ball) = (cage * hertz, ball * (hertz.abs() / c.tau));
+        Frequencies {
             cage,
-            outer_race: count * cage.abs(),
-            inner_race: count * (omega * per_turn - cage).abs(),
+            outer_race: c.balls * cage.abs(),
+            inner_race: c.balls * (omega * per_turn - cage).abs(),
             ball,
         }
     }

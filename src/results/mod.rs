@@ -13,7 +13,7 @@ use crate::ball::report::{BallKinematics, BallState, Kinetics};
 use crate::bearing::{Azimuth, Constants};
 use crate::linalg::Matrix;
 use crate::real::Real;
-use crate::results::frequencies::Frequencies;
+use crate::results::frequencies::{Frequencies, Turns};
 use crate::results::life::{LifeRating, RatingLife};
 use crate::results::margins::{Limits, Margins};
 use crate::results::snapshot::RowSnapshot;
@@ -122,7 +122,11 @@ impl<'s, T: Real, M: Motion> Balls<'s, T, M> {
 
     /// Frequencies at which damaged parts of the bearing are heard: see [`Balls::kinematics`].
     pub fn frequencies(&self) -> Frequencies<T> {
-        Frequencies::of(self.kinematics(), self.c.balls, self.speed.as_rad_per_s())
+        let mut turns = Turns::none();
+        for kinetics in self.kinetics_of_balls() {
+            turns.take(self.c, &kinetics);
+        }
+        turns.frequencies(self.c, self.speed.as_rad_per_s())
     }
 
     /// Rating life under this load at this speed: see [`LifeRating`].

@@ -4,10 +4,11 @@ use crate::ball::kinematics::Motion;
 use crate::linalg::Pair;
 use crate::real::Real;
 use crate::results::Balls;
+use crate::results::frequencies::{Frequencies, Turns};
 use crate::results::life::LifeRating;
 use crate::results::margins::{Limits, Margins};
 
-/// Contact forces, pressures and angles of a row, its load, margins and life, SI units: one pass over the balls.
+/// Contact forces, pressures and angles of a row, its load, frequencies, margins and life, SI units: one pass over the balls.
 ///
 /// A row's frame is its own: x points where an axial load presses its balls. See [`Solution::summary`](crate::Solution::summary)
 /// for an example.
@@ -40,6 +41,8 @@ pub struct RowSummary<T> {
     /// Part of this row in the axial forces and in the radial forces of all rows, as magnitudes. Without such forces it means
     /// nothing: rounding or 0.
     pub load_share: [T; 2],
+    /// Frequencies at which damaged parts of the row are heard.
+    pub frequencies: Frequencies<T>,
     /// How near the row is to its limits.
     pub margins: Margins<T>,
     /// `L10^(-10/9)`, `L10` in million revolutions: it adds up over rows. See [`RatingLife::of_weight`](crate::RatingLife::of_weight).
@@ -122,6 +125,7 @@ impl<T: Real> RowSummary<T> {
         let (mut peak, mut force) = ([T::ZERO; 2], [T::ZERO; 3]);
         // Sums of the inner forces cubed and of the outer forces to 10/3, in the row's unit of force.
         let (mut inner, mut outer, mut balls) = (T::ZERO, T::ZERO, T::ZERO);
+        let mut turns = Turns::none();
         let margins = row.survey(limits, |ball, kinetics| {
             let contacts = [&kinetics.inner, &kinetics.outer];
             for (race, contact) in contacts.into_iter().enumerate() {
@@ -138,6 +142,7 @@ impl<T: Real> RowSummary<T> {
             let root = kinetics.outer.q * kinetics.outer.delta;
             outer += root * root;
             balls += T::ONE;
+            turns.take(c, kinetics);
             let friction = kinetics.friction[0];
             force[0] += c.force * (q * sin + friction * cos);
             if let Some(at) = row.azimuths.get(usize::from(ball)) {
@@ -157,6 +162,7 @@ impl<T: Real> RowSummary<T> {
             force,
             preload: T::ZERO,
             load_share: [T::ZERO; 2],
+            frequencies: turns.frequencies(c, row.speed.as_rad_per_s()),
             margins,
             life_rate: rating.weight(c.force, inner, outer, balls),
         }

@@ -433,6 +433,7 @@ fn row_report(row: &RowSummary<f32>) -> RowReport {
         preload: row.preload,
         least_force: row.inner_force[0],
         largest_force: row.inner_force[1],
+        frequencies: row.frequencies,
     }
 }
 

@@ -26,10 +26,10 @@ use crate::retained::{RetentionReport, StartReport};
 use crate::temperature::TemperatureSource;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-use spindle_bearing::{Limit, Status};
+use spindle_bearing::{Frequencies, Limit, Status};
 
 /// Version of the format.
-pub const VERSION: u8 = 7;
+pub const VERSION: u8 = 8;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 4;
@@ -80,7 +80,7 @@ pub enum Payload {
     Health(HealthReport),
     /// Outcome of an operator's order.
     Answer(Answer),
-    /// Forces and preload of the rows of that estimate.
+    /// Forces, preload and frequencies of the rows of that estimate.
     Rows(RowsReport),
     /// Who is there: this start, the board, and the spindle.
     Hello(HelloReport),
@@ -173,7 +173,7 @@ pub const fn bit_of(limit: Limit) -> u8 {
 /// Bit of [`EstimateReport::limits`]: a row has lifted off, and no preload is left.
 pub const LIFT_OFF: u8 = 1 << 6;
 
-/// Forces and preload of the rows.
+/// Forces, preload and frequencies of the rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RowsReport {
@@ -185,7 +185,7 @@ pub struct RowsReport {
     pub rows: Vec<RowReport, ROWS_PER_FRAME>,
 }
 
-/// One row, N.
+/// One row, N and Hz.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RowReport {
@@ -199,6 +199,8 @@ pub struct RowReport {
     pub least_force: f32,
     /// The largest one.
     pub largest_force: f32,
+    /// Frequencies at which a defect of one of its parts vibrates, at the speed of the estimate.
+    pub frequencies: Frequencies<f32>,
 }
 
 /// Who is there, for a host that joins in.
@@ -472,6 +474,13 @@ mod tests {
         })
     }
 
+    fn frequencies([cage, outer_race, inner_race, ball]: [f32; 4]) -> Frequencies<f32> {
+        let mut frequencies = Frequencies::default();
+        (frequencies.cage, frequencies.ball) = (cage, ball);
+        (frequencies.outer_race, frequencies.inner_race) = (outer_race, inner_race);
+        frequencies
+    }
+
     fn rows() -> Payload {
         let row = RowReport {
             axial: f32::MAX,
@@ -479,6 +488,7 @@ mod tests {
             preload: f32::MAX,
             least_force: f32::MAX,
             largest_force: f32::MAX,
+            frequencies: frequencies([f32::MAX; 4]),
         };
         Payload::Rows(RowsReport {
             first: u8::MAX,
@@ -591,9 +601,9 @@ mod tests {
 
     /// The bytes that a decoder in another language has to expect.
     #[test]
-    fn the_wire_format_is_that_of_version_7() {
+    fn the_wire_format_is_that_of_version_8() {
         let frame = Frame {
-            version: 7,
+            version: 8,
             sequence: 300,
             time_us: 5,
             payload: Payload::Alarm(AlarmReport {
@@ -610,7 +620,7 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            7, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+            8, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
         ];
         assert_eq!(bytes, expected);
         let place = RowPlace {
@@ -636,7 +646,7 @@ mod tests {
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let (start, board) = ([&[0, 7, 0][..], &[0; Alarm::COUNT]].concat(), [0; 4]);
         let expected = [
-            &[7, 0xac, 0x02, 5, 6],
+            &[8, 0xac, 0x02, 5, 6],
             &start[..],
             &board,
             &[0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0, 0, 0, 1],
@@ -644,5 +654,17 @@ mod tests {
         ]
         .concat();
         assert_eq!(bytes, expected);
+        let row = RowReport {
+            axial: 1.0,
+            radial: [0.5, 0.0],
+            preload: 1.0,
+            least_force: 0.0,
+            largest_force: 0.5,
+            frequencies: frequencies([1.0, 0.5, 2.0, 4.0]),
+        };
+        let mut bytes = [0; 64];
+        let bytes = postcard::to_slice(&row, &mut bytes).unwrap();
+        let numbers: [f32; 10] = [1.0, 0.5, 0.0, 1.0, 0.0, 0.5, 1.0, 0.5, 2.0, 4.0];
+        assert_eq!(bytes, numbers.map(f32::to_le_bytes).concat());
     }
 }

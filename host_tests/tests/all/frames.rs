@@ -2,7 +2,7 @@
 
 use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::state::State;
-use spindle_bearing::Status;
+use spindle_bearing::{Frequencies, Status};
 use spindle_monitor::Marks;
 use spindle_monitor::TemperatureSource;
 use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
@@ -108,12 +108,16 @@ pub fn balls(row: u8, forces: &[f32]) -> Vec<Payload> {
 
 /// Rows with these axial forces, of which so much is preload.
 pub fn rows(axial: &[f32], preload: f32) -> Vec<Payload> {
+    let mut frequencies = Frequencies::default();
+    (frequencies.cage, frequencies.ball) = (83.4, 532.0);
+    (frequencies.outer_race, frequencies.inner_race) = (1334.0, 1866.0);
     let row = |axial: &f32| RowReport {
         axial: *axial,
         radial: [30.0, -40.0],
         preload,
         least_force: 12.0,
         largest_force: 95.0,
+        frequencies,
     };
     let chunks = axial.chunks(ROWS_PER_FRAME).enumerate();
     let payloads = chunks.map(|(i, some)| {

@@ -130,6 +130,7 @@ fn a_summary_is_what_the_balls_of_each_row_say() {
         let [_, outer] = range(&mut row.kinematics().map(|ball| ball.outer.peak_pressure));
         near(found.peak_pressure[0], inner);
         near(found.peak_pressure[1], outer);
+        assert_eq!(found.frequencies, row.frequencies());
         assert_eq!(found.margins, row.margins(&limits));
         life_rate += found.life_rate;
         shares = [0, 1].map(|i| shares[i] + found.load_share[i]);

@@ -280,7 +280,7 @@ fn a_line_that_is_no_frame_is_a_damaged_piece() {
     for (from, to) in [
         ("health", "wealth"),
         ("1000", "-1000"),
-        ("\"version\":7", "\"version\":8"),
+        ("\"version\":8", "\"version\":9"),
         ("\"life_used\":0.0", "\"life_used\":null"),
     ] {
         assert!(line.contains(from));

@@ -16,6 +16,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, Paragraph, Row, Table, Widget, Wrap};
 use serde_json::{Value, json};
+use spindle_bearing::Frequencies;
 use spindle_monitor::judgement::AlarmState;
 use std::ops::Range;
 use std::slice;
@@ -140,7 +141,15 @@ fn header(state: &State) -> Vec<Line<'static>> {
     ]
 }
 
-/// Table of the rows: their places and their loads.
+/// Frequencies at which defects of a row's parts vibrate.
+fn defects(of: &Frequencies<f32>) -> String {
+    format!(
+        "cage {:.1}, ball {:.0}, outer {:.0}, inner {:.0} Hz",
+        of.cage, of.ball, of.outer_race, of.inner_race
+    )
+}
+
+/// Table of the rows: their places, loads and defect frequencies.
 fn row_table(state: &State) -> Table<'static> {
     let head = ",at mm,faces,axial N,radial N,preload N,balls N";
     let about = state.shaft.as_ref().map_or(String::new(), |shaft| {
@@ -171,7 +180,11 @@ fn row_table(state: &State) -> Table<'static> {
                 false => String::new(),
             },
             format!("{:.0} to {:.0}", report.least_force, report.largest_force),
-            if is_lifted { "lifted off" } else { "" }.into(),
+            if is_lifted {
+                "lifted off".into()
+            } else {
+                defects(&report.frequencies)
+            },
         ]);
         Row::new(cells).style(flag(is_lifted))
     });

@@ -209,7 +209,7 @@ fn a_pair_shows_both_rows_and_their_places_on_the_shaft() {
     let parts = [
         "nose 61, 30, 37 N/um",
         " at mm  faces  axial N  radial N preload N balls N",
-        " row 0  -20    +x     412      50       244       12 to 95",
+        " row 0  -20    +x     412      50       244       12 to 95       cage 83.4, ball 532, outer 1334, inner 1866 Hz",
         " row 1  20     -x     244      50       244       12 to 95",
         " row 0 ball 0: 90 N ",
         " row 1 ball 0: 54 N ",
