@@ -296,6 +296,7 @@ fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
         period_us,
         plausible,
         overload,
+        accuracy,
         alarms,
         temperatures,
         telemetry,
@@ -350,6 +351,7 @@ fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
          plausibility: PlausibilitySettings {{\n\
          load: [{}],\nload_rate: {},\nstuck_after: {},\nmissing_after_us: {},\nfresh_us: {},\nresidual: {},\n\
          speed: {},\nspeed_rate: {},\ndeceleration: {},\nspeed_stuck_after: {},\nspeed_difference: {},\n}},\n\
+         accuracy: {},\n\
          watch: WatchSettings {{\n\
          overload: {},\nlimits: Limits {{ peak_pressure: {}, friction: {} }},\n}},\n\
          alarms: Thresholds {{\n{thresholds}}},\n\
@@ -375,6 +377,7 @@ fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
         number(plausible.deceleration),
         plausible.speed_stuck_after,
         numbers(plausible.speed_difference),
+        numbers(*accuracy),
         numbers(*overload),
         number(limit("peak-pressure")),
         number(limit("slip")),

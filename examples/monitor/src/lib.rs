@@ -100,6 +100,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod accuracy;
 pub mod board;
 pub mod command;
 mod cost;
@@ -158,6 +159,8 @@ pub struct Outcome {
     pub marks: Marks,
     /// Whether there is a new estimate.
     pub solved: bool,
+    /// Whether figures were taken of an equilibrium, of an estimate or another one.
+    pub looked: bool,
     /// Rows of balls that the solve has passed in this tick; 0 if there was nothing to solve.
     pub rows: u16,
     /// Age of the estimate in ticks, if there is one.
@@ -390,6 +393,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         let mut time = self.ticker.solve_time(counter, passed);
         let solved = self.solve(&mut time, &mut levels);
         let rows = time.rows();
+        let looked = time.has_looked();
 
         let mut marks = doubts;
         marks.mark_if(self.reports.is_unsolved(), Mark::Unsolved);
@@ -418,6 +422,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         Outcome {
             marks,
             solved,
+            looked,
             rows,
             age: self.age(tick),
             changes,
@@ -523,18 +528,22 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
     /// a new estimate.
     fn solve(&mut self, time: &mut SolveTime<'_, impl CycleCounter>, levels: &mut Levels) -> bool {
         let earlier = self.look(time, levels);
-        if !self.tracker.is_busy()
-            && self.waiting.is_some()
-            && time.has_a_solve()
-            && let Some(task) = self.waiting.take()
+        let is_new = !self.tracker.is_busy() && self.waiting.is_some();
+        if self.tracker.has_passed_rows()
+            || ((is_new || self.tracker.has_begun()) && time.has_a_solve())
         {
-            let growth = self.growth(task.sample.speed);
-            self.tracker.begin(Task { growth, ..task });
-        }
-        let more_time = || time.has_a_row_more();
-        if let Err((Purpose::Estimate, status)) = self.tracker.go_on(self.settings, more_time) {
-            self.reports.status = status;
-            self.counts.refusals = self.counts.refusals.saturating_add(1);
+            if is_new && let Some(task) = self.waiting.take() {
+                let growth = self.growth(task.sample.speed);
+                self.tracker.begin(Task { growth, ..task });
+            }
+            match self.tracker.go_on(self.settings, || time.has_a_row_more()) {
+                Err((Purpose::Estimate, status)) => {
+                    self.reports.status = status;
+                    self.counts.refusals = self.counts.refusals.saturating_add(1);
+                }
+                Err((Purpose::Accuracy(load), _)) => self.reports.lose_accuracy(load),
+                Err((Purpose::Life(_), _)) | Ok(()) => {}
+            }
         }
         self.look(time, levels) || earlier
     }
@@ -545,32 +554,42 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         let Some(mut ended) = self.tracker.ended.take() else {
             return false;
         };
-        let is_new = ended.rows.is_none();
-        if is_new {
+        let mut is_new = false;
+        if ended.rows.is_none() {
             if !time.has_a_look() {
                 self.tracker.ended = Some(ended);
                 return false;
             }
             ended.rows = self.see(&ended.task, levels);
+            is_new = ended.task.purpose == Purpose::Estimate && ended.rows.is_some();
         }
         let Ended { task, rows } = &ended;
         let Some(rows) = rows else {
             return false;
         };
-        if self.reports.wants_something() {
-            if time.has_a_report() {
-                let (reports, opposed) = (&mut self.reports, self.watch.is_opposed());
-                self.tracker.look(task, self.settings, |solution| {
-                    reports.see(task, solution, rows, opposed, self.settings);
-                });
-            } else {
-                self.tracker.ended = Some(ended);
-            }
+        let is_for_accuracy = matches!(task.purpose, Purpose::Accuracy(_));
+        if !is_for_accuracy && !self.reports.wants_something() {
+            return is_new;
+        }
+        if !time.has_a_report() {
+            self.tracker.ended = Some(ended);
+            return is_new;
+        }
+        let (reports, opposed) = (&mut self.reports, self.watch.is_opposed());
+        self.tracker
+            .look(task, self.settings, |solution| match task.purpose {
+                Purpose::Accuracy(load) => {
+                    reports.see_accuracy(load, task, solution, rows, self.settings)
+                }
+                _ => reports.see(task, solution, rows, opposed, self.settings),
+            });
+        if !is_for_accuracy && let Some(task) = self.reports.accuracy_of(task, self.settings) {
+            self.tracker.begin(task);
         }
         is_new
     }
 
-    /// Takes levels and life of the equilibrium of a task, and the rows at a glance; none of a task for the life alone.
+    /// Takes levels and life of the equilibrium of an estimate, and the rows at a glance; none of a task for the life alone.
     fn see(&mut self, task: &Task<R>, levels: &mut Levels) -> Option<[RowSummary<f32>; R]> {
         let settings = self.settings;
         let part = settings.plausibility.part(&task.sample.load);
@@ -579,6 +598,9 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             let damage = damage_of(&rows) * scale * scale * scale;
             self.life.set_damage(damage, part * scale);
             return None;
+        }
+        if let Purpose::Accuracy(_) = task.purpose {
+            return Some(rows);
         }
         self.watch.rows(&rows, levels);
         self.life.set_damage(damage_of(&rows), part);

@@ -1,10 +1,12 @@
 //! Reports to the host: when each is due, and the frames that they become.
 
+use crate::accuracy::{ACCURACY_US, Sensitivity};
 use crate::board::BoardReport;
 use crate::command::COMMAND_LENGTH;
 use crate::judgement::{Alarm, AlarmChange, Changes, Judgement, Level, Thresholds};
 use crate::marks::Marks;
 use crate::outbox::Outbox;
+use crate::plausibility::GoodSample;
 use crate::record;
 use crate::retained::{Past, StartReport};
 use crate::settings::{MonitorSettings, ShaftSettings, TelemetrySettings};
@@ -13,7 +15,7 @@ use crate::telemetry::{
     HelloReport, LIFT_OFF, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
     bit_of,
 };
-use crate::tracker::{Solved, Task};
+use crate::tracker::{Purpose, Solved, Task};
 use core::array::from_fn;
 use heapless::Vec;
 use spindle_bearing::{BallState, Facing, RowSummary, Spindle, Status, compliance};
@@ -52,6 +54,7 @@ struct Due {
     health: Every,
     standing: Every,
     hello: Every,
+    accuracy: Every,
 }
 
 /// The estimate that was taken for a report.
@@ -80,6 +83,7 @@ pub(crate) struct Reports<const R: usize, const N: usize, const FRAMES: usize> {
     pub(crate) outbox: Outbox<FRAMES>,
     hello: HelloReport,
     taken: Option<Taken<R>>,
+    sensitivity: Sensitivity,
     /// How the last solve ended.
     pub(crate) status: Status<f32>,
     picture: Option<Picture<N>>,
@@ -106,6 +110,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
                 shaft: shaft_report(spindle, settings),
             },
             taken: None,
+            sensitivity: Sensitivity::default(),
             status: Status::Converged,
             picture: None,
             wants_estimate: false,
@@ -116,6 +121,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
                 health: part(0),
                 standing: part(3),
                 hello: part(0),
+                accuracy: part(0),
             },
         }
     }
@@ -180,9 +186,14 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     ) {
         if self.wants_estimate {
             self.wants_estimate = false;
+            let mut report = estimate_report(task, solution, rows, opposed, &settings.shaft);
+            let by_loads = self.sensitivity.errors(&report, &settings.accuracy);
+            for (error, more) in report.error.iter_mut().zip(by_loads) {
+                *error += more;
+            }
             self.taken = Some(Taken {
                 tick: task.tick,
-                report: estimate_report(task, solution, rows, opposed, &settings.shaft),
+                report,
                 rows: rows.each_ref().map(row_report),
                 is_new: true,
             });
@@ -199,6 +210,53 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
                 sent: 0,
             });
         }
+    }
+
+    /// The task that follows the one of an estimate: one of its loads is off. Some of the estimates that were taken have one.
+    pub(crate) fn accuracy_of(
+        &mut self,
+        task: &Task<R>,
+        settings: &MonitorSettings<R>,
+    ) -> Option<Task<R>> {
+        let GoodSample { time_us, load, .. } = task.sample;
+        let is_taken = self
+            .taken
+            .as_ref()
+            .is_some_and(|taken| taken.tick == task.tick);
+        if !is_taken || !self.due.accuracy.is_due(time_us, ACCURACY_US) {
+            return None;
+        }
+        let (which, accuracy) = self.sensitivity.next(&settings.accuracy)?;
+        let load = from_fn(|i| load[i] + if i == which { accuracy } else { 0.0 });
+        Some(Task {
+            sample: GoodSample {
+                load,
+                ..task.sample
+            },
+            purpose: Purpose::Accuracy(which),
+            rows: 0,
+            ..*task
+        })
+    }
+
+    /// Takes the equilibrium of such a task.
+    pub(crate) fn see_accuracy<const D: usize, const E: usize>(
+        &mut self,
+        load: usize,
+        task: &Task<R>,
+        solution: &Solved<'_, R, N, D, E>,
+        rows: &[RowSummary<f32>; R],
+        settings: &MonitorSettings<R>,
+    ) {
+        if let Some(taken) = &self.taken {
+            let off = estimate_report(task, solution, rows, false, &settings.shaft);
+            self.sensitivity.take(load, &taken.report, &off);
+        }
+    }
+
+    /// Such a task has no equilibrium.
+    pub(crate) fn lose_accuracy(&mut self, load: usize) {
+        self.sensitivity.lose(load);
     }
 
     /// The last solve gave no estimate.
@@ -453,7 +511,7 @@ const CLEARLY: f32 = 1.02;
 fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
     let mut place = (0, 1);
     let mut strongest: f32 = 0.0;
-    let per: [f32; 5] = core::array::from_fn(|i| 1.0 / k[i][i].abs());
+    let per: [f32; 5] = from_fn(|i| 1.0 / k[i][i].abs());
     for i in 0..5 {
         for j in 0..5 {
             let ratio = (k[i][j] * per[i]) * (k[i][j] * per[j]);

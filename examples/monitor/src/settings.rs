@@ -121,6 +121,8 @@ pub struct MonitorSettings<const R: usize = 1> {
     pub tick: TickSettings,
     /// Largest estimated error of the stiffness that counts as solved, relative.
     pub tolerance: f32,
+    /// Accuracy of the measured loads, N, N m: by how much each may be off. Of a load with 0, the stated errors say nothing.
+    pub accuracy: [f32; 5],
     /// Bounds of plausible loads and speeds.
     pub plausibility: PlausibilitySettings,
     /// Figures that levels are measured by.
@@ -208,6 +210,7 @@ impl<const R: usize> MonitorSettings<R> {
                 cost: CycleCost::CORTEX_M4F,
             },
             tolerance: 2e-5,
+            accuracy: [0.0; 5],
             plausibility: PlausibilitySettings {
                 load: [
                     [-10e3, 10e3],
@@ -367,6 +370,11 @@ impl<const R: usize> MonitorSettings<R> {
                 "plausibility.load_rate",
                 "positive"
             );
+            demand!(
+                self.accuracy[i] >= 0.0 && self.accuracy[i].is_finite(),
+                "accuracy",
+                "numbers, not below 0"
+            );
             i += 1;
         }
         demand!(
@@ -453,7 +461,7 @@ mod tests {
         let good = MonitorSettings::<1>::new(&DESIGN, 16);
         assert_eq!(good.check(), Ok(()));
         type Spoil = fn(&mut MonitorSettings);
-        let spoils: [(Spoil, &str); 10] = [
+        let spoils: [(Spoil, &str); 11] = [
             (|s| s.tick.period_us = 0, "tick.period_us"),
             (
                 |s| s.tick.deadline_cycles = s.tick.cost.tick,
@@ -474,6 +482,7 @@ mod tests {
                 "rows.rating.outer",
             ),
             (|s| s.telemetry.health_us = 0, "telemetry"),
+            (|s| s.accuracy[4] = f32::NAN, "accuracy"),
             (
                 |s| s.rows[0].heat[1].radial = f32::INFINITY,
                 "rows.growth, rows.heat, rows.rotation",

@@ -118,7 +118,8 @@ pub struct EstimateReport {
     pub status: Status<f32>,
     /// Iterations of the estimate.
     pub iterations: u16,
-    /// Estimated relative errors of displacement, contact forces and stiffness.
+    /// Estimated relative errors of displacement, contact forces and stiffness: the solver's, and that by the accuracy of the
+    /// loads. Where one is 1 or more, nothing is known.
     pub error: [f32; 3],
     /// Physical limits that were passed, one bit each ([`bit_of`]), and [`LIFT_OFF`].
     pub limits: u8,

@@ -96,6 +96,7 @@ pub struct SolveTime<'c, C> {
     rows: u16,
     all: u16,
     left: u16,
+    looked: bool,
 }
 
 impl<C: CycleCounter> SolveTime<'_, C> {
@@ -126,7 +127,14 @@ impl<C: CycleCounter> SolveTime<'_, C> {
 
     /// Whether there is time to take levels and life of an equilibrium, which then goes on.
     pub const fn has_a_look(&mut self) -> bool {
-        self.spend(self.cost.look)
+        let has = self.spend(self.cost.look);
+        self.looked |= has;
+        has
+    }
+
+    /// Whether levels and life were taken of an equilibrium.
+    pub const fn has_looked(&self) -> bool {
+        self.looked
     }
 
     /// Whether there is time to take a report of an equilibrium, which then goes on.
@@ -292,6 +300,7 @@ impl Ticker {
             rows: 0,
             all: self.rows,
             left: self.rows - passed % self.rows.max(1),
+            looked: false,
         }
     }
 

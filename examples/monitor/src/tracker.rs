@@ -21,6 +21,8 @@ pub(crate) enum Purpose {
     Estimate,
     /// The life that the loads use up: the sample's, times this factor.
     Life(f32),
+    /// The change of an estimate with this load off by its accuracy.
+    Accuracy(usize),
 }
 
 /// A sample to be solved.
@@ -76,6 +78,15 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
     /// Rows that the solve has passed so far.
     pub(crate) fn rows_passed(&self) -> u16 {
         self.begun.as_ref().map_or(0, |task| task.rows)
+    }
+
+    /// Whether a solve has begun, and whether it has passed rows.
+    pub(crate) const fn has_begun(&self) -> bool {
+        self.begun.is_some()
+    }
+
+    pub(crate) fn has_passed_rows(&self) -> bool {
+        self.rows_passed() > 0
     }
 
     /// Begins with a task.

@@ -466,6 +466,72 @@ fn passes_of_both_races_are_the_balls_times_the_shafts_turns() {
     }
 }
 
+/// Reference: loads that are off by their accuracy, each in either direction, solved by themselves.
+#[test]
+fn stated_errors_are_those_by_the_accuracy_of_the_loads() {
+    let accuracy = MONITOR.accuracy;
+    for force in [
+        [0.0; 3],
+        [300.0, 400.0, -250.0],
+        [-200.0, 0.0, 700.0],
+        [0.0, 900.0, 0.0],
+        [600.0, -100.0, 100.0],
+    ] {
+        let mut rig = Rig::shipped().run_up();
+        let load = at_nose(force);
+        rig.run(5000, load);
+        let (_, report) = *rig.host.estimates.last().unwrap();
+        let warm = MONITOR
+            .temperatures
+            .map_or([0.0; 2], |t| t.warm.map(|x| x - t.reference));
+        let growth = MONITOR.rows.each_ref().map(|row| {
+            row.rotation * (SPEED * SPEED) + row.heat[0] * warm[0] + row.heat[1] * warm[1]
+        });
+        let at = Speed::rad_per_s(SPEED).with_growth(growth);
+        let mut solver = SpindleSolver::new();
+        let mut figures = |load: [f32; 5]| {
+            let own = solver
+                .solve(&SPINDLE, load, at, &Settings::default())
+                .unwrap();
+            let forces = own
+                .rows()
+                .flat_map(|row| row.inner_forces().collect::<Vec<_>>());
+            let k = own.stiffness();
+            (
+                own.displacement,
+                forces.fold(0.0, f32::max),
+                array::from_fn::<_, 5, _>(|i| k[i][i]),
+            )
+        };
+        let most = |values: [f32; 3]| values.into_iter().map(f32::abs).fold(0.0, f32::max);
+        let (u, q, k) = figures(report.load);
+        let mut worst = [0.0_f32; 3];
+        for signs in 0..32 {
+            let off = array::from_fn(|i| {
+                let sign = if signs >> i & 1 == 1 { 1.0 } else { -1.0 };
+                report.load[i] + sign * accuracy[i]
+            });
+            let (v, p, l) = figures(off);
+            let moved = most(array::from_fn(|i| v[i] - u[i])) / most([u[0], u[1], u[2]]);
+            let stiffer = (0..5)
+                .map(|i| (l[i] / k[i] - 1.0).abs())
+                .fold(0.0, f32::max);
+            for (worst, change) in worst.iter_mut().zip([moved, (p / q - 1.0).abs(), stiffer]) {
+                *worst = worst.max(change);
+            }
+        }
+        // Nothing is known of the displacement by loads below their accuracy.
+        let worst = worst.map(|worst| worst.min(1.0));
+        for (stated, worst) in report.error.iter().zip(worst) {
+            assert!(
+                (0.5..2.0).contains(&(stated / worst)),
+                "{force:?}: {:?}, {worst:?}",
+                report.error
+            );
+        }
+    }
+}
+
 #[test]
 fn the_estimate_is_the_solvers_own() {
     let mut rig = Rig::running(&SETTINGS);

@@ -113,7 +113,7 @@ mod measured {
             room,
             sent,
             outcome.rows.into(),
-            outcome.solved.into(),
+            outcome.looked.into(),
         ];
     }
 

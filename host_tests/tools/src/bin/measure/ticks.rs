@@ -172,8 +172,8 @@ impl Board {
 }
 
 impl Costs {
-    /// Cycles besides the passes: of ticks without a new estimate, all but a tenth, some of which end a solve for the life alone; of ticks with
-    /// one, all but a tenth, and all but a thousandth. Estimates are reported in fewer than a tenth of the ticks.
+    /// Cycles besides the passes: of ticks in which no solve ends, all but a tenth; of ticks in which one ends, all but a tenth, and all
+    /// but a thousandth. Estimates are reported in fewer than a tenth of the ticks.
     fn besides(&self) -> [u64; 3] {
         let of = |ended: bool, one_in: usize| {
             let such = self.all.iter().filter(|cost| cost.ended == ended);
