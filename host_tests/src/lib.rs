@@ -6,7 +6,6 @@ pub mod cases;
 pub mod compare;
 pub mod dispatch;
 pub mod double_double;
-pub mod flash;
 pub mod lifetime;
 pub mod milling_cycle;
 pub mod progress;

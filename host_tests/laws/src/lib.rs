@@ -2,6 +2,7 @@
 //! one, and the judge's tests replay those that were kept.
 
 mod common;
+pub mod flash;
 mod shaft;
 pub mod solves;
 pub mod spindles;

@@ -1,7 +1,7 @@
 //! Law of `monitor::log`: a start finds the newest record that was verified, or a complete one that was begun since.
 
 use host_tests::cases::Random;
-use host_tests::flash::{ERASE, FailingFlash, Leftover};
+use laws::flash::{ERASE, FailingFlash, Leftover};
 use proptest::prelude::*;
 use spindle_monitor::log::{Counts, Log, PAYLOAD, WriteError};
 use std::ops::Range;

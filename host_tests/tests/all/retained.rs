@@ -3,7 +3,7 @@
 use super::monitor::SINGLE;
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind, ReadNorFlash};
 use host_tests::cases::B7005C;
-use host_tests::flash::FailingFlash;
+use laws::flash::FailingFlash;
 use spindle_firmware::flash;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
