@@ -508,13 +508,13 @@ impl<A: BridgeAdc<K>, const K: usize> LoadSource for StrainBridge<A, K> {
                 return Err(doubts);
             }
         };
-        let mut doubts = Marks::NONE;
+        let mut doubts = Marks::new();
         let railed = |count: &i32| *count >= A::RAIL || *count <= -A::RAIL;
-        doubts.mark_if(raw.iter().any(railed), Mark::Saturated);
-        doubts.mark_if(self.stuck.watch(raw), Mark::Stuck);
-        doubts.mark_if(self.warmer.is_none(), Mark::Temperature);
+        doubts.extend(raw.iter().any(railed).then_some(Mark::Saturated));
+        doubts.extend(self.stuck.watch(raw).then_some(Mark::Stuck));
+        doubts.extend(self.warmer.is_none().then_some(Mark::Temperature));
         self.weigh(Some(&raw), doubts);
-        doubts.mark_if(self.tare.is_none(), Mark::Untared);
+        doubts.extend(self.tare.is_none().then_some(Mark::Untared));
 
         let warmer = self.warmer.unwrap_or(0.0);
         let tare = self.tare.unwrap_or([0.0; K]);

@@ -11,10 +11,12 @@
 //!   for neither.
 
 use core::fmt;
+use enumset::{EnumSet, EnumSetType};
 use serde::{Deserialize, Serialize};
 
 /// Alarms, the most serious first, with their numbers on the wire. A new one takes the next number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, EnumSetType, Serialize, Deserialize)]
+#[enumset(repr = "u16")]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Alarm {
@@ -419,21 +421,19 @@ impl Judgement {
         &self.alarms[alarm as usize]
     }
 
-    /// Alarms that were raised and that nobody has acknowledged. One bit each, in the order of [`Alarm::ALL`] from the
-    /// lowest. To be kept over a power cycle.
-    pub fn unacknowledged(&self) -> u32 {
+    /// Alarms that were raised and that nobody has acknowledged. To be kept over a power cycle.
+    pub fn unacknowledged(&self) -> EnumSet<Alarm> {
         let open = |alarm: &Alarm| {
             let state = self.alarm(*alarm).state();
             matches!(state, AlarmState::Raised | AlarmState::Latched)
         };
-        let open = Alarm::ALL.into_iter().filter(open);
-        open.fold(0, |bits, alarm| bits | 1 << alarm as u32)
+        Alarm::ALL.into_iter().filter(open).collect()
     }
 
     /// Latches the alarms that nobody had acknowledged before a power cycle ([`Judgement::unacknowledged`]).
-    pub fn latch(&mut self, alarms: u32) {
-        for (i, machine) in self.alarms.iter_mut().enumerate() {
-            if alarms & (1 << i) != 0 {
+    pub fn latch(&mut self, alarms: EnumSet<Alarm>) {
+        for (machine, alarm) in self.alarms.iter_mut().zip(Alarm::ALL) {
+            if alarms.contains(alarm) {
                 machine.latch();
             }
         }

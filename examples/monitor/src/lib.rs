@@ -135,7 +135,7 @@ pub use temperature::{TemperatureSettings, TemperatureSource};
 pub use watch::WatchSettings;
 
 // In signatures.
-pub use heapless;
+pub use {enumset, heapless};
 
 use command::{Answer, AnswerCode, ORDER_EVERY, Request};
 use embedded_storage::nor_flash::NorFlash;
@@ -396,8 +396,8 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         let looked = time.has_looked();
 
         let mut marks = doubts;
-        marks.mark_if(self.reports.is_unsolved(), Mark::Unsolved);
-        marks.mark_if(self.estimate.is_none(), Mark::NoEstimate);
+        marks.extend(self.reports.is_unsolved().then_some(Mark::Unsolved));
+        marks.extend(self.estimate.is_none().then_some(Mark::NoEstimate));
         self.counts.marks = self.counts.marks.union(marks);
         let speed = self.plausibility.last_speed();
         let fresh = marks.is_empty() && self.is_fresh(time_us);
@@ -415,7 +415,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         self.reports.send(time_us, (tick, marks), alarms, settings);
         if self.reports.wants_health(time_us, settings) {
             let health = self.health();
-            self.counts.marks = Marks::NONE;
+            self.counts.marks = Marks::new();
             self.reports.outbox.post(time_us, Payload::Health(health));
         }
         self.late = self.ticker.finish(counter, watchdog);
@@ -480,7 +480,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         readings: &Readings,
         doubts: Marks,
     ) -> Option<(GoodSample, Purpose)> {
-        let believed = doubts.is_within(Marks::from(Mark::Range).with(Mark::Rate));
+        let believed = doubts.is_subset(Mark::Range | Mark::Rate);
         let Ok(Some(sample)) = &readings.loads else {
             if !believed {
                 self.life.measure(0.0);

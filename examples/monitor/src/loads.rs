@@ -118,7 +118,7 @@ impl FramedLoads {
             fastest: None,
             agreed: 0,
             ahead: None,
-            doubts: Marks::NONE,
+            doubts: Marks::new(),
             counts: FrameCounts {
                 received: 0,
                 corrupt: 0,
@@ -155,7 +155,7 @@ impl FramedLoads {
     fn damaged(&mut self, _: FrameError) {
         let counts = &mut self.counts;
         counts.corrupt = counts.corrupt.saturating_add(1);
-        self.doubts.mark_if(true, Mark::Corrupt);
+        self.doubts.insert(Mark::Corrupt);
     }
 
     fn arrived(&mut self, record: LoadRecord) {
@@ -178,12 +178,12 @@ impl FramedLoads {
             self.counts.passed_over = self.counts.passed_over.saturating_add(1);
         }
         // A good record makes up for what was damaged before it.
-        self.doubts = Marks::NONE;
+        self.doubts = Marks::new();
     }
 
     fn disordered(&mut self) {
         self.counts.disordered = self.counts.disordered.saturating_add(1);
-        self.doubts.mark_if(true, Mark::Order);
+        self.doubts.insert(Mark::Order);
     }
 
     /// The newest record, if it is in order.
@@ -277,7 +277,7 @@ impl LoadSource for FramedLoads {
         let mut doubts = core::mem::take(&mut self.doubts);
         match record {
             Some(record) => {
-                doubts.mark_if(self.is_late(time_us, &record), Mark::Late);
+                doubts.extend(self.is_late(time_us, &record).then_some(Mark::Late));
                 Ok(Some(LoadSample {
                     time_us,
                     load: record.load(),

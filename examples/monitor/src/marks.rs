@@ -1,80 +1,57 @@
 //! Reasons to doubt a sample, and the watch for values that do not change.
 
 use core::fmt;
-use serde::{Deserialize, Serialize};
+use enumset::{EnumSet, EnumSetType};
 
-/// One reason to doubt a sample, by its bit in [`Marks`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// One reason to doubt a sample, with the number of its bit in [`Marks`], on the wire, too.
+#[derive(Debug, EnumSetType)]
+#[enumset(repr = "u32")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Mark {
     /// A load is not a number: the calibration is broken, or the sender.
-    NotFinite,
+    NotFinite = 0,
     /// A load is beyond what the sensors, or the spindle, can carry.
-    Range,
+    Range = 1,
     /// A load changed faster than it can.
-    Rate,
+    Rate = 2,
     /// A channel has given the same value for so long that it must be stuck.
-    Stuck,
+    Stuck = 3,
     /// A converter is at its rail.
-    Saturated,
+    Saturated = 4,
     /// No sample has come for too long.
-    Missing,
+    Missing = 5,
     /// Channels that must agree do not.
-    Disagreement,
+    Disagreement = 6,
     /// The bus, or the device on it, reported an error.
-    Bus,
+    Bus = 7,
     /// A frame was damaged, and the sample it held is lost.
-    Corrupt,
+    Corrupt = 8,
     /// A sample came out of its order, or twice.
-    Order,
+    Order = 9,
     /// The front end has no tare.
-    Untared,
+    Untared = 10,
     /// The temperature is beyond what its compensation was made for, or not known.
-    Temperature,
+    Temperature = 11,
     /// No speed: the signal is lost, or its source fails.
-    SpeedMissing,
+    SpeedMissing = 12,
     /// Speed beyond what the spindle does.
-    SpeedRange,
+    SpeedRange = 13,
     /// Speed changed faster than the spindle can.
-    SpeedRate,
+    SpeedRate = 14,
     /// Two sources of speed do not agree.
-    SpeedDisagreement,
+    SpeedDisagreement = 15,
     /// The last sample that was solved has no equilibrium.
-    Unsolved,
+    Unsolved = 16,
     /// There is no estimate yet.
-    NoEstimate,
+    NoEstimate = 17,
     /// A record came much later than others do.
-    Late,
+    Late = 18,
     /// The speed has been one and the same for so long that it must be stuck.
-    SpeedStuck,
+    SpeedStuck = 19,
 }
 
 impl Mark {
-    /// All marks, in the order of their bits from the lowest.
-    pub const ALL: [Self; 20] = [
-        Self::NotFinite,
-        Self::Range,
-        Self::Rate,
-        Self::Stuck,
-        Self::Saturated,
-        Self::Missing,
-        Self::Disagreement,
-        Self::Bus,
-        Self::Corrupt,
-        Self::Order,
-        Self::Untared,
-        Self::Temperature,
-        Self::SpeedMissing,
-        Self::SpeedRange,
-        Self::SpeedRate,
-        Self::SpeedDisagreement,
-        Self::Unsolved,
-        Self::NoEstimate,
-        Self::Late,
-        Self::SpeedStuck,
-    ];
-
     /// Short name in lower case, as tables print it.
     pub const fn name(self) -> &'static str {
         match self {
@@ -109,96 +86,7 @@ impl fmt::Display for Mark {
 }
 
 /// A set of marks, one bit each.
-#[derive(Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Marks(u32);
-
-impl Marks {
-    /// No doubt.
-    pub const NONE: Self = Self(0);
-
-    /// One bit for each mark, in the order of [`Mark::ALL`] from the lowest.
-    pub const fn bits(self) -> u32 {
-        self.0
-    }
-
-    /// Whether there is no doubt.
-    pub const fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-
-    /// Whether this one is in it.
-    pub const fn contains(self, mark: Mark) -> bool {
-        self.0 & (1 << mark as u32) != 0
-    }
-
-    /// This set with one mark more.
-    #[must_use]
-    pub const fn with(self, mark: Mark) -> Self {
-        Self(self.0 | (1 << mark as u32))
-    }
-
-    /// Whether there is nothing in it that is not in the other set.
-    pub const fn is_within(self, other: Self) -> bool {
-        self.0 & !other.0 == 0
-    }
-
-    /// Marks in either set.
-    #[must_use]
-    pub const fn union(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// Adds a mark if `doubted`.
-    pub const fn mark_if(&mut self, doubted: bool, mark: Mark) {
-        if doubted {
-            *self = self.with(mark);
-        }
-    }
-
-    /// The marks in it, in the order of [`Mark::ALL`].
-    pub fn iter(self) -> impl Iterator<Item = Mark> {
-        Mark::ALL
-            .into_iter()
-            .filter(move |mark| self.contains(*mark))
-    }
-}
-
-impl From<Mark> for Marks {
-    fn from(mark: Mark) -> Self {
-        Self::NONE.with(mark)
-    }
-}
-
-impl fmt::Debug for Marks {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(self.iter()).finish()
-    }
-}
-
-/// Names, a blank between two of them.
-impl fmt::Display for Marks {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, mark) in self.iter().enumerate() {
-            f.write_str(if i == 0 { "" } else { " " })?;
-            f.write_str(mark.name())?;
-        }
-        Ok(())
-    }
-}
-
-#[cfg(feature = "defmt")]
-impl defmt::Format for Marks {
-    fn format(&self, f: defmt::Formatter<'_>) {
-        defmt::write!(f, "[");
-        for (i, mark) in self.iter().enumerate() {
-            if i > 0 {
-                defmt::write!(f, ", ");
-            }
-            defmt::write!(f, "{=str}", mark.name());
-        }
-        defmt::write!(f, "]");
-    }
-}
+pub type Marks = EnumSet<Mark>;
 
 /// Watches `K` channels for values that do not change any more.
 #[derive(Debug, Clone, Copy, PartialEq)]

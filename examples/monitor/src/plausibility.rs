@@ -18,6 +18,7 @@
 
 use crate::loads::LoadSample;
 use crate::marks::{Mark, Marks, StuckWatch};
+use enumset::enum_set;
 
 /// Bounds of plausible loads and speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,8 +127,8 @@ impl Plausibility {
             stuck: StuckWatch::new(settings.stuck_after),
             speed_stuck: StuckWatch::new(settings.speed_stuck_after),
             heard: None,
-            doubts: Marks::NONE,
-            speed_doubts: Marks::NONE.with(Mark::SpeedMissing),
+            doubts: Marks::new(),
+            speed_doubts: enum_set!(Mark::SpeedMissing),
             lost: false,
             standing: None,
         }
@@ -173,13 +174,13 @@ impl Plausibility {
             }
             Ok(None) => {
                 let silent = time_us.saturating_sub(heard) > settings.missing_after_us.into();
-                self.doubts.mark_if(silent, Mark::Missing);
+                self.doubts.extend(silent.then_some(Mark::Missing));
             }
             Err(doubts) => {
                 self.heard = Some(time_us);
                 self.doubts = *doubts;
                 // An error without a name is one all the same.
-                self.doubts.mark_if(doubts.is_empty(), Mark::Bus);
+                self.doubts.extend(doubts.is_empty().then_some(Mark::Bus));
             }
         }
         let speed = self.speed(time_us, readings, settings, fresh.is_some());
@@ -209,15 +210,13 @@ impl Plausibility {
     ) -> Marks {
         let mut marks = sample.doubts;
         let finite = sample.load.iter().all(|load| load.is_finite());
-        marks.mark_if(!finite || !sample.residual.is_finite(), Mark::NotFinite);
+        marks.extend((!finite || !sample.residual.is_finite()).then_some(Mark::NotFinite));
         let within = |(load, [low, high]): (&f32, &[f32; 2])| load >= low && load <= high;
-        marks.mark_if(
-            finite && !sample.load.iter().zip(&settings.load).all(within),
-            Mark::Range,
-        );
-        marks.mark_if(sample.residual > settings.residual, Mark::Disagreement);
+        let in_range = sample.load.iter().zip(&settings.load).all(within);
+        marks.extend((finite && !in_range).then_some(Mark::Range));
+        marks.extend((sample.residual > settings.residual).then_some(Mark::Disagreement));
         let bits = sample.load.map(|load| load.to_bits() as i32);
-        marks.mark_if(self.stuck.watch(bits), Mark::Stuck);
+        marks.extend(self.stuck.watch(bits).then_some(Mark::Stuck));
         if let Some((last, then)) = self.load {
             let time = seconds(then, time_us);
             let changes = sample.load.iter().zip(&last).zip(&settings.load_rate);
@@ -225,7 +224,7 @@ impl Plausibility {
             for ((load, last), rate) in changes {
                 fast |= (load - last).abs() > rate * time;
             }
-            marks.mark_if(fast, Mark::Rate);
+            marks.extend(fast.then_some(Mark::Rate));
         }
         if marks.is_empty() {
             self.load = Some((sample.load, time_us));
@@ -248,18 +247,18 @@ impl Plausibility {
         if own.is_none() && !fresh {
             return None;
         }
-        let mut marks = Marks::NONE;
+        let mut marks = Marks::new();
         let carried = self.carried.map(known);
         if let (Some(Some(a)), Some(Some(b))) = (own, carried) {
             let [absolute, relative] = settings.speed_difference;
             let allowed = absolute + relative * a.abs();
-            marks.mark_if(!((a - b).abs() <= allowed), Mark::SpeedDisagreement);
+            marks.extend((!((a - b).abs() <= allowed)).then_some(Mark::SpeedDisagreement));
         }
         let speed = own.or(carried).flatten();
         if let Some(speed) = speed {
-            marks.mark_if(!(speed.abs() <= settings.speed), Mark::SpeedRange);
+            marks.extend((!(speed.abs() <= settings.speed)).then_some(Mark::SpeedRange));
             let stuck = self.speed_stuck.watch([speed.to_bits() as i32]);
-            marks.mark_if(stuck && speed != 0.0, Mark::SpeedStuck);
+            marks.extend((stuck && speed != 0.0).then_some(Mark::SpeedStuck));
             let stands = speed.abs() <= STANDSTILL;
             if let Some((last, then)) = self.speed {
                 let slows = speed.abs() < last.abs() && speed * last >= 0.0;
@@ -270,7 +269,7 @@ impl Plausibility {
                 };
                 let fast = (speed - last).abs() > rate * seconds(then, time_us) + allowance;
                 self.lost = stands && (self.lost || fast);
-                marks.mark_if(fast || self.lost, Mark::SpeedRate);
+                marks.extend((fast || self.lost).then_some(Mark::SpeedRate));
             }
             if !stands || !marks.is_empty() {
                 self.standing = None;
@@ -278,7 +277,7 @@ impl Plausibility {
                 self.standing.get_or_insert(time_us);
             }
         } else {
-            marks = marks.with(Mark::SpeedMissing);
+            marks.insert(Mark::SpeedMissing);
         }
         self.speed_doubts = marks;
         let good = speed.filter(|_| marks.is_empty());

@@ -33,6 +33,7 @@ use crate::judgement::{Alarm, Judgement};
 use crate::life::Life;
 use crate::log::{Log, PAYLOAD};
 pub use crate::log::{NorFlash, WriteError};
+use enumset::EnumSet;
 use serde::{Deserialize, Serialize};
 
 /// Version of the records. Alarms are kept by their place in [`Alarm::ALL`].
@@ -124,21 +125,10 @@ pub struct StartReport {
     pub boots: u32,
     /// Why this one was.
     pub cause: ResetCause,
-    /// Alarms that nobody had acknowledged before, and that were latched again. One bit each, in the order of
-    /// [`Alarm::ALL`] from the lowest.
-    pub alarms: u32,
+    /// Alarms that nobody had acknowledged before, and that were latched again.
+    pub alarms: EnumSet<Alarm>,
     /// How often each alarm was raised before, in all starts, in that order; 255 stands for more, too.
     pub raised: [u8; Alarm::COUNT],
-}
-
-impl StartReport {
-    /// The alarms that were latched again, the most serious first.
-    pub fn latched(&self) -> impl Iterator<Item = Alarm> {
-        let bits = self.alarms;
-        Alarm::ALL
-            .into_iter()
-            .filter(move |alarm| bits & (1 << *alarm as u32) != 0)
-    }
 }
 
 /// Data kept from earlier starts.
@@ -165,7 +155,7 @@ impl Past {
         let start = &self.start;
         let parts: [&[u8]; 7] = [
             &[VERSION, start.cause as u8],
-            &(start.alarms as u16).to_le_bytes(),
+            &start.alarms.as_repr().to_le_bytes(),
             &spindle.to_le_bytes(),
             &used.to_le_bytes(),
             &revolutions.to_le_bytes(),
@@ -193,7 +183,7 @@ impl Past {
             start: StartReport {
                 boots: u32::from_le_bytes(*boots),
                 cause: causes.copied().unwrap_or_default(),
-                alarms: u16::from_le_bytes(*alarms).into(),
+                alarms: EnumSet::from_repr_truncated(u16::from_le_bytes(*alarms)),
                 raised: *rest.first_chunk()?,
             },
         };

@@ -129,7 +129,7 @@ impl EstimateReport {
     /// Of no equilibrium.
     pub const NONE: Self = Self {
         age: 0,
-        marks: Marks::NONE,
+        marks: Marks::new(),
         load: [0.0; 5],
         speed: 0.0,
         displacement: [0.0; 5],
@@ -357,6 +357,7 @@ mod tests {
     use crate::board::{Check, ResetCause};
     use crate::command::{AnswerCode, Order};
     use crate::retained::Recovery;
+    use enumset::EnumSet;
     use std::vec::Vec as Bytes;
 
     fn longest(payload: Payload) -> Frame {
@@ -384,15 +385,10 @@ mod tests {
         })
     }
 
-    fn all_marks() -> Marks {
-        let all = crate::marks::Mark::ALL.into_iter();
-        all.fold(Marks::NONE, Marks::with)
-    }
-
     fn estimate(iterations: u16) -> Payload {
         Payload::Estimate(EstimateReport {
             age: u32::MAX,
-            marks: all_marks(),
+            marks: Marks::all(),
             load: [f32::MAX; 5],
             speed: f32::MAX,
             displacement: [f32::MAX; 5],
@@ -441,7 +437,7 @@ mod tests {
             most_cycles: u32::MAX,
             revolutions: u64::MAX,
             life_used: f32::MAX,
-            marks: all_marks(),
+            marks: Marks::all(),
             retention: RetentionReport {
                 recovery: Recovery::Damaged,
                 damaged: u16::MAX,
@@ -508,7 +504,7 @@ mod tests {
             start: StartReport {
                 boots: u32::MAX,
                 cause: ResetCause::Unknown,
-                alarms: u32::MAX,
+                alarms: EnumSet::all(),
                 raised: [u8::MAX; Alarm::COUNT],
             },
             board: BoardReport {
@@ -562,9 +558,9 @@ mod tests {
         assert_eq!(read(&encode(&frame)), [Err(FrameError::Content)]);
     }
 
-    /// Receivers know alarms by these numbers, and limits by these bits: neither moves for a new one.
+    /// Receivers know alarms by these numbers, marks and limits by these bits: none moves for a new one.
     #[test]
-    fn numbers_of_alarms_and_limits_are_these() {
+    fn numbers_of_alarms_and_bits_of_marks_and_limits_are_these() {
         let numbers = Alarm::ALL.map(|alarm| {
             let mut bytes = [0; 4];
             (
@@ -587,6 +583,38 @@ mod tests {
             "deadline",
         ];
         assert_eq!(numbers, core::array::from_fn(|i| (i as u8, names[i])));
+        for (i, alarm) in Alarm::ALL.into_iter().enumerate() {
+            assert_eq!(EnumSet::only(alarm).as_repr(), 1 << i);
+        }
+        let marks = [
+            "not-finite",
+            "range",
+            "rate",
+            "stuck",
+            "saturated",
+            "missing",
+            "disagreement",
+            "bus",
+            "corrupt",
+            "order",
+            "untared",
+            "temperature",
+            "speed-missing",
+            "speed-range",
+            "speed-rate",
+            "speed-disagreement",
+            "unsolved",
+            "no-estimate",
+            "late",
+            "speed-stuck",
+        ];
+        assert_eq!(Marks::all().len(), marks.len());
+        for (i, (mark, name)) in Marks::all().iter().zip(marks).enumerate() {
+            let mut bytes = [0; 5];
+            let bytes = postcard::to_slice(&Marks::only(mark), &mut bytes).unwrap();
+            let number = postcard::from_bytes::<u32>(bytes).unwrap();
+            assert_eq!((number, mark.name()), (1 << i, name));
+        }
         let bits = Limit::ALL.map(|limit| (bit_of(limit), limit.name()));
         let expected = [
             (1, "peak-pressure"),

@@ -56,7 +56,7 @@ fn names(payload: &Payload) -> Vec<&'static str> {
             marks.chain(report.passed()).collect()
         }
         Payload::Health(report) => report.marks.iter().map(Mark::name).collect(),
-        Payload::Hello(report) => report.start.latched().map(Alarm::name).collect(),
+        Payload::Hello(report) => report.start.alarms.iter().map(Alarm::name).collect(),
         _ => Vec::new(),
     }
 }

@@ -38,7 +38,7 @@ pub fn stream(rows: &[LoadRow]) -> Result<Vec<u8>> {
                 load: core::array::from_fn(|i| between(from.load[i], to.load[i])),
                 speed: Some(RAD_PER_S * between(from.speed_rpm, to.speed_rpm)),
                 residual: 0.0,
-                doubts: Marks::NONE,
+                doubts: Marks::new(),
             };
             let readings = Readings {
                 loads: Ok(Some(sample)),

@@ -406,7 +406,7 @@ fn a_speed_that_falls_to_0_faster_than_a_shaft_can_is_not_believed() {
     let revolutions = rig.monitor.life().revolutions();
     for _ in 0..60_000 {
         let outcome = rig.good(IDLE, 0.0);
-        assert_eq!(outcome.marks, Mark::SpeedRate.into());
+        assert_eq!(outcome.marks, Mark::SpeedRate);
     }
     assert_eq!(rig.state(Alarm::Sensor), AlarmState::Raised);
     // The last speed counts.

@@ -17,7 +17,7 @@ fn tick(rig: &mut Rig<ROWS, ROWS>, row: &LoadRow) -> Outcome {
             load: row.load.map(|load| load as f32),
             speed: Some(row.omega() as f32),
             residual: 0.0,
-            doubts: Marks::NONE,
+            doubts: Marks::new(),
         })),
         speed: None,
         temperatures: row.temperatures.map(|read| read.map(|t| t as f32)),
@@ -51,12 +51,12 @@ fn every_tick_of_the_cycle_has_an_estimate_of_nine_ticks_at_most_and_its_crash_i
         }
         let mut loads = row.load.iter().zip(&MONITOR.plausibility.load);
         if !loads.all(|(load, [low, high])| (*low..=*high).contains(&(*load as f32))) {
-            assert_eq!(outcome.marks, Mark::Range.into());
+            assert_eq!(outcome.marks, Mark::Range);
             assert!(is_within(row.time_s, CRASH));
             continue;
         }
         // What is real is not doubted. The first estimate takes some ticks.
-        if row.time_s < 0.01 && outcome.marks == Mark::NoEstimate.into() {
+        if row.time_s < 0.01 && outcome.marks == Mark::NoEstimate {
             continue;
         }
         assert!(outcome.marks.is_empty(), "{}", outcome.marks);

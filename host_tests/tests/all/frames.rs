@@ -15,7 +15,7 @@ use spindle_monitor::telemetry::{
 pub fn estimate(stiffness: f32) -> EstimateReport {
     EstimateReport {
         age: 0,
-        marks: Marks::NONE,
+        marks: Marks::new(),
         load: [250.0, 120.0, -40.0, 0.2, 0.1],
         speed: 1256.6,
         displacement: [1e-5, 2e-6, -1e-6, 1e-5, -2e-5],

@@ -133,11 +133,11 @@ fn a_broken_sensor_does_not_use_up_the_life() {
         }
         rig.monitor.life().used() - before
     };
-    let good = rate(IDLE, Marks::NONE);
+    let good = rate(IDLE, Marks::new());
     for load in [f32::NAN, f32::INFINITY, -1e30, 1e5] {
         let mut broken = IDLE;
         broken[1] = load;
-        for doubts in [Marks::NONE, Mark::Saturated.into(), Mark::Untared.into()] {
+        for doubts in [Marks::new(), Mark::Saturated.into(), Mark::Untared.into()] {
             let ratio = rate(broken, doubts) / good;
             assert!((0.99..=1.01).contains(&ratio), "{load} [{doubts}]: {ratio}");
         }

@@ -6,6 +6,7 @@ use host_tests::cases::B7005C;
 use laws::flash::FailingFlash;
 use spindle_firmware::flash;
 use spindle_monitor::board::ResetCause;
+use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::log::Log;
@@ -33,8 +34,8 @@ type Wide = FailingFlash<32, 131_072>;
 const IDLE: [f32; 5] = [420.0, 0.0, 0.0, 0.0, 0.0];
 
 /// Life, and alarms that nobody has acknowledged.
-type Kept = ((u64, u64), u32);
-const NOTHING: Kept = ((0, 0), 0);
+type Kept = ((u64, u64), EnumSet<Alarm>);
+const NOTHING: Kept = ((0, 0), EnumSet::new());
 
 /// One power cycle of a board.
 struct Board<F> {
@@ -333,7 +334,7 @@ fn a_power_cycle_acknowledges_no_alarm() {
     let mut flash = board.off();
     for _ in 0..2 {
         let board = Board::start(flash);
-        let latched: Vec<_> = board.found.start.latched().collect();
+        let latched: Vec<_> = board.found.start.alarms.iter().collect();
         assert_eq!(latched, [Alarm::Slip, Alarm::Overload]);
         let state = |alarm| board.judgement.alarm(alarm).state();
         assert_eq!(state(Alarm::Overload), AlarmState::Latched);
@@ -355,7 +356,7 @@ fn a_power_cycle_acknowledges_no_alarm() {
     board.stand(1);
     assert_eq!(board.records(), (2, 0));
     let Board { found, .. } = Board::start(board.off());
-    let latched: Vec<_> = found.start.latched().collect();
+    let latched: Vec<_> = found.start.alarms.iter().collect();
     assert_eq!(latched, [Alarm::Overload, Alarm::Sensor]);
     assert_eq!(found.start.raised[Alarm::Overload as usize], 2);
 }
@@ -435,7 +436,7 @@ fn readings(time_us: u64) -> Readings {
             load: [420.0, cut, -8.0, 0.05, -0.1].map(|load| load + 1e-3 * (step % 7) as f32),
             speed: Some(1500.0 + (step % 11) as f32),
             residual: 0.0,
-            doubts: Marks::NONE,
+            doubts: Marks::new(),
         })),
         speed: None,
         temperatures: None,
@@ -532,7 +533,7 @@ fn a_monitor_tells_of_its_start_and_of_the_alarms_before_it() {
         panic!("{starts:?}");
     };
     assert_eq!((start.boots, start.cause), (2, ResetCause::Watchdog));
-    assert_eq!(start.latched().collect::<Vec<_>>(), [Alarm::Overload]);
+    assert_eq!(start.alarms.iter().collect::<Vec<_>>(), [Alarm::Overload]);
     assert_eq!(start.raised[Alarm::Overload as usize], 1);
     let (last, before) = states.split_last().unwrap();
     assert!(!before.is_empty() && before.iter().all(|state| *state == AlarmState::Latched));

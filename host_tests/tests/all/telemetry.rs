@@ -20,7 +20,7 @@ use spindle_monitor::retained::Recovery;
 use spindle_monitor::telemetry::{
     EstimateReport, Frame, HealthReport, HelloReport, Payload, VERSION, encode,
 };
-use spindle_monitor::{Mark, Marks, TemperatureSource};
+use spindle_monitor::{Mark, TemperatureSource};
 
 pub(super) fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
     let mut decoder = Decoder::new();
@@ -241,7 +241,7 @@ fn a_frame_of_another_version_is_told_from_damage() {
 #[test]
 fn damage_has_a_line_of_its_own_and_a_gap_is_in_the_line_after_it() {
     let doubted = EstimateReport {
-        marks: Marks::from(Mark::Stuck).with(Mark::SpeedMissing),
+        marks: Mark::Stuck | Mark::SpeedMissing,
         limits: 1,
         ..estimate(6.1e7)
     };

@@ -8,12 +8,12 @@ use host_tests::telemetry::json;
 use host_tests::telemetry::state::State;
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::Color;
+use spindle_monitor::Mark;
 use spindle_monitor::board::{BoardReport, Check};
 use spindle_monitor::command::{self, Command, Order, Request};
 use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_monitor::retained::{Recovery, RetentionReport};
 use spindle_monitor::telemetry::{EstimateReport, HealthReport, HelloReport, Payload, encode};
-use spindle_monitor::{Mark, Marks};
 use std::io::{Cursor, Read, Write};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -362,7 +362,7 @@ fn the_last_stiffness_is_there_as_a_number_and_the_course_falls_with_it() {
 fn a_doubted_sample_is_named_and_is_no_point_of_the_course() {
     let doubted = EstimateReport {
         age: 7,
-        marks: Marks::from(Mark::Stuck).with(Mark::SpeedMissing),
+        marks: Mark::Stuck | Mark::SpeedMissing,
         ..estimate(5e7)
     };
     let state = state_of([estimate(6e7), doubted].map(Payload::Estimate));

@@ -8,7 +8,7 @@ use spindle_monitor::command::{self, Command};
 use spindle_monitor::loads::FrameCounts;
 use spindle_monitor::telemetry::HealthReport;
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
-use spindle_monitor::{BoardReport, Mark, Past};
+use spindle_monitor::{BoardReport, Marks, Past};
 use tools::stream::{
     self,
     faults::{Episode, Spoiler},
@@ -21,8 +21,8 @@ pub struct Plan {
     pub input: Vec<u8>,
     /// Bytes that the board must answer, to the bit.
     pub expected: Vec<u8>,
-    /// Ticks with each mark, in the order of [`Mark::ALL`].
-    pub marks: [u64; Mark::ALL.len()],
+    /// Ticks with each mark, in the order of their bits.
+    pub marks: [u64; Marks::variant_count() as usize],
     /// Counts of the records that came over the port.
     pub counts: FrameCounts,
     /// Faults.
@@ -36,7 +36,7 @@ pub fn plan(recording: &Recording, mut spoiler: Spoiler) -> Result<Plan> {
     let period = MONITOR.tick.period_us;
     let mut input = Vec::new();
     let mut expected = Vec::new();
-    let mut marks = [0; Mark::ALL.len()];
+    let mut marks = [0; Marks::variant_count() as usize];
     let mut chain = Chain::new(&Past::default(), &MONITOR);
     let prepared = chain.prepare();
     ensure!(prepared.is_ok(), "no equilibrium to start from");

@@ -6,7 +6,7 @@ use crate::plan::Plan;
 use anyhow::{Context, Result, ensure};
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::telemetry::{HealthReport, Payload};
-use spindle_monitor::{Alarm, Mark};
+use spindle_monitor::{Alarm, Mark, Marks};
 use std::fmt::Write;
 use std::fs;
 use std::iter;
@@ -90,8 +90,8 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     ] {
         line(name, count)?;
     }
-    for (mark, count) in Mark::ALL.iter().zip(plan.marks) {
-        if count > 0 && *mark != Mark::Unsolved {
+    for (mark, count) in Marks::all().iter().zip(plan.marks) {
+        if count > 0 && mark != Mark::Unsolved {
             line(&format!("ticks marked {mark}"), count)?;
         }
     }
