@@ -11,7 +11,7 @@
 //!
 //! - **Writing.** A record goes to both halves, and the first copy is complete before the second begins. Every unit of
 //!   the flash is read back. A slot that does not hold its bytes is left behind, [`ATTEMPTS`] times for a copy.
-//! - **Reading.** The highest number with a good checksum wins, in either half.
+//! - **Reading.** The highest number with a good checksum wins, in either half; of equal ones the last.
 //! - **Erasing** is for [`Log::open`] alone, since a core may stand still for seconds meanwhile. Erased is a half of which
 //!   more than half is in use. Erased, too, is a half without a record, where the other one has the newest:
 //!   an erase that power interrupts may look complete.
@@ -193,7 +193,8 @@ impl<F: NorFlash> Log<F> {
                 continue;
             };
             has_records = true;
-            if number > self.number {
+            // The last number may be there more than once: no later one is left.
+            if number >= self.number {
                 (self.number, self.record) = (number, record);
             }
         }

@@ -3,6 +3,8 @@
 
 mod common;
 pub mod flash;
+pub mod log;
+pub mod port;
 mod shaft;
 pub mod solves;
 pub mod spindles;
