@@ -107,16 +107,6 @@ pub struct RetentionReport {
     pub failed: u32,
 }
 
-impl RetentionReport {
-    /// Without a memory.
-    pub const NO_MEMORY: Self = Self {
-        recovery: Recovery::NoMemory,
-        damaged: 0,
-        written: 0,
-        failed: 0,
-    };
-}
-
 /// A start of the monitor, and the data kept from earlier ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -543,12 +543,12 @@ fn a_monitor_tells_of_its_start_and_of_the_alarms_before_it() {
 #[test]
 fn without_a_memory_the_monitor_says_so() {
     let monitor: Monitor<1, 16> = Monitor::new(&SINGLE, &SETTINGS);
-    assert_eq!(monitor.health().retention, RetentionReport::NO_MEMORY);
+    assert_eq!(monitor.health().retention, RetentionReport::default());
     let (mut store, past) = Store::open(Words::new(0), IDENTITY, ResetCause::Watchdog);
     let start = (past.start.boots, past.start.cause);
     assert_eq!(start, (0, ResetCause::Watchdog));
     assert_eq!((past.life, past.start.alarms), NOTHING);
-    assert_eq!(store.report(), RetentionReport::NO_MEMORY);
+    assert_eq!(store.report(), RetentionReport::default());
     assert!(!store.step() && !store.power_fails(0, &Judgement::default(), &Life::NEW));
 }
 
