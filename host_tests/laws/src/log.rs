@@ -6,7 +6,6 @@ use crate::common::{Ends, run_of};
 use crate::flash::FailingFlash;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use spindle_bearing::Design;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::log::{Log, PAYLOAD};
@@ -19,7 +18,7 @@ const SECTOR: usize = 1024;
 const SECTORS: usize = 1;
 const HALF: usize = SECTORS * SECTOR;
 
-const IDENTITY: Identity = Identity::new(&Design::angular_contact(6.35e-3, 36e-3, 0.25), 16);
+const IDENTITY: Identity = Identity::of(7005);
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Bytes of a record, and where its parts are.
