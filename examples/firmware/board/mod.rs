@@ -12,10 +12,9 @@ mod spi;
 
 use crate::MONITOR;
 use spindle_firmware::beat::Cycles;
-use spindle_firmware::board::{Board, Started, within};
+use spindle_firmware::board::{Board, SET_BROWN_OUT, Started, within};
 use spindle_firmware::sensors::Measured;
-use spindle_firmware::spindle::{BALLS, ROWS};
-use spindle_firmware::spindle::{BRIDGES, SET_BROWN_OUT};
+use spindle_firmware::spindle::{BALLS, BRIDGES, ROWS};
 use spindle_firmware::strap::{self, Wires};
 use spindle_monitor::board::BoardReport;
 use spindle_monitor::settings::MonitorSettings;

@@ -3,7 +3,7 @@
 use crate::bridges::{Ads131m08, Ads131m08Bridges, Ads131m08Config, StrainBridge, TareState};
 use crate::bus::Bus;
 use crate::chain::Sensors;
-use crate::spindle::{CALIBRATION, TACHOMETER, TARE_SAMPLES};
+use crate::spindle::{CALIBRATION, CHANNELS, TACHOMETER, TARE_SAMPLES};
 use crate::tachometer::{Edges, PulseInput, PulseSpeed, Pulses, SpeedMethod, SpeedSource};
 use core::cell::Cell;
 use core::convert::Infallible;
@@ -12,9 +12,6 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use spindle_monitor::loads::LoadSource;
 use spindle_monitor::{Mark, Readings};
-
-/// Bridges.
-pub const CHANNELS: usize = 6;
 
 /// Bus and pins of the converter, and the timer of the tachometer: all are started.
 #[derive(Clone, Copy)]

@@ -27,11 +27,6 @@ fn ages<const R: usize, const E: usize>(rig: Rig<R, E>, load: impl Fn(u32) -> [f
     oldest
 }
 
-/// Greatest age of an estimate of the shipped pair, in ticks, and the ticks of a solve for its accuracy. That goes before once in 200
-/// ticks.
-const OLD: u32 = 8;
-const FOR_ACCURACY: u32 = 2;
-
 /// Ticks of a cut, 1 ms each.
 pub(super) const TICKS: u32 = 3000;
 

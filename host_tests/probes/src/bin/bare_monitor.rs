@@ -14,7 +14,9 @@ mod bare {
     use embedded_hal::spi::{self, Operation, SpiDevice};
     use embedded_storage::nor_flash::{self, NorFlash, NorFlashErrorKind, ReadNorFlash};
     use spindle_firmware::bridges::{Ads131m08, Ads131m08Bridges, StrainBridge};
-    use spindle_firmware::spindle::{self, CALIBRATION, IDENTITY, TACHOMETER, monitor_settings};
+    use spindle_firmware::spindle::{
+        self, CALIBRATION, CHANNELS, IDENTITY, TACHOMETER, monitor_settings,
+    };
     use spindle_firmware::tachometer::{Edges, PulseSpeed, SpeedMethod, SpeedSource};
     use spindle_monitor::board::ResetCause;
     use spindle_monitor::loads::{FramedLoads, LoadSource};
@@ -110,7 +112,8 @@ mod bare {
         let calibration = black_box(CALIBRATION);
         let _ = black_box(calibration.check());
         let device = Ads131m08::new(Unknown, Unknown, Unknown, Unknown, Unknown);
-        let Ok(adc) = Ads131m08Bridges::<_, 6>::start(device, &black_box(Default::default()))
+        let Ok(adc) =
+            Ads131m08Bridges::<_, CHANNELS>::start(device, &black_box(Default::default()))
         else {
             return;
         };
