@@ -10,8 +10,8 @@ impl CycleCost {
         ball_row: 2_950,
         step: 10_000,
         ball_step: 500,
-        ball_look: 1_040,
-        ball_report: 1_150,
+        ball_look: 1_215,
+        ball_report: 1_190,
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
@@ -19,7 +19,7 @@ impl CycleCost {
         ball_row: 2_290,
         step: 8_000,
         ball_step: 330,
-        ball_look: 700,
+        ball_look: 860,
         ball_report: 690,
     };
 }

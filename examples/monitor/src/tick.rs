@@ -127,19 +127,23 @@ impl<C: CycleCounter> SolveTime<'_, C> {
 
     /// Whether there is time to take levels and life of an equilibrium, which then goes on.
     pub const fn has_a_look(&mut self) -> bool {
-        let has = self.spend(self.cost.look);
-        self.looked |= has;
-        has
+        self.looks(self.cost.look)
     }
 
-    /// Whether levels and life were taken of an equilibrium.
+    /// Whether levels and life, or a report, were taken of an equilibrium.
     pub const fn has_looked(&self) -> bool {
         self.looked
     }
 
     /// Whether there is time to take a report of an equilibrium, which then goes on.
     pub const fn has_a_report(&mut self) -> bool {
-        self.spend(self.cost.report)
+        self.looks(self.cost.report)
+    }
+
+    const fn looks(&mut self, cycles: u32) -> bool {
+        let has = self.spend(cycles);
+        self.looked |= has;
+        has
     }
 
     /// Whether a solve may begin: its prediction is a step.

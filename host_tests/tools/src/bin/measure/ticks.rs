@@ -78,7 +78,9 @@ struct Cost {
     passes: u32,
     /// Cycles of the dearest pass over a row: of the first ones, with the step before it, and of others.
     dearest: [u32; 2],
-    /// There is a new estimate.
+    /// A pass ended with the last of its rows, so that a step followed.
+    stepped: bool,
+    /// Figures were taken of an equilibrium.
     ended: bool,
 }
 
@@ -100,6 +102,7 @@ impl Cost {
             rows,
             dearest,
             passes: passes.last().map_or(0, |last| last - passes[0]),
+            stepped: rows > 0 && (before + rows).is_multiple_of(ROWS as u32),
             ended: ended != 0,
         }
     }
@@ -172,11 +175,12 @@ impl Board {
 }
 
 impl Costs {
-    /// Cycles besides the passes: of ticks in which no solve ends, all but a tenth; of ticks in which one ends, all but a tenth, and all
-    /// but a thousandth. Estimates are reported in fewer than a tenth of the ticks.
+    /// Cycles besides the passes: of ticks without a step after the last row in which no solve ends, all but a tenth; of ticks in which
+    /// one ends, all but a tenth, and all but a thousandth. Estimates are reported in fewer than a tenth of the ticks.
     fn besides(&self) -> [u64; 3] {
         let of = |ended: bool, one_in: usize| {
-            let such = self.all.iter().filter(|cost| cost.ended == ended);
+            let is_such = |cost: &&Cost| cost.ended == ended && (ended || !cost.stepped);
+            let such = self.all.iter().filter(is_such);
             let besides = such.map(|cost| cost.cycles - u64::from(cost.passes));
             let mut besides: Vec<u64> = besides.collect();
             besides.sort_unstable();
@@ -348,7 +352,7 @@ pub fn section(measured: &[Costs]) -> String {
          alarms, life, telemetry. The input is the first {SECONDS} s of the recorded cycle with the faults of \
          `cargo emulate --faults`, then {TEETH} ticks of passing teeth. Interrupts and the log are not counted. The telemetry of both \
          cores equals that of the host to the last bit.\n\n{}\n\
-         *Besides* covers everything but the passes over rows of balls: in ticks in which no solve ends, 90 %; in ticks in which one \
+         *Besides* covers everything but the passes over rows of balls: in ticks in which no solve ends and no step follows the last row, 90 %; in ticks in which one \
          ends, 90 %, and 99.9 %, with reports. A tick begins another row only if the dearest one still fits into a period of 1 ms. A tick beyond the period lets the next one begin late, and is \
          counted as an overrun.\n\n",
         markdown(
