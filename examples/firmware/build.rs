@@ -359,7 +359,7 @@ fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
          }};\n\
          match settings.check() {{\n\
          Ok(()) if settings.tick.has_time(ROWS, BALLS) => settings,\n\
-         Ok(()) => panic!(\"a tick has no time to solve\"),\n\
+         Ok(()) => panic!(\"a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls\"),\n\
          Err(error) => panic!(\"{{}}\", error.field),\n\
          }}\n}}",
         rows(file),

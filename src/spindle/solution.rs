@@ -267,11 +267,26 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// The rows at a glance, in their order, each with its own rating: largest contact forces and pressures, contact angles,
     /// preload, share of the load, margins and life.
     pub fn summary(&self, limits: &Limits<T>, ratings: &[LifeRating<T>; R]) -> [RowSummary<T>; R] {
-        let mut rows: [RowSummary<T>; R] =
-            from_fn(|i| RowSummary::of(&self.view(i), limits, &ratings[i.min(R - 1)]));
-        let axial = rows.each_ref().map(|row| row.force[0]);
-        RowSummary::share(&mut rows, &preloads(&axial, &self.facings()));
+        let mut rows = from_fn(|i| self.row_summary(i, limits, &ratings[i.min(R - 1)]));
+        self.share(&mut rows);
         rows
+    }
+
+    /// One row at a glance, the last one beyond it: without preload and share of the load, which [`share`](Self::share) takes of
+    /// all rows. For firmware that looks at a row in a tick.
+    pub fn row_summary(
+        &self,
+        row: usize,
+        limits: &Limits<T>,
+        rating: &LifeRating<T>,
+    ) -> RowSummary<T> {
+        RowSummary::of(&self.view(row.min(R - 1)), limits, rating)
+    }
+
+    /// Gives rows at a glance their preload and their share of the load.
+    pub fn share(&self, rows: &mut [RowSummary<T>; R]) {
+        let axial = rows.each_ref().map(|row| row.force[0]);
+        RowSummary::share(rows, &preloads(&axial, &self.facings()));
     }
 
     /// By how much the sleeve has moved the rows in it towards their balls, m: the closure that the spring makes. 0

@@ -361,14 +361,14 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         self.tracker
             .go_on(settings, || true)
             .map_err(|(_, status)| status)?;
-        let ended = self.tracker.ended.take();
-        let rows = ended.and_then(|Ended { task, .. }| self.rows_of(&task));
-        let (rows, _) = rows.ok_or(Status::IterationLimit)?;
-        self.watch.mount(&rows);
-        self.reports.mount(&rows);
+        let mut ended = self.tracker.ended.take().ok_or(Status::IterationLimit)?;
+        self.glance(&mut ended, || true);
+        let rows = ended.all().ok_or(Status::IterationLimit)?;
+        self.watch.mount(rows);
+        self.reports.mount(rows);
         let part = settings.plausibility.part(&load);
         self.life.measure(part);
-        self.life.set_idle(damage_of(&rows), part);
+        self.life.set_idle(damage_of(rows), part);
         Ok(())
     }
 
@@ -555,16 +555,23 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             return false;
         };
         let mut is_new = false;
-        if ended.rows.is_none() {
-            if !time.has_a_look() {
-                self.tracker.ended = Some(ended);
-                return false;
+        if !ended.rows.is_full() {
+            match self.glance(&mut ended, || time.has_a_look()) {
+                None => return false,
+                Some(None) => {
+                    self.tracker.ended = Some(ended);
+                    return false;
+                }
+                Some(Some(status)) => {
+                    let Some(wanted) = self.see(&ended, status, levels) else {
+                        return false;
+                    };
+                    is_new = wanted;
+                }
             }
-            ended.rows = self.see(&ended.task, levels);
-            is_new = ended.task.purpose == Purpose::Estimate && ended.rows.is_some();
         }
-        let Ended { task, rows } = &ended;
-        let Some(rows) = rows else {
+        let task = &ended.task;
+        let Some(rows) = ended.all() else {
             return false;
         };
         let is_for_accuracy = matches!(task.purpose, Purpose::Accuracy(_));
@@ -589,37 +596,47 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         is_new
     }
 
-    /// Takes levels and life of the equilibrium of an estimate, and the rows at a glance; none of a task for the life alone.
-    fn see(&mut self, task: &Task<R>, levels: &mut Levels) -> Option<[RowSummary<f32>; R]> {
-        let settings = self.settings;
-        let part = settings.plausibility.part(&task.sample.load);
-        let (rows, status) = self.rows_of(task)?;
+    /// Takes rows at a glance for as long as `has_time`; how the solve ended, once all are taken. None without an equilibrium.
+    fn glance(
+        &self,
+        ended: &mut Ended<R>,
+        mut has_time: impl FnMut() -> bool,
+    ) -> Option<Option<Status<f32>>> {
+        let (settings, Ended { task, rows }) = (self.settings, ended);
+        self.tracker.look(task, settings, |solution| {
+            while let Some(row) = settings.rows.get(rows.len())
+                && has_time()
+            {
+                let limits = &settings.watch.limits;
+                let _ = rows.push(solution.row_summary(rows.len(), limits, &row.rating));
+            }
+            solution.share(rows.as_mut_slice().try_into().ok()?);
+            Some(solution.status)
+        })
+    }
+
+    /// Takes levels and life of an equilibrium with all of its rows; whether it is an estimate, and none of a task for the life
+    /// alone.
+    fn see(&mut self, ended: &Ended<R>, status: Status<f32>, levels: &mut Levels) -> Option<bool> {
+        let (task, rows) = (&ended.task, ended.all()?);
+        let part = self.settings.plausibility.part(&task.sample.load);
         if let Purpose::Life(scale) = task.purpose {
-            let damage = damage_of(&rows) * scale * scale * scale;
+            let damage = damage_of(rows) * scale * scale * scale;
             self.life.set_damage(damage, part * scale);
             return None;
         }
         if let Purpose::Accuracy(_) = task.purpose {
-            return Some(rows);
+            return Some(false);
         }
-        self.watch.rows(&rows, levels);
-        self.life.set_damage(damage_of(&rows), part);
+        self.watch.rows(rows, levels);
+        self.life.set_damage(damage_of(rows), part);
         self.counts.estimates = self.counts.estimates.saturating_add(1);
         self.reports.status = status;
         self.estimate = Some(Estimate {
             time_us: task.sample.time_us,
             tick: task.tick,
         });
-        Some(rows)
-    }
-
-    /// The rows at a glance in the equilibrium of a task, and how its solve ended.
-    fn rows_of(&self, task: &Task<R>) -> Option<([RowSummary<f32>; R], Status<f32>)> {
-        let settings = self.settings;
-        self.tracker.look(task, settings, |solution| {
-            let rows = solution.summary(&settings.watch.limits, &settings.ratings());
-            (rows, solution.status)
-        })
+        Some(true)
     }
 
     /// Whether the estimate is of a sample that is not too old.

@@ -263,11 +263,6 @@ impl<const R: usize> MonitorSettings<R> {
         }
     }
 
-    /// Load ratings of the rows.
-    pub(crate) fn ratings(&self) -> [LifeRating<f32>; R] {
-        self.rows.each_ref().map(|row| row.rating)
-    }
-
     /// Whether the settings are in order: for the compiler to ask.
     ///
     /// # Errors

@@ -61,7 +61,7 @@ pub struct SpindleCost {
     pub row: u32,
     /// The step of the shaft that follows a pass over all rows.
     pub step: u32,
-    /// Levels and life of an equilibrium.
+    /// Levels and life of an equilibrium, of a row.
     pub look: u32,
     /// A report of an equilibrium.
     pub report: u32,
@@ -73,7 +73,7 @@ impl CycleCost {
         SpindleCost {
             row: self.ball_row.saturating_mul(most),
             step: self.step.saturating_add(self.ball_step.saturating_mul(all)),
-            look: self.ball_look.saturating_mul(all),
+            look: self.ball_look.saturating_mul(most),
             report: self.ball_report.saturating_mul(all),
         }
     }
@@ -125,7 +125,7 @@ impl<C: CycleCounter> SolveTime<'_, C> {
         }
     }
 
-    /// Whether there is time to take levels and life of an equilibrium, which then goes on.
+    /// Whether there is time to take levels and life of a row, which then goes on.
     pub const fn has_a_look(&mut self) -> bool {
         self.looks(self.cost.look)
     }

@@ -9,6 +9,7 @@
 
 use crate::plausibility::GoodSample;
 use crate::settings::MonitorSettings;
+use heapless::Vec;
 use spindle_bearing::{
     Growth, RacewayControlFree, RowSummary, Settings, ShaftLoad, Speed, Spindle, SpindleSolution,
     SpindleSolver, Status,
@@ -41,6 +42,13 @@ pub(crate) struct Task<const R: usize> {
 pub(crate) type Solved<'s, const R: usize, const N: usize, const D: usize, const E: usize> =
     SpindleSolution<'s, f32, R, N, RacewayControlFree, D, E>;
 
+impl<const R: usize> Ended<R> {
+    /// All rows, once they were looked at.
+    pub(crate) fn all(&self) -> Option<&[RowSummary<f32>; R]> {
+        self.rows.as_slice().try_into().ok()
+    }
+}
+
 /// The spindle and its solver.
 #[derive(Debug)]
 pub(crate) struct Tracker<const R: usize, const N: usize, const D: usize, const E: usize> {
@@ -53,11 +61,11 @@ pub(crate) struct Tracker<const R: usize, const N: usize, const D: usize, const 
 }
 
 /// A solve that ended with an equilibrium.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(crate) struct Ended<const R: usize> {
     pub(crate) task: Task<R>,
-    /// Its rows at a glance, once they were looked at.
-    pub(crate) rows: Option<[RowSummary<f32>; R]>,
+    /// Rows at a glance, as far as they were looked at.
+    pub(crate) rows: Vec<RowSummary<f32>, R>,
 }
 
 impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, N, D, E> {
@@ -122,7 +130,12 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
             .solver
             .solve_while(self.spindle, &acting, at, &effort, more);
         match solved.map(|_| ()) {
-            Ok(()) => self.ended = Some(Ended { task, rows: None }),
+            Ok(()) => {
+                self.ended = Some(Ended {
+                    task,
+                    rows: Vec::new(),
+                })
+            }
             Err(Status::IterationLimit) => self.begun = Some(task),
             Err(status) => return Err((task.purpose, status)),
         }

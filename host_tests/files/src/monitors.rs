@@ -270,7 +270,7 @@ const NUMBERS: [Number; 46] = [
     ("tachometer.standstill_ms", Some(500.0), Time(1.0), |k| &k.tachometer.standstill_ms, |m, x| m.tachometer.standstill_us = us(x)),
     ("bridges.tare_samples", Some(1000.0), Count(1.0), |k| &k.bridges.tare_samples, |m, x| m.tare_samples = x as u32),
     ("telemetry.estimate_ms", Some(20.0), Time(1e-3), |k| &k.telemetry.estimate_ms, |m, x| m.telemetry.estimate_us = us(x)),
-    ("telemetry.balls_ms", Some(200.0), Time(1e-3), |k| &k.telemetry.balls_ms, |m, x| m.telemetry.balls_us = us(x)),
+    ("telemetry.balls_ms", None, Time(1e-3), |k| &k.telemetry.balls_ms, |m, x| m.telemetry.balls_us = us(x)),
     ("telemetry.health_ms", Some(1000.0), Time(1e-3), |k| &k.telemetry.health_ms, |m, x| m.telemetry.health_us = us(x)),
     ("telemetry.standing_ms", Some(10_000.0), Time(1e-3), |k| &k.telemetry.standing_ms, |m, x| m.telemetry.standing_us = us(x)),
 ];
@@ -439,6 +439,7 @@ impl MonitorFile {
         monitor.plausible.load = [force, force, force, moment, moment].map(|most| [-most, most]);
         monitor.plausible.speed = rad(1.8e6 / (1e3 * pitches().fold(0.0, f64::max)));
         monitor.plausible.residual = NEVER;
+        monitor.telemetry.balls_us = us(100.0 * designs.len().max(2) as f64);
         monitor.follow();
         for (_, default, _, _, set) in NUMBERS {
             if let Some(default) = default {

@@ -136,7 +136,9 @@ fn a_default_of_the_page_is_that_of_the_reader() {
         assert_eq!(found, silent, "{key} = {value}");
         values += 1;
     }
-    assert_eq!(values, 2 + 5 + 7 + 12 * 3 + 1 + 7 + 5 + 1 + 4);
+    assert_eq!(values, 2 + 5 + 7 + 12 * 3 + 1 + 7 + 5 + 1 + 3);
+    // Of a pair.
+    assert_eq!(silent.telemetry.balls_us, 200_000);
 }
 
 fn assert_near(found: f64, truth: f64, by: f64, key: &str) {
