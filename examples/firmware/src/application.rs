@@ -35,7 +35,10 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
     feed_at_start::<B::Watchdogs>();
     let (keeper, past) = Keeper::start(board.cells.take(), board.reset, board.core_hz);
     // The compiler leaves out what is not chosen.
-    if BRIDGES && let Some(sensors) = board.sensors.take() {
+    if BRIDGES
+        && !board.lock_step
+        && let Some(sensors) = board.sensors.take()
+    {
         let chain =
             cortex_m::singleton!(: Chain<Measured> = Chain::with(sensors, &past, B::MONITOR));
         with(chain, board, keeper)

@@ -104,33 +104,48 @@ impl Build<'_> {
                 None => command.env_remove(name),
             };
         }
-        if !self.quiet {
-            command.stderr(Stdio::inherit());
-        }
-        let output = command
-            .current_dir(root)
-            .stdin(Stdio::null())
-            .output()
-            .context("cannot run cargo")?;
-        if !output.status.success() {
-            if self.quiet {
-                bail!("{}", String::from_utf8_lossy(&output.stderr));
-            }
-            bail!("the firmware does not build: cargo's messages are above");
-        }
-        output
-            .stdout
-            .split(|byte| *byte == b'\n')
-            .filter_map(|line| serde_json::from_slice::<Message>(line).ok())
-            .filter(|message| {
-                message
-                    .target
-                    .as_ref()
-                    .is_some_and(|t| t.name == self.program)
-            })
-            .find_map(|message| message.executable)
-            .context("cargo built the firmware but does not say where it is")
+        executable(command.current_dir(root), self.program, self.quiet)
     }
+}
+
+/// Builds the firmware's twin on this machine, for the spindle of a file or for the shipped one; returns where it is.
+pub fn twin(root: &Path, spindle: Option<&str>) -> Result<PathBuf> {
+    let mut command = cargo();
+    command
+        .args(["build", "-p", "twin", "--quiet"])
+        .arg("--message-format=json-render-diagnostics");
+    match spindle {
+        // In a folder of its own, so that other programs keep the shipped spindle.
+        Some(file) => command
+            .args(["--target-dir", "target/spindle"])
+            .env("SPINDLE", file),
+        None => command.env_remove("SPINDLE"),
+    };
+    executable(command.current_dir(root), "twin", false)
+}
+
+/// Runs cargo, and returns where the program is that it has built.
+fn executable(command: &mut Command, program: &str, quiet: bool) -> Result<PathBuf> {
+    if !quiet {
+        command.stderr(Stdio::inherit());
+    }
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .context("cannot run cargo")?;
+    if !output.status.success() {
+        if quiet {
+            bail!("{}", String::from_utf8_lossy(&output.stderr));
+        }
+        bail!("{program} does not build: cargo's messages are above");
+    }
+    output
+        .stdout
+        .split(|byte| *byte == b'\n')
+        .filter_map(|line| serde_json::from_slice::<Message>(line).ok())
+        .filter(|message| message.target.as_ref().is_some_and(|t| t.name == program))
+        .find_map(|message| message.executable)
+        .with_context(|| format!("cargo built {program} but does not say where it is"))
 }
 
 /// The cargo that this program was started by, or any.

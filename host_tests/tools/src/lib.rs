@@ -10,7 +10,6 @@ pub mod graph;
 pub mod output;
 pub mod report;
 #[cfg(feature = "full")]
-pub mod seal;
 pub mod stream;
 #[cfg(feature = "full")]
 pub mod telemetry;

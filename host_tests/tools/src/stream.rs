@@ -10,8 +10,8 @@ use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::State;
 use records::Recording;
+use spindle_monitor::Alarm;
 use spindle_monitor::command::{self, Command, ORDER_EVERY};
-use spindle_monitor::{Alarm, MonitorSettings};
 
 /// Bytes that the link takes in a tick: 921,600 baud for a millisecond.
 pub const ROOM: u16 = 92;
@@ -34,19 +34,17 @@ pub struct Tick {
 /// The run of a recording, spoilt.
 ///
 /// `board` runs a tick and returns its telemetry, which the operator reads. The last tick has a health report, so that
-/// the run ends with the board's own counters. All waiting telemetry is sent in it.
+/// the run ends with the board's own counters: `per_report` ticks lie between two reports. All waiting telemetry is sent in it.
 ///
 /// # Errors
 ///
 /// `board` failed.
-pub fn ticks<const R: usize>(
+pub fn ticks(
     recording: &Recording,
     spoiler: &mut Spoiler,
-    settings: &MonitorSettings<R>,
+    per_report: usize,
     mut board: impl FnMut(&Tick) -> Result<Vec<u8>>,
 ) -> Result<Vec<Tick>> {
-    let period = settings.tick.period_us;
-    let per_report = (settings.telemetry.health_us / period).max(1) as usize;
     let ticks = recording.records.len().div_ceil(per_report) * per_report + 1;
     let (mut state, mut decoder) = (State::default(), Decoder::new());
     let mut operator = Operator::new(Vec::new());

@@ -1,7 +1,7 @@
 //! A recording as the board receives it: a record of loads and speed a tick, and temperatures at times.
 
 use anyhow::{Result, bail};
-use files::import::Wanted;
+use files::import::{Import, Wanted};
 use files::recordings::{self, LoadRow};
 use spindle_monitor::record::LoadRecord;
 
@@ -19,9 +19,14 @@ const LONGEST: f64 = 3600.0;
 
 /// Reads the first `seconds` of a recording, or all of it. It puts a record onto every tick of
 /// `period_us`, on the straight line between the rows around it.
-pub fn read(path: &str, seconds: Option<f64>, period_us: u32) -> Result<Recording> {
+pub fn read(
+    path: &str,
+    import: Option<&Import>,
+    seconds: Option<f64>,
+    period_us: u32,
+) -> Result<Recording> {
     let mut rows: Vec<LoadRow> = Vec::new();
-    for row in recordings::read(path, None, &Wanted::default())? {
+    for row in recordings::read(path, import, &Wanted::default())? {
         let row = row?;
         let start = rows.first().map_or(row.time_s, |first| first.time_s);
         let time = row.time_s - start;
@@ -95,7 +100,7 @@ mod tests {
     #[test]
     fn every_tick_has_a_record_and_every_row_its_own() {
         // Two ticks a row.
-        let records = read(RECORD, Some(0.5), 500).unwrap().records;
+        let records = read(RECORD, None, Some(0.5), 500).unwrap().records;
         assert_eq!(records.len(), 1000);
         let rows: Vec<_> = recordings::read(RECORD, None, &Wanted::default())
             .unwrap()

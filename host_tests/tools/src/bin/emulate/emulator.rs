@@ -1,6 +1,7 @@
 //! The firmware, built and sealed, and the emulated board while it runs: bytes into its port and out of it, and lines of its
 //! log.
 
+use crate::twin::Twin;
 use anyhow::{Context, Result, anyhow, bail};
 use defmt_decoder::{DecodeError, Table};
 use std::fs;
@@ -12,7 +13,6 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 use tools::cross::{self, Build, Missing, TARGET, output};
-use tools::seal::sealed;
 
 /// The emulator's command.
 const QEMU: &str = "qemu-system-arm";
@@ -55,17 +55,17 @@ pub struct Firmware {
 }
 
 impl Firmware {
-    /// Builds the firmware of the project in `root`, and seals it.
-    pub fn build(root: &Path) -> Result<Self> {
+    /// Builds the firmware of the project in `root` for the spindle of a file, or for the shipped one, and has its twin seal it.
+    pub fn build(root: &Path, spindle: Option<&str>, twin: &Twin) -> Result<Self> {
         eprintln!("building the firmware for {TARGET}; the first time takes about a minute");
         let built = Build {
             program: "spindle_firmware",
+            environment: &[("SPINDLE", spindle)],
             ..Build::default()
         }
         .run(root)?;
-        let elf = fs::read(&built).with_context(|| format!("cannot read {}", built.display()))?;
-        let (elf, path) = (sealed(&elf)?, built.with_extension("sealed"));
-        fs::write(&path, &elf).with_context(|| format!("cannot write {}", path.display()))?;
+        let path = twin.seal(&built)?;
+        let elf = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         Ok(Self { path, elf })
     }
 

@@ -48,7 +48,7 @@ pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<
     };
     writeln!(out, "{MACHINE} {}\n\n{}", log.lines[0], rows::HEADER)?;
     // An estimate is sent every twenty ticks.
-    let every = plan.health.ticks.div_ceil(20 * 100) as usize;
+    let every = plan.ending.health.ticks.div_ceil(20 * 100) as usize;
     let mut received: Vec<u8> = Vec::with_capacity(plan.expected.len());
     let mut decoder = Decoder::new();
     let (mut estimates, mut shown) = (0, 1);

@@ -6,7 +6,8 @@
 //!
 //! | module | does |
 //! | --- | --- |
-//! | `plan` | the bytes for the board, and what it must answer |
+//! | `twin` | the firmware's twin on this machine |
+//! | `plan` | the bytes for the board, and the answers it must give |
 //! | `emulator` | the firmware, and the running board: bytes in and out, lines of its log |
 //! | `exchange` | the run, and the comparison |
 //! | `rows` | an estimate as a row of the table |
@@ -17,13 +18,14 @@ mod exchange;
 mod plan;
 mod rows;
 mod summary;
+mod twin;
 
 use anyhow::{Result, anyhow};
 use clap::Parser;
 use emulator::Firmware;
+use files::import::Import;
 use host_tests::milling_cycle::record_of;
 use plan::Plan;
-use spindle_firmware::spindle::{PERIOD_US, ROWS};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::mpsc;
@@ -32,6 +34,7 @@ use tools::stream::faults::{self, Spoiler};
 use tools::stream::records;
 use tools::telemetry::session::Session;
 use tools::telemetry::{source, view};
+use twin::Twin;
 
 /// Status when the run did not show what it should.
 const DISAGREEMENT: u8 = 1;
@@ -52,11 +55,19 @@ const NOT_STARTED: u8 = 2;
         2  it could not start: arguments, input file, Rust target, emulator or build"
 )]
 struct Arguments {
+    /// The spindle: a file as `cargo replay` reads it [default: the firmware's own, examples/firmware/spindle.toml]
+    #[arg(value_name = "SPINDLE.toml", env = "SPINDLE", hide_env_values = true)]
+    spindle: Option<String>,
+
     /// Recorded loads: CSV with the header
     /// time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm, and t_inner_c,t_outer_c if there are temperatures; `-` is standard input
     /// [default: the project's milling cycle]
-    #[arg(long, value_name = "LOADS.csv")]
-    input: Option<String>,
+    #[arg(value_name = "RECORDING")]
+    recording: Option<String>,
+
+    /// How to read a recording of another program, as for `cargo replay`
+    #[arg(long, value_name = "COLUMNS.toml", requires = "recording")]
+    import: Option<PathBuf>,
 
     /// Stop after so much recorded time [default: all of it]
     #[arg(long, value_name = "S", value_parser = positive)]
@@ -71,7 +82,7 @@ struct Arguments {
     seed: u64,
 
     /// Make the summary of this run the golden file
-    #[arg(long, requires = "faults", conflicts_with = "input")]
+    #[arg(long, requires = "faults", conflicts_with = "spindle")]
     accept: bool,
 
     /// Show the telemetry live; q leaves
@@ -102,18 +113,32 @@ fn main() -> ExitCode {
 
 /// All that a run takes.
 fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
-    let shipped = || record_of(ROWS).to_owned();
-    let input = arguments.input.clone().unwrap_or_else(shipped);
-    let recording = records::read(&input, arguments.seconds, PERIOD_US)?;
-    tools::cross::add_target(tools::root())?;
+    let root = tools::root();
+    let spindle = arguments.spindle.as_deref().map(from_root);
+    let twin = Twin::build(root, spindle.as_deref())?;
+    let (running, about) = twin.start()?;
+    let shipped = || record_of(about.rows).to_owned();
+    let path = arguments.recording.clone().unwrap_or_else(shipped);
+    let import = arguments.import.as_deref().map(Import::read).transpose()?;
+    let recording = records::read(&path, import.as_ref(), arguments.seconds, about.period_us)?;
+    tools::cross::add_target(root)?;
     emulator::find()?;
-    let firmware = Firmware::build(tools::root())?;
+    let firmware = Firmware::build(root, spindle.as_deref(), &twin)?;
     let episodes = match arguments.faults {
         true => faults::schedule(arguments.seed, &recording.records),
         false => Vec::new(),
     };
-    let plan = plan::plan(&recording, Spoiler::new(arguments.seed, episodes))?;
+    let per_report = (about.health_us / about.period_us).max(1) as usize;
+    let spoiler = Spoiler::new(arguments.seed, episodes);
+    let plan = plan::plan(&recording, spoiler, per_report, running)?;
     Ok((plan, firmware))
+}
+
+/// A spindle's file as the build finds it from the root of the checkout: one that is here by its whole path; a name of the
+/// catalogue stays.
+fn from_root(file: &str) -> String {
+    let whole = std::path::absolute(file).ok().filter(|path| path.exists());
+    whole.map_or_else(|| file.to_owned(), |path| path.display().to_string())
 }
 
 /// The golden file of a run, if it may have one.
@@ -123,7 +148,7 @@ fn golden(arguments: &Arguments) -> Option<PathBuf> {
         None => "whole".into(),
     };
     let name = format!("faults_{length}_seed_{}.txt", arguments.seed);
-    let is_known = arguments.faults && arguments.input.is_none();
+    let is_known = arguments.faults && arguments.spindle.is_none();
     is_known.then(|| tools::root().join("host_tests/golden").join(name))
 }
 

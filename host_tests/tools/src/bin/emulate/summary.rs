@@ -63,10 +63,10 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
         "an alarm was lost: {told:?} raised and cleared were told of, but there were {counted:?}"
     );
     ensure!(
-        health.ticks + 1 == plan.health.ticks,
+        health.ticks + 1 == plan.ending.health.ticks,
         "ticks were lost: {} of {}",
         health.ticks + 1,
-        plan.health.ticks
+        plan.ending.health.ticks
     );
 
     let mut text = String::new();
@@ -82,15 +82,15 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
         ("ticks", health.ticks),
         ("ticks missed", health.missed_ticks),
         ("overruns", health.overruns),
-        ("records received", plan.counts.received),
-        ("records corrupt", plan.counts.corrupt),
-        ("records lost", plan.counts.lost),
-        ("records out of order", plan.counts.disordered),
-        ("records late", plan.counts.late),
+        ("records received", plan.ending.counts.received),
+        ("records corrupt", plan.ending.counts.corrupt),
+        ("records lost", plan.ending.counts.lost),
+        ("records out of order", plan.ending.counts.disordered),
+        ("records late", plan.ending.counts.late),
     ] {
         line(name, count)?;
     }
-    for (mark, count) in Marks::all().iter().zip(plan.marks) {
+    for (mark, count) in Marks::all().iter().zip(plan.ending.marks) {
         if count > 0 && mark != Mark::Unsolved {
             line(&format!("ticks marked {mark}"), count)?;
         }

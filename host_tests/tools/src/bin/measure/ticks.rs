@@ -296,7 +296,7 @@ fn paced(ticks: Vec<Tick>) -> Vec<Tick> {
 /// Measures all boards.
 pub fn measure(root: &Path) -> Result<Vec<Costs>> {
     let record = record_of(ROWS);
-    let mut recording = records::read(record, Some(SECONDS), PERIOD_US)?;
+    let mut recording = records::read(record, None, Some(SECONDS), PERIOD_US)?;
     let episodes = faults::schedule(SEED, &recording.records);
     let mut spoiler = Spoiler::new(SEED, episodes);
     let teeth = teeth(&recording.records);
@@ -307,7 +307,10 @@ pub fn measure(root: &Path) -> Result<Vec<Costs>> {
             .resize(recording.records.len(), *last);
     }
     let mut board = BOARDS[0].start()?;
-    let ticks = stream::ticks(&recording, &mut spoiler, &F405, |tick| Ok(board(tick, &[])))?;
+    let per_report = (F405.telemetry.health_us / PERIOD_US) as usize;
+    let ticks = stream::ticks(&recording, &mut spoiler, per_report, |tick| {
+        Ok(board(tick, &[]))
+    })?;
     let ticks = paced(ticks);
     let images = BOARDS
         .iter()
@@ -368,7 +371,7 @@ pub fn other_constants(figures: &Figures) -> Vec<String> {
     let of_board = |board: &Board| {
         let tick = board.settings.tick.cost.tick;
         let cost = board.settings.tick.cost.of(rows * balls, balls);
-        let ended = tick + cost.step + cost.look;
+        let ended = tick + cost.step + rows * cost.look;
         let said = [
             (UNFINISHED, tick),
             (ENDED, ended),

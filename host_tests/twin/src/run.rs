@@ -1,0 +1,62 @@
+//! Ticks of the host's own build of the monitor.
+
+use anyhow::{Result, ensure};
+use spindle_firmware::chain::Chain;
+use spindle_firmware::spindle::{ROWS, monitor_settings};
+use spindle_monitor::board::Check;
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::tick::{CycleCost, NoCycles, NoWatchdog};
+use spindle_monitor::{BoardReport, Marks, Past};
+use std::io::{Read, Write};
+use twin::{About, Ending, receive, send};
+
+/// Settings of the STM32F405's monitor.
+static MONITOR: MonitorSettings<ROWS> = monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
+
+/// Answers each message of `input`, the bytes for a board until the command of a tick, with the bytes that the board must send.
+///
+/// # Errors
+///
+/// The spindle has no equilibrium to start from, or nobody reads.
+pub fn run(mut input: impl Read, mut output: impl Write) -> Result<()> {
+    let about = About {
+        rows: ROWS,
+        period_us: MONITOR.tick.period_us,
+        health_us: MONITOR.telemetry.health_us,
+    };
+    send(&mut output, &postcard::to_stdvec(&about)?)?;
+    let mut marks = [0; Marks::variant_count() as usize];
+    let mut chain = Chain::new(&Past::default(), &MONITOR);
+    ensure!(
+        chain.prepare().is_ok(),
+        "the idling spindle has no equilibrium to start from"
+    );
+    // Self-checks of a sound emulated board: there is no cause of a reset, and in lock-step no stack is measured.
+    chain.set_board(BoardReport {
+        known_answer: Check::Passed,
+        image: Check::Passed,
+        ..BoardReport::NONE
+    });
+    let mut time_us = 0;
+    while let Some(bytes) = receive(&mut input)? {
+        let mut answer = Vec::new();
+        for byte in bytes {
+            let Some(room) = chain.push(byte, false) else {
+                continue;
+            };
+            let outcome = chain.tick(time_us, &mut NoCycles, &mut NoWatchdog);
+            time_us += u64::from(MONITOR.tick.period_us);
+            for mark in outcome.marks.iter() {
+                marks[mark as usize] += 1;
+            }
+            answer.extend((0..room).map_while(|_| chain.next_byte()));
+        }
+        send(&mut output, &answer)?;
+    }
+    let ending = Ending {
+        marks,
+        counts: chain.counts(),
+        health: chain.health(),
+    };
+    Ok(send(&mut output, &postcard::to_stdvec(&ending)?)?)
+}
