@@ -10,7 +10,7 @@ impl CycleCost {
         ball_row: 2_950,
         step: 10_000,
         ball_step: 500,
-        ball_look: 1_215,
+        ball_look: 1_090,
         ball_report: 1_190,
     };
     /// Cortex-M7, likewise.
@@ -19,7 +19,7 @@ impl CycleCost {
         ball_row: 2_290,
         step: 8_000,
         ball_step: 330,
-        ball_look: 860,
+        ball_look: 760,
         ball_report: 690,
     };
 }
