@@ -3,11 +3,12 @@
 //! `SPINDLE` in the environment names the file, from the root of the checkout on. Without it, `spindle.toml` beside this
 //! script counts. Errors are those of `cargo replay`, with line and column.
 
-use files::monitors::{AlarmLevels, MonitorFile};
-use files::plan::{BuildError, ElasticShaft, MOST_BALLS, Plan, Row};
+use files::monitors::MonitorFile;
+use files::plan::{BuildError, MOST_BALLS, Plan, Row};
 use files::spindles::SpindleFile;
-use mounting::Visitor;
-use spindle_bearing::{Design, Growth, LifeRating, Preload, Spindle, Support};
+use mounting::{Visitor, board};
+use spindle_bearing::{Design, Preload, Spindle, Support};
+use spindle_monitor::tick::CycleCost;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -30,48 +31,28 @@ fn make() -> Result<()> {
         Some(name) => name.into(),
         None => here.join("spindle.toml"),
     };
-    let mut file = SpindleFile::read(&path)?;
+    let file = SpindleFile::read(&path)?;
     for path in file.files().filter(|path| path.exists()) {
         println!("cargo::rerun-if-changed={}", path.display());
     }
     for doubt in &file.doubts {
         println!("cargo::warning={doubt}");
     }
-    let closed = mounting::closed(&file.plan).map_err(|error| file.explain(&error))?;
-    file.plan = closed.unwrap_or(file.plan);
-    let constant = file.constant_loads();
-    if file.plan.shaft.is_none() && !constant.is_empty() {
-        // A shaft without sections is rigid, and takes them.
-        file.plan.shaft = Some(ElasticShaft {
-            loads: constant,
-            loaded_at: file.loaded_at(),
-            ..ElasticShaft::of(Vec::new(), vec![Support::RIGID; file.plan.rows.len()])
-        });
-    }
-    mounting::visit(&file.plan, Check).map_err(|error| file.explain(&error))?;
+    let plan = board::plan(&file)?;
     let to = Path::new(&std::env::var("OUT_DIR")?).join("spindle.rs");
-    Ok(std::fs::write(to, constants(&file)?)?)
-}
-
-/// Whether the spindle can be built in the board's precision.
-struct Check;
-
-impl Visitor<f32> for Check {
-    fn visit<const R: usize, const D: usize, const E: usize>(
-        self,
-        _: Spindle<'_, f32, R, MOST_BALLS, D, E>,
-        _: f64,
-    ) -> std::result::Result<(), BuildError> {
-        Ok(())
-    }
+    Ok(std::fs::write(to, constants(&file, &plan)?)?)
 }
 
 /// The spindle and its settings as Rust.
-fn constants(file: &SpindleFile) -> Result<String> {
+fn constants(file: &SpindleFile, plan: &Plan) -> Result<String> {
     let mut text = String::new();
-    spindle(&mut text, &file.plan)?;
+    spindle(&mut text, plan)?;
     sensors(&mut text, &file.monitor)?;
-    settings(&mut text, file)?;
+    let settings = Settings {
+        file,
+        text: &mut text,
+    };
+    mounting::visit(plan, settings)?;
     Ok(text)
 }
 
@@ -268,122 +249,36 @@ fn sensors(text: &mut String, monitor: &MonitorFile) -> Result<()> {
     )?)
 }
 
-fn growth(growth: Growth<f64>) -> String {
-    let Growth {
-        axial,
-        radial,
-        ball,
-    } = growth.to_f32();
-    format!("Growth {{ axial: {axial:?}, radial: {radial:?}, ball: {ball:?} }}")
+/// Writes the settings of the monitor.
+struct Settings<'f> {
+    file: &'f SpindleFile,
+    text: &'f mut String,
 }
 
-/// Settings of the rows.
-fn rows(file: &SpindleFile) -> String {
-    let rows = file.growths().into_iter().zip(file.ratings());
-    let rows = rows.map(|(of_row, LifeRating { inner, outer })| {
-        let [inner, outer] = [inner, outer].map(number);
-        let [at_rest, warm_inner, warm_outer, turning] = of_row.map(growth);
-        format!(
-            "RowSettings {{ rating: LifeRating {{ inner: {inner}, outer: {outer} }}, growth: {at_rest}, \
-             heat: [{warm_inner}, {warm_outer}], rotation: {turning} }}"
-        )
-    });
-    rows.collect::<Vec<_>>().join(", ")
-}
-
-fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
-    let MonitorFile {
-        period_us,
-        plausible,
-        overload,
-        accuracy,
-        alarms,
-        temperatures,
-        telemetry,
-        ..
-    } = &file.monitor;
-    let nose = file.noses.first().map(|nose| nose.end);
-    let heat = file.heat.map_or("None".into(), |heat| {
-        let t = temperatures;
-        format!(
-            "Some(spindle_monitor::TemperatureSettings {{ reference: {}, range: {}, difference: {}, rate: {}, noise: {}, \
-             missing_after_us: {}, hold_us: {}, warm: {} }})",
-            number(heat.reference), numbers(t.range), number(t.difference), number(t.rate), number(t.noise),
-            t.missing_after_us, t.hold_us, numbers(t.warm)
-        )
-    });
-    let mut thresholds = String::new();
-    for AlarmLevels {
-        name,
-        limit,
-        clear,
-        hold_us,
-        at_once,
-        worse,
-    } in alarms
-    {
-        let [limit, clear, at_once, worse] = [limit, clear, at_once, worse].map(|x| number(*x));
-        writeln!(
-            thresholds,
-            "{}: Threshold {{ raise: {limit}, clear: {clear}, hold_us: {hold_us}, at_once: {at_once}, worse: {worse} }},",
-            name.replace('-', "_")
-        )?;
+impl<'p> Visitor<'p, f32> for Settings<'_> {
+    fn visit<const R: usize, const D: usize, const E: usize>(
+        self,
+        _: Spindle<'p, f32, R, MOST_BALLS, D, E>,
+        _: f64,
+    ) -> std::result::Result<(), BuildError> {
+        // Each board has a core of its own.
+        let settings = board::settings::<R>(self.file, 0, CycleCost::CORTEX_M4F);
+        *self.text += &format!(
+            "/// Period of a tick, us.\n\
+             pub const PERIOD_US: u32 = {};\n\
+             /// Settings of the monitor on a core of this frequency, with these costs of a tick's parts.\n\
+             pub const fn monitor_settings(core_hz: u32, cost: CycleCost) -> MonitorSettings<ROWS> {{\n\
+             #[allow(unused_imports)]\nuse spindle_monitor::TemperatureSettings;\n\
+             #[allow(non_upper_case_globals)]\nconst inf: f32 = f32::INFINITY;\n\
+             let mut settings = {settings:?};\n\
+             settings.tick = TickSettings::new(PERIOD_US, core_hz, cost);\n\
+             match settings.check() {{\n\
+             Ok(()) if settings.tick.has_time(ROWS, BALLS) => settings,\n\
+             Ok(()) => panic!(\"a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls\"),\n\
+             Err(error) => panic!(\"{{}}\", error.field),\n\
+             }}\n}}\n",
+            settings.tick.period_us
+        );
+        Ok(())
     }
-    let limit = |name: &str| {
-        alarms
-            .iter()
-            .find(|alarm| alarm.name == name)
-            .map_or(f64::INFINITY, |a| a.limit)
-    };
-    let ranges: Vec<String> = plausible.load.iter().map(|range| numbers(*range)).collect();
-    Ok(writeln!(
-        text,
-        "/// Period of a tick, us.\n\
-         pub const PERIOD_US: u32 = {period_us};\n\
-         /// Settings of the monitor on a core of this frequency, with these costs of a tick's parts.\n\
-         pub const fn monitor_settings(core_hz: u32, cost: CycleCost) -> MonitorSettings<ROWS> {{\n\
-         let settings = MonitorSettings {{\n\
-         rows: [{}],\n\
-         shaft: ShaftSettings {{ loads_at: {}, nose: {}, flexibility: {} }},\n\
-         temperatures: {heat},\n\
-         tick: TickSettings {{ period_us: PERIOD_US, deadline_cycles: core_hz / 1_000_000 * PERIOD_US, cost }},\n\
-         tolerance: Settings::<f32>::TICK.tolerance,\n\
-         plausibility: PlausibilitySettings {{\n\
-         load: [{}],\nload_rate: {},\nstuck_after: {},\nmissing_after_us: {},\nfresh_us: {},\nresidual: {},\n\
-         speed: {},\nspeed_rate: {},\ndeceleration: {},\nspeed_stuck_after: {},\nspeed_difference: {},\n}},\n\
-         accuracy: {},\n\
-         watch: WatchSettings {{\n\
-         overload: {},\nlimits: Limits {{ peak_pressure: {}, friction: {} }},\n}},\n\
-         alarms: Thresholds {{\n{thresholds}}},\n\
-         telemetry: TelemetrySettings {{ estimate_us: {}, balls_us: {}, health_us: {}, standing_us: {} }},\n\
-         }};\n\
-         match settings.check() {{\n\
-         Ok(()) if settings.tick.has_time(ROWS, BALLS) => settings,\n\
-         Ok(()) => panic!(\"a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls\"),\n\
-         Err(error) => panic!(\"{{}}\", error.field),\n\
-         }}\n}}",
-        rows(file),
-        number(file.loaded_at()),
-        number(nose.map_or(0.0, |nose| nose.position)),
-        numbers(nose.map_or([0.0; 5], |nose| nose.flexibility)),
-        ranges.join(", "),
-        numbers(plausible.load_rate),
-        plausible.stuck_after,
-        plausible.missing_after_us,
-        plausible.fresh_us,
-        number(plausible.residual),
-        number(plausible.speed),
-        number(plausible.speed_rate),
-        number(plausible.deceleration),
-        plausible.speed_stuck_after,
-        numbers(plausible.speed_difference),
-        numbers(*accuracy),
-        numbers(*overload),
-        number(limit("peak-pressure")),
-        number(limit("slip")),
-        telemetry.estimate_us,
-        telemetry.balls_us,
-        telemetry.health_us,
-        telemetry.standing_us,
-    )?)
 }

@@ -290,10 +290,10 @@ struct OfBalls<'h> {
     hand: Hand<'h>,
 }
 
-impl<T: Real> Visitor<T> for OfBalls<'_> {
+impl<'p, T: Real> Visitor<'p, T> for OfBalls<'_> {
     fn visit<const R: usize, const D: usize, const E: usize>(
         self,
-        spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
+        spindle: Spindle<'p, T, R, MOST_BALLS, D, E>,
         loaded_at: f64,
     ) -> Result<(), BuildError> {
         of_balls(spindle, self.balls, loaded_at, self.hand)

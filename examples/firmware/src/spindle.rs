@@ -6,7 +6,7 @@ use crate::bridges::Calibration;
 use crate::tachometer::SpeedSettings;
 use spindle_bearing::{
     Arrangement, Bearing, Design, Facing, FreeContact, Growth, LifeRating, Limits, Material,
-    Mounted, Preload, Settings, Spindle,
+    Mounted, Preload, Spindle,
 };
 use spindle_monitor::judgement::{Threshold, Thresholds};
 use spindle_monitor::plausibility::PlausibilitySettings;

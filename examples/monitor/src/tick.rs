@@ -225,6 +225,15 @@ pub struct TickSettings {
 }
 
 impl TickSettings {
+    /// Ticks with this period (us), all of which is theirs, on a core of this frequency with these costs.
+    pub const fn new(period_us: u32, core_hz: u32, cost: CycleCost) -> Self {
+        Self {
+            period_us,
+            deadline_cycles: core_hz / 1_000_000 * period_us,
+            cost,
+        }
+    }
+
     /// Whether a tick has the time for each part of a solve, on a spindle of so many rows of so many balls: for the compiler to ask.
     pub const fn has_time(&self, rows: usize, balls: usize) -> bool {
         let SpindleCost {

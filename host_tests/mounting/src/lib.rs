@@ -3,6 +3,8 @@
 //! A host program that reads the bearing from a file has one bearing compiled for every ball count. Spindles are for the
 //! largest alone: a row may have fewer balls.
 
+pub mod board;
+
 use files::designs::short;
 use files::plan::{BALL_COUNTS, BuildError, MOST_BALLS, MOST_SECTIONS, Plan};
 use spindle_bearing::{
@@ -51,8 +53,8 @@ pub fn mount<T: Real>(design: &Design, balls: usize) -> Result<Box<dyn Mount<T>>
     )
 }
 
-/// Takes a spindle of any size.
-pub trait Visitor<T: Real> {
+/// Takes a spindle of any size, made of parts that live for `'p`.
+pub trait Visitor<'p, T: Real> {
     /// Takes it. Its `x = 0` is at the position `loaded_at` (m) of the plan.
     ///
     /// # Errors
@@ -60,7 +62,7 @@ pub trait Visitor<T: Real> {
     /// Whatever the visitor cannot do with it.
     fn visit<const R: usize, const D: usize, const E: usize>(
         self,
-        spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
+        spindle: Spindle<'p, T, R, MOST_BALLS, D, E>,
         loaded_at: f64,
     ) -> Result<(), BuildError>;
 }
@@ -70,55 +72,128 @@ pub trait Visitor<T: Real> {
 /// # Errors
 ///
 /// Why it cannot be built; the visitor's error.
-pub fn visit<T: Real>(plan: &Plan, visitor: impl Visitor<T>) -> Result<(), BuildError> {
-    let bearings = plan.rows.iter().enumerate();
-    let bearings: Vec<Box<dyn Mount<T>>> = bearings
-        .map(|(i, row)| mount(&row.design, row.balls).map_err(|e| BuildError::Design(i, e)))
-        .collect::<Result<_, _>>()?;
-    // The library's loads act at x = 0.
-    let loaded_at = plan.loaded_at();
-    let mounted = plan.rows.iter().zip(&bearings).map(|(row, bearing)| {
-        let preload = match row.preload {
-            Preload::Closure(e) => Preload::Closure(T::of(e)),
-            Preload::Force(force) => Preload::Force(T::of(force)),
-            _ => Preload::Spring,
-        };
-        let position = row.position - loaded_at;
-        bearing.mounted(position, row.facing).with(preload)
-    });
-    let mounted: Vec<_> = mounted.collect();
-    match mounted.len() {
-        1 => of_rows::<T, 1>(plan, &mounted, visitor),
-        2 => of_rows::<T, 2>(plan, &mounted, visitor),
-        3 => of_rows::<T, 3>(plan, &mounted, visitor),
-        4 => of_rows::<T, 4>(plan, &mounted, visitor),
-        5 => of_rows::<T, 5>(plan, &mounted, visitor),
-        6 => of_rows::<T, 6>(plan, &mounted, visitor),
-        7 => of_rows::<T, 7>(plan, &mounted, visitor),
-        8 => of_rows::<T, 8>(plan, &mounted, visitor),
-        rows => Err(BuildError::Rows(rows)),
-    }
+pub fn visit<T: Real>(plan: &Plan, visitor: impl for<'p> Visitor<'p, T>) -> Result<(), BuildError> {
+    Parts::of(plan)?.visit(plan, visitor)
 }
 
-fn of_rows<T: Real, const R: usize>(
-    plan: &Plan,
-    mounted: &[Mounted<'_, T, MOST_BALLS>],
-    visitor: impl Visitor<T>,
-) -> Result<(), BuildError> {
-    let rows: [Mounted<'_, T, MOST_BALLS>; R] = from_fn(|i| mounted[i]);
-    let made = match plan.spring {
-        Some(spring) => Spindle::sprung(plan.arrangement, rows, T::of(spring)).map(|spindle| {
-            if const { R > 1 } {
-                on_shaft(spindle, plan, visitor)
-            } else {
-                unreachable!("a spring holds a row against another one")
-            }
-        }),
-        None => {
-            Spindle::new(plan.arrangement, rows).map(|spindle| on_shaft(spindle, plan, visitor))
+/// Parts that a spindle refers to. The library's loads act at `x = 0`: positions count from there.
+pub struct Parts<T: Real> {
+    bearings: Vec<Box<dyn Mount<T>>>,
+    shaft: Option<Shaft<T, MOST_SECTIONS>>,
+    loads: Vec<ShaftLoad<T>>,
+}
+
+impl<T: Real> Parts<T> {
+    /// The parts of a plan.
+    ///
+    /// # Errors
+    ///
+    /// A bearing or a shaft that cannot be built.
+    pub fn of(plan: &Plan) -> Result<Self, BuildError> {
+        let bearings = plan.rows.iter().enumerate();
+        let bearings = bearings
+            .map(|(i, row)| mount(&row.design, row.balls).map_err(|e| BuildError::Design(i, e)));
+        let mut parts = Self {
+            bearings: bearings.collect::<Result<_, _>>()?,
+            shaft: None,
+            loads: Vec::new(),
+        };
+        if let Some(elastic) = &plan.shaft {
+            let loaded_at = elastic.loaded_at;
+            let sections = elastic.sections.iter().map(|section| Section {
+                from: section.from - loaded_at,
+                to: section.to - loaded_at,
+                ..*section
+            });
+            let sections: Vec<_> = sections.collect();
+            let shaft = Shaft::new(&sections, &elastic.material);
+            parts.shaft = Some(shaft.map_err(|e| BuildError::Spindle(e.to_string()))?);
+            let loads = elastic.loads.iter().map(|at| ShaftLoad {
+                position: T::of(at.position - loaded_at),
+                load: at.load.map(T::of),
+            });
+            parts.loads = loads.collect();
         }
-    };
-    made.map_err(|error| refused(&error, plan.loaded_at()))?
+        Ok(parts)
+    }
+
+    /// Builds the spindle of the plan that these are the parts of, and hands it over.
+    ///
+    /// # Errors
+    ///
+    /// Why it cannot be built; the visitor's error.
+    pub fn visit<'p>(
+        &'p self,
+        plan: &Plan,
+        visitor: impl Visitor<'p, T>,
+    ) -> Result<(), BuildError> {
+        let loaded_at = plan.loaded_at();
+        let mounted = plan.rows.iter().zip(&self.bearings).map(|(row, bearing)| {
+            let preload = match row.preload {
+                Preload::Closure(e) => Preload::Closure(T::of(e)),
+                Preload::Force(force) => Preload::Force(T::of(force)),
+                _ => Preload::Spring,
+            };
+            let position = row.position - loaded_at;
+            bearing.mounted(position, row.facing).with(preload)
+        });
+        let mounted: Vec<_> = mounted.collect();
+        match mounted.len() {
+            1 => self.of_rows::<1>(plan, &mounted, visitor),
+            2 => self.of_rows::<2>(plan, &mounted, visitor),
+            3 => self.of_rows::<3>(plan, &mounted, visitor),
+            4 => self.of_rows::<4>(plan, &mounted, visitor),
+            5 => self.of_rows::<5>(plan, &mounted, visitor),
+            6 => self.of_rows::<6>(plan, &mounted, visitor),
+            7 => self.of_rows::<7>(plan, &mounted, visitor),
+            8 => self.of_rows::<8>(plan, &mounted, visitor),
+            rows => Err(BuildError::Rows(rows)),
+        }
+    }
+
+    fn of_rows<'p, const R: usize>(
+        &'p self,
+        plan: &Plan,
+        mounted: &[Mounted<'p, T, MOST_BALLS>],
+        visitor: impl Visitor<'p, T>,
+    ) -> Result<(), BuildError> {
+        let rows: [Mounted<'p, T, MOST_BALLS>; R] = from_fn(|i| mounted[i]);
+        let made = match plan.spring {
+            Some(spring) => Spindle::sprung(plan.arrangement, rows, T::of(spring)).map(|spindle| {
+                if const { R > 1 } {
+                    self.on_shaft(spindle, plan, visitor)
+                } else {
+                    unreachable!("a spring holds a row against another one")
+                }
+            }),
+            None => Spindle::new(plan.arrangement, rows)
+                .map(|spindle| self.on_shaft(spindle, plan, visitor)),
+        };
+        made.map_err(|error| refused(&error, plan.loaded_at()))?
+    }
+
+    fn on_shaft<'p, const R: usize, const D: usize>(
+        &'p self,
+        spindle: Spindle<'p, T, R, MOST_BALLS, D>,
+        plan: &Plan,
+        visitor: impl Visitor<'p, T>,
+    ) -> Result<(), BuildError> {
+        let Some((elastic, shaft)) = plan.shaft.as_ref().zip(self.shaft.as_ref()) else {
+            return visitor.visit(spindle, 0.0);
+        };
+        let supports = from_fn(|i| {
+            let support = elastic.supports.get(i).unwrap_or(&Support::RIGID);
+            Support {
+                axial: T::of(support.axial),
+                radial: T::of(support.radial),
+                tilting: T::of(support.tilting),
+            }
+        });
+        let spindle = spindle.elastic(shaft, supports);
+        let spindle = spindle.and_then(|spindle| spindle.with_loads(&self.loads));
+        let spindle = spindle.map_err(|e| refused(&e, elastic.loaded_at))?;
+        visitor.visit(spindle, elastic.loaded_at)
+    }
 }
 
 /// The error, in the unit of files where that is a position.
@@ -154,42 +229,6 @@ fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
         }
         ref other => BuildError::Spindle(other.to_string()),
     }
-}
-
-fn on_shaft<T: Real, const R: usize, const D: usize>(
-    spindle: Spindle<'_, T, R, MOST_BALLS, D>,
-    plan: &Plan,
-    visitor: impl Visitor<T>,
-) -> Result<(), BuildError> {
-    let Some(elastic) = &plan.shaft else {
-        return visitor.visit(spindle, 0.0);
-    };
-    let loaded_at = elastic.loaded_at;
-    let sections = elastic.sections.iter().map(|section| Section {
-        from: section.from - loaded_at,
-        to: section.to - loaded_at,
-        ..*section
-    });
-    let sections: Vec<_> = sections.collect();
-    let shaft = Shaft::<T, MOST_SECTIONS>::new(&sections, &elastic.material)
-        .map_err(|e| BuildError::Spindle(e.to_string()))?;
-    let supports = from_fn(|i| {
-        let support = elastic.supports.get(i).unwrap_or(&Support::RIGID);
-        Support {
-            axial: T::of(support.axial),
-            radial: T::of(support.radial),
-            tilting: T::of(support.tilting),
-        }
-    });
-    let loads = elastic.loads.iter().map(|at| ShaftLoad {
-        position: T::of(at.position - loaded_at),
-        load: at.load.map(T::of),
-    });
-    let loads: Vec<_> = loads.collect();
-    let spindle = spindle.elastic(&shaft, supports);
-    let spindle = spindle.and_then(|spindle| spindle.with_loads(&loads));
-    let spindle = spindle.map_err(|e| BuildError::Spindle(e.to_string()))?;
-    visitor.visit(spindle, loaded_at)
 }
 
 /// The plan with the closure of all rows that gives its mounted preload; none if it has no such preload.
@@ -280,10 +319,10 @@ impl MountedPreload<'_> {
     }
 }
 
-impl Visitor<f64> for MountedPreload<'_> {
+impl<'p> Visitor<'p, f64> for MountedPreload<'_> {
     fn visit<const R: usize, const D: usize, const E: usize>(
         self,
-        spindle: Spindle<'_, f64, R, MOST_BALLS, D, E>,
+        spindle: Spindle<'p, f64, R, MOST_BALLS, D, E>,
         _: f64,
     ) -> Result<(), BuildError> {
         // A spring has its force whatever the closure.
