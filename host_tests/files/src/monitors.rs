@@ -80,6 +80,10 @@ pub struct Plausible {
 pub struct AlarmLevels {
     /// Name of the alarm, as in the file.
     pub name: &'static str,
+    /// Unit of its levels in the file; empty for a number.
+    pub unit: &'static str,
+    /// That unit in its own.
+    pub size: f64,
     /// The condition begins.
     pub limit: f64,
     /// It ends.
@@ -278,7 +282,7 @@ const NUMBERS: [Number; 46] = [
 /// An alarm: its name, its unit, its levels in that unit (limit, clear, at once), its hold time (ms), where it is read from.
 type OfAlarm = (
     &'static str,
-    f64,
+    (&'static str, f64),
     [f64; 3],
     f64,
     fn(&keys::AlarmsKeys) -> &AlarmKeys,
@@ -289,18 +293,18 @@ const NEVER: f64 = f64::INFINITY;
 /// The most serious first.
 #[rustfmt::skip]
 const ALARMS: [OfAlarm; 12] = [
-    ("peak-pressure", 1e9, [2.0, 1.9, 2.5], 100.0, |k| &k.peak_pressure),
-    ("contact-angle", PI / 180.0, [0.0, -2.0, NEVER], 100.0, |k| &k.contact_angle),
-    ("slip", 1.0, [0.06, 0.05, NEVER], 500.0, |k| &k.slip),
-    ("unloaded-balls", 1.0, [0.5, 0.25, NEVER], 500.0, |k| &k.unloaded_balls),
-    ("preload-growth", 1.0, [4.0, 3.5, NEVER], 1000.0, |k| &k.preload_growth),
-    ("preload-loss", 1e-2, [80.0, 70.0, NEVER], 500.0, |k| &k.preload_loss),
-    ("overload", 1e-2, [100.0, 90.0, NEVER], 3.0, |k| &k.overload),
-    ("life-used", 1e-2, [80.0, 79.0, NEVER], 0.0, |k| &k.life_used),
-    ("sensor", 1.0, [0.1, 0.05, NEVER], 0.0, |k| &k.sensor),
-    ("temperature", 1.0, [5.0, 1.0, NEVER], 0.0, |k| &k.temperature),
-    ("availability", 1e-2, [10.0, 5.0, NEVER], 0.0, |k| &k.availability),
-    ("deadline", 1.0, [10.0, 5.0, NEVER], 0.0, |k| &k.deadline),
+    ("peak-pressure", ("GPa", 1e9), [2.0, 1.9, 2.5], 100.0, |k| &k.peak_pressure),
+    ("contact-angle", ("deg", PI / 180.0), [0.0, -2.0, NEVER], 100.0, |k| &k.contact_angle),
+    ("slip", ("", 1.0), [0.06, 0.05, NEVER], 500.0, |k| &k.slip),
+    ("unloaded-balls", ("", 1.0), [0.5, 0.25, NEVER], 500.0, |k| &k.unloaded_balls),
+    ("preload-growth", ("", 1.0), [4.0, 3.5, NEVER], 1000.0, |k| &k.preload_growth),
+    ("preload-loss", ("%", 1e-2), [80.0, 70.0, NEVER], 500.0, |k| &k.preload_loss),
+    ("overload", ("%", 1e-2), [100.0, 90.0, NEVER], 3.0, |k| &k.overload),
+    ("life-used", ("%", 1e-2), [80.0, 79.0, NEVER], 0.0, |k| &k.life_used),
+    ("sensor", ("s", 1.0), [0.1, 0.05, NEVER], 0.0, |k| &k.sensor),
+    ("temperature", ("s", 1.0), [5.0, 1.0, NEVER], 0.0, |k| &k.temperature),
+    ("availability", ("%", 1e-2), [10.0, 5.0, NEVER], 0.0, |k| &k.availability),
+    ("deadline", ("", 1.0), [10.0, 5.0, NEVER], 0.0, |k| &k.deadline),
 ];
 
 /// A condition, the keys that may break it, and its words.
@@ -368,6 +372,11 @@ fn range_of(r: Reading<'_>, said: &Range2, range: &mut [f64; 2]) -> Result<(), D
     let Some(said) = said else { return Ok(()) };
     *range = *said.get_ref();
     let [low, high] = *range;
+    if low.abs().max(high.abs()) > 1e12 {
+        let message =
+            format!("the range is from {low} to {high}, but must lie between -1e12 and 1e12");
+        return Err(r.error(r.place(said.span()), message));
+    }
     if low < high {
         return Ok(());
     }
@@ -385,7 +394,7 @@ impl Temperatures {
 impl AlarmKeys {
     /// Levels of an alarm. If the limit alone is said, the others go with it.
     fn read(&self, r: Reading<'_>, alarm: &OfAlarm) -> Result<AlarmLevels, DesignFileError> {
-        let (name, unit, [limit, clear, at_once], hold_ms, _) = *alarm;
+        let (name, (unit, size), [limit, clear, at_once], hold_ms, _) = *alarm;
         let value = |key: &str, said: &Said, otherwise: f64, bounds| match said {
             Some(said) => bounded(r, &format!("alarm.{name}.{key}"), said, bounds),
             None => Ok(otherwise),
@@ -406,12 +415,14 @@ impl AlarmKeys {
         let clear = value("clear", &self.clear, along(clear), any)?;
         let at_once = value("at_once", &self.at_once, along(at_once), any)?;
         let hold_ms = value("hold_ms", &self.hold_ms, hold_ms, Time(0.0))?;
-        let [limit_si, clear_si, at_once_si] = [limit, clear, at_once].map(|level| level * unit);
+        let [limit_si, clear_si, at_once_si] = [limit, clear, at_once].map(|level| level * size);
         // A time without a measurement grows by itself.
         let grows = ["sensor", "temperature"].contains(&name);
         let step = (0.25 * limit_si).max(limit_si - clear_si);
         let levels = AlarmLevels {
             name,
+            unit,
+            size,
             limit: limit_si,
             clear: clear_si,
             hold_us: us(hold_ms),

@@ -2,6 +2,7 @@
 //! second, spoilt by faults if wanted. Now and then comes a command of the operator's.
 
 pub mod faults;
+pub mod per_tick;
 pub mod records;
 
 use anyhow::Result;
@@ -16,7 +17,7 @@ use spindle_monitor::command::{self, Command, ORDER_EVERY};
 /// Bytes that the link takes in a tick: 921,600 baud for a millisecond.
 pub const ROOM: u16 = 92;
 /// Ticks from one message of temperatures to the next.
-const TEMPERATURES: usize = 100;
+pub const TEMPERATURES: usize = 100;
 /// Ticks between two looks of the operator, who then acknowledges what there is.
 const LOOK: usize = 2000;
 /// Ticks before the end of the last look: an order for every alarm is carried out in them.

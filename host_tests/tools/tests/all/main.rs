@@ -2,6 +2,7 @@
 
 #[path = "../../../tests/all/frames.rs"]
 mod frames;
+mod limits;
 mod malformed;
 mod plot;
 mod replay;

@@ -1,5 +1,6 @@
 //! `cargo replay`: recorded loads and speed in, displacements and stiffness out.
 
+mod limits;
 mod table;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -77,6 +78,13 @@ struct Args {
     #[arg(long, value_parser = by_name(FORMS), value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
     summary: Option<Form>,
 
+    /// In the place of the results: alarms that the monitor of the spindle's file would raise over the recording, and when
+    ///
+    /// The monitor is that of the STM32F405, with [monitor] of the file. A recording of another rate is brought to its ticks:
+    /// held where it is slower, the newest record of each tick where it is faster.
+    #[arg(long, conflicts_with_all = LIMITS_ALONE)]
+    limits: bool,
+
     /// Records before a pause of the logger, a step of time ten times as long as the usual one, in the summary
     #[arg(long, value_parser = by_name(PAUSES), default_value = "end", requires = "summary")]
     pauses: Pauses,
@@ -150,6 +158,25 @@ struct Args {
     #[command(flatten)]
     recording: Recording,
 }
+
+/// Options without a meaning beside `--limits`, which is as the board solves.
+const LIMITS_ALONE: [&str; 15] = [
+    "table",
+    "select",
+    "summary",
+    "precision",
+    "attitude",
+    "motion",
+    "freedoms",
+    "given",
+    "tolerance",
+    "cold",
+    "peak_pressure",
+    "balls",
+    "rows",
+    "nose",
+    "frequencies",
+];
 
 /// How the recording is read
 #[derive(Debug, clap::Args)]
@@ -400,6 +427,11 @@ NOSES.csv, one row for each nose, the plain one being called nose:
   displacement of the shaft there; flexibility: c_y_tz is the change of dy with the moment Mz;
   estimated relative errors of c_x_x, c_y_y, c_z_z, c_ty_ty, c_tz_tz
 
+--limits, one row for each change of an alarm:
+  time_s,alarm,event,value,limit,unit
+  raised; worse, raised again since its level has grown; or cleared. Its level then, and the limit, or
+  the level that ends it, in the unit of [monitor.alarm]. Each alarm is acknowledged at once
+
 Files are written beside their places, as X.*.part, and moved there when they are complete: not where
 the exit status is 1 or 2.
 
@@ -427,7 +459,11 @@ fn main() -> ExitCode {
             }
         };
     }
-    match run(&args) {
+    let done = match args.limits {
+        true => limits::run(&args),
+        false => run(&args),
+    };
+    match done {
         Ok(summary) => {
             if !summary.refused.is_empty() {
                 eprintln!("replay: {summary}");
@@ -454,10 +490,7 @@ fn main() -> ExitCode {
 }
 
 fn run(args: &Args) -> Result<Summary> {
-    let file = SpindleFile::read(args.design())?;
-    for doubt in &file.doubts {
-        eprintln!("replay: {}: {doubt}", args.design().display());
-    }
+    let file = args.file()?;
     ensure!(
         args.rows.is_none() || !file.is_bearing,
         "--rows is for spindles, and {} is one bearing: it has no [[row]]",
@@ -568,6 +601,15 @@ impl Args {
     /// clap demands one, except with `--list`.
     fn design(&self) -> &Path {
         self.design.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// The spindle.
+    fn file(&self) -> Result<SpindleFile> {
+        let file = SpindleFile::read(self.design())?;
+        for doubt in &file.doubts {
+            eprintln!("replay: {}: {doubt}", self.design().display());
+        }
+        Ok(file)
     }
 
     /// Displacements that are given.
