@@ -32,12 +32,12 @@
 //! fy_n = -300                    # and fx_n, fz_n
 //! ```
 
-use crate::plan::BALL_COUNTS;
+use crate::plan::{BALL_COUNTS, Part};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use spindle_bearing::{Design, DesignError, FreeContact, LifeRating, Quantity};
 use std::fmt;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -93,6 +93,24 @@ impl Loading {
             position: millimetres(load.map_or(0.0, |keys| *keys.position_mm.get_ref())),
             constant: constant.collect(),
         }
+    }
+
+    /// Looks at positions and forces one by one.
+    pub(crate) fn check(
+        r: Reading<'_>,
+        load: Option<&LoadKeys>,
+        constant: &[ConstantLoadKeys],
+    ) -> Result<(), DesignFileError> {
+        let positions = constant.iter().map(|keys| &keys.position_mm);
+        for position in positions.chain(load.map(|load| &load.position_mm)) {
+            r.within("position_mm", position, POSITIONS)?;
+        }
+        for keys in constant {
+            for (key, force) in keys.forces() {
+                r.within(key, force, -1e9..=1e9)?;
+            }
+        }
+        Ok(())
     }
 
     /// All loads about `x = 0`, when `load` is recorded.
@@ -193,6 +211,7 @@ pub(crate) struct Keys {
     load: Option<LoadKeys>,
     #[serde(default)]
     constant_load: Vec<ConstantLoadKeys>,
+    monitor: Key<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -209,6 +228,33 @@ pub(crate) struct ConstantLoadKeys {
     fy_n: Key<f64>,
     fz_n: Key<f64>,
 }
+
+impl ConstantLoadKeys {
+    /// Forces that are said.
+    fn forces(&self) -> impl Iterator<Item = (&'static str, &Spanned<f64>)> {
+        let forces = [
+            ("fx_n", &self.fx_n),
+            ("fy_n", &self.fy_n),
+            ("fz_n", &self.fz_n),
+        ];
+        forces
+            .into_iter()
+            .filter_map(|(key, force)| Some((key, force.as_ref()?)))
+    }
+
+    /// Places of the position and of the forces of the load of this number.
+    pub fn places(&self, r: Reading<'_>, load: usize) -> Vec<(Part, Place)> {
+        let mut places = vec![(Part::LoadPosition(load), r.place(self.position_mm.span()))];
+        for (axis, force) in [&self.fx_n, &self.fy_n, &self.fz_n].into_iter().enumerate() {
+            let force = force.as_ref();
+            places.extend(force.map(|force| (Part::LoadForce(load, axis), r.place(force.span()))));
+        }
+        places
+    }
+}
+
+/// Positions on a shaft that files may say, mm: those of its sections.
+pub(crate) const POSITIONS: RangeInclusive<f64> = -1e5..=1e5;
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
@@ -263,6 +309,10 @@ const NUMBERS: [Number; 17] = [
     (Quantity::BallPoissonsRatio, "ball.poissons_ratio", "", |k| &k.ball.poissons_ratio, |d, x| d.ball.poissons_ratio = x),
     (Quantity::BallDensity, "ball.density_kg_m3", "", |k| &k.ball.density_kg_m3, |d, x| d.ball.density = x),
 ];
+
+/// Diameters of rings, mm, and densities of balls, kg/m^3: others are in another unit.
+const SIZES: RangeInclusive<f64> = 0.1..=1e5;
+const DENSITIES: RangeInclusive<f64> = 100.0..=1e5;
 
 /// Keys that say the same thing.
 const EITHER: [(&str, &str); 3] = [
@@ -342,6 +392,22 @@ impl Reading<'_> {
 
     pub fn place(&self, span: Range<usize>) -> Place {
         Place::of(self.text, span.start)
+    }
+
+    /// A number within its range.
+    pub fn within(
+        &self,
+        key: &str,
+        said: &Spanned<f64>,
+        range: RangeInclusive<f64>,
+    ) -> Result<f64, DesignFileError> {
+        let value = *said.get_ref();
+        if range.contains(&value) {
+            return Ok(value);
+        }
+        let [least, most] = [range.start(), range.end()].map(|bound| short(*bound));
+        let message = format!("`{key}` is {value}, but must lie between {least} and {most}");
+        Err(self.error(self.place(said.span()), message))
     }
 
     /// A number that a table must have.
@@ -469,18 +535,31 @@ impl DesignFile {
                 format!("`balls` is {wanted}, but must be a whole number from {least} to {most}");
             return Err(r.error(said[0].place, message));
         };
-        let rating = keys.dynamic_load_rating_n;
-        if let Some(rating) = &rating
-            && !(1.0..=1e9).contains(rating.get_ref())
-        {
-            let message = "`dynamic_load_rating_n` must be 1 to 1e9 (N); or leave it out";
-            return Err(r.error(r.place(rating.span()), message));
+        for (key, said, range) in [
+            (
+                "dynamic_load_rating_n",
+                &keys.dynamic_load_rating_n,
+                1.0..=1e9,
+            ),
+            ("bore_mm", &keys.bore_mm, SIZES),
+            ("outside_mm", &keys.outside_mm, SIZES),
+            ("ball.density_kg_m3", &keys.ball.density_kg_m3, DENSITIES),
+        ] {
+            if let Some(said) = said {
+                r.within(key, said, range)?;
+            }
         }
+        if let Some(monitor) = &keys.monitor {
+            let message =
+                "[monitor] is a spindle's: move it to a file with a [[row]] of this bearing";
+            return Err(r.error(r.place(monitor.span()), message));
+        }
+        Loading::check(r, keys.load.as_ref(), &keys.constant_load)?;
         Ok(Self {
             name: name.into_inner(),
             balls,
             design,
-            dynamic_load_rating: rating.map(Spanned::into_inner),
+            dynamic_load_rating: keys.dynamic_load_rating_n.map(Spanned::into_inner),
             size_mm: [keys.bore_mm, keys.outside_mm].map(|size| size.map(Spanned::into_inner)),
             loading: Loading::of(keys.load, keys.constant_load),
             file: r.file.to_owned(),

@@ -1,6 +1,6 @@
 //! Noses of a spindle file: points on the shaft by name, `[nose]` and `[nose.tool]`.
 
-use crate::designs::{DesignFileError, Key, Reading, millimetres};
+use crate::designs::{DesignFileError, Key, POSITIONS, Reading, millimetres};
 use crate::plan::ShaftEnd;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::fmt;
@@ -77,6 +77,9 @@ impl EndKeys {
             PLAIN => PLAIN.to_owned(),
             name => format!("{PLAIN}.{name}"),
         };
+        if let Some(position) = &self.position_mm {
+            r.within("position_mm", position, POSITIONS)?;
+        }
         let position = r.needed(&table, "position_mm", "-60", self.position_mm)?;
         let mut end = ShaftEnd::rigid(millimetres(position));
         for (key, value, freedoms) in [

@@ -189,13 +189,34 @@ impl Question {
     }
 }
 
+/// Part of a spindle that a key of its file gives. Rows and loads are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Position of a row.
+    Position(usize),
+    /// Direction in which a row faces.
+    Facing(usize),
+    /// Closure of a row.
+    Closure(usize),
+    /// Whether a row slides under the spring.
+    Slides(usize),
+    /// Preload of all rows.
+    Preload,
+    /// Force of the spring.
+    Spring,
+    /// Position of a constant load.
+    LoadPosition(usize),
+    /// Force of a constant load, along x, y or z.
+    LoadForce(usize, usize),
+}
+
 /// Why a spindle cannot be built.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BuildError {
     /// The design of a row, counted from 0.
     Design(usize, DesignError),
-    /// The position of a row, counted from 0, in the unit of files.
-    Position(usize, String),
+    /// A part that does not fit the others, in the unit of files.
+    Part(Part, String),
     /// The rows, as the solver says it.
     Spindle(String),
     /// Too many rows, or none.
@@ -206,8 +227,7 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Design(row, error) => write!(f, "row {row}: {error}"),
-            Self::Position(row, error) => write!(f, "row {row}: {error}"),
-            Self::Spindle(error) => f.write_str(error),
+            Self::Part(_, error) | Self::Spindle(error) => f.write_str(error),
             Self::Rows(rows) => write!(f, "{rows} rows: a spindle has 1 to {MOST_ROWS} here"),
         }
     }

@@ -69,7 +69,7 @@ use crate::designs::{
 };
 use crate::monitors::{MonitorFile, MonitorKeys};
 use crate::noses::{Nose, NoseKeys, PLAIN};
-use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Plan, Question, Row, ShaftEnd};
+use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Part, Plan, Question, Row, ShaftEnd};
 use crate::recordings::LoadRow;
 use crate::shafts::{ShaftKeys, SupportKeys};
 use crate::units::celsius;
@@ -84,6 +84,8 @@ use toml::Spanned;
 /// A spindle read from a file.
 #[derive(Debug, Clone)]
 pub struct SpindleFile {
+    /// Its name.
+    pub name: String,
     /// It is a bearing alone, from a design file.
     pub is_bearing: bool,
     /// Its rows.
@@ -104,8 +106,8 @@ pub struct SpindleFile {
     loading: Loading,
     file: String,
     designs: Vec<DesignFile>,
-    /// Places of the rows' positions in the file.
-    positions: Vec<Place>,
+    /// Places of the parts in the file.
+    places: Vec<(Part, Place)>,
 }
 
 /// Thermal expansion of shaft, housing and bearings.
@@ -175,10 +177,6 @@ const ARRANGEMENTS: [Arrangement; 4] = [
     Arrangement::ByRows,
 ];
 
-fn or(key: Key<f64>, default: f64) -> f64 {
-    key.map_or(default, |value| value.into_inner())
-}
-
 /// The one of these that has this name.
 fn named<T: Copy>(
     r: &Reading<'_>,
@@ -214,6 +212,7 @@ fn is_spindle(text: &str) -> bool {
 impl From<DesignFile> for SpindleFile {
     fn from(file: DesignFile) -> Self {
         Self {
+            name: file.name.clone(),
             is_bearing: true,
             plan: Plan::alone(&file.design, file.balls),
             noses: Vec::new(),
@@ -225,7 +224,7 @@ impl From<DesignFile> for SpindleFile {
             loading: file.loading.clone(),
             file: String::new(),
             designs: vec![file],
-            positions: Vec::new(),
+            places: Vec::new(),
         }
     }
 }
@@ -235,6 +234,11 @@ impl SpindleFile {
     pub fn nose(&self) -> Option<ShaftEnd> {
         let plain = self.noses.first().filter(|nose| nose.name == PLAIN);
         plain.map(|nose| nose.end)
+    }
+
+    /// Bearings of the rows.
+    pub fn designs(&self) -> &[DesignFile] {
+        &self.designs
     }
 
     /// Load ratings of the rows.
@@ -278,9 +282,10 @@ impl SpindleFile {
     pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, DesignFileError> {
         let r = Reading { file, text };
         let keys: SpindleKeys = r.keys()?;
-        if keys.name.is_none() {
+        let Some(name) = keys.name else {
             return Err(r.missing("name", "\"7014C back to back\""));
-        }
+        };
+        Loading::check(r, keys.load.as_ref(), &keys.constant_load)?;
         let (together, mounted) = (keys.preload_n, keys.mounted_preload_n);
         if let (Some(_), Some(mounted)) = (&together, &mounted) {
             let message =
@@ -292,8 +297,10 @@ impl SpindleFile {
             None => Arrangement::ByRows,
         };
         let (mut rows, mut growth, mut designs) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut supports, mut places, mut positions) = (Vec::new(), Vec::new(), Vec::new());
-        for row in keys.row {
+        let (mut supports, mut row_places, mut places) = (Vec::new(), Vec::new(), Vec::new());
+        let preload = together.as_ref().or(mounted.as_ref());
+        places.extend(preload.map(|force| (Part::Preload, r.place(force.span()))));
+        for (i, row) in keys.row.into_iter().enumerate() {
             let place = r.place(row.span());
             let row = row.into_inner();
             let missing = |key: &str, example: &str| {
@@ -325,8 +332,15 @@ impl SpindleFile {
                 let message = "a row has no loads: [load] and [[constant_load]] are the spindle's";
                 return Err(r.error(place, message));
             }
+            let mut note = |part, span| places.push((part, r.place(span)));
+            if let Some(slides) = &row.spring {
+                note(Part::Slides(i), slides.span());
+            }
             let spring = row.spring.is_some_and(Spanned::into_inner);
             let offset = row.preload_offset_um;
+            if let Some(offset) = &offset {
+                note(Part::Closure(i), offset.span());
+            }
             let closure = micrometres(offset.as_ref().map_or(0.0, |offset| *offset.get_ref()));
             let preload = match (spring, &together) {
                 (true, _) => Preload::Spring,
@@ -353,14 +367,19 @@ impl SpindleFile {
             };
             let support = row.support.map(|keys| keys.read(r, supports.len()));
             supports.push(support.transpose()?);
+            let grown = |key: &str, said: Key<f64>| match said {
+                Some(said) => r.within(key, &said, -1e3..=1e3).map(micrometres),
+                None => Ok(0.0),
+            };
             growth.push(Growth {
-                axial: micrometres(or(row.axial_growth_um, 0.0)),
-                radial: micrometres(or(row.radial_growth_um, 0.0)),
-                ball: micrometres(or(row.ball_growth_um, 0.0)),
+                axial: grown("axial_growth_um", row.axial_growth_um)?,
+                radial: grown("radial_growth_um", row.radial_growth_um)?,
+                ball: grown("ball_growth_um", row.ball_growth_um)?,
             });
-            positions.push(r.place(position.span()));
+            note(Part::Position(i), position.span());
+            note(Part::Facing(i), facing.span());
             let position = millimetres(position.into_inner());
-            places.push(place);
+            row_places.push(place);
             rows.push(Row {
                 balls: design.balls,
                 design: design.design,
@@ -373,15 +392,21 @@ impl SpindleFile {
         if !(1..=MOST_ROWS).contains(&rows.len()) {
             return Err(r.error(r.place(0..0), BuildError::Rows(rows.len()).to_string()));
         }
-        let spring = keys.spring;
-        let spring = spring.map(|keys| r.needed("spring", "force_n", "300", keys.force_n));
+        let spring = keys.spring.map(|keys| {
+            let place = keys.force_n.as_ref().map(|force| r.place(force.span()));
+            places.extend(place.map(|place| (Part::Spring, place)));
+            r.needed("spring", "force_n", "300", keys.force_n)
+        });
+        for (i, load) in keys.constant_load.iter().enumerate() {
+            places.extend(load.places(r, i));
+        }
         let mut loading = Loading::of(keys.load, keys.constant_load);
         let (sections, material) = match &keys.shaft {
             Some(keys) => keys.sections(r)?,
             None => (None, Material::STEEL),
         };
         let bends = sections.is_some();
-        let placed: Vec<(&Row, Place)> = rows.iter().zip(places).collect();
+        let placed: Vec<(&Row, Place)> = rows.iter().zip(row_places).collect();
         let of_bearings = designs.iter().map(|design| design.size_mm[0]);
         let of_bearings: Vec<_> = rows.iter().zip(of_bearings).collect();
         let (mut bores, mut doubts) = (Vec::new(), Vec::new());
@@ -414,18 +439,24 @@ impl SpindleFile {
             if let (Err(message), Some(place)) = (celsius(reference), place) {
                 return Err(r.error(place, format!("reference_c: {message}")));
             }
+            let per_kelvin = |key: &str, said: Key<f64>, steel: f64| match said {
+                Some(said) => r.within(key, &said, -1e-4..=1e-4),
+                None => Ok(steel),
+            };
+            let steel = Expansion::STEEL;
             Ok(Heat {
                 reference,
                 expansion: Expansion {
-                    shaft: or(keys.shaft_per_k, Expansion::STEEL.shaft),
-                    housing: or(keys.housing_per_k, Expansion::STEEL.housing),
-                    ring: or(keys.ring_per_k, Expansion::STEEL.ring),
-                    ball: or(keys.ball_per_k, Expansion::STEEL.ball),
+                    shaft: per_kelvin("shaft_per_k", keys.shaft_per_k, steel.shaft)?,
+                    housing: per_kelvin("housing_per_k", keys.housing_per_k, steel.housing)?,
+                    ring: per_kelvin("ring_per_k", keys.ring_per_k, steel.ring)?,
+                    ball: per_kelvin("ball_per_k", keys.ball_per_k, steel.ball)?,
                 },
             })
         });
         let noses = keys.nose.map(|keys| keys.read(r, bends));
         Ok(Self {
+            name: name.into_inner(),
             is_bearing: false,
             plan: Plan {
                 rows,
@@ -443,7 +474,7 @@ impl SpindleFile {
             loading,
             file: file.to_owned(),
             designs,
-            positions,
+            places,
         })
     }
 
@@ -515,7 +546,10 @@ impl SpindleFile {
             return self.designs[*row].explain(error);
         }
         let place = match error {
-            BuildError::Position(row, _) => self.positions.get(*row).copied(),
+            BuildError::Part(part, _) => {
+                let said = self.places.iter().find(|(of, _)| of == part);
+                Some(said.map_or(Place::TOP, |(_, place)| *place))
+            }
             _ => None,
         };
         DesignFileError {

@@ -24,7 +24,8 @@ pub fn plan(file: &SpindleFile) -> Result<Plan, DesignFileError> {
     let explained = |error: BuildError| file.explain(&error);
     let closed = closed(&file.plan).map_err(explained)?;
     let mut plan = closed.unwrap_or_else(|| file.plan.clone());
-    visit::<f32>(&plan, Check(file)).map_err(explained)?;
+    // First as `cargo replay` builds it, which gives its messages.
+    visit::<f64>(&plan, Built).map_err(explained)?;
     let constant = file.constant_loads();
     if plan.shaft.is_none() && !constant.is_empty() {
         // A shaft without sections is rigid, and takes them.
@@ -39,6 +40,19 @@ pub fn plan(file: &SpindleFile) -> Result<Plan, DesignFileError> {
     }
     visit::<f32>(&plan, Check(file)).map_err(explained)?;
     Ok(plan)
+}
+
+/// A spindle that can be built.
+struct Built;
+
+impl<'p> Visitor<'p, f64> for Built {
+    fn visit<const R: usize, const D: usize, const E: usize>(
+        self,
+        _: Spindle<'p, f64, R, MOST_BALLS, D, E>,
+        _: f64,
+    ) -> Result<(), BuildError> {
+        Ok(())
+    }
 }
 
 /// Looks whether the monitor's settings are in order.

@@ -6,7 +6,7 @@
 pub mod board;
 
 use files::designs::short;
-use files::plan::{BALL_COUNTS, BuildError, MOST_BALLS, MOST_SECTIONS, Plan};
+use files::plan::{BALL_COUNTS, BuildError, MOST_BALLS, MOST_SECTIONS, Part, Plan};
 use spindle_bearing::{
     Bearing, Design, DesignError, Facing, Growth, Mounted, Preload, Quantity, Real, Section,
     Settings, Shaft, ShaftLoad, Speed, Spindle, SpindleError, SpindleSolver, Static, Support,
@@ -196,10 +196,10 @@ impl<T: Real> Parts<T> {
     }
 }
 
-/// The error, in the unit of files where that is a position.
+/// The error, of a part of the file and in its unit.
 fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
     let millimetres = |x: T| short(1e3 * x.to_f64());
-    match *error {
+    let (part, message) = match *error {
         SpindleError::Row {
             row,
             quantity: Quantity::RowDistance,
@@ -209,9 +209,10 @@ fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
         } => {
             let [distance, least] = [value, least].map(millimetres);
             let message = format!(
-                "another row is {distance} mm away, nearer than half a ball's diameter, {least} mm: check the positions"
+                "row {row}: another row is {distance} mm away, nearer than half a ball's diameter, {least} mm: check the \
+                 positions"
             );
-            BuildError::Position(row, message)
+            (Part::Position(row), message)
         }
         SpindleError::Row {
             row,
@@ -223,12 +224,41 @@ fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
             let said = millimetres(value + T::of(loaded_at));
             let [limit, loaded_at] = [millimetres(most), short(1e3 * loaded_at)];
             let message = format!(
-                "`position_mm` is {said}, but must lie within {limit} mm of x = {loaded_at}, where loads act"
+                "row {row}: `position_mm` is {said}, but must lie within {limit} mm of x = {loaded_at}, where loads act"
             );
-            BuildError::Position(row, message)
+            (Part::Position(row), message)
         }
-        ref other => BuildError::Spindle(other.to_string()),
-    }
+        SpindleError::Row { row, quantity, .. } => {
+            let part = match quantity {
+                Quantity::Closure => Part::Closure(row),
+                Quantity::SpringForce => Part::Spring,
+                _ => Part::Preload,
+            };
+            (part, error.to_string())
+        }
+        SpindleError::NotArranged { row, .. } | SpindleError::Unopposed { row } => {
+            (Part::Facing(row), error.to_string())
+        }
+        SpindleError::NoSpring { row } => {
+            let message = format!(
+                "row {row} slides, but there is no spring: add [spring] with `force_n`, or remove `spring`"
+            );
+            (Part::Slides(row), message)
+        }
+        SpindleError::NothingSlides => {
+            let message = "there is a spring, but no row slides: say `spring = true` in a row, or remove [spring]";
+            (Part::Spring, message.to_owned())
+        }
+        SpindleError::Load { load, quantity, .. } => {
+            let forces = [Quantity::Fx, Quantity::Fy, Quantity::Fz];
+            let axis = forces.iter().position(|of| *of == quantity);
+            let part = axis.map_or(Part::LoadPosition(load), |axis| Part::LoadForce(load, axis));
+            (part, error.to_string())
+        }
+        SpindleError::NotHeld => (Part::Slides(0), error.to_string()),
+        ref other => return BuildError::Spindle(other.to_string()),
+    };
+    BuildError::Part(part, message)
 }
 
 /// The plan with the closure of all rows that gives its mounted preload; none if it has no such preload.
@@ -261,9 +291,12 @@ pub fn closed(plan: &Plan) -> Result<Option<Plan>, BuildError> {
     visit(&ground, at)?;
     match closure {
         Some(closure) => Ok(Some(held_by(Preload::Closure(closure)))),
-        None => Err(BuildError::Spindle(format!(
-            "`mounted_preload_n`: no closure of these rows gives {force} N between them"
-        ))),
+        None => {
+            let message = format!(
+                "`mounted_preload_n`: no closure of these rows gives {force} N between them"
+            );
+            Err(BuildError::Part(Part::Preload, message))
+        }
     }
 }
 

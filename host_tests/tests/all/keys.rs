@@ -799,13 +799,14 @@ const TABLES: [(&str, &str); 16] = [
     ("spindle.nose", "[nose.tool]\nunknown = 0"),
 ];
 
-/// Keys of the other tests here, and of `monitor_keys.rs`. A name is a text.
-const OTHERS: [&str; 13] = [
+/// Keys of the other tests here, of `monitor_keys.rs` and of `wrong_files.rs`. A name is a text.
+const OTHERS: [&str; 14] = [
     "bearing.name",
     "bearing.inner_shoulder_deg",
     "bearing.outer_shoulder_deg",
     "bearing.bore_mm",
     "bearing.outside_mm",
+    "bearing.monitor",
     "spindle.name",
     "spindle.mounted_preload_n",
     "spindle.row.spring",

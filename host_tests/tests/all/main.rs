@@ -49,3 +49,4 @@ mod thresholds;
 mod truth;
 mod unfinished;
 mod validation;
+mod wrong_files;

@@ -386,7 +386,7 @@ fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
         ("6.35", "60"),
         ("6.35", "8"),
         ("0.515", "0.5"),
-        ("= 15\n", "= 15\n[ball]\ndensity_kg_m3 = 0\n"),
+        ("= 15\n", "= 15\n[ball]\npoissons_ratio = 0.7\n"),
     ];
     let explained = changes.into_iter().map(|(from, to)| {
         let file = DesignFile::parse("b.toml", &DESIGN.replace(from, to)).unwrap();
@@ -399,6 +399,6 @@ fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
 4, column 21: `pitch_diameter_mm` is 36, but must lie between 60.6 and 600000
 3, column 20: `ball_diameter_mm` is 8, but must lie between 0.1 and 7.02325
 5, column 23: `inner_groove_factor` is 0.5, but must lie between 0.501 and
-9, column 17: `ball.density_kg_m3`: ",
+9, column 18: `ball.poissons_ratio` is 0.7, but must lie between",
     );
 }
