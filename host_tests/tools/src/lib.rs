@@ -6,6 +6,8 @@ pub mod bar;
 pub mod chart;
 pub mod cross;
 #[cfg(feature = "full")]
+pub mod drawing;
+#[cfg(feature = "full")]
 pub mod graph;
 pub mod output;
 pub mod report;

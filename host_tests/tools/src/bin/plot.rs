@@ -1,13 +1,16 @@
-//! `cargo plot`: a table that `cargo replay` wrote, as a picture.
+//! `cargo plot`: a table that `cargo replay` wrote, or a spindle, as a picture.
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::{Parser, ValueEnum};
+use files::spindles::SpindleFile;
+use mounting::Parts;
 use std::cmp::Ordering;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use tools::chart::{self, Axis, Chart, Curve, Panel, Style};
+use tools::drawing;
 use tools::output::NewFile;
 
 /// Most points of a curve: of a longer recording, each point is the mean of many rows.
@@ -17,16 +20,16 @@ const MOST_CURVES: usize = 8;
 /// Most dots of a panel.
 const MOST_DOTS: usize = 400;
 
-/// Draws what `cargo replay` has written
+/// Draws what `cargo replay` has written, or the spindle of a file
 ///
 /// Results and tables become curves of speed, load and stiffness over time, or of stiffness over
 /// speed. A file of balls becomes the load distribution: contact forces over the azimuth at one
-/// time.
+/// time. A file that ends in .toml is a spindle's: its shaft, rows, contact lines, supports, loads and noses in section.
 #[derive(Debug, Parser)]
 #[command(name = "plot", bin_name = "cargo plot", max_term_width = 100)]
 struct Args {
-    /// Results of `cargo replay`, or its file of --balls; `-` reads standard input
-    #[arg(value_name = "FILE.csv")]
+    /// Results of `cargo replay`, or its file of --balls, `-` being standard input; or a spindle's SPINDLE.toml
+    #[arg(value_name = "FILE")]
     file: PathBuf,
 
     /// Picture to write; `-` is standard output
@@ -100,6 +103,20 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
 
 /// The picture as SVG.
 fn draw(args: &Args) -> Result<String> {
+    if args.file.extension().is_some_and(|ending| ending == "toml") {
+        let given = args.over != Over::Time || args.nose || args.time.is_some();
+        ensure!(
+            !given,
+            "--over, --nose and --time are for tables, and {} is a spindle",
+            args.file.display()
+        );
+        let mut spindle = SpindleFile::read(&args.file)?;
+        // What cannot be built of good parts is drawn: a look at it tells why.
+        let parts = Parts::<f64>::of(&spindle.plan);
+        parts.map_err(|error| spindle.explain(&error))?;
+        spindle.name = args.title.clone().unwrap_or(spindle.name);
+        return Ok(drawing::svg(&spindle));
+    }
     let name = args.file.display().to_string();
     let (file, input): (_, Box<dyn Read>) = if name == "-" {
         ("standard input", Box::new(io::stdin()))
@@ -451,7 +468,7 @@ fn write(args: &Args, svg: &str) -> Result<()> {
     let name = path.display();
     ensure!(
         path != args.file,
-        "{name}: the table itself; name the picture with -o"
+        "{name}: the file itself; name the picture with -o"
     );
     let is_svg = path.extension().is_some_and(|ending| ending == "svg");
     ensure!(is_svg, "{name}: pictures are .svg; name one so");

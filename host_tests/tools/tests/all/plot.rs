@@ -186,7 +186,7 @@ fn what_cannot_be_drawn_is_said_with_its_place() {
     let name = path.to_str().unwrap();
     let (status, _, err) = plotted(&[name, "-o", name], b"");
     assert_eq!(status, 1);
-    assert!(err.contains("the table itself"), "{err}");
+    assert!(err.contains("the file itself"), "{err}");
     let (status, _, err) = plotted(&[name, "-o", "picture.txt"], b"");
     assert_eq!(status, 1);
     assert!(err.contains("pictures are .svg"), "{err}");
@@ -245,4 +245,52 @@ fn any_file_is_drawn_or_refused() {
         }
     }
     assert!(drawn > 0, "{drawn}");
+}
+
+/// Of every shipped spindle: balls and contact lines above and below the axis, sections, springs, and each row in words.
+#[test]
+fn a_spindle_is_drawn_in_section() {
+    const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    for (path, rows, sections, sprung) in [
+        ("examples/firmware/spindle.toml", 2, 2, 0),
+        ("host_tests/spindles/7014c_qbc.toml", 4, 0, 0),
+        ("host_tests/spindles/elastic_spindle.toml", 4, 3, 0),
+        ("host_tests/spindles/milling_spindle.toml", 4, 0, 2),
+        ("host_tests/bearings/b7005c.toml", 1, 0, 0),
+    ] {
+        let path = format!("{ROOT}/{path}");
+        let (status, svg, err) = plotted(&[&path, "-o", "-"], b"");
+        assert_eq!((status, &*err), (0, ""), "{path}");
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        let class = |name: &str| count(&svg, &format!("class=\"{name}\""));
+        assert_eq!([class("ball"), class("contact")], [2 * rows; 2], "{path}");
+        assert_eq!(class("shaft"), 2 * sections, "{path}");
+        assert_eq!(class("spring"), 6 * sprung, "{path}");
+        assert_eq!(count(&svg, ">row "), rows, "{path}");
+    }
+    let path = format!("{ROOT}/examples/firmware/spindle.toml");
+    let (_, svg, _) = plotted(&[&path, "-o", "-"], b"");
+    let docs = std::fs::read_to_string(format!("{ROOT}/docs/spindle.svg")).unwrap();
+    assert_eq!(
+        svg, docs,
+        "cargo plot examples/firmware/spindle.toml -o docs/spindle.svg"
+    );
+    // Back to back: contact lines lean apart towards the axis.
+    let lean = |line: &str| {
+        let points = line.split_once("points=\"").unwrap().1.split(['"', ' ']);
+        let x: Vec<f64> = points
+            .take(2)
+            .map(|point| point.split(',').next().unwrap().parse().unwrap())
+            .collect();
+        x[1] - x[0]
+    };
+    let leans: Vec<f64> = svg
+        .lines()
+        .filter(|line| line.contains("\"contact\""))
+        .map(lean)
+        .collect();
+    assert!(leans[0] > 0.0 && leans[2] < 0.0, "{leans:?}");
+    let (status, _, err) = plotted(&[&path, "--over", "speed"], b"");
+    assert_eq!(status, 2);
+    assert!(err.contains("are for tables"), "{err}");
 }
