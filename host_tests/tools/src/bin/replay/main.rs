@@ -160,7 +160,7 @@ struct Args {
 }
 
 /// Options without a meaning beside `--limits`, which is as the board solves.
-const LIMITS_ALONE: [&str; 15] = [
+const LIMITS_ALONE: [&str; 17] = [
     "table",
     "select",
     "summary",
@@ -172,6 +172,8 @@ const LIMITS_ALONE: [&str; 15] = [
     "tolerance",
     "cold",
     "peak_pressure",
+    "friction",
+    "pauses",
     "balls",
     "rows",
     "nose",
