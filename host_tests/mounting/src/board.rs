@@ -5,7 +5,9 @@ use files::designs::DesignFileError;
 use files::monitors::MonitorFile;
 use files::plan::{BuildError, ElasticShaft, MOST_BALLS, Plan};
 use files::spindles::SpindleFile;
-use spindle_bearing::{Growth, LifeRating, Limits, Spindle, Support};
+use spindle_bearing::{
+    Growth, LifeRating, Limits, Settings, ShaftLoad, Speed, Spindle, SpindleSolver, Support,
+};
 use spindle_monitor::judgement::{Threshold, Thresholds};
 use spindle_monitor::plausibility::PlausibilitySettings;
 use spindle_monitor::settings::TelemetrySettings;
@@ -55,17 +57,41 @@ impl<'p> Visitor<'p, f64> for Built {
     }
 }
 
-/// Looks whether the monitor's settings are in order.
+/// Looks whether the monitor's settings are in order, a tick has the time, and the idling spindle an equilibrium to start from.
 struct Check<'f>(&'f SpindleFile);
 
 impl<'p> Visitor<'p, f32> for Check<'_> {
     fn visit<const R: usize, const D: usize, const E: usize>(
         self,
-        _: Spindle<'p, f32, R, MOST_BALLS, D, E>,
+        spindle: Spindle<'p, f32, R, MOST_BALLS, D, E>,
         _: f64,
     ) -> Result<(), BuildError> {
-        let checked = settings::<R>(self.0, 168_000_000, CycleCost::CORTEX_M4F).check();
-        checked.map_err(|error| BuildError::Spindle(error.to_string()))
+        let error = |text: String| Err(BuildError::Spindle(text));
+        let settings = settings::<R>(self.0, 168_000_000, CycleCost::CORTEX_M4F);
+        if let Err(wrong) = settings.check() {
+            return error(wrong.to_string());
+        }
+        let most = spindle.ball_counts().into_iter().max().unwrap_or_default();
+        if !settings.tick.has_time(R, most.into()) {
+            return error(format!(
+                "a tick of {} ms has no time for parts of a solve with {R} rows of {most} balls: give a longer `period_ms` in [monitor]",
+                settings.tick.period_us / 1000
+            ));
+        }
+        let growth = settings.rows.each_ref().map(|row| row.growth);
+        let idle = ShaftLoad {
+            position: settings.shaft.loads_at,
+            load: narrow(self.0.monitor.idle),
+        };
+        let mut solver = Box::new(SpindleSolver::new());
+        let at = Speed::rad_per_s(0.0).with_growth(growth);
+        match solver.solve(&spindle, &[idle], at, &Settings::DEFAULT) {
+            Ok(_) => Ok(()),
+            Err(status) => error(format!(
+                "the idling spindle, from which the monitor starts, has no equilibrium ({status}): give a preload, or the loads of \
+                 idling in [monitor.idle]"
+            )),
+        }
     }
 }
 
@@ -134,7 +160,7 @@ pub fn settings<const R: usize>(
             warm: narrow(t.warm),
         }),
         tick: TickSettings::new(*period_us, core_hz, cost),
-        tolerance: spindle_bearing::Settings::<f32>::TICK.tolerance,
+        tolerance: Settings::<f32>::TICK.tolerance,
         accuracy: narrow(*accuracy),
         plausibility: PlausibilitySettings {
             load: plausible.load.map(narrow),

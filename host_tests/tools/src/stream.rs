@@ -34,8 +34,7 @@ pub struct Tick {
 
 /// The run of a recording, spoilt.
 ///
-/// `board` runs a tick and returns its telemetry, which the operator reads. The last tick has a health report, so that
-/// the run ends with the board's own counters: `per_report` ticks lie between two reports. All waiting telemetry is sent in it.
+/// `board` runs a tick and returns its telemetry, which the operator reads. All waiting telemetry is sent in the last tick.
 ///
 /// # Errors
 ///
@@ -43,10 +42,9 @@ pub struct Tick {
 pub fn ticks(
     recording: &Recording,
     spoiler: &mut Spoiler,
-    per_report: usize,
     mut board: impl FnMut(&Tick) -> Result<Vec<u8>>,
 ) -> Result<Vec<Tick>> {
-    let ticks = recording.records.len().div_ceil(per_report) * per_report + 1;
+    let ticks = recording.records.len();
     let (mut state, mut decoder) = (State::default(), Decoder::new());
     let mut operator = Operator::new(Vec::new());
     let mut run = Vec::with_capacity(ticks);

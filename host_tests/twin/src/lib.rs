@@ -6,15 +6,13 @@ use spindle_monitor::loads::FrameCounts;
 use spindle_monitor::telemetry::HealthReport;
 use std::io::{self, Read, Write};
 
-/// Rows of the spindle and times of its monitor: the twin's first message.
+/// Rows of the spindle and period of its monitor: the twin's first message.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct About {
     /// Rows of balls.
     pub rows: usize,
     /// Time from tick to tick, us.
     pub period_us: u32,
-    /// Time between two reports of the counters, us.
-    pub health_us: u32,
 }
 
 /// Counters at the end: the twin's last message.

@@ -22,7 +22,6 @@ pub fn run(mut input: impl Read, mut output: impl Write) -> Result<()> {
     let about = About {
         rows: ROWS,
         period_us: MONITOR.tick.period_us,
-        health_us: MONITOR.telemetry.health_us,
     };
     send(&mut output, &postcard::to_stdvec(&about)?)?;
     let mut marks = [0; Marks::variant_count() as usize];

@@ -128,9 +128,8 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
         true => faults::schedule(arguments.seed, &recording.records),
         false => Vec::new(),
     };
-    let per_report = (about.health_us / about.period_us).max(1) as usize;
     let spoiler = Spoiler::new(arguments.seed, episodes);
-    let plan = plan::plan(&recording, spoiler, per_report, running)?;
+    let plan = plan::plan(&recording, spoiler, running)?;
     Ok((plan, firmware))
 }
 
@@ -170,7 +169,8 @@ fn run(arguments: &Arguments, plan: &Plan, firmware: &Firmware) -> Result<()> {
     };
     let text = summary::summary(plan, &answer)?;
     println!(
-        "\n{text}\n{} frames in {} bytes of telemetry, equal to the host's to the last bit; {} lines of log",
+        "\n{}\n{text}\n{} frames in {} bytes of telemetry, equal to the host's to the last bit; {} lines of log",
+        summary::seen(&answer),
         answer.frames.len(),
         plan.expected.len(),
         answer.log.len(),

@@ -22,15 +22,10 @@ pub struct Plan {
     pub ending: Ending,
 }
 
-/// Makes the run of a recording, spoilt, with so many ticks from one report of the counters to the next.
-pub fn plan(
-    recording: &Recording,
-    mut spoiler: Spoiler,
-    per_report: usize,
-    mut twin: Running,
-) -> Result<Plan> {
+/// Makes the run of a recording, spoilt.
+pub fn plan(recording: &Recording, mut spoiler: Spoiler, mut twin: Running) -> Result<Plan> {
     let (mut input, mut expected) = (Vec::new(), Vec::new());
-    stream::ticks(recording, &mut spoiler, per_report, |tick| {
+    stream::ticks(recording, &mut spoiler, |tick| {
         let from = input.len();
         input.extend(&tick.bytes);
         input.extend(command::encode(Command::Tick(tick.room)));

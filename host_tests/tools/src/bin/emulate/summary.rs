@@ -5,7 +5,7 @@ use crate::exchange::Answer;
 use crate::plan::Plan;
 use anyhow::{Context, Result, ensure};
 use spindle_monitor::judgement::AlarmChange;
-use spindle_monitor::telemetry::{HealthReport, Payload};
+use spindle_monitor::telemetry::Payload;
 use spindle_monitor::{Alarm, Mark, Marks};
 use std::fmt::Write;
 use std::fs;
@@ -21,14 +21,13 @@ struct Story {
     acknowledged: u32,
 }
 
-/// The counts of a run, from the board's own telemetry. No telemetry could hold marks tick by tick. They
-/// are the host's build's, to which the telemetry has been found equal.
+/// The counts of a run, from the board's own telemetry. Marks tick by tick, and counters at the end, are the twin's, whose telemetry
+/// equals the board's.
 ///
 /// # Errors
 ///
-/// The board's counters do not agree with themselves.
+/// An alarm was not told of, or a self-check failed.
 pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
-    let mut health: Option<HealthReport> = None;
     let mut alarms = [Story::default(); Alarm::COUNT];
     let [mut reports, mut answers] = [0_u64; 2];
     for frame in &answer.frames {
@@ -39,10 +38,7 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
                 story.cleared = story.cleared.max(report.cleared);
                 story.acknowledged += u32::from(report.change == AlarmChange::Acknowledged);
             }
-            Payload::Health(report) => {
-                reports += 1;
-                health = Some(*report);
-            }
+            Payload::Health(_) => reports += 1,
             Payload::Answer(_) => answers += 1,
             Payload::Hello(report) => {
                 ensure!(
@@ -53,20 +49,13 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
             _ => {}
         }
     }
-    let health = health.context("the board has sent no counters")?;
+    let health = &plan.ending.health;
     let total = |count: fn(&Story) -> u32| alarms.iter().map(|story| u64::from(count(story))).sum();
     let told: [u64; 2] = [total(|story| story.raised), total(|story| story.cleared)];
-    // The counters went out before that tick's own alarms could change any more.
     let counted = [health.alarms_raised, health.alarms_cleared];
     ensure!(
         told == counted,
         "an alarm was lost: {told:?} raised and cleared were told of, but there were {counted:?}"
-    );
-    ensure!(
-        health.ticks + 1 == plan.ending.health.ticks,
-        "ticks were lost: {} of {}",
-        health.ticks + 1,
-        plan.ending.health.ticks
     );
 
     let mut text = String::new();
@@ -112,6 +101,32 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     let name = format!("good samples solved, %, up to {ENOUGH}");
     line(&name, solved.min(ENOUGH))?;
     Ok(text)
+}
+
+/// Alarms that the board has told of, in the order of time, and the ages of its estimates.
+pub fn seen(answer: &Answer) -> String {
+    let (mut text, mut ages) = (String::new(), Vec::new());
+    for frame in &answer.frames {
+        match &frame.payload {
+            Payload::Alarm(report) if report.change != AlarmChange::Standing => {
+                let (time, of) = (frame.time_us as f64 * 1e-6, report);
+                text += &format!(
+                    "{time:9.3} s: {} {}, {:.4} of {:.4}\n",
+                    of.alarm,
+                    format!("{:?}", of.change).to_lowercase(),
+                    of.value,
+                    of.limit
+                );
+            }
+            Payload::Estimate(report) => ages.push(report.age),
+            _ => {}
+        }
+    }
+    ages.sort_unstable();
+    if let (Some(median), Some(oldest)) = (ages.get(ages.len() / 2), ages.last()) {
+        text += &format!("estimates {median} ticks old, at most {oldest}\n");
+    }
+    text
 }
 
 /// Share of solved samples, among those in order, that is enough, in percent. In most of the other

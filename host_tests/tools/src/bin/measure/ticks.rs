@@ -307,10 +307,7 @@ pub fn measure(root: &Path) -> Result<Vec<Costs>> {
             .resize(recording.records.len(), *last);
     }
     let mut board = BOARDS[0].start()?;
-    let per_report = (F405.telemetry.health_us / PERIOD_US) as usize;
-    let ticks = stream::ticks(&recording, &mut spoiler, per_report, |tick| {
-        Ok(board(tick, &[]))
-    })?;
+    let ticks = stream::ticks(&recording, &mut spoiler, |tick| Ok(board(tick, &[])))?;
     let ticks = paced(ticks);
     let images = BOARDS
         .iter()

@@ -62,12 +62,6 @@ impl Visitor<'static, f32> for Make<'_> {
         _: f64,
     ) -> Result<(), BuildError> {
         let settings = board::settings::<R>(self.file, 168_000_000, CycleCost::CORTEX_M4F);
-        let balls = self.file.plan.rows.iter().map(|row| row.balls).max();
-        if !settings.tick.has_time(R, balls.unwrap_or_default()) {
-            return Err(BuildError::Spindle(
-                "a tick of the STM32F405 has no time to solve it: give a longer `period_ms` in [monitor]".to_owned(),
-            ));
-        }
         let (spindle, settings) = (Box::leak(Box::new(spindle)), Box::leak(Box::new(settings)));
         let monitor: Monitor<R, MOST_BALLS, 12, D, E> = Monitor::new(spindle, settings);
         *self.monitor = Some(Box::new(monitor));
@@ -93,9 +87,8 @@ pub fn run(args: &Args) -> Result<Summary> {
     let file = args.file()?;
     let mut monitor = monitor_of(&file)?;
     let of = &file.monitor;
-    if let Err(status) = monitor.prepare(of.idle.map(|x| x as f32)) {
-        eprintln!("replay: no equilibrium of the idling spindle to start from: {status}");
-    }
+    let prepared = monitor.prepare(of.idle.map(|x| x as f32));
+    prepared.map_err(|status| anyhow!("the idling spindle has no equilibrium: {status}"))?;
     let (rows, recording) = args.input(&file)?;
     let recording = recording.context("--limits needs a recording")?;
     let name = || recording.lock().expect("a reader").file().to_owned();
