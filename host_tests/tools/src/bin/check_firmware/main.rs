@@ -15,6 +15,7 @@ mod unwanted;
 
 use addr2line::Loader;
 use anyhow::{Context, Result, bail};
+use scenes::Part;
 use std::error::Error;
 use std::fmt::Write;
 use std::fs;
@@ -46,7 +47,10 @@ fn check() -> Result<()> {
     let (h743, others) = rayon::join(
         || {
             let kinds = &Unwanted::IN_DOUBLE;
-            boards(root, Origin::H743, "spindle_firmware_h743", kinds)
+            let program = (Origin::H743, "spindle_firmware_h743");
+            SPINDLES[..2]
+                .iter()
+                .try_for_each(|spindle| shipped(root, program, spindle, kinds))
         },
         || {
             be_seen_to_fail(root, &SOLVER)?;
@@ -58,19 +62,29 @@ fn check() -> Result<()> {
                 bare(root, image, None, &Unwanted::BUT_ROOTS)?;
             }
             let kinds = &Unwanted::BUT_ROOTS;
-            boards(root, Origin::F405, "spindle_firmware", kinds)?;
+            let program = (Origin::F405, "spindle_firmware");
+            SPINDLES
+                .iter()
+                .try_for_each(|spindle| shipped(root, program, spindle, kinds))?;
             scenes::check(root)
         },
     );
     h743.and(others)
 }
 
-/// Checks the monitor's firmware for a board, with both kinds of sensors.
-fn boards(root: &Path, origin: Origin, name: &str, kinds: &[Unwanted]) -> Result<()> {
-    shipped(root, origin, name, None, kinds)?;
-    let bridges = "host_tests/probes/spindles/bridges.toml";
-    shipped(root, origin, name, Some(bridges), kinds)
-}
+/// Files of spindles, the shipped one without a name, and the parts that their firmware has of those in [`Part::OF_FILES`].
+const SPINDLES: [(Option<&str>, &[Part]); 4] = [
+    (None, &[Part::Elastic]),
+    (
+        Some("host_tests/probes/spindles/bridges.toml"),
+        &[Part::Elastic, Part::Bridges],
+    ),
+    (Some("host_tests/spindles/7014c_back_to_back.toml"), &[]),
+    (
+        Some("host_tests/spindles/milling_spindle.toml"),
+        &[Part::Sleeve],
+    ),
+];
 
 /// A program without a panic handler.
 struct Image {
@@ -222,12 +236,11 @@ fn bare(root: &Path, image: &Image, variant: Option<&str>, kinds: &[Unwanted]) -
     Ok(())
 }
 
-/// Checks the monitor's firmware for a board.
+/// Checks the monitor's firmware for a board and a spindle.
 fn shipped(
-    root: &Path,
-    origin: Origin,
-    name: &str,
-    spindle: Option<&str>,
+    folder: &Path,
+    (origin, name): (Origin, &str),
+    &(spindle, parts): &(Option<&str>, &[Part]),
     kinds: &[Unwanted],
 ) -> Result<()> {
     let build = Build {
@@ -237,14 +250,14 @@ fn shipped(
         environment: &[("SPINDLE", spindle)],
         ..Build::default()
     };
-    let program = Program::build(&build, root)?;
+    let program = Program::build(&build, folder)?;
     if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
         bail!("this check is blind: it does not see the panics of the firmware's main");
     }
     let mut roots = ["recall", "take", "tick", "keep", "check_step"]
         .map(|function| format!("spindle_firmware::application::{function}"))
         .to_vec();
-    if spindle.is_some() {
+    if parts.contains(&Part::Bridges) {
         // Functions of the board that a tick calls by pointers, which no relocation follows.
         let functions = ["spi::exchange", "sensors::drdy", "sensors::reset"];
         let others = ["sensors::select", "sensors::now"];
@@ -268,7 +281,8 @@ fn shipped(
     let root = roots.join(", ");
     let with = spindle.map_or(String::new(), |spindle| format!(" of {spindle}"));
     let what = format!("{root} in the firmware{with}");
-    refuse(&what, &program, &reach, kinds)
+    refuse(&what, &program, &reach, kinds)?;
+    scenes::has(&what, folder, &program, &reach, parts)
 }
 
 /// The library's own code, less what prints its types for a log.

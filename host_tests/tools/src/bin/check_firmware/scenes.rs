@@ -15,9 +15,9 @@ use std::ops::Range;
 use std::path::Path;
 use tools::graph::Reach;
 
-/// Something that a scene may leave out.
+/// Something that a scene, or the firmware of a spindle, may leave out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Part {
+pub enum Part {
     /// Everything that belongs to a shaft that turns.
     Speed,
     /// Gyroscopic moment, friction and its couple.
@@ -44,6 +44,10 @@ enum Part {
     Elastic,
     /// How constants come from a design.
     Design,
+    /// A sleeve under a spring.
+    Sleeve,
+    /// Strain bridges and a tachometer.
+    Bridges,
 }
 
 impl Part {
@@ -62,6 +66,8 @@ impl Part {
         Self::Elastic,
         Self::Design,
     ];
+    /// Parts that the file of a spindle decides on.
+    const OF_FILES: [Self; 3] = [Self::Elastic, Self::Sleeve, Self::Bridges];
 
     /// Parts of the names of its functions and constants.
     fn names(self) -> &'static [&'static str] {
@@ -95,6 +101,7 @@ impl Part {
                 "spindle_bearing::const_math::",
                 "spindle_bearing::design::",
             ],
+            Self::Bridges => &["spindle_firmware::bridges::"],
             _ => &[],
         }
     }
@@ -113,6 +120,7 @@ impl Part {
             Self::Tilts => &["D == 5", "D >= 5"],
             Self::Spindle => &["SET"],
             Self::Elastic => &["E > 0"],
+            Self::Sleeve => &["D == 6"],
             _ => &[],
         }
     }
@@ -303,6 +311,26 @@ pub fn check(root: &Path) -> Result<()> {
             bail!("this check is blind: it finds {part:?} nowhere");
         }
     }
+    Ok(())
+}
+
+/// Fails unless the firmware of a spindle has these parts, and no other ones of its file.
+pub fn has(
+    what: &str,
+    root: &Path,
+    program: &Program,
+    reach: &Reach<'_>,
+    parts: &[Part],
+) -> Result<()> {
+    let (guarded, origins) = (Guarded::read(root)?, Origins::of(program, reach)?);
+    for part in Part::OF_FILES {
+        match (parts.contains(&part), origins.find(part, &guarded)) {
+            (true, None) => bail!("{what} lacks {part:?}, or this check is blind"),
+            (false, Some(place)) => bail!("{what} has no {part:?}, and yet {place}"),
+            _ => {}
+        }
+    }
+    println!("{what}: of {:?} it has {parts:?} alone", Part::OF_FILES);
     Ok(())
 }
 
