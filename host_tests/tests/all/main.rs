@@ -16,7 +16,6 @@ mod elastic_far;
 mod elastic_files;
 mod elastic_ross;
 mod foreign;
-mod frames;
 mod given;
 mod growth;
 mod gyroscope;

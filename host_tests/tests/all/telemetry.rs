@@ -1,12 +1,12 @@
 //! Telemetry on the host: nothing undamaged is lost, nothing missing goes unnoticed, and lines of JSON hold all of it.
 
-use crate::frames::{
-    alarm, balls, estimate, frame, health, note, pair, rows, shaft, state_of, stream,
-};
 use files::import::Wanted;
 use files::recordings::{self, LoadRow};
 use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::decoder::{Decoder, Event, Gap};
+use host_tests::telemetry::frames::{
+    alarm, balls, estimate, frame, health, note, pair, rows, shaft, state_of, stream,
+};
 use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::{HISTORY, State};
 use host_tests::telemetry::{json, simulated};

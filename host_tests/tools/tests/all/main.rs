@@ -1,7 +1,5 @@
 //! The tools' tests in one program.
 
-#[path = "../../../tests/all/frames.rs"]
-mod frames;
 mod limits;
 mod malformed;
 mod plot;

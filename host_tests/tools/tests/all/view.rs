@@ -1,9 +1,9 @@
 //! The live view of the telemetry, as it is drawn.
 
-use crate::frames::{
+use host_tests::telemetry::decoder::Decoder;
+use host_tests::telemetry::frames::{
     alarm, balls, estimate, frame, health, note, pair, rows, shaft, state_of, stream,
 };
-use host_tests::telemetry::decoder::Decoder;
 use host_tests::telemetry::json;
 use host_tests::telemetry::state::State;
 use ratatui::buffer::{Buffer, Cell};

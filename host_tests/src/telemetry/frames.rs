@@ -1,7 +1,7 @@
 //! Frames of telemetry to test with, and what they amount to.
 
-use host_tests::telemetry::decoder::Decoder;
-use host_tests::telemetry::state::State;
+use super::decoder::Decoder;
+use super::state::State;
 use spindle_bearing::{Frequencies, Status};
 use spindle_monitor::Marks;
 use spindle_monitor::TemperatureSource;
@@ -12,6 +12,7 @@ use spindle_monitor::telemetry::{
     encode,
 };
 
+/// An estimate with this axial stiffness, N/m.
 pub fn estimate(stiffness: f32) -> EstimateReport {
     EstimateReport {
         age: 0,
@@ -33,6 +34,7 @@ pub fn estimate(stiffness: f32) -> EstimateReport {
     }
 }
 
+/// Counters after a second.
 pub fn health() -> HealthReport {
     HealthReport {
         ticks: 1000,
@@ -41,6 +43,7 @@ pub fn health() -> HealthReport {
     }
 }
 
+/// A change of an alarm.
 pub fn alarm(alarm: Alarm, change: AlarmChange, state: AlarmState) -> AlarmReport {
     AlarmReport {
         alarm,
@@ -54,6 +57,7 @@ pub fn alarm(alarm: Alarm, change: AlarmChange, state: AlarmState) -> AlarmRepor
     }
 }
 
+/// A frame with this number.
 pub fn frame(sequence: u32, payload: Payload) -> Frame {
     Frame {
         version: VERSION,
@@ -63,6 +67,7 @@ pub fn frame(sequence: u32, payload: Payload) -> Frame {
     }
 }
 
+/// The bytes of frames.
 pub fn stream(frames: &[Frame]) -> Vec<u8> {
     frames.iter().flat_map(encode).collect()
 }
@@ -76,6 +81,7 @@ pub fn note(state: &mut State, decoder: &mut Decoder, frames: &[Frame]) {
     }
 }
 
+/// The state after frames with these payloads.
 pub fn state_of(payloads: impl IntoIterator<Item = Payload>) -> State {
     let frames = (0..).zip(payloads);
     let frames: Vec<_> = frames.map(|(i, payload)| frame(i, payload)).collect();
