@@ -8,6 +8,7 @@
 //! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of its doubts |
 //! | solve | [`tick`], `tracker` | an equilibrium, in the time that ticks have |
 //! | levels | [`watch`] | a level for each alarm |
+//! | response | [`response`] | measured over computed displacement at the probes |
 //! | alarms | [`judgement`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | reports | `reports`, [`outbox`], [`telemetry`] | frames for a host |
@@ -114,6 +115,7 @@ pub mod outbox;
 pub mod plausibility;
 pub mod record;
 mod reports;
+pub mod response;
 pub mod retained;
 pub mod self_check;
 pub mod settings;

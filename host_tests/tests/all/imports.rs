@@ -68,6 +68,7 @@ const OF_MONITOR: [&[&str]; 7] = [
         "plausibility",
         "log",
         "command",
+        "response",
     ],
     &[
         "judgement",

@@ -1,0 +1,557 @@
+//! Measured displacement of the shaft over the computed one, while loads step: the stiffness that the spindle really has.
+//!
+//! Means of measured and computed displacement over whole revolutions leave out runout. Differences `m`, `p` of following means
+//! leave out temperature and offset. Of the differences over load steps,
+//!
+//! ```text
+//! ratio = S(mp) / S(pp)        error^2 = s^2 S(p (p - p')) / S(pp)^2
+//! ```
+//!
+//! with the variance `s^2` of a difference and the difference `p'` before `p`, which shares a mean with it. Two memories forget
+//! old steps, some 6 and some 40 steps long. The reference is the ratio at commissioning: constant errors of the model and of gains
+//! cancel.
+//!
+//! A harmonic of the revolution near a multiple of the sampling rate looks like a drift ([`is_aliased`]).
+
+use spindle_bearing::sqrt_f32;
+
+/// Harmonics of the revolution that runout has.
+const HARMONICS: u16 = 4;
+/// Least blocks in a second, and least pairs of a block.
+const BLOCKS: f32 = 20.0;
+const PAIRS: f32 = 50.0;
+/// Longest block, s: below 30 rpm blocks do not count.
+const LONGEST: f32 = 2.0;
+/// Change of speed from block to block that is steady, part of 1.
+const STEADY: f32 = 0.01;
+/// A load step moves the shaft by more than so many standard deviations of a difference.
+const STEP: f32 = 5.0;
+/// A displacement that is computed to move by less than this part of the probe's accuracy is no load step.
+const RESOLVED: f32 = 0.1;
+/// A load step is at least this part of usual ones: ripple of a cut would wash out the memory of its engagements.
+const OF_USUAL: f32 = 0.25;
+/// Differences that the variance is a mean of.
+const QUIET: f32 = 64.0;
+/// Weight of that variance beside residuals of the steps, in steps.
+const PRIOR: f32 = 4.0;
+/// Parts of both memories that each step leaves: of two thirds of a change, the short one knows after 2 steps, of 95 % after 6.
+const KEEP: [f32; 2] = [0.6, 39.0 / 41.0];
+/// Standard errors that a change must have.
+const ERRORS: f32 = 3.0;
+/// Standard errors where a memory has fewer differences than [`FEW`]: it is another one ten thousand times in a day's cutting.
+const ERRORS_OF_FEW: f32 = 5.0;
+/// The short memory has some 5, the long one some 40.
+const FEW: f32 = 12.0;
+/// No fault makes a spindle this much stiffer: the probe sees less than this part of the displacement.
+const LEAST: f32 = 0.6;
+/// Steps that a probe does not follow, until it is at fault; one that it follows takes back one.
+const WRONG: u8 = 3;
+/// Twice the pairs for which a value has repeated although it should have moved, until the probe is at fault.
+const STUCK: u8 = 100;
+/// Largest fault that is named, in small ones.
+const FARTHEST: f32 = 20.0;
+/// Load steps that a reference needs.
+pub const LEAST_STEPS: u32 = 6;
+
+/// Result of a probe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum State {
+    /// There is no reference, or no load step since.
+    #[default]
+    Learning,
+    /// As at commissioning.
+    Ok,
+    /// More compliant than at commissioning.
+    StiffnessLoss,
+    /// Stiffer than at commissioning.
+    StiffnessGain,
+    /// The probe does not follow the loads.
+    Probe,
+}
+
+impl State {
+    /// Short name in lower case, as tables print it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Learning => "learning",
+            Self::Ok => "ok",
+            Self::StiffnessLoss => "stiffness-loss",
+            Self::StiffnessGain => "stiffness-gain",
+            Self::Probe => "probe",
+        }
+    }
+}
+
+/// Ratio with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Ratio {
+    /// Measured over computed displacement.
+    pub value: f32,
+    /// Its standard error.
+    pub error: f32,
+}
+
+impl Ratio {
+    fn over(self, reference: Self) -> Self {
+        let value = self.value / reference.value;
+        let [a, b] = [self, reference].map(|ratio| ratio.error / ratio.value);
+        let error = value * sqrt_f32(a * a + b * b);
+        Self { value, error }
+    }
+
+    fn is_off(self, from: f32, errors: f32) -> bool {
+        (self.value - from).abs() > errors * self.error
+    }
+}
+
+/// Report of a probe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProbeReport {
+    /// Whether the spindle, or the probe, has changed.
+    pub state: State,
+    /// Ratio over that of the reference, whose error is part of the error; none while it learns.
+    pub ratio: Option<Ratio>,
+    /// Load steps since the reference, or since the start.
+    pub steps: u32,
+    /// Pairs since the last load step.
+    pub age: u32,
+}
+
+/// Number of the fault that the changes of the ratios fit, and no other one does.
+///
+/// Each fault has the change of each ratio by a small fault, some 5 %; by a larger one, it may be a fifth off. All probes are within
+/// three errors of it.
+pub fn fault<const P: usize>(reports: &[ProbeReport; P], faults: &[[f32; P]]) -> Option<usize> {
+    let mut fitting = faults.iter().enumerate().filter(|(_, changes)| {
+        let [mut along, mut square] = [0.0; 2];
+        let ratios = || {
+            reports
+                .iter()
+                .zip(*changes)
+                .filter_map(|(report, by)| Some((report.ratio?, *by)))
+        };
+        for (ratio, by) in ratios() {
+            let weight = 1.0 / (ratio.error * ratio.error);
+            along += weight * by * (ratio.value - 1.0);
+            square += weight * by * by;
+        }
+        let size = along / square;
+        size * sqrt_f32(square) > ERRORS
+            && size < FARTHEST
+            && ratios().all(|(ratio, by)| {
+                let change = size * by;
+                (ratio.value - 1.0 - change).abs() < ERRORS * ratio.error + 0.2 * change.abs()
+            })
+    });
+    let (found, _) = fitting.next()?;
+    fitting.next().is_none().then_some(found)
+}
+
+/// Whether runout at this speed (rpm) cannot be told from drift at this sampling rate (Hz).
+///
+/// A harmonic of the revolution is within the inverse of the shortest block of a multiple of the rate.
+pub fn is_aliased(rpm: f32, rate: f32) -> bool {
+    let turns = rpm.abs() / 60.0 / rate;
+    let near = 1.0 / shortest(rate);
+    (1..=HARMONICS).any(|harmonic| {
+        let turns = f32::from(harmonic) * turns;
+        turns > 0.5 && off(turns).abs() < near
+    })
+}
+
+/// Pairs of the shortest block.
+fn shortest(rate: f32) -> f32 {
+    (rate / BLOCKS).max(PAIRS)
+}
+
+/// Distance from the nearest whole number.
+fn off(x: f32) -> f32 {
+    x - (x + 0.5) as u32 as f32
+}
+
+/// Pairs of the block that comes nearest to whole revolutions.
+fn length(rpm: f32, rate: f32) -> Option<u32> {
+    let turns = rpm.abs() / 60.0 / rate;
+    let least = (1.0 / turns).max(shortest(rate));
+    if least > LONGEST * rate || is_aliased(rpm, rate) {
+        return None;
+    }
+    let all = least as u32..=(least + shortest(rate)) as u32;
+    let off = |pairs: &u32| off(*pairs as f32 * turns).abs();
+    all.min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// Sums over load steps, of which old ones are forgotten.
+#[derive(Debug, Clone, Copy, Default)]
+struct Memory {
+    mp: f32,
+    pp: f32,
+    /// `S(p (p - p'))`, each step with the square of its weight.
+    edges: f32,
+    /// Squared residuals, and their weight.
+    residuals: f32,
+    weight: f32,
+}
+
+impl Memory {
+    fn add(&mut self, step: Step, before: f32, keep: f32) {
+        let Step { m, p } = step;
+        let old = self.mp / self.pp;
+        self.mp = keep * self.mp + m * p;
+        self.pp = keep * self.pp + p * p;
+        self.edges = keep * keep * self.edges + p * (p - before);
+        // The residual shrinks with the ratio that it is part of; before, it has the error of that. The product has neither.
+        let residual = (m - old * p) * (m - self.mp / self.pp * p);
+        if residual >= 0.0 {
+            self.residuals = keep * self.residuals + residual;
+            self.weight = keep * self.weight + 1.0;
+        }
+    }
+
+    /// Ratio, with the variance of differences without a load step.
+    fn ratio(&self, quiet: f32) -> Option<Ratio> {
+        let value = self.mp / self.pp;
+        let variance = (PRIOR * quiet + self.residuals) / (PRIOR + self.weight);
+        // A long ramp is told from drift by more than its ends.
+        let edges = self.edges.max(0.02 * self.pp);
+        let error = sqrt_f32(variance * edges) / self.pp;
+        (value.is_finite() && error.is_finite()).then_some(Ratio { value, error })
+    }
+}
+
+/// Difference of following means, um.
+#[derive(Debug, Clone, Copy, Default)]
+struct Step {
+    m: f32,
+    p: f32,
+}
+
+/// State of a probe.
+#[derive(Debug, Clone, Copy)]
+struct Probe {
+    accuracy: f32,
+    /// The block: its first pair, sums less that, count.
+    first: Step,
+    sum: Step,
+    pairs: u32,
+    /// Means of the last block.
+    mean: Option<Step>,
+    /// Computed difference before, if it counted; else 0.
+    before: f32,
+    /// The last measured value, computed displacement when it came, and evidence that it should have changed since.
+    value: f32,
+    since: f32,
+    stuck: u8,
+    /// Variance of differences without a step, and of how many; mean square of computed steps.
+    quiet: f32,
+    quiets: f32,
+    usual: f32,
+    short: Memory,
+    long: Memory,
+    reference: Option<Ratio>,
+    steps: u32,
+    age: u32,
+    wrong: u8,
+}
+
+impl Probe {
+    fn new(accuracy: f32) -> Self {
+        Self {
+            accuracy,
+            first: Step::default(),
+            sum: Step::default(),
+            pairs: 0,
+            mean: None,
+            before: 0.0,
+            value: f32::NAN,
+            since: f32::NAN,
+            stuck: 0,
+            quiet: accuracy * accuracy,
+            quiets: PRIOR,
+            usual: 0.0,
+            short: Memory::default(),
+            long: Memory::default(),
+            reference: None,
+            steps: 0,
+            age: 0,
+            wrong: 0,
+        }
+    }
+
+    /// Least computed displacement, squared, that can be told from noise.
+    fn least(&self) -> f32 {
+        let [least, resolved] = [STEP * STEP * self.quiet, RESOLVED * self.accuracy];
+        least.max(resolved * resolved)
+    }
+
+    /// Takes a measured displacement, if there is one, beside the computed one.
+    fn add(&mut self, m: Option<f32>, p: f32) {
+        self.age = self.age.saturating_add(1);
+        let m = m.filter(|m| m.is_finite());
+        if m.is_some_and(|m| m != self.value) || self.since.is_nan() {
+            (self.value, self.since, self.stuck) = (m.unwrap_or(f32::NAN), p, 0);
+        } else {
+            let moved = (p - self.since) * (p - self.since);
+            let far = moved > self.least().max(self.accuracy * self.accuracy);
+            self.stuck = match far {
+                _ if self.stuck >= STUCK => STUCK,
+                true => self.stuck + 2,
+                false => self.stuck.saturating_sub(1),
+            };
+        }
+        let Some(m) = m else { return };
+        if self.pairs == 0 {
+            (self.first, self.sum) = (Step { m, p }, Step::default());
+        }
+        self.sum.m += m - self.first.m;
+        self.sum.p += p - self.first.p;
+        self.pairs += 1;
+    }
+
+    /// Ends a block: the difference from the one before, if both count.
+    fn end(&mut self, pairs: u32) -> Option<Step> {
+        let count = self.pairs as f32;
+        let is_whole = 2 * self.pairs > pairs && self.stuck < STUCK / 10;
+        let mean = is_whole.then(|| Step {
+            m: self.first.m + self.sum.m / count,
+            p: self.first.p + self.sum.p / count,
+        });
+        let difference = self.mean.zip(mean).map(|(last, mean)| Step {
+            m: mean.m - last.m,
+            p: mean.p - last.p,
+        });
+        (self.mean, self.pairs) = (mean, 0);
+        difference
+    }
+
+    /// The difference, if it is one over a load step; else its residual is noise.
+    fn step(&mut self, difference: Option<Step>) -> Option<Step> {
+        let step = difference.filter(|step| {
+            let square = step.p * step.p;
+            let can = square > self.least();
+            if can {
+                self.usual += (square - self.usual) / if self.usual > 0.0 { 16.0 } else { 1.0 };
+            }
+            can && square > OF_USUAL * OF_USUAL * self.usual
+        });
+        if let (Some(Step { m, p }), None) = (difference, step) {
+            let ratio = self.ratio().map_or(1.0, |ratio| ratio.value);
+            let residual = m - ratio * p;
+            // A blow is no noise.
+            let square = (residual * residual).min(STEP * STEP * self.quiet.max(1e-9));
+            self.quiets = (self.quiets + 1.0).min(QUIET);
+            self.quiet += (square - self.quiet) / self.quiets;
+        }
+        if step.is_none() {
+            self.before = 0.0;
+        }
+        step
+    }
+
+    /// By how much of the expected displacement the probe moved: too little, or much too much.
+    fn is_off(&self, Step { m, p }: Step) -> [bool; 2] {
+        let learnt = self
+            .long
+            .ratio(self.quiet)
+            .filter(|_| self.steps >= LEAST_STEPS);
+        let expected = self
+            .reference
+            .or(learnt)
+            .map_or(1.0 / 3.0, |ratio| ratio.value);
+        let [m, p] = [m * p.signum(), expected * p.abs()];
+        let noise = ERRORS * sqrt_f32(self.quiet);
+        [m + noise < LEAST * p, m - noise > p / LEAST]
+    }
+
+    /// Takes a load step.
+    fn learn(&mut self, step: Step) {
+        let is_same = self.before * step.p > 0.0;
+        let [short, long] = match is_same {
+            true => [1.0; 2],
+            false => [
+                KEEP[0],
+                if self.reference.is_some() {
+                    KEEP[1]
+                } else {
+                    1.0
+                },
+            ],
+        };
+        self.short.add(step, self.before, short);
+        self.long.add(step, self.before, long);
+        if let (Some(short), Some(long), Some(_)) = (
+            self.short.ratio(self.quiet),
+            self.long.ratio(self.quiet),
+            self.reference,
+        ) && short.is_off(long.value, ERRORS_OF_FEW)
+        {
+            self.long = self.short;
+        }
+        self.before = step.p;
+        self.age = 0;
+        self.steps += u32::from(!is_same);
+        self.wrong = self.wrong.saturating_sub(u8::from(!is_same));
+    }
+
+    /// The more accurate of both ratios.
+    fn ratio(&self) -> Option<Ratio> {
+        let short = self.short.ratio(self.quiet)?;
+        let long = self.long.ratio(self.quiet)?;
+        Some(if short.error < long.error {
+            short
+        } else {
+            long
+        })
+    }
+
+    fn report(&self, limit: f32) -> ProbeReport {
+        let over = |ratio: Ratio| Some(ratio.over(self.reference?));
+        let mut memories = [self.short, self.long].into_iter();
+        let beyond = memories.find_map(|memory| {
+            let errors = if memory.weight < FEW {
+                ERRORS_OF_FEW
+            } else {
+                ERRORS
+            };
+            let ratio = over(memory.ratio(self.quiet)?)?;
+            let is_beyond = (ratio.value - 1.0).abs() > limit && ratio.is_off(1.0, errors);
+            is_beyond.then_some(ratio)
+        });
+        let ratio = self.ratio().and_then(over);
+        let state = match (ratio, beyond) {
+            _ if self.stuck >= STUCK || self.wrong >= WRONG => State::Probe,
+            (None, _) => State::Learning,
+            (_, None) => State::Ok,
+            (_, Some(ratio)) if ratio.value > 1.0 => State::StiffnessLoss,
+            _ => State::StiffnessGain,
+        };
+        ProbeReport {
+            state,
+            ratio,
+            steps: self.steps,
+            age: self.age,
+        }
+    }
+}
+
+/// Measured over computed displacement at `P` probes.
+#[derive(Debug, Clone)]
+pub struct Response<const P: usize> {
+    /// Pairs in a second.
+    rate: f32,
+    limit: f32,
+    /// Speed of the last block, rpm; sum over this block, its ticks so far and its length: 0 if it does not count.
+    speed: f32,
+    speeds: f32,
+    ticks: u32,
+    length: u32,
+    probes: [Probe; P],
+}
+
+impl<const P: usize> Response<P> {
+    /// Probes with their accuracies (um), which give a pair `rate` times a second (Hz).
+    ///
+    /// A ratio that is off by `limit`, a part of 1, is a change.
+    pub fn new(accuracies: [f32; P], rate: f32, limit: f32) -> Self {
+        Self {
+            rate,
+            limit,
+            speed: 0.0,
+            speeds: 0.0,
+            ticks: 0,
+            length: 0,
+            probes: accuracies.map(Probe::new),
+        }
+    }
+
+    /// Takes a tick: its speed (rpm), computed and measured displacements (um).
+    ///
+    /// There is no speed where it is not believed, nothing computed without a fresh solution of loads of this tick, and nothing
+    /// measured where a probe gave no value.
+    pub fn tick(
+        &mut self,
+        rpm: Option<f32>,
+        computed: Option<[f32; P]>,
+        measured: [Option<f32>; P],
+    ) {
+        let Some(rpm) = rpm.filter(|rpm| rpm.is_finite()) else {
+            return self.restart(0.0);
+        };
+        if !((rpm - self.speed).abs() <= STEADY * self.speed.abs()) {
+            self.restart(rpm);
+        }
+        self.speeds += rpm - self.speed;
+        self.ticks += 1;
+        let computed = computed.filter(|all| all.iter().all(|p| p.is_finite()));
+        if let Some(computed) = computed {
+            for ((probe, p), m) in self.probes.iter_mut().zip(computed).zip(measured) {
+                probe.add(m, p);
+            }
+        }
+        if self.ticks == self.length {
+            self.end();
+            self.begin(self.speed + self.speeds / self.ticks as f32);
+        } else if self.length == 0 && self.ticks as f32 > shortest(self.rate) {
+            self.restart(rpm);
+        }
+    }
+
+    /// Ends the reference of a probe: the ratio so far. Returns whether there is one, of [`LEAST_STEPS`] at least.
+    pub fn refer(&mut self, probe: usize) -> bool {
+        let Some(probe) = self.probes.get_mut(probe) else {
+            return false;
+        };
+        let ratio = probe.long.ratio(probe.quiet);
+        let Some(ratio) = ratio.filter(|ratio| probe.steps >= LEAST_STEPS && ratio.value > 0.0)
+        else {
+            return false;
+        };
+        probe.reference = Some(ratio);
+        (probe.short, probe.long) = (Memory::default(), Memory::default());
+        (probe.steps, probe.before) = (0, 0.0);
+        true
+    }
+
+    /// Reports of the probes.
+    pub fn reports(&self) -> [ProbeReport; P] {
+        self.probes.each_ref().map(|probe| probe.report(self.limit))
+    }
+
+    /// Begins a block at a speed.
+    fn begin(&mut self, rpm: f32) {
+        self.length = length(rpm, self.rate).unwrap_or(0);
+        (self.speed, self.speeds, self.ticks) = (rpm, 0.0, 0);
+    }
+
+    /// Begins a block that does not follow another one.
+    fn restart(&mut self, rpm: f32) {
+        self.begin(rpm);
+        for probe in &mut self.probes {
+            (probe.mean, probe.pairs, probe.before) = (None, 0, 0.0);
+        }
+    }
+
+    fn end(&mut self) {
+        let pairs = self.ticks;
+        let steps = self.probes.each_mut().map(|probe| {
+            let difference = probe.end(pairs);
+            let step = probe.step(difference)?;
+            Some((step, probe.is_off(step)))
+        });
+        // Swapped probes: one sees too little and another one too much.
+        let too_little = steps.iter().flatten().any(|(_, off)| off[0]);
+        for (probe, step) in self.probes.iter_mut().zip(steps) {
+            match step {
+                Some((_, off)) if off[0] || (off[1] && too_little) => {
+                    probe.wrong = (probe.wrong + 1).min(2 * WRONG);
+                    probe.before = 0.0;
+                }
+                Some((step, _)) => probe.learn(step),
+                None => {}
+            }
+        }
+    }
+}
