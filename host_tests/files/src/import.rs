@@ -18,13 +18,15 @@
 //! mx = { value = 0, unit = "Nm" }
 //! my = "?"
 //! speed = { column = "n [Hz]", unit = "Hz", factor = 0.5 }
+//! probe.nose = { column = "s1 [V]", unit = "um", factor = 25 }   # a [[probe]] of the spindle; um, nm, mm or m
 //! ```
 
 use crate::designs::{DesignFileError, Key, Place, Reading, read_text};
 use crate::lines::SEPARATORS;
 use crate::quantities::{LOADS, OWN, QUANTITIES, Quantity};
-use crate::units::{Dimension, Unit};
+use crate::units::{Dimension, LENGTHS, Unit, plain};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 use toml::Spanned;
 
@@ -45,6 +47,7 @@ pub struct Import {
     /// The recording's axis and its sign for each axis of the bearing.
     axes: [(usize, f64); 3],
     columns: [Entry; QUANTITIES],
+    probes: Vec<ProbeColumn>,
     /// Open points besides columns.
     open: Vec<&'static str>,
 }
@@ -73,6 +76,17 @@ pub struct Column {
     /// Its unit; none of clock times.
     pub unit: Option<Unit>,
     /// Factor of its numbers.
+    pub factor: f64,
+}
+
+/// The column of a probe.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ProbeColumn {
+    /// Name of the probe.
+    pub probe: String,
+    /// Which column it is.
+    pub name: Name,
+    /// Factor of its numbers to um.
     pub factor: f64,
 }
 
@@ -108,6 +122,8 @@ pub struct Wanted {
     pub needed: [bool; OWN.len()],
     /// One record of so many is read.
     pub every: usize,
+    /// Names of the probes whose readings are wanted, as far as the recording has them.
+    pub probes: Vec<String>,
 }
 
 impl Default for Wanted {
@@ -120,6 +136,7 @@ impl Default for Wanted {
             given: [None; OWN.len()],
             needed,
             every: 1,
+            probes: Vec::new(),
         }
     }
 }
@@ -195,6 +212,8 @@ struct ColumnsKeys {
     speed: Key<Said>,
     t_inner: Key<Said>,
     t_outer: Key<Said>,
+    #[serde(default)]
+    probe: BTreeMap<String, Spanned<ColumnKeys>>,
 }
 
 #[derive(Deserialize)]
@@ -231,8 +250,8 @@ struct RateKeys {
 }
 
 impl Import {
-    /// The project's own columns, of which a file has these.
-    pub(crate) fn own(has: [bool; OWN.len()]) -> Self {
+    /// The project's own columns, of which a file has these, and columns of these probes.
+    pub(crate) fn own(has: [bool; OWN.len()], probes: &[&String]) -> Self {
         let mut columns = [const { Entry::Absent }; QUANTITIES];
         for (own, _) in OWN.into_iter().zip(has).filter(|(_, has)| *has) {
             columns[own as usize] = Entry::Column(Column {
@@ -251,6 +270,7 @@ impl Import {
             short_rows: false,
             axes: AXES,
             columns,
+            probes: probes.iter().map(|probe| ProbeColumn::own(probe)).collect(),
             open: Vec::new(),
         }
     }
@@ -323,6 +343,12 @@ impl Import {
         let entries = [
             of.time, of.fx, of.fy, of.fz, of.mx, of.my, of.mz, of.speed, of.t_inner, of.t_outer,
         ];
+        let probes = of.probe.into_iter().map(|(probe, said)| {
+            let place = r.place(said.span());
+            let column = said.into_inner().of_probe(probe);
+            column.map_err(|message| r.error(place, message))
+        });
+        let probes = probes.collect::<Result<_, _>>()?;
         let mut columns = [const { Entry::Absent }; QUANTITIES];
         for (quantity, said) in Quantity::ALL.into_iter().zip(entries) {
             if let Some(said) = said {
@@ -343,8 +369,20 @@ impl Import {
             short_rows,
             axes,
             columns,
+            probes,
             open,
         })
+    }
+
+    /// Columns of the probes that are wanted, in their order.
+    pub(crate) fn probes(&self, wanted: &[String]) -> Vec<Option<ProbeColumn>> {
+        let column = |name: &String| {
+            self.probes
+                .iter()
+                .find(|column| column.probe == *name)
+                .cloned()
+        };
+        wanted.iter().map(column).collect()
     }
 
     /// Whether a quantity is in a column.
@@ -412,6 +450,38 @@ impl Import {
         } as usize;
         let (axis, sign) = self.axes[own as usize - first];
         (Quantity::ALL[first + axis], sign)
+    }
+}
+
+impl ProbeColumn {
+    /// The column of a probe among the project's own.
+    pub fn own(probe: &str) -> Self {
+        Self {
+            probe: probe.to_owned(),
+            name: Name::Text(format!("probe_{probe}_um")),
+            factor: 1.0,
+        }
+    }
+}
+
+impl ColumnKeys {
+    fn of_probe(self, probe: String) -> Result<ProbeColumn, String> {
+        let unit = plain(&self.unit);
+        let found = LENGTHS
+            .iter()
+            .find(|(name, _)| unit.as_deref() == Some(*name));
+        let (_, micrometres) = found.ok_or_else(|| {
+            let names = LENGTHS.map(|(name, _)| name).join(", ");
+            format!(
+                "`probe.{probe}`: {:?} is none of the units {names}; others take a factor",
+                self.unit
+            )
+        })?;
+        Ok(ProbeColumn {
+            probe,
+            name: self.column,
+            factor: micrometres * self.factor.unwrap_or(1.0),
+        })
     }
 }
 

@@ -9,6 +9,7 @@ mod lines;
 pub mod monitors;
 pub mod noses;
 pub mod plan;
+pub mod probes;
 pub mod propose;
 pub mod quantities;
 pub mod recordings;

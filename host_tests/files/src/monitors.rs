@@ -46,6 +46,8 @@ pub struct MonitorFile {
     pub tare_samples: u32,
     /// How often telemetry goes out.
     pub telemetry: Telemetry,
+    /// Change of the measured over the computed displacement that is an alarm, a part of 1.
+    pub response_limit: f64,
 }
 
 /// Bounds of plausible loads and speeds.
@@ -161,7 +163,7 @@ mod keys {
     pub(crate) struct MonitorKeys {
         pub period_ms: Said, pub loads: Key<String>, pub idle: LoadKeys, pub plausible: PlausibleKeys, pub overload: LoadKeys,
         pub accuracy: LoadKeys, pub alarm: AlarmsKeys, pub temperatures: TemperatureKeys, pub tachometer: TachometerKeys,
-        pub bridges: BridgeKeys, pub telemetry: TelemetryKeys,
+        pub bridges: BridgeKeys, pub telemetry: TelemetryKeys, pub response: ResponseKeys,
     }
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
     pub(crate) struct LoadKeys { pub fx_n: Said, pub fy_n: Said, pub fz_n: Said, pub my_nm: Said, pub mz_nm: Said }
@@ -193,6 +195,8 @@ mod keys {
     }
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
     pub(crate) struct BridgeKeys { pub counts: Key<Vec<[f64; 5]>>, pub tare_samples: Said }
+    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
+    pub(crate) struct ResponseKeys { pub limit_percent: Said }
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
     pub(crate) struct TelemetryKeys { pub estimate_ms: Said, pub balls_ms: Said, pub health_ms: Said, pub standing_ms: Said }
 }
@@ -230,7 +234,7 @@ fn rad(rpm: f64) -> f64 {
 }
 
 #[rustfmt::skip]
-const NUMBERS: [Number; 46] = [
+const NUMBERS: [Number; 47] = [
     ("period_ms", Some(1.0), From(1.0, 10.0), |k| &k.period_ms, |m, x| m.period_us = us(x)),
     ("idle.fx_n", Some(0.0), From(-1e9, 1e9), |k| &k.idle.fx_n, |m, x| m.idle[0] = x),
     ("idle.fy_n", Some(0.0), From(-1e9, 1e9), |k| &k.idle.fy_n, |m, x| m.idle[1] = x),
@@ -273,6 +277,7 @@ const NUMBERS: [Number; 46] = [
     ("tachometer.gate_ms", Some(5.0), Time(1e-3), |k| &k.tachometer.gate_ms, |m, x| m.tachometer.gate_us = us(x)),
     ("tachometer.standstill_ms", Some(500.0), Time(1.0), |k| &k.tachometer.standstill_ms, |m, x| m.tachometer.standstill_us = us(x)),
     ("bridges.tare_samples", Some(1000.0), Count(1.0), |k| &k.bridges.tare_samples, |m, x| m.tare_samples = x as u32),
+    ("response.limit_percent", Some(5.0), From(0.1, 100.0), |k| &k.response.limit_percent, |m, x| m.response_limit = x / 100.0),
     ("telemetry.estimate_ms", Some(20.0), Time(1e-3), |k| &k.telemetry.estimate_ms, |m, x| m.telemetry.estimate_us = us(x)),
     ("telemetry.balls_ms", None, Time(1e-3), |k| &k.telemetry.balls_ms, |m, x| m.telemetry.balls_us = us(x)),
     ("telemetry.health_ms", Some(1000.0), Time(1e-3), |k| &k.telemetry.health_ms, |m, x| m.telemetry.health_us = us(x)),

@@ -1,8 +1,8 @@
 //! Recorded loads: forces, moments and speed as tables, row by row.
 //!
 //! A recording in the project's own columns has a first line such as `time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm`, in any
-//! order, with further columns that are ignored; `t_inner_c,t_outer_c` besides, for spindles with `[heat]`. Without
-//! `time_s`, rows are counted. Any other table needs a [description](crate::import).
+//! order, with further columns that are ignored; `t_inner_c,t_outer_c` besides, for spindles with `[heat]`, and `probe_NAME_um` for
+//! their probes, whose fields may be empty. Without `time_s`, rows are counted. Any other table needs a [description](crate::import).
 //!
 //! Both are read to the letter: a line is a row, refused, or skipped, and all of them are counted. Every number is passed on
 //! as it stands, `nan` and `inf` too: whether a row can be solved is for the solver to say.
@@ -10,7 +10,7 @@
 //! The csv crate reads lines with quotation marks; a reader of its own for every line would take two fifths of a replay.
 
 use crate::fault::{BadRow, LoadsError, STDIN};
-use crate::import::{Import, Name, Source, Wanted};
+use crate::import::{Import, Name, ProbeColumn, Source, Wanted};
 use crate::lines::{Line, Lines, listed, number, shown, split, text};
 use crate::quantities::{LOADS, OWN, Quantity};
 use crate::units::{Dimension, Unit, celsius};
@@ -149,6 +149,8 @@ pub struct Loads {
     ranges: [(f64, f64); OWN.len()],
     /// Times of the first and the last row.
     times: Option<(f64, f64)>,
+    /// Readings of the probes in the last row, um.
+    readings: Vec<Option<f64>>,
 }
 
 /// The part of a file that a line stands in.
@@ -181,11 +183,13 @@ struct Layout {
     comment: Option<String>,
     short_rows: bool,
     sources: [Source; OWN.len()],
+    /// Columns of the probes that are wanted.
+    probes: Vec<Option<ProbeColumn>>,
     /// Names of the columns; none where the file has no header.
     names: Vec<String>,
     /// Fields of a row; 0 until the first row says it.
     width: usize,
-    /// The quantity in each field, by its number in [`OWN`].
+    /// The quantity in each field, by its number in [`OWN`]; probes have the numbers behind.
     of_field: Vec<Option<usize>>,
 }
 
@@ -222,6 +226,7 @@ impl Loads {
             counts: Counts::default(),
             ranges: NO_RANGES,
             times: None,
+            readings: Vec::new(),
         };
         match import {
             Some(import) => loads.follow(import, wanted)?,
@@ -257,6 +262,16 @@ impl Loads {
     pub fn has_temperatures(&self) -> bool {
         let mut names = self.layout.names.iter();
         names.any(|name| OWN[LOADS..].iter().any(|side| name == side.column()))
+    }
+
+    /// Readings of the wanted probes in the last row, um; none of an empty field.
+    pub fn readings(&self) -> &[Option<f64>] {
+        &self.readings
+    }
+
+    /// Whether there is a column for each of the wanted probes.
+    pub fn has_probes(&self) -> impl Iterator<Item = bool> {
+        self.layout.probes.iter().map(Option::is_some)
     }
 
     /// The name of the file, as messages give it.
@@ -312,7 +327,10 @@ impl Loads {
     /// A complaint of a field of the line, counted from 1; `quantity` is the one that it holds, if it is one of ours.
     fn fault(&self, field: usize, quantity: Option<usize>, message: impl fmt::Display) -> String {
         let (file, line) = (self.file(), self.line.number);
-        let name = quantity.map_or(String::new(), |i| format!(" ({})", OWN[i].column()));
+        let name = quantity.map_or(String::new(), |i| match OWN.get(i) {
+            Some(own) => format!(" ({})", own.column()),
+            None => format!(" ({})", self.layout.key(i)),
+        });
         format!("{file}: line {line}, column {field}{name}: {message}")
     }
 
@@ -365,7 +383,19 @@ impl Loads {
         });
         let lacking: Vec<_> = lacking.collect();
         match lacking.is_empty() {
-            true => Ok(Import::own(has)),
+            true => {
+                let probes = wanted.probes.iter();
+                let has_probe = |probe: &&String| {
+                    let own = ProbeColumn::own(probe);
+                    names
+                        .iter()
+                        .any(|name| Name::Text(name.clone()) == own.name)
+                };
+                Ok(Import::own(
+                    has,
+                    &probes.filter(has_probe).collect::<Vec<_>>(),
+                ))
+            }
             false => Err(self.lines.malformed(1, lacking.join("; "))),
         }
     }
@@ -378,6 +408,7 @@ impl Loads {
             comment: import.comment.clone(),
             short_rows: import.short_rows,
             sources: import.sources(wanted).map_err(LoadsError::Malformed)?,
+            probes: import.probes(&wanted.probes),
             ..Layout::default()
         };
         let mut names = Line::default();
@@ -528,12 +559,24 @@ impl Loads {
         }
         let (mut bad, mut more, mut words, mut columns) = (None, false, 0, 0);
         let (layout, time) = (&self.layout, &mut self.clock);
+        self.readings.clear();
+        self.readings.resize(layout.probes.len(), None);
+        let readings = &mut self.readings;
         let width = layout.width;
         let count = split(line, layout.separator, |i, bytes| {
             more |= i >= width && !bytes.is_empty();
             let Some(Some(of)) = layout.of_field.get(i).copied() else {
                 return;
             };
+            if let Some(reading) = of.checked_sub(OWN.len()).map(|i| &mut readings[i]) {
+                match layout.reading(bytes, of) {
+                    Ok(read) => *reading = read,
+                    Err(message) => {
+                        bad.get_or_insert((i + 1, Some(of), message));
+                    }
+                }
+                return;
+            }
             columns += 1;
             match layout.number(bytes, of, time) {
                 Ok(number) => numbers[of] = Some(number),
@@ -567,7 +610,8 @@ impl Loads {
             }
             Ok(_) => None,
         };
-        let described = layout.of_field.iter().flatten().count();
+        let described = layout.of_field.iter().flatten();
+        let described = described.filter(|of| **of < OWN.len()).count();
         let is_header = words == described && columns == described && described > 0;
         // A word in the only column that is read may be a sensor's.
         if is_header && (described > 1 || !has_number(line, layout.separator)) {
@@ -642,44 +686,71 @@ impl Layout {
     /// Finds the field of each quantity, or says which column there is not.
     fn place(&mut self) -> Result<(), String> {
         self.of_field = vec![None; self.width];
-        for (of, source) in self.sources.iter().enumerate() {
-            let Source::Column(column) = source else {
-                continue;
-            };
-            let field = match &column.name {
-                Name::Number(number) if (1..=self.width).contains(number) => number - 1,
-                Name::Number(number) => {
-                    return Err(format!(
-                        "{} columns, and not the column {number}",
-                        self.width
-                    ));
-                }
-                Name::Text(name) => {
-                    let mut fields = (0..self.width).filter(|i| self.names[*i] == *name);
-                    match (fields.next(), fields.next()) {
-                        (Some(field), None) => field,
-                        (Some(_), Some(_)) => {
-                            return Err(format!(
-                                "two columns {}: their numbers are wanted instead",
-                                shown(name)
-                            ));
-                        }
-                        (None, _) => {
-                            let names = listed(&self.names);
-                            return Err(format!(
-                                "the columns {names}, and not the column {}",
-                                shown(name)
-                            ));
-                        }
-                    }
-                }
-            };
+        let quantities = self.sources.iter().map(|source| match source {
+            Source::Column(column) => Some(&column.name),
+            _ => None,
+        });
+        let probes = self.probes.iter();
+        let probes = probes.map(|probe| probe.as_ref().map(|column| &column.name));
+        for (of, name) in quantities.chain(probes).enumerate() {
+            let Some(name) = name else { continue };
+            let field = self.field(name)?;
             if let Some(other) = self.of_field[field].replace(of) {
-                let both = [OWN[other], OWN[of]].map(Quantity::name).join(" and ");
-                return Err(format!("one column for {both},"));
+                let (one, other) = (self.key(of), self.key(other));
+                return Err(format!("one column for {other} and {one},"));
             }
         }
         Ok(())
+    }
+
+    /// Key of a quantity or a probe in a description.
+    fn key(&self, of: usize) -> String {
+        match (OWN.get(of), self.probes.get(of.wrapping_sub(OWN.len()))) {
+            (Some(own), _) => own.name().to_owned(),
+            (_, Some(Some(column))) => format!("probe.{}", column.probe),
+            _ => String::new(),
+        }
+    }
+
+    /// The field of a column.
+    fn field(&self, name: &Name) -> Result<usize, String> {
+        match name {
+            Name::Number(number) if (1..=self.width).contains(number) => Ok(number - 1),
+            Name::Number(number) => Err(format!(
+                "{} columns, and not the column {number}",
+                self.width
+            )),
+            Name::Text(name) => {
+                let mut fields = (0..self.width).filter(|i| self.names[*i] == *name);
+                match (fields.next(), fields.next()) {
+                    (Some(field), None) => Ok(field),
+                    (Some(_), Some(_)) => Err(format!(
+                        "two columns {}: their numbers are wanted instead",
+                        shown(name)
+                    )),
+                    (None, _) => {
+                        let names = listed(&self.names);
+                        Err(format!(
+                            "the columns {names}, and not the column {}",
+                            shown(name)
+                        ))
+                    }
+                }
+            }
+        }
+    }
+
+    /// The reading of a probe, um; none of an empty field.
+    fn reading(&self, bytes: &[u8], of: usize) -> Result<Option<f64>, String> {
+        let column = self.probes[of - OWN.len()].as_ref();
+        let text = text(bytes);
+        let text = text.trim_matches('"');
+        if text.is_empty() {
+            return Ok(None);
+        }
+        let value = number(text, self.decimal);
+        let value = value.ok_or_else(|| format!("{} is not a number", shown(text)))?;
+        Ok(column.map(|column| column.factor * value))
     }
 
     /// The number in a field, or the field's fault.

@@ -56,6 +56,12 @@
 //! [nose.tool]                    # more of them, by name
 //! position_mm = -120
 //!
+//! [[probe]]                      # up to 4 sensors that see the shaft against the housing
+//! name = "nose"                  # readings are in the column probe_nose_um
+//! position_mm = -10
+//! angle_deg = 90                 # from +y towards +z; or direction = "x"
+//! accuracy_um = 0.5              # may be left out
+//!
 //! [monitor.plausible]            # and more about the monitor: see `docs/monitor_keys.md`
 //! fx_n = [-1700, 1700]
 //! ```
@@ -70,6 +76,7 @@ use crate::designs::{
 use crate::monitors::{MonitorFile, MonitorKeys};
 use crate::noses::{Nose, NoseKeys, PLAIN};
 use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Part, Plan, Question, Row, ShaftEnd};
+use crate::probes::{self, Probe, ProbeKeys};
 use crate::recordings::LoadRow;
 use crate::shafts::{ShaftKeys, SupportKeys};
 use crate::units::celsius;
@@ -92,6 +99,8 @@ pub struct SpindleFile {
     pub plan: Plan,
     /// Points where the stiffness is wanted besides `x = 0`, the plain `[nose]` first.
     pub noses: Vec<Nose>,
+    /// Its probes.
+    pub probes: Vec<Probe>,
     /// Growth of each row that is always there.
     growth: Vec<Growth<f64>>,
     /// Bore of the shaft at each row, on which inner rings grow with the speed, m; none if they do not.
@@ -132,6 +141,8 @@ struct SpindleKeys {
     shaft: Option<ShaftKeys>,
     heat: Option<HeatKeys>,
     nose: Option<NoseKeys>,
+    #[serde(default)]
+    probe: Vec<Spanned<ProbeKeys>>,
     load: Option<LoadKeys>,
     #[serde(default)]
     constant_load: Vec<ConstantLoadKeys>,
@@ -216,6 +227,7 @@ impl From<DesignFile> for SpindleFile {
             is_bearing: true,
             plan: Plan::alone(&file.design, file.balls),
             noses: Vec::new(),
+            probes: Vec::new(),
             growth: vec![Growth::NONE],
             bores: Vec::new(),
             heat: None,
@@ -466,6 +478,7 @@ impl SpindleFile {
                 shaft,
             },
             noses: noses.transpose()?.unwrap_or_default(),
+            probes: probes::read(r, keys.probe)?,
             growth,
             bores,
             heat: heat.transpose()?,
@@ -531,6 +544,18 @@ impl SpindleFile {
             middle_growth: heat.map_or(0.0, |heat| middle_growth(heat).axial),
             ends: self.noses.iter().map(|nose| nose.end).collect(),
             ..Question::load(self.loading.about_origin(row.load), omega)
+        }
+    }
+
+    /// The question of a row of loads at the probes, in the place of the noses.
+    pub fn question_at_probes(&self, row: &LoadRow) -> Question {
+        let ends = self
+            .probes
+            .iter()
+            .map(|probe| ShaftEnd::rigid(probe.position));
+        Question {
+            ends: ends.collect(),
+            ..self.question(row)
         }
     }
 

@@ -78,9 +78,18 @@ const UNITS: [Unit; 30] = [
     Unit { dimension: Temperature, names: "degF f fahrenheit", times: 5.0, over: 9.0, zero: 32.0 },
 ];
 
+/// Units of a probe's readings, and their micrometres.
+pub(crate) const LENGTHS: [(&str, f64); 5] = [
+    ("um", 1.0),
+    ("µm", 1.0),
+    ("nm", 1e-3),
+    ("mm", 1e3),
+    ("m", 1e6),
+];
+
 /// A unit's name without blanks and the marks of products and powers: `N*m`, `[N m]` and `Nm` are one. None of a name with
 /// other marks.
-fn plain(name: &str) -> Option<String> {
+pub(crate) fn plain(name: &str) -> Option<String> {
     let mut plain = String::new();
     for c in name.trim_matches(['[', ']', '(', ')', '"', ' ']).chars() {
         match c {

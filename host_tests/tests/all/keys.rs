@@ -766,6 +766,68 @@ fn a_shaft_that_does_not_fit_the_bearing_is_told() {
     );
 }
 
+const PROBE: &str = "\
+[[probe]]
+name = \"ax\"
+position_mm = -10
+direction = \"x\"
+[[probe]]
+name = \"up\"
+position_mm = 25.5
+angle_deg = 120
+accuracy_um = 0.1
+";
+
+#[test]
+fn a_probe_sees_its_direction_at_its_position() {
+    let file = parsed(&format!("{}{PROBE}", spindle()));
+    let [ax, up] = &file.probes[..] else {
+        panic!("{:?}", file.probes);
+    };
+    assert_eq!((&*ax.name, ax.position, ax.accuracy), ("ax", -0.01, 0.5));
+    assert_eq!((&*up.name, up.position, up.accuracy), ("up", 0.0255, 0.1));
+    let u = [1e-6, 2e-6, 3e-6, 0.1, 0.1];
+    assert_eq!(ax.sees(&u), 1.0);
+    assert!((up.sees(&u) - (1.5 * 3_f64.sqrt() - 1.0)).abs() < 1e-9);
+    let row = LoadRow {
+        time_s: 0.0,
+        load: LOAD,
+        speed_rpm: RPM,
+        temperatures: Some(WARM),
+    };
+    let ends = file.question_at_probes(&row).ends;
+    assert_eq!(ends, [-0.01, 0.0255].map(ShaftEnd::rigid));
+    for (from, to, line, told) in [
+        ("\"up\"", "\"ax\"", 6, "another probe is called \"ax\""),
+        ("\"up\"", "\"a b\"", 6, "the name of a probe has letters"),
+        ("= 120", "= nan", 8, "`angle_deg` is nan"),
+        (
+            "angle_deg = 120",
+            "direction = \"y\"",
+            8,
+            "`direction` is \"x\"",
+        ),
+        ("angle_deg = 120\n", "", 5, "add a line such as `direction"),
+        ("= 120", "= 120\ndirection = \"x\"", 8, "remove one of them"),
+        ("= 0.1", "= 0", 9, "must be above 0"),
+        ("position_mm = 25.5\n", "", 5, "`position_mm = -10`"),
+        ("name = \"up\"\n", "", 5, "`name = \"nose\"`"),
+        (
+            "[[probe]]\nname = \"up\"",
+            "[[probe]]\n[[probe]]\n[[probe]]\n[[probe]]\nname = \"up\"",
+            5,
+            "this probe lacks a key",
+        ),
+    ] {
+        let probes = PROBE.replacen(from, to, 1);
+        let text = format!("{TOP}{probes}{ROWS}");
+        let error = SpindleFile::parse("s.toml", &text, Path::new(SHIPPED)).unwrap_err();
+        assert!(error.message.contains(told), "{from}: {error}");
+        let place = error.place.map(|place| place.line);
+        assert_eq!(place, Some(line + TOP.lines().count()), "{from}: {error}");
+    }
+}
+
 /// Keys of tables, by the name of the table: `serde` lists them where a key is unknown.
 fn keys_of(table: &str, text: &str) -> BTreeSet<String> {
     let error = match table.starts_with("bearing") {
@@ -780,7 +842,7 @@ fn keys_of(table: &str, text: &str) -> BTreeSet<String> {
 }
 
 #[rustfmt::skip]
-const TABLES: [(&str, &str); 16] = [
+const TABLES: [(&str, &str); 17] = [
     ("bearing", "unknown = 0"),
     ("bearing.ring", "[ring]\nunknown = 0"),
     ("bearing.ball", "[ball]\nunknown = 0"),
@@ -797,10 +859,11 @@ const TABLES: [(&str, &str); 16] = [
     ("spindle.load", "[load]\nunknown = 0"),
     ("spindle.constant_load", "[[constant_load]]\nunknown = 0"),
     ("spindle.nose", "[nose.tool]\nunknown = 0"),
+    ("spindle.probe", "[[probe]]\nunknown = 0"),
 ];
 
 /// Keys of the other tests here, of `monitor_keys.rs` and of `wrong_files.rs`. A name is a text.
-const OTHERS: [&str; 14] = [
+const OTHERS: [&str; 18] = [
     "bearing.name",
     "bearing.inner_shoulder_deg",
     "bearing.outer_shoulder_deg",
@@ -815,6 +878,11 @@ const OTHERS: [&str; 14] = [
     "spindle.preload_n",
     "spindle.row.preload_offset_um",
     "spindle.monitor",
+    "spindle.probe.name",
+    "spindle.probe.position_mm",
+    "spindle.probe.direction",
+    "spindle.probe.angle_deg",
+    "spindle.probe.accuracy_um",
 ];
 
 #[test]
