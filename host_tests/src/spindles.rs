@@ -100,7 +100,7 @@ impl Answer {
 }
 
 /// Displacement, stiffness and compliance of a point on the shaft.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct AtEnd {
     /// Displacement of the shaft.
     pub displacement: [f64; 5],
@@ -143,7 +143,7 @@ pub struct RowAnswer {
 
 /// Parts of an answer that take time, and that not everybody wants: bits of a sum.
 pub mod parts {
-    /// Stiffness and compliance at the points that are asked for.
+    /// Stiffness and compliance at the points that are asked for, besides their displacement.
     pub const AT: u8 = 1;
     /// Limits of the rows.
     pub const LIMITS: u8 = 2;
@@ -430,12 +430,15 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
     closures: &[f64],
 ) -> Answer {
     let error = &solution.error;
-    let ends = match choices.parts & parts::AT {
-        0 => &[],
-        _ => ends,
-    };
     let at = ends.iter().map(|end| {
         let x = T::of(end.position - loaded_at);
+        let displacement = solution.displacement_at(x).map(T::to_f64);
+        if choices.parts & parts::AT == 0 {
+            return AtEnd {
+                displacement,
+                ..AtEnd::default()
+            };
+        }
         let mut compliance = wide(&solution.compliance_at(x));
         let mut compliance_error = solution.compliance_error_at(x).map(T::to_f64);
         let mut stiffness = wide(&solution.stiffness_at(x));
@@ -447,7 +450,7 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
             stiffness = from_fn(|r| from_fn(|c| k[r][c] - k[r][i] * taken * k[i][c]));
         }
         AtEnd {
-            displacement: solution.displacement_at(x).map(T::to_f64),
+            displacement,
             displacement_error: solution.displacement_error_at(x).to_f64(),
             stiffness,
             compliance,

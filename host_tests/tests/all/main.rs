@@ -33,6 +33,7 @@ mod net;
 mod precision;
 mod recordings;
 mod refusals;
+mod response;
 mod retained;
 mod scenes;
 mod self_check;
