@@ -863,7 +863,7 @@ const TABLES: [(&str, &str); 17] = [
 ];
 
 /// Keys of the other tests here, of `monitor_keys.rs` and of `wrong_files.rs`. A name is a text.
-const OTHERS: [&str; 18] = [
+const OTHERS: [&str; 19] = [
     "bearing.name",
     "bearing.inner_shoulder_deg",
     "bearing.outer_shoulder_deg",

@@ -5,6 +5,7 @@ use clap::{Parser, ValueEnum};
 use files::spindles::SpindleFile;
 use mounting::Parts;
 use std::cmp::Ordering;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::PathBuf;
@@ -24,7 +25,8 @@ const MOST_DOTS: usize = 400;
 ///
 /// Results and tables become curves of speed, load and stiffness over time, or of stiffness over
 /// speed. A file of balls becomes the load distribution: contact forces over the azimuth at one
-/// time. A file that ends in .toml is a spindle's: its shaft, rows, contact lines, supports, loads and noses in section.
+/// time. A file that ends in .toml is a spindle's: its shaft, rows, contact lines, supports, loads and noses in section. A file
+/// of --response becomes compliances over time, with their errors.
 #[derive(Debug, Parser)]
 #[command(name = "plot", bin_name = "cargo plot", max_term_width = 100)]
 struct Args {
@@ -148,10 +150,12 @@ fn chart(args: &Args, input: Box<dyn Read>) -> Result<Chart> {
             "--over and --nose are for results, and this is a file of balls"
         );
         around(&mut table, args.time)?
+    } else if table.has("ratio_error") {
+        responses(&mut table)?
     } else {
         bail!(
-            "line 1: there is no column k_x_x as in the results of cargo replay, nor azimuth_rad as in its --balls; files \
-             of --rows, --nose and --frequencies are not drawn"
+            "line 1: there is no column k_x_x as in the results of cargo replay, nor azimuth_rad as in its --balls, \
+             nor ratio_error as in its --response; files of --rows, --nose and --frequencies are not drawn"
         )
     };
     let name = args.file.file_name().unwrap_or_default();
@@ -182,6 +186,17 @@ impl Table {
 
     /// The numbers of all rows in the columns of these names: not a number where there is nothing to draw.
     fn read<const N: usize>(&mut self, names: &str) -> Result<Vec<[f64; N]>> {
+        let rows = self.read_named(names, "")?;
+        Ok(rows.into_iter().map(|(_, row)| row).collect())
+    }
+
+    /// [`Table::read`], each row with the text in the column `name`.
+    fn read_named<const N: usize>(
+        &mut self,
+        names: &str,
+        name: &str,
+    ) -> Result<Vec<(String, [f64; N])>> {
+        let text = self.header.iter().position(|field| field == name);
         let columns = names.split_whitespace().map(|name| {
             let column = self.header.iter().position(|field| field == name);
             let column = column.with_context(|| {
@@ -209,7 +224,8 @@ impl Table {
                     *number = if read.abs() < 1e30 { read } else { f64::NAN };
                 }
             }
-            rows.push(row);
+            let text = text.and_then(|column| record.get(column));
+            rows.push((text.unwrap_or_default().to_owned(), row));
         }
         Ok(rows)
     }
@@ -322,6 +338,37 @@ fn over_time(rows: &[Row]) -> Result<Chart> {
     Ok(Chart::new(&title, 1, panels))
 }
 
+/// Ratio of each probe with twice its standard error over time.
+fn responses(table: &mut Table) -> Result<Chart> {
+    let rows = table.read_named("time_s ratio ratio_error", "probe")?;
+    let probes: BTreeSet<&String> = rows.iter().map(|(probe, _)| probe).collect();
+    let curves = probes.into_iter().flat_map(|probe| {
+        let rows = rows.iter().filter(|(one, _)| one == probe);
+        let percent = |ratio: f64| 100.0 * (ratio - 1.0);
+        let spans = rows.map(|(_, [time, ratio, error])| {
+            let ratios = [ratio - 2.0 * error, *ratio, ratio + 2.0 * error];
+            (*time, ratios.map(percent))
+        });
+        banded(probe, &spans.collect::<Vec<_>>())
+    });
+    let mut panel = Panel::new(
+        "More compliant than at commissioning",
+        "",
+        "%",
+        curves.collect(),
+    );
+    ensure!(
+        rows.iter().any(|(_, [_, ratio, _])| ratio.is_finite()),
+        "no probe has a ratio, nothing to draw; the column state says why"
+    );
+    panel.x = Axis::new("time / s");
+    Ok(Chart::new(
+        "ratio of probes; bands: two standard errors",
+        1,
+        vec![panel],
+    ))
+}
+
 /// A line through the points; through means of them above a band, if there are too many.
 fn means(name: &str, points: &[(f64, f64)]) -> Vec<Curve> {
     let together = points.len().div_ceil(MOST_POINTS);
@@ -336,7 +383,11 @@ fn means(name: &str, points: &[(f64, f64)]) -> Vec<Curve> {
             [f64::min, f64::max].map(|of| values.iter().copied().fold(f64::NAN, of));
         (span[span.len() / 2].0, [least, mean, largest])
     });
-    let spans: Vec<_> = spans.collect();
+    banded(name, &spans.collect::<Vec<_>>())
+}
+
+/// A line over a band: least, mean and largest of each place; broken where the mean is not a number.
+fn banded(name: &str, spans: &[(f64, [f64; 3])]) -> Vec<Curve> {
     let bands = spans.split(|span| span.1[1].is_nan()).map(|run| {
         let low = run.iter().map(|(x, [least, ..])| (*x, *least));
         let high = run.iter().map(|(x, [.., largest])| (*x, *largest));

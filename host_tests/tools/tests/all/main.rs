@@ -4,5 +4,6 @@ mod limits;
 mod malformed;
 mod plot;
 mod replay;
+mod response;
 mod spindles;
 mod view;

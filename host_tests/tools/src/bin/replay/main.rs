@@ -1,6 +1,7 @@
 //! `cargo replay`: recorded loads and speed in, displacements and stiffness out.
 
 mod limits;
+mod response;
 mod table;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -154,6 +155,9 @@ struct Args {
     /// Write the frequencies at which damaged parts of every row of balls are heard to this CSV file
     #[arg(long, value_name = "FREQUENCIES.csv")]
     frequencies: Option<PathBuf>,
+
+    #[command(flatten)]
+    response: response::Options,
 
     #[command(flatten)]
     recording: Recording,
@@ -353,6 +357,9 @@ DESIGN.toml is a spindle if it has [[row]]s:
   [nose]                        # stiffness there, too: position_mm = -60, radial_um_per_kn,
                                 # axial_um_per_kn, both of a shaft without sections
   [nose.tool]                   # more of them, by name: position_mm = -120
+  [[probe]]                     # sees the shaft against the housing, for --response: name = \"nose\",
+                                # position_mm = -10, angle_deg = 90 from +y towards +z, or
+                                # direction = \"x\"; accuracy_um = 0.5
 A [[row]] may stand on an elastic support; what is left out is rigid:
   support = { axial_n_per_um = 500, radial_n_per_um = 400, tilting_nm_per_rad = 1e6 }
 
@@ -365,7 +372,7 @@ DESIGN.toml of either kind may say where recorded loads act, and what acts besid
 LOADS.csv has the columns
   time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm
 in any order, names on the first line, fields separated by commas, decimals by points; for a spindle with [heat]
-t_inner_c,t_outer_c as well. Other columns are ignored, and named once on standard error. Without time_s, rows are
+t_inner_c,t_outer_c as well; for --response probe_NAME_um of each [[probe]]. Other columns are ignored, and named once on standard error. Without time_s, rows are
 counted. A constant such as --my 0 takes the place of a column.
 
 A recording of any other program needs a description of its columns:
@@ -526,6 +533,9 @@ fn run(args: &Args) -> Result<Summary> {
     );
     let mut lifetime = args.summary.map(|_| Lifetime::default());
     let solved = with_solver(&file.plan, balls, precision, |solver| {
+        if let Some(path) = &args.response.response {
+            return response::replay(args, &file, solver, path);
+        }
         let (rows, recording) = args.input(&file)?;
         let mut files = args.files(&file)?;
         let mut outputs: Vec<Output<'_>> = Vec::new();
