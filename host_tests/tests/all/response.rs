@@ -551,7 +551,7 @@ fn a_fault_is_named_by_its_direction() {
     }
 }
 
-/// `cargo test -p host_tests --release -- --ignored response`: half an hour.
+/// `cargo test --profile host -p host_tests --test all -- --ignored --nocapture figures_of_a_thousand_runs`: some minutes.
 #[test]
 #[ignore = "10 hours of cutting, and 1,000 runs"]
 fn figures_of_a_thousand_runs() {
@@ -575,7 +575,7 @@ fn figures_of_a_thousand_runs() {
         if name != "no fault" {
             let until = (0..100).map(|seed| scene.until(seed, State::StiffnessLoss));
             let early: usize = (0..100).map(|seed| scene.alarms(seed, 20)).sum();
-            println!("{name}: {early} of 1,000 s with an early alarm");
+            println!("{name}: {early} of 2,000 s with an early alarm");
             println!(
                 "{name}: most engagements {:?}",
                 until.map(|one| one.unwrap_or(99)).max()

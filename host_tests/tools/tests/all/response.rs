@@ -52,15 +52,15 @@ fn seen(preload: f64, speed_rpm: f64) -> [[f64; 2]; 2] {
     solved.unwrap()
 }
 
-/// Half a second of cutting each second, of a spindle that has 100 N of its 250 N from 8 s on.
-fn recording(rpm: f64, seconds: u32) -> String {
+/// Half a second of cutting each second, of a spindle that has 100 N of its 250 N from a time on.
+fn recording(rpm: f64, seconds: u32, change: f64) -> String {
     let truth = [250.0, 100.0].map(|preload| seen(preload, rpm));
     let mut csv =
         "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,probe_axial_um,probe_nose_um\n".to_owned();
     for i in 0..1000 * seconds {
         let time = f64::from(i) / 1e3;
         let cuts = (time - 0.3).rem_euclid(1.0) < 0.5;
-        let [x, y] = truth[usize::from(time >= 8.0)][usize::from(cuts)];
+        let [x, y] = truth[usize::from(time >= change)][usize::from(cuts)];
         let turn = TAU * time * rpm / 60.0;
         let runout = 3.0 * (turn.cos() + (2.0 * turn).sin());
         let load = CUT.map(|load| if cuts { load } else { 0.0 });
@@ -92,7 +92,7 @@ fn response(spindle: &str, args: &[&str], csv: &str, name: &str) -> (i32, String
 
 #[test]
 fn a_recording_with_probes_tells_a_loss_of_preload() {
-    let csv = recording(12_007.0, 14);
+    let csv = recording(12_007.0, 14, 8.0);
     let spindle = text(250.0, PROBES);
     let (status, told, text) = response(&spindle, &["--commission", "0:8"], &csv, "loss");
     assert_eq!(status, 0, "{told}");
@@ -123,14 +123,22 @@ fn a_recording_with_probes_tells_a_loss_of_preload() {
     let plotted = ran(env!("CARGO_BIN_EXE_plot"), &["-"], text.as_bytes());
     assert_eq!((plotted.0, &*plotted.2), (0, ""));
     assert!(plotted.1.contains("axial") && plotted.1.contains("nose"));
-    // The reference is not complete without 20 engagements.
+    // The reference is complete after 20 engagements.
+    let csv = recording(12_007.0, 25, 22.0);
     let (_, _, text) = response(&spindle, &[], &csv, "learning");
-    assert!(text.lines().skip(1).all(|line| line.ends_with("learning")));
+    for (second, state) in [(20, "learning"), (22, "ok"), (25, "stiffness-loss")] {
+        let is_of = |line: &&str| line.starts_with(&format!("{second},"));
+        let lines: Vec<_> = text.lines().filter(is_of).collect();
+        assert!(
+            lines.len() == 2 && lines.iter().all(|line| line.ends_with(state)),
+            "{lines:?}"
+        );
+    }
 }
 
 #[test]
 fn a_response_says_what_it_lacks() {
-    let csv = recording(30_000.0, 2);
+    let csv = recording(30_000.0, 2, 8.0);
     let (status, told, text_) =
         response(&text(250.0, PROBES), &["--commission", "0:1"], &csv, "lack");
     assert_eq!(status, 0, "{told}");
