@@ -11,9 +11,8 @@ pub mod drawing;
 pub mod graph;
 pub mod output;
 pub mod report;
-#[cfg(feature = "full")]
 pub mod stream;
-#[cfg(feature = "full")]
+#[cfg(feature = "board")]
 pub mod telemetry;
 
 use std::path::Path;
