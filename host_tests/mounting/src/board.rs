@@ -6,7 +6,7 @@ use files::monitors::MonitorFile;
 use files::plan::{BuildError, ElasticShaft, MOST_BALLS, Plan};
 use files::spindles::SpindleFile;
 use spindle_bearing::{
-    Growth, LifeRating, Limits, Settings, ShaftLoad, Speed, Spindle, SpindleSolver, Support,
+    Growth, LifeRating, Limits, Settings, Speed, Spindle, SpindleSolver, Static, Support,
 };
 use spindle_monitor::judgement::{Threshold, Thresholds};
 use spindle_monitor::plausibility::PlausibilitySettings;
@@ -27,7 +27,7 @@ pub fn plan(file: &SpindleFile) -> Result<Plan, DesignFileError> {
     let closed = closed(&file.plan).map_err(explained)?;
     let mut plan = closed.unwrap_or_else(|| file.plan.clone());
     // First as `cargo replay` builds it, which gives its messages.
-    visit::<f64>(&plan, Built).map_err(explained)?;
+    visit::<f64>(&plan, Idle(file)).map_err(explained)?;
     let constant = file.constant_loads();
     if plan.shaft.is_none() && !constant.is_empty() {
         // A shaft without sections is rigid, and takes them.
@@ -44,20 +44,29 @@ pub fn plan(file: &SpindleFile) -> Result<Plan, DesignFileError> {
     Ok(plan)
 }
 
-/// A spindle that can be built.
-struct Built;
+/// Looks whether the idling spindle has an equilibrium, from which the monitor starts.
+struct Idle<'f>(&'f SpindleFile);
 
-impl<'p> Visitor<'p, f64> for Built {
+impl<'p> Visitor<'p, f64> for Idle<'_> {
     fn visit<const R: usize, const D: usize, const E: usize>(
         self,
-        _: Spindle<'p, f64, R, MOST_BALLS, D, E>,
+        spindle: Spindle<'p, f64, R, MOST_BALLS, D, E>,
         _: f64,
     ) -> Result<(), BuildError> {
-        Ok(())
+        let growths = self.0.growths();
+        let at = Speed::rad_per_s(0.0).with_growth(from_fn(|i| growths[i][0]));
+        let mut solver = SpindleSolver::<f64, R, MOST_BALLS, Static, D, E>::of();
+        let solved = solver.solve(&spindle, self.0.monitor.idle, at, &Settings::DEFAULT);
+        solved.map(|_| ()).map_err(|status| {
+            BuildError::Spindle(format!(
+                "the idling spindle, from which the monitor starts, has no equilibrium ({status}): give a preload, or the loads of \
+                 idling in [monitor.idle]"
+            ))
+        })
     }
 }
 
-/// Looks whether the monitor's settings are in order, a tick has the time, and the idling spindle an equilibrium to start from.
+/// Looks whether the monitor's settings are in order, and a tick has the time.
 struct Check<'f>(&'f SpindleFile);
 
 impl<'p> Visitor<'p, f32> for Check<'_> {
@@ -78,20 +87,7 @@ impl<'p> Visitor<'p, f32> for Check<'_> {
                 settings.tick.period_us / 1000
             ));
         }
-        let growth = settings.rows.each_ref().map(|row| row.growth);
-        let idle = ShaftLoad {
-            position: settings.shaft.loads_at,
-            load: narrow(self.0.monitor.idle),
-        };
-        let mut solver = Box::new(SpindleSolver::new());
-        let at = Speed::rad_per_s(0.0).with_growth(growth);
-        match solver.solve(&spindle, &[idle], at, &Settings::DEFAULT) {
-            Ok(_) => Ok(()),
-            Err(status) => error(format!(
-                "the idling spindle, from which the monitor starts, has no equilibrium ({status}): give a preload, or the loads of \
-                 idling in [monitor.idle]"
-            )),
-        }
+        Ok(())
     }
 }
 

@@ -369,7 +369,7 @@ fn a_doubted_sample_is_named_and_is_no_point_of_the_course() {
     assert!(state.history[0].trusted && !state.history[1].trusted);
     shows(
         &state,
-        &["7 ticks old", "doubted: stuck speed-missing", "Kx 60.0"],
+        &["7 ticks old", "doubted: stuck | speed-missing", "Kx 60.0"],
     );
 }
 
