@@ -9,7 +9,9 @@
 //! | geometry and materials | [`Design`], [`Material`], [`FreeContact`] |
 //! | a design's constants, made by the compiler | [`Bearing`] |
 //! | one bearing | [`Solver`], [`Solution`]; under axial loads alone [`AxialSolver`] |
-//! | several bearings on a shaft | [`Spindle`], [`SpindleSolver`], [`SpindleSolution`], [`RowSolution`] |
+//! | several bearings on a shaft | [`Spindle`] of [`Mounted`] rows, [`SpindleSolver`], [`SpindleSolution`], [`RowSolution`] |
+//! | preload | [`Preload`]; a set under a spring: [`SprungSpindle`] |
+//! | elastic shaft and supports | [`Shaft`] of [`Section`]s, [`Support`], [`ElasticSpindle`], [`ShaftLoad`] |
 //! | speed, growth by heat, rotation and fits | [`Speed`], [`Growth`] |
 //! | iterations and tolerance | [`Settings`]; in a tick of firmware [`Settings::TICK`] |
 //! | how a solve ends | [`Status`] |
@@ -18,18 +20,63 @@
 //! | rating life | [`LifeRating`], [`RatingLife`] |
 //! | how the balls move: at rest, under centrifugal force, with all inertia loads | [`Motion`]: [`Static`], [`Centrifugal`], and [`RacewayControlFree`], [`OuterRaceControl`] or [`InnerRaceControl`] |
 //!
-//! Inside, imports go down these layers. `CONTRIBUTING.md` of the repository draws them and says where a first change goes.
+//! # In firmware
 //!
-//! | layer | has |
-//! | --- | --- |
-//! | `matrices` | stiffness for `nalgebra` |
-//! | `spindle` | bearings on a shaft, as a user builds them |
-//! | `solver` | public solvers, problem, Newton's loop, starts, what one solve leaves for the next |
-//! | `results` | what a solved row shows: summary, margins, life, frequencies |
-//! | `rows` | rows on their mounts: their motion, sum of forces and stiffness |
-//! | `ball` | one ball for a given ring: contacts, kinematics, linearised and condensed |
-//! | `real`, `linalg`, `growth` | numbers, vectors, matrices; growth of rings and balls |
-//! | `bearing`, `design` | the constants of a design |
+//! The radial stiffness at the nose of a pair on an elastic shaft, in every tick. The compiler makes bearings, shaft and pair.
+//!
+//! ```
+//! #![no_std]
+//! # /*
+//! #![no_main]
+//! use panic_halt as _;
+//! # */
+//! # extern crate std;
+//! use spindle_bearing::{Arrangement, Bearing, Design, ElasticSpindle, Facing, Material, Mounted, Preload};
+//! use spindle_bearing::{RacewayControlFree, Section, Settings, Shaft, Speed, Spindle, SpindleSolver, Support};
+//! # /*
+//! use static_cell::ConstStaticCell;
+//! # */
+//!
+//! const S6005C: Design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+//! static BEARING: Bearing<f32, 15> = Bearing::<f32, 15>::const_new(&S6005C);
+//! const ROWS: [Mounted<f32, 15>; 2] = [
+//!     Mounted::new(&BEARING, 0.0, Facing::PlusX).with(Preload::Force(200.0)),
+//!     Mounted::new(&BEARING, 0.1, Facing::MinusX).with(Preload::Force(200.0)),
+//! ];
+//! // Solid, 25 mm thick, from the nose to the second row.
+//! const SOLID: Section = Section { from: -0.03, to: 0.1, outer: 0.025, inner: 0.0 };
+//! static SHAFT: Shaft<f32, 1> = Shaft::<f32, 1>::const_new(&[SOLID], &Material::STEEL);
+//! const HOUSING: Support<f32> = Support { radial: 4e8, ..Support::RIGID };
+//! static PAIR: ElasticSpindle<f32, 2, 15> =
+//!     Spindle::<f32, 2, 15>::const_new(Arrangement::BackToBack, ROWS).const_elastic(&SHAFT, [HOUSING; 2]);
+//!
+//! type Solver = SpindleSolver<f32, 2, 15, RacewayControlFree, 5, 2>;
+//! # /*
+//! static SOLVER: ConstStaticCell<Solver> = ConstStaticCell::new(Solver::new());
+//!
+//! #[cortex_m_rt::entry]
+//! fn main() -> ! {
+//!     let solver = SOLVER.take();
+//! # */
+//! # fn main() {
+//! #   let (mut ticks, solver) = (0, &mut Solver::new());
+//!     let speed = Speed::rpm(20_000.0);
+//!     // From nothing, a solve takes longer than a tick: once, before ticks begin.
+//!     let _ = solver.solve(&PAIR, [0.0; 5], speed, &Settings::DEFAULT).is_ok();
+//!     loop {
+//!         let load = measured(); // in the board's next tick
+//!         match solver.solve(&PAIR, load, speed, &Settings::TICK) {
+//!             Ok(solution) => show(1.0 / solution.compliance_at(-0.03)[1][1]),
+//!             Err(status) => tell(status.name()),
+//!         }
+//! #       ticks += 1;
+//! #       if ticks == 3 { break; }
+//!     }
+//! }
+//! # fn measured() -> [f32; 5] { [0.0, 100.0, 0.0, 0.0, 0.0] }
+//! # fn show(radial: f32) { assert!((1e7..6e7).contains(&radial)); }
+//! # fn tell(status: &str) { panic!("{status}"); }
+//! ```
 
 #![no_std]
 
@@ -89,6 +136,10 @@ pub use status::{ErrorEstimate, Quantity, Status};
 // In signatures.
 #[cfg(feature = "nalgebra")]
 pub use {matrices::matrix, nalgebra};
+
+#[cfg(all(doc, not(doctest)))]
+#[doc = include_str!("../docs/guide.md")]
+pub mod guide {}
 
 /// Public data is `Format`; designs, settings and results are `Serialize` and `Deserialize`, as Cargo.toml promises: that compiles.
 #[cfg(all(test, feature = "defmt", feature = "serde"))]

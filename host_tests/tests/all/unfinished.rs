@@ -67,7 +67,7 @@ fn longest(ticks: impl IntoIterator<Item = bool>) -> usize {
     longest
 }
 
-/// The table in docs/firmware.md.
+/// The table in docs/guide.md.
 #[test]
 fn a_tick_without_an_answer_has_a_stiffness_within_the_error_that_it_states() {
     // Iterations; ticks that are solved, %; median of the true error of the others; longest age of one stated good to 1 %, ms.
