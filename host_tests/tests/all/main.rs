@@ -10,6 +10,7 @@ mod corpus;
 mod cutting;
 mod cycle;
 mod designs;
+mod docs;
 mod edges;
 mod elastic;
 mod elastic_far;
