@@ -8,18 +8,22 @@ impl CycleCost {
     pub const CORTEX_M4F: Self = Self {
         tick: 13_800,
         ball_row: 2_950,
-        step: 10_000,
+        step: 4_000,
         ball_step: 500,
-        ball_look: 1_090,
-        ball_report: 1_190,
+        rows_step: 350,
+        open: 12_000,
+        ball_look: 880,
+        ball_report: 1_180,
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
         tick: 5_800,
         ball_row: 2_290,
-        step: 8_000,
+        step: 4_000,
         ball_step: 330,
-        ball_look: 760,
-        ball_report: 690,
+        rows_step: 250,
+        open: 8_000,
+        ball_look: 610,
+        ball_report: 680,
     };
 }

@@ -163,6 +163,8 @@ pub struct Outcome {
     pub solved: bool,
     /// Whether figures were taken of an equilibrium, of an estimate or another one.
     pub looked: bool,
+    /// How often the counter of cycles was asked for that after the last row, for who measures rows by it.
+    pub asked: u16,
     /// Rows of balls that the solve has passed in this tick; 0 if there was nothing to solve.
     pub rows: u16,
     /// Age of the estimate in ticks, if there is one.
@@ -395,7 +397,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         let mut time = self.ticker.solve_time(counter, passed);
         let solved = self.solve(&mut time, &mut levels);
         let rows = time.rows();
-        let looked = time.has_looked();
+        let (looked, asked) = (time.has_looked(), time.asked());
 
         let mut marks = doubts;
         marks.extend(self.reports.is_unsolved().then_some(Mark::Unsolved));
@@ -425,6 +427,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             marks,
             solved,
             looked,
+            asked,
             rows,
             age: self.age(tick),
             changes,

@@ -47,6 +47,10 @@ pub struct CycleCost {
     pub step: u32,
     /// A ball of any row in that step.
     pub ball_step: u32,
+    /// The square of the number of rows in that step, besides: a shaft holds them to each other.
+    pub rows_step: u32,
+    /// An equilibrium that is opened in a tick, to look at it.
+    pub open: u32,
     /// A ball where levels and life are taken of an equilibrium.
     pub ball_look: u32,
     /// A ball where a report is taken of an equilibrium.
@@ -61,18 +65,23 @@ pub struct SpindleCost {
     pub row: u32,
     /// The step of the shaft that follows a pass over all rows.
     pub step: u32,
-    /// Levels and life of an equilibrium, of a row.
+    /// An equilibrium that is opened in a tick, to look at it.
+    pub open: u32,
+    /// Levels and life of a row in it.
     pub look: u32,
     /// A report of an equilibrium.
     pub report: u32,
 }
 
 impl CycleCost {
-    /// The cost for a spindle with so many balls, and at most so many in a row.
-    pub const fn of(&self, all: u32, most: u32) -> SpindleCost {
+    /// The cost for a spindle of so many rows, with so many balls in all, and at most so many in a row.
+    pub const fn of(&self, rows: u32, all: u32, most: u32) -> SpindleCost {
+        let square = rows.saturating_mul(rows);
+        let step = self.step.saturating_add(self.ball_step.saturating_mul(all));
         SpindleCost {
             row: self.ball_row.saturating_mul(most),
-            step: self.step.saturating_add(self.ball_step.saturating_mul(all)),
+            step: step.saturating_add(self.rows_step.saturating_mul(square)),
+            open: self.open,
             look: self.ball_look.saturating_mul(most),
             report: self.ball_report.saturating_mul(all),
         }
@@ -97,6 +106,8 @@ pub struct SolveTime<'c, C> {
     all: u16,
     left: u16,
     looked: bool,
+    /// How often the counter was asked for a look after the last row.
+    asked: u16,
 }
 
 impl<C: CycleCounter> SolveTime<'_, C> {
@@ -125,9 +136,15 @@ impl<C: CycleCounter> SolveTime<'_, C> {
         }
     }
 
+    /// How often the counter was asked for a look after the last row.
+    pub const fn asked(&self) -> u16 {
+        self.asked
+    }
+
     /// Whether there is time to take levels and life of a row, which then goes on.
-    pub const fn has_a_look(&mut self) -> bool {
-        self.looks(self.cost.look)
+    pub fn has_a_look(&mut self) -> bool {
+        let open = if self.looked { 0 } else { self.cost.open };
+        self.looks(self.cost.look.saturating_add(open))
     }
 
     /// Whether levels and life, or a report, were taken of an equilibrium.
@@ -136,11 +153,13 @@ impl<C: CycleCounter> SolveTime<'_, C> {
     }
 
     /// Whether there is time to take a report of an equilibrium, which then goes on.
-    pub const fn has_a_report(&mut self) -> bool {
+    pub fn has_a_report(&mut self) -> bool {
         self.looks(self.cost.report)
     }
 
-    const fn looks(&mut self, cycles: u32) -> bool {
+    fn looks(&mut self, cycles: u32) -> bool {
+        self.count();
+        self.asked = self.asked.saturating_add(1);
         let has = self.spend(cycles);
         self.looked |= has;
         has
@@ -158,6 +177,7 @@ impl<C: CycleCounter> SolveTime<'_, C> {
     pub fn has_a_row_more(&mut self) -> bool {
         let SpindleCost { row, step, .. } = self.cost;
         self.rows = self.rows.saturating_add(1);
+        self.asked = 0;
         self.left = self.left.saturating_sub(1);
         self.spent = self.spent.saturating_add(row);
         self.count();
@@ -239,9 +259,12 @@ impl TickSettings {
         let SpindleCost {
             row,
             step,
+            open,
             look,
             report,
-        } = self.cost.of((rows * balls) as u32, balls as u32);
+        } = self
+            .cost
+            .of(rows as u32, (rows * balls) as u32, balls as u32);
         let left = self.deadline_cycles.saturating_sub(self.cost.tick);
         let solve = step.saturating_add(row);
         // The only row is the last one, too.
@@ -250,7 +273,7 @@ impl TickSettings {
         } else {
             solve
         };
-        solve <= left && look <= left && report <= left
+        solve <= left && open.saturating_add(look) <= left && report <= left
     }
 }
 
@@ -287,7 +310,7 @@ impl Ticker {
             period_us: *period_us,
             deadline_cycles: *deadline_cycles,
             most: deadline_cycles.saturating_sub(cost.tick),
-            cost: cost.of(all, most.into()),
+            cost: cost.of(balls.len() as u32, all, most.into()),
             rows: balls.len() as u16,
             began_cycles: 0,
             last_us: None,
@@ -314,6 +337,7 @@ impl Ticker {
             all: self.rows,
             left: self.rows - passed % self.rows.max(1),
             looked: false,
+            asked: 0,
         }
     }
 
@@ -399,6 +423,8 @@ mod tests {
         period_us: 1000,
         deadline_cycles: 168_000,
         cost: CycleCost {
+            rows_step: 0,
+            open: 0,
             tick: 10_000,
             ball_row: 1500,
             step: 6000,

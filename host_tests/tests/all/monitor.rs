@@ -31,9 +31,12 @@ static TIGHT: MonitorSettings = settings(1);
 pub(super) const fn settings(passes: u32) -> MonitorSettings {
     let mut settings = MonitorSettings::new(&B7005C, 16);
     let cost = settings.tick.cost;
-    let cost_of = cost.of(16, 16);
-    settings.tick.deadline_cycles =
-        cost.tick + cost_of.look + cost_of.report + (passes + 1) * (cost_of.step + cost_of.row);
+    let cost_of = cost.of(1, 16, 16);
+    settings.tick.deadline_cycles = cost.tick
+        + cost_of.open
+        + cost_of.look
+        + cost_of.report
+        + (passes + 1) * (cost_of.step + cost_of.row);
     settings
 }
 const _: () = assert!(SETTINGS.check().is_ok() && TIGHT.check().is_ok() && DAY.check().is_ok());

@@ -24,12 +24,13 @@ pub fn budget(elf: &[u8], core: &str) -> Result<String> {
     };
     let (tick, counts) = (&settings.tick, SPINDLE.ball_counts());
     let balls = counts.iter().map(|count| u32::from(*count)).sum();
-    let cost = tick.cost.of(balls, BALLS as u32);
+    let cost = tick.cost.of(ROWS as u32, balls, BALLS as u32);
     let pass = tick.cost.ball_row * balls + cost.step;
     let free = (tick.deadline_cycles - tick.cost.tick) as f32;
     // A sample waits for the solve that has begun, then for its own.
-    let [young, old] =
-        PASSES.map(|passes| (passes * pass + cost.step + cost.look * ROWS as u32) as f32 / free);
+    let [young, old] = PASSES.map(|passes| {
+        (passes * pass + cost.step + cost.open + cost.look * ROWS as u32) as f32 / free
+    });
     let ms = PERIOD_US as f32 * 1e-3;
     let (young, old) = (young.ceil() * ms, 2.0 * old.ceil() * ms);
 

@@ -113,7 +113,7 @@ mod measured {
             room,
             sent,
             outcome.rows.into(),
-            outcome.looked.into(),
+            u32::from(outcome.asked) << 1 | u32::from(outcome.looked),
         ];
     }
 

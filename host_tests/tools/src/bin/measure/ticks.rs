@@ -85,10 +85,10 @@ struct Cost {
 }
 
 impl Cost {
-    /// Of a tick with these looks at the counter: at its begin, before the solve, before each row and after the last one, and at its
-    /// end. So many rows were passed `before` it.
-    fn of(cycles: u64, [rows, ended]: [u32; 2], looks: &[u32], before: u32) -> Self {
-        let first = looks.len().saturating_sub(2 + rows as usize);
+    /// Of a tick with these looks at the counter: at its begin, before the solve, before each row and after the last one, as often as
+    /// `asked` before figures are taken, and at its end. So many rows were passed `before` it.
+    fn of(cycles: u64, [rows, asked, ended]: [u32; 3], looks: &[u32], before: u32) -> Self {
+        let first = looks.len().saturating_sub(2 + (rows + asked) as usize);
         let passes = looks.get(first..first + 1 + rows as usize);
         let passes = passes.unwrap_or_default();
         let mut dearest = [0; 2];
@@ -166,7 +166,8 @@ impl Board {
                 machine.read(output, sent)? == host(tick, machine.looks()),
                 "tick {number}: the core's telemetry is not the host's"
             );
-            let outcome = [machine.word(words + 12)?, machine.word(words + 16)?];
+            let (rows, looked) = (machine.word(words + 12)?, machine.word(words + 16)?);
+            let outcome = [rows, looked >> 1, looked & 1];
             all.push(Cost::of(count.cycles, outcome, machine.looks(), passed));
             passed += outcome[0];
         }
@@ -367,8 +368,8 @@ pub fn other_constants(figures: &Figures) -> Vec<String> {
     let (rows, balls) = (ROWS as u32, BALLS as u32);
     let of_board = |board: &Board| {
         let tick = board.settings.tick.cost.tick;
-        let cost = board.settings.tick.cost.of(rows * balls, balls);
-        let ended = tick + cost.step + rows * cost.look;
+        let cost = board.settings.tick.cost.of(rows, rows * balls, balls);
+        let ended = tick + cost.step + cost.open + rows * cost.look;
         let said = [
             (UNFINISHED, tick),
             (ENDED, ended),
@@ -398,9 +399,9 @@ mod tests {
     #[test]
     fn passes_are_between_looks_at_the_counter() {
         // A pair, whose next row is the second one, with a look at the counter more before a solve begins.
-        let cost = Cost::of(1000, [3, 1], &[10, 90, 100, 150, 250, 300, 900], 1);
+        let cost = Cost::of(1000, [3, 1, 1], &[10, 90, 100, 150, 250, 300, 320, 900], 1);
         assert_eq!((cost.dearest, cost.passes), ([100, 50], 200));
-        let cost = Cost::of(500, [0; 2], &[10, 100, 400], 0);
+        let cost = Cost::of(500, [0; 3], &[10, 100, 400], 0);
         assert_eq!((cost.dearest, cost.passes), ([0; 2], 0));
     }
 
@@ -412,7 +413,7 @@ mod tests {
                 .settings
                 .tick
                 .cost
-                .of((ROWS * BALLS) as u32, BALLS as u32)
+                .of(ROWS as u32, (ROWS * BALLS) as u32, BALLS as u32)
                 .row,
         );
         let figures = |row: u64| Figures::from([(format!("{}: {ROW}", board.name()), row)]);
