@@ -8,7 +8,7 @@
 //! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of its doubts |
 //! | solve | [`tick`], `tracker` | an equilibrium, in the time that ticks have |
 //! | levels | [`watch`] | a level for each alarm |
-//! | response | [`response`] | measured over computed displacement at the probes |
+//! | response | [`pairs`], [`response`] | measured over computed displacement at the probes |
 //! | alarms | [`judgement`] | alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | reports | `reports`, [`outbox`], [`telemetry`] | frames for a host |
@@ -112,7 +112,9 @@ pub mod loads;
 pub mod log;
 pub mod marks;
 pub mod outbox;
+pub mod pairs;
 pub mod plausibility;
+mod probes;
 pub mod record;
 mod reports;
 pub mod response;
@@ -132,7 +134,9 @@ pub use life::Life;
 pub use marks::{Mark, Marks};
 pub use plausibility::{GoodSample, Readings};
 pub use retained::{Identity, Past, Store};
-pub use settings::{MonitorSettings, RowSettings, SettingsError, ShaftSettings};
+pub use settings::{
+    MonitorSettings, ProbeSettings, ResponseSettings, RowSettings, SettingsError, ShaftSettings,
+};
 pub use temperature::{TemperatureSettings, TemperatureSource};
 pub use watch::WatchSettings;
 
@@ -145,7 +149,9 @@ use judgement::Levels;
 use loads::FrameCounts;
 use outbox::Outbox;
 use plausibility::Plausibility;
+use probes::Probes;
 use reports::Reports;
+use response::Response;
 use spindle_bearing::{Growth, RatingLife, RowSummary, Spindle, Status};
 use telemetry::{HealthReport, Payload};
 use temperature::Temperatures;
@@ -197,7 +203,7 @@ struct Estimate {
     tick: u64,
 }
 
-/// The monitor of a spindle with `R` rows of at most `N` balls; `D` and `E` are as for [`Spindle`].
+/// The monitor of a spindle with `R` rows of at most `N` balls and with `P` probes; `D` and `E` are as for [`Spindle`].
 ///
 /// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. It solves in single
 /// precision.
@@ -208,6 +214,7 @@ pub struct Monitor<
     const FRAMES: usize = 12,
     const D: usize = 5,
     const E: usize = 0,
+    const P: usize = 0,
 > {
     settings: &'static MonitorSettings<R>,
     plausibility: Plausibility,
@@ -220,6 +227,7 @@ pub struct Monitor<
     estimate: Option<Estimate>,
     ticker: Ticker,
     watch: Watch<R>,
+    probes: Probes<P>,
     alarms: Judgement,
     life: Life,
     reports: Reports<R, N, FRAMES>,
@@ -234,10 +242,29 @@ pub struct Monitor<
 impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const E: usize>
     Monitor<R, N, FRAMES, D, E>
 {
-    /// A monitor at its beginning: no estimate, no alarm, a new bearing.
+    /// A monitor at its beginning, without probes: no estimate, no alarm, a new bearing.
     pub fn new(
         spindle: &'static Spindle<'static, f32, R, N, D, E>,
         settings: &'static MonitorSettings<R>,
+    ) -> Self {
+        Self::with_probes(spindle, settings, &ResponseSettings::NONE)
+    }
+}
+
+impl<
+    const R: usize,
+    const N: usize,
+    const FRAMES: usize,
+    const D: usize,
+    const E: usize,
+    const P: usize,
+> Monitor<R, N, FRAMES, D, E, P>
+{
+    /// A monitor at its beginning, of a spindle with probes.
+    pub fn with_probes(
+        spindle: &'static Spindle<'static, f32, R, N, D, E>,
+        settings: &'static MonitorSettings<R>,
+        probes: &'static ResponseSettings<P>,
     ) -> Self {
         Self {
             settings,
@@ -247,6 +274,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             ticker: Ticker::new(&settings.tick, &spindle.ball_counts()),
             reports: Reports::new(spindle, settings),
             watch: Watch::new(&spindle.ball_counts(), &spindle.facings()),
+            probes: Probes::new(probes, settings.tick.period_us),
             tracker: Tracker::new(spindle),
             waiting: None,
             estimate: None,
@@ -321,6 +349,11 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         self.counts.records = counts;
     }
 
+    /// Notes the displacements (um) that the probes measured with the loads of the next tick; none of a probe that gave no value.
+    pub const fn note_displacements(&mut self, measured: [Option<f32>; P]) {
+        self.probes.measured = measured;
+    }
+
     /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.
     pub fn set_board(&mut self, report: BoardReport) {
         self.reports.set_board(report);
@@ -385,6 +418,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         counter: &mut impl CycleCounter,
         watchdog: &mut impl Watchdog,
     ) -> Outcome {
+        let missed_before = self.ticker.missed();
         let step_us = self.ticker.begin(time_us, counter);
         let tick = self.ticker.ticks();
         let settings = self.settings;
@@ -392,7 +426,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         self.reports.begin(time_us, settings);
         self.serve(time_us, tick);
 
-        let doubts = self.read(time_us, tick, readings, &mut levels);
+        let (doubts, good) = self.read(time_us, tick, readings, &mut levels);
         let passed = self.tracker.rows_passed();
         let mut time = self.ticker.solve_time(counter, passed);
         let solved = self.solve(&mut time, &mut levels);
@@ -412,6 +446,12 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         // A tick knows how long it took when it is over: the next one judges it.
         let sees = [doubts.is_empty(), fresh, self.late];
         let missed = self.ticker.missed();
+        if P > 0 {
+            // Without a speed, blocks end: they have no gap.
+            let speed = self.plausibility.undoubted_speed();
+            let speed = speed.filter(|_| missed == missed_before);
+            self.probes.tick(tick, speed, good.map(|good| good.load));
+        }
         self.watch.tick(time_us, sees, missed, &mut levels);
 
         let changes = self.alarms.judge(time_us, &levels, &settings.alarms);
@@ -441,8 +481,14 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         }
     }
 
-    /// Takes the readings: a sample that nothing speaks against is next to be solved. Returns the doubts.
-    fn read(&mut self, time_us: u64, tick: u64, readings: &Readings, levels: &mut Levels) -> Marks {
+    /// Takes the readings: a sample that nothing speaks against is next to be solved. Returns the doubts, and that sample.
+    fn read(
+        &mut self,
+        time_us: u64,
+        tick: u64,
+        readings: &Readings,
+        levels: &mut Levels,
+    ) -> (Marks, Option<GoodSample>) {
         let settings = self.settings;
         if let Ok(Some(sample)) = &readings.loads {
             let raise = settings.alarms.overload.raise;
@@ -474,7 +520,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
                 rows: 0,
             });
         }
-        doubts
+        (doubts, good)
     }
 
     /// Tells the life the measured loads. Returns loads to be solved for the life alone, scaled into
@@ -641,6 +687,14 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
             time_us: task.sample.time_us,
             tick: task.tick,
         });
+        if P > 0 {
+            let probes = &mut self.probes;
+            self.tracker.look(task, self.settings, |solution| {
+                probes.see(task.tick, &task.sample.load, |x| {
+                    solution.displacement_at(x)
+                })
+            });
+        }
         Some(true)
     }
 
@@ -696,6 +750,11 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
     /// Alarms.
     pub const fn judgement(&mut self) -> &mut Judgement {
         &mut self.alarms
+    }
+
+    /// Measured over computed displacement at the probes.
+    pub const fn response(&mut self) -> &mut Response<P> {
+        &mut self.probes.response
     }
 
     /// Life used up.

@@ -202,6 +202,12 @@ impl Plausibility {
         (then == time_us && self.speed_doubts.is_empty()).then_some(speed)
     }
 
+    /// The last speed, unless the newest reading of it is doubted.
+    pub(crate) fn undoubted_speed(&self) -> Option<f32> {
+        let (speed, _) = self.speed?;
+        self.speed_doubts.is_empty().then_some(speed)
+    }
+
     fn loads(
         &mut self,
         time_us: u64,

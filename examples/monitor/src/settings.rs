@@ -8,6 +8,17 @@ use crate::watch::WatchSettings;
 use core::fmt;
 use spindle_bearing::{Design, Expansion, Growth, LifeRating, Limits};
 
+macro_rules! demand {
+    ($condition:expr, $field:literal, $must:literal) => {
+        if !$condition {
+            return Err(SettingsError {
+                field: $field,
+                must: $must,
+            });
+        }
+    };
+}
+
 /// How often telemetry goes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -133,6 +144,70 @@ pub struct MonitorSettings<const R: usize = 1> {
     pub telemetry: TelemetrySettings,
 }
 
+/// A probe that sees the shaft against the housing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProbeSettings {
+    /// Position along the axis, m.
+    pub position: f32,
+    /// Unit vector of the displacement that it sees, in the shaft's frame.
+    pub direction: [f32; 3],
+    /// Accuracy of a reading, um.
+    pub accuracy: f32,
+}
+
+/// Settings of measured over computed displacement ([`response`](crate::response)) at `P` probes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ResponseSettings<const P: usize> {
+    /// The probes.
+    pub probes: [ProbeSettings; P],
+    /// Change of the ratio that is one of the spindle, part of 1.
+    pub limit: f32,
+}
+
+impl ResponseSettings<0> {
+    /// No probes.
+    pub const NONE: Self = Self {
+        probes: [],
+        limit: f32::INFINITY,
+    };
+}
+
+impl<const P: usize> ResponseSettings<P> {
+    /// Whether the settings are in order: for the compiler to ask.
+    ///
+    /// # Errors
+    ///
+    /// The first field that is out of order, and its condition.
+    pub const fn check(&self) -> Result<(), SettingsError> {
+        let mut i = 0;
+        while i < P {
+            let probe = &self.probes[i];
+            demand!(
+                probe.position.is_finite(),
+                "probes.position",
+                "a number of metres"
+            );
+            let [x, y, z] = probe.direction;
+            let square = x * x + y * y + z * z;
+            demand!(
+                square > 0.999 && square < 1.001,
+                "probes.direction",
+                "a unit vector"
+            );
+            demand!(
+                positive(probe.accuracy) && probe.accuracy.is_finite(),
+                "probes.accuracy",
+                "positive and finite"
+            );
+            i += 1;
+        }
+        demand!(positive(self.limit), "limit", "positive");
+        Ok(())
+    }
+}
+
 /// A setting that is out of order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -150,17 +225,6 @@ impl fmt::Display for SettingsError {
 }
 
 impl core::error::Error for SettingsError {}
-
-macro_rules! demand {
-    ($condition:expr, $field:literal, $must:literal) => {
-        if !$condition {
-            return Err(SettingsError {
-                field: $field,
-                must: $must,
-            });
-        }
-    };
-}
 
 /// Above 0; infinite stands for no bound.
 const fn positive(x: f32) -> bool {
@@ -491,6 +555,32 @@ mod tests {
                 },
                 "temperatures.warm",
             ),
+        ];
+        for (spoil, field) in spoils {
+            let mut settings = good;
+            spoil(&mut settings);
+            assert_eq!(settings.check().unwrap_err().field, field);
+        }
+    }
+
+    #[test]
+    fn a_probe_that_is_out_of_order_is_named() {
+        let good = ResponseSettings {
+            probes: [ProbeSettings {
+                position: -0.01,
+                direction: [0.0, 0.6, -0.8],
+                accuracy: 0.2,
+            }],
+            limit: 0.05,
+        };
+        assert_eq!(good.check(), Ok(()));
+        assert_eq!(ResponseSettings::NONE.check(), Ok(()));
+        type Spoil = fn(&mut ResponseSettings<1>);
+        let spoils: [(Spoil, &str); 4] = [
+            (|s| s.probes[0].position = f32::NAN, "probes.position"),
+            (|s| s.probes[0].direction = [0.0; 3], "probes.direction"),
+            (|s| s.probes[0].accuracy = 0.0, "probes.accuracy"),
+            (|s| s.limit = f32::NAN, "limit"),
         ];
         for (spoil, field) in spoils {
             let mut settings = good;

@@ -59,7 +59,7 @@ const OF_MONITOR: [&[&str]; 7] = [
     &["reports"],
     &["outbox"],
     &["telemetry"],
-    &["tracker"],
+    &["tracker", "probes"],
     &["settings", "self_check", "retained"],
     &[
         "watch",
@@ -69,6 +69,7 @@ const OF_MONITOR: [&[&str]; 7] = [
         "log",
         "command",
         "response",
+        "pairs",
     ],
     &[
         "judgement",

@@ -9,13 +9,19 @@ use files::spindles::SpindleFile;
 use host_tests::cases::Random;
 use host_tests::dispatch::Precision;
 use host_tests::spindles::{Balls, with_solver};
+use host_tests::telemetry::simulated::MONITOR;
 use spindle_bearing::{FreeContact, Preload, Support};
+use spindle_firmware::spindle::{BALLS, FREEDOMS, JOINTS, ROWS, SPINDLE};
+use spindle_monitor::loads::LoadSample;
+use spindle_monitor::pairs::{Pairs, TickReadings};
 use spindle_monitor::response::{ProbeReport, Ratio, Response, State, fault, is_aliased};
+use spindle_monitor::tick::{NoCycles, NoWatchdog};
+use spindle_monitor::{Marks, Monitor, ProbeSettings, Readings, ResponseSettings};
 use std::f64::consts::TAU;
 use std::io::Cursor;
 use std::path::Path;
 
-const SPINDLE: &str = include_str!("../../../examples/firmware/spindle.toml");
+const FILE: &str = include_str!("../../../examples/firmware/spindle.toml");
 /// An axial probe and a radial one, 10 mm in front of the nose.
 const PROBES: &str = "
 [[probe]]
@@ -41,7 +47,7 @@ const TICK: f64 = 1e-3;
 /// The shipped spindle with probes, with a fault.
 fn spindle(fault: Fault) -> SpindleFile {
     let folder = Path::new(SHIPPED).join("../../examples/firmware");
-    let text = format!("{SPINDLE}{PROBES}");
+    let text = format!("{FILE}{PROBES}");
     let mut file = SpindleFile::parse("spindle.toml", &text, &folder);
     let file = file.as_mut().unwrap_or_else(|e| panic!("{e}"));
     fault(&mut file.plan);
@@ -182,6 +188,10 @@ struct Scene {
     drift: [f64; 2],
     noise: f64,
     axial: Axial,
+    /// Loads of the whole cut, as the cells say.
+    cells: [[f64; 5]; 2],
+    /// A solve takes 2 or 3 ticks, as on a board.
+    is_on_board: bool,
     limit: f32,
     /// Length of the reference, s.
     reference: f64,
@@ -205,6 +215,8 @@ impl Scene {
             drift: [5.0; 2],
             noise: 0.2,
             axial: Axial::Well,
+            cells: [0, 1].map(cells),
+            is_on_board: false,
             limit: 0.05,
             reference: 10.0,
         }
@@ -232,6 +244,7 @@ impl Scene {
         let phases: [f64; 6] = std::array::from_fn(|_| random.between(0.0, TAU));
         let begin = random.between(0.1, 0.9);
         let mut frozen = [0.0; 2];
+        let (mut pairs, mut begun, mut ticks_left) = (Pairs::<2>::default(), None, 0);
         for second in 0..seconds {
             let length = random.between(0.45, 0.55);
             for tick in 0..1000 {
@@ -264,7 +277,25 @@ impl Scene {
                 }
                 let measured = [0, 1].map(|i| present[i].then_some(measured[i] as f32));
                 let rpm = rpm + 0.5 * normal(&mut random);
-                response.tick(Some(rpm as f32), Some(computed), measured);
+                let now = (1000 * second + tick) as u64;
+                if self.is_on_board {
+                    let load = self.cells[after].map(|load| (cell * load) as f32);
+                    if ticks_left == 0 {
+                        if let Some((tick, load, computed)) = begun.replace((now, load, computed)) {
+                            pairs.solved(tick, &load, computed);
+                        }
+                        ticks_left = 2 + usize::from(random.between(0.0, 1.0) < 0.5);
+                    }
+                    ticks_left -= 1;
+                    let readings = TickReadings {
+                        rpm: Some(rpm as f32),
+                        load: Some(load),
+                        measured,
+                    };
+                    pairs.tick(now, readings, &mut response);
+                } else {
+                    response.tick(Some(rpm as f32), Some(computed), measured);
+                }
                 if (time + TICK - self.reference).abs() < 0.5 * TICK {
                     let is_aliased = is_aliased(rpm as f32, 1000.0);
                     assert!([0, 1].iter().all(|i| response.refer(*i) != is_aliased));
@@ -419,6 +450,103 @@ fn ratios_are_those_of_the_truth_within_their_errors() {
         );
         let errors = scene.ratios(1, 40).map(|ratio| ratio.error);
         assert!(errors[0] < 0.007 && errors[1] < 0.0012, "{errors:?}");
+    }
+}
+
+#[test]
+fn solves_of_some_ticks_tell_as_much() {
+    let mut scene = Scene::new(12_007.0, LOST_20);
+    let truth = scene.clean().ratios(0, 40);
+    scene.is_on_board = true;
+    let shares = within(&scene, truth, 40, 200);
+    println!(
+        "{shares:?} {truth:?} {:?}",
+        [1, 2, 3].map(|seed| scene.ratios(seed, 40))
+    );
+    assert!(
+        shares.iter().all(|share| (0.93..0.99).contains(share)),
+        "{shares:?}"
+    );
+    let errors = scene.ratios(1, 40).map(|ratio| ratio.error);
+    assert!(errors[0] < 0.007 && errors[1] < 0.0012, "{errors:?}");
+    let mut support = Scene::new(12_007.0, SOFT);
+    support.is_on_board = true;
+    for seed in 0..10 {
+        for scene in [&scene, &support] {
+            let until = scene.until(seed, State::StiffnessLoss);
+            assert!((1..=3).contains(&until.unwrap_or(99)), "{until:?}");
+        }
+    }
+    let mut well = Scene::new(12_007.0, NONE);
+    well.is_on_board = true;
+    assert_eq!(well.alarms(1, 120), 0);
+}
+
+static ON_BOARD: ResponseSettings<2> = ResponseSettings {
+    probes: [
+        ProbeSettings {
+            position: -0.01,
+            direction: [1.0, 0.0, 0.0],
+            accuracy: 0.2,
+        },
+        ProbeSettings {
+            position: -0.01,
+            direction: [0.0, 1.0, 0.0],
+            accuracy: 0.2,
+        },
+    ],
+    limit: 0.05,
+};
+
+#[test]
+fn a_monitor_holds_displacements_against_its_own_solutions() {
+    assert_eq!(ON_BOARD.check(), Ok(()));
+    let curve = Curve::of(&spindle(NONE), 12_007.0, CUT);
+    let mut monitor: Monitor<ROWS, BALLS, 12, FREEDOMS, JOINTS, 2> =
+        Monitor::with_probes(&SPINDLE, &MONITOR, &ON_BOARD);
+    monitor.prepare([0.0; 5]).unwrap();
+    let mut random = Random::seeded(1);
+    for tick in 0..16_000_u64 {
+        let cuts = tick % 1000 < 500;
+        let share = f64::from(u8::from(cuts)) + 0.02 * normal(&mut random);
+        // More compliant after 10 s; then the axial probe gives nothing.
+        let gain = if tick < 10_000 { 1.0 } else { 1.2 };
+        let mut measured = curve.at(share).map(|p| Some((gain * p) as f32));
+        if tick >= 13_000 {
+            measured[0] = None;
+        }
+        monitor.note_displacements(measured);
+        let readings = Readings {
+            loads: Ok(Some(LoadSample {
+                time_us: 1000 * tick,
+                load: CUT.map(|load| (share * load) as f32),
+                speed: Some((12_007.0 / 60.0 * TAU) as f32),
+                residual: 0.0,
+                doubts: Marks::new(),
+            })),
+            speed: None,
+            temperatures: None,
+        };
+        monitor.tick(1000 * tick, &readings, &mut NoCycles, &mut NoWatchdog);
+        let reports = monitor.response().reports();
+        match tick + 1 {
+            8000 => assert!([0, 1].iter().all(|i| monitor.response().refer(*i))),
+            10_000 => assert_eq!(reports.map(|report| report.state), [State::Ok; 2]),
+            13_000 => {
+                assert_eq!(
+                    reports.map(|report| report.state),
+                    [State::StiffnessLoss; 2]
+                );
+                for ratio in reports.map(|report| report.ratio.unwrap().value) {
+                    assert!((ratio - 1.2).abs() < 0.02, "{ratio}");
+                }
+            }
+            16_000 => {
+                let states = reports.map(|report| report.state);
+                assert_eq!(states, [State::Probe, State::StiffnessLoss]);
+            }
+            _ => {}
+        }
     }
 }
 
