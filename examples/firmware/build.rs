@@ -8,6 +8,7 @@ use files::plan::{BuildError, MOST_BALLS, Plan, Row};
 use files::spindles::SpindleFile;
 use mounting::{Visitor, board};
 use spindle_bearing::{Design, Preload, Spindle, Support};
+use spindle_monitor::ProbeSettings;
 use spindle_monitor::tick::CycleCost;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -48,6 +49,7 @@ fn constants(file: &SpindleFile, plan: &Plan) -> Result<String> {
     let mut text = String::new();
     spindle(&mut text, plan)?;
     sensors(&mut text, &file.monitor)?;
+    probes(&mut text, file)?;
     let settings = Settings {
         file,
         text: &mut text,
@@ -246,6 +248,27 @@ fn sensors(text: &mut String, monitor: &MonitorFile) -> Result<()> {
         tachometer.gate_us,
         tachometer.standstill_us,
         number(monitor.plausible.deceleration),
+    )?)
+}
+
+fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
+    let probes = file.probes.iter().map(|probe| ProbeSettings {
+        position: probe.position as f32,
+        direction: probe.direction.map(|e| e as f32),
+        accuracy: probe.accuracy as f32,
+    });
+    let probes: Vec<_> = probes.collect();
+    Ok(writeln!(
+        text,
+        "/// Probes.\n\
+         pub const PROBES: usize = {};\n\
+         /// Settings of the probes.\n\
+         pub static RESPONSE: ResponseSettings<PROBES> = {{\n\
+         #[allow(unused_imports)]\nuse spindle_monitor::ProbeSettings;\n\
+         ResponseSettings {{ probes: {probes:?}, limit: {} }}\n}};\n\
+         const _: () = assert!(RESPONSE.check().is_ok());",
+        probes.len(),
+        number(file.monitor.response_limit)
     )?)
 }
 

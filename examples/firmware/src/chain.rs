@@ -1,9 +1,11 @@
 //! The monitor's chain without any hardware, from the port's bytes to the telemetry's. It is the
 //! same on every board, and on the host, which holds the emulated board against it.
 //!
-//! Two kinds of frames come in over one port: load records, and now and then a [`Command`], such as temperatures.
+//! Two kinds of frames come in over one port: load records, and a [`Command`] now and then, such as temperatures, or before each
+//! record, with the displacements at the probes.
 
-use crate::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, ROWS, SPINDLE};
+use crate::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, PROBES, RESPONSE, ROWS, SPINDLE};
+use core::array::from_fn;
 use spindle_bearing::Status;
 use spindle_monitor::command::{Command, PortReader, Received};
 use spindle_monitor::framing::FrameError;
@@ -53,7 +55,7 @@ impl Sensors for FramedLoads {
 
 /// The monitor with its sensors.
 pub struct Chain<S = FramedLoads> {
-    monitor: Monitor<ROWS, BALLS, FRAMES, FREEDOMS, JOINTS>,
+    monitor: Monitor<ROWS, BALLS, FRAMES, FREEDOMS, JOINTS, PROBES>,
     sensors: S,
     port: PortReader,
     /// The newest temperatures of the port, until they are taken.
@@ -77,7 +79,7 @@ impl<S: Sensors> Chain<S> {
     /// At the beginning, with what was kept over a power cycle.
     pub fn with(sensors: S, past: &Past, settings: &'static MonitorSettings<ROWS>) -> Self {
         Self {
-            monitor: Monitor::new(&SPINDLE, settings).with_past(past),
+            monitor: Monitor::with_probes(&SPINDLE, settings, &RESPONSE).with_past(past),
             sensors,
             port: PortReader::new(),
             temperatures: None,
@@ -101,6 +103,10 @@ impl<S: Sensors> Chain<S> {
             Ok(Received::Command(Command::Tick(room))) => return Some(room),
             Ok(Received::Command(Command::Ask(request))) => self.monitor.ask(&request, service),
             Ok(Received::Command(Command::Temperatures(read))) => self.temperatures = Some(read),
+            Ok(Received::Command(Command::Probes(read))) => {
+                let measured = from_fn(|i| read.get(i).copied());
+                self.monitor.note_displacements(measured);
+            }
             Ok(Received::Record(record)) => self.sensors.take(Ok(record)),
             Err(error) => self.sensors.take(Err(error)),
         }

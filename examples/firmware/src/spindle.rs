@@ -10,7 +10,7 @@ use spindle_bearing::{
 };
 use spindle_monitor::judgement::{Threshold, Thresholds};
 use spindle_monitor::plausibility::PlausibilitySettings;
-use spindle_monitor::settings::{MonitorSettings, TelemetrySettings};
+use spindle_monitor::settings::{MonitorSettings, ResponseSettings, TelemetrySettings};
 use spindle_monitor::tick::{CycleCost, TickSettings};
 use spindle_monitor::{Identity, RowSettings, ShaftSettings, WatchSettings};
 

@@ -33,6 +33,9 @@ use serde::{Deserialize, Serialize};
 /// meanwhile.
 pub const ORDER_EVERY: u64 = 4;
 
+/// Most probes of a spindle.
+pub const MOST_PROBES: usize = 4;
+
 /// Message of a host besides loads.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -44,6 +47,9 @@ pub enum Command {
     Ask(Request),
     /// Temperatures of the inner and of the outer side, degrees Celsius; no number from a sensor that fails.
     Temperatures([f32; 2]),
+    /// Displacements that the probes measured with the loads of the record that follows, um; no number from a probe that
+    /// gives none, and in places beyond the last probe.
+    Probes([f32; MOST_PROBES]),
 }
 
 /// Order of an operator.
@@ -121,8 +127,8 @@ pub struct Answer {
     pub outcome: AnswerCode,
 }
 
-/// Longest command without its checksum: two variants, a number, an alarm and its occurrence.
-const CONTENT_LENGTH: usize = 2 + 3 + 1 + 5;
+/// Longest command without its checksum: its variant, and the displacements.
+const CONTENT_LENGTH: usize = 1 + MOST_PROBES * size_of::<f32>();
 
 /// Length of its frame, delimiter included.
 pub const COMMAND_LENGTH: usize = framing::frame_length(CONTENT_LENGTH + CHECKSUM_LENGTH);
@@ -196,6 +202,7 @@ mod tests {
             .into();
         all.push(ask(Order::ReplaceBearing));
         all.push(ask(Order::ShaftStands));
+        all.push(Command::Probes([0.0, -0.0, f32::MAX, f32::INFINITY]));
         all.extend([0, 1, 127, 128, 46, u16::MAX].map(Command::Tick));
         all
     }

@@ -254,7 +254,7 @@ impl Bench {
                     self.tick(asked);
                 }
                 Some(Ok(Received::Command(Command::Ask(_)))) => self.asked += 1,
-                Some(Ok(Received::Command(Command::Temperatures(_)))) => {}
+                Some(Ok(Received::Command(Command::Temperatures(_) | Command::Probes(_)))) => {}
                 Some(Ok(Received::Record(_))) => {
                     self.received += 1;
                     (self.damaged, self.heard) = (false, true);

@@ -114,8 +114,10 @@ impl Board {
                 Some(Ok(Received::Command(Command::Ask(request)))) => {
                     self.rig.monitor.ask(&request, true);
                 }
-                Some(Ok(Received::Command(Command::Tick(_) | Command::Temperatures(_)))) | None => {
-                }
+                Some(Ok(Received::Command(
+                    Command::Tick(_) | Command::Temperatures(_) | Command::Probes(_),
+                )))
+                | None => {}
                 Some(Err(error)) => self.source.take(Err(error)),
             }
         }
