@@ -6,14 +6,14 @@ use crate::tick::CycleCost;
 impl CycleCost {
     /// Cortex-M4F, rows on an elastic shaft: modelled.
     pub const CORTEX_M4F: Self = Self {
-        tick: 13_800,
+        tick: 17_000,
         ball_row: 2_950,
         step: 4_000,
         ball_step: 500,
         rows_step: 350,
-        open: 12_000,
+        open: 11_000,
         ball_look: 880,
-        ball_report: 1_180,
+        ball_report: 1_170,
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
