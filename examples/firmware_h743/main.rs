@@ -10,8 +10,8 @@
 mod board;
 
 use spindle_firmware::application;
-use spindle_firmware::spindle::monitor_settings;
 use spindle_firmware::spindle::ROWS;
+use spindle_firmware::spindle::monitor_settings;
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::tick::CycleCost;
 

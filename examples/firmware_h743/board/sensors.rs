@@ -12,8 +12,8 @@
 
 use super::{pac, spi};
 use pac::{GPIOA, GPIOB, Interrupt, NVIC, TIM2, interrupt};
-use spindle_firmware::spindle::TACHOMETER;
 use spindle_firmware::sensors::{Wiring, edge};
+use spindle_firmware::spindle::TACHOMETER;
 
 /// The wiring.
 pub const WIRING: Wiring = Wiring {
