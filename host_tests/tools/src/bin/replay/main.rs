@@ -81,7 +81,7 @@ struct Args {
 
     /// In the place of the results: alarms that the monitor of the spindle's file would raise over the recording, and when
     ///
-    /// The monitor is that of the STM32F405, with [monitor] of the file. A recording of another rate is brought to its ticks:
+    /// The monitor is that of the STM32F405, with the monitor settings of the file. A recording of another rate is brought to its ticks:
     /// held where it is slower, the newest record of each tick where it is faster.
     #[arg(long, conflicts_with_all = LIMITS_ALONE)]
     limits: bool,

@@ -26,7 +26,7 @@ const REFERENCE: u32 = 40;
 pub struct Options {
     /// In the place of the results: write the shaft's measured compliance over the computed one to this CSV file
     ///
-    /// The recording has a column probe_NAME_um for each [[probe]] of the spindle. A line for each probe and second:
+    /// The recording has a column probe_NAME_um for each probe of the spindle. A line for each probe and second:
     /// time_s,probe,ratio,ratio_error,steps,state. The ratio is that of the reference at commissioning divided out.
     /// States are learning, ok, stiffness-loss, stiffness-gain and probe: the probe does not follow the loads.
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["table", "summary", "balls", "rows", "nose", "frequencies",
