@@ -131,7 +131,8 @@ impl<C: CycleCounter> SolveTime<'_, C> {
 
     fn count(&mut self) {
         let counted = self.counter.cycles().wrapping_sub(self.began);
-        if counted > 0 {
+        // The first part of a tick fits by `has_time`, and must go on: the next tick has no more time for it.
+        if counted > 0 && (self.rows > 0 || self.looked) {
             self.spent = counted;
         }
     }
@@ -466,6 +467,17 @@ mod tests {
         while time.has_a_row_more() {}
         assert_eq!(time.rows(), 3);
         assert!(!time.has_a_report() && !time.has_a_solve());
+    }
+
+    #[test]
+    fn a_part_that_just_fits_begins_a_tick_whatever_the_counter_shows() {
+        // A report of 158 balls takes all that a tick leaves.
+        let ticker = Ticker::new(&SETTINGS, &[79, 79]);
+        let mut counter = Steps(std::vec![7, 2000]);
+        assert!(ticker.solve_time(&mut counter, 0).has_a_report());
+        let mut counter = Steps(std::vec![7, 2000, 3000]);
+        let mut time = ticker.solve_time(&mut counter, 0);
+        assert!(time.has_a_look() && !time.has_a_report());
     }
 
     #[test]
