@@ -580,7 +580,7 @@ impl<
     fn solve(&mut self, time: &mut SolveTime<'_, impl CycleCounter>, levels: &mut Levels) -> bool {
         let earlier = self.look(time, levels);
         let is_new = !self.tracker.is_busy() && self.waiting.is_some();
-        if self.tracker.has_passed_rows()
+        if self.tracker.rows_passed() > 0
             || ((is_new || self.tracker.has_begun()) && time.has_a_solve())
         {
             if is_new && let Some(task) = self.waiting.take() {

@@ -1,14 +1,15 @@
 //! Pairs of measured and computed displacement in every tick, though a solve takes some: runout averages out over all ticks of a
 //! revolution alone.
 //!
-//! Ticks wait until the first solve ends whose sample is not older. From its loads `F_s` to the loads `F` of a tick,
+//! Ticks wait until the first solve ends whose sample is not older. The displacement `p` under the loads `F` of a tick follows from
+//! this solve's loads `F_s` and displacement `p_s`:
 //!
 //! ```text
 //! p(F) = p_s + c (F - F_s)        c += (dp - c dF) dF / (dF^2 + least^2)
 //! ```
 //!
-//! with the changes `dp`, `dF` from the solve before. It is Broyden's update: between both loads, `p` is the chord of both
-//! equilibria.
+//! The changes `dp` and `dF` are those from the solve before. This is Broyden's update: between both loads, `p` is the chord of
+//! both equilibria.
 
 use crate::response::Response;
 use heapless::Deque;

@@ -42,13 +42,6 @@ pub(crate) struct Task<const R: usize> {
 pub(crate) type Solved<'s, const R: usize, const N: usize, const D: usize, const E: usize> =
     SpindleSolution<'s, f32, R, N, RacewayControlFree, D, E>;
 
-impl<const R: usize> Ended<R> {
-    /// All rows, once they were looked at.
-    pub(crate) fn all(&self) -> Option<&[RowSummary<f32>; R]> {
-        self.rows.as_slice().try_into().ok()
-    }
-}
-
 /// The spindle and its solver.
 #[derive(Debug)]
 pub(crate) struct Tracker<const R: usize, const N: usize, const D: usize, const E: usize> {
@@ -66,6 +59,13 @@ pub(crate) struct Ended<const R: usize> {
     pub(crate) task: Task<R>,
     /// Rows at a glance, as far as they were looked at.
     pub(crate) rows: Vec<RowSummary<f32>, R>,
+}
+
+impl<const R: usize> Ended<R> {
+    /// All rows, once they were looked at.
+    pub(crate) fn all(&self) -> Option<&[RowSummary<f32>; R]> {
+        self.rows.as_slice().try_into().ok()
+    }
 }
 
 impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, N, D, E> {
@@ -88,13 +88,9 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
         self.begun.as_ref().map_or(0, |task| task.rows)
     }
 
-    /// Whether a solve has begun, and whether it has passed rows.
+    /// Whether a solve has begun, and not ended.
     pub(crate) const fn has_begun(&self) -> bool {
         self.begun.is_some()
-    }
-
-    pub(crate) fn has_passed_rows(&self) -> bool {
-        self.rows_passed() > 0
     }
 
     /// Begins with a task.

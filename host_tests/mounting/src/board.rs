@@ -83,7 +83,8 @@ impl<'p> Visitor<'p, f32> for Check<'_> {
         let most = spindle.ball_counts().into_iter().max().unwrap_or_default();
         if !settings.tick.has_time(R, most.into()) {
             return error(format!(
-                "a tick of {} ms has no time for parts of a solve with {R} rows of {most} balls: give a longer `period_ms` in [monitor]",
+                "a tick of {} ms on the STM32F405 has no time for parts of a solve with {R} rows of {most} balls: give a longer `period_ms` \
+                 in [monitor]",
                 settings.tick.period_us / 1000
             ));
         }

@@ -33,7 +33,7 @@ fn read(text: &str) -> Result<MonitorFile, String> {
         .map_err(|error| error.to_string())
 }
 
-/// What a line of `[monitor.TABLE]` makes of the monitor.
+/// The monitor that a line of `[monitor.TABLE]` makes.
 fn with(key: &str, value: &str) -> MonitorFile {
     let text = format!("[monitor]\n{}{key} = {value}\n", surroundings(key));
     read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))

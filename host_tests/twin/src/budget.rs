@@ -1,4 +1,5 @@
-//! What a spindle takes of its board: cycles by the measured costs of parts, memory as the image was linked.
+//! Cycles and memory that a spindle takes of its board: cycles by the measured costs of a tick's parts, memory as the image was
+//! linked.
 
 use anyhow::{Context, Result, ensure};
 use object::{Object, ObjectSegment, ObjectSymbol};
