@@ -79,6 +79,11 @@ fn alarms_are_those_of_the_firmware() {
     assert!(found.contains(&(9337, "overload", true)), "{out}");
     assert_eq!(found, of_chain(path));
     assert!(err.contains("ticks with doubts: range "), "{err}");
+    let page = include_str!("../../../../docs/firmware.md");
+    assert!(
+        page.contains(&out),
+        "docs/firmware.md has other lines than\n{out}"
+    );
 }
 
 /// A recording every 10 ms, with 2000 N instead of 50 N from 1 s to 2 s, of a spindle that may carry 1000 N.
